@@ -1,0 +1,132 @@
+//! Digital PID in velocity form (paper, section 2.2).
+//!
+//! ```text
+//! u[k] = u[k-1] + Kp ( -(y[k] - y[k-1]) + Ts/Ti e[k] - Td/Ts (y[k] - 2 y[k-1] + y[k-2]) ),   clamped
+//! ```
+//!
+//! At a constant set-point this is the paper's law, for e[k] - e[k-1] = -(y[k] - y[k-1]). A change of the set-point
+//! enters by the integral part alone and a change of the gains alters increments only, so neither bumps the output.
+//! The clamped output is the only memory of the integral part: it cannot wind up.
+
+use crate::error::{ConfigError, above, in_range};
+use crate::units::{Celsius, Percent, Seconds};
+
+/// Gains and output limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PidConfig {
+    /// Proportional gain Kp in % per degC.
+    pub kp: f32,
+    /// Integral time Ti.
+    pub ti: Seconds,
+    /// Derivative time Td.
+    pub td: Seconds,
+    /// Lowest output.
+    pub output_min: Percent,
+    /// Highest output.
+    pub output_max: Percent,
+}
+
+impl Default for PidConfig {
+    fn default() -> Self {
+        Self {
+            kp: 2.4,
+            ti: Seconds(0.5),
+            td: Seconds(0.075),
+            output_min: Percent(0.0),
+            output_max: Percent(100.0),
+        }
+    }
+}
+
+/// A validated PID: the gains of the recursion, in % per degC.
+#[derive(Clone, Copy, Debug)]
+pub struct Pid {
+    kp: f32,
+    /// Kp Ts / Ti.
+    ki: f32,
+    /// Kp Td / Ts.
+    kd: f32,
+    min: f32,
+    max: f32,
+}
+
+/// The memory of a [`Pid`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PidState {
+    output: f32,
+    /// y[k-1] and y[k-2], and how many of the two are from the ticks just before.
+    y1: f32,
+    y2: f32,
+    known: u8,
+}
+
+impl Pid {
+    /// Builds the recursion for the sample time.
+    ///
+    /// # Errors
+    /// The parameter that is out of bounds.
+    pub fn new(c: &PidConfig, sample_time: Seconds) -> Result<Self, ConfigError> {
+        in_range("pid.kp", c.kp, 0.0, 1000.0)?;
+        in_range("pid.ti", c.ti.0, 0.01, 1e4)?;
+        in_range("pid.td", c.td.0, 0.0, 100.0)?;
+        in_range("pid.output_min", c.output_min.0, 0.0, 100.0)?;
+        in_range("pid.output_max", c.output_max.0, 0.0, 100.0)?;
+        above("pid.output_max", c.output_max.0, "pid.output_min", c.output_min.0)?;
+        Ok(Self {
+            kp: c.kp,
+            ki: c.kp * sample_time.0 / c.ti.0,
+            kd: c.kp * c.td.0 / sample_time.0,
+            min: c.output_min.0,
+            max: c.output_max.0,
+        })
+    }
+
+    /// One step on a valid measurement; both inputs must be finite.
+    pub fn step(&self, state: &mut PidState, setpoint: Celsius, y: Celsius) -> Percent {
+        let y = y.0;
+        let mut change = self.ki * (setpoint.0 - y);
+        if state.known >= 1 {
+            change -= self.kp * (y - state.y1);
+        }
+        if state.known >= 2 {
+            change -= self.kd * (y - 2.0 * state.y1 + state.y2);
+        }
+        let output = self.clamp(state.output + change);
+        *state = PidState { output, y1: y, y2: state.y1, known: (state.known + 1).min(2) };
+        Percent(output)
+    }
+
+    /// A tick without a measurement: the output is held, and the derivative waits for two samples in a row.
+    pub fn hold(&self, state: &mut PidState) -> Percent {
+        state.known = state.known.min(1);
+        state.output = self.clamp(state.output);
+        Percent(state.output)
+    }
+
+    /// Adds the excitation and saturates: what can be applied.
+    pub fn saturate(&self, output: Percent, excitation: Percent) -> Percent {
+        Percent(self.clamp(output.0 + excitation.0))
+    }
+
+    /// Whether an output lies at one of the limits.
+    pub fn at_limit(&self, output: Percent) -> bool {
+        output.0 <= self.min || output.0 >= self.max
+    }
+
+    /// Limits to the output range; the lower limit where the argument is NaN.
+    fn clamp(&self, x: f32) -> f32 {
+        if x >= self.max {
+            self.max
+        } else if x >= self.min {
+            x
+        } else {
+            self.min
+        }
+    }
+}

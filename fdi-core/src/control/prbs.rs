@@ -1,0 +1,121 @@
+//! Pseudo-random binary signal of maximal length, added to the PID's output so that the loop stays identifiable
+//! while it is closed (paper, section 2.3).
+
+use crate::error::{ConfigError, in_range};
+use crate::units::Percent;
+
+/// Shape of the excitation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PrbsConfig {
+    /// Length of the shift register; the sequence repeats after `2^bits - 1` bits.
+    pub bits: u8,
+    /// Samples that a bit lasts.
+    pub samples_per_bit: u8,
+    /// Half of the peak-to-peak value.
+    pub amplitude: Percent,
+    /// Content of the register at the start: where in its sequence it begins.
+    pub start: u16,
+}
+
+impl Default for PrbsConfig {
+    fn default() -> Self {
+        Self { bits: 10, samples_per_bit: 2, amplitude: Percent(5.1), start: 1 }
+    }
+}
+
+/// Shortest and longest register that [`TAPS`] covers.
+const MIN_BITS: u8 = 3;
+const MAX_BITS: u8 = 16;
+
+/// Feedback masks of primitive polynomials, from `MIN_BITS` on: bit i - 1 is set where x^i is tapped.
+const TAPS: [u16; 14] = [
+    tap(&[3, 2]),
+    tap(&[4, 3]),
+    tap(&[5, 3]),
+    tap(&[6, 5]),
+    tap(&[7, 6]),
+    tap(&[8, 6, 5, 4]),
+    tap(&[9, 5]),
+    tap(&[10, 7]),
+    tap(&[11, 9]),
+    tap(&[12, 11, 10, 4]),
+    tap(&[13, 12, 11, 8]),
+    tap(&[14, 13, 12, 2]),
+    tap(&[15, 14]),
+    tap(&[16, 15, 13, 4]),
+];
+
+const fn tap(powers: &[u32]) -> u16 {
+    let mut mask = 0;
+    let mut i = 0;
+    while i < powers.len() {
+        mask |= 1 << (powers[i] - 1);
+        i += 1;
+    }
+    mask
+}
+
+/// A validated generator.
+#[derive(Clone, Copy, Debug)]
+pub struct Prbs {
+    taps: u16,
+    mask: u16,
+    samples_per_bit: u8,
+    amplitude: f32,
+    start: u16,
+}
+
+/// The register and the sample within the current bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PrbsState {
+    register: u16,
+    sample: u8,
+}
+
+impl Prbs {
+    /// Builds the generator.
+    ///
+    /// # Errors
+    /// The parameter that is out of bounds.
+    pub fn new(c: &PrbsConfig) -> Result<Self, ConfigError> {
+        in_range("prbs.bits", f32::from(c.bits), f32::from(MIN_BITS), f32::from(MAX_BITS))?;
+        in_range("prbs.samples_per_bit", f32::from(c.samples_per_bit), 1.0, 100.0)?;
+        in_range("prbs.amplitude", c.amplitude.0, 0.0, 50.0)?;
+        let mask = u16::MAX >> (u16::BITS - u32::from(c.bits));
+        in_range("prbs.start", f32::from(c.start), 1.0, f32::from(mask))?;
+        Ok(Self {
+            taps: TAPS[usize::from(c.bits - MIN_BITS)],
+            mask,
+            samples_per_bit: c.samples_per_bit,
+            amplitude: c.amplitude.0,
+            start: c.start,
+        })
+    }
+
+    /// A generator at the start of its sequence.
+    pub fn start(&self) -> PrbsState {
+        PrbsState { register: self.start, sample: 0 }
+    }
+
+    /// The excitation of this tick: plus or minus the amplitude.
+    pub fn step(&self, state: &mut PrbsState) -> Percent {
+        if state.sample == 0 {
+            let feedback = (state.register & self.taps).count_ones() as u16 & 1;
+            state.register = (state.register << 1 | feedback) & self.mask;
+            if state.register == 0 {
+                state.register = 1; // after a change to fewer bits: zero would stay zero
+            }
+        }
+        state.sample += 1;
+        if state.sample >= self.samples_per_bit {
+            state.sample = 0;
+        }
+        Percent(if state.register & 1 == 1 { self.amplitude } else { -self.amplitude })
+    }
+}

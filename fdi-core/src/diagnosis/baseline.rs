@@ -1,0 +1,109 @@
+//! What is normal: mean and standard deviation of each feature over fault-free operation, and the thresholds from them.
+
+use super::residual::RESIDUALS;
+
+/// Running mean and variance of `M` signals by Welford's recurrence, which subtracts no large sums.
+///
+/// Source: B. P. Welford, "Note on a method for calculating corrected sums of squares and products", 1962.
+#[derive(Clone, Copy, Debug)]
+pub struct Statistics<const M: usize> {
+    count: u32,
+    mean: [f32; M],
+    /// Low-order part of the mean, lost to rounding otherwise in long windows.
+    mean_rest: [f32; M],
+    /// Sum of squared deviations.
+    m2: [f32; M],
+}
+
+impl<const M: usize> Default for Statistics<M> {
+    fn default() -> Self {
+        Self { count: 0, mean: [0.0; M], mean_rest: [0.0; M], m2: [0.0; M] }
+    }
+}
+
+impl<const M: usize> Statistics<M> {
+    /// Takes in one sample of each signal; all must be finite.
+    pub fn push(&mut self, x: &[f32; M]) {
+        self.count = self.count.saturating_add(1);
+        let inv_count = 1.0 / self.count as f32;
+        for i in 0..M {
+            let before = x[i] - self.mean[i];
+            let step = before * inv_count + self.mean_rest[i];
+            let mean = self.mean[i] + step;
+            self.mean_rest[i] = step - (mean - self.mean[i]);
+            self.mean[i] = mean;
+            self.m2[i] += before * (x[i] - mean);
+        }
+    }
+
+    /// Samples taken in.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Mean of each signal.
+    pub fn mean(&self) -> [f32; M] {
+        self.mean
+    }
+
+    /// Standard deviation of each signal (divisor n); zero before the second sample.
+    pub fn sigma(&self) -> [f32; M] {
+        let n = self.count.max(1) as f32;
+        core::array::from_fn(|i| libm::sqrtf((self.m2[i] / n).max(0.0)))
+    }
+}
+
+/// Mean and standard deviation of the seven features, of one of the two forms (raw or low-passed).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Normal {
+    /// Mean of each feature.
+    pub mean: [f32; RESIDUALS],
+    /// Standard deviation of each feature.
+    pub sigma: [f32; RESIDUALS],
+}
+
+impl From<&Statistics<RESIDUALS>> for Normal {
+    fn from(s: &Statistics<RESIDUALS>) -> Self {
+        Self { mean: s.mean(), sigma: s.sigma() }
+    }
+}
+
+/// What fault-free operation looks like. The nominal value that a residual subtracts is the mean of the raw feature.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Baseline {
+    /// Samples that it was learnt from.
+    pub samples: u32,
+    /// Features as they are.
+    pub raw: Normal,
+    /// Features after the low-pass filter.
+    pub filtered: Normal,
+}
+
+/// Learns a [`Baseline`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Learner {
+    raw: Statistics<RESIDUALS>,
+    filtered: Statistics<RESIDUALS>,
+}
+
+impl Learner {
+    /// Takes in one fault-free sample of the features, raw and low-passed.
+    pub fn push(&mut self, raw: &[f32; RESIDUALS], filtered: &[f32; RESIDUALS]) {
+        self.raw.push(raw);
+        self.filtered.push(filtered);
+    }
+
+    /// Samples so far.
+    pub fn count(&self) -> u32 {
+        self.raw.count()
+    }
+
+    /// The baseline as learnt so far.
+    pub fn baseline(&self) -> Baseline {
+        Baseline { samples: self.count(), raw: (&self.raw).into(), filtered: (&self.filtered).into() }
+    }
+}

@@ -1,0 +1,237 @@
+//! The second half of a tick: identify, form residuals, compare them with what is normal, name the fault.
+
+pub mod baseline;
+pub mod event;
+pub mod residual;
+pub mod signature;
+
+use crate::config::Config;
+use crate::control::Tick;
+use crate::error::{ConfigError, in_range};
+use crate::filter::{LowPass, LowPassState};
+use crate::identify::observer::{Observation, Observer, ObserverState};
+use crate::supervisor::Mode;
+use crate::units::{Percent, Seconds};
+use baseline::{Baseline, Learner};
+use event::{EventRules, EventState, Events};
+use residual::{RESIDUALS, features};
+use signature::{PAPER_DETECTION, PAPER_ISOLATION, Rows, Symptoms, look_up, symptoms};
+
+/// Settings of the residuals, their thresholds and the signatures.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+pub struct DiagnosisConfig {
+    /// Cut-off of the residuals' low-pass filter in rad/s.
+    pub filter_cutoff: f32,
+    /// Thresholds lie this many standard deviations from the mean.
+    pub sigma_factor: f32,
+    /// Symptoms older than this at the detection do not date the fault's onset.
+    pub onset_window: Seconds,
+    /// fdv must be zero for so long before a fault counts as ended.
+    pub clear_time: Seconds,
+    /// Fault detection table, fdv.
+    pub detection: Rows,
+    /// Fault isolation table, fiv.
+    pub isolation: Rows,
+}
+
+impl Default for DiagnosisConfig {
+    fn default() -> Self {
+        Self {
+            filter_cutoff: 0.6,
+            sigma_factor: 3.0,
+            onset_window: Seconds(5.0),
+            clear_time: Seconds(2.0),
+            detection: PAPER_DETECTION.iter().copied().collect(),
+            isolation: PAPER_ISOLATION.iter().copied().collect(),
+        }
+    }
+}
+
+/// The validated diagnosis.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    ms1: Observer,
+    ms2: Observer,
+    low_pass: LowPass,
+    sigma_factor: f32,
+    detection: Rows,
+    isolation: Rows,
+    events: EventRules,
+}
+
+/// The memory of the [`Diagnosis`].
+#[derive(Clone, Debug)]
+pub struct DiagnosisState {
+    ms1: ObserverState,
+    ms2: ObserverState,
+    filters: LowPassState<RESIDUALS>,
+    mode: Mode,
+    learner: Learner,
+    baseline: Option<Baseline>,
+    events: EventState,
+}
+
+/// The fault vectors of one form of the residuals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Verdict {
+    /// Symptoms in the order of [`residual::DECISIVE`].
+    pub symptoms: Symptoms,
+    /// Fault detection vector.
+    pub fdv: u8,
+    /// Fault isolation vector.
+    pub fiv: u8,
+}
+
+/// All that the diagnosis says on a tick. `None` means "not defined yet, or not on this sample".
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Report {
+    /// Number of the tick.
+    pub tick: u32,
+    /// y1 = T1 - T0 in degC.
+    pub y1: Option<f32>,
+    /// y2 = T2 - T0 in degC.
+    pub y2: Option<f32>,
+    /// Model of y1 against the power.
+    pub ms1: Observation,
+    /// Model of y2 against the power.
+    pub ms2: Observation,
+    /// Residuals in the order of [`residual::ALL`]: features minus their nominal mean (ry1 and ry2 as they are).
+    pub residuals: Option<[f32; RESIDUALS]>,
+    /// The same, low-passed.
+    pub residuals_filtered: Option<[f32; RESIDUALS]>,
+    /// Verdict on the low-passed residuals.
+    pub filtered: Option<Verdict>,
+    /// Verdict on the raw residuals.
+    pub raw: Option<Verdict>,
+    /// Samples that the baseline has been learnt from so far.
+    pub learned: u32,
+    /// What happened, by the filtered verdict.
+    pub events: Events,
+}
+
+impl Diagnosis {
+    /// Builds the diagnosis.
+    ///
+    /// # Errors
+    /// The parameter of `identification` or `diagnosis` that is out of bounds.
+    pub fn new(config: &Config) -> Result<Self, ConfigError> {
+        let c = &config.diagnosis;
+        in_range("diagnosis.filter_cutoff", c.filter_cutoff, 1e-3, 100.0)?;
+        in_range("diagnosis.sigma_factor", c.sigma_factor, 0.1, 100.0)?;
+        in_range("diagnosis.onset_window", c.onset_window.0, 0.0, 3600.0)?;
+        in_range("diagnosis.clear_time", c.clear_time.0, 0.0, 3600.0)?;
+        signature::validate("diagnosis.detection", &c.detection, false)?;
+        signature::validate("diagnosis.isolation", &c.isolation, true)?;
+        let identification = &config.identification;
+        Ok(Self {
+            ms1: Observer::new(identification, Some(identification.bandwidth), config.sample_time)?,
+            ms2: Observer::new(identification, None, config.sample_time)?,
+            low_pass: LowPass::new(c.filter_cutoff, config.sample_time),
+            sigma_factor: c.sigma_factor,
+            detection: c.detection.clone(),
+            isolation: c.isolation.clone(),
+            events: EventRules {
+                onset_window: c.onset_window.ticks(config.sample_time),
+                clear_ticks: c.clear_time.ticks(config.sample_time),
+            },
+        })
+    }
+
+    /// A diagnosis that has seen nothing.
+    pub fn start(&self) -> DiagnosisState {
+        DiagnosisState {
+            ms1: self.ms1.start(),
+            ms2: self.ms2.start(),
+            filters: None,
+            mode: Mode::Off,
+            learner: Learner::default(),
+            baseline: None,
+            events: EventState::default(),
+        }
+    }
+
+    /// Diagnoses one tick. `applied` is what really drives the heater from this tick to the next; what is no
+    /// number counts as the drive that the tick asked for.
+    pub fn step(&self, state: &mut DiagnosisState, tick: &Tick, applied: Percent) -> Report {
+        let applied = if applied.0.is_finite() { applied.0.clamp(0.0, 100.0) } else { tick.drive.0 };
+        let heating = tick.mode.is_heating();
+        let t0 = tick.sample.t0.good();
+        let rise = |reading: Option<f32>| Some(reading? - t0?);
+        let (y1, y2) = (rise(tick.sample.t1.good()), rise(tick.sample.t2.good()));
+        let ms1 = self.ms1.step(&mut state.ms1, y1.filter(|_| heating), applied);
+        let ms2 = self.ms2.step(&mut state.ms2, y2.filter(|_| heating), applied);
+        let raw = features(y1, y2, applied, &ms1, &ms2).filter(|_| heating);
+        let filtered = raw.map(|raw| self.low_pass.step(&mut state.filters, &raw));
+
+        self.follow_mode(state, tick.mode);
+        if let (Some(raw), Some(filtered), true) = (&raw, &filtered, tick.learn) {
+            state.learner.push(raw, filtered);
+        }
+        let mut report = Report {
+            tick: tick.index,
+            y1,
+            y2,
+            ms1,
+            ms2,
+            learned: state.learner.count(),
+            ..Report::default()
+        };
+        let reference = state.baseline.as_ref().filter(|_| tick.mode == Mode::Monitor);
+        if let (Some(raw), Some(filtered), Some(baseline)) = (&raw, &filtered, reference) {
+            let verdict = self.judge(filtered, &baseline.filtered);
+            report.residuals = Some(subtract(raw, &baseline.raw.mean));
+            report.residuals_filtered = Some(subtract(filtered, &baseline.raw.mean));
+            report.filtered = Some(verdict);
+            report.raw = Some(self.judge(raw, &baseline.raw));
+            report.events =
+                self.events.step(&mut state.events, tick.index, &verdict.symptoms, verdict.fdv, verdict.fiv);
+        }
+        report
+    }
+
+    /// Learning starts afresh whenever it is entered; the baseline stands once monitoring begins.
+    fn follow_mode(&self, state: &mut DiagnosisState, mode: Mode) {
+        if core::mem::discriminant(&state.mode) == core::mem::discriminant(&mode) {
+            return;
+        }
+        match mode {
+            Mode::Learn => {
+                state.learner = Learner::default();
+                state.baseline = None;
+            }
+            Mode::Monitor => {
+                state.baseline = Some(state.learner.baseline());
+                state.events = EventState::default();
+            }
+            Mode::Off | Mode::Settle { .. } | Mode::Tripped(_) => {}
+        }
+        state.mode = mode;
+    }
+
+    fn judge(&self, features: &[f32; RESIDUALS], normal: &baseline::Normal) -> Verdict {
+        let symptoms = symptoms(features, normal, self.sigma_factor);
+        Verdict {
+            symptoms,
+            fdv: look_up(&self.detection, &symptoms),
+            fiv: look_up(&self.isolation, &symptoms),
+        }
+    }
+
+    /// What was learnt, once monitoring has begun.
+    pub fn baseline<'a>(&self, state: &'a DiagnosisState) -> Option<&'a Baseline> {
+        state.baseline.as_ref()
+    }
+}
+
+/// Residuals: features minus nominal means. The first two are residuals as they are.
+fn subtract(features: &[f32; RESIDUALS], mean: &[f32; RESIDUALS]) -> [f32; RESIDUALS] {
+    let shown = [residual::Residual::Ry1 as usize, residual::Residual::Ry2 as usize];
+    core::array::from_fn(|i| if shown.contains(&i) { features[i] } else { features[i] - mean[i] })
+}

@@ -1,0 +1,7 @@
+//! On-line identification in closed loop: recursive least squares, the ARX model on top, and what is read off the model.
+
+pub mod arx;
+pub mod observer;
+pub mod random_walk;
+pub mod rls;
+pub mod transfer;

@@ -1,0 +1,184 @@
+//! The paper's adaptive observer: an ARX(3,3,1) model of one thermistor's rise against the applied power, with its
+//! static gain and bandwidth as features (paper, sections 2.3 and 3.2).
+
+use super::arx::{Arx, ArxState};
+use super::rls::{Adaptation, RlsConfig};
+use super::transfer::Transfer;
+use crate::error::{ConfigError, in_range};
+use crate::units::{Celsius, Percent, Seconds};
+
+/// How the bandwidth is read off the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Bandwidth {
+    /// 3 / tr with the rise time to 95 % (paper, equation 11).
+    RiseTime,
+    /// 1 / tau with tau = Tres - L - Ts/2 from the mean residence time; a closed form.
+    ResidenceTime,
+}
+
+/// Settings of the two observers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct IdentificationConfig {
+    /// How old data lose their weight.
+    pub adaptation: Adaptation,
+    /// D of the factored covariance at the start.
+    pub d_initial: f32,
+    /// Cap on D: how vague a parameter may become while nothing excites it.
+    pub d_max: f32,
+    /// Typical rise of the temperature; scales the regressor.
+    pub y_scale: Celsius,
+    /// Typical heater power; scales the regressor.
+    pub u_scale: Percent,
+    /// How the bandwidth is read off the model.
+    pub bandwidth: Bandwidth,
+    /// Dead time of the rig; used by the residence time only.
+    pub dead_time: Seconds,
+    /// A static gain beyond this size, in degC per %, is not believed.
+    pub gain_max: f32,
+}
+
+impl Default for IdentificationConfig {
+    fn default() -> Self {
+        Self {
+            adaptation: Adaptation::Forgetting { lambda: 0.95 },
+            d_initial: 1e4,
+            d_max: 1e5,
+            y_scale: Celsius(12.5),
+            u_scale: Percent(41.7),
+            bandwidth: Bandwidth::RiseTime,
+            dead_time: Seconds(0.1),
+            gain_max: 2.0,
+        }
+    }
+}
+
+/// Samples of the step response looked at for the rise time.
+const MAX_STEPS: u16 = 64;
+/// Share of the static gain that ends the rise time: 3 / tr is 1 / tau for a first-order model only at 95 %.
+const RISE_LEVEL: f32 = 0.95;
+/// Bounds on the time constant by the residence time, in s.
+const TAU_MIN: f32 = 0.05;
+const TAU_MAX: f32 = 5.0;
+
+/// A validated observer.
+#[derive(Clone, Copy, Debug)]
+pub struct Observer {
+    arx: Arx<3, 3, 1, 6>,
+    /// `None` where nobody asks for it.
+    bandwidth: Option<Bandwidth>,
+    sample_time: f32,
+    /// Dead time and half a sample, in s.
+    lag: f32,
+    gain_max: f32,
+}
+
+/// The memory of an [`Observer`].
+#[derive(Clone, Copy, Debug)]
+pub struct ObserverState {
+    arx: ArxState<3, 3, 1, 6>,
+    static_gain: Option<f32>,
+    bandwidth: Option<f32>,
+}
+
+/// What an observer says after one sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Observation {
+    /// One-step prediction in degC, made before this sample was learnt from.
+    pub prediction: Option<f32>,
+    /// Static gain in degC per %; the last valid one while the model has none.
+    pub static_gain: Option<f32>,
+    /// Bandwidth in rad/s; the last valid one while the model has none.
+    pub bandwidth: Option<f32>,
+    /// The model was not updated on this sample.
+    pub held: bool,
+    /// The static gain is an old one: the model is an integrator or beyond `gain_max`.
+    pub gain_held: bool,
+    /// The bandwidth is an old one: the model is unstable, or its step response never arrives.
+    pub bandwidth_held: bool,
+    /// The estimator was reset on this sample.
+    pub sick: bool,
+    /// Resets since the start.
+    pub resets: u32,
+}
+
+impl Observer {
+    /// Builds an observer of the static gain, and of the bandwidth if one is given.
+    ///
+    /// # Errors
+    /// The parameter that is out of bounds.
+    pub fn new(
+        c: &IdentificationConfig,
+        bandwidth: Option<Bandwidth>,
+        sample_time: Seconds,
+    ) -> Result<Self, ConfigError> {
+        in_range("identification.dead_time", c.dead_time.0, 0.0, 100.0)?;
+        in_range("identification.gain_max", c.gain_max, 1e-3, 1e3)?;
+        let rls = RlsConfig { adaptation: c.adaptation, d_initial: c.d_initial, d_max: c.d_max };
+        Ok(Self {
+            arx: Arx::new(&rls, c.y_scale.0, c.u_scale.0)?,
+            bandwidth,
+            sample_time: sample_time.0,
+            lag: c.dead_time.0 + 0.5 * sample_time.0,
+            gain_max: c.gain_max,
+        })
+    }
+
+    /// An observer that knows nothing.
+    pub fn start(&self) -> ObserverState {
+        ObserverState { arx: self.arx.start(), static_gain: None, bandwidth: None }
+    }
+
+    /// Takes in the rise y[k] in degC (`None` where it is invalid) and the power applied from now on, in %.
+    pub fn step(&self, state: &mut ObserverState, y: Option<f32>, power: f32) -> Observation {
+        let step = self.arx.step(&mut state.arx, y, power);
+        let (mut gain, mut bandwidth) = (None, None);
+        if step.updated {
+            let model = self.arx.transfer(&state.arx);
+            gain = model.static_gain().filter(|g| g.abs() <= self.gain_max);
+            bandwidth = gain.and_then(|g| self.bandwidth_of(&model, g));
+            state.static_gain = gain.or(state.static_gain);
+            state.bandwidth = bandwidth.or(state.bandwidth);
+        }
+        Observation {
+            prediction: step.prediction,
+            static_gain: state.static_gain,
+            bandwidth: state.bandwidth,
+            held: !step.updated,
+            gain_held: gain.is_none(),
+            bandwidth_held: bandwidth.is_none(),
+            sick: step.sick,
+            resets: state.arx.rls.resets,
+        }
+    }
+
+    /// Bandwidth in rad/s of a stable model with a positive gain.
+    fn bandwidth_of(&self, model: &Transfer<3, 3>, gain: f32) -> Option<f32> {
+        if !(gain > 0.0) || !model.is_stable() {
+            return None;
+        }
+        match self.bandwidth? {
+            Bandwidth::RiseTime => {
+                let samples = model.rise_time(RISE_LEVEL * gain, MAX_STEPS)?;
+                (samples > 0.0).then(|| 3.0 / (samples * self.sample_time))
+            }
+            Bandwidth::ResidenceTime => {
+                let tau = model.residence_time()? * self.sample_time - self.lag;
+                Some(1.0 / tau.clamp(TAU_MIN, TAU_MAX))
+            }
+        }
+    }
+
+    /// The model as it stands.
+    pub fn model(&self, state: &ObserverState) -> Transfer<3, 3> {
+        self.arx.transfer(&state.arx)
+    }
+}

@@ -1,0 +1,93 @@
+//! What a discrete-time model says: static gain, stability, rise time, mean residence time.
+
+/// `y[k] + a1 y[k-1] + .. + aNA y[k-NA] = b1 u[k-NK] + .. + bNB u[k-NK-NB+1]` (paper, equation 2).
+///
+/// Coefficients may be zero, so a smaller model fits into a larger type.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transfer<const NA: usize, const NB: usize> {
+    /// a1 .. aNA.
+    pub a: [f32; NA],
+    /// b1 .. bNB, in units of y per unit of u.
+    pub b: [f32; NB],
+    /// Delay from u to y in samples, at least 1.
+    pub nk: usize,
+}
+
+/// Smallest A(1) from which a static gain is computed.
+const A1_MIN: f32 = 1e-6;
+/// The same for B(1), as it divides in the residence time.
+const B1_MIN: f32 = 1e-9;
+
+impl<const NA: usize, const NB: usize> Transfer<NA, NB> {
+    /// A(1).
+    fn a1(&self) -> f32 {
+        1.0 + self.a.iter().sum::<f32>()
+    }
+
+    /// B(1).
+    fn b1(&self) -> f32 {
+        self.b.iter().sum()
+    }
+
+    /// G(z = 1) = B(1) / A(1) (paper, equation 10); `None` on an integrator.
+    pub fn static_gain(&self) -> Option<f32> {
+        let a1 = self.a1();
+        let gain = self.b1() / a1;
+        (a1.abs() > A1_MIN && gain.is_finite()).then_some(gain)
+    }
+
+    /// Whether all poles lie inside the unit circle: step-down form of the Jury test.
+    pub fn is_stable(&self) -> bool {
+        let mut a = self.a;
+        for m in (1..=NA).rev() {
+            let k = a[m - 1];
+            let rest = 1.0 - k * k;
+            if !(rest > 0.0) {
+                return false;
+            }
+            let before = a;
+            for i in 0..m - 1 {
+                a[i] = (before[i] - k * before[m - 2 - i]) / rest;
+            }
+        }
+        true
+    }
+
+    /// First upward crossing of `level` by the unit step response, in samples after the step, linearly interpolated;
+    /// `None` if it does not come within `max_steps` samples. `level` is in units of y and positive.
+    pub fn rise_time(&self, level: f32, max_steps: u16) -> Option<f32> {
+        let mut y = [0.0; NA];
+        let mut forcing = 0.0;
+        let mut previous = 0.0;
+        for n in 1..=max_steps {
+            let reached = usize::from(n) - 1; // how many samples ago the step was first seen by b1, plus NK - 1
+            if let Some(b) = reached.checked_sub(self.nk.saturating_sub(1)).and_then(|j| self.b.get(j)) {
+                forcing += b;
+            }
+            let mut now = forcing;
+            for i in 0..NA {
+                now -= self.a[i] * y[i];
+            }
+            if now >= level && now > previous {
+                return Some(f32::from(n - 1) + (level - previous) / (now - previous));
+            }
+            for i in (1..NA).rev() {
+                y[i] = y[i - 1];
+            }
+            if let Some(newest) = y.first_mut() {
+                *newest = now;
+            }
+            previous = now;
+        }
+        None
+    }
+
+    /// Mean residence time of the impulse response in samples, `sum(i b_i) / B(1) - sum(i a_i) / A(1)`, delay included.
+    pub fn residence_time(&self) -> Option<f32> {
+        let (a1, b1) = (self.a1(), self.b1());
+        let first = (self.nk.max(1) - 1) as f32;
+        let moment = |c: &[f32]| c.iter().zip(1u8..).map(|(c, i)| c * f32::from(i)).sum::<f32>();
+        let time = first + moment(&self.b) / b1 - moment(&self.a) / a1;
+        (a1.abs() > A1_MIN && b1.abs() > B1_MIN && time.is_finite()).then_some(time)
+    }
+}

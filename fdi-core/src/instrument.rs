@@ -1,0 +1,89 @@
+//! The instrument: all that happens between reading the ADC and setting the PWM, in two halves.
+
+use crate::config::Config;
+use crate::control::{Controller, ControllerState, Tick};
+use crate::diagnosis::baseline::Baseline;
+use crate::diagnosis::{Diagnosis, DiagnosisState, Report};
+use crate::error::ConfigError;
+use crate::sense::RawSample;
+use crate::supervisor::{Command, Refusal};
+use crate::units::Percent;
+
+/// One instrument: tuning and state of both halves.
+///
+/// Each tick, call [`control`](Self::control), drive the heater with what it returns, then call
+/// [`diagnose`](Self::diagnose). Neither can fail or panic, whatever the codes are.
+///
+/// ```
+/// use fdi_core::{AdcCode, Command, Config, Instrument, RawSample};
+///
+/// let mut instrument = Instrument::new(&Config::default())?;
+/// instrument.command(Command::Arm).expect("a new instrument is off");
+/// let room = AdcCode(2160.0);
+/// let tick = instrument.control(RawSample { t0: room, t1: room, t2: room });
+/// assert!(tick.drive.0 > 0.0); // it is cold: heat
+/// let report = instrument.diagnose(&tick, tick.drive);
+/// assert!(report.filtered.is_none()); // nothing learnt yet, so nothing claimed
+/// # Ok::<(), fdi_core::ConfigError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Instrument {
+    controller: Controller,
+    diagnosis: Diagnosis,
+    control_state: ControllerState,
+    diagnosis_state: DiagnosisState,
+}
+
+impl Instrument {
+    /// Builds an instrument that is off.
+    ///
+    /// # Errors
+    /// The first parameter that is out of bounds.
+    pub fn new(config: &Config) -> Result<Self, ConfigError> {
+        config.validate_sample_time()?;
+        let controller = Controller::new(config)?;
+        let diagnosis = Diagnosis::new(config)?;
+        let control_state = controller.start(config.setpoint);
+        let diagnosis_state = diagnosis.start();
+        Ok(Self { controller, diagnosis, control_state, diagnosis_state })
+    }
+
+    /// First half of a tick: takes in the codes, says what to drive the heater with until the next tick.
+    pub fn control(&mut self, raw: RawSample) -> Tick {
+        self.controller.step(&mut self.control_state, raw)
+    }
+
+    /// Second half: identifies and diagnoses. `applied` is what the heater really gets until the next tick, which is
+    /// the drive of `tick` unless something else has cut it.
+    pub fn diagnose(&mut self, tick: &Tick, applied: Percent) -> Report {
+        let report = self.diagnosis.step(&mut self.diagnosis_state, tick, applied);
+        self.controller.heard(&mut self.control_state, report.learned);
+        report
+    }
+
+    /// Carries out a command, effective from the next tick.
+    ///
+    /// # Errors
+    /// Why it is refused; nothing has changed then.
+    pub fn command(&mut self, command: Command) -> Result<(), Refusal> {
+        self.controller.command(&mut self.control_state, command)
+    }
+
+    /// Takes over new settings without a bump: the state stays, the set-point of `config` is not applied (use
+    /// [`Command::SetPoint`]). What was learnt under other settings stays too; [`Command::Relearn`] renews it.
+    ///
+    /// # Errors
+    /// The first parameter that is out of bounds; nothing has changed then.
+    pub fn retune(&mut self, config: &Config) -> Result<(), ConfigError> {
+        config.validate_sample_time()?;
+        let controller = Controller::new(config)?;
+        self.diagnosis = Diagnosis::new(config)?;
+        self.controller = controller;
+        Ok(())
+    }
+
+    /// What was learnt, once monitoring has begun.
+    pub fn baseline(&self) -> Option<&Baseline> {
+        self.diagnosis.baseline(&self.diagnosis_state)
+    }
+}

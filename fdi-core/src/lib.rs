@@ -1,0 +1,23 @@
+#![doc = include_str!("../README.md")]
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod config;
+pub mod control;
+pub mod diagnosis;
+pub mod error;
+pub mod filter;
+pub mod identify;
+pub mod instrument;
+pub mod sense;
+pub mod supervisor;
+pub mod units;
+
+pub use config::Config;
+pub use control::Tick;
+pub use diagnosis::Report;
+pub use error::ConfigError;
+pub use instrument::Instrument;
+pub use sense::{RawSample, Reading, Sample, Validity};
+pub use supervisor::{Command, Mode, Refusal, Trip, TripReason};
+pub use units::{AdcCode, Celsius, Ohm, Percent, Seconds};

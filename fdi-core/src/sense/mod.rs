@@ -1,0 +1,126 @@
+//! From ADC codes to temperatures that say whether they can be trusted.
+
+pub mod plausibility;
+pub mod thermistor;
+
+use crate::config::Config;
+use crate::error::ConfigError;
+use crate::units::{AdcCode, Celsius};
+use plausibility::{Channel, ChannelState};
+use thermistor::Thermistor;
+
+/// One conversion result of each thermistor. NaN stands for "no sample".
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RawSample {
+    /// Room thermistor.
+    pub t0: AdcCode,
+    /// Outlet thermistor in the control loop.
+    pub t1: AdcCode,
+    /// Second outlet thermistor, downstream.
+    pub t2: AdcCode,
+}
+
+/// What is known about the trustworthiness of one reading.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Validity {
+    /// Plausible.
+    Good,
+    /// No code, or one that no 12-bit converter gives.
+    #[default]
+    Missing,
+    /// The divider reads full scale: thermistor or wire broken.
+    Open,
+    /// The divider reads zero: thermistor or wire shorted.
+    Short,
+    /// A temperature that the rig cannot have.
+    OutOfRange,
+    /// A single jump that nothing has confirmed yet.
+    Spike,
+    /// Jumps again and again, faster than air can change its temperature: a loose contact.
+    Erratic,
+    /// Has not moved although the excitation should have moved it.
+    Stuck,
+}
+
+/// A temperature with its validity. The number is finite whatever the input was.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Reading {
+    /// Temperature; where no code came, the last one that did.
+    pub celsius: Celsius,
+    /// Whether `celsius` may be used.
+    pub validity: Validity,
+}
+
+impl Reading {
+    /// The temperature, if it may be used.
+    pub fn good(&self) -> Option<f32> {
+        (self.validity == Validity::Good).then_some(self.celsius.0)
+    }
+}
+
+/// The three readings of a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Sample {
+    /// Room.
+    pub t0: Reading,
+    /// Outlet, in the loop.
+    pub t1: Reading,
+    /// Outlet, downstream.
+    pub t2: Reading,
+}
+
+impl Sample {
+    /// Whether all three readings may be used.
+    pub fn is_good(&self) -> bool {
+        [self.t0, self.t1, self.t2].iter().all(|r| r.validity == Validity::Good)
+    }
+}
+
+/// The three sensing channels, validated.
+#[derive(Clone, Copy, Debug)]
+pub struct Sensing {
+    t0: Channel,
+    t1: Channel,
+    t2: Channel,
+}
+
+/// The memory of [`Sensing`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SensingState {
+    t0: ChannelState,
+    t1: ChannelState,
+    t2: ChannelState,
+}
+
+impl Sensing {
+    /// Builds the three channels.
+    ///
+    /// # Errors
+    /// The first parameter of `sensors` or `plausibility` that is out of bounds.
+    pub fn new(config: &Config) -> Result<Self, ConfigError> {
+        let p = &config.plausibility;
+        p.validate()?;
+        let [n0, n1, n2] = &thermistor::NAMES;
+        let air = p.stuck_time.ticks(config.sample_time);
+        let room = p.room_stuck_time.ticks(config.sample_time);
+        Ok(Self {
+            t0: Channel::new(Thermistor::new(&config.sensors.t0, n0)?, p, room),
+            t1: Channel::new(Thermistor::new(&config.sensors.t1, n1)?, p, air),
+            t2: Channel::new(Thermistor::new(&config.sensors.t2, n2)?, p, air),
+        })
+    }
+
+    /// Converts and judges one sample. `excited` says that the heater is being moved, so that a live sensor must move.
+    pub fn step(&self, state: &mut SensingState, raw: RawSample, excited: bool) -> Sample {
+        Sample {
+            t0: self.t0.step(&mut state.t0, raw.t0, excited),
+            t1: self.t1.step(&mut state.t1, raw.t1, excited),
+            t2: self.t2.step(&mut state.t2, raw.t2, excited),
+        }
+    }
+}

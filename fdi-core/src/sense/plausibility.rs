@@ -1,0 +1,172 @@
+//! Can this reading be true? Range, wire, jump and stuck checks of one channel, made before control and diagnosis see it.
+//!
+//! A single spike is dropped without delaying the loop: a sample that jumps is withheld, and the next one is taken
+//! whatever it says. A spike is gone by then; a true step costs one tick. A contact that jumps again and again is erratic.
+
+use super::thermistor::Thermistor;
+use super::{Reading, Validity};
+use crate::error::{ConfigError, above, in_range};
+use crate::units::{AdcCode, Celsius, Seconds};
+
+/// Limits that every channel shares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PlausibilityConfig {
+    /// A code at or above this is an open thermistor or wire.
+    pub open_code: AdcCode,
+    /// A code at or below this is a shorted thermistor or wire.
+    pub short_code: AdcCode,
+    /// Lowest temperature that the rig can have.
+    pub min: Celsius,
+    /// Highest temperature that the rig can have.
+    pub max: Celsius,
+    /// A change in one tick larger than this, not foretold by the trend either, is a jump.
+    pub jump: Celsius,
+    /// T1 or T2 without any change for so long, while the heater is excited, is stuck.
+    pub stuck_time: Seconds,
+    /// The same for the room sensor, which has every right to be quiet.
+    pub room_stuck_time: Seconds,
+    /// Codes this close count as no change.
+    pub stuck_band: AdcCode,
+}
+
+impl Default for PlausibilityConfig {
+    fn default() -> Self {
+        Self {
+            open_code: AdcCode(4055.0),
+            short_code: AdcCode(40.0),
+            min: Celsius(-20.0),
+            max: Celsius(110.0),
+            jump: Celsius(4.0),
+            stuck_time: Seconds(3.0),
+            room_stuck_time: Seconds(600.0),
+            stuck_band: AdcCode(0.25),
+        }
+    }
+}
+
+impl PlausibilityConfig {
+    /// Checks every limit.
+    pub(crate) fn validate(&self) -> Result<(), ConfigError> {
+        in_range("plausibility.short_code", self.short_code.0, 1.0, 1000.0)?;
+        in_range("plausibility.open_code", self.open_code.0, 3000.0, 4094.0)?;
+        in_range("plausibility.min", self.min.0, -50.0, 50.0)?;
+        in_range("plausibility.max", self.max.0, -50.0, 250.0)?;
+        above("plausibility.max", self.max.0, "plausibility.min", self.min.0)?;
+        in_range("plausibility.jump", self.jump.0, 0.1, 200.0)?;
+        in_range("plausibility.stuck_time", self.stuck_time.0, 0.5, 3600.0)?;
+        in_range("plausibility.room_stuck_time", self.room_stuck_time.0, 0.5, 86400.0)?;
+        in_range("plausibility.stuck_band", self.stuck_band.0, 0.0, 10.0)
+    }
+}
+
+/// So many jumps within the last 8 samples make a channel erratic.
+const ERRATIC_JUMPS: u32 = 3;
+
+/// One validated channel: conversion and limits.
+#[derive(Clone, Copy, Debug)]
+pub struct Channel {
+    thermistor: Thermistor,
+    limits: PlausibilityConfig,
+    stuck_ticks: u32,
+}
+
+/// The memory of a [`Channel`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ChannelState {
+    /// Last temperature taken as true, and its change in a tick.
+    last: Option<Celsius>,
+    slope: f32,
+    /// One bit a sample, newest lowest: 1 where it jumped.
+    jumps: u8,
+    withheld: bool,
+    /// Code from which a stuck sensor has not moved, and for how many ticks.
+    still_code: f32,
+    still_ticks: u32,
+}
+
+impl Channel {
+    pub(crate) fn new(thermistor: Thermistor, limits: &PlausibilityConfig, stuck_ticks: u32) -> Self {
+        Self { thermistor, limits: *limits, stuck_ticks }
+    }
+
+    /// Converts and judges one code. Total: any bit pattern gives a finite temperature and a validity.
+    pub fn step(&self, state: &mut ChannelState, code: AdcCode, excited: bool) -> Reading {
+        let celsius = self.convert(code);
+        let shown = celsius.or(state.last).unwrap_or_default();
+        let validity = match self.wiring(code, celsius) {
+            Some(broken) => {
+                *state = ChannelState { last: state.last, ..ChannelState::default() };
+                broken
+            }
+            None => self.motion(state, code, shown, excited),
+        };
+        Reading { celsius: shown, validity }
+    }
+
+    /// The temperature, bounded to what a display can use; nothing where there is no code.
+    fn convert(&self, code: AdcCode) -> Option<Celsius> {
+        if !(code.0 >= 0.0 && code.0 <= AdcCode::FULL_SCALE) {
+            return None;
+        }
+        let bounded = AdcCode(code.0.clamp(1.0, AdcCode::FULL_SCALE - 1.0));
+        Some(Celsius(self.thermistor.celsius(bounded).0.clamp(-100.0, 400.0)))
+    }
+
+    /// Checks that need only this sample.
+    fn wiring(&self, code: AdcCode, celsius: Option<Celsius>) -> Option<Validity> {
+        let Some(celsius) = celsius else { return Some(Validity::Missing) };
+        if code >= self.limits.open_code {
+            Some(Validity::Open)
+        } else if code <= self.limits.short_code {
+            Some(Validity::Short)
+        } else if celsius < self.limits.min || celsius > self.limits.max {
+            Some(Validity::OutOfRange)
+        } else {
+            None
+        }
+    }
+
+    /// Checks against the samples before.
+    fn motion(&self, state: &mut ChannelState, code: AdcCode, celsius: Celsius, excited: bool) -> Validity {
+        let stuck = self.is_stuck(state, code, excited);
+        let jumped = state.last.is_some_and(|last| {
+            let change = celsius.0 - last.0;
+            let limit = self.limits.jump.0;
+            change.abs() > limit && (change - state.slope).abs() > limit
+        });
+        state.jumps = (state.jumps << 1) | u8::from(jumped);
+        state.withheld = jumped && !state.withheld;
+        if state.withheld {
+            return Validity::Spike;
+        }
+        state.slope = match state.last {
+            Some(last) if !jumped => celsius.0 - last.0,
+            _ => 0.0,
+        };
+        state.last = Some(celsius);
+        if state.jumps.count_ones() >= ERRATIC_JUMPS {
+            Validity::Erratic
+        } else if stuck {
+            Validity::Stuck
+        } else {
+            Validity::Good
+        }
+    }
+
+    fn is_stuck(&self, state: &mut ChannelState, code: AdcCode, excited: bool) -> bool {
+        let moved = (code.0 - state.still_code).abs() > self.limits.stuck_band.0;
+        if moved || !excited {
+            state.still_code = code.0;
+            state.still_ticks = 0;
+        } else {
+            state.still_ticks = state.still_ticks.saturating_add(1);
+        }
+        state.still_ticks >= self.stuck_ticks
+    }
+}

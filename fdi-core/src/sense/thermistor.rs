@@ -1,0 +1,110 @@
+//! NTC thermistor in a ratiometric divider: 12-bit code to temperature by the beta equation, and back.
+//!
+//! The thermistor lies from the ADC input to ground, the pull-up from VDDA to the input, so the code falls as it
+//! warms and the supply voltage cancels:
+//!
+//! ```text
+//! code / 4095 = R / (R + Rp)          R = Rp code / (4095 - code)
+//! 1/T = 1/T25 + ln(R / R25) / B       T in kelvin, T25 = 298.15 K
+//! ```
+
+use crate::error::{ConfigError, in_range};
+use crate::units::{AdcCode, Celsius, Ohm};
+
+/// 0 degC in kelvin.
+const KELVIN: f32 = 273.15;
+/// Reference temperature of an NTC data sheet, 25 degC, in kelvin.
+const T25: f32 = 298.15;
+
+/// Constants and calibration of one thermistor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ThermistorConfig {
+    /// Resistance at 25 degC.
+    pub r25: Ohm,
+    /// Beta constant in kelvin.
+    pub beta: f32,
+    /// Pull-up from VDDA to the ADC input.
+    pub pull_up: Ohm,
+    /// Calibration: factor on the temperature.
+    pub gain: f32,
+    /// Calibration: added to the temperature after `gain`.
+    pub offset: Celsius,
+}
+
+impl Default for ThermistorConfig {
+    fn default() -> Self {
+        Self { r25: Ohm(10e3), beta: 3950.0, pull_up: Ohm(10e3), gain: 1.0, offset: Celsius(0.0) }
+    }
+}
+
+/// Parameter names of one channel, for its errors.
+pub(crate) struct Names {
+    r25: &'static str,
+    beta: &'static str,
+    pull_up: &'static str,
+    gain: &'static str,
+    offset: &'static str,
+}
+
+macro_rules! names {
+    ($channel:literal) => {
+        Names {
+            r25: concat!("sensors.", $channel, ".r25"),
+            beta: concat!("sensors.", $channel, ".beta"),
+            pull_up: concat!("sensors.", $channel, ".pull_up"),
+            gain: concat!("sensors.", $channel, ".gain"),
+            offset: concat!("sensors.", $channel, ".offset"),
+        }
+    };
+}
+
+/// Names for T0, T1, T2.
+pub(crate) const NAMES: [Names; 3] = [names!("t0"), names!("t1"), names!("t2")];
+
+/// A thermistor ready to convert.
+#[derive(Clone, Copy, Debug)]
+pub struct Thermistor {
+    /// 1/T25 + ln(Rp/R25)/B, in 1/K: the constant part of the beta equation.
+    inv_t_at_half_scale: f32,
+    /// 1/B in 1/K.
+    inv_beta: f32,
+    gain: f32,
+    /// Calibration offset with the step from kelvin to Celsius, in degC.
+    offset: f32,
+}
+
+impl Thermistor {
+    pub(crate) fn new(c: &ThermistorConfig, names: &Names) -> Result<Self, ConfigError> {
+        in_range(names.r25, c.r25.0, 10.0, 10e6)?;
+        in_range(names.beta, c.beta, 500.0, 10e3)?;
+        in_range(names.pull_up, c.pull_up.0, 10.0, 10e6)?;
+        in_range(names.gain, c.gain, 0.5, 2.0)?;
+        in_range(names.offset, c.offset.0, -20.0, 20.0)?;
+        Ok(Self {
+            inv_t_at_half_scale: 1.0 / T25 + libm::logf(c.pull_up.0 / c.r25.0) / c.beta,
+            inv_beta: 1.0 / c.beta,
+            gain: c.gain,
+            offset: c.offset.0 - c.gain * KELVIN,
+        })
+    }
+
+    /// Temperature at a code strictly between 0 and full scale; at or beyond these the result is not meaningful.
+    pub fn celsius(&self, code: AdcCode) -> Celsius {
+        let r_over_pull_up = code.0 / (AdcCode::FULL_SCALE - code.0);
+        let kelvin = 1.0 / (self.inv_t_at_half_scale + libm::logf(r_over_pull_up) * self.inv_beta);
+        Celsius(self.gain * kelvin + self.offset)
+    }
+
+    /// The (fractional) code that reads as `celsius`: the inverse of [`Thermistor::celsius`].
+    pub fn code(&self, celsius: Celsius) -> AdcCode {
+        let kelvin = (celsius.0 - self.offset) / self.gain;
+        let r_over_pull_up = libm::expf((1.0 / kelvin - self.inv_t_at_half_scale) / self.inv_beta);
+        AdcCode(AdcCode::FULL_SCALE * r_over_pull_up / (1.0 + r_over_pull_up))
+    }
+}

@@ -1,0 +1,438 @@
+//! What may heat, what may learn, what has tripped.
+//!
+//! ```text
+//!          Arm                 clock due and steady            enough samples
+//!   Off ─────────▶ Settle ───────────────────────▶ Learn ───────────────────▶ Monitor
+//!    ▲ ▲             ▲                               │                           │
+//!    │ │             └── saturated, out of regulation, unexcited, new set-point ─┘ Relearn
+//!    │ └── Stop, from any heating mode
+//!    └──── Acknowledge ── Tripped ◀── T1 lost, over-temperature: from any heating mode, in the same tick
+//! ```
+//!
+//! A trip latches with its reason and the values seen, and is left only by an acknowledgement after its cause has gone.
+
+use core::fmt;
+
+use crate::config::Config;
+use crate::error::{ConfigError, above, in_range};
+use crate::sense::{RawSample, Sample, Validity};
+use crate::units::{Celsius, Percent, Seconds};
+
+/// Settings of the supervisor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SupervisorConfig {
+    /// Learning begins no earlier than this after arming.
+    pub learn_start: Seconds,
+    /// Learning ends no earlier than this; it takes `learn_end - learn_start` of accepted samples.
+    pub learn_end: Seconds,
+    /// "In regulation": the low-passed control error is within this share of the set-point.
+    pub regulation_band: Percent,
+    /// In regulation, unsaturated and excited for so long before learning begins.
+    pub regulation_time: Seconds,
+    /// Smallest excitation, after saturation, that counts as one.
+    pub min_excitation: Percent,
+    /// T1 or T2 above this switches the heater off.
+    pub over_temperature: Celsius,
+    /// T1 without a valid sample for longer than this switches the heater off, whatever the reason.
+    pub signal_timeout: Seconds,
+    /// Lowest set-point that is accepted.
+    pub setpoint_min: Celsius,
+    /// Highest set-point that is accepted.
+    pub setpoint_max: Celsius,
+}
+
+impl Default for SupervisorConfig {
+    fn default() -> Self {
+        Self {
+            learn_start: Seconds(180.0),
+            learn_end: Seconds(360.0),
+            regulation_band: Percent(5.0),
+            regulation_time: Seconds(20.0),
+            min_excitation: Percent(0.5),
+            over_temperature: Celsius(75.0),
+            signal_timeout: Seconds(0.5),
+            setpoint_min: Celsius(20.0),
+            setpoint_max: Celsius(65.0),
+        }
+    }
+}
+
+/// Why the heater was switched off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum TripReason {
+    /// T1 reads as a broken wire.
+    T1Open,
+    /// T1 reads as a short circuit.
+    T1Short,
+    /// T1 reads a temperature that the rig cannot have.
+    T1OutOfRange,
+    /// T1 has given no valid sample for too long (none, spikes, loose contact).
+    T1Lost,
+    /// T1 does not move although the heater does.
+    T1Stuck,
+    /// T1 is above the limit.
+    T1OverTemperature,
+    /// T2 is above the limit.
+    T2OverTemperature,
+}
+
+/// The record of a trip: what was seen on the tick that tripped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Trip {
+    /// Why.
+    pub reason: TripReason,
+    /// When.
+    pub tick: u32,
+    /// Codes as they came.
+    pub raw: RawSample,
+    /// Temperatures and validities.
+    pub sample: Sample,
+    /// The temperature that was wanted.
+    pub setpoint: Celsius,
+}
+
+/// Mode of the instrument; the diagram is in the module's documentation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Mode {
+    /// Heater off, waiting to be armed.
+    #[default]
+    Off,
+    /// Regulating; not yet fit to learn what is normal.
+    Settle {
+        /// Ticks in a row that were fit for learning.
+        steady: u32,
+    },
+    /// Regulating and learning the baseline.
+    Learn,
+    /// Regulating and watching for faults.
+    Monitor,
+    /// Heater off until acknowledged.
+    Tripped(Trip),
+}
+
+impl Mode {
+    /// Whether the heater may be driven.
+    pub fn is_heating(&self) -> bool {
+        matches!(self, Self::Settle { .. } | Self::Learn | Self::Monitor)
+    }
+
+    /// Name in traces and logs.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Settle { .. } => "settle",
+            Self::Learn => "learn",
+            Self::Monitor => "monitor",
+            Self::Tripped(_) => "tripped",
+        }
+    }
+}
+
+/// What keeps a sample out of the baseline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Blocker {
+    /// The drive is or was just at a limit.
+    Saturated,
+    /// The mean control error is too large, or not known yet.
+    OutOfRegulation,
+    /// The excitation is off or cut away.
+    Unexcited,
+    /// A thermistor gave no valid sample.
+    InvalidSample,
+    /// All is well, but not yet for long enough.
+    NotSteady,
+}
+
+/// A command of the user.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Command {
+    /// Begin to regulate.
+    Arm,
+    /// Heater off. Works in every mode.
+    Stop,
+    /// Leave a trip whose cause has gone.
+    Acknowledge,
+    /// Forget the baseline and learn it anew.
+    Relearn,
+    /// New set-point.
+    SetPoint(Celsius),
+    /// Switch the excitation on or off.
+    Excite(bool),
+}
+
+/// Why a command was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Refusal {
+    /// The command makes no sense in this mode.
+    NotInMode(&'static str),
+    /// The cause of the trip persists, or would trip at once.
+    CausePersists(TripReason),
+    /// The set-point is not a number within the limits.
+    SetPoint {
+        /// What was asked for.
+        wanted: f32,
+        /// Lowest accepted.
+        min: f32,
+        /// Highest accepted.
+        max: f32,
+    },
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NotInMode(mode) => write!(f, "not possible in mode {mode}"),
+            Self::CausePersists(reason) => write!(f, "refused: {reason:?} persists"),
+            Self::SetPoint { wanted, min, max } => {
+                write!(f, "set-point {wanted} degC refused, expected {min} to {max} degC")
+            }
+        }
+    }
+}
+
+impl core::error::Error for Refusal {}
+
+/// What the supervisor looks at.
+#[derive(Clone, Copy, Debug)]
+pub struct Situation {
+    /// Number of the tick.
+    pub tick: u32,
+    /// Codes as they came.
+    pub raw: RawSample,
+    /// The readings.
+    pub sample: Sample,
+    /// Low-passed control error in degC, if known.
+    pub mean_error: Option<f32>,
+    /// The temperature wanted.
+    pub setpoint: Celsius,
+    /// The drive was at a limit on the tick before.
+    pub saturated: bool,
+    /// The tick before was really excited.
+    pub excited: bool,
+    /// Samples that the baseline has.
+    pub learned: u32,
+}
+
+/// What the supervisor decided for this tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Decision {
+    /// The mode.
+    pub mode: Mode,
+    /// Whether this sample belongs to the baseline.
+    pub learn: bool,
+    /// Why it does not, while learning is due.
+    pub blocked: Option<Blocker>,
+}
+
+/// The validated supervisor.
+#[derive(Clone, Copy, Debug)]
+pub struct Supervisor {
+    learn_start: u32,
+    learn_samples: u32,
+    steady_ticks: u32,
+    lost_ticks: u32,
+    regulation_band: f32,
+    min_excitation: f32,
+    over_temperature: Celsius,
+    setpoint_min: f32,
+    setpoint_max: f32,
+}
+
+/// The memory of the [`Supervisor`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SupervisorState {
+    mode: Mode,
+    /// Ticks since arming; saturates.
+    elapsed: u32,
+    /// Ticks in a row without a valid T1; saturates.
+    t1_lost: u32,
+    setpoint: Celsius,
+    /// What would trip now, whatever the mode.
+    hazard: Option<TripReason>,
+}
+
+impl Supervisor {
+    /// Builds the supervisor.
+    ///
+    /// # Errors
+    /// The parameter that is out of bounds.
+    pub fn new(config: &Config) -> Result<Self, ConfigError> {
+        let c = &config.supervisor;
+        in_range("supervisor.learn_start", c.learn_start.0, 0.0, 86400.0)?;
+        in_range("supervisor.learn_end", c.learn_end.0, 0.0, 86400.0)?;
+        // A standard deviation from fewer than a hundred samples is no threshold.
+        let shortest = c.learn_start.0 + 100.0 * config.sample_time.0;
+        above("supervisor.learn_end", c.learn_end.0, "supervisor.learn_start + 100 samples", shortest)?;
+        in_range("supervisor.regulation_band", c.regulation_band.0, 0.1, 100.0)?;
+        in_range("supervisor.regulation_time", c.regulation_time.0, 0.0, 3600.0)?;
+        in_range("supervisor.min_excitation", c.min_excitation.0, 0.01, 50.0)?;
+        in_range("supervisor.over_temperature", c.over_temperature.0, 30.0, 250.0)?;
+        in_range("supervisor.signal_timeout", c.signal_timeout.0, 0.0, 5.0)?;
+        in_range("supervisor.setpoint_min", c.setpoint_min.0, 0.0, 200.0)?;
+        in_range("supervisor.setpoint_max", c.setpoint_max.0, 0.0, 200.0)?;
+        above("supervisor.setpoint_max", c.setpoint_max.0, "supervisor.setpoint_min", c.setpoint_min.0)?;
+        above(
+            "supervisor.over_temperature",
+            c.over_temperature.0,
+            "supervisor.setpoint_max",
+            c.setpoint_max.0,
+        )?;
+        in_range("setpoint", config.setpoint.0, c.setpoint_min.0, c.setpoint_max.0)?;
+        let ts = config.sample_time;
+        let learn_start = c.learn_start.ticks(ts);
+        Ok(Self {
+            learn_start,
+            learn_samples: c.learn_end.ticks(ts).saturating_sub(learn_start),
+            steady_ticks: c.regulation_time.ticks(ts),
+            lost_ticks: c.signal_timeout.ticks(ts),
+            regulation_band: c.regulation_band.0 / 100.0,
+            min_excitation: c.min_excitation.0,
+            over_temperature: c.over_temperature,
+            setpoint_min: c.setpoint_min.0,
+            setpoint_max: c.setpoint_max.0,
+        })
+    }
+
+    /// Smallest excitation that counts as one, in %.
+    pub fn min_excitation(&self) -> f32 {
+        self.min_excitation
+    }
+
+    /// Decides the mode of this tick, before anything is driven.
+    pub fn step(&self, state: &mut SupervisorState, now: &Situation) -> Decision {
+        state.t1_lost = match now.sample.t1.validity {
+            Validity::Good => 0,
+            _ => state.t1_lost.saturating_add(1),
+        };
+        state.hazard = self.hazard(state, now);
+        state.elapsed = if state.mode.is_heating() { state.elapsed.saturating_add(1) } else { 0 };
+        let moved = core::mem::replace(&mut state.setpoint, now.setpoint) != now.setpoint;
+        let blocker = self.blocker(now, moved);
+
+        let due = state.elapsed > self.learn_start;
+        state.mode = match (state.mode, state.hazard) {
+            (mode, Some(reason)) if mode.is_heating() => Mode::Tripped(Trip {
+                reason,
+                tick: now.tick,
+                raw: now.raw,
+                sample: now.sample,
+                setpoint: now.setpoint,
+            }),
+            (Mode::Settle { steady }, _) => self.settle(steady, blocker, due),
+            (Mode::Learn, _) => self.learn(now, blocker),
+            (mode, _) => mode,
+        };
+        let learning = state.mode == Mode::Learn;
+        let blocked = match state.mode {
+            Mode::Settle { .. } if due => Some(blocker.unwrap_or(Blocker::NotSteady)),
+            Mode::Learn => blocker,
+            _ => None,
+        };
+        Decision { mode: state.mode, learn: learning && blocker.is_none(), blocked }
+    }
+
+    fn settle(&self, steady: u32, blocker: Option<Blocker>, due: bool) -> Mode {
+        match blocker {
+            None if due && steady >= self.steady_ticks => Mode::Learn,
+            None => Mode::Settle { steady: steady.saturating_add(1) },
+            Some(Blocker::InvalidSample) => Mode::Settle { steady },
+            Some(_) => Mode::Settle { steady: 0 },
+        }
+    }
+
+    /// A missing sample is skipped; anything else that disturbs the rig makes what was learnt doubtful.
+    fn learn(&self, now: &Situation, blocker: Option<Blocker>) -> Mode {
+        match blocker {
+            None | Some(Blocker::InvalidSample) if now.learned >= self.learn_samples => Mode::Monitor,
+            None | Some(Blocker::InvalidSample) => Mode::Learn,
+            Some(_) => Mode::Settle { steady: 0 },
+        }
+    }
+
+    /// What would make heating dangerous.
+    fn hazard(&self, state: &SupervisorState, now: &Situation) -> Option<TripReason> {
+        let sample = &now.sample;
+        let hot = |reading: Option<f32>| reading.is_some_and(|t| t > self.over_temperature.0);
+        let lost_too_long = state.t1_lost > self.lost_ticks;
+        match sample.t1.validity {
+            Validity::Open => Some(TripReason::T1Open),
+            Validity::Short => Some(TripReason::T1Short),
+            Validity::OutOfRange => Some(TripReason::T1OutOfRange),
+            Validity::Stuck if lost_too_long => Some(TripReason::T1Stuck),
+            Validity::Missing | Validity::Spike | Validity::Erratic if lost_too_long => {
+                Some(TripReason::T1Lost)
+            }
+            _ if hot(sample.t1.good()) => Some(TripReason::T1OverTemperature),
+            _ if hot(sample.t2.good()) => Some(TripReason::T2OverTemperature),
+            _ => None,
+        }
+    }
+
+    /// What keeps this sample out of the baseline.
+    fn blocker(&self, now: &Situation, setpoint_moved: bool) -> Option<Blocker> {
+        let band = self.regulation_band * now.setpoint.0;
+        let regulated = !setpoint_moved && now.mean_error.is_some_and(|e| e.abs() < band);
+        if now.saturated {
+            Some(Blocker::Saturated)
+        } else if !regulated {
+            Some(Blocker::OutOfRegulation)
+        } else if !now.excited {
+            Some(Blocker::Unexcited)
+        } else if !now.sample.is_good() {
+            Some(Blocker::InvalidSample)
+        } else {
+            None
+        }
+    }
+
+    /// Checks a set-point.
+    ///
+    /// # Errors
+    /// [`Refusal::SetPoint`] with the limits.
+    pub fn check_setpoint(&self, wanted: Celsius) -> Result<Celsius, Refusal> {
+        let (min, max) = (self.setpoint_min, self.setpoint_max);
+        if wanted.0 >= min && wanted.0 <= max {
+            Ok(wanted)
+        } else {
+            Err(Refusal::SetPoint { wanted: wanted.0, min, max })
+        }
+    }
+
+    /// Carries out a command on the mode.
+    ///
+    /// # Errors
+    /// Why it is refused; nothing has changed then.
+    pub fn command(&self, state: &mut SupervisorState, command: Command) -> Result<(), Refusal> {
+        state.mode = match (command, state.mode, state.hazard) {
+            (Command::Arm, Mode::Off, None) => Mode::Settle { steady: 0 },
+            (Command::Acknowledge, Mode::Tripped(_), None) => Mode::Off,
+            (Command::Arm, Mode::Off, Some(reason))
+            | (Command::Acknowledge, Mode::Tripped(_), Some(reason)) => {
+                return Err(Refusal::CausePersists(reason));
+            }
+            (Command::Relearn, Mode::Settle { .. } | Mode::Learn | Mode::Monitor, _) => {
+                Mode::Settle { steady: 0 }
+            }
+            (Command::Stop, Mode::Tripped(trip), _) => Mode::Tripped(trip),
+            (Command::Stop, ..) => Mode::Off,
+            (Command::SetPoint(_) | Command::Excite(_), mode, _) => mode,
+            (Command::Arm | Command::Acknowledge | Command::Relearn, mode, _) => {
+                return Err(Refusal::NotInMode(mode.name()));
+            }
+        };
+        Ok(())
+    }
+}

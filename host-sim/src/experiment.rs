@@ -1,0 +1,175 @@
+//! One run of an instrument against the rig.
+
+use std::time::{Duration, Instant};
+
+use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::{AdcCode, Command, Config, Instrument, RawSample, Report, Tick};
+
+use crate::fault::Fault;
+use crate::rig::{Rig, Wander};
+use crate::scenario::Scenario;
+
+/// Something that can stand in for the board: it takes codes and gives a drive and a report.
+pub trait Backend {
+    /// First half of a tick.
+    fn control(&mut self, raw: RawSample) -> Tick;
+    /// Second half of a tick; `tick` is what the first half gave.
+    fn diagnose(&mut self, tick: &Tick) -> Report;
+    /// A command of the user; what is refused is returned as text.
+    fn command(&mut self, command: Command) -> Result<(), String>;
+    /// What has been learnt.
+    fn baseline(&self) -> Option<Baseline>;
+}
+
+impl Backend for Instrument {
+    fn control(&mut self, raw: RawSample) -> Tick {
+        Instrument::control(self, raw)
+    }
+
+    fn diagnose(&mut self, tick: &Tick) -> Report {
+        Instrument::diagnose(self, tick, tick.drive)
+    }
+
+    fn command(&mut self, command: Command) -> Result<(), String> {
+        Instrument::command(self, command).map_err(|refusal| refusal.to_string())
+    }
+
+    fn baseline(&self) -> Option<Baseline> {
+        Instrument::baseline(self).copied()
+    }
+}
+
+/// One tick of a run.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// First half.
+    pub tick: Tick,
+    /// Second half.
+    pub report: Report,
+    /// Number of the fault that acts at this tick, 0 for none; the latest onset if several do.
+    pub truth: u8,
+}
+
+/// A run, whole.
+#[derive(Clone, Debug)]
+pub struct Record {
+    /// Seed of the rig's noise.
+    pub seed: u64,
+    /// How the surroundings moved.
+    pub wander: Wander,
+    /// Ts in s.
+    pub sample_time: f64,
+    /// Set-point of the configuration, degC.
+    pub setpoint: f64,
+    /// Set-point bounds of the nominal window in which the control error is judged, s.
+    pub nominal_window: (f64, f64),
+    /// Thresholds lie this many standard deviations from the mean.
+    pub sigma_factor: f64,
+    /// What happened to the rig.
+    pub faults: Vec<Fault>,
+    /// Every tick.
+    pub rows: Vec<Row>,
+    /// What was learnt.
+    pub baseline: Option<Baseline>,
+    /// Commands that were refused, with the time and the reason.
+    pub refused: Vec<(f64, String)>,
+    /// How long the simulation took.
+    pub elapsed: Duration,
+}
+
+impl Record {
+    /// Time of a tick, s.
+    pub fn time(&self, tick: u32) -> f64 {
+        tick_time(tick, self.sample_time)
+    }
+
+    /// Simulated time over the time it took.
+    pub fn realtime_factor(&self) -> f64 {
+        self.rows.len() as f64 * self.sample_time / self.elapsed.as_secs_f64().max(1e-9)
+    }
+}
+
+/// Time of a tick in s, free of the rounding of a long product: to the microsecond.
+pub fn tick_time(tick: u32, sample_time: f64) -> f64 {
+    (f64::from(tick) * sample_time * 1e6).round() / 1e6
+}
+
+/// The number that the user wrote: 0.11 and not the 0.10999999940 that an `f32` holds.
+pub fn as_written(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or(f64::from(x))
+}
+
+/// Runs a scenario on an instrument of our own, its excitation begun where the seed says.
+///
+/// # Errors
+/// The parameter of `config` that is out of bounds.
+pub fn run(config: &Config, scenario: &Scenario, seed: u64) -> anyhow::Result<Record> {
+    let config = with_prbs_phase(config, seed);
+    let mut instrument = Instrument::new(&config)?;
+    Ok(run_on(&mut instrument, &config, scenario, seed))
+}
+
+/// The faults come at fixed times, so a fixed PRBS would meet each at the same phase in every run. The seed moves it;
+/// seed 1 leaves the configured start, which is the board's.
+pub fn with_prbs_phase(config: &Config, seed: u64) -> Config {
+    let mut config = config.clone();
+    let period = (1u64 << config.prbs.bits.min(16)) - 1;
+    let shift = seed.wrapping_sub(1).wrapping_mul(0x9E37_79B9) % period;
+    config.prbs.start = ((u64::from(config.prbs.start) + shift - 1) % period + 1) as u16;
+    config
+}
+
+/// Runs a scenario on any backend: it is armed at the first tick.
+pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, seed: u64) -> Record {
+    let sample_time = as_written(config.sample_time.0);
+    let ticks = (scenario.duration / sample_time).floor() as u32;
+    let mut rig = Rig::new(&scenario.rig, scenario.wander, sample_time, seed, &scenario.faults);
+    let mut rows = Vec::with_capacity(ticks as usize);
+    let mut refused = Vec::new();
+    let mut actions: Vec<_> = scenario.actions.iter().collect();
+    actions.sort_by(|a, b| a.at.total_cmp(&b.at));
+    let mut actions = actions.into_iter().peekable();
+
+    let started = Instant::now();
+    let mut ask = |backend: &mut dyn FnMut(Command) -> Result<(), String>, command, t| {
+        if let Err(reason) = backend(command) {
+            refused.push((t, reason));
+        }
+    };
+    ask(&mut |c| backend.command(c), Command::Arm, 0.0);
+    for index in 0..ticks {
+        let t = f64::from(index) * sample_time;
+        while let Some(action) = actions.next_if(|a| a.at <= t) {
+            for command in action.commands() {
+                ask(&mut |c| backend.command(c), command, t);
+            }
+        }
+        let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));
+        let tick = backend.control(RawSample { t0, t1, t2 });
+        rig.advance(f64::from(tick.drive.0));
+        let report = backend.diagnose(&tick);
+        rows.push(Row { tick, report, truth: truth(&scenario.faults, t) });
+    }
+    Record {
+        seed,
+        wander: scenario.wander,
+        sample_time,
+        setpoint: as_written(config.setpoint.0),
+        nominal_window: (
+            as_written(config.supervisor.learn_start.0),
+            as_written(config.supervisor.learn_end.0),
+        ),
+        sigma_factor: f64::from(config.diagnosis.sigma_factor),
+        faults: scenario.faults.clone(),
+        rows,
+        baseline: backend.baseline(),
+        refused,
+        elapsed: started.elapsed(),
+    }
+}
+
+/// The true fault at a time.
+fn truth(faults: &[Fault], t: f64) -> u8 {
+    let active = faults.iter().filter(|f| f.is_active(t));
+    active.max_by(|a, b| a.at.total_cmp(&b.at)).map_or(0, Fault::truth)
+}

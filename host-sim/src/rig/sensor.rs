@@ -1,0 +1,52 @@
+//! Thermistor, divider and converter: from a temperature to what the ADC says, with what can go wrong on the wire.
+
+use super::RigConfig;
+use super::noise::Noise;
+use crate::fault::Reading;
+
+/// 0 degC in kelvin.
+const KELVIN: f64 = 273.15;
+/// 25 degC in kelvin.
+const T25: f64 = 298.15;
+/// Largest 12-bit code.
+const FULL_SCALE: f64 = 4095.0;
+
+/// The three converters.
+pub(super) struct Digitizer {
+    r25_over_pull_up: f64,
+    beta: f64,
+    steps: f64,
+    /// Code that each channel gave last: what a stuck one repeats.
+    last: [f64; 3],
+}
+
+impl Digitizer {
+    pub(super) fn new(config: &RigConfig) -> Self {
+        Self {
+            r25_over_pull_up: config.r25 / config.pull_up,
+            beta: config.beta,
+            steps: f64::from((1u32 << config.adc_bits) - 1),
+            last: [FULL_SCALE / 2.0; 3],
+        }
+    }
+
+    /// The code of channel `i` at a temperature.
+    pub(super) fn code(&mut self, i: usize, celsius: f64, reading: &Reading, noise: &mut Noise) -> f64 {
+        let code = match *reading {
+            Reading::Open => FULL_SCALE,
+            Reading::Short => 0.0,
+            Reading::Stuck => self.last[i],
+            Reading::Missing { probability } if noise.uniform(0.0, 1.0) < probability => return f64::NAN,
+            Reading::Missing { .. } | Reading::True => self.convert(celsius),
+        };
+        self.last[i] = code;
+        code
+    }
+
+    /// Beta equation and ratiometric conversion; the thermistor lies to ground.
+    fn convert(&self, celsius: f64) -> f64 {
+        let r = self.r25_over_pull_up * libm::exp(self.beta * (1.0 / (celsius + KELVIN) - 1.0 / T25));
+        let ratio = r / (1.0 + r);
+        (ratio * self.steps + 0.5).floor() * (FULL_SCALE / self.steps)
+    }
+}

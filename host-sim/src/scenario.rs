@@ -1,0 +1,112 @@
+//! What is done in a run: the rig, how long, what happens to it, what the user does meanwhile. Data, from TOML.
+
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+use fdi_core::{Celsius, Command, Config};
+use serde::{Deserialize, Serialize};
+
+use crate::fault::{Fault, paper_sequence};
+use crate::rig::{RigConfig, Wander};
+
+/// A run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Scenario {
+    /// Length, s.
+    pub duration: f64,
+    /// How much the surroundings move.
+    pub wander: Wander,
+    /// Constants of the rig.
+    pub rig: RigConfig,
+    /// What happens to the rig.
+    #[serde(rename = "fault")]
+    pub faults: Vec<Fault>,
+    /// What the user does.
+    #[serde(rename = "action")]
+    pub actions: Vec<Action>,
+}
+
+/// Something that the user does at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Action {
+    /// When, s.
+    pub at: f64,
+    /// New set-point, degC.
+    pub setpoint: Option<f32>,
+    /// Excitation on or off.
+    pub excite: Option<bool>,
+}
+
+impl Action {
+    /// The commands that it stands for.
+    pub fn commands(&self) -> impl Iterator<Item = Command> {
+        let setpoint = self.setpoint.map(|t| Command::SetPoint(Celsius(t)));
+        setpoint.into_iter().chain(self.excite.map(Command::Excite))
+    }
+}
+
+impl Default for Scenario {
+    /// The paper's experiment (section 4, figures 4 to 6).
+    fn default() -> Self {
+        Self {
+            duration: 850.0,
+            wander: Wander::default(),
+            rig: RigConfig::default(),
+            faults: paper_sequence(),
+            actions: Vec::new(),
+        }
+    }
+}
+
+impl Scenario {
+    /// Checks everything.
+    ///
+    /// # Errors
+    /// The key that is out of bounds.
+    pub fn validate(&self) -> anyhow::Result<()> {
+        let d = self.duration;
+        ensure!((1.0..=1e7).contains(&d), "duration is {d}, expected 1 to 1e7 s");
+        self.rig.validate()?;
+        for (i, fault) in self.faults.iter().enumerate() {
+            fault.validate(&format!("fault {}", i + 1))?;
+        }
+        for (i, action) in self.actions.iter().enumerate() {
+            ensure!(action.at >= 0.0, "action {}: at is {}, expected 0 s or more", i + 1, action.at);
+            ensure!(action.commands().next().is_some(), "action {}: expected `setpoint` or `excite`", i + 1);
+        }
+        Ok(())
+    }
+}
+
+/// Defaults of the instrument, commented.
+pub const CONFIG_TOML: &str = include_str!("../defaults/config.toml");
+/// Defaults of rig and faults, commented.
+pub const SCENARIO_TOML: &str = include_str!("../defaults/scenario.toml");
+
+/// Reads the instrument's configuration; keys that the file leaves out have their defaults.
+///
+/// # Errors
+/// The file, and the line and key that are wrong.
+pub fn read_config(path: Option<&Path>) -> anyhow::Result<Config> {
+    let config: Config = path.map_or_else(|| Ok(Config::default()), read_toml)?;
+    fdi_core::Instrument::new(&config)
+        .with_context(|| path.map_or(String::new(), |p| p.display().to_string()))?;
+    Ok(config)
+}
+
+/// Reads a scenario; keys that the file leaves out have their defaults.
+///
+/// # Errors
+/// The file, and the line and key that are wrong.
+pub fn read_scenario(path: Option<&Path>) -> anyhow::Result<Scenario> {
+    let scenario: Scenario = path.map_or_else(|| Ok(Scenario::default()), read_toml)?;
+    scenario.validate().with_context(|| path.map_or(String::new(), |p| p.display().to_string()))?;
+    Ok(scenario)
+}
+
+fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> anyhow::Result<T> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
+    toml::from_str(&text).with_context(|| path.display().to_string())
+}

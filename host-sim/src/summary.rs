@@ -1,0 +1,293 @@
+//! What a run showed, in numbers: delays and durations of each fault, false alarms, control error, what was learnt.
+
+use fdi_core::diagnosis::Verdict;
+use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::diagnosis::residual::{DECISIVE, Residual};
+use serde::Serialize;
+
+use crate::experiment::{Record, Row};
+use crate::fault::Fault;
+use crate::rig::Wander;
+
+/// An alarm so long after a fault's end still belongs to it, s.
+pub const TAIL: f64 = 15.0;
+
+/// `summary.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Seed of the rig's noise.
+    pub seed: u64,
+    /// How the surroundings moved.
+    pub wander: Wander,
+    /// Size of each fault, by name.
+    pub sizes: Vec<FaultSizeEntry>,
+    /// Sample time.
+    pub ts_s: f64,
+    /// Set-point.
+    pub setpoint_c: f64,
+    /// Largest control error in the nominal window (180 to 360 s in the paper).
+    pub control_error_max_c: f64,
+    /// The same in % of the set-point.
+    pub control_error_max_pct: f64,
+    /// What was learnt; null if the run was too short or unfit for learning.
+    pub baseline: Option<BaselineSummary>,
+    /// How each fault was seen.
+    pub faults: Vec<FaultSummary>,
+    /// Times that a vector left zero outside any fault (and its tail of 15 s).
+    pub false_alarms: FalseAlarms,
+    /// Simulated time over the time it took.
+    pub realtime_factor: f64,
+    /// Trips, with time and reason.
+    pub trips: Vec<TripSummary>,
+}
+
+/// Name and size of a fault.
+#[derive(Clone, Debug, Serialize)]
+pub struct FaultSizeEntry {
+    /// Name.
+    pub name: String,
+    /// Size in the unit of its verb.
+    pub size: Option<f64>,
+    /// Lag of a clogged sensor, s.
+    pub lag_s: Option<f64>,
+}
+
+/// Learnt values of the five decisive residuals.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct BaselineSummary {
+    /// Applied power, %.
+    pub rap: Normal,
+    /// y1 - y2, degC; its mean is delta12.
+    pub ry12: Normal,
+    /// Static gain of MS1, degC per %.
+    pub rsg1: Normal,
+    /// Static gain of MS2, degC per %.
+    pub rsg2: Normal,
+    /// Bandwidth of MS1, rad/s.
+    pub rbw1: Normal,
+}
+
+/// Learnt values of one feature: a residual is the feature minus `mean`.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Normal {
+    /// Mean of the feature.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub sigma: f64,
+    /// Mean of the low-passed feature.
+    pub mean_f: f64,
+    /// Its standard deviation.
+    pub sigma_f: f64,
+}
+
+/// One fault as the diagnosis saw it.
+#[derive(Clone, Debug, Serialize)]
+pub struct FaultSummary {
+    /// Name.
+    pub name: String,
+    /// True onset.
+    pub onset_s: f64,
+    /// True duration.
+    pub duration_s: f64,
+    /// By the low-passed residuals.
+    pub signature: Score,
+    /// By the raw residuals.
+    pub signature_raw: Score,
+}
+
+/// How one form of the diagnosis saw a fault; null for what never happened.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Score {
+    /// First time, during the fault, that fdv had the right value.
+    pub detected_s: Option<f64>,
+    /// The same, since the onset.
+    pub detection_delay_s: Option<f64>,
+    /// First time, during the fault, that fiv had the right value.
+    pub isolated_s: Option<f64>,
+    /// The same, since the onset.
+    pub isolation_delay_s: Option<f64>,
+    /// Time that fdv had the right value, up to 15 s after the end.
+    pub indicated_duration_s: Option<f64>,
+    /// Share of the fault's time that fiv was right.
+    pub isolated_share: Option<f64>,
+    /// Pieces into which the indication is broken.
+    pub segments: Option<u32>,
+}
+
+/// Rising edges of each vector outside any fault.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct FalseAlarms {
+    /// Detection, low-passed.
+    pub fdv: u32,
+    /// Isolation, low-passed.
+    pub fiv: u32,
+    /// Detection, raw.
+    pub fdv_raw: u32,
+    /// Isolation, raw.
+    pub fiv_raw: u32,
+}
+
+/// One trip.
+#[derive(Clone, Debug, Serialize)]
+pub struct TripSummary {
+    /// When.
+    pub t_s: f64,
+    /// Why.
+    pub reason: fdi_core::TripReason,
+    /// What T1 read, degC.
+    pub t1_c: f32,
+    /// What T2 read, degC.
+    pub t2_c: f32,
+}
+
+/// Which form of the residuals.
+#[derive(Clone, Copy)]
+enum Form {
+    Filtered,
+    Raw,
+}
+
+impl Form {
+    fn of(self, row: &Row) -> Option<Verdict> {
+        match self {
+            Self::Filtered => row.report.filtered,
+            Self::Raw => row.report.raw,
+        }
+    }
+}
+
+impl Summary {
+    /// Scores a run.
+    pub fn new(record: &Record) -> Self {
+        let error = control_error_max(record);
+        Self {
+            seed: record.seed,
+            wander: record.wander,
+            sizes: record
+                .faults
+                .iter()
+                .map(|f| FaultSizeEntry { name: f.label(), size: f.size, lag_s: f.lag })
+                .collect(),
+            ts_s: record.sample_time,
+            setpoint_c: record.setpoint,
+            control_error_max_c: error,
+            control_error_max_pct: 100.0 * error / record.setpoint,
+            baseline: record.baseline.as_ref().map(baseline),
+            faults: record
+                .faults
+                .iter()
+                .map(|fault| FaultSummary {
+                    name: fault.label(),
+                    onset_s: fault.at,
+                    duration_s: fault.duration,
+                    signature: score(record, fault, Form::Filtered),
+                    signature_raw: score(record, fault, Form::Raw),
+                })
+                .collect(),
+            false_alarms: FalseAlarms {
+                fdv: false_alarms(record, |row| Form::Filtered.of(row).map(|v| v.fdv)),
+                fiv: false_alarms(record, |row| Form::Filtered.of(row).map(|v| v.fiv)),
+                fdv_raw: false_alarms(record, |row| Form::Raw.of(row).map(|v| v.fdv)),
+                fiv_raw: false_alarms(record, |row| Form::Raw.of(row).map(|v| v.fiv)),
+            },
+            realtime_factor: record.realtime_factor(),
+            trips: trips(record),
+        }
+    }
+}
+
+/// Largest |set-point - T1| over the nominal window, degC.
+fn control_error_max(record: &Record) -> f64 {
+    let (from, to) = record.nominal_window;
+    record
+        .rows
+        .iter()
+        .filter(|row| (from..to).contains(&record.time(row.tick.index)))
+        .filter_map(|row| Some(f64::from((row.tick.setpoint.0 - row.tick.sample.t1.good()?).abs())))
+        .fold(0.0, f64::max)
+}
+
+fn baseline(baseline: &Baseline) -> BaselineSummary {
+    let normal = |residual: Residual| {
+        let i = residual as usize;
+        Normal {
+            mean: baseline.raw.mean[i].into(),
+            sigma: baseline.raw.sigma[i].into(),
+            mean_f: baseline.filtered.mean[i].into(),
+            sigma_f: baseline.filtered.sigma[i].into(),
+        }
+    };
+    let [rap, ry12, rsg1, rsg2, rbw1] = DECISIVE.map(normal);
+    BaselineSummary { rap, ry12, rsg1, rsg2, rbw1 }
+}
+
+fn score(record: &Record, fault: &Fault, form: Form) -> Score {
+    let rows = |until: f64| {
+        record.rows.iter().filter(move |row| {
+            let t = record.time(row.tick.index);
+            t >= fault.at && t < until
+        })
+    };
+    let time = |row: &Row| record.time(row.tick.index);
+    let expected = fault.expected();
+    let mut score = Score::default();
+    if let Some(number) = expected.fdv {
+        let right = |row: &&Row| form.of(row).is_some_and(|v| v.fdv == number);
+        score.detected_s = rows(fault.end()).find(right).map(time);
+        if score.detected_s.is_some() {
+            let seen: Vec<bool> = rows(fault.end() + TAIL).map(|row| right(&row)).collect();
+            score.indicated_duration_s = Some(count(&seen) * record.sample_time);
+            score.segments = Some(rising_edges(seen));
+        }
+    }
+    if let Some(number) = expected.fiv {
+        let right = |row: &&Row| form.of(row).is_some_and(|v| v.fiv == number);
+        score.isolated_s = rows(fault.end()).find(right).map(time);
+        let seen: Vec<bool> = rows(fault.end()).map(|row| right(&row)).collect();
+        score.isolated_share = (!seen.is_empty()).then(|| count(&seen) / seen.len() as f64);
+    }
+    score.detection_delay_s = score.detected_s.map(|t| t - fault.at);
+    score.isolation_delay_s = score.isolated_s.map(|t| t - fault.at);
+    score
+}
+
+fn count(seen: &[bool]) -> f64 {
+    seen.iter().filter(|&&s| s).count() as f64
+}
+
+/// Times that a flag rises; it was down before the first value.
+fn rising_edges(flags: impl IntoIterator<Item = bool>) -> u32 {
+    let mut before = false;
+    flags.into_iter().filter(|&now| !std::mem::replace(&mut before, now) && now).count() as u32
+}
+
+/// Times that a vector leaves zero while no fault acts or has acted shortly before.
+fn false_alarms(record: &Record, vector: impl Fn(&Row) -> Option<u8>) -> u32 {
+    let excused = |t: f64| record.faults.iter().any(|f| t >= f.at && t < f.end() + TAIL);
+    let mut before = false;
+    let mut alarms = 0;
+    for row in &record.rows {
+        let now = vector(row).is_some_and(|v| v != 0);
+        let rises = now && !std::mem::replace(&mut before, now);
+        alarms += u32::from(rises && !excused(record.time(row.tick.index)));
+    }
+    alarms
+}
+
+fn trips(record: &Record) -> Vec<TripSummary> {
+    let mut trips: Vec<fdi_core::Trip> = Vec::new();
+    for row in &record.rows {
+        if let fdi_core::Mode::Tripped(trip) = row.tick.mode
+            && trips.last().is_none_or(|last| last.tick != trip.tick)
+        {
+            trips.push(trip);
+        }
+    }
+    let summary = |trip: &fdi_core::Trip| TripSummary {
+        t_s: record.time(trip.tick),
+        reason: trip.reason,
+        t1_c: trip.sample.t1.celsius.0,
+        t2_c: trip.sample.t2.celsius.0,
+    };
+    trips.iter().map(summary).collect()
+}

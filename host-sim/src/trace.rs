@@ -1,0 +1,83 @@
+//! `trace.csv`: one row a tick. Numbers are written so that reading them back gives the same bits; what is not defined
+//! on a tick is left empty.
+
+use std::fmt::Write as _;
+use std::io::Write;
+
+use fdi_core::diagnosis::Verdict;
+use fdi_core::diagnosis::residual::{DECISIVE, RESIDUALS};
+use fdi_core::{Report, Tick};
+
+use crate::experiment::{Record, tick_time};
+
+/// Columns from the time to the mode: what an instrument says on a tick.
+pub const INSTRUMENT_COLUMNS: &str = "t_s,t0_c,t1_c,t2_c,setpoint_c,u_pid_pct,prbs_pct,pa_pct,y1_c,y2_c,y1m_c,y2m_c,sg1,sg2,bw1,\
+ry1,ry2,rap,ry12,rsg1,rsg2,rbw1,ry1_f,ry2_f,rap_f,ry12_f,rsg1_f,rsg2_f,rbw1_f,\
+s_rap,s_ry12,s_rsg1,s_rsg2,s_rbw1,fdv,fiv,fdv_raw,fiv_raw,mode";
+
+/// Writes the trace of a run.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_trace(record: &Record, out: &mut impl Write) -> std::io::Result<()> {
+    writeln!(out, "{INSTRUMENT_COLUMNS},truth")?;
+    let mut line = String::new();
+    for row in &record.rows {
+        line.clear();
+        instrument_row(&mut line, &row.tick, &row.report, record.sample_time);
+        writeln!(out, "{line},{}", row.truth)?;
+    }
+    Ok(())
+}
+
+/// Appends the columns of [`INSTRUMENT_COLUMNS`] to `line`, without a line end.
+pub fn instrument_row(line: &mut String, tick: &Tick, report: &Report, sample_time: f64) {
+    let _ = write!(line, "{}", tick_time(tick.index, sample_time));
+    let sample = &tick.sample;
+    for celsius in [sample.t0.celsius, sample.t1.celsius, sample.t2.celsius, tick.setpoint] {
+        number(line, Some(celsius.0));
+    }
+    for percent in [tick.pid, tick.prbs, tick.drive] {
+        number(line, Some(percent.0));
+    }
+    for y in [report.y1, report.y2, report.ms1.prediction, report.ms2.prediction] {
+        number(line, y);
+    }
+    for feature in [report.ms1.static_gain, report.ms2.static_gain, report.ms1.bandwidth] {
+        number(line, feature);
+    }
+    for i in 0..2 {
+        number(line, output_residual(report, i));
+    }
+    for i in 2..RESIDUALS {
+        number(line, report.residuals.map(|r| r[i]));
+    }
+    for i in 0..RESIDUALS {
+        number(line, report.residuals_filtered.map(|r| r[i]));
+    }
+    for i in 0..DECISIVE.len() {
+        number(line, report.filtered.map(|v| v.symptoms[i].sign()));
+    }
+    let vectors = |v: Verdict| (v.fdv, v.fiv);
+    for verdict in [report.filtered, report.raw] {
+        let verdict = verdict.map(vectors);
+        number(line, verdict.map(|v| v.0));
+        number(line, verdict.map(|v| v.1));
+    }
+    let _ = write!(line, ",{}", tick.mode.name());
+}
+
+/// ry1 or ry2, which need no baseline and so exist before there is one.
+fn output_residual(report: &Report, i: usize) -> Option<f32> {
+    match i {
+        0 => Some(report.y1? - report.ms1.prediction?),
+        _ => Some(report.y2? - report.ms2.prediction?),
+    }
+}
+
+fn number(line: &mut String, x: Option<impl std::fmt::Display>) {
+    line.push(',');
+    if let Some(x) = x {
+        let _ = write!(line, "{x}");
+    }
+}

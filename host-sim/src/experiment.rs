@@ -131,17 +131,17 @@ pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, 
     let mut actions = actions.into_iter().peekable();
 
     let started = Instant::now();
-    let mut ask = |backend: &mut dyn FnMut(Command) -> Result<(), String>, command, t| {
-        if let Err(reason) = backend(command) {
+    let mut obey = |backend: &mut _, command, t| {
+        if let Err(reason) = Backend::command(backend, command) {
             refused.push((t, reason));
         }
     };
-    ask(&mut |c| backend.command(c), Command::Arm, 0.0);
+    obey(backend, Command::Arm, 0.0);
     for index in 0..ticks {
         let t = f64::from(index) * sample_time;
         while let Some(action) = actions.next_if(|a| a.at <= t) {
             for command in action.commands() {
-                ask(&mut |c| backend.command(c), command, t);
+                obey(backend, command, t);
             }
         }
         let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));

@@ -227,11 +227,12 @@ pub fn paper_sequence() -> Vec<Fault> {
 }
 
 /// How large the faults are.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum FaultSize {
     /// AFS2 0.5 degC, MFS1 0.95 and 0.20 s, MFP 1.10; a third of any other fault.
     Small,
     /// As written.
+    #[default]
     Nominal,
     /// AFS2 3 degC, MFS1 0.70 and 0.60 s, MFP 1.50; twice any other fault.
     Large,

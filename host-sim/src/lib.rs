@@ -1,8 +1,16 @@
 //! The PT-326 instrument on the host: the same [`fdi_core`] that the board runs, against a simulated rig.
 
+pub mod cli;
+pub mod cosim;
 pub mod experiment;
 pub mod fault;
+pub mod figure;
+pub mod identify;
+pub mod repeat;
+pub mod report;
 pub mod rig;
+pub mod run;
 pub mod scenario;
 pub mod summary;
+pub mod table;
 pub mod trace;

@@ -1,9 +1,38 @@
-//! scratch
-fn main() {
-    let config = fdi_core::Config::default();
-    for seed in 1..4 {
-        let r = host_sim::experiment::run(&config, &host_sim::scenario::Scenario::default(), seed).unwrap();
-        let s = host_sim::summary::Summary::new(&r);
-        println!("{}", serde_json::to_string(&s).unwrap());
+//! `host-sim`: the PT-326 instrument on the host.
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::Parser;
+use host_sim::cli::{Cli, Subcommand};
+use host_sim::{cosim, identify, repeat, run, scenario};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match cli.command.unwrap_or_default() {
+        Subcommand::Run(args) => run::run(&args),
+        Subcommand::Repeat(args) => repeat::run(&args),
+        Subcommand::Core(args) => cosim::run(&args),
+        Subcommand::Identify(args) => identify::run(&args),
+        Subcommand::Config => print(scenario::CONFIG_TOML),
+        Subcommand::Scenario => print(scenario::SCENARIO_TOML),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
     }
+}
+
+fn print(text: &str) -> anyhow::Result<()> {
+    Ok(std::io::stdout().write_all(text.as_bytes())?)
+}
+
+/// Whoever reads our output has had enough (`host-sim config | head`): no error.
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let io = error.downcast_ref::<std::io::Error>();
+    io.is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
 }

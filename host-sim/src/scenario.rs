@@ -110,3 +110,54 @@ fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> anyhow::Result<T> {
     let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
     toml::from_str(&text).with_context(|| path.display().to_string())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use toml::Table;
+
+    /// Every key of `all` stands in `some`, at any depth.
+    fn covers(some: &Table, all: &Table, path: &str) {
+        for (key, value) in all {
+            let place = format!("{path}{key}");
+            let Some(other) = some.get(key) else { panic!("{place} is missing from the commented defaults") };
+            if let (Some(other), Some(value)) = (other.as_table(), value.as_table()) {
+                covers(other, value, &format!("{place}."));
+            }
+        }
+    }
+
+    #[test]
+    fn commented_defaults_are_the_defaults_and_complete() {
+        let config: Config = toml::from_str(CONFIG_TOML).unwrap();
+        assert_eq!(config, Config::default());
+        covers(&toml::from_str(CONFIG_TOML).unwrap(), &Table::try_from(Config::default()).unwrap(), "");
+
+        let mut scenario: Scenario = toml::from_str(SCENARIO_TOML).unwrap();
+        assert_eq!(scenario, Scenario::default());
+        scenario.actions.clear();
+        let mut all = Table::try_from(Scenario::default()).unwrap();
+        all.remove("action");
+        covers(&toml::from_str(SCENARIO_TOML).unwrap(), &all, "");
+    }
+
+    #[test]
+    fn wrong_keys_and_values_are_named_with_their_line() {
+        let error = toml::from_str::<Config>("setpoint = 30\n[pid]\nkq = 1\n").unwrap_err().to_string();
+        assert!(error.contains("line 3") && error.contains("kq") && error.contains("kp"), "{error}");
+        let error = toml::from_str::<Scenario>("[[fault]]\ndo = \"ofset\"\nat = 1\nfor = 1\n")
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("line 2") && error.contains("ofset") && error.contains("offset"), "{error}");
+        for (text, words) in [
+            ("[[fault]]\ndo = \"offset\"\nsize = 1\nat = 1\nfor = 1", ["sensor", "t0, t1 or t2"]),
+            ("[[fault]]\ndo = \"air-flow\"\nat = 1\nfor = 1", ["size", "times the nominal flow"]),
+            ("[[fault]]\ndo = \"open\"\nsensor = \"t1\"\nat = 1\nfor = 0", ["for is 0", "more than 0 s"]),
+            ("[rig]\ngain = -1", ["rig.gain is -1", "0.001 to 100"]),
+            ("[[action]]\nat = 3", ["action 1", "setpoint"]),
+        ] {
+            let error = toml::from_str::<Scenario>(text).unwrap().validate().unwrap_err().to_string();
+            assert!(words.iter().all(|w| error.contains(w)), "{text}: {error}");
+        }
+    }
+}

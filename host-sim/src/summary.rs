@@ -236,7 +236,7 @@ fn score(record: &Record, fault: &Fault, form: Form) -> Score {
         score.detected_s = rows(fault.end()).find(right).map(time);
         if score.detected_s.is_some() {
             let seen: Vec<bool> = rows(fault.end() + TAIL).map(|row| right(&row)).collect();
-            score.indicated_duration_s = Some(count(&seen) * record.sample_time);
+            score.indicated_duration_s = Some(microseconds(count(&seen) * record.sample_time));
             score.segments = Some(rising_edges(seen));
         }
     }
@@ -246,9 +246,14 @@ fn score(record: &Record, fault: &Fault, form: Form) -> Score {
         let seen: Vec<bool> = rows(fault.end()).map(|row| right(&row)).collect();
         score.isolated_share = (!seen.is_empty()).then(|| count(&seen) / seen.len() as f64);
     }
-    score.detection_delay_s = score.detected_s.map(|t| t - fault.at);
-    score.isolation_delay_s = score.isolated_s.map(|t| t - fault.at);
+    score.detection_delay_s = score.detected_s.map(|t| microseconds(t - fault.at));
+    score.isolation_delay_s = score.isolated_s.map(|t| microseconds(t - fault.at));
     score
+}
+
+/// Rounds a time to the microsecond: 0.61 and not 0.6100000000000136.
+fn microseconds(t: f64) -> f64 {
+    (t * 1e6).round() / 1e6
 }
 
 fn count(seen: &[bool]) -> f64 {

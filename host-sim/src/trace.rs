@@ -52,7 +52,10 @@ pub fn instrument_row(line: &mut String, tick: &Tick, report: &Report, sample_ti
     for i in 2..RESIDUALS {
         number(line, report.residuals.map(|r| r[i]));
     }
-    for i in 0..RESIDUALS {
+    for i in 0..2 {
+        number(line, report.features_filtered.map(|f| f[i])); // ry1 and ry2 have no nominal value to subtract
+    }
+    for i in 2..RESIDUALS {
         number(line, report.residuals_filtered.map(|r| r[i]));
     }
     for i in 0..DECISIVE.len() {
@@ -67,7 +70,7 @@ pub fn instrument_row(line: &mut String, tick: &Tick, report: &Report, sample_ti
     let _ = write!(line, ",{}", tick.mode.name());
 }
 
-/// ry1 or ry2, which need no baseline and so exist before there is one.
+/// ry1 or ry2, which exist before the other features do.
 fn output_residual(report: &Report, i: usize) -> Option<f32> {
     match i {
         0 => Some(report.y1? - report.ms1.prediction?),

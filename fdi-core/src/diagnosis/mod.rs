@@ -102,6 +102,10 @@ pub struct Report {
     pub ms1: Observation,
     /// Model of y2 against the power.
     pub ms2: Observation,
+    /// What the residuals are made of, in the order of [`residual::ALL`], before any nominal value is subtracted.
+    pub features: Option<[f32; RESIDUALS]>,
+    /// The same, low-passed.
+    pub features_filtered: Option<[f32; RESIDUALS]>,
     /// Residuals in the order of [`residual::ALL`]: features minus their nominal mean (ry1 and ry2 as they are).
     pub residuals: Option<[f32; RESIDUALS]>,
     /// The same, low-passed.
@@ -180,6 +184,8 @@ impl Diagnosis {
             y2,
             ms1,
             ms2,
+            features: raw,
+            features_filtered: filtered,
             learned: state.learner.count(),
             ..Report::default()
         };
@@ -202,7 +208,7 @@ impl Diagnosis {
             return;
         }
         match mode {
-            Mode::Learn => {
+            Mode::Learn { .. } => {
                 state.learner = Learner::default();
                 state.baseline = None;
             }

@@ -39,8 +39,8 @@ pub enum Validity {
     OutOfRange,
     /// A single jump that nothing has confirmed yet.
     Spike,
-    /// Jumps again and again, faster than air can change its temperature: a loose contact.
-    Erratic,
+    /// Changes again and again at a rate that air cannot have: a loose contact, or a ramp that is none.
+    Rate,
     /// Has not moved although the excitation should have moved it.
     Stuck,
 }

@@ -1,7 +1,7 @@
 //! Can this reading be true? Range, wire, jump and stuck checks of one channel, made before control and diagnosis see it.
 //!
 //! A single spike is dropped without delaying the loop: a sample that jumps is withheld, and the next one is taken
-//! whatever it says. A spike is gone by then; a true step costs one tick. A contact that jumps again and again is erratic.
+//! whatever it says. A spike is gone by then; a true step costs one tick. What keeps jumping fails the rate check.
 
 use super::thermistor::Thermistor;
 use super::{Reading, Validity};
@@ -65,8 +65,8 @@ impl PlausibilityConfig {
     }
 }
 
-/// So many jumps within the last 8 samples make a channel erratic.
-const ERRATIC_JUMPS: u32 = 3;
+/// So many jumps within the last 8 samples fail the rate check.
+const RATE_JUMPS: u32 = 3;
 
 /// One validated channel: conversion and limits.
 #[derive(Clone, Copy, Debug)]
@@ -150,8 +150,8 @@ impl Channel {
             _ => 0.0,
         };
         state.last = Some(celsius);
-        if state.jumps.count_ones() >= ERRATIC_JUMPS {
-            Validity::Erratic
+        if state.jumps.count_ones() >= RATE_JUMPS {
+            Validity::Rate
         } else if stuck {
             Validity::Stuck
         } else {

@@ -11,7 +11,9 @@
 //!
 //! A trip latches with its reason and the values seen, and is left only by an acknowledgement after its cause has gone.
 
-use core::fmt;
+mod mode;
+
+pub use mode::{Blocker, Command, Mode, Refusal, Trip, TripReason};
 
 use crate::config::Config;
 use crate::error::{ConfigError, above, in_range};
@@ -62,148 +64,6 @@ impl Default for SupervisorConfig {
         }
     }
 }
-
-/// Why the heater was switched off.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum TripReason {
-    /// T1 reads as a broken wire.
-    T1Open,
-    /// T1 reads as a short circuit.
-    T1Short,
-    /// T1 reads a temperature that the rig cannot have.
-    T1OutOfRange,
-    /// T1 has given no valid sample for too long (none, spikes, loose contact).
-    T1Lost,
-    /// T1 does not move although the heater does.
-    T1Stuck,
-    /// T1 is above the limit.
-    T1OverTemperature,
-    /// T2 is above the limit.
-    T2OverTemperature,
-}
-
-/// The record of a trip: what was seen on the tick that tripped.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Trip {
-    /// Why.
-    pub reason: TripReason,
-    /// When.
-    pub tick: u32,
-    /// Codes as they came.
-    pub raw: RawSample,
-    /// Temperatures and validities.
-    pub sample: Sample,
-    /// The temperature that was wanted.
-    pub setpoint: Celsius,
-}
-
-/// Mode of the instrument; the diagram is in the module's documentation.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Mode {
-    /// Heater off, waiting to be armed.
-    #[default]
-    Off,
-    /// Regulating; not yet fit to learn what is normal.
-    Settle {
-        /// Ticks in a row that were fit for learning.
-        steady: u32,
-    },
-    /// Regulating and learning the baseline.
-    Learn,
-    /// Regulating and watching for faults.
-    Monitor,
-    /// Heater off until acknowledged.
-    Tripped(Trip),
-}
-
-impl Mode {
-    /// Whether the heater may be driven.
-    pub fn is_heating(&self) -> bool {
-        matches!(self, Self::Settle { .. } | Self::Learn | Self::Monitor)
-    }
-
-    /// Name in traces and logs.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Off => "off",
-            Self::Settle { .. } => "settle",
-            Self::Learn => "learn",
-            Self::Monitor => "monitor",
-            Self::Tripped(_) => "tripped",
-        }
-    }
-}
-
-/// What keeps a sample out of the baseline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Blocker {
-    /// The drive is or was just at a limit.
-    Saturated,
-    /// The mean control error is too large, or not known yet.
-    OutOfRegulation,
-    /// The excitation is off or cut away.
-    Unexcited,
-    /// A thermistor gave no valid sample.
-    InvalidSample,
-    /// All is well, but not yet for long enough.
-    NotSteady,
-}
-
-/// A command of the user.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Command {
-    /// Begin to regulate.
-    Arm,
-    /// Heater off. Works in every mode.
-    Stop,
-    /// Leave a trip whose cause has gone.
-    Acknowledge,
-    /// Forget the baseline and learn it anew.
-    Relearn,
-    /// New set-point.
-    SetPoint(Celsius),
-    /// Switch the excitation on or off.
-    Excite(bool),
-}
-
-/// Why a command was refused.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Refusal {
-    /// The command makes no sense in this mode.
-    NotInMode(&'static str),
-    /// The cause of the trip persists, or would trip at once.
-    CausePersists(TripReason),
-    /// The set-point is not a number within the limits.
-    SetPoint {
-        /// What was asked for.
-        wanted: f32,
-        /// Lowest accepted.
-        min: f32,
-        /// Highest accepted.
-        max: f32,
-    },
-}
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::NotInMode(mode) => write!(f, "not possible in mode {mode}"),
-            Self::CausePersists(reason) => write!(f, "refused: {reason:?} persists"),
-            Self::SetPoint { wanted, min, max } => {
-                write!(f, "set-point {wanted} degC refused, expected {min} to {max} degC")
-            }
-        }
-    }
-}
-
-impl core::error::Error for Refusal {}
 
 /// What the supervisor looks at.
 #[derive(Clone, Copy, Debug)]
@@ -332,13 +192,13 @@ impl Supervisor {
                 setpoint: now.setpoint,
             }),
             (Mode::Settle { steady }, _) => self.settle(steady, blocker, due),
-            (Mode::Learn, _) => self.learn(now, blocker),
+            (Mode::Learn { accepted }, _) => self.learn(accepted, now.learned, blocker),
             (mode, _) => mode,
         };
-        let learning = state.mode == Mode::Learn;
+        let learning = matches!(state.mode, Mode::Learn { .. });
         let blocked = match state.mode {
             Mode::Settle { .. } if due => Some(blocker.unwrap_or(Blocker::NotSteady)),
-            Mode::Learn => blocker,
+            Mode::Learn { .. } => blocker,
             _ => None,
         };
         Decision { mode: state.mode, learn: learning && blocker.is_none(), blocked }
@@ -346,7 +206,7 @@ impl Supervisor {
 
     fn settle(&self, steady: u32, blocker: Option<Blocker>, due: bool) -> Mode {
         match blocker {
-            None if due && steady >= self.steady_ticks => Mode::Learn,
+            None if due && steady >= self.steady_ticks => Mode::Learn { accepted: 1 },
             None => Mode::Settle { steady: steady.saturating_add(1) },
             Some(Blocker::InvalidSample) => Mode::Settle { steady },
             Some(_) => Mode::Settle { steady: 0 },
@@ -354,10 +214,12 @@ impl Supervisor {
     }
 
     /// A missing sample is skipped; anything else that disturbs the rig makes what was learnt doubtful.
-    fn learn(&self, now: &Situation, blocker: Option<Blocker>) -> Mode {
+    fn learn(&self, accepted: u32, learned: u32, blocker: Option<Blocker>) -> Mode {
+        let enough = accepted.min(learned) >= self.learn_samples;
         match blocker {
-            None | Some(Blocker::InvalidSample) if now.learned >= self.learn_samples => Mode::Monitor,
-            None | Some(Blocker::InvalidSample) => Mode::Learn,
+            None | Some(Blocker::InvalidSample) if enough => Mode::Monitor,
+            None => Mode::Learn { accepted: accepted.saturating_add(1) },
+            Some(Blocker::InvalidSample) => Mode::Learn { accepted },
             Some(_) => Mode::Settle { steady: 0 },
         }
     }
@@ -372,9 +234,7 @@ impl Supervisor {
             Validity::Short => Some(TripReason::T1Short),
             Validity::OutOfRange => Some(TripReason::T1OutOfRange),
             Validity::Stuck if lost_too_long => Some(TripReason::T1Stuck),
-            Validity::Missing | Validity::Spike | Validity::Erratic if lost_too_long => {
-                Some(TripReason::T1Lost)
-            }
+            Validity::Missing | Validity::Spike | Validity::Rate if lost_too_long => Some(TripReason::T1Lost),
             _ if hot(sample.t1.good()) => Some(TripReason::T1OverTemperature),
             _ if hot(sample.t2.good()) => Some(TripReason::T2OverTemperature),
             _ => None,
@@ -423,7 +283,7 @@ impl Supervisor {
             | (Command::Acknowledge, Mode::Tripped(_), Some(reason)) => {
                 return Err(Refusal::CausePersists(reason));
             }
-            (Command::Relearn, Mode::Settle { .. } | Mode::Learn | Mode::Monitor, _) => {
+            (Command::Relearn, Mode::Settle { .. } | Mode::Learn { .. } | Mode::Monitor, _) => {
                 Mode::Settle { steady: 0 }
             }
             (Command::Stop, Mode::Tripped(trip), _) => Mode::Tripped(trip),

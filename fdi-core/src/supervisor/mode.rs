@@ -1,0 +1,152 @@
+//! Modes, what leads to them, and what a user can ask for: the words of the supervisor, without its rules.
+
+use core::fmt;
+
+use crate::sense::{RawSample, Sample};
+use crate::units::Celsius;
+
+/// Why the heater was switched off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum TripReason {
+    /// T1 reads as a broken wire.
+    T1Open,
+    /// T1 reads as a short circuit.
+    T1Short,
+    /// T1 reads a temperature that the rig cannot have.
+    T1OutOfRange,
+    /// T1 has given no valid sample for too long (none, spikes, loose contact).
+    T1Lost,
+    /// T1 does not move although the heater does.
+    T1Stuck,
+    /// T1 is above the limit.
+    T1OverTemperature,
+    /// T2 is above the limit.
+    T2OverTemperature,
+}
+
+/// The record of a trip: what was seen on the tick that tripped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Trip {
+    /// Why.
+    pub reason: TripReason,
+    /// When.
+    pub tick: u32,
+    /// Codes as they came.
+    pub raw: RawSample,
+    /// Temperatures and validities.
+    pub sample: Sample,
+    /// The temperature that was wanted.
+    pub setpoint: Celsius,
+}
+
+/// Mode of the instrument; the diagram is in the module's documentation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Mode {
+    /// Heater off, waiting to be armed.
+    #[default]
+    Off,
+    /// Regulating; not yet fit to learn what is normal.
+    Settle {
+        /// Ticks in a row that were fit for learning.
+        steady: u32,
+    },
+    /// Regulating and learning the baseline.
+    Learn {
+        /// Samples accepted so far. The second half counts what it has learnt; neither count alone ends learning, so
+        /// a second half that lags cannot end it with the count of an earlier baseline.
+        accepted: u32,
+    },
+    /// Regulating and watching for faults.
+    Monitor,
+    /// Heater off until acknowledged.
+    Tripped(Trip),
+}
+
+impl Mode {
+    /// Whether the heater may be driven.
+    pub fn is_heating(&self) -> bool {
+        matches!(self, Self::Settle { .. } | Self::Learn { .. } | Self::Monitor)
+    }
+
+    /// Name in traces and logs.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Settle { .. } => "settle",
+            Self::Learn { .. } => "learn",
+            Self::Monitor => "monitor",
+            Self::Tripped(_) => "tripped",
+        }
+    }
+}
+
+/// What keeps a sample out of the baseline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Blocker {
+    /// The drive is or was just at a limit.
+    Saturated,
+    /// The mean control error is too large, or not known yet.
+    OutOfRegulation,
+    /// The excitation is off or cut away.
+    Unexcited,
+    /// A thermistor gave no valid sample.
+    InvalidSample,
+    /// All is well, but not yet for long enough.
+    NotSteady,
+}
+
+/// A command of the user.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Command {
+    /// Begin to regulate.
+    Arm,
+    /// Heater off. Works in every mode.
+    Stop,
+    /// Leave a trip whose cause has gone.
+    Acknowledge,
+    /// Forget the baseline and learn it anew.
+    Relearn,
+    /// New set-point.
+    SetPoint(Celsius),
+    /// Switch the excitation on or off.
+    Excite(bool),
+}
+
+/// Why a command was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Refusal {
+    /// The command makes no sense in this mode.
+    NotInMode(&'static str),
+    /// The cause of the trip persists, or would trip at once.
+    CausePersists(TripReason),
+    /// The set-point is not a number within the limits.
+    SetPoint {
+        /// What was asked for.
+        wanted: f32,
+        /// Lowest accepted.
+        min: f32,
+        /// Highest accepted.
+        max: f32,
+    },
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NotInMode(mode) => write!(f, "not possible in mode {mode}"),
+            Self::CausePersists(reason) => write!(f, "refused: {reason:?} persists"),
+            Self::SetPoint { wanted, min, max } => {
+                write!(f, "set-point {wanted} degC refused, expected {min} to {max} degC")
+            }
+        }
+    }
+}
+
+impl core::error::Error for Refusal {}

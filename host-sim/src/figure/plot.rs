@@ -1,0 +1,111 @@
+//! A figure as data: panels, traces, thresholds, and the times that are shaded.
+
+use plotters::style::RGBColor;
+
+/// Text and axes.
+pub(super) const INK: RGBColor = RGBColor(0x24, 0x2B, 0x33);
+
+/// Thresholds: one of Okabe and Ito's colours, which the colour-blind can tell apart.
+pub(super) const VERMILLION: RGBColor = RGBColor(0xD5, 0x5E, 0x00);
+
+/// The start-up up to here, in s after the first row, does not count for the ranges.
+const START_UP: f64 = 20.0;
+
+/// A figure: panels over a common time axis.
+pub(super) struct Figure {
+    /// First and last time, s.
+    pub(super) span: (f64, f64),
+    /// Time of each sample, s.
+    pub(super) times: Vec<f64>,
+    /// Times that are shaded in every panel.
+    pub(super) bands: Vec<Band>,
+    /// From top to bottom.
+    pub(super) panels: Vec<Panel>,
+}
+
+/// A time that is shaded.
+pub(super) struct Band {
+    /// Name at the top of the figure.
+    pub(super) label: String,
+    /// Begin and end, s.
+    pub(super) span: (f64, f64),
+    /// Tint.
+    pub(super) colour: RGBColor,
+}
+
+/// One panel.
+pub(super) struct Panel {
+    /// What it shows, and its unit.
+    pub(super) title: &'static str,
+    /// The scale of the values.
+    pub(super) scale: Scale,
+    /// Drawn in this order, so the last is on top.
+    pub(super) traces: Vec<Trace>,
+    /// Heights of dashed lines.
+    pub(super) thresholds: Vec<f64>,
+}
+
+/// The scale of a panel's values.
+#[derive(Clone, Copy)]
+pub(super) enum Scale {
+    /// As the values are, but so wide at least.
+    AtLeast(f64),
+    /// Whole numbers from 0 to this at least.
+    Levels(f64),
+}
+
+/// One signal.
+pub(super) struct Trace {
+    /// Name in the legend.
+    pub(super) label: &'static str,
+    /// How it is drawn.
+    pub(super) pen: Pen,
+    /// One value a sample; what is not defined is no number.
+    pub(super) values: Vec<f64>,
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy)]
+pub(super) struct Pen {
+    /// Its colour.
+    pub(super) colour: RGBColor,
+    /// Its width, px.
+    pub(super) width: f64,
+    /// Whether it holds a value until the next.
+    pub(super) stepped: bool,
+    /// Whether it is dashed.
+    pub(super) dashed: bool,
+}
+
+impl Pen {
+    /// A plain line.
+    pub(super) const fn new(colour: RGBColor, width: f64) -> Self {
+        Self { colour, width, stepped: false, dashed: false }
+    }
+
+    /// The same, holding each value until the next.
+    pub(super) const fn stepped(self) -> Self {
+        Self { stepped: true, ..self }
+    }
+}
+
+/// Pen of a threshold.
+pub(super) const THRESHOLD: Pen = Pen { dashed: true, ..Pen::new(VERMILLION, 1.2) };
+/// Name of the thresholds in a legend.
+pub(super) const THRESHOLD_LABEL: &str = "thresholds";
+
+impl Band {
+    /// The middle of it, s.
+    pub(super) fn middle(&self) -> f64 {
+        0.5 * (self.span.0 + self.span.1)
+    }
+}
+
+impl Figure {
+    /// Values that decide the range of a panel: those after the start-up, or all in a run that is not longer.
+    pub(super) fn settled_values(&self, panel: &Panel) -> Vec<f64> {
+        let start_up = self.times.partition_point(|&t| t < self.span.0 + START_UP);
+        let settled = if start_up < self.times.len() { start_up } else { 0 };
+        panel.traces.iter().flat_map(|trace| &trace.values[settled..]).copied().collect()
+    }
+}

@@ -1,0 +1,506 @@
+//! Least squares over a recording by the core's recursion: sample by sample, in single precision, as on the board.
+//!
+//! Lagged values of a signal that is sampled fast are nearly the same, and in single precision their small differences,
+//! which hold the dynamics, drown. The regressors are therefore backward differences, taken in double precision and each
+//! scaled to a root mean square of one (the delta operator; R. H. Middleton, G. C. Goodwin, "Digital Control and
+//! Estimation", 1990):
+//!
+//! ```text
+//! y[k] - y[k-1] = sum_(i < NA) alpha_i D^i y[k-1] + sum_(i < NB) beta_i D^i u[k-NK],   D x[k] = x[k] - x[k-1]
+//! D^i x[k] = sum_(j <= i) (-1)^j binomial(i, j) x[k-j]
+//! ```
+//!
+//! which is the ARX model in other coordinates: same data, same minimum. One estimator of the largest size serves all
+//! orders, as a regressor that is always zero changes no other number.
+
+use std::ops::Range;
+
+use anyhow::{bail, ensure};
+use fdi_core::identify::rls::{Adaptation, Rls, RlsConfig, RlsState};
+
+use super::model::{Model, ORDER_MAX, Order, Signals, rms};
+
+/// D at the start: a scaled parameter is expected within 1e4 or so of zero.
+const D_INITIAL: f32 = 1e8;
+/// A scaled variance above this share of [`D_INITIAL`] comes from the start, not from the data. Below it, the start
+/// pulls an estimate by less than this share.
+const UNTOLD: f64 = 1e-3;
+
+const PARAMETERS_MAX: usize = 2 * ORDER_MAX;
+type Estimator = Rls<PARAMETERS_MAX>;
+type State = RlsState<PARAMETERS_MAX>;
+
+/// An identified model and how sure it is.
+#[derive(Clone, Debug)]
+pub struct Estimate {
+    /// The model.
+    pub model: Model,
+    /// Standard deviations of a1 .. aNA, b1 .. bNB; `None` where the data do not determine the parameter.
+    pub sd: Vec<Option<f64>>,
+    /// Variance of the equation error, in units of y squared.
+    pub noise_variance: f64,
+    /// y minus its one-step prediction by the final model, from row [`Order::memory`] on.
+    pub residuals: Vec<f64>,
+    /// What each residual weighed: `lambda^(age in samples)`.
+    pub weights: Vec<f64>,
+    /// Static gain; `None` on an integrator and where the data do not determine it.
+    pub static_gain: Option<Gain>,
+}
+
+/// Static gain with its standard deviation, in units of y per unit of u.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Gain {
+    /// B(1) / A(1).
+    pub value: f64,
+    /// Standard deviation by the delta method.
+    pub sd: f64,
+}
+
+/// Identifies a model of `order` from `s`, forgetting by `lambda`.
+///
+/// # Errors
+/// Too few rows, or too short a memory, for so many parameters; numbers that the estimator could not live with.
+pub fn estimate(s: &Signals, order: Order, lambda: f64) -> anyhow::Result<Estimate> {
+    let (rows, least) = (s.y.len(), order.memory() + order.parameters() + 1);
+    ensure!(
+        rows >= least,
+        "{rows} rows are too few: {} parameters need at least {least}",
+        order.parameters()
+    );
+    let weights = weights(rows - order.memory(), lambda);
+    let total: f64 = weights.iter().sum();
+    let spread = spread(&weights);
+    let freedom = total - spread * order.parameters() as f64;
+    ensure!(freedom > 0.0, "a memory of {total:.1} rows is too short: raise --lambda or lower --order");
+
+    let basis = Basis::new(s, order);
+    let rls = Rls::new(&RlsConfig {
+        adaptation: Adaptation::Forgetting { lambda: lambda as f32 },
+        d_initial: D_INITIAL,
+        d_max: D_INITIAL,
+    })?;
+    let state = learn(&rls, s, &basis)?;
+    let model = basis.model(&state);
+    let measured = &s.y[order.memory()..];
+    let residuals: Vec<f64> =
+        measured.iter().zip(model.predict(s)).map(|(y, predicted)| y - predicted).collect();
+    let squares: f64 = residuals.iter().zip(&weights).map(|(e, w)| w * e * e).sum();
+    let noise_variance = squares / freedom;
+    let doubt =
+        Doubt { rls: &rls, state: &state, lambda, noise_sd: (spread * noise_variance).sqrt(), basis: &basis };
+    let (sd, static_gain) = (doubt.of_parameters(), doubt.of_gain(&model));
+    Ok(Estimate { model, sd, noise_variance, residuals, weights, static_gain })
+}
+
+/// `lambda^(n-1) .. lambda^0`.
+fn weights(n: usize, lambda: f64) -> Vec<f64> {
+    let mut weights = vec![1.0; n];
+    for i in (1..n).rev() {
+        weights[i - 1] = weights[i] * lambda;
+    }
+    weights
+}
+
+/// `sum w^2 / sum w`: with weights w, the covariance of the parameters is this times the noise variance times P. It is
+/// exact with lambda = 1, and else holds as far as the regressors look alike throughout.
+fn spread(weights: &[f64]) -> f64 {
+    weights.iter().map(|w| w * w).sum::<f64>() / weights.iter().sum::<f64>()
+}
+
+/// Runs the estimator over all rows.
+fn learn(rls: &Estimator, s: &Signals, basis: &Basis) -> anyhow::Result<State> {
+    let mut state = rls.start();
+    for k in basis.order.memory()..s.y.len() {
+        let update = rls.step(&mut state, &basis.regressor(s, k), basis.target(s, k));
+        if update.sick {
+            bail!("the estimator diverged at row {k} of the range: lower --order, or try --detrend mean");
+        }
+    }
+    Ok(state)
+}
+
+/// `D^0 x[k] .. D^(n-1) x[k]`; the rest is zero.
+fn differences(x: &[f64], k: usize, n: usize) -> [f64; ORDER_MAX] {
+    let mut d = [0.0; ORDER_MAX];
+    for i in 0..n {
+        d[i] = x[k - i];
+    }
+    for i in 1..n {
+        for j in (i..n).rev() {
+            d[j] = d[j - 1] - d[j];
+        }
+    }
+    d
+}
+
+/// `(-1)^j binomial(i, j)`: the weight of x[k-j] in `D^i x[k]`.
+fn weight_in_difference(i: usize, j: usize) -> f64 {
+    (0..j).fold(1.0, |c, m| -c * (i as f64 - m as f64) / (m as f64 + 1.0))
+}
+
+/// The coordinates of the estimator: scaled differences.
+#[derive(Clone, Debug)]
+struct Basis {
+    order: Order,
+    /// Root mean square of y[k] - y[k-1].
+    target: f64,
+    /// Root mean squares of the regressors: NA differences of y, NB of u.
+    scale: [f64; PARAMETERS_MAX],
+}
+
+impl Basis {
+    /// Fits the scales to a recording. A difference that is always zero takes the scale of its signal.
+    fn new(s: &Signals, order: Order) -> Self {
+        let size =
+            |x: &[f64], i: usize| rms(&(i..x.len()).map(|k| differences(x, k, i + 1)[i]).collect::<Vec<_>>());
+        let or = |size: f64, other: f64| if size > 0.0 { size } else { other };
+        let (y, u) = (or(rms(&s.y), 1.0), or(rms(&s.u), 1.0));
+        let scale = std::array::from_fn(|i| match i {
+            _ if i < order.na => or(size(&s.y, i), y),
+            _ if i < order.parameters() => or(size(&s.u, i - order.na), u),
+            _ => 1.0,
+        });
+        Self { order, target: or(size(&s.y, 1), y), scale }
+    }
+
+    fn regressor(&self, s: &Signals, k: usize) -> [f32; PARAMETERS_MAX] {
+        let Order { na, nb, nk } = self.order;
+        let (y, u) = (differences(&s.y, k - 1, na), differences(&s.u, k - nk, nb));
+        let at = |i: usize| if i < na { y[i] } else { u[i - na] };
+        std::array::from_fn(|i| if i < na + nb { (at(i) / self.scale[i]) as f32 } else { 0.0 })
+    }
+
+    fn target(&self, s: &Signals, k: usize) -> f32 {
+        ((s.y[k] - s.y[k - 1]) / self.target) as f32
+    }
+
+    /// What `a1 .. aNA, b1 .. bNB` gain from a unit of each scaled parameter: `row` is the index of the coefficient.
+    fn row(&self, row: usize) -> [f64; PARAMETERS_MAX] {
+        let Order { na, .. } = self.order;
+        let (first, last, sign) = if row < na { (0, na, -1.0) } else { (na, self.order.parameters(), 1.0) };
+        std::array::from_fn(|i| match i {
+            _ if (first..last).contains(&i) => {
+                sign * weight_in_difference(i - first, row - first) * self.target / self.scale[i]
+            }
+            _ => 0.0,
+        })
+    }
+
+    /// Sum of some rows.
+    fn sum(&self, rows: Range<usize>) -> [f64; PARAMETERS_MAX] {
+        rows.map(|row| self.row(row)).fold([0.0; PARAMETERS_MAX], |s, r| std::array::from_fn(|i| s[i] + r[i]))
+    }
+
+    /// The ARX model that the estimator has found.
+    fn model(&self, state: &State) -> Model {
+        let theta = state.theta.map(f64::from);
+        let mut coefficients: Vec<f64> =
+            (0..self.order.parameters()).map(|i| dot(&self.row(i), &theta)).collect();
+        coefficients[0] -= 1.0; // y[k-1] of the target
+        let b = coefficients.split_off(self.order.na);
+        Model { order: self.order, a: coefficients, b }
+    }
+}
+
+fn dot(x: &[f64; PARAMETERS_MAX], y: &[f64; PARAMETERS_MAX]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
+
+/// How far off the results may be.
+struct Doubt<'a> {
+    rls: &'a Estimator,
+    state: &'a State,
+    lambda: f64,
+    /// Standard deviation of a scaled parameter whose variance P is 1, in units of y.
+    noise_sd: f64,
+    basis: &'a Basis,
+}
+
+impl Doubt<'_> {
+    /// Standard deviations of the parameters.
+    fn of_parameters(&self) -> Vec<Option<f64>> {
+        (0..self.basis.order.parameters()).map(|i| self.sd_along(&self.basis.row(i))).collect()
+    }
+
+    /// Static gain and its standard deviation: `A(1) dG = dB(1) - G dA(1)`; none where A(1) or B(1) is undetermined.
+    fn of_gain(&self, model: &Model) -> Option<Gain> {
+        let Order { na, .. } = self.basis.order;
+        let (a, b) = (self.basis.sum(0..na), self.basis.sum(na..self.basis.order.parameters()));
+        self.sd_along(&a).and(self.sd_along(&b))?;
+        let value = model.static_gain()?;
+        let slope = std::array::from_fn(|i| (b[i] - value * a[i]) / model.a_at_1());
+        Some(Gain { value, sd: self.sd_along(&slope)? })
+    }
+
+    /// Standard deviation of `g' theta`; `None` if the data do not determine it.
+    fn sd_along(&self, g: &[f64; PARAMETERS_MAX]) -> Option<f64> {
+        let length = dot(g, g).sqrt();
+        let variance = self.variance_along(&g.map(|x| x / length));
+        let told = (0.0..UNTOLD * f64::from(D_INITIAL)).contains(&variance);
+        told.then(|| length * variance.sqrt() * self.noise_sd / self.basis.target)
+    }
+
+    /// `g' P g`, by asking a copy of the estimator what it would make of a sample: from theta = 0, the regressor g and
+    /// the output 1 it learns `theta = P g / (lambda + g' P g)`.
+    fn variance_along(&self, g: &[f64; PARAMETERS_MAX]) -> f64 {
+        let mut copy = *self.state;
+        copy.theta = [0.0; PARAMETERS_MAX];
+        self.rls.step(&mut copy, &g.map(|x| x as f32), 1.0);
+        let learnt = dot(&copy.theta.map(f64::from), g);
+        self.lambda * learnt / (1.0 - learnt)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    use super::super::model::mean;
+    use super::*;
+
+    /// Double-precision batch least squares by Householder reflections, sharing no code with the estimator.
+    struct Batch {
+        theta: Vec<f64>,
+        noise_variance: f64,
+        /// Inverse of R in `Phi = Q R`.
+        r_inverse: Vec<Vec<f64>>,
+    }
+
+    /// Minimises `sum lambda^age (y - phi' theta)^2`.
+    fn batch(s: &Signals, order: Order, lambda: f64) -> Batch {
+        let Order { na, nb, nk } = order;
+        let (n, last) = (na + nb, s.y.len() - 1);
+        let mut m: Vec<Vec<f64>> = (na.max(nb + nk - 1)..=last)
+            .map(|k| {
+                let w = lambda.powi((last - k) as i32).sqrt();
+                let outputs = (1..=na).map(|i| -s.y[k - i] * w);
+                outputs.chain((0..nb).map(|i| s.u[k - nk - i] * w)).chain([s.y[k] * w]).collect()
+            })
+            .collect();
+        for c in 0..n {
+            let norm = m[c..].iter().map(|row| row[c] * row[c]).sum::<f64>().sqrt();
+            let alpha = if m[c][c] > 0.0 { -norm } else { norm };
+            let mut v: Vec<f64> = m[c..].iter().map(|row| row[c]).collect();
+            v[0] -= alpha;
+            let vv: f64 = v.iter().map(|x| x * x).sum();
+            for j in c..=n {
+                let dot: f64 = m[c..].iter().zip(&v).map(|(row, x)| row[j] * x).sum();
+                m[c..].iter_mut().zip(&v).for_each(|(row, x)| row[j] -= 2.0 * dot / vv * x);
+            }
+        }
+        let solve = |rhs: &dyn Fn(usize) -> f64| {
+            let mut x = vec![0.0; n];
+            for i in (0..n).rev() {
+                let rest: f64 = (i + 1..n).map(|j| m[i][j] * x[j]).sum();
+                x[i] = (rhs(i) - rest) / m[i][i];
+            }
+            x
+        };
+        let weights: Vec<f64> = (0..m.len()).map(|age| lambda.powi(age as i32)).collect();
+        let (sum, squares) = (weights.iter().sum::<f64>(), weights.iter().map(|w| w * w).sum::<f64>());
+        let error: f64 = m[n..].iter().map(|row| row[n] * row[n]).sum();
+        Batch {
+            theta: solve(&|i| m[i][n]),
+            noise_variance: error / (sum - squares / sum * n as f64),
+            r_inverse: (0..n).map(|column| solve(&|i| f64::from(u8::from(i == column)))).collect(),
+        }
+    }
+
+    impl Batch {
+        /// Standard deviation of `g' theta` with all weights one.
+        fn sd(&self, g: &[f64]) -> f64 {
+            let along = |column: &Vec<f64>| column.iter().zip(g).map(|(r, g)| r * g).sum::<f64>();
+            (self.noise_variance * self.r_inverse.iter().map(|c| along(c).powi(2)).sum::<f64>()).sqrt()
+        }
+
+        fn gain(&self, na: usize) -> Gain {
+            let a1 = 1.0 + self.theta[..na].iter().sum::<f64>();
+            let value = self.theta[na..].iter().sum::<f64>() / a1;
+            let slope = |i| if i < na { -value / a1 } else { 1.0 / a1 };
+            let direction: Vec<f64> = (0..self.theta.len()).map(slope).collect();
+            Gain { value, sd: self.sd(&direction) }
+        }
+    }
+
+    /// A plant with the poles `poles`, driven by a random binary input, with white equation noise.
+    struct Plant<'a> {
+        poles: &'a [f64],
+        b: &'a [f64],
+        nk: usize,
+        noise: f64,
+        /// Added to u and y after the fact.
+        offset: (f64, f64),
+    }
+
+    impl Plant<'_> {
+        fn a(&self) -> Vec<f64> {
+            let mut p = vec![1.0];
+            for pole in self.poles {
+                p.push(0.0);
+                for i in (1..p.len()).rev() {
+                    p[i] -= p[i - 1] * pole;
+                }
+            }
+            p[1..].to_vec()
+        }
+
+        fn order(&self) -> Order {
+            Order { na: self.poles.len(), nb: self.b.len(), nk: self.nk }
+        }
+
+        fn record(&self, rows: usize, seed: u64) -> Signals {
+            let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+            let a = self.a();
+            let (mut u, mut y) = (Vec::with_capacity(rows), Vec::with_capacity(rows));
+            let mut level = 40.0;
+            for k in 0..rows {
+                if rng.random_bool(0.2) {
+                    level = 80.0 - level + if level == 40.0 { 20.0 } else { 0.0 };
+                }
+                let past = |x: &Vec<f64>, lag: usize| k.checked_sub(lag).map_or(0.0, |i| x[i]);
+                let inputs: f64 = (0..).zip(self.b).map(|(i, b)| b * past(&u, self.nk + i)).sum();
+                let outputs: f64 = (1..).zip(&a).map(|(i, a)| a * past(&y, i)).sum();
+                y.push(inputs - outputs + self.noise * rng.sample::<f64, _>(StandardNormal));
+                u.push(level);
+            }
+            Signals { u, y }.minus(-self.offset.0, -self.offset.1)
+        }
+    }
+
+    const LAG: Plant = Plant { poles: &[0.9], b: &[0.03], nk: 1, noise: 0.1, offset: (0.0, 0.0) };
+    const SECOND: Plant = Plant { poles: &[0.99, 0.9], b: &[0.01, 0.005], nk: 3, ..LAG };
+    const THIRD: Plant = Plant { poles: &[0.99, 0.95, 0.5], b: &[0.01, 0.02, -0.005], nk: 2, ..LAG };
+    const EIGHTH: Plant = Plant {
+        poles: &[0.9, 0.8, 0.7, 0.6, 0.5, 0.2, -0.3, -0.5],
+        b: &[0.1, 0.05, 0.02, -0.01, 0.03, 0.02, 0.01, -0.02],
+        ..LAG
+    };
+
+    fn values(e: &Estimate) -> Vec<f64> {
+        e.model.a.iter().chain(&e.model.b).copied().collect()
+    }
+
+    /// Parameters within 1e-3 of themselves or a hundredth of their standard deviation, deviations within 1 %.
+    fn assert_agrees(s: &Signals, order: Order) {
+        let (e, expected) = (estimate(s, order, 1.0).unwrap(), batch(s, order, 1.0));
+        for (i, value) in values(&e).into_iter().enumerate() {
+            let mut unit = vec![0.0; order.parameters()];
+            unit[i] = 1.0;
+            let (exact, sd) = (expected.theta[i], expected.sd(&unit));
+            let off = (value - exact).abs();
+            assert!(
+                off < 1e-3 * exact.abs() || off < 0.01 * sd,
+                "{order:?} {i}: {value}, expected {exact} +- {sd}"
+            );
+            let found = e.sd[i].unwrap();
+            assert!((found / sd - 1.0).abs() < 0.01, "{order:?} {i}: sd {found}, expected {sd}");
+        }
+        let (found, exact) = (e.static_gain.unwrap(), expected.gain(order.na));
+        assert!(
+            (found.value - exact.value).abs() < 1e-3 * exact.value.abs(),
+            "{found:?}, expected {exact:?}"
+        );
+        assert!((found.sd / exact.sd - 1.0).abs() < 0.01, "{found:?}, expected {exact:?}");
+        assert!((e.noise_variance / expected.noise_variance - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn agrees_with_batch_least_squares_in_double_precision() {
+        for noise in [0.01, 0.1, 1.0] {
+            for offset in [(0.0, 0.0), (-10.0, 25.0)] {
+                for plant in [LAG, SECOND, THIRD] {
+                    let plant = Plant { noise, offset, ..plant };
+                    for rows in [300, 3000] {
+                        assert_agrees(&plant.record(rows, 7), plant.order());
+                    }
+                }
+            }
+        }
+        assert_agrees(&EIGHTH.record(3000, 7), EIGHTH.order());
+    }
+
+    #[test]
+    fn agrees_without_means_too() {
+        for plant in [LAG, SECOND, THIRD] {
+            let s = Plant { offset: (0.0, 200.0), ..plant }.record(2000, 3);
+            assert_agrees(&s.minus(mean(&s.u), mean(&s.y)), plant.order());
+        }
+    }
+
+    #[test]
+    fn forgetting_is_weighted_least_squares() {
+        for lambda in [0.9, 0.98] {
+            let s = THIRD.record(1000, 5);
+            let (e, expected) =
+                (estimate(&s, THIRD.order(), lambda).unwrap(), batch(&s, THIRD.order(), lambda));
+            for (value, exact) in values(&e).iter().zip(&expected.theta) {
+                assert!(
+                    (value - exact).abs() < 1e-3 * exact.abs(),
+                    "lambda {lambda}: {value}, expected {exact}"
+                );
+            }
+            assert!((e.noise_variance / expected.noise_variance - 1.0).abs() < 1e-3);
+        }
+    }
+
+    /// What a standard deviation promises: over many recordings, the estimates scatter by it.
+    #[test]
+    fn standard_deviations_are_those_of_repeated_experiments() {
+        for lambda in [1.0, 0.95] {
+            let estimates: Vec<Estimate> =
+                (0..200).map(|seed| estimate(&LAG.record(400, seed), LAG.order(), lambda).unwrap()).collect();
+            let scatter = |x: &dyn Fn(&Estimate) -> f64| {
+                let x: Vec<f64> = estimates.iter().map(x).collect();
+                let average = mean(&x);
+                rms(&x.iter().map(|x| x - average).collect::<Vec<_>>())
+            };
+            let typical = |sd: &dyn Fn(&Estimate) -> f64| rms(&estimates.iter().map(sd).collect::<Vec<_>>());
+            let parameter = scatter(&|e| e.model.a[0]) / typical(&|e| e.sd[0].unwrap());
+            let gain = scatter(&|e| e.static_gain.unwrap().value) / typical(&|e| e.static_gain.unwrap().sd);
+            for ratio in [parameter, gain] {
+                assert!((0.8..1.25).contains(&ratio), "lambda {lambda}: {parameter} {gain}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_the_data_leave_open_is_undetermined_and_what_they_tell_is_not() {
+        let mut s = LAG.record(500, 1);
+        s.u.fill(100.0);
+        let e = estimate(&s, Order { na: 1, nb: 2, nk: 1 }, 1.0).unwrap();
+        assert!(e.sd[0].is_some() && e.sd[1].is_none() && e.sd[2].is_none(), "{:?}", e.sd);
+        assert!(e.static_gain.is_some()); // B(1) is told, though b1 and b2 are not
+        let e = estimate(&s.minus(100.0, mean(&s.y)), LAG.order(), 1.0).unwrap();
+        assert!(e.sd[0].is_some() && e.sd[1].is_none() && e.static_gain.is_none());
+    }
+
+    #[test]
+    fn a_feedback_without_delay_leaves_the_plant_open() {
+        let mut s = LAG.record(500, 1);
+        s.u = s.y.iter().map(|y| -0.7 * y).collect();
+        let e = estimate(&s, LAG.order(), 1.0).unwrap();
+        assert_eq!((&e.sd[..], e.static_gain), (&[None, None][..], None));
+    }
+
+    #[test]
+    fn differences_are_weighted_sums_of_lags() {
+        let x = [5.0, -1.0, 4.0, 2.5, 7.0];
+        let expected: Vec<f64> =
+            (0..4).map(|i| (0..=i).map(|j| weight_in_difference(i, j) * x[4 - j]).sum()).collect();
+        assert_eq!(differences(&x, 4, 4)[..4], expected);
+        assert_eq!(expected[..3], [7.0, 4.5, 6.0]);
+    }
+
+    #[test]
+    fn too_little_is_refused() {
+        let s = LAG.record(4, 1);
+        let error = |rows: usize, lambda| {
+            let s = Signals { u: s.u[..rows].to_vec(), y: s.y[..rows].to_vec() };
+            estimate(&s, LAG.order(), lambda).err().map(|e| e.to_string())
+        };
+        assert_eq!(error(3, 1.0).unwrap(), "3 rows are too few: 2 parameters need at least 4");
+        assert_eq!(error(4, 1.0), None);
+    }
+}

@@ -1,0 +1,324 @@
+//! `host-sim identify`: the core's identification on a recorded file.
+
+pub mod estimate;
+pub mod findings;
+pub mod model;
+pub mod poles;
+pub mod report;
+pub mod table;
+pub mod warning;
+
+use std::io::Write;
+use std::ops::Range;
+use std::path::PathBuf;
+
+use anyhow::ensure;
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use estimate::estimate;
+use findings::{Findings, Fits};
+use model::{Model, Order, Signals, mean};
+use report::{Question, Report, Validation};
+use table::Table;
+use warning::{Warning, warnings};
+
+/// Identify an ARX model from a recorded file, with the estimator that runs on the board.
+///
+/// The model is y[k] + a1 y[k-1] + .. + aNA y[k-NA] = b1 u[k-NK] + .. + bNB u[k-NK-NB+1] + e[k]. Its parameters are
+/// found by recursive least squares in single precision; static gain, bandwidth and poles are read off them. The fit is
+/// 100 % (1 - |y - model| / |y - mean(y)|), one step ahead and simulated from the input alone. Nearly any model fits a
+/// slow process one step ahead; believe the simulated fit, on rows that were not used to estimate.
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  host-sim identify out/trace.csv --u pa_pct --y t2_c --order 3,3,1 --ts 0.2 --detrend mean
+  host-sim identify step.txt --u 2 --y 3 --order 1,1,1 --ts 1 --to 600 --validate 600:1000 --json
+
+The file holds one sample a row, at equal times, separated by commas, semicolons, tabs or blanks. Lines that start with
+# are skipped. Rows are counted from 0, the header, empty and skipped lines not included; a range includes its first row
+and not its last: --from 0 --to 600 is the first 600 rows.")]
+pub struct IdentifyArgs {
+    /// The recording.
+    pub file: PathBuf,
+    /// Input: name of a column in the header, or its number from 1. A name wins.
+    #[arg(long, value_name = "COL")]
+    pub u: String,
+    /// Output: name of a column in the header, or its number from 1. A name wins.
+    #[arg(long, value_name = "COL")]
+    pub y: String,
+    /// Orders: past outputs (1 to 8), inputs (1 to 8), delay in samples (1 to 100).
+    #[arg(long, value_name = "NA,NB,NK")]
+    pub order: Order,
+    /// Sample time in s.
+    #[arg(long, value_name = "S", value_parser = sample_time)]
+    pub ts: f64,
+    /// Forgetting factor, 0.5 to 1. 1: all rows weigh the same, for a process that does not change. Less: a row n
+    /// samples before the last weighs lambda^n, and the model is that of the last 1 / (1 - lambda) rows or so.
+    #[arg(long, value_name = "L", default_value_t = 1.0, value_parser = forgetting_factor)]
+    pub lambda: f64,
+    /// What to remove from u and y beforehand. none: right if y is zero when u is (a rise above the surroundings), as
+    /// on the board; any other offset falsifies the gain. mean: for small movements about an operating point; the gain
+    /// is then that of the movements, and an input that never moves has none.
+    #[arg(long, value_enum, default_value_t = Detrend::None)]
+    pub detrend: Detrend,
+    /// First row to estimate from.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub from: usize,
+    /// First row not to estimate from [default: behind the last]
+    #[arg(long, value_name = "M")]
+    pub to: Option<usize>,
+    /// Rows to test the model on, first:behind the last; means are those of the estimation.
+    #[arg(long, value_name = "N:M", value_parser = row_range)]
+    pub validate: Option<Range<usize>>,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What is removed from both signals before the estimation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Detrend {
+    /// Nothing.
+    #[default]
+    None,
+    /// The means over the estimation range.
+    Mean,
+}
+
+impl Detrend {
+    /// What to take off u and y.
+    fn offsets(self, s: &Signals) -> (f64, f64) {
+        match self {
+            Self::None => (0.0, 0.0),
+            Self::Mean => (mean(&s.u), mean(&s.y)),
+        }
+    }
+}
+
+fn sample_time(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|s: &f64| *s > 0.0 && s.is_finite());
+    seconds.ok_or_else(|| "expected a number of seconds above 0".into())
+}
+
+fn forgetting_factor(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|l| (0.5..=1.0).contains(l))
+        .ok_or_else(|| "expected a number from 0.5 to 1".into())
+}
+
+fn row_range(text: &str) -> Result<Range<usize>, String> {
+    let range = text.split_once(':').and_then(|(n, m)| Some(n.trim().parse().ok()?..m.trim().parse().ok()?));
+    range.filter(|r| r.start < r.end).ok_or_else(|| "expected two row numbers N:M with N < M".into())
+}
+
+/// Runs `host-sim identify`: prints the report to standard output.
+///
+/// # Errors
+/// What is wrong in the file or the arguments, by name.
+pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
+    let report = identify(args, &Table::read(&args.file)?)?;
+    let text = if args.json { serde_json::to_string_pretty(&report)? + "\n" } else { report.to_string() };
+    Ok(std::io::stdout().write_all(text.as_bytes())?)
+}
+
+/// Identifies a model from `table`, judges it and tests it.
+///
+/// # Errors
+/// What is wrong in the table or the arguments, by name.
+pub fn identify(args: &IdentifyArgs, table: &Table) -> anyhow::Result<Report> {
+    let columns = (table.column(&args.u)?, table.column(&args.y)?);
+    let range = args.from..args.to.unwrap_or(table.rows());
+    let recorded = signals(table, columns, &range)?;
+    let (u_offset, y_offset) = args.detrend.offsets(&recorded);
+    let used = recorded.minus(u_offset, y_offset);
+    let estimate = estimate(&used, args.order, args.lambda)?;
+
+    let mut doubts = warnings(&recorded, &estimate);
+    let mut validation = None;
+    if let Some(rows) = &args.validate {
+        let unseen = signals(table, columns, rows)?.minus(u_offset, y_offset);
+        validation = Some(validate(&estimate.model, &unseen, rows)?);
+        if rows.start < range.end && range.start < rows.end {
+            doubts.push(Warning::ValidationOverlaps);
+        }
+    }
+    Ok(Report {
+        question: question(args, table, columns, &range),
+        findings: Findings::new(&estimate, args.ts),
+        fits: Fits::new(&estimate.model, &used),
+        initial_state: initial_state(args.order),
+        validation,
+        warnings: doubts,
+    })
+}
+
+/// The columns u and y in `rows`.
+fn signals(table: &Table, (u, y): (usize, usize), rows: &Range<usize>) -> anyhow::Result<Signals> {
+    Ok(Signals { u: table.values(u, rows.clone())?, y: table.values(y, rows.clone())? })
+}
+
+fn validate(model: &Model, unseen: &Signals, rows: &Range<usize>) -> anyhow::Result<Validation> {
+    let least = model.order.memory() + 2;
+    ensure!(rows.len() >= least, "--validate: {} rows are too few, expected {least} or more", rows.len());
+    Ok(Validation { from: rows.start, to: rows.end, fits: Fits::new(model, unseen) })
+}
+
+fn question(args: &IdentifyArgs, table: &Table, (u, y): (usize, usize), range: &Range<usize>) -> Question {
+    Question {
+        file: args.file.display().to_string(),
+        rows: table.rows(),
+        from: range.start,
+        to: range.end,
+        u: table.name(u),
+        y: table.name(y),
+        order: args.order,
+        ts_s: args.ts,
+        lambda: args.lambda,
+        detrend: args.detrend,
+    }
+}
+
+fn initial_state(order: Order) -> String {
+    match order.memory() {
+        1 => "from the first measured row of the range".into(),
+        n => format!("from the first {n} measured rows of the range"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        args: IdentifyArgs,
+    }
+
+    fn args(options: &str) -> IdentifyArgs {
+        let line = format!("x f --u u --y y --ts 0.5 {options}");
+        Cli::try_parse_from(line.split_whitespace()).unwrap().args
+    }
+
+    /// y[k] = 0.9 y[k-1] + 0.2 u[k-1] exactly, u a square wave; from row 60 on, y is twice that.
+    fn table() -> Table {
+        let (mut text, mut y) = ("u,y\n".to_owned(), 0.0);
+        for k in 0..100 {
+            let u = if (k / 8_u32).is_multiple_of(2) { 1.0 } else { 3.0 };
+            let gain = if k < 60 { 1.0 } else { 2.0 };
+            text += &format!("{u},{}\n", gain * y);
+            y = 0.9 * y + 0.2 * u;
+        }
+        Table::parse("f".into(), &text).unwrap()
+    }
+
+    fn error(options: &str) -> String {
+        identify(&args(options), &table()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn finds_an_exact_model_and_says_so() {
+        let report = identify(&args("--order 1,1,1 --to 60"), &table()).unwrap();
+        let close = |x: f64, expected: f64| assert!((x - expected).abs() < 1e-5, "{x}, expected {expected}");
+        close(report.findings.parameters[0].value, -0.9);
+        close(report.findings.parameters[1].value, 0.2);
+        close(report.findings.static_gain.unwrap().value, 2.0);
+        close(report.fits.simulated_fit_pct.unwrap(), 100.0);
+        assert_eq!(report.warnings, []);
+        assert_eq!(report.initial_state, "from the first measured row of the range");
+    }
+
+    #[test]
+    fn a_range_is_all_that_counts_and_validation_sees_what_lies_beyond() {
+        let report = identify(&args("--order 1,1,1 --to 60 --validate 61:100"), &table()).unwrap();
+        let validation = report.validation.unwrap();
+        assert_eq!((validation.from, validation.to), (61, 100));
+        assert!(validation.fits.simulated_fit_pct.unwrap() < 50.0, "{validation:?}");
+        let second = identify(&args("--order 1,1,1 --from 61 --validate 50:70"), &table()).unwrap();
+        assert!((second.findings.static_gain.unwrap().value - 4.0).abs() < 1e-4);
+        assert_eq!(second.warnings, [Warning::ValidationOverlaps]);
+    }
+
+    #[test]
+    fn forgetting_follows_a_change() {
+        let gain = |options: &str| {
+            let report = identify(&args(options), &table()).unwrap();
+            report.findings.static_gain.unwrap().value
+        };
+        assert!((gain("--order 1,1,1 --lambda 0.6") - 4.0).abs() < 1e-3);
+        assert!((gain("--order 1,1,1") - 4.0).abs() > 0.1);
+    }
+
+    #[test]
+    fn means_are_removed_on_request() {
+        let report = identify(&args("--order 1,1,1 --from 20 --to 60 --detrend mean"), &table()).unwrap();
+        assert!((report.findings.static_gain.unwrap().value - 2.0).abs() < 0.05);
+        assert!(report.to_string().contains("means removed"));
+    }
+
+    #[test]
+    fn json_is_one_flat_object_with_nulls_where_nothing_is() {
+        let report = identify(&args("--order 2,1,1 --to 60"), &table()).unwrap();
+        let json: serde_json::Value = serde_json::to_value(&report).unwrap();
+        let keys: Vec<&String> = json.as_object().unwrap().keys().collect();
+        for key in [
+            "file",
+            "rows",
+            "from",
+            "to",
+            "order",
+            "ts_s",
+            "lambda",
+            "detrend",
+            "parameters",
+            "noise_variance",
+            "static_gain",
+            "bandwidth_rad_s",
+            "bandwidth_reason",
+            "residence_time_s",
+            "stable",
+            "poles",
+            "one_step_fit_pct",
+            "simulated_fit_pct",
+            "initial_state",
+            "validation",
+            "warnings",
+        ] {
+            assert!(keys.iter().any(|k| *k == key), "{key} is missing in {keys:?}");
+        }
+        assert_eq!(json["order"], serde_json::json!({"na": 2, "nb": 1, "nk": 1}));
+        assert_eq!((&json["rows"], &json["to"]), (&100.into(), &60.into()));
+        assert!(json["validation"].is_null());
+    }
+
+    #[test]
+    fn what_cannot_be_done_is_refused_by_name() {
+        assert!(error("--order 1,1,1 --to 101").contains("<= 100, the number of data rows"));
+        assert!(error("--order 1,1,1 --from 50 --to 50").contains("rows 50:50 of f"));
+        assert!(
+            error("--order 8,8,100 --to 60").contains("60 rows are too few: 16 parameters need at least 124")
+        );
+        assert!(error("--order 1,1,1 --to 60 --validate 60:62").contains("--validate: 2 rows are too few"));
+        assert!(error("--order 8,8,1 --lambda 0.5").contains("raise --lambda"));
+    }
+
+    #[test]
+    fn bad_options_are_refused() {
+        for bad in [
+            "--order 1,1",
+            "--order 1,1,1 --lambda 0.4",
+            "--order 1,1,1 --lambda nan",
+            "--order 1,1,1 --validate 5:5",
+        ] {
+            let line = format!("x f --u u --y y --ts 0.5 {bad}");
+            assert!(Cli::try_parse_from(line.split_whitespace()).is_err(), "{bad}");
+        }
+        for bad in ["0", "-1", "inf", "x"] {
+            assert!(sample_time(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! The tables of the page, and the words for what happened.
+
+use fdi_core::TripReason;
+
+use super::numbers::{NOTHING, escape, maybe, significant, written};
+use crate::experiment::Record;
+use crate::fault::{Fault, Verb};
+use crate::rig::Wander;
+use crate::summary::{FaultSummary, Normal, Score, Summary};
+use crate::table::PAPER;
+
+/// How each fault was seen, by the low-passed residuals and by the raw ones.
+pub(super) fn faults(record: &Record, summary: &Summary) -> String {
+    if record.faults.is_empty() {
+        return String::new();
+    }
+    let rows = |score: fn(&FaultSummary) -> &Score| {
+        let pairs = record.faults.iter().zip(&summary.faults);
+        pairs.map(move |(fault, seen)| fault_row(record, fault, seen, score(seen)))
+    };
+    let head = "<th>Fault</th><th>Onset<br>s</th><th>Detected at<br>(delay), s</th><th>Isolated at<br>(delay), s</th>\
+                <th>Lasted<br>s</th><th>Indicated<br>s</th><th>Pieces</th><th>Isolated for<br>% of the fault</th>";
+    let head_with_paper = format!("{head}<th>Paper: delay<br>s</th><th>Paper: indicated<br>s</th>");
+    let beside_paper =
+        rows(|f| &f.signature).zip(&summary.faults).map(|(row, f)| [row, paper_cells(f)].concat());
+    [
+        "<h2>How each fault was seen</h2>\n",
+        &html_table(
+            "By the low-passed residuals, which is what the instrument goes by.",
+            &head_with_paper,
+            beside_paper.collect(),
+        ),
+        &html_table("By the raw residuals, for comparison.", head, rows(|f| &f.signature_raw).collect()),
+    ]
+    .concat()
+}
+
+/// What the paper reports of a fault of this name.
+fn paper_cells(fault: &FaultSummary) -> Vec<String> {
+    let paper = PAPER.iter().find(|(name, ..)| *name == fault.name);
+    vec![maybe(paper.map(|p| p.1), 1), maybe(paper.map(|p| p.2), 2)]
+}
+
+fn fault_row(record: &Record, fault: &Fault, seen: &FaultSummary, score: &Score) -> Vec<String> {
+    let expected = fault.expected();
+    let never = |answer: Option<u8>, word: &str| {
+        let reached = record.rows.last().is_some_and(|row| record.time(row.tick.index) >= fault.at);
+        let why = match answer {
+            _ if !reached => "after the end".to_owned(),
+            None => "not in the tables".to_owned(),
+            Some(_) => format!("<span class='miss'>not {word}</span>"),
+        };
+        format!("{NOTHING} {why}")
+    };
+    let moment = |at: Option<f64>, delay: Option<f64>| Some(format!("{:.2} ({:.2})", at?, delay?));
+    let detected = moment(score.detected_s, score.detection_delay_s);
+    let isolated = moment(score.isolated_s, score.isolation_delay_s);
+    vec![
+        escape(&seen.name),
+        written(seen.onset_s),
+        detected.unwrap_or_else(|| never(expected.fdv, "detected")),
+        isolated.unwrap_or_else(|| never(expected.fiv, "isolated")),
+        written(seen.duration_s),
+        maybe(score.indicated_duration_s, 3),
+        score.segments.map_or_else(|| NOTHING.into(), |n| n.to_string()),
+        maybe(score.isolated_share.map(|share| 100.0 * share), 2),
+    ]
+}
+
+/// Alarms with no fault behind them.
+pub(super) fn false_alarms(summary: &Summary) -> String {
+    let f = &summary.false_alarms;
+    let row =
+        |name: &str, low_passed: u32, raw: u32| vec![name.into(), low_passed.to_string(), raw.to_string()];
+    let rows = vec![row("Detection, fdv", f.fdv, f.fdv_raw), row("Isolation, fiv", f.fiv, f.fiv_raw)];
+    let caption = "Times that a vector left zero outside every fault and the 15 s after it.";
+    format!(
+        "<h2>False alarms</h2>\n{}",
+        html_table(caption, "<th>Vector</th><th>Low-passed</th><th>Raw</th>", rows)
+    )
+}
+
+/// What is normal, as it was learnt.
+pub(super) fn baseline(record: &Record, summary: &Summary) -> String {
+    let Some(b) = &summary.baseline else { return String::new() };
+    let features = [
+        ("Power Pa (rAP), %", b.rap),
+        ("y1 \u{2212} y2 (ry12), °C", b.ry12),
+        ("Static gain of MS1 (rsg1), °C per %", b.rsg1),
+        ("Static gain of MS2 (rsg2), °C per %", b.rsg2),
+        ("Bandwidth of MS1 (rbw1), rad/s", b.rbw1),
+    ];
+    let k = record.sigma_factor;
+    let rows = features.into_iter().map(|(name, normal)| baseline_row(name, &normal, k)).collect();
+    let samples = record.baseline.map_or(0, |b| b.samples);
+    let caption = format!(
+        "Learnt from {samples} samples ({} s). A threshold lies {} standard deviations from the mean.",
+        significant(f64::from(samples) * record.sample_time, 3),
+        written(k)
+    );
+    let head = "<th>Feature (residual)</th><th>Mean</th><th>&sigma;</th><th>Thresholds</th><th>Low-passed:<br>mean</th>\
+                <th>Low-passed:<br>&sigma;</th><th>Low-passed:<br>thresholds</th>";
+    format!("<h2>What is normal</h2>\n{}", html_table(&caption, head, rows))
+}
+
+fn baseline_row(name: &str, normal: &Normal, sigma_factor: f64) -> Vec<String> {
+    let thresholds = |mean: f64, sigma: f64| {
+        let reach = sigma_factor * sigma;
+        format!("{} to {}", significant(mean - reach, 4), significant(mean + reach, 4))
+    };
+    vec![
+        name.into(),
+        significant(normal.mean, 4),
+        significant(normal.sigma, 3),
+        thresholds(normal.mean, normal.sigma),
+        significant(normal.mean_f, 4),
+        significant(normal.sigma_f, 3),
+        thresholds(normal.mean_f, normal.sigma_f),
+    ]
+}
+
+/// `caption` and `head` are HTML, and so are the cells.
+fn html_table(caption: &str, head: &str, rows: Vec<Vec<String>>) -> String {
+    let row = |cells: Vec<String>| format!("<tr><td>{}</td></tr>\n", cells.join("</td><td>"));
+    let rows: String = rows.into_iter().map(row).collect();
+    format!(
+        "<div class='wide'><table>\n<caption>{caption}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n\
+         </table></div>\n"
+    )
+}
+
+/// What a fault does, in words.
+pub(super) fn what_happens(fault: &Fault) -> String {
+    let sensor = fault.sensor.map_or_else(String::new, |s| format!("{s:?}"));
+    let size = written(fault.size.unwrap_or_default());
+    let what = match fault.verb {
+        Verb::Offset => format!("{sensor} reads {size} °C too high"),
+        Verb::Drift => format!("{sensor} drifts by {size} °C a minute"),
+        Verb::Clog => {
+            let lag = fault.lag.map_or_else(String::new, |lag| format!(" with a lag of {} s", written(lag)));
+            format!("{sensor} clogged: it sees {size} of the rise{lag}")
+        }
+        Verb::Open => format!("wire of {sensor} broken"),
+        Verb::Short => format!("{sensor} shorted"),
+        Verb::Stuck => format!("{sensor} stuck"),
+        Verb::Spike => format!("one sample of {sensor} is {size} °C off"),
+        Verb::Missing => format!("samples of {sensor} missing with probability {size}"),
+        Verb::AirFlow => format!("air flow {size} times the nominal one"),
+        Verb::HeaterPower => format!("heater gives {size} times the power asked for"),
+        Verb::HeaterStuck => format!("heater stuck at {size} %"),
+        Verb::Room => format!("room {size} °C warmer"),
+    };
+    format!("{what}, from {} s for {} s", written(fault.at), written(fault.duration))
+}
+
+/// How the surroundings moved, in words.
+pub(super) fn surroundings(wander: Wander) -> &'static str {
+    match wander {
+        Wander::None => "still",
+        Wander::Calm => "calm (slow room drift)",
+        Wander::Lively => "lively (room drift, wandering air flow and mains)",
+    }
+}
+
+/// Why the instrument switched off, in words.
+pub(super) fn trip_reason(reason: TripReason) -> &'static str {
+    match reason {
+        TripReason::T1Open => "T1 reads as a broken wire",
+        TripReason::T1Short => "T1 reads as a short circuit",
+        TripReason::T1OutOfRange => "T1 reads a temperature that the rig cannot have",
+        TripReason::T1Lost => "T1 gave no valid sample for too long",
+        TripReason::T1Stuck => "T1 did not move although the heater did",
+        TripReason::T1OverTemperature => "T1 above the limit",
+        TripReason::T2OverTemperature => "T2 above the limit",
+    }
+}

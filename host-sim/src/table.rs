@@ -1,0 +1,100 @@
+//! The table that a run prints.
+
+use std::fmt::Write;
+
+use crate::experiment::Record;
+use crate::summary::{FaultSummary, Score, Summary};
+
+/// The paper's own figures: fault, detection delay, indicated duration (sections 4.3 and 4.4).
+pub const PAPER: [(&str, f64, f64); 3] = [("AFS2", 2.0, 27.0), ("MFS1", 2.0, 14.0), ("MFP", 2.0, 27.0)];
+
+/// Largest control error that the paper reports, % of the set-point (section 4.1).
+pub const PAPER_CONTROL_ERROR: f64 = 4.3;
+
+/// The whole table, with a line end.
+pub fn of_run(record: &Record, summary: &Summary) -> String {
+    let mut text = String::new();
+    let s = summary;
+    let duration = record.rows.len() as f64 * s.ts_s;
+    let _ = writeln!(
+        text,
+        "PT-326 fault diagnosis: {duration:.0} s on the simulated rig, seed {}, wander {}",
+        s.seed, s.wander
+    );
+    let _ = writeln!(text);
+    faults(&mut text, &s.faults);
+    let _ = writeln!(text);
+    let _ = writeln!(
+        text,
+        "Largest control error  {:.2} % of the set-point ({:.2} degC)   paper {PAPER_CONTROL_ERROR} %",
+        s.control_error_max_pct, s.control_error_max_c
+    );
+    let f = &s.false_alarms;
+    let _ = writeln!(
+        text,
+        "False alarms           fdv {}, fiv {} (low-passed)   fdv {}, fiv {} (raw)",
+        f.fdv, f.fiv, f.fdv_raw, f.fiv_raw
+    );
+    if s.baseline.is_none() {
+        let _ = writeln!(text, "No baseline learnt     {}", why_not_learnt(record));
+    }
+    for trip in &s.trips {
+        let _ = writeln!(
+            text,
+            "TRIPPED                at {:.2} s: {:?}, T1 {:.1} degC, T2 {:.1} degC; heater off from there on",
+            trip.t_s, trip.reason, trip.t1_c, trip.t2_c
+        );
+    }
+    for (t, reason) in &record.refused {
+        let _ = writeln!(text, "Refused                at {t:.2} s: {reason}");
+    }
+    let _ =
+        writeln!(text, "Speed                  {:.0} times real time, rig and instrument", s.realtime_factor);
+    text
+}
+
+/// One line a fault and form, the paper's own beside it.
+fn faults(text: &mut String, faults: &[FaultSummary]) {
+    if faults.is_empty() {
+        let _ = writeln!(text, "No faults in this scenario.");
+        return;
+    }
+    let _ = writeln!(
+        text,
+        "Fault             onset      detected at (delay)    isolated at (delay)    indicated / true   paper"
+    );
+    for fault in faults {
+        let paper = PAPER.iter().find(|(name, ..)| *name == fault.name);
+        let paper = paper.map_or(String::from("-"), |(_, delay, span)| format!("{delay} s, {span} s"));
+        line(text, &fault.name, fault, &fault.signature, &paper);
+        line(text, "  raw residuals", fault, &fault.signature_raw, "");
+    }
+}
+
+fn line(text: &mut String, name: &str, fault: &FaultSummary, score: &Score, paper: &str) {
+    let detected = moment(score.detected_s, score.detection_delay_s);
+    let isolated = moment(score.isolated_s, score.isolation_delay_s);
+    let indicated = score.indicated_duration_s.map_or("-".into(), |d| format!("{d:.1}"));
+    let _ = writeln!(
+        text,
+        "{name:<15} {:>7.1} s   {detected:<20}   {isolated:<20}   {indicated:>6} / {:<5.1} s   {paper}",
+        fault.onset_s, fault.duration_s
+    );
+}
+
+fn moment(at: Option<f64>, delay: Option<f64>) -> String {
+    match (at, delay) {
+        (Some(at), Some(delay)) => format!("{at:.2} s ({delay:.2} s)"),
+        _ => "never".into(),
+    }
+}
+
+/// The last thing that kept the instrument from learning.
+fn why_not_learnt(record: &Record) -> String {
+    let last = record.rows.iter().rev().find_map(|row| row.tick.blocked);
+    let mode = record.rows.last().map_or("off", |row| row.tick.mode.name());
+    match last {
+        Some(blocker) => format!("mode {mode} at the end; learning was refused: {blocker:?}"),
+        None => format!("mode {mode} at the end; the run is shorter than the learning window"),
+    }
+}

@@ -1,0 +1,207 @@
+//! Modes, commands, trips and events, without a rig: codes made by hand.
+
+use fdi_core::diagnosis::event::{Event, EventRules, EventState};
+use fdi_core::diagnosis::signature::{PAPER_DETECTION, PAPER_ISOLATION, Pattern, Symptom, Symptoms, look_up};
+use fdi_core::{
+    AdcCode, Celsius, Command, Config, ConfigError, Instrument, Mode, RawSample, Refusal, TripReason,
+    Validity,
+};
+
+const ROOM: f32 = 2160.0;
+
+fn armed() -> Instrument {
+    let mut instrument = Instrument::new(&Config::default()).unwrap();
+    instrument.command(Command::Arm).unwrap();
+    instrument
+}
+
+/// One tick at the code given for T1, with a count of flicker so that nothing looks stuck.
+fn tick(instrument: &mut Instrument, t1: f32, k: usize) -> fdi_core::Tick {
+    let flicker = (k % 2) as f32;
+    let raw =
+        RawSample { t0: AdcCode(ROOM + flicker), t1: AdcCode(t1 + flicker), t2: AdcCode(ROOM + flicker) };
+    let tick = instrument.control(raw);
+    instrument.diagnose(&tick, tick.drive);
+    tick
+}
+
+#[test]
+fn nothing_heats_before_it_is_armed() {
+    let mut instrument = Instrument::new(&Config::default()).unwrap();
+    for k in 0..20 {
+        let tick = tick(&mut instrument, ROOM, k);
+        assert!(tick.drive.0 == 0.0 && tick.mode == Mode::Off);
+    }
+    instrument.command(Command::Arm).unwrap();
+    assert!(tick(&mut instrument, ROOM, 0).mode.is_heating());
+}
+
+#[test]
+fn a_trip_latches_until_acknowledged_after_its_cause_has_gone() {
+    let mut instrument = armed();
+    for k in 0..50 {
+        tick(&mut instrument, ROOM, k);
+    }
+    let tripped = tick(&mut instrument, 4094.0, 0);
+    let Mode::Tripped(trip) = tripped.mode else { panic!("{:?}", tripped.mode) };
+    assert_eq!((trip.reason, tripped.drive.0), (TripReason::T1Open, 0.0));
+    assert_eq!((trip.raw.t1, trip.tick, trip.sample.t1.validity), (AdcCode(4094.0), 50, Validity::Open));
+
+    let persists = Err(Refusal::CausePersists(TripReason::T1Open));
+    assert_eq!(instrument.command(Command::Acknowledge), persists);
+    tick(&mut instrument, ROOM, 0);
+    assert!(
+        matches!(tick(&mut instrument, ROOM, 1).mode, Mode::Tripped(_)),
+        "the cause has gone, the trip has not"
+    );
+    assert_eq!(instrument.command(Command::Arm), Err(Refusal::NotInMode("tripped")));
+    assert_eq!(instrument.command(Command::Stop), Ok(()));
+    assert!(matches!(tick(&mut instrument, ROOM, 0).mode, Mode::Tripped(_)), "stop does not acknowledge");
+    instrument.command(Command::Acknowledge).unwrap();
+    assert_eq!(tick(&mut instrument, ROOM, 1).mode, Mode::Off);
+    instrument.command(Command::Arm).unwrap();
+    let again = tick(&mut instrument, ROOM, 0);
+    assert!(again.mode.is_heating() && again.pid.0 < 10.0, "it begins anew, from nothing: {}", again.pid);
+}
+
+#[test]
+fn arming_onto_a_broken_t1_is_refused() {
+    let mut instrument = Instrument::new(&Config::default()).unwrap();
+    tick(&mut instrument, 10.0, 0);
+    assert_eq!(instrument.command(Command::Arm), Err(Refusal::CausePersists(TripReason::T1Short)));
+}
+
+#[test]
+fn stop_works_in_every_mode() {
+    let mut instrument = armed();
+    tick(&mut instrument, ROOM, 0);
+    instrument.command(Command::Stop).unwrap();
+    let stopped = tick(&mut instrument, ROOM, 1);
+    assert!(stopped.mode == Mode::Off && stopped.drive.0 == 0.0);
+    instrument.command(Command::Stop).unwrap();
+}
+
+#[test]
+fn set_points_are_bounded_by_number() {
+    let mut instrument = armed();
+    for wanted in [19.9, 65.1, f32::NAN, f32::INFINITY] {
+        let refused = instrument.command(Command::SetPoint(Celsius(wanted))).unwrap_err();
+        assert!(refused.to_string().contains("expected 20 to 65"), "{refused}");
+    }
+    instrument.command(Command::SetPoint(Celsius(40.0))).unwrap();
+    assert_eq!(tick(&mut instrument, ROOM, 0).setpoint, Celsius(40.0));
+}
+
+#[test]
+fn a_loose_contact_fails_the_rate_check_and_trips() {
+    let mut instrument = armed();
+    let mut last = None;
+    for k in 0..40 {
+        let jump = if k % 3 == 0 { -700.0 } else { 0.0 };
+        last = Some(tick(&mut instrument, 1620.0 + jump, k));
+    }
+    let Some(Mode::Tripped(trip)) = last.map(|t| t.mode) else { panic!("{last:?}") };
+    assert_eq!(trip.reason, TripReason::T1Lost);
+}
+
+#[test]
+fn a_single_spike_is_withheld_and_a_step_is_believed_at_once_after() {
+    let mut instrument = armed();
+    let validity = |instrument: &mut Instrument, code| tick(instrument, code, 0).sample.t1.validity;
+    for _ in 0..5 {
+        assert_eq!(validity(&mut instrument, 1620.0), Validity::Good);
+    }
+    assert_eq!(validity(&mut instrument, 1200.0), Validity::Spike);
+    for _ in 0..8 {
+        assert_eq!(validity(&mut instrument, 1620.0), Validity::Good);
+    }
+    assert_eq!(validity(&mut instrument, 1200.0), Validity::Spike);
+    assert_eq!(validity(&mut instrument, 1200.0), Validity::Good, "it was a step");
+}
+
+#[test]
+fn the_papers_tables_say_what_the_paper_says() {
+    let symptoms = |text: &str| -> Symptoms {
+        let mut words = text.split(' ').map(|w| match w {
+            "-1" => Symptom::Low,
+            "+1" => Symptom::High,
+            _ => Symptom::Normal,
+        });
+        std::array::from_fn(|_| words.next().unwrap())
+    };
+    let cases = [
+        ("0 0 0 0 0", 0, 0),
+        ("0 -1 0 +1 0", 1, 1),
+        ("+1 -1 -1 0 -1", 2, 2),
+        ("+1 0 -1 -1 +1", 2, 3),
+        ("+1 0 -1 -1 -1", 2, 0), // the early phase of MFP: no row
+        ("+1 -1 -1 +1 0", 2, 0), // both rows of fdv match: 2 wins
+        ("0 +1 0 -1 0", 0, 0),   // T2 reading low: the paper is blind
+    ];
+    for (text, fdv, fiv) in cases {
+        let s = symptoms(text);
+        assert_eq!((look_up(&PAPER_DETECTION, &s), look_up(&PAPER_ISOLATION, &s)), (fdv, fiv), "{text}");
+    }
+}
+
+#[test]
+fn ambiguous_and_unnumbered_tables_are_refused() {
+    let mut config = Config::default();
+    config.diagnosis.isolation[2].pattern = "+1 x -1 x x".parse::<Pattern>().unwrap();
+    let error = Instrument::new(&config).unwrap_err();
+    assert_eq!(error, ConfigError::AmbiguousRows { name: "diagnosis.isolation", first: 1, second: 2 });
+    let mut config = Config::default();
+    config.diagnosis.detection[0].number = 0;
+    assert!(Instrument::new(&config).unwrap_err().to_string().contains("diagnosis.detection"));
+    for bad in ["", "x x x x", "x x x x x x", "x -1 2 x x"] {
+        assert!(bad.parse::<Pattern>().is_err(), "{bad:?}");
+    }
+}
+
+#[test]
+fn events_tell_onset_detection_isolation_and_end() {
+    let rules = EventRules { onset_window: 45, clear_ticks: 10 };
+    let mut state = EventState::default();
+    let normal: Symptoms = [Symptom::Normal; 5];
+    let mut early = normal;
+    early[1] = Symptom::Low;
+    let mut full = early;
+    full[3] = Symptom::High;
+    let mut seen = Vec::new();
+    for k in 0..200u32 {
+        let (symptoms, fdv, fiv) = match k {
+            100..103 => (early, 0, 0),
+            103..105 => (full, 1, 0),
+            105..120 => (full, 1, 1),
+            120..125 => (normal, 0, 0), // flicker, shorter than the clearing time
+            125..150 => (full, 1, 1),
+            _ => (normal, 0, 0),
+        };
+        seen.extend(rules.step(&mut state, k, &symptoms, fdv, fiv).into_iter().map(|e| (k, e)));
+    }
+    let [(103, Event::Detected(a)), (105, Event::Isolated(b)), (160, Event::Ended(c))] = seen[..] else {
+        panic!("{seen:#?}")
+    };
+    assert_eq!((a.onset, a.detected, a.isolated), (100, 103, None));
+    assert_eq!((b.isolation_number, b.isolated), (1, Some(105)));
+    assert_eq!((c.last_seen, c.duration(), c.detection_number), (149, 47, 1));
+}
+
+/// What really drove the heater is what is identified, not what was asked for; no number counts as the drive.
+#[test]
+fn the_applied_power_is_what_counts() {
+    let mut instrument = armed();
+    let mut seen = Vec::new();
+    for k in 0..60 {
+        let flicker = ((k * 7) % 5) as f32;
+        let raw =
+            RawSample { t0: AdcCode(ROOM), t1: AdcCode(1620.0 + flicker), t2: AdcCode(1650.0 - flicker) };
+        let tick = instrument.control(raw);
+        let applied = if k == 59 { f32::NAN } else { 20.0 + flicker };
+        let report = instrument.diagnose(&tick, fdi_core::Percent(applied));
+        seen.extend(report.features.map(|f| (f[2], applied, tick.drive.0)));
+    }
+    let (last, applied) = seen.split_last().unwrap();
+    assert!(applied.len() > 20 && applied.iter().all(|(power, applied, _)| power == applied));
+    assert_eq!(last.0, last.2);
+}

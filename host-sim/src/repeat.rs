@@ -143,38 +143,53 @@ pub fn repeat(
 fn table(r: &Repeated, scenario: &Scenario) -> String {
     let last = r.from.wrapping_add(r.runs - 1);
     let mut text = format!(
-        "{} runs of {:.0} s, seeds {} to {last}, wander {}; median [5 %, 95 %]\n\n",
+        "{} runs of {:.0} s, seeds {} to {last}, wander {}; median [5 %, 95 %], and how many runs missed it\n\n",
         r.runs, scenario.duration, r.from, scenario.wander
     );
-    text += "Fault             detection delay, s             isolation delay, s             indicated duration, s     isolated share\n";
+    let columns = [
+        "Fault",
+        "detection delay, s",
+        "missed",
+        "isolation delay, s",
+        "missed",
+        "indicated, s",
+        "isolated share",
+    ];
+    text += &line(columns.map(String::from));
     for fault in &r.faults {
         for (name, score) in
             [(fault.name.as_str(), &fault.signature), ("  raw residuals", &fault.signature_raw)]
         {
-            text += &format!(
-                "{name:<15}   {:<28}   {:<28}   {:<23}   {}\n",
-                cell(&score.detection_delay_s, r.runs),
-                cell(&score.isolation_delay_s, r.runs),
-                cell(&score.indicated_duration_s, 0),
-                cell(&score.isolated_share, 0),
-            );
+            let missed = |s: &Spread| format!("{:.1} %", 100.0 * s.missed as f64 / r.runs as f64);
+            text += &line([
+                name.to_string(),
+                score.detection_delay_s.to_string(),
+                missed(&score.detection_delay_s),
+                score.isolation_delay_s.to_string(),
+                missed(&score.isolation_delay_s),
+                score.indicated_duration_s.to_string(),
+                score.isolated_share.to_string(),
+            ]);
         }
     }
     text + &format!(
         "\nLargest control error  {} % of the set-point\nFalse alarms           fdv {}, fiv {} in all runs (low-passed)\n",
-        cell(&r.control_error_max_pct, 0),
-        r.false_alarms_fdv,
-        r.false_alarms_fiv
+        r.control_error_max_pct, r.false_alarms_fdv, r.false_alarms_fiv
     )
 }
 
-/// `median [p5, p95]`, and the share of `runs` that missed.
-fn cell(s: &Spread, runs: u64) -> String {
-    let (Some(p5), Some(median), Some(p95)) = (s.p5, s.median, s.p95) else { return "never".into() };
-    let missed = match s.missed {
-        0 => String::new(),
-        _ if runs == 0 => String::new(),
-        n => format!(" {:.1} % missed", 100.0 * n as f64 / runs as f64),
-    };
-    format!("{median:.2} [{p5:.2}, {p95:.2}]{missed}")
+fn line([name, detection, missed, isolation, not_isolated, indicated, share]: [String; 7]) -> String {
+    format!(
+        "{name:<15}  {detection:<18} {missed:<7}  {isolation:<19} {not_isolated:<7}  {indicated:<20}  {share}\n"
+    )
+}
+
+impl std::fmt::Display for Spread {
+    /// `median [p5, p95]`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match (self.p5, self.median, self.p95) {
+            (Some(p5), Some(median), Some(p95)) => f.pad(&format!("{median:.2} [{p5:.2}, {p95:.2}]")),
+            _ => f.pad("never"),
+        }
+    }
 }

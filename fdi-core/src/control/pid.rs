@@ -4,7 +4,7 @@
 //! u[k] = u[k-1] + Kp ( -(y[k] - y[k-1]) + Ts/Ti e[k] - Td/Ts (y[k] - 2 y[k-1] + y[k-2]) ),   clamped
 //! ```
 //!
-//! At a constant set-point this is the paper's law, for e[k] - e[k-1] = -(y[k] - y[k-1]). A change of the set-point
+//! At a constant set-point this is the paper's law, for `e[k] - e[k-1] = -(y[k] - y[k-1])`. A change of the set-point
 //! enters by the integral part alone and a change of the gains alters increments only, so neither bumps the output.
 //! The clamped output is the only memory of the integral part: it cannot wind up.
 

@@ -61,7 +61,7 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
         ArxState { rls: self.rls.start(), phi: [0.0; N], delay: [0.0; NK], y_known: 0, u_known: 0 }
     }
 
-    /// Takes in y[k] (`None` where it is invalid) and u[k], the input applied from now to the next sample.
+    /// Takes in `y[k]` (`None` where it is invalid) and `u[k]`, the input applied from now to the next sample.
     pub fn step(&self, state: &mut ArxState<NA, NB, NK, N>, y: Option<f32>, u: f32) -> ArxStep {
         let complete = usize::from(state.y_known) >= NA && usize::from(state.u_known) >= NB + NK - 1;
         let mut step = ArxStep::default();

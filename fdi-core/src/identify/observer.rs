@@ -137,7 +137,7 @@ impl Observer {
         ObserverState { arx: self.arx.start(), static_gain: None, bandwidth: None }
     }
 
-    /// Takes in the rise y[k] in degC (`None` where it is invalid) and the power applied from now on, in %.
+    /// Takes in the rise `y[k]` in degC (`None` where it is invalid) and the power applied from now on, in %.
     pub fn step(&self, state: &mut ObserverState, y: Option<f32>, power: f32) -> Observation {
         let step = self.arx.step(&mut state.arx, y, power);
         let (mut gain, mut bandwidth) = (None, None);

@@ -86,6 +86,7 @@ pub fn estimate(s: &Signals, order: Order, lambda: f64) -> anyhow::Result<Estima
         measured.iter().zip(model.predict(s)).map(|(y, predicted)| y - predicted).collect();
     let squares: f64 = residuals.iter().zip(&weights).map(|(e, w)| w * e * e).sum();
     let noise_variance = squares / freedom;
+    ensure!(noise_variance.is_finite(), "the values are too large to be squared: scale them down");
     let doubt =
         Doubt { rls: &rls, state: &state, lambda, noise_sd: (spread * noise_variance).sqrt(), basis: &basis };
     let (sd, static_gain) = (doubt.of_parameters(), doubt.of_gain(&model));
@@ -155,11 +156,13 @@ impl Basis {
             |x: &[f64], i: usize| rms(&(i..x.len()).map(|k| differences(x, k, i + 1)[i]).collect::<Vec<_>>());
         let or = |size: f64, other: f64| if size > 0.0 { size } else { other };
         let (y, u) = (or(rms(&s.y), 1.0), or(rms(&s.u), 1.0));
-        let scale = std::array::from_fn(|i| match i {
-            _ if i < order.na => or(size(&s.y, i), y),
-            _ if i < order.parameters() => or(size(&s.u, i - order.na), u),
-            _ => 1.0,
-        });
+        let mut scale = [1.0; PARAMETERS_MAX];
+        for i in 0..order.na {
+            scale[i] = or(size(&s.y, i), y);
+        }
+        for i in 0..order.nb {
+            scale[order.na + i] = or(size(&s.u, i), u);
+        }
         Self { order, target: or(size(&s.y, 1), y), scale }
     }
 
@@ -176,14 +179,14 @@ impl Basis {
 
     /// What `a1 .. aNA, b1 .. bNB` gain from a unit of each scaled parameter: `row` is the index of the coefficient.
     fn row(&self, row: usize) -> [f64; PARAMETERS_MAX] {
-        let Order { na, .. } = self.order;
-        let (first, last, sign) = if row < na { (0, na, -1.0) } else { (na, self.order.parameters(), 1.0) };
-        std::array::from_fn(|i| match i {
-            _ if (first..last).contains(&i) => {
-                sign * weight_in_difference(i - first, row - first) * self.target / self.scale[i]
-            }
-            _ => 0.0,
-        })
+        let Order { na, nb, .. } = self.order;
+        let (first, count, sign) = if row < na { (0, na, -1.0) } else { (na, nb, 1.0) };
+        let mut gained = [0.0; PARAMETERS_MAX];
+        for i in 0..count {
+            let weight = weight_in_difference(i, row - first);
+            gained[first + i] = sign * weight * self.target / self.scale[first + i];
+        }
+        gained
     }
 
     /// Sum of some rows.
@@ -502,5 +505,7 @@ mod tests {
         };
         assert_eq!(error(3, 1.0).unwrap(), "3 rows are too few: 2 parameters need at least 4");
         assert_eq!(error(4, 1.0), None);
+        let huge = Signals { u: vec![1.0; 9], y: (0..9).map(|k| 1e200 * f64::from(k % 2)).collect() };
+        assert!(estimate(&huge, LAG.order(), 1.0).unwrap_err().to_string().contains("too large"));
     }
 }

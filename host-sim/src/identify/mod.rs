@@ -23,20 +23,22 @@ use report::{Question, Report, Validation};
 use table::Table;
 use warning::{Warning, warnings};
 
-/// Identify an ARX model from a recorded file, with the estimator that runs on the board.
-///
-/// The model is y[k] + a1 y[k-1] + .. + aNA y[k-NA] = b1 u[k-NK] + .. + bNB u[k-NK-NB+1] + e[k]. Its parameters are
-/// found by recursive least squares in single precision; static gain, bandwidth and poles are read off them. The fit is
-/// 100 % (1 - |y - model| / |y - mean(y)|), one step ahead and simulated from the input alone. Nearly any model fits a
-/// slow process one step ahead; believe the simulated fit, on rows that were not used to estimate.
+/// Arguments of `identify`.
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
-  host-sim identify out/trace.csv --u pa_pct --y t2_c --order 3,3,1 --ts 0.2 --detrend mean
+  host-sim identify out/trace.csv --u pa_pct --y y1_c --order 3,3,1 --ts 0.11 --from 1700 --to 3300
   host-sim identify step.txt --u 2 --y 3 --order 1,1,1 --ts 1 --to 600 --validate 600:1000 --json
 
-The file holds one sample a row, at equal times, separated by commas, semicolons, tabs or blanks. Lines that start with
-# are skipped. Rows are counted from 0, the header, empty and skipped lines not included; a range includes its first row
-and not its last: --from 0 --to 600 is the first 600 rows.")]
+The file holds one sample a row, at equal times; commas, semicolons, tabs or blanks separate
+columns, and lines that start with # are skipped. Rows are counted from 0, without the header and
+empty or skipped lines. A range has its first row and not its last: --from 0 --to 600 is the first
+600 rows, and --validate 600:1000 the 400 after them.
+
+The model is y[k] + a1 y[k-1] + .. + aNA y[k-NA] = b1 u[k-NK] + .. + bNB u[k-NK-NB+1] + e[k]. The
+board's recursive least squares finds its parameters; static gain, bandwidth and poles are read off
+them. The fit is 100 % (1 - |y - model| / |y - mean(y)|), one step ahead and simulated from the
+input alone. Nearly any model fits a slow process one step ahead: believe the simulated fit, on
+rows that were not used to estimate.")]
 pub struct IdentifyArgs {
     /// The recording.
     pub file: PathBuf,
@@ -61,13 +63,13 @@ pub struct IdentifyArgs {
     /// is then that of the movements, and an input that never moves has none.
     #[arg(long, value_enum, default_value_t = Detrend::None)]
     pub detrend: Detrend,
-    /// First row to estimate from.
+    /// First row to estimate from, counted from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub from: usize,
-    /// First row not to estimate from [default: behind the last]
+    /// First row behind those to estimate from. Default: the number of rows.
     #[arg(long, value_name = "M")]
     pub to: Option<usize>,
-    /// Rows to test the model on, first:behind the last; means are those of the estimation.
+    /// Rows to test the model on, from N to M - 1. With --detrend mean, the means are those of the estimation.
     #[arg(long, value_name = "N:M", value_parser = row_range)]
     pub validate: Option<Range<usize>>,
     /// Print one JSON object instead of text.
@@ -135,7 +137,7 @@ pub fn identify(args: &IdentifyArgs, table: &Table) -> anyhow::Result<Report> {
     let used = recorded.minus(u_offset, y_offset);
     let estimate = estimate(&used, args.order, args.lambda)?;
 
-    let mut doubts = warnings(&recorded, &estimate);
+    let mut doubts = warnings(&used, &estimate);
     let mut validation = None;
     if let Some(rows) = &args.validate {
         let unseen = signals(table, columns, rows)?.minus(u_offset, y_offset);

@@ -71,9 +71,10 @@ impl Signals {
     }
 }
 
-/// Mean of a signal.
+/// Mean of a signal; of a constant one, exactly that constant.
 pub fn mean(x: &[f64]) -> f64 {
-    x.iter().sum::<f64>() / x.len() as f64
+    let first = x.first().copied().unwrap_or(0.0);
+    first + x.iter().map(|x| x - first).sum::<f64>() / x.len() as f64
 }
 
 /// Root of the mean square of a signal.
@@ -174,6 +175,14 @@ mod tests {
         let s = Signals { u: vec![1.0, 0.0, 0.0, 0.0, 0.0], y: vec![0.0, 0.0, 3.0, 2.5, 1.25] };
         assert_eq!(lag().predict(&s), [3.0, 1.5, 1.25]);
         assert_eq!(lag().simulate(&s), [3.0, 1.5, 0.75]);
+    }
+
+    #[test]
+    fn a_constant_signal_has_exactly_no_movement_about_its_mean() {
+        let x = [0.1; 1002];
+        assert_ne!(x.iter().sum::<f64>() / 1002.0, 0.1); // why the sum alone will not do
+        assert_eq!(mean(&x), 0.1);
+        assert_eq!(mean(&[1.0, 2.0, 6.0]), 3.0);
     }
 
     #[test]

@@ -220,6 +220,8 @@ fn every_verb_acts() {
     assert!((shift(&hot, T1, 70.0, 90.0) - 46.5).abs() < 0.3 && power(&hot, 70.0, 90.0) < 5.2);
     let room = of(fault(Verb::Room, None, Some(2.0), 60.0, 30.0));
     assert!((shift(&room, T0, 70.0, 90.0) - 24.5).abs() < 0.2);
+    let warming = of(fault(Verb::RoomDrift, None, Some(6.0), 60.0, 30.0));
+    assert!((shift(&warming, T0, 80.0, 90.0) - shift(&quiet, T0, 80.0, 90.0) - 2.5).abs() < 0.2);
     for (verb, sensor, truth) in
         [(Verb::Offset, T2, 1), (Verb::Clog, T1, 2), (Verb::Offset, T1, 5), (Verb::Open, T0, 13)]
     {

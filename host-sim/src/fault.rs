@@ -42,6 +42,8 @@ pub enum Verb {
     HeaterStuck,
     /// The room is `size` degC warmer.
     Room,
+    /// The room grows warmer by `size` degC a minute.
+    RoomDrift,
 }
 
 /// One thing that happens, for a time.
@@ -151,9 +153,10 @@ impl Fault {
     /// The key that is missing, too many or out of bounds; `place` says which fault it is.
     pub fn validate(&self, place: &str) -> anyhow::Result<()> {
         use Verb::{
-            AirFlow, Clog, Drift, HeaterPower, HeaterStuck, Missing, Offset, Open, Room, Short, Spike, Stuck,
+            AirFlow, Clog, Drift, HeaterPower, HeaterStuck, Missing, Offset, Open, Room, RoomDrift, Short,
+            Spike, Stuck,
         };
-        let needs_sensor = !matches!(self.verb, AirFlow | HeaterPower | HeaterStuck | Room);
+        let needs_sensor = !matches!(self.verb, AirFlow | HeaterPower | HeaterStuck | Room | RoomDrift);
         let label = self.label();
         anyhow::ensure!(
             self.sensor.is_some() == needs_sensor,
@@ -162,7 +165,7 @@ impl Fault {
         );
         let bounds = match self.verb {
             Offset | Spike | Room => Some((-100.0, 100.0, "degC")),
-            Drift => Some((-600.0, 600.0, "degC a minute")),
+            Drift | RoomDrift => Some((-600.0, 600.0, "degC a minute")),
             Clog => Some((0.0, 3.0, "times the rise")),
             Missing => Some((0.0, 1.0, "as a probability")),
             AirFlow => Some((0.05, 10.0, "times the nominal flow")),
@@ -355,6 +358,7 @@ impl Conditions {
                 Verb::HeaterPower => now.power *= size,
                 Verb::HeaterStuck => now.stuck_power = Some(size),
                 Verb::Room => now.room += size,
+                Verb::RoomDrift => now.room += size * (t - fault.at) / 60.0,
             }
         }
         now

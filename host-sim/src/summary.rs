@@ -3,6 +3,7 @@
 use fdi_core::diagnosis::Verdict;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::{DECISIVE, Residual};
+use fdi_core::{AdcCode, Reading, Validity};
 use serde::Serialize;
 
 use crate::experiment::{Record, Row};
@@ -134,10 +135,35 @@ pub struct TripSummary {
     pub t_s: f64,
     /// Why.
     pub reason: fdi_core::TripReason,
-    /// What T1 read, degC.
-    pub t1_c: f32,
-    /// What T2 read, degC.
-    pub t2_c: f32,
+    /// What T1 was to be, degC.
+    pub setpoint_c: f32,
+    /// What T1 read.
+    pub t1: Seen,
+    /// What T2 read.
+    pub t2: Seen,
+}
+
+/// What a thermistor read on the tick that tripped.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Seen {
+    /// 12-bit code; null where none came.
+    pub code: f32,
+    /// Whether it could be believed.
+    pub validity: fdi_core::Validity,
+    /// The temperature that the code stands for, degC.
+    pub celsius: f32,
+}
+
+impl std::fmt::Display for Seen {
+    /// The temperature, or what was wrong where it means nothing.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.validity {
+            Validity::Missing => f.write_str("no sample"),
+            Validity::Open => write!(f, "open (code {})", self.code),
+            Validity::Short => write!(f, "shorted (code {})", self.code),
+            _ => write!(f, "{:.1} degC", self.celsius),
+        }
+    }
 }
 
 /// Which form of the residuals.
@@ -288,11 +314,17 @@ fn trips(record: &Record) -> Vec<TripSummary> {
             trips.push(trip);
         }
     }
+    let seen = |code: AdcCode, reading: Reading| Seen {
+        code: code.0,
+        validity: reading.validity,
+        celsius: reading.celsius.0,
+    };
     let summary = |trip: &fdi_core::Trip| TripSummary {
         t_s: record.time(trip.tick),
         reason: trip.reason,
-        t1_c: trip.sample.t1.celsius.0,
-        t2_c: trip.sample.t2.celsius.0,
+        setpoint_c: trip.setpoint.0,
+        t1: seen(trip.raw.t1, trip.sample.t1),
+        t2: seen(trip.raw.t2, trip.sample.t2),
     };
     trips.iter().map(summary).collect()
 }

@@ -41,8 +41,8 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
     for trip in &s.trips {
         let _ = writeln!(
             text,
-            "TRIPPED                at {:.2} s: {:?}, T1 {:.1} degC, T2 {:.1} degC; heater off from there on",
-            trip.t_s, trip.reason, trip.t1_c, trip.t2_c
+            "TRIPPED                at {:.2} s: {:?}; T1 {}, expected {:.1} degC; T2 {}; heater off until acknowledged",
+            trip.t_s, trip.reason, trip.t1, trip.setpoint_c, trip.t2
         );
     }
     for (t, reason) in &record.refused {

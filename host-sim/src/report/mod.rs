@@ -96,11 +96,12 @@ fn warnings(record: &Record, summary: &Summary) -> String {
     });
     let trips = summary.trips.iter().map(|trip| {
         format!(
-            "Tripped at {} s: {}. T1 read {} °C, T2 {} °C; the heater was off from there on.",
+            "Tripped at {} s: {}. T1 read {}, expected {} °C; T2 read {}. The heater was off until acknowledged.",
             significant(trip.t_s, 5),
             tables::trip_reason(trip.reason),
-            significant(trip.t1_c.into(), 3),
-            significant(trip.t2_c.into(), 3)
+            trip.t1,
+            significant(trip.setpoint_c.into(), 3),
+            trip.t2
         )
     });
     let refused = record

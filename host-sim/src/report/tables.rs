@@ -134,6 +134,9 @@ pub(super) fn what_happens(fault: &Fault) -> String {
     let sensor = fault.sensor.map_or_else(String::new, |s| format!("{s:?}"));
     let size = written(fault.size.unwrap_or_default());
     let what = match fault.verb {
+        Verb::Offset if fault.size.is_some_and(|size| size < 0.0) => {
+            format!("{sensor} reads {} °C too low", size.trim_start_matches(['-', '−']))
+        }
         Verb::Offset => format!("{sensor} reads {size} °C too high"),
         Verb::Drift => format!("{sensor} drifts by {size} °C a minute"),
         Verb::Clog => {
@@ -149,6 +152,7 @@ pub(super) fn what_happens(fault: &Fault) -> String {
         Verb::HeaterPower => format!("heater gives {size} times the power asked for"),
         Verb::HeaterStuck => format!("heater stuck at {size} %"),
         Verb::Room => format!("room {size} °C warmer"),
+        Verb::RoomDrift => format!("room warmer by {size} °C a minute"),
     };
     format!("{what}, from {} s for {} s", written(fault.at), written(fault.duration))
 }

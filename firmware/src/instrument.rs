@@ -20,7 +20,7 @@ use heapless::spsc::Producer;
 
 use crate::hardware::settings_flash::SettingsFlash;
 use crate::hardware::{heater, rtt, stack};
-use crate::link;
+use crate::{link, log};
 
 /// Shared by the tasks of thread mode, of which one runs at a time; no borrow lives across an await.
 pub(crate) struct Instrument {
@@ -163,6 +163,7 @@ impl Board for ConsoleBoard {
         // New settings are always accepted: they have just been checked.
         let _ = self.instrument.order(Order::Retune(controller)).await;
         self.instrument.settings.borrow_mut().config = config.clone();
+        log::settings(config); // a replay follows the change by these lines
         Ok(())
     }
 

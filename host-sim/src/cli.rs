@@ -21,6 +21,8 @@ use fdi_core::Config;
   host-sim scenario > my.toml; host-sim run --scenario my.toml
   host-sim repeat --seeds 200                       delays and durations over 200 runs
   host-sim identify record.csv --u Q1 --y T1 --order 2,2,1 --ts 1
+  host-sim replay board.log                         a board's log through the core again, compared bit for bit
+  host-sim console                                  the board's console on the simulated rig
   my-plant | host-sim core                          codes in, drive and diagnosis out, line by line"
 )]
 pub struct Cli {
@@ -40,6 +42,10 @@ pub enum Subcommand {
     Core(CoreArgs),
     /// Identify an ARX model from a recorded file.
     Identify(crate::identify::IdentifyArgs),
+    /// Run a recording (a board's log, a trace.csv) through the core again and compare.
+    Replay(crate::replay::ReplayArgs),
+    /// The board's line console, against the simulated rig.
+    Console(ConsoleArgs),
     /// Print the instrument's default configuration as commented TOML.
     Config,
     /// Print the default rig and faults as commented TOML.
@@ -120,6 +126,31 @@ pub struct RepeatArgs {
     /// Print JSON instead of a table.
     #[arg(long)]
     pub json: bool,
+}
+
+/// The board's line console, against the simulated rig.
+///
+/// On a terminal time passes as on the board. From a pipe it stands still but for the extra command `wait SECONDS`:
+/// printf 'arm\nwait 400\nstatus\nfaults\n' | host-sim console
+#[derive(Clone, Debug, Args)]
+#[command(verbatim_doc_comment)]
+pub struct ConsoleArgs {
+    #[command(flatten)]
+    /// The rig and the settings to begin with.
+    pub experiment: ExperimentArgs,
+    /// Seed of the rig's noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// On a terminal: how many times faster than the board.
+    #[arg(long, default_value_t = 1.0, value_parser = speed)]
+    pub speed: f64,
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(speed) if (0.01..=1000.0).contains(&speed) => Ok(speed),
+        _ => Err("expected 0.01 to 1000".into()),
+    }
 }
 
 /// The instrument on standard input and output.

@@ -50,13 +50,39 @@ pub struct Row {
     pub truth: u8,
 }
 
+/// Where a run comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Origin {
+    /// The simulated rig.
+    Simulated {
+        /// Seed of the rig's noise.
+        seed: u64,
+        /// How the surroundings moved.
+        wander: Wander,
+    },
+    /// A recording, run through the core again.
+    Recorded {
+        /// Its file.
+        file: String,
+    },
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Simulated { seed, wander } => {
+                write!(f, "on the simulated rig, seed {seed}, wander {wander}")
+            }
+            Self::Recorded { file } => write!(f, "recorded in {file}, replayed"),
+        }
+    }
+}
+
 /// A run, whole.
 #[derive(Clone, Debug)]
 pub struct Record {
-    /// Seed of the rig's noise.
-    pub seed: u64,
-    /// How the surroundings moved.
-    pub wander: Wander,
+    /// Where it comes from.
+    pub origin: Origin,
     /// Ts in s.
     pub sample_time: f64,
     /// Set-point of the configuration, degC.
@@ -78,6 +104,30 @@ pub struct Record {
 }
 
 impl Record {
+    /// Rows with what is needed to judge them.
+    pub fn new(
+        origin: Origin,
+        config: &Config,
+        faults: &[Fault],
+        rows: Vec<Row>,
+        baseline: Option<Baseline>,
+        elapsed: Duration,
+    ) -> Self {
+        let window = [config.supervisor.learn_start, config.supervisor.learn_end].map(|t| as_written(t.0));
+        Self {
+            origin,
+            sample_time: as_written(config.sample_time.0),
+            setpoint: as_written(config.setpoint.0),
+            nominal_window: window.into(),
+            sigma_factor: f64::from(config.diagnosis.sigma_factor),
+            faults: faults.to_vec(),
+            rows,
+            baseline,
+            refused: Vec::new(),
+            elapsed,
+        }
+    }
+
     /// Time of a tick, s.
     pub fn time(&self, tick: u32) -> f64 {
         tick_time(tick, self.sample_time)
@@ -150,22 +200,9 @@ pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, 
         let report = backend.diagnose(&tick);
         rows.push(Row { tick, report, truth: truth(&scenario.faults, t) });
     }
-    Record {
-        seed,
-        wander: scenario.wander,
-        sample_time,
-        setpoint: as_written(config.setpoint.0),
-        nominal_window: (
-            as_written(config.supervisor.learn_start.0),
-            as_written(config.supervisor.learn_end.0),
-        ),
-        sigma_factor: f64::from(config.diagnosis.sigma_factor),
-        faults: scenario.faults.clone(),
-        rows,
-        baseline: backend.baseline(),
-        refused,
-        elapsed: started.elapsed(),
-    }
+    let origin = Origin::Simulated { seed, wander: scenario.wander };
+    let record = Record::new(origin, config, &scenario.faults, rows, backend.baseline(), started.elapsed());
+    Record { refused, ..record }
 }
 
 /// The true fault at a time.

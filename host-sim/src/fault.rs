@@ -46,6 +46,30 @@ pub enum Verb {
     RoomDrift,
 }
 
+/// All verbs.
+const ALL_VERBS: [Verb; 13] = [
+    Verb::Offset,
+    Verb::Drift,
+    Verb::Clog,
+    Verb::Open,
+    Verb::Short,
+    Verb::Stuck,
+    Verb::Spike,
+    Verb::Missing,
+    Verb::AirFlow,
+    Verb::HeaterPower,
+    Verb::HeaterStuck,
+    Verb::Room,
+    Verb::RoomDrift,
+];
+
+impl Verb {
+    /// Whether it is done to a sensor, and not to the rig as a whole.
+    fn needs_sensor(self) -> bool {
+        !matches!(self, Self::AirFlow | Self::HeaterPower | Self::HeaterStuck | Self::Room | Self::RoomDrift)
+    }
+}
+
 /// One thing that happens, for a time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -125,6 +149,27 @@ impl Fault {
         }
     }
 
+    /// A fault of which only the number is known, as in a trace; `None` for 0 and numbers that mean nothing.
+    pub fn from_truth(number: u8, at: f64, duration: f64) -> Option<Self> {
+        let names = ["AFS2", "MFS1", "MFP"];
+        let faults = ALL_VERBS.into_iter().flat_map(|verb| {
+            let sensors = [None, Some(Sensor::T0), Some(Sensor::T1), Some(Sensor::T2)];
+            sensors.map(|sensor| Self {
+                name: String::new(),
+                verb,
+                sensor,
+                size: None,
+                lag: None,
+                at,
+                duration,
+            })
+        });
+        let mut possible = faults
+            .filter(|fault| fault.truth() == number && fault.verb.needs_sensor() == fault.sensor.is_some());
+        let name = usize::from(number).checked_sub(1).and_then(|i| names.get(i));
+        possible.next().map(|fault| Self { name: name.map_or(String::new(), ToString::to_string), ..fault })
+    }
+
     /// What the paper's tables should answer. They know T2 and T1 or the process apart; nothing for the rest.
     pub fn expected(&self) -> Expected {
         let (fdv, fiv) = match (self.truth(), self.verb, self.sensor) {
@@ -156,7 +201,7 @@ impl Fault {
             AirFlow, Clog, Drift, HeaterPower, HeaterStuck, Missing, Offset, Open, Room, RoomDrift, Short,
             Spike, Stuck,
         };
-        let needs_sensor = !matches!(self.verb, AirFlow | HeaterPower | HeaterStuck | Room | RoomDrift);
+        let needs_sensor = self.verb.needs_sensor();
         let label = self.label();
         anyhow::ensure!(
             self.sensor.is_some() == needs_sensor,

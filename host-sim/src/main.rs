@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use host_sim::cli::{Cli, Subcommand};
-use host_sim::{cosim, identify, repeat, run, scenario};
+use host_sim::{console, cosim, identify, repeat, replay, run, scenario};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -14,6 +14,8 @@ fn main() -> ExitCode {
         Subcommand::Repeat(args) => repeat::run(&args),
         Subcommand::Core(args) => cosim::run(&args),
         Subcommand::Identify(args) => identify::run(&args),
+        Subcommand::Replay(args) => replay::run(&args),
+        Subcommand::Console(args) => console::run(&args),
         Subcommand::Config => print(scenario::CONFIG_TOML),
         Subcommand::Scenario => print(scenario::SCENARIO_TOML),
     };

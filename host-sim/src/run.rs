@@ -19,11 +19,18 @@ use crate::{figure, report};
 /// A bad file or value, or a folder that can't be written.
 pub fn run(args: &RunArgs) -> anyhow::Result<()> {
     let (config, scenario) = args.experiment.load()?;
-    let record = experiment::run(&config, &scenario, args.seed)?;
-    let summary = Summary::new(&record);
-    std::io::stdout().write_all(table::of_run(&record, &summary).as_bytes())?;
-    write_files(&record, &summary, &args.out)?;
-    let out = args.out.display();
+    tell(&experiment::run(&config, &scenario, args.seed)?, &args.out)
+}
+
+/// Prints what a run showed and writes its files.
+///
+/// # Errors
+/// A folder that can't be written.
+pub fn tell(record: &Record, dir: &Path) -> anyhow::Result<()> {
+    let summary = Summary::new(record);
+    std::io::stdout().write_all(table::of_run(record, &summary).as_bytes())?;
+    write_files(record, &summary, dir)?;
+    let out = dir.display();
     println!(
         "\nWritten to {out}: report.html (open this), trace.csv, summary.json, figure4 to figure6 as .svg and .png"
     );

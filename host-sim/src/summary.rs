@@ -6,7 +6,7 @@ use fdi_core::diagnosis::residual::{DECISIVE, Residual};
 use fdi_core::{AdcCode, Reading, Validity};
 use serde::Serialize;
 
-use crate::experiment::{Record, Row};
+use crate::experiment::{Origin, Record, Row};
 use crate::fault::Fault;
 use crate::rig::Wander;
 
@@ -16,10 +16,10 @@ pub const TAIL: f64 = 15.0;
 /// `summary.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    /// Seed of the rig's noise.
-    pub seed: u64,
-    /// How the surroundings moved.
-    pub wander: Wander,
+    /// Seed of the rig's noise; null for a recording.
+    pub seed: Option<u64>,
+    /// How the surroundings moved; null for a recording.
+    pub wander: Option<Wander>,
     /// Size of each fault, by name.
     pub sizes: Vec<FaultSizeEntry>,
     /// Sample time.
@@ -186,9 +186,13 @@ impl Summary {
     /// Scores a run.
     pub fn new(record: &Record) -> Self {
         let error = control_error_max(record);
+        let (seed, wander) = match record.origin {
+            Origin::Simulated { seed, wander } => (Some(seed), Some(wander)),
+            Origin::Recorded { .. } => (None, None),
+        };
         Self {
-            seed: record.seed,
-            wander: record.wander,
+            seed,
+            wander,
             sizes: record
                 .faults
                 .iter()

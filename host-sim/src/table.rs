@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use fdi_core::diagnosis::event::Event;
+
 use crate::experiment::Record;
 use crate::summary::{FaultSummary, Score, Summary};
 
@@ -16,13 +18,12 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
     let mut text = String::new();
     let s = summary;
     let duration = record.rows.len() as f64 * s.ts_s;
-    let _ = writeln!(
-        text,
-        "PT-326 fault diagnosis: {duration:.0} s on the simulated rig, seed {}, wander {}",
-        s.seed, s.wander
-    );
+    let _ = writeln!(text, "PT-326 fault diagnosis: {duration:.0} s {}", record.origin);
     let _ = writeln!(text);
     faults(&mut text, &s.faults);
+    if s.faults.is_empty() {
+        events(&mut text, record);
+    }
     let _ = writeln!(text);
     let _ = writeln!(
         text,
@@ -53,10 +54,34 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
     text
 }
 
+/// What the diagnosis said happened, where there is no truth to hold it against.
+fn events(text: &mut String, record: &Record) {
+    for event in record.rows.iter().flat_map(|row| &row.report.events) {
+        let (what, fault) = match event {
+            Event::Detected(fault) => ("detected", fault),
+            Event::Isolated(fault) => ("isolated", fault),
+            Event::Ended(fault) => ("ended", fault),
+        };
+        let at = match event {
+            Event::Detected(_) => fault.detected,
+            Event::Isolated(_) => fault.isolated.unwrap_or(fault.detected),
+            Event::Ended(_) => fault.last_seen,
+        };
+        let _ = writeln!(
+            text,
+            "{:>9.2} s  {what}: fdv {}, fiv {}, since about {:.2} s",
+            record.time(at),
+            fault.detection_number,
+            fault.isolation_number,
+            record.time(fault.onset)
+        );
+    }
+}
+
 /// One line a fault and form, the paper's own beside it.
 fn faults(text: &mut String, faults: &[FaultSummary]) {
     if faults.is_empty() {
-        let _ = writeln!(text, "No faults in this scenario.");
+        let _ = writeln!(text, "Nothing is known to have been done to the rig.");
         return;
     }
     let _ = writeln!(

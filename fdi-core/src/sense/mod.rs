@@ -105,13 +105,12 @@ impl Sensing {
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         let p = &config.plausibility;
         p.validate()?;
-        let [n0, n1, n2] = &thermistor::NAMES;
         let air = p.stuck_time.ticks(config.sample_time);
         let room = p.room_stuck_time.ticks(config.sample_time);
         Ok(Self {
-            t0: Channel::new(Thermistor::new(&config.sensors.t0, n0)?, p, room),
-            t1: Channel::new(Thermistor::new(&config.sensors.t1, n1)?, p, air),
-            t2: Channel::new(Thermistor::new(&config.sensors.t2, n2)?, p, air),
+            t0: Channel::new(Thermistor::new(&config.sensors.t0, 0)?, p, room),
+            t1: Channel::new(Thermistor::new(&config.sensors.t1, 1)?, p, air),
+            t2: Channel::new(Thermistor::new(&config.sensors.t2, 2)?, p, air),
         })
     }
 

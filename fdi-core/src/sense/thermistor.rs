@@ -44,7 +44,7 @@ impl Default for ThermistorConfig {
 }
 
 /// Parameter names of one channel, for its errors.
-pub(crate) struct Names {
+struct Names {
     r25: &'static str,
     beta: &'static str,
     pull_up: &'static str,
@@ -65,7 +65,7 @@ macro_rules! names {
 }
 
 /// Names for T0, T1, T2.
-pub(crate) const NAMES: [Names; 3] = [names!("t0"), names!("t1"), names!("t2")];
+const NAMES: [Names; 3] = [names!("t0"), names!("t1"), names!("t2")];
 
 /// A thermistor ready to convert.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +80,12 @@ pub struct Thermistor {
 }
 
 impl Thermistor {
-    pub(crate) fn new(c: &ThermistorConfig, names: &Names) -> Result<Self, ConfigError> {
+    /// Builds the thermistor of channel 0, 1 or 2 (T0, T1, T2), which errors name.
+    ///
+    /// # Errors
+    /// The parameter that is out of bounds.
+    pub fn new(c: &ThermistorConfig, channel: usize) -> Result<Self, ConfigError> {
+        let names = &NAMES[channel.min(2)];
         in_range(names.r25, c.r25.0, 10.0, 10e6)?;
         in_range(names.beta, c.beta, 500.0, 10e3)?;
         in_range(names.pull_up, c.pull_up.0, 10.0, 10e6)?;

@@ -3,7 +3,7 @@
 mod numbers;
 mod tables;
 
-use crate::experiment::Record;
+use crate::experiment::{Origin, Record};
 use crate::figure::{self, Number};
 use crate::summary::Summary;
 use crate::table::PAPER_CONTROL_ERROR;
@@ -45,7 +45,7 @@ fn caption(number: Number) -> &'static str {
 pub fn html(record: &Record, summary: &Summary) -> anyhow::Result<String> {
     let figures: String =
         figure::ALL.into_iter().map(|n| figure_of(record, n)).collect::<anyhow::Result<_>>()?;
-    let title = format!("PT-326 fault diagnosis, seed {}", summary.seed);
+    let title = format!("PT-326 fault diagnosis {}", escape(&record.origin.to_string()));
     let body = [
         introduction(record, summary),
         warnings(record, summary),
@@ -78,15 +78,23 @@ fn introduction(record: &Record, summary: &Summary) -> String {
         some => format!("What was done to the rig: {}.", some.join("; ")),
     };
     format!(
-        "<h1>PT-326 fault detection and isolation</h1>\n<p>{} s of the PT-326 process trainer, simulated with seed {} and {} \
-         surroundings, under the instrument&rsquo;s control at a set-point of {} °C and diagnosed at every sample, T<sub>s</sub> = \
-         {} s. {faults}</p>\n",
+        "<h1>PT-326 fault detection and isolation</h1>\n<p>{} s of the PT-326 process trainer, {}, under the \
+         instrument&rsquo;s control at a set-point of {} °C and diagnosed at every sample, T<sub>s</sub> = {} s. {faults}</p>\n",
         significant(duration, 3),
-        summary.seed,
-        tables::surroundings(summary.wander),
+        origin(&record.origin),
         written(summary.setpoint_c),
         written(summary.ts_s),
     )
+}
+
+/// Where it comes from, in words.
+fn origin(origin: &Origin) -> String {
+    match origin {
+        Origin::Simulated { seed, wander } => {
+            format!("simulated with seed {seed} and {} surroundings", tables::surroundings(*wander))
+        }
+        Origin::Recorded { file } => format!("recorded in {} and replayed", escape(file)),
+    }
 }
 
 /// What went otherwise than it should.

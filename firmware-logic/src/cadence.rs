@@ -1,0 +1,125 @@
+//! Keeps the control tick on its grid and accounts for every microsecond that it is late.
+//!
+//! Time is a free-running 32-bit counter of microseconds that wraps every 71.6 minutes; only differences are used.
+
+/// Bins of the jitter histogram: bin i counts ticks that began less than `2^i` µs late (and not less than half of that).
+pub const BINS: usize = 16;
+
+/// How punctual the control tick has been since boot; counters saturate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Punctuality {
+    /// Ticks that began.
+    pub ticks: u32,
+    /// Ticks that never began: their time passed while an earlier one was still held up.
+    pub missed: u32,
+    /// Most microseconds that a tick began after it was due.
+    pub worst_us: u32,
+    /// Ticks by lateness.
+    pub histogram: [u32; BINS],
+}
+
+impl Punctuality {
+    /// Takes in how one tick began.
+    pub fn count(&mut self, arrival: &Arrival) {
+        self.ticks = self.ticks.saturating_add(1);
+        self.missed = self.missed.saturating_add(arrival.missed);
+        self.worst_us = self.worst_us.max(arrival.late_us);
+        let bin = (u32::BITS - arrival.late_us.leading_zeros()) as usize;
+        if let Some(count) = self.histogram.get_mut(bin.min(BINS - 1)) {
+            *count = count.saturating_add(1);
+        }
+    }
+}
+
+/// What is known when a tick begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Arrival {
+    /// When this tick was due, in µs.
+    pub due: u32,
+    /// Microseconds after `due`.
+    pub late_us: u32,
+    /// Ticks missed just before this one.
+    pub missed: u32,
+}
+
+/// The grid of due times.
+#[derive(Clone, Debug)]
+pub struct Cadence {
+    period: u32,
+    due: u32,
+}
+
+impl Cadence {
+    /// A grid whose first tick is due at `first`; `period` in µs.
+    pub fn new(period: u32, first: u32) -> Self {
+        Self { period: period.max(1), due: first }
+    }
+
+    /// When the next tick is due.
+    pub fn due(&self) -> u32 {
+        self.due
+    }
+
+    /// Takes in that the tick has begun at `now`. Whole periods that have passed are missed ticks; the grid itself
+    /// never moves, so lateness cannot add up to drift.
+    pub fn arrive(&mut self, now: u32) -> Arrival {
+        let behind = now.wrapping_sub(self.due);
+        let behind = if behind > u32::MAX / 2 { 0 } else { behind }; // woken early: on time
+        let (missed, late_us) = (behind / self.period, behind % self.period);
+        let due = self.due.wrapping_add(missed.wrapping_mul(self.period));
+        self.due = due.wrapping_add(self.period);
+        Arrival { due, late_us, missed }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TS: u32 = 110_000;
+
+    #[test]
+    fn a_day_of_jitter_moves_the_grid_by_nothing() {
+        let first = u32::MAX - 5 * TS; // begins just before the counter wraps
+        let mut cadence = Cadence::new(TS, first);
+        let mut p = Punctuality::default();
+        let ticks = 24 * 3600 * 1000 / 110;
+        for k in 0..ticks {
+            let due = cadence.due();
+            assert_eq!(due, first.wrapping_add(TS.wrapping_mul(k)), "tick {k}");
+            let arrival = cadence.arrive(due.wrapping_add(k % 37));
+            assert_eq!(arrival, Arrival { due, late_us: k % 37, missed: 0 });
+            p.count(&arrival);
+        }
+        assert_eq!((p.ticks, p.missed, p.worst_us), (ticks, 0, 36));
+        assert_eq!(p.histogram.iter().sum::<u32>(), ticks);
+    }
+
+    #[test]
+    fn whole_periods_are_missed_ticks_and_the_rest_is_lateness() {
+        let mut cadence = Cadence::new(TS, 0);
+        assert_eq!(
+            cadence.arrive(3 * TS + 70),
+            Arrival { due: 3 * TS, late_us: 70, missed: 3 },
+            "the tick that begins is the one of the present period"
+        );
+        assert_eq!(cadence.due(), 4 * TS);
+        assert_eq!(cadence.arrive(4 * TS).missed, 0);
+    }
+
+    #[test]
+    fn early_is_on_time_and_bins_are_powers_of_two() {
+        let mut cadence = Cadence::new(TS, 1000);
+        assert_eq!(cadence.arrive(998).late_us, 0);
+        for (late, bin) in [(0, 0), (1, 1), (2, 2), (3, 2), (4, 3), (65_000, BINS - 1)] {
+            let mut p = Punctuality::default();
+            p.count(&cadence.arrive(cadence.due() + late));
+            assert_eq!((p.histogram[bin], p.worst_us, p.ticks), (1, late, 1), "{late} us");
+        }
+        let mut p = Punctuality::default();
+        p.count(&Arrival { due: 0, late_us: 7, missed: 3 });
+        assert_eq!((p.missed, p.worst_us), (3, 7));
+    }
+}

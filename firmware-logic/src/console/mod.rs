@@ -1,0 +1,175 @@
+//! The line console: bytes in, text out. The firmware runs it on its serial port, the host on a terminal; what they have
+//! in common is [`Board`]. The text of one answer is at most [`ANSWER`] bytes; line feeds end its lines.
+
+pub mod line;
+pub mod request;
+
+use core::fmt::{Display, Write};
+
+use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::diagnosis::residual::ALL;
+use fdi_core::{Command, Config, ConfigError};
+
+use crate::control_loop::Denial;
+use crate::decimal::Fixed;
+use crate::explain::Explained;
+use crate::history::{Entry, Shown};
+use crate::settings::schema::{Name, SetError};
+use crate::settings::store::SaveError;
+use crate::status::Status;
+use line::{LineReader, Step};
+use request::{COMMANDS, Request};
+
+/// Names in the console, where the stored name is not the one of a row of residuals.
+const RESIDUAL_NAMES: [&str; ALL.len()] = ["ry1", "ry2", "Pa", "ry12", "sg1", "sg2", "bw1"];
+
+/// What a console can ask of an instrument.
+#[expect(
+    async_fn_in_trait,
+    reason = "used by the two implementations that are here, none of which crosses threads"
+)]
+pub trait Board {
+    /// Has a command carried out on the next tick.
+    async fn command(&mut self, command: Command) -> Result<(), Denial>;
+    /// Heater off, at once.
+    fn stop(&mut self);
+    /// What the last tick said.
+    fn status(&self) -> Status;
+    /// The settings in force.
+    fn config(&self) -> Config;
+    /// Puts settings in force on the next tick.
+    async fn apply(&mut self, config: &Config) -> Result<(), ConfigError>;
+    /// Writes settings and baseline to flash.
+    async fn save(&mut self) -> Result<(), SaveError>;
+    /// What was learnt as normal.
+    fn baseline(&self) -> Option<Baseline>;
+    /// What went wrong, the oldest first.
+    fn fault(&self, index: usize) -> Option<Entry>;
+}
+
+/// The longest answer in bytes: all settings at once.
+pub const ANSWER: usize = 4096;
+
+/// The console.
+#[derive(Clone, Debug, Default)]
+pub struct Console {
+    reader: LineReader,
+}
+
+impl Console {
+    /// Takes in a byte: shows it, and carries out the line that it may have ended. What does not fit into `out` is lost.
+    pub async fn push(&mut self, byte: u8, board: &mut impl Board, out: &mut dyn Write) {
+        match self.reader.push(byte) {
+            Step::Typed(byte) => drop(out.write_char(byte.into())),
+            Step::Erased => drop(out.write_str("\x08 \x08")),
+            Step::Line => {
+                say(out, "\n");
+                carry_out(self.reader.line(), board, out).await;
+                say(out, "> ");
+            }
+            Step::Rejected(error) => {
+                fail(out, &error);
+                say(out, "> ");
+            }
+            Step::Nothing => {}
+        }
+    }
+}
+
+/// Writes text; what does not fit is lost.
+fn say(out: &mut dyn Write, text: &str) {
+    let _ = out.write_str(text);
+}
+
+fn fail(out: &mut dyn Write, error: &dyn Display) {
+    let _ = writeln!(out, "error: {error}");
+}
+
+fn done<E: Display>(out: &mut dyn Write, result: Result<(), E>) {
+    match result {
+        Ok(()) => say(out, "ok\n"),
+        Err(error) => fail(out, &error),
+    }
+}
+
+/// Carries out one line.
+pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) {
+    let request = match Request::parse(line) {
+        Ok(request) => request,
+        Err(error) => return fail(out, &error),
+    };
+    match request {
+        Request::Nothing => {}
+        Request::Help => help(out),
+        Request::Status => drop(writeln!(out, "{}", board.status())),
+        Request::Get { name } => get(name, &board.config(), out),
+        Request::Set { name, value } => set(name, value, board, out).await,
+        Request::Save => done(out, board.save().await),
+        Request::Defaults => {
+            done(out, board.apply(&Config::default()).await.as_ref().map_err(Explained).copied())
+        }
+        Request::Arm => done(out, board.command(Command::Arm).await),
+        Request::Stop => {
+            board.stop();
+            say(out, "stopped\n");
+        }
+        Request::Acknowledge => done(out, board.command(Command::Acknowledge).await),
+        Request::Baseline => baseline(board.baseline(), out),
+        Request::Relearn => done(out, board.command(Command::Relearn).await),
+        Request::Faults => faults(board, out),
+    }
+}
+
+fn help(out: &mut dyn Write) {
+    for (name, arguments, meaning) in COMMANDS {
+        let _ = writeln!(out, "{name} {arguments}\t{meaning}");
+    }
+}
+
+fn get(beginning: &str, config: &Config, out: &mut dyn Write) {
+    let mut any = false;
+    for name in Name::all(config).filter(|name| name.starts_with(beginning)) {
+        let _ = writeln!(out, "{name} = {}", name.value(config));
+        any = true;
+    }
+    if !any {
+        fail(out, &SetError::Unknown(beginning));
+    }
+}
+
+async fn set(name: &str, value: &str, board: &mut impl Board, out: &mut dyn Write) {
+    let mut config = board.config();
+    let resolved = match Name::find(name).and_then(|n| n.set(&mut config, name, value).map(|()| n)) {
+        Ok(resolved) => resolved,
+        Err(error) => return fail(out, &error),
+    };
+    if let Err(error) = board.apply(&config).await {
+        return fail(out, &Explained(&error));
+    }
+    // Settings leave the set-point of a running loop alone; here it is what the user has just asked for.
+    if name == "setpoint"
+        && let Err(error) = board.command(Command::SetPoint(config.setpoint)).await
+    {
+        return fail(out, &error);
+    }
+    let _ = writeln!(out, "{resolved} = {}", resolved.value(&config));
+}
+
+fn baseline(baseline: Option<Baseline>, out: &mut dyn Write) {
+    let Some(baseline) = baseline else { return say(out, "nothing learnt yet\n") };
+    let _ = writeln!(out, "learnt from {} samples: mean, sigma, sigma filtered", baseline.samples);
+    for (i, name) in RESIDUAL_NAMES.iter().enumerate() {
+        let [mean, sigma, filtered] =
+            [baseline.raw.mean[i], baseline.raw.sigma[i], baseline.filtered.sigma[i]].map(|x| Fixed(x, 4));
+        let _ = writeln!(out, "{name} {mean} {sigma} {filtered}");
+    }
+}
+
+fn faults(board: &impl Board, out: &mut dyn Write) {
+    let sample_time = board.config().sample_time.0;
+    let entries = (0..).map_while(|index| board.fault(index));
+    let count = entries.map(|entry| writeln!(out, "{}", Shown { entry: &entry, sample_time })).count();
+    if count == 0 {
+        say(out, "none\n");
+    }
+}

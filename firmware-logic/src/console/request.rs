@@ -1,0 +1,207 @@
+//! From a line to what is wanted.
+
+use core::fmt;
+
+/// What is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Request<'a> {
+    /// An empty line.
+    Nothing,
+    /// The list of commands.
+    Help,
+    /// How the instrument is.
+    Status,
+    /// One setting, all that begin with a name, or all.
+    Get {
+        /// The beginning of the name.
+        name: &'a str,
+    },
+    /// A new value for a setting.
+    Set {
+        /// The whole name.
+        name: &'a str,
+        /// The rest of the line.
+        value: &'a str,
+    },
+    /// Write settings and baseline to flash.
+    Save,
+    /// All settings as they were made.
+    Defaults,
+    /// Begin to regulate.
+    Arm,
+    /// Heater off.
+    Stop,
+    /// Leave a trip or a hold.
+    Acknowledge,
+    /// Show what was learnt as normal.
+    Baseline,
+    /// Learn it anew.
+    Relearn,
+    /// What went wrong since the start.
+    Faults,
+}
+
+/// All commands: name, what follows it, what it does.
+pub const COMMANDS: [(&str, &str, &str); 11] = [
+    ("help", "", "this list"),
+    ("status", "", "mode, temperatures, diagnosis, health"),
+    ("get", "[NAME]", "settings, all or those that begin with NAME"),
+    ("set", "NAME VALUE", "change a setting at once, until the next start unless saved"),
+    ("save", "", "write settings and baseline to flash (heater off only)"),
+    ("defaults", "", "all settings as they were made; `save` keeps them"),
+    ("arm", "", "begin to regulate"),
+    ("stop", "", "heater off, in every state"),
+    ("ack", "", "acknowledge a trip or a hold"),
+    ("baseline", "[learn]", "what was learnt as normal; `learn` learns it anew"),
+    ("faults", "", "what went wrong since the start"),
+];
+
+/// Why a line is no request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RequestError<'a> {
+    /// No command of this name.
+    Unknown(&'a str),
+    /// More words than the command takes.
+    Extra {
+        /// The command.
+        command: &'a str,
+        /// The first word too many.
+        word: &'a str,
+    },
+    /// A word is missing.
+    Missing {
+        /// The command.
+        command: &'a str,
+        /// What should follow.
+        expected: &'static str,
+    },
+}
+
+impl fmt::Display for RequestError<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown(word) => {
+                write!(f, "unknown command \"{word}\", expected one of")?;
+                COMMANDS.iter().try_for_each(|(name, ..)| write!(f, " {name}"))
+            }
+            Self::Extra { command, word } => write!(f, "{command}: \"{word}\" is too much"),
+            Self::Missing { command, expected } => write!(f, "{command}: expected {expected}"),
+        }
+    }
+}
+
+impl<'a> Request<'a> {
+    /// Reads a line.
+    ///
+    /// # Errors
+    /// The word that is wrong, and what was expected.
+    pub fn parse(line: &'a str) -> Result<Self, RequestError<'a>> {
+        let (command, rest) = split_word(line);
+        let alone = |request| match rest {
+            "" => Ok(request),
+            _ => Err(RequestError::Extra { command, word: split_word(rest).0 }),
+        };
+        match command {
+            "" => Ok(Self::Nothing),
+            "help" | "?" => alone(Self::Help),
+            "status" => alone(Self::Status),
+            "save" => alone(Self::Save),
+            "defaults" => alone(Self::Defaults),
+            "arm" => alone(Self::Arm),
+            // Nobody in a hurry should be refused for what stands behind it.
+            "stop" => Ok(Self::Stop),
+            "ack" => alone(Self::Acknowledge),
+            "faults" => alone(Self::Faults),
+            "get" => match split_word(rest) {
+                (name, "") => Ok(Self::Get { name }),
+                (_, more) => Err(RequestError::Extra { command, word: split_word(more).0 }),
+            },
+            "set" => match split_word(rest) {
+                ("", _) | (_, "") => Err(RequestError::Missing { command, expected: "NAME VALUE" }),
+                (name, value) => Ok(Self::Set { name, value }),
+            },
+            "baseline" => match split_word(rest) {
+                ("", _) => Ok(Self::Baseline),
+                ("learn", "") => Ok(Self::Relearn),
+                ("learn", more) => Err(RequestError::Extra { command, word: split_word(more).0 }),
+                (word, _) => Err(RequestError::Extra { command, word }),
+            },
+            unknown => Err(RequestError::Unknown(unknown)),
+        }
+    }
+}
+
+/// The first word, and the rest without blanks around it.
+fn split_word(text: &str) -> (&str, &str) {
+    let text = text.trim_matches(' ');
+    match text.split_once(' ') {
+        Some((word, rest)) => (word, rest.trim_matches(' ')),
+        None => (text, ""),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn every_command_of_the_list_is_understood() {
+        for (name, arguments, _) in COMMANDS {
+            let line = match arguments {
+                "NAME VALUE" => format!("{name} pid.kp 2.4"),
+                _ => name.to_owned(),
+            };
+            assert!(Request::parse(&line).is_ok(), "{line}");
+        }
+    }
+
+    #[test]
+    fn words_blanks_and_the_rest_of_the_line() {
+        assert_eq!(
+            Request::parse("  set   pid.kp   2.4  "),
+            Ok(Request::Set { name: "pid.kp", value: "2.4" })
+        );
+        assert_eq!(
+            Request::parse("set diagnosis.isolation.1 1 0 -1 0 +1 0"),
+            Ok(Request::Set { name: "diagnosis.isolation.1", value: "1 0 -1 0 +1 0" })
+        );
+        assert_eq!(Request::parse("get"), Ok(Request::Get { name: "" }));
+        assert_eq!(Request::parse("baseline learn"), Ok(Request::Relearn));
+        assert_eq!(Request::parse("   "), Ok(Request::Nothing));
+    }
+
+    #[test]
+    fn errors_name_what_was_wrong() {
+        let text = |line: &str| Request::parse(line).expect_err(line).to_string();
+        assert!(text("sopt").starts_with("unknown command \"sopt\", expected one of help status get set"));
+        assert_eq!(text("arm now"), "arm: \"now\" is too much");
+        assert_eq!(text("set pid.kp"), "set: expected NAME VALUE");
+        assert_eq!(text("baseline forget"), "baseline: \"forget\" is too much");
+        assert!(text("ARM").starts_with("unknown command \"ARM\""), "no guessing what heats");
+    }
+
+    #[test]
+    fn stop_is_never_refused() {
+        assert_eq!(Request::parse("stop!"), Err(RequestError::Unknown("stop!")));
+        assert_eq!(Request::parse("stop it now"), Ok(Request::Stop));
+    }
+
+    proptest! {
+        #[test]
+        fn no_line_panics_and_only_the_exact_word_heats(line in "[ -~]{0,80}") {
+            if Request::parse(&line) == Ok(Request::Arm) {
+                prop_assert_eq!(line.trim(), "arm");
+            }
+        }
+
+        #[test]
+        fn one_wrong_letter_is_another_command(at in 0usize..3, letter in "[b-z]") {
+            let mut line = "arm".to_owned();
+            line.replace_range(at..=at, &letter);
+            prop_assume!(line != "arm");
+            prop_assert!(Request::parse(&line).is_err());
+        }
+    }
+}

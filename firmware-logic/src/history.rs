@@ -1,0 +1,161 @@
+//! What went wrong since the start, the newest few: faults of the rig, trips, holds.
+
+use core::fmt;
+
+use fdi_core::diagnosis::event::{Event, Fault};
+use fdi_core::{AdcCode, Reading, Trip, TripReason};
+
+use crate::decimal::Fixed;
+use crate::interlock::Hold;
+
+/// Entries kept.
+pub const LENGTH: usize = 8;
+
+/// One thing that went wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Entry {
+    /// The diagnosis found a fault; `ended` once it has passed.
+    Fault {
+        /// Its record.
+        fault: Fault,
+        /// Whether it has passed.
+        ended: bool,
+    },
+    /// The supervisor tripped.
+    Trip(Trip),
+    /// Something held the heater off, from this tick on.
+    Hold {
+        /// What.
+        hold: Hold,
+        /// Since when.
+        tick: u32,
+    },
+}
+
+/// The newest entries.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    entries: heapless::Deque<Entry, LENGTH>,
+}
+
+impl History {
+    /// Adds an entry; the oldest makes room.
+    pub fn push(&mut self, entry: Entry) {
+        if self.entries.is_full() {
+            self.entries.pop_front();
+        }
+        let _ = self.entries.push_back(entry);
+    }
+
+    /// Takes in an event of the diagnosis. What becomes of a fault replaces its entry.
+    pub fn event(&mut self, event: Event) {
+        let (fault, ended) = match event {
+            Event::Detected(fault) => return self.push(Entry::Fault { fault, ended: false }),
+            Event::Isolated(fault) => (fault, false),
+            Event::Ended(fault) => (fault, true),
+        };
+        let same = |entry: &&mut Entry| matches!(entry, Entry::Fault { fault: known, .. } if known.detected == fault.detected);
+        match self.entries.iter_mut().find(same) {
+            Some(entry) => *entry = Entry::Fault { fault, ended },
+            None => self.push(Entry::Fault { fault, ended }),
+        }
+    }
+
+    /// An entry, the oldest first.
+    pub fn get(&self, index: usize) -> Option<&Entry> {
+        self.entries.iter().nth(index)
+    }
+}
+
+/// An entry for people; `sample_time` in s turns ticks into times.
+pub struct Shown<'a> {
+    /// The entry.
+    pub entry: &'a Entry,
+    /// Ts in s.
+    pub sample_time: f32,
+}
+
+impl fmt::Display for Shown<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let seconds = |tick: u32| Fixed(tick as f32 * self.sample_time, 1);
+        match self.entry {
+            Entry::Fault { fault, ended } => {
+                write!(
+                    f,
+                    "{} s fault: fdv {} fiv {}, detected {} s",
+                    seconds(fault.onset),
+                    fault.detection_number,
+                    fault.isolation_number,
+                    seconds(fault.detected)
+                )?;
+                if let Some(isolated) = fault.isolated {
+                    write!(f, ", isolated {} s", seconds(isolated))?;
+                }
+                match ended {
+                    true => write!(f, ", lasted {} s", seconds(fault.duration())),
+                    false => f.write_str(", lasting"),
+                }
+            }
+            Entry::Trip(trip) => {
+                let (wanted, tick) = (Fixed(trip.setpoint.0, 1), seconds(trip.tick));
+                let (Reading { celsius, validity }, code) = seen(trip);
+                write!(
+                    f,
+                    "{tick} s trip: {:?}, {} degC ({validity:?}, code {}) seen, {wanted} degC wanted at T1",
+                    trip.reason,
+                    Fixed(celsius.0, 1),
+                    Fixed(code.0, 0)
+                )
+            }
+            Entry::Hold { hold, tick } => write!(f, "{} s hold: {hold}", seconds(*tick)),
+        }
+    }
+}
+
+/// Reading and code of the thermistor that tripped.
+fn seen(trip: &Trip) -> (Reading, AdcCode) {
+    match trip.reason {
+        TripReason::T2OverTemperature => (trip.sample.t2, trip.raw.t2),
+        _ => (trip.sample.t1, trip.raw.t1),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fault(detected: u32) -> Fault {
+        Fault {
+            detection_number: 1,
+            isolation_number: 0,
+            onset: detected - 4,
+            detected,
+            isolated: None,
+            last_seen: detected,
+        }
+    }
+
+    #[test]
+    fn a_fault_is_one_entry_from_detection_to_end() {
+        let mut history = History::default();
+        history.event(Event::Detected(fault(100)));
+        let isolated = Fault { isolation_number: 2, isolated: Some(110), last_seen: 300, ..fault(100) };
+        history.event(Event::Isolated(isolated));
+        history.event(Event::Ended(isolated));
+        assert_eq!(history.get(0), Some(&Entry::Fault { fault: isolated, ended: true }));
+        assert_eq!(history.get(1), None);
+        let text = Shown { entry: history.get(0).expect("one"), sample_time: 0.11 }.to_string();
+        assert_eq!(text, "10.6 s fault: fdv 1 fiv 2, detected 11.0 s, isolated 12.1 s, lasted 22.1 s");
+    }
+
+    #[test]
+    fn the_oldest_makes_room() {
+        let mut history = History::default();
+        for tick in 0..LENGTH as u32 + 3 {
+            history.push(Entry::Hold { hold: Hold::BreakInput, tick });
+        }
+        assert_eq!(history.get(0), Some(&Entry::Hold { hold: Hold::BreakInput, tick: 3 }));
+        assert!(history.get(LENGTH - 1).is_some() && history.get(LENGTH).is_none());
+    }
+}

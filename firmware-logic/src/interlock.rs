@@ -1,0 +1,133 @@
+//! What holds the heater off beyond the supervisor of the core: fault resets and whatever cut the output from outside.
+//! It latches until somebody acknowledges it.
+
+use core::fmt;
+
+use crate::reset_cause::{Death, ResetCause};
+
+/// Why the heater is held off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Hold {
+    /// The board has restarted for a reason that is a fault.
+    Reset(ResetCause),
+    /// The break input was open while the heater was driven.
+    BreakInput,
+    /// The control tick was missing for more than three periods.
+    MissedDeadline,
+}
+
+impl fmt::Display for Hold {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Reset(cause) => write!(f, "restarted after: {}", cause.name()),
+            Self::BreakInput => f.write_str("the interlock on the break input opened"),
+            Self::MissedDeadline => f.write_str("the control tick was missing for more than 3 periods"),
+        }
+    }
+}
+
+/// All holds; the position is the number that [`Hold::number`] gives.
+const ALL: [Hold; 10] = [
+    Hold::BreakInput,
+    Hold::MissedDeadline,
+    Hold::Reset(ResetCause::BrownOut),
+    Hold::Reset(ResetCause::Watchdog),
+    Hold::Reset(ResetCause::Software),
+    Hold::Reset(ResetCause::Unexpected),
+    Hold::Reset(ResetCause::Died(Death::Panic)),
+    Hold::Reset(ResetCause::Died(Death::HardFault)),
+    Hold::Reset(ResetCause::Died(Death::ClockFailure)),
+    Hold::Reset(ResetCause::Died(Death::StrayInterrupt)),
+];
+
+impl Hold {
+    /// A number from 1 on, for memory that outlives a reset.
+    pub fn number(self) -> u8 {
+        ALL.iter().position(|hold| *hold == self).map_or(0, |i| i as u8 + 1)
+    }
+
+    /// The hold with this number.
+    pub fn from_number(number: u8) -> Option<Self> {
+        ALL.get(usize::from(number).checked_sub(1)?).copied()
+    }
+}
+
+/// The latch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Interlock {
+    hold: Option<Hold>,
+}
+
+impl Interlock {
+    /// At start: a fault reset latches, and so does what was latched before the reset and never acknowledged.
+    pub fn at_boot(cause: ResetCause, left_behind: Option<Hold>) -> Self {
+        let hold = if cause.is_fault() { Some(Hold::Reset(cause)) } else { left_behind };
+        Self { hold: hold.filter(|_| cause != ResetCause::PowerOn) }
+    }
+
+    /// What holds the heater off.
+    pub fn hold(&self) -> Option<Hold> {
+        self.hold
+    }
+
+    /// Latches; the first reason stays until it is acknowledged.
+    pub fn latch(&mut self, hold: Hold) {
+        self.hold.get_or_insert(hold);
+    }
+
+    /// Releases the latch. `false` if nothing was latched.
+    pub fn acknowledge(&mut self) -> bool {
+        self.hold.take().is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_fault_reset_holds_and_has_a_number() {
+        let causes = [
+            ResetCause::BrownOut,
+            ResetCause::Watchdog,
+            ResetCause::Software,
+            ResetCause::Unexpected,
+            ResetCause::Died(Death::Panic),
+            ResetCause::Died(Death::HardFault),
+            ResetCause::Died(Death::ClockFailure),
+            ResetCause::Died(Death::StrayInterrupt),
+        ];
+        for cause in causes {
+            let hold = Interlock::at_boot(cause, None).hold();
+            assert_eq!(hold, Some(Hold::Reset(cause)));
+            let number = hold.map_or(0, Hold::number);
+            assert!(number > 0 && Hold::from_number(number) == hold, "{cause:?}: {number}");
+        }
+        assert_eq!(Hold::from_number(0), None);
+        assert_eq!(Hold::from_number(ALL.len() as u8 + 1), None);
+    }
+
+    #[test]
+    fn the_reset_button_is_no_acknowledgement() {
+        let held = Interlock::at_boot(ResetCause::Pin, Some(Hold::BreakInput));
+        assert_eq!(held.hold(), Some(Hold::BreakInput));
+        assert_eq!(Interlock::at_boot(ResetCause::Pin, None).hold(), None);
+    }
+
+    #[test]
+    fn power_on_starts_clean_whatever_the_memory_says() {
+        assert_eq!(Interlock::at_boot(ResetCause::PowerOn, Some(Hold::BreakInput)).hold(), None);
+    }
+
+    #[test]
+    fn the_first_reason_stays_until_acknowledged() {
+        let mut interlock = Interlock::default();
+        assert!(!interlock.acknowledge());
+        interlock.latch(Hold::MissedDeadline);
+        interlock.latch(Hold::BreakInput);
+        assert_eq!(interlock.hold(), Some(Hold::MissedDeadline));
+        assert!(interlock.acknowledge());
+        assert_eq!(interlock.hold(), None);
+    }
+}

@@ -1,0 +1,21 @@
+//! All of the firmware that is not a register, so that `cargo test` on the host covers it.
+#![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+
+pub mod cadence;
+pub mod checkin;
+pub mod console;
+pub mod control_loop;
+pub mod crc;
+pub mod decimal;
+pub mod duty;
+pub mod explain;
+pub mod history;
+pub mod hold_button;
+pub mod interlock;
+pub mod record;
+pub mod reset_cause;
+pub mod retained;
+pub mod sampling;
+pub mod settings;
+pub mod status;

@@ -1,0 +1,249 @@
+//! The record of one tick, as the log carries it: the bits of what went in and of what came out, so that a replay on
+//! the host can run the core again and compare. It is text of 26 hexadecimal words after "tick ", in the order of
+//! [`FIELDS`]; a number that is not defined on the tick is written as [`NONE`].
+
+use core::fmt;
+
+use fdi_core::diagnosis::Verdict;
+use fdi_core::diagnosis::signature::{Symptom, Symptoms};
+use fdi_core::identify::observer::Observation;
+use fdi_core::supervisor::Blocker;
+use fdi_core::{AdcCode, Mode, Percent, RawSample, Report, Validity};
+
+use crate::control_loop::Beat;
+
+/// Words in a record.
+pub const WORDS: usize = 26;
+
+/// Names of the words. Plain numbers are `f32` bits.
+pub const FIELDS: [&str; WORDS] = [
+    "tick", "timing", "t0_code", "t1_code", "t2_code", "setpoint", "pid", "prbs", "drive", "applied",
+    "state", "learned", "y1m", "y2m", "sg1", "sg2", "bw1", "ry1_f", "ry2_f", "rap_f", "ry12_f", "rsg1_f",
+    "rsg2_f", "rbw1_f", "symptoms", "vectors",
+];
+
+/// "Not defined": a NaN that no arithmetic gives.
+pub const NONE: u32 = u32::MAX;
+
+/// Set in the word "timing" where the tick never began; the bits below are its lateness in µs.
+const MISSED: u32 = 1 << 31;
+
+/// One tick as words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Record(pub [u32; WORDS]);
+
+impl Record {
+    /// The record of a tick.
+    pub fn new(beat: &Beat, report: &Report) -> Self {
+        let mut words = [NONE; WORDS];
+        let tick = &beat.tick;
+        let timing = if beat.missed { MISSED } else { beat.arrival.late_us };
+        let numbers = |x: Option<f32>| x.map_or(NONE, f32::to_bits);
+        let (raw, f) = (&beat.raw, report.residuals_filtered);
+        let fixed = [
+            tick.index,
+            timing,
+            raw.t0.0.to_bits(),
+            raw.t1.0.to_bits(),
+            raw.t2.0.to_bits(),
+            tick.setpoint.0.to_bits(),
+            tick.pid.0.to_bits(),
+            tick.prbs.0.to_bits(),
+            tick.drive.0.to_bits(),
+            beat.applied.0.to_bits(),
+            state(beat, report),
+            report.learned,
+            numbers(report.ms1.prediction),
+            numbers(report.ms2.prediction),
+            numbers(report.ms1.static_gain),
+            numbers(report.ms2.static_gain),
+            numbers(report.ms1.bandwidth),
+        ];
+        let residuals = (0..7).map(|i| numbers(f.and_then(|f| f.get(i).copied())));
+        let verdicts = [symptoms(report), vectors(report)];
+        for (word, value) in words.iter_mut().zip(fixed.into_iter().chain(residuals).chain(verdicts)) {
+            *word = value;
+        }
+        Self(words)
+    }
+
+    /// Number of the tick.
+    pub fn tick(&self) -> u32 {
+        self.0[0]
+    }
+
+    /// Codes that went in.
+    pub fn raw(&self) -> RawSample {
+        let [t0, t1, t2] = [2, 3, 4].map(|i: usize| AdcCode(f32::from_bits(self.0[i])));
+        RawSample { t0, t1, t2 }
+    }
+
+    /// What the heater got.
+    pub fn applied(&self) -> Percent {
+        Percent(f32::from_bits(self.0[9]))
+    }
+
+    /// The tick never began.
+    pub fn missed(&self) -> bool {
+        self.0[1] & MISSED != 0
+    }
+
+    /// Microseconds that the tick began late.
+    pub fn late_us(&self) -> u32 {
+        self.0[1] & !MISSED
+    }
+
+    /// Names of the words that differ, with the words; all NaN codes are one.
+    pub fn differences(&self, other: &Self) -> impl Iterator<Item = (&'static str, u32, u32)> {
+        let pairs = self.0.into_iter().zip(other.0);
+        FIELDS.into_iter().zip(pairs).filter_map(|(name, (a, b))| (a != b).then_some((name, a, b)))
+    }
+}
+
+impl fmt::Display for Record {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("tick")?;
+        self.0.iter().try_for_each(|word| write!(f, " {word:x}"))
+    }
+}
+
+/// The same text, put together where the log is decoded.
+#[cfg(feature = "defmt")]
+impl defmt::Format for Record {
+    #[rustfmt::skip]
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let w = &self.0;
+        defmt::write!(
+            f,
+            "tick {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} \
+             {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x}",
+            w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10], w[11], w[12],
+            w[13], w[14], w[15], w[16], w[17], w[18], w[19], w[20], w[21], w[22], w[23], w[24], w[25],
+        );
+    }
+}
+
+/// Why a text is no record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RecordError {
+    /// It does not begin with "tick ".
+    NotATick,
+    /// It has another number of words.
+    Words {
+        /// How many.
+        found: usize,
+    },
+    /// A word is no hexadecimal number of up to 8 digits.
+    Word {
+        /// The name of the word.
+        name: &'static str,
+    },
+}
+
+impl fmt::Display for RecordError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotATick => f.write_str("expected a record that begins with \"tick \""),
+            Self::Words { found } => write!(f, "record has {found} words, expected {WORDS}"),
+            Self::Word { name } => write!(f, "{name}: expected a hexadecimal number of up to 8 digits"),
+        }
+    }
+}
+
+impl core::error::Error for RecordError {}
+
+impl core::str::FromStr for Record {
+    type Err = RecordError;
+
+    /// Reads the text from "tick " on; what a log puts before it must have been cut off.
+    fn from_str(text: &str) -> Result<Self, RecordError> {
+        let words = text.strip_prefix("tick ").ok_or(RecordError::NotATick)?;
+        let found = words.split_ascii_whitespace().count();
+        if found != WORDS {
+            return Err(RecordError::Words { found });
+        }
+        let mut record = Self([0; WORDS]);
+        for ((word, name), digits) in record.0.iter_mut().zip(FIELDS).zip(words.split_ascii_whitespace()) {
+            let plain = digits.bytes().all(|b| b.is_ascii_hexdigit()); // from_str_radix would also take a sign
+            let number = u32::from_str_radix(digits, 16).ok().filter(|_| plain);
+            *word = number.ok_or(RecordError::Word { name })?;
+        }
+        Ok(record)
+    }
+}
+
+/// Mode in bits 0..3, validity of T0, T1, T2 from bits 4, 8 and 12, learning in bit 16, what blocks it from bit 17, flags
+/// of MS1 from bit 20 and of MS2 from bit 24.
+fn state(beat: &Beat, report: &Report) -> u32 {
+    let mode = match beat.tick.mode {
+        Mode::Off => 0,
+        Mode::Settle { .. } => 1,
+        Mode::Learn => 2,
+        Mode::Monitor => 3,
+        Mode::Tripped(_) => 4,
+    };
+    let blocked = match beat.tick.blocked {
+        None => 0,
+        Some(Blocker::Saturated) => 1,
+        Some(Blocker::OutOfRegulation) => 2,
+        Some(Blocker::Unexcited) => 3,
+        Some(Blocker::InvalidSample) => 4,
+        Some(Blocker::NotSteady) => 5,
+    };
+    let sample = &beat.tick.sample;
+    mode | validity(sample.t0.validity) << 4
+        | validity(sample.t1.validity) << 8
+        | validity(sample.t2.validity) << 12
+        | u32::from(beat.tick.learn) << 16
+        | blocked << 17
+        | observer(&report.ms1) << 20
+        | observer(&report.ms2) << 24
+}
+
+fn validity(validity: Validity) -> u32 {
+    match validity {
+        Validity::Good => 0,
+        Validity::Missing => 1,
+        Validity::Open => 2,
+        Validity::Short => 3,
+        Validity::OutOfRange => 4,
+        Validity::Spike => 5,
+        Validity::Erratic => 6,
+        Validity::Stuck => 7,
+    }
+}
+
+fn observer(o: &Observation) -> u32 {
+    u32::from(o.held)
+        | u32::from(o.gain_held) << 1
+        | u32::from(o.bandwidth_held) << 2
+        | u32::from(o.sick) << 3
+}
+
+/// Two bits a symptom: filtered from bit 0, raw from bit 16; 0 normal, 1 high, 2 low. All ones where nothing is judged.
+fn symptoms(report: &Report) -> u32 {
+    let bits = |symptoms: &Symptoms| {
+        symptoms.iter().rev().fold(0, |bits, symptom| {
+            bits << 2
+                | match symptom {
+                    Symptom::Normal => 0,
+                    Symptom::High => 1,
+                    Symptom::Low => 2,
+                }
+        })
+    };
+    match (&report.filtered, &report.raw) {
+        (Some(filtered), Some(raw)) => bits(&filtered.symptoms) | bits(&raw.symptoms) << 16,
+        _ => NONE,
+    }
+}
+
+/// fdv and fiv of the filtered residuals, then of the raw ones, a byte each.
+fn vectors(report: &Report) -> u32 {
+    let byte =
+        |verdict: &Option<Verdict>, number: fn(&Verdict) -> u8| u32::from(verdict.as_ref().map_or(0, number));
+    byte(&report.filtered, |v| v.fdv)
+        | byte(&report.filtered, |v| v.fiv) << 8
+        | byte(&report.raw, |v| v.fdv) << 16
+        | byte(&report.raw, |v| v.fiv) << 24
+}

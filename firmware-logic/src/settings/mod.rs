@@ -1,0 +1,6 @@
+//! What a user changes without rebuilding: names and text, a record of bytes, and its place in flash.
+
+pub mod listing;
+pub mod schema;
+pub mod store;
+pub mod stored;

@@ -1,0 +1,109 @@
+//! The record in flash: two sectors that sequential-storage writes in turn, so that a cut at any point leaves either
+//! the old record or the new one.
+
+use core::fmt;
+
+use embedded_storage_async::nor_flash::NorFlash;
+use sequential_storage::Error;
+use sequential_storage::cache::{Cache, Uncached};
+use sequential_storage::map::{MapConfig, MapStorage};
+
+use super::stored::{MAX_BYTES, Stored, StoredError};
+
+/// The key of the one record.
+const KEY: u8 = 1;
+/// Room for the record and for what the storage puts around it.
+const BUFFER: usize = MAX_BYTES + 64;
+
+/// How the settings came to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Origin {
+    /// Read from flash.
+    Flash,
+    /// Nothing was ever saved.
+    Default,
+    /// What was saved is unusable, so these are the defaults.
+    Fallback(StoredError),
+    /// The storage itself is unusable, so these are the defaults.
+    Unreadable,
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Flash => f.write_str("read from flash"),
+            Self::Default => f.write_str("defaults, nothing saved"),
+            Self::Fallback(error) => write!(f, "DEFAULTS, since the saved {error}"),
+            Self::Unreadable => f.write_str("DEFAULTS, since the flash cannot be read"),
+        }
+    }
+}
+
+/// Why settings were not saved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SaveError {
+    /// The heater is on: writing stalls the processor.
+    Heating,
+    /// The record is too long.
+    Record(StoredError),
+    /// The flash refused.
+    Flash,
+}
+
+impl fmt::Display for SaveError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Heating => f.write_str("not while heating, expected `stop` first"),
+            Self::Record(error) => error.fmt(f),
+            Self::Flash => f.write_str("the flash could not be written"),
+        }
+    }
+}
+
+/// The record is read once and written seldom: a cache would only cost RAM.
+type NoCache = Cache<Uncached, Uncached, Uncached, u8>;
+
+/// The storage.
+pub struct Store<F: NorFlash> {
+    map: MapStorage<u8, F, NoCache>,
+}
+
+impl<F: NorFlash> Store<F> {
+    /// A store that covers the whole of `flash`, at least two sectors.
+    pub fn new(flash: F) -> Self {
+        let capacity = flash.capacity() as u32;
+        Self { map: MapStorage::new(flash, MapConfig::new(0..capacity), NoCache::new_uncached()) }
+    }
+
+    /// Reads what was saved; the defaults where there is nothing usable, and why.
+    pub async fn load(&mut self) -> (Stored, Origin) {
+        let mut buffer = [0; BUFFER];
+        match self.map.fetch_item::<&[u8]>(&mut buffer, &KEY).await {
+            Ok(Some(bytes)) => match Stored::decode(bytes) {
+                Ok(stored) => (stored, Origin::Flash),
+                Err(error) => (Stored::default(), Origin::Fallback(error)),
+            },
+            Ok(None) => (Stored::default(), Origin::Default),
+            Err(_) => (Stored::default(), Origin::Unreadable),
+        }
+    }
+
+    /// Saves. The heater must be off: on this chip a write stalls the processor, an erase for seconds.
+    ///
+    /// # Errors
+    /// Why it was not saved; what was saved before is still there then.
+    pub async fn save(&mut self, stored: &Stored) -> Result<(), SaveError> {
+        let mut record = [0; MAX_BYTES];
+        let bytes = stored.encode(&mut record).map_err(SaveError::Record)?;
+        let mut buffer = [0; BUFFER];
+        match self.map.store_item(&mut buffer, &KEY, &bytes).await {
+            Ok(()) => return Ok(()),
+            // What could not even be repaired could not be read either: a new storage is worth more.
+            Err(Error::Corrupted { .. }) => self.map.erase_all().await.map_err(|_| SaveError::Flash)?,
+            Err(_) => return Err(SaveError::Flash),
+        }
+        self.map.store_item(&mut buffer, &KEY, &bytes).await.map_err(|_| SaveError::Flash)
+    }
+}

@@ -1,0 +1,140 @@
+//! How the instrument is, in a few lines for people.
+
+use core::fmt;
+
+use fdi_core::{Config, Mode, Percent, Reading, Report, Validity};
+
+use crate::cadence::Punctuality;
+use crate::control_loop::Beat;
+use crate::decimal::Fixed;
+use crate::interlock::Hold;
+
+/// Health of the board.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Health {
+    /// Punctuality of the control tick.
+    pub punctuality: Punctuality,
+    /// Ticks that the diagnosis never saw.
+    pub beats_lost: u32,
+    /// Frames of the log that did not fit.
+    pub log_dropped: u32,
+    /// Most bytes of stack ever used.
+    pub stack_used: u32,
+    /// Bytes of stack.
+    pub stack_size: u32,
+}
+
+/// What the last tick said.
+#[derive(Clone, Debug, Default)]
+pub struct Status {
+    /// Beat and report of the last tick; `None` before the first.
+    pub last: Option<(Beat, Report)>,
+    /// Health of the board.
+    pub health: Health,
+}
+
+impl Status {
+    /// What holds the heater off.
+    pub fn hold(&self) -> Option<Hold> {
+        self.last.as_ref().and_then(|(beat, _)| beat.hold)
+    }
+
+    /// Whether the heater may be on.
+    pub fn is_heating(&self) -> bool {
+        self.last.as_ref().is_some_and(|(beat, _)| beat.tick.mode.is_heating())
+    }
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some((beat, report)) = &self.last else { return f.write_str("no tick yet") };
+        let tick = &beat.tick;
+        write!(f, "mode {}", tick.mode.name())?;
+        if let Mode::Tripped(trip) = tick.mode {
+            write!(f, " ({:?}), `ack` when its cause has gone", trip.reason)?;
+        }
+        if let Some(hold) = beat.hold {
+            write!(f, ", heater held off: {hold}; `ack` to release")?;
+        }
+        if let Some(blocker) = tick.blocked {
+            write!(f, ", not learning: {blocker:?}")?;
+        }
+        let sample = &tick.sample;
+        let [t0, t1, t2] = [sample.t0, sample.t1, sample.t2].map(Shown);
+        let Percent(drive) = beat.applied;
+        write!(
+            f,
+            "\nT0 {t0}, T1 {t1} of {} degC, T2 {t2}, heater {} %",
+            Fixed(tick.setpoint.0, 1),
+            Fixed(drive, 1)
+        )?;
+        f.write_str("\ngain")?;
+        number(f, report.ms1.static_gain, 3)?;
+        number(f, report.ms2.static_gain, 3)?;
+        f.write_str(" degC/%, bandwidth")?;
+        number(f, report.ms1.bandwidth, 2)?;
+        write!(f, " rad/s, learnt from {} samples", report.learned)?;
+        if let Some(verdict) = &report.filtered {
+            write!(f, "\nfdv {} fiv {}", verdict.fdv, verdict.fiv)?;
+        }
+        write!(f, "\n{}", self.health)
+    }
+}
+
+impl fmt::Display for Health {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let p = &self.punctuality;
+        write!(
+            f,
+            "ticks {} missed {} worst {} us late, diagnosis lost {}, log dropped {}, stack {} of {} bytes",
+            p.ticks,
+            p.missed,
+            p.worst_us,
+            self.beats_lost,
+            self.log_dropped,
+            self.stack_used,
+            self.stack_size
+        )
+    }
+}
+
+fn number(f: &mut fmt::Formatter<'_>, x: Option<f32>, decimals: u8) -> fmt::Result {
+    match x {
+        Some(x) => write!(f, " {}", Fixed(x, decimals)),
+        None => f.write_str(" ?"),
+    }
+}
+
+/// A reading, with its doubts.
+struct Shown(Reading);
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Fixed(self.0.celsius.0, 2).fmt(f)?;
+        match self.0.validity {
+            Validity::Good => Ok(()),
+            doubt => write!(f, " ({doubt:?})"),
+        }
+    }
+}
+
+/// Settings that differ from the defaults, each as `name = value`; what a log must carry for a replay.
+pub fn changed_settings(config: &Config) -> impl Iterator<Item = crate::settings::schema::Name> {
+    use crate::settings::schema::Name;
+    let mut names = heapless::Vec::<Name, 80>::new();
+    let default = Config::default();
+    let mut text = heapless::String::<64>::new();
+    let mut usual = heapless::String::<64>::new();
+    for name in Name::all(config) {
+        use fmt::Write;
+        text.clear();
+        usual.clear();
+        let _ = write!(text, "{}", name.value(config));
+        let _ = write!(usual, "{}", name.value(&default));
+        if text != usual {
+            let _ = names.push(name);
+        }
+    }
+    names.into_iter()
+}

@@ -1,0 +1,244 @@
+//! Whatever happens around the control loop, the heater's output must end up disabled, and stay so until acknowledged.
+
+use fdi_core::control::Controller;
+use fdi_core::sense::thermistor::ThermistorConfig;
+use fdi_core::{AdcCode, Command, Config, Mode, Percent, RawSample, Refusal, TripReason};
+use firmware_logic::cadence::Arrival;
+use firmware_logic::control_loop::{Beat, ControlLoop, Denial, Heater, Order};
+use firmware_logic::interlock::{Hold, Interlock};
+use firmware_logic::reset_cause::ResetCause;
+
+/// The output stage as the chip has it: the break input clears the enable and keeps it from being set.
+#[derive(Debug, Default)]
+struct Output {
+    power: f32,
+    enabled: bool,
+    open: bool,
+    dead_man: bool,
+}
+
+impl Output {
+    fn at_the_pin(&self) -> f32 {
+        if self.enabled { self.power } else { 0.0 }
+    }
+}
+
+impl Heater for Output {
+    fn drive(&mut self, power: Percent) {
+        self.power = power.0;
+    }
+    fn enable(&mut self) {
+        self.enabled = !self.open;
+    }
+    fn disable(&mut self) {
+        self.enabled = false;
+    }
+    fn is_enabled(&self) -> bool {
+        self.enabled
+    }
+    fn break_is_open(&self) -> bool {
+        self.open
+    }
+    fn cut_by(&self) -> Hold {
+        if self.dead_man { Hold::MissedDeadline } else { Hold::BreakInput }
+    }
+}
+
+struct Bench {
+    control: ControlLoop,
+    output: Output,
+    codes: RawSample,
+    noise: u32,
+}
+
+impl Bench {
+    fn new(cause: ResetCause) -> Self {
+        let config = Config::default();
+        let controller = Controller::new(&config).expect("the default is valid");
+        let interlock = Interlock::at_boot(cause, None);
+        let room = room_code();
+        Self {
+            control: ControlLoop::new(controller, config.setpoint, interlock),
+            output: Output::default(),
+            codes: RawSample { t0: room, t1: room, t2: room },
+            noise: 0,
+        }
+    }
+
+    fn heating() -> Self {
+        let mut bench = Self::new(ResetCause::PowerOn);
+        assert_eq!(bench.order(Command::Arm).outcome.expect("an order").result, Ok(()));
+        let beat = bench.tick();
+        assert!(beat.tick.mode.is_heating() && bench.output.at_the_pin() > 0.0, "it is cold: heat");
+        assert_eq!(beat.applied, beat.tick.drive);
+        bench
+    }
+
+    fn step(&mut self, order: Option<Order>) -> Beat {
+        self.noise = (self.noise + 1) % 3; // a live sensor is never quite still
+        let wiggle = |code: AdcCode| AdcCode(code.0 + self.noise as f32);
+        let raw = RawSample { t0: self.codes.t0, t1: wiggle(self.codes.t1), t2: wiggle(self.codes.t2) };
+        self.control.tick(raw, Arrival::default(), order, 0, &mut self.output)
+    }
+
+    fn tick(&mut self) -> Beat {
+        self.step(None)
+    }
+
+    fn order(&mut self, command: Command) -> Beat {
+        self.step(Some(Order::Command(command)))
+    }
+}
+
+fn room_code() -> AdcCode {
+    let config = ThermistorConfig::default();
+    // 22.5 degC by the beta equation, R25 = pull-up = 10 k: code = 4095 r / (1 + r), r = R / R25.
+    let r = (config.beta * (1.0 / 295.65 - 1.0 / 298.15)).exp();
+    AdcCode((4095.0 * r / (1.0 + r)).round())
+}
+
+#[test]
+fn starts_disabled_and_arms_only_on_command() {
+    let mut bench = Bench::new(ResetCause::PowerOn);
+    for _ in 0..50 {
+        assert_eq!(bench.tick().applied, Percent(0.0));
+        assert!(!bench.output.enabled);
+    }
+    let beat = bench.order(Command::Arm);
+    assert_eq!(beat.outcome.expect("an order").result, Ok(()));
+    assert!(bench.output.enabled && bench.output.at_the_pin() > 0.0);
+}
+
+#[test]
+fn an_open_break_input_cuts_at_once_latches_and_survives_being_closed() {
+    let mut bench = Bench::heating();
+    bench.output.open = true;
+    bench.output.enabled = false; // what the chip does by itself
+    let beat = bench.tick();
+    assert_eq!((beat.hold, beat.applied), (Some(Hold::BreakInput), Percent(0.0)));
+    assert_eq!(beat.tick.mode, Mode::Off);
+    bench.output.open = false;
+    for _ in 0..10 {
+        bench.tick();
+        assert!(!bench.output.enabled, "closing the interlock must not bring the heat back");
+    }
+    assert_eq!(
+        bench.order(Command::Arm).outcome.expect("an order").result,
+        Err(Denial::Held(Hold::BreakInput))
+    );
+    assert_eq!(bench.order(Command::Acknowledge).outcome.expect("an order").result, Ok(()));
+    assert!(!bench.output.enabled, "acknowledging is not arming");
+    assert_eq!(bench.order(Command::Arm).outcome.expect("an order").result, Ok(()));
+    assert!(bench.output.enabled);
+}
+
+#[test]
+fn does_not_arm_with_the_break_input_open() {
+    let mut bench = Bench::new(ResetCause::PowerOn);
+    bench.output.open = true;
+    let beat = bench.order(Command::Arm);
+    assert_eq!(beat.outcome.expect("an order").result, Err(Denial::BreakOpen));
+    assert_eq!((beat.tick.mode, bench.output.enabled), (Mode::Off, false));
+}
+
+#[test]
+fn the_dead_man_is_told_from_the_break_input() {
+    let mut bench = Bench::heating();
+    bench.output.dead_man = true;
+    bench.output.enabled = false;
+    assert_eq!(bench.tick().hold, Some(Hold::MissedDeadline));
+    assert_eq!(bench.output.at_the_pin(), 0.0);
+}
+
+#[test]
+fn a_fault_reset_needs_an_acknowledgement() {
+    let mut bench = Bench::new(ResetCause::Watchdog);
+    let held = Hold::Reset(ResetCause::Watchdog);
+    assert_eq!(bench.order(Command::Arm).outcome.expect("an order").result, Err(Denial::Held(held)));
+    assert!(!bench.output.enabled);
+    assert_eq!(bench.order(Command::Acknowledge).outcome.expect("an order").result, Ok(()));
+    assert_eq!(bench.order(Command::Arm).outcome.expect("an order").result, Ok(()));
+}
+
+#[test]
+fn stop_works_in_every_mode() {
+    let mut bench = Bench::heating();
+    assert_eq!(bench.order(Command::Stop).tick.mode, Mode::Off);
+    assert!(!bench.output.enabled);
+
+    let mut held = Bench::new(ResetCause::Watchdog);
+    assert_eq!(held.order(Command::Stop).tick.mode, Mode::Off);
+
+    let mut tripped = Bench::heating();
+    tripped.codes.t1 = AdcCode(4090.0);
+    tripped.tick();
+    assert!(matches!(tripped.order(Command::Stop).tick.mode, Mode::Tripped(_)), "a trip is not stopped away");
+    assert!(!tripped.output.enabled);
+}
+
+#[test]
+fn a_stop_that_has_cut_the_output_already_is_no_fault() {
+    let mut bench = Bench::heating();
+    bench.output.enabled = false; // the console cuts first and then says so
+    let beat = bench.order(Command::Stop);
+    assert_eq!((beat.tick.mode, beat.hold), (Mode::Off, None));
+    assert_eq!(bench.order(Command::Arm).outcome.expect("an order").result, Ok(()));
+}
+
+#[test]
+fn a_trip_cuts_in_the_same_tick_and_one_acknowledgement_serves() {
+    for (code, reason) in [(4090.0, TripReason::T1Open), (5.0, TripReason::T1Short)] {
+        let mut bench = Bench::heating();
+        bench.codes.t1 = AdcCode(code);
+        let beat = bench.tick();
+        assert!(
+            matches!(beat.tick.mode, Mode::Tripped(trip) if trip.reason == reason),
+            "{:?}",
+            beat.tick.mode
+        );
+        assert_eq!((beat.applied, bench.output.at_the_pin()), (Percent(0.0), 0.0));
+        bench.codes.t1 = room_code();
+        (0..20).for_each(|_| {
+            bench.tick();
+        });
+        assert_eq!(bench.order(Command::Acknowledge).outcome.expect("an order").result, Ok(()));
+        assert_eq!(bench.tick().tick.mode, Mode::Off);
+    }
+}
+
+#[test]
+fn missed_ticks_keep_the_power_they_really_had_and_trip_when_too_many() {
+    let mut bench = Bench::heating();
+    let before = bench.tick();
+    let first = bench.control.missed(Arrival::default(), &mut bench.output);
+    assert_eq!(first.applied, before.applied, "nobody wrote a new power meanwhile");
+    assert_eq!(first.tick.index, before.tick.index + 1, "the core's time goes on");
+    let modes: Vec<_> =
+        (0..10).map(|_| bench.control.missed(Arrival::default(), &mut bench.output).tick.mode).collect();
+    assert!(
+        matches!(modes.last(), Some(Mode::Tripped(trip)) if trip.reason == TripReason::T1Lost),
+        "{modes:?}"
+    );
+    assert!(!bench.output.enabled);
+}
+
+#[test]
+fn acknowledging_nothing_is_refused() {
+    let mut bench = Bench::heating();
+    let outcome = bench.order(Command::Acknowledge).outcome.expect("an order");
+    assert!(matches!(outcome.result, Err(Denial::Refused(Refusal::NotInMode("settle")))), "{outcome:?}");
+    assert!(bench.output.enabled, "a refused order changes nothing");
+}
+
+#[test]
+fn new_settings_take_effect_without_a_restart() {
+    let mut bench = Bench::heating();
+    let config = Config {
+        pid: fdi_core::control::pid::PidConfig { output_max: Percent(20.0), ..Default::default() },
+        ..Config::default()
+    };
+    let controller = Controller::new(&config).expect("valid");
+    let beat = bench.step(Some(Order::Retune(controller)));
+    assert_eq!(beat.outcome.expect("an order").command, None);
+    assert!(beat.tick.mode.is_heating() && beat.tick.drive.0 <= 20.0, "{:?}", beat.tick.drive);
+}

@@ -1,0 +1,68 @@
+//! Clocks. The ST-LINK's 8 MHz (from its crystal, by way of MCO) makes 110 ms exact to some 50 ppm; the internal
+//! oscillator is 1 % off and a model identified with it has time constants that are 1 % off.
+//!
+//! Hazard: a clock that never starts (some Nucleo revisions do not route it) would hang the start for ever, with the
+//! heater off but also without a word. So it is tried for a bounded time first, and the log says which one runs.
+
+use embassy_stm32::Peripherals;
+use embassy_stm32::pac::{FLASH, RCC};
+use embassy_stm32::rcc::{
+    AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllPDiv, PllPreDiv, PllSource, Sysclk,
+};
+use embassy_stm32::time::Hertz;
+
+use super::board;
+
+/// Where the time comes from.
+#[derive(Clone, Copy, PartialEq, Eq, defmt::Format)]
+pub(crate) enum Source {
+    /// 8 MHz from the ST-LINK's crystal.
+    StLink,
+    /// 16 MHz internal oscillator, 1 % off.
+    Internal,
+}
+
+/// Polls at the 16 MHz of the reset state: some 20 ms, a hundred times what a clock that is there needs.
+const START_POLLS: u32 = 40_000;
+
+/// Starts all clocks and takes the peripherals.
+pub(crate) fn init() -> (Peripherals, Source) {
+    let source = if external_starts() { Source::StLink } else { Source::Internal };
+    let (pll_src, prediv) = match source {
+        Source::StLink => (PllSource::HSE, PllPreDiv::DIV8),
+        Source::Internal => (PllSource::HSI, PllPreDiv::DIV16),
+    };
+    let mut config = embassy_stm32::Config::default();
+    let rcc = &mut config.rcc;
+    rcc.hse = (source == Source::StLink).then_some(Hse { freq: Hertz(8_000_000), mode: HseMode::Bypass });
+    rcc.pll_src = pll_src;
+    rcc.pll = Some(Pll { prediv, mul: board::PLL_MUL, divp: Some(PllPDiv::DIV2), divq: None, divr: None });
+    rcc.sys = Sysclk::PLL1_P;
+    rcc.ahb_pre = AHBPrescaler::DIV1;
+    rcc.apb1_pre = board::APB1;
+    rcc.apb2_pre = APBPrescaler::DIV1;
+    let peripherals = embassy_stm32::init(config);
+
+    // The HAL sets the wait states and leaves the flash accelerator off, which would halve the speed.
+    FLASH.acr().modify(|w| {
+        w.set_prften(true);
+        w.set_icen(true);
+        w.set_dcen(true);
+    });
+    if source == Source::StLink {
+        // If the clock dies while running, hardware triggers TIM1's break: heater off, then the NMI.
+        RCC.cr().modify(|w| w.set_csson(true));
+    }
+    (peripherals, source)
+}
+
+fn external_starts() -> bool {
+    RCC.cr().modify(|w| w.set_hsebyp(true));
+    RCC.cr().modify(|w| w.set_hseon(true));
+    let ready = (0..START_POLLS).any(|_| RCC.cr().read().hserdy());
+    if !ready {
+        RCC.cr().modify(|w| w.set_hseon(false));
+        RCC.cr().modify(|w| w.set_hsebyp(false));
+    }
+    ready
+}

@@ -1,0 +1,34 @@
+//! The words of RAM that no start clears.
+
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
+
+use firmware_logic::retained::{Retained, WORDS, Words};
+
+struct Memory(UnsafeCell<MaybeUninit<Words>>);
+
+// SAFETY: it is read once, at boot, before any task runs, and after that only written: by the thread-mode tasks, of
+// which one runs at a time, or by a handler that never returns to what it interrupted.
+unsafe impl Sync for Memory {}
+
+#[unsafe(link_section = ".uninit.RETAINED")]
+static MEMORY: Memory = Memory(UnsafeCell::new(MaybeUninit::uninit()));
+
+/// What the program before this one left, if it is to be believed. For the start only.
+pub(crate) fn load() -> Option<Retained> {
+    let base = MEMORY.0.get().cast::<u32>();
+    // SAFETY: the words are within the static and aligned. They are RAM, initialised by whatever was written before
+    // the reset or by noise; a volatile read of plain memory gives some number for either.
+    let words: Words = core::array::from_fn(|i| unsafe { base.add(i.min(WORDS - 1)).read_volatile() });
+    Retained::unpack(&words)
+}
+
+/// Leaves something for the next program.
+pub(crate) fn store(retained: &Retained) {
+    let base = MEMORY.0.get().cast::<u32>();
+    for (i, word) in retained.pack().into_iter().enumerate() {
+        // SAFETY: within the static and aligned, see `Memory` for why nobody reads meanwhile. Volatile, since what
+        // reads it is a program that the compiler does not know of.
+        unsafe { base.add(i.min(WORDS - 1)).write_volatile(word) };
+    }
+}

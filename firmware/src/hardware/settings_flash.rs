@@ -1,0 +1,72 @@
+//! Flash sectors 6 and 7 as the store of the settings sees them.
+
+use embassy_stm32::Peri;
+use embassy_stm32::flash::{Blocking, Error, Flash, WRITE_SIZE};
+use embassy_stm32::peripherals::FLASH;
+use embedded_storage_async::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
+};
+
+use super::watchdog;
+
+/// Where sector 6 begins, from the start of the flash, and the size of each of the two sectors.
+const BASE: u32 = 0x4_0000;
+const SECTOR: usize = 128 * 1024;
+
+/// Both sectors.
+pub(crate) struct SettingsFlash(Flash<'static, Blocking>);
+
+/// What the flash controller reported.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FlashError(Error);
+
+impl NorFlashError for FlashError {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self.0 {
+            Error::Size => NorFlashErrorKind::OutOfBounds,
+            Error::Unaligned => NorFlashErrorKind::NotAligned,
+            _ => NorFlashErrorKind::Other,
+        }
+    }
+}
+
+impl SettingsFlash {
+    /// Takes the flash controller.
+    pub(crate) fn new(flash: Peri<'static, FLASH>) -> Self {
+        Self(Flash::new_blocking(flash))
+    }
+}
+
+impl ErrorType for SettingsFlash {
+    type Error = FlashError;
+}
+
+impl ReadNorFlash for SettingsFlash {
+    const READ_SIZE: usize = 1;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
+        self.0.blocking_read(BASE + offset, bytes).map_err(FlashError)
+    }
+
+    fn capacity(&self) -> usize {
+        2 * SECTOR
+    }
+}
+
+impl NorFlash for SettingsFlash {
+    const WRITE_SIZE: usize = WRITE_SIZE;
+    const ERASE_SIZE: usize = SECTOR;
+
+    /// Hazard: the core stalls for 1 to 4 s a sector, for it runs from the flash that is being erased. The caller has
+    /// made sure that the heater is off; the watchdog, which does not stall, is told to be patient.
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
+        (from..to).step_by(SECTOR).try_for_each(|sector| {
+            let sector = BASE + sector;
+            watchdog::patiently(|| self.0.blocking_erase(sector, sector + SECTOR as u32)).map_err(FlashError)
+        })
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
+        self.0.blocking_write(BASE + offset, bytes).map_err(FlashError)
+    }
+}

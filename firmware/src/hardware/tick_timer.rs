@@ -1,0 +1,75 @@
+//! TIM5, a free-running 32-bit counter of microseconds: the clock of the control tick (compare 1) and the dead man's
+//! handle (compare 2). It is another timer than the one that runs the rest, so that each can notice the other's death.
+
+use core::future::poll_fn;
+use core::task::Poll;
+
+use embassy_stm32::interrupt::InterruptExt;
+use embassy_stm32::pac::TIM5;
+use embassy_stm32::pac::timer::regs::SrGp16;
+use embassy_stm32::pac::timer::vals::Urs;
+use embassy_stm32::{Peri, interrupt, peripherals, rcc};
+use embassy_sync::waitqueue::AtomicWaker;
+
+use super::heater;
+
+const WAKE: usize = 0;
+const DEAD_MAN: usize = 1;
+
+static CONTROL: AtomicWaker = AtomicWaker::new();
+
+/// Starts counting at `first`. The dead man's handle is armed by its first feeding.
+pub(crate) fn start(_timer: Peri<'static, peripherals::TIM5>) {
+    rcc::enable_and_reset::<peripherals::TIM5>();
+    let per_microsecond = rcc::frequency::<peripherals::TIM5>().0 / 1_000_000;
+    TIM5.psc().write_value((per_microsecond - 1) as u16);
+    TIM5.arr().write_value(u32::MAX);
+    TIM5.cr1().write(|w| w.set_urs(Urs::COUNTER_ONLY));
+    TIM5.egr().write(|w| w.set_ug(true)); // takes over the prescaler
+    TIM5.sr().write_value(SrGp16(0));
+    TIM5.dier().write(|w| {
+        w.set_ccie(WAKE, true);
+        w.set_ccie(DEAD_MAN, true);
+    });
+    // SAFETY: the handler is below and touches only the timer, an atomic waker and the heater's enable.
+    unsafe { interrupt::TIM5.enable() };
+    TIM5.cr1().modify(|w| w.set_cen(true));
+}
+
+/// Microseconds; wraps every 71.6 minutes.
+pub(crate) fn now() -> u32 {
+    TIM5.cnt().read()
+}
+
+/// Waits until the counter has reached `at`, at most half a wrap ahead. For the control task alone.
+pub(crate) async fn until(at: u32) {
+    let reached = || now().wrapping_sub(at) <= u32::MAX / 2;
+    poll_fn(|context| {
+        if reached() {
+            return Poll::Ready(());
+        }
+        CONTROL.register(context.waker());
+        TIM5.ccr(WAKE).write_value(at);
+        // The counter may have passed while the compare value was on its way; then no interrupt comes.
+        if reached() { Poll::Ready(()) } else { Poll::Pending }
+    })
+    .await;
+}
+
+/// Puts off the dead man's handle to `at`. When the counter gets there, the heater is cut by the highest interrupt,
+/// though the control task or anything else should spin for ever.
+pub(crate) fn feed_dead_man(at: u32) {
+    TIM5.ccr(DEAD_MAN).write_value(at);
+}
+
+#[interrupt]
+fn TIM5() {
+    let status = TIM5.sr().read();
+    TIM5.sr().write_value(SrGp16(!status.0)); // writing 0 clears, writing 1 leaves alone
+    if status.ccif(DEAD_MAN) {
+        heater::cut_by_dead_man();
+    }
+    if status.ccif(WAKE) {
+        CONTROL.wake();
+    }
+}

@@ -1,0 +1,187 @@
+//! What the thread-mode tasks share: the last tick, the settings, the history, and the way to the control half.
+
+use core::cell::RefCell;
+use core::sync::atomic::Ordering;
+
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use embassy_sync::signal::Signal;
+use embassy_time::Timer;
+use fdi_core::control::Controller;
+use fdi_core::diagnosis::Diagnosis;
+use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::{Command, Config, ConfigError, Report};
+use firmware_logic::console::Board;
+use firmware_logic::control_loop::{Beat, Denial, Order, Outcome};
+use firmware_logic::history::{Entry, History};
+use firmware_logic::settings::store::{SaveError, Store};
+use firmware_logic::settings::stored::Stored;
+use firmware_logic::status::{Health, Status};
+use heapless::spsc::Producer;
+
+use crate::hardware::settings_flash::SettingsFlash;
+use crate::hardware::{heater, rtt, stack};
+use crate::link;
+
+/// Shared by the tasks of thread mode, of which one runs at a time; no borrow lives across an await.
+pub(crate) struct Instrument {
+    status: RefCell<Status>,
+    history: RefCell<History>,
+    settings: RefCell<Stored>,
+    orders: RefCell<Producer<'static, Order>>,
+    outcomes: Signal<NoopRawMutex, Outcome>,
+    /// The diagnosis that new settings give, until the control half has taken over its own part of them.
+    retuned: RefCell<Option<Diagnosis>>,
+}
+
+impl Instrument {
+    /// Nothing has happened yet.
+    pub(crate) fn new(settings: Stored, orders: Producer<'static, Order>) -> Self {
+        Self {
+            status: RefCell::default(),
+            history: RefCell::default(),
+            settings: RefCell::new(settings),
+            orders: RefCell::new(orders),
+            outcomes: Signal::new(),
+            retuned: RefCell::new(None),
+        }
+    }
+
+    /// Takes in a tick that has been diagnosed.
+    pub(crate) fn ticked(&self, beat: Beat, report: Report) {
+        let mut status = self.status.borrow_mut();
+        let punctuality = &mut status.health.punctuality;
+        if !beat.missed {
+            punctuality.count(&beat.arrival);
+        }
+        status.last = Some((beat, report));
+    }
+
+    /// Takes in something that went wrong.
+    pub(crate) fn note(&self, note: impl FnOnce(&mut History)) {
+        note(&mut self.history.borrow_mut());
+    }
+
+    /// Takes in what became of an order.
+    pub(crate) fn answered(&self, outcome: Outcome) {
+        self.outcomes.signal(outcome);
+    }
+
+    /// The diagnosis for the settings that the control half has just taken over.
+    pub(crate) fn take_retuned(&self) -> Option<Diagnosis> {
+        self.retuned.borrow_mut().take()
+    }
+
+    /// Takes in what has been learnt.
+    pub(crate) fn learnt(&self, baseline: Option<&Baseline>) {
+        self.settings.borrow_mut().baseline = baseline.copied();
+    }
+
+    /// Ts in s.
+    pub(crate) fn sample_time(&self) -> f32 {
+        self.settings.borrow().config.sample_time.0
+    }
+
+    /// Whether the heater may be on.
+    pub(crate) fn is_heating(&self) -> bool {
+        self.status.borrow().is_heating()
+    }
+
+    /// Whether something holds the heater off.
+    pub(crate) fn is_held(&self) -> bool {
+        let status = self.status.borrow();
+        let tripped = |(beat, _): &(Beat, Report)| matches!(beat.tick.mode, fdi_core::Mode::Tripped(_));
+        status.hold().is_some() || status.last.as_ref().is_some_and(tripped)
+    }
+
+    /// How it is, health included.
+    pub(crate) fn status(&self) -> Status {
+        let mut status = self.status.borrow().clone();
+        status.health = Health {
+            beats_lost: link::BEATS_LOST.load(Ordering::Relaxed),
+            log_dropped: rtt::dropped(),
+            stack_used: stack::high_water() as u32,
+            stack_size: stack::size() as u32,
+            ..status.health
+        };
+        status
+    }
+
+    /// Posts an order without waiting for what becomes of it; `false` if another one is still on its way.
+    pub(crate) fn post(&self, order: Order) -> bool {
+        self.orders.borrow_mut().enqueue(order).is_ok()
+    }
+
+    /// Posts an order and waits for what becomes of it: until the next tick.
+    async fn order(&self, order: Order) -> Result<(), Denial> {
+        let command = match &order {
+            Order::Command(command) => Some(*command),
+            Order::Retune(_) => None,
+        };
+        while !self.post(order.clone()) {
+            Timer::after_millis(10).await; // the button's order is before it
+        }
+        loop {
+            let outcome = self.outcomes.wait().await;
+            if outcome.command == command {
+                return outcome.result;
+            }
+        }
+    }
+}
+
+/// What the console works on.
+pub(crate) struct ConsoleBoard {
+    /// The instrument.
+    pub(crate) instrument: &'static Instrument,
+    /// Where settings are kept.
+    pub(crate) store: Store<SettingsFlash>,
+}
+
+impl Board for ConsoleBoard {
+    async fn command(&mut self, command: Command) -> Result<(), Denial> {
+        self.instrument.order(Order::Command(command)).await
+    }
+
+    fn stop(&mut self) {
+        // First said and then done, so that the control task knows whose hand it was.
+        link::STOP.store(true, Ordering::Relaxed);
+        heater::cut();
+    }
+
+    fn status(&self) -> Status {
+        self.instrument.status()
+    }
+
+    fn config(&self) -> Config {
+        self.instrument.settings.borrow().config.clone()
+    }
+
+    async fn apply(&mut self, config: &Config) -> Result<(), ConfigError> {
+        let controller = Controller::new(config)?;
+        let diagnosis = Diagnosis::new(config)?;
+        *self.instrument.retuned.borrow_mut() = Some(diagnosis);
+        // New settings are always accepted: they have just been checked.
+        let _ = self.instrument.order(Order::Retune(controller)).await;
+        self.instrument.settings.borrow_mut().config = config.clone();
+        Ok(())
+    }
+
+    async fn save(&mut self) -> Result<(), SaveError> {
+        if self.instrument.is_heating() || heater::is_enabled() {
+            return Err(SaveError::Heating);
+        }
+        let settings = self.instrument.settings.borrow().clone();
+        let result = self.store.save(&settings).await;
+        // A stall that was planned is nobody's fault.
+        link::ROLL.check_all_in(link::now_ms());
+        result
+    }
+
+    fn baseline(&self) -> Option<Baseline> {
+        self.instrument.settings.borrow().baseline
+    }
+
+    fn fault(&self, index: usize) -> Option<Entry> {
+        self.instrument.history.borrow().get(index).copied()
+    }
+}

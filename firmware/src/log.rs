@@ -1,0 +1,123 @@
+//! The lines of the log, but for the record of each tick. `host-sim replay` reads those that begin with `order`,
+//! `setting` and `hold`.
+
+use core::fmt::{Arguments, Write};
+
+use fdi_core::diagnosis::event::Event;
+use fdi_core::{Command, Config};
+use firmware_logic::control_loop::Outcome;
+use firmware_logic::history::{Entry, Shown};
+use firmware_logic::reset_cause::ResetCause;
+use firmware_logic::retained::Retained;
+use firmware_logic::settings::store::Origin;
+use firmware_logic::status::{Status, changed_settings};
+
+use crate::hardware::clock::Source;
+use crate::hardware::{board, stack};
+
+/// Text put together on the board; what does not fit is cut.
+fn text(arguments: Arguments<'_>) -> heapless::String<160> {
+    let mut text = heapless::String::new();
+    let _ = text.write_fmt(arguments);
+    text
+}
+
+/// Who this is, and how it came up.
+pub(crate) fn banner(
+    clock: Source,
+    cause: ResetCause,
+    left: Option<&Retained>,
+    origin: &Origin,
+    config: &Config,
+) {
+    defmt::info!(
+        "PT-326 FDI {=str} ({=str}) on {=str}",
+        env!("CARGO_PKG_VERSION"),
+        env!("GIT_DESCRIBE"),
+        board::NAME
+    );
+    defmt::info!("clock {}, stack {=usize} bytes, record 1", clock, stack::size());
+    match cause.is_fault() {
+        true => defmt::error!("reset cause: {=str}", cause.name()),
+        false => defmt::info!("reset cause: {=str}", cause.name()),
+    }
+    if let Some(left) = left.filter(|left| left.death.is_some()) {
+        defmt::error!("last words: {=str}", left.words.as_str());
+    }
+    match origin {
+        Origin::Flash | Origin::Default => defmt::info!("settings {=str}", text(format_args!("{origin}"))),
+        _ => defmt::error!("settings {=str}", text(format_args!("{origin}"))),
+    }
+    settings(config);
+}
+
+/// Each setting that is not at its default.
+pub(crate) fn settings(config: &Config) {
+    for name in changed_settings(config) {
+        defmt::info!("setting {=str}", text(format_args!("{name} = {}", name.value(config))));
+    }
+}
+
+/// What became of an order before a tick.
+pub(crate) fn outcome(tick: u32, outcome: &Outcome) {
+    if let Err(denial) = outcome.result {
+        return defmt::warn!("denied {=u32} {=str}", tick, text(format_args!("{denial}")));
+    }
+    match outcome.command {
+        None => defmt::info!("order {=u32} settings", tick),
+        Some(Command::Arm) => defmt::info!("order {=u32} arm", tick),
+        Some(Command::Stop) => defmt::info!("order {=u32} stop", tick),
+        Some(Command::Acknowledge) => defmt::info!("order {=u32} ack", tick),
+        Some(Command::Relearn) => defmt::info!("order {=u32} relearn", tick),
+        Some(Command::SetPoint(wanted)) => defmt::info!("order {=u32} setpoint {=f32}", tick, wanted.0),
+        Some(Command::Excite(on)) => defmt::info!("order {=u32} excite {=bool}", tick, on),
+    }
+}
+
+/// A trip or a hold.
+pub(crate) fn went_wrong(entry: &Entry, sample_time: f32) {
+    if let Entry::Hold { tick, .. } = entry {
+        defmt::info!("hold {=u32}", tick);
+    }
+    defmt::error!("{=str}", text(format_args!("{}", Shown { entry, sample_time })));
+}
+
+/// What the diagnosis says of a fault.
+pub(crate) fn event(event: &Event, sample_time: f32) {
+    let (what, fault, ended) = match event {
+        Event::Detected(fault) => ("detected", fault, false),
+        Event::Isolated(fault) => ("isolated", fault, false),
+        Event::Ended(fault) => ("ended", fault, true),
+    };
+    let entry = Entry::Fault { fault: *fault, ended };
+    defmt::warn!("{=str}: {=str}", what, text(format_args!("{}", Shown { entry: &entry, sample_time })));
+}
+
+/// The line of each second.
+pub(crate) fn status(status: &Status) {
+    let Some((beat, report)) = &status.last else { return };
+    let (tick, vectors) = (&beat.tick, report.filtered.map_or((0, 0), |v| (v.fdv, v.fiv)));
+    defmt::info!(
+        "{=str} T0 {=f32} T1 {=f32} T2 {=f32} of {=f32} degC, heater {=f32} %, gain {=f32} bandwidth {=f32}, fdv {=u8} fiv {=u8}",
+        tick.mode.name(),
+        hundredths(tick.sample.t0.celsius.0),
+        hundredths(tick.sample.t1.celsius.0),
+        hundredths(tick.sample.t2.celsius.0),
+        hundredths(tick.setpoint.0),
+        hundredths(beat.applied.0),
+        report.ms1.static_gain.map_or(f32::NAN, |g| hundredths(10.0 * g) / 10.0),
+        report.ms1.bandwidth.map_or(f32::NAN, hundredths),
+        vectors.0,
+        vectors.1,
+    );
+    let health = &status.health;
+    let p = &health.punctuality;
+    if p.ticks.is_multiple_of(600) || p.missed > 0 || health.beats_lost > 0 || health.log_dropped > 0 {
+        defmt::info!("health {=str}", text(format_args!("{health}")));
+    }
+}
+
+/// Two decimals, which is what a person reads.
+fn hundredths(x: f32) -> f32 {
+    (x * 100.0) as i32 as f32 / 100.0
+}

@@ -1,0 +1,86 @@
+//! From reset to running tasks. The heater's pin is an input until its timer holds it low; nothing here enables it.
+
+use embassy_executor::{Executor, Spawner};
+use embassy_futures::block_on;
+use fdi_core::Config;
+use fdi_core::control::Controller;
+use fdi_core::diagnosis::Diagnosis;
+use firmware_logic::control_loop::ControlLoop;
+use firmware_logic::explain::Explained;
+use firmware_logic::interlock::Interlock;
+use firmware_logic::reset_cause::ResetCause;
+use firmware_logic::retained::Retained;
+use firmware_logic::settings::store::Store;
+use static_cell::StaticCell;
+
+use crate::hardware::board::Board;
+use crate::hardware::heater::HeaterOutput;
+use crate::hardware::panel::Panel;
+use crate::hardware::settings_flash::SettingsFlash;
+use crate::hardware::thermistors::Thermistors;
+use crate::hardware::{self, clock, control_executor, reset, retained, serial, tick_timer, watchdog};
+use crate::instrument::{ConsoleBoard, Instrument};
+use crate::{link, log, tasks};
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    // Before anything that could hang: the clocks are the first candidates.
+    watchdog::start();
+    let left = retained::load();
+    let cause = ResetCause::new(reset::take_flags(), left.as_ref().and_then(|left| left.death));
+    let interlock = Interlock::at_boot(cause, left.as_ref().and_then(|left| left.hold));
+    // The last words are in `left`; a hold must outlive the next reset, too.
+    retained::store(&Retained { hold: interlock.hold(), ..Retained::EMPTY });
+
+    let (peripherals, clock) = clock::init();
+    hardware::set_priorities();
+    hardware::freeze_while_halted();
+    let board = Board::new(peripherals);
+
+    let mut store = Store::new(SettingsFlash::new(board.flash));
+    let (settings, origin) = block_on(store.load());
+    let config = settings.config.clone();
+    log::banner(clock, cause, left.as_ref(), &origin, &config);
+    let (controller, diagnosis) = halves(&config);
+
+    tick_timer::start(board.tick_timer);
+    let heater = HeaterOutput::new(board.pwm_timer, board.heater, board.break_input);
+    let thermistors = Thermistors::new(board.adc, board.thermistors);
+    let (orders_in, orders_out) = link::orders();
+    let (beats_out, beats_in) = link::beats();
+    let control = ControlLoop::new(controller, config.setpoint, interlock);
+
+    static INSTRUMENT: StaticCell<Instrument> = StaticCell::new();
+    let instrument: &'static Instrument = INSTRUMENT.init(Instrument::new(settings, orders_in));
+    let panel = Panel::new(board.led, board.button);
+    let port = serial::open(board.usart, board.rx, board.tx);
+
+    let spawned = tasks::control::control(control, heater, thermistors, beats_in, orders_out);
+    control_executor::start().spawn(once(spawned));
+    static EXECUTOR: StaticCell<Executor> = StaticCell::new();
+    EXECUTOR.init(Executor::new()).run(|spawner: Spawner| {
+        spawner.spawn(once(tasks::diagnosis::diagnosis(diagnosis, beats_out, instrument)));
+        spawner.spawn(once(tasks::status::status(instrument)));
+        spawner.spawn(once(tasks::panel::panel(panel, instrument)));
+        if let Some((tx, rx)) = port {
+            spawner.spawn(once(tasks::console::console(tx, rx, ConsoleBoard { instrument, store })));
+        }
+        spawner.spawn(once(tasks::watchdog::watchdog()));
+    })
+}
+
+/// Both halves of the instrument. What was read from flash has been checked, and the defaults are tested.
+fn halves(config: &Config) -> (Controller, Diagnosis) {
+    match (Controller::new(config), Diagnosis::new(config)) {
+        (Ok(controller), Ok(diagnosis)) => (controller, diagnosis),
+        (Err(error), _) | (_, Err(error)) => panic!("settings: {}", Explained(&error)),
+    }
+}
+
+/// Each task is spawned once, and there is room for one of each.
+fn once<T>(token: Result<T, embassy_executor::SpawnError>) -> T {
+    match token {
+        Ok(token) => token,
+        Err(_) => panic!("a task was spawned twice"),
+    }
+}

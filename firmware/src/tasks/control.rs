@@ -1,0 +1,51 @@
+//! Every 110 ms: sample, decide, drive. Then tell the diagnosis.
+
+use core::sync::atomic::Ordering;
+
+use fdi_core::Command;
+use firmware_logic::cadence::Cadence;
+use firmware_logic::checkin::Task;
+use firmware_logic::control_loop::{Beat, ControlLoop, Order};
+use heapless::spsc::{Consumer, Producer};
+
+use crate::hardware::heater::HeaterOutput;
+use crate::hardware::thermistors::Thermistors;
+use crate::hardware::tick_timer;
+use crate::link;
+
+/// Ts: 110 ms, exactly, in µs.
+pub(crate) const PERIOD_US: u32 = 110_000;
+/// The heater is cut when no tick has been completed for this long after the last was due: three are missed then and
+/// the fourth has not come either.
+const DEAD_MAN_US: u32 = 4 * PERIOD_US;
+/// Missed ticks that are told to the core one by one. The heater is off before there can be more.
+const MAX_MISSED: u32 = 4;
+
+/// The control half of the instrument.
+#[embassy_executor::task]
+pub(crate) async fn control(
+    mut control: ControlLoop,
+    mut heater: HeaterOutput,
+    mut thermistors: Thermistors,
+    mut beats: Producer<'static, Beat>,
+    mut orders: Consumer<'static, Order>,
+) {
+    let mut cadence = Cadence::new(PERIOD_US, tick_timer::now().wrapping_add(PERIOD_US));
+    loop {
+        tick_timer::until(cadence.due()).await;
+        let arrival = cadence.arrive(tick_timer::now());
+        for _ in 0..arrival.missed.min(MAX_MISSED) {
+            link::send(&mut beats, control.missed(arrival, &mut heater));
+        }
+        let raw = thermistors.sample(tick_timer::now()).await;
+        let order = match link::STOP.swap(false, Ordering::Relaxed) {
+            true => Some(Order::Command(Command::Stop)),
+            false => orders.dequeue(),
+        };
+        let learned = link::LEARNED.load(Ordering::Relaxed);
+        let beat = control.tick(raw, arrival, order, learned, &mut heater);
+        tick_timer::feed_dead_man(arrival.due.wrapping_add(DEAD_MAN_US));
+        link::check_in(Task::Control);
+        link::send(&mut beats, beat);
+    }
+}

@@ -1,0 +1,89 @@
+//! The second half of each tick: identify, diagnose, log. It has almost the whole period for it.
+
+use core::sync::atomic::Ordering;
+
+use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
+use fdi_core::{Mode, Report};
+use firmware_logic::checkin::Task;
+use firmware_logic::control_loop::Beat;
+use firmware_logic::history::Entry;
+use firmware_logic::interlock::Hold;
+use firmware_logic::record::Record;
+use firmware_logic::retained::Retained;
+
+use crate::hardware::retained;
+use crate::instrument::Instrument;
+use crate::link::{self, Beats};
+use crate::log;
+
+/// The diagnosis half of the instrument.
+#[embassy_executor::task]
+pub(crate) async fn diagnosis(mut diagnosis: Diagnosis, mut beats: Beats, instrument: &'static Instrument) {
+    let mut state = diagnosis.start();
+    let mut changes = Changes { mode: Mode::Off, hold: None };
+    loop {
+        let beat = beats.next().await;
+        link::check_in(Task::Diagnosis);
+        if let Some(outcome) = beat.outcome {
+            if outcome.command.is_none()
+                && let Some(retuned) = instrument.take_retuned()
+            {
+                diagnosis = retuned;
+            }
+            log::outcome(beat.tick.index, &outcome);
+            instrument.answered(outcome);
+        }
+        let report = diagnosis.step(&mut state, &beat.tick, beat.applied);
+        link::LEARNED.store(report.learned, Ordering::Relaxed);
+        defmt::debug!("{}", Record::new(&beat, &report));
+        changes.notice(&beat, &report, instrument, &diagnosis, &state);
+        instrument.ticked(beat, report);
+    }
+}
+
+/// What was the case on the tick before, so that a change can be told.
+struct Changes {
+    mode: Mode,
+    hold: Option<Hold>,
+}
+
+impl Changes {
+    fn notice(
+        &mut self,
+        beat: &Beat,
+        report: &Report,
+        instrument: &Instrument,
+        diagnosis: &Diagnosis,
+        state: &DiagnosisState,
+    ) {
+        let tick = &beat.tick;
+        let sample_time = instrument.sample_time();
+        let before = core::mem::replace(&mut self.mode, tick.mode);
+        if core::mem::discriminant(&before) != core::mem::discriminant(&tick.mode) {
+            defmt::info!("mode {=u32} {=str} -> {=str}", tick.index, before.name(), tick.mode.name());
+            if let Mode::Tripped(trip) = tick.mode {
+                log::went_wrong(&Entry::Trip(trip), sample_time);
+                instrument.note(|history| history.push(Entry::Trip(trip)));
+            }
+            if tick.mode == Mode::Monitor {
+                instrument.learnt(diagnosis.baseline(state));
+            }
+        }
+        if beat.hold != self.hold {
+            self.hold = beat.hold;
+            retained::store(&Retained { hold: beat.hold, ..Retained::EMPTY });
+            if let Some(hold) = beat.hold {
+                let entry = Entry::Hold { hold, tick: tick.index };
+                log::went_wrong(&entry, sample_time);
+                instrument.note(|history| history.push(entry));
+            }
+        }
+        for event in &report.events {
+            log::event(event, sample_time);
+            instrument.note(|history| history.event(*event));
+        }
+        if beat.arrival.missed > 0 && !beat.missed {
+            defmt::warn!("tick {=u32} came after {=u32} missed", tick.index, beat.arrival.missed);
+        }
+    }
+}

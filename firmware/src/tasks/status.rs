@@ -1,0 +1,19 @@
+//! A line for people, each second.
+
+use embassy_time::{Duration, Ticker};
+use firmware_logic::checkin::Task;
+
+use crate::instrument::Instrument;
+use crate::link::check_in;
+use crate::log;
+
+/// The status line.
+#[embassy_executor::task]
+pub(crate) async fn status(instrument: &'static Instrument) {
+    let mut second = Ticker::every(Duration::from_secs(1));
+    loop {
+        check_in(Task::Status);
+        log::status(&instrument.status());
+        second.next().await;
+    }
+}

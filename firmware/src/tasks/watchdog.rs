@@ -1,0 +1,30 @@
+//! Feeds the hardware watchdog, but only while every task checks in. The lowest of all in rank: whoever starves this
+//! task starves the watchdog, too.
+
+use embassy_time::Timer;
+
+use crate::hardware::watchdog::{self, Patience};
+use crate::link::{ROLL, now_ms};
+
+/// Every 50 ms, an eighth of the watchdog's patience.
+const PERIOD_MS: u64 = 50;
+
+/// Calls the roll.
+#[embassy_executor::task]
+pub(crate) async fn watchdog() {
+    ROLL.check_all_in(now_ms());
+    watchdog::set(Patience::Running);
+    let mut overdue_before = false;
+    loop {
+        let overdue = ROLL.overdue(now_ms());
+        match overdue {
+            None => watchdog::feed(),
+            Some(late) if !overdue_before => {
+                defmt::error!("{}, reset follows", late);
+            }
+            Some(_) => {}
+        }
+        overdue_before = overdue.is_some();
+        Timer::after_millis(PERIOD_MS).await;
+    }
+}

@@ -178,7 +178,7 @@ fn state(beat: &Beat, report: &Report) -> u32 {
     let mode = match beat.tick.mode {
         Mode::Off => 0,
         Mode::Settle { .. } => 1,
-        Mode::Learn => 2,
+        Mode::Learn { .. } => 2,
         Mode::Monitor => 3,
         Mode::Tripped(_) => 4,
     };
@@ -208,7 +208,7 @@ fn validity(validity: Validity) -> u32 {
         Validity::Short => 3,
         Validity::OutOfRange => 4,
         Validity::Spike => 5,
-        Validity::Erratic => 6,
+        Validity::Rate => 6,
         Validity::Stuck => 7,
     }
 }

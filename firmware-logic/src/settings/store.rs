@@ -106,4 +106,9 @@ impl<F: NorFlash> Store<F> {
         }
         self.map.store_item(&mut buffer, &KEY, &bytes).await.map_err(|_| SaveError::Flash)
     }
+
+    /// Gives the flash back.
+    pub fn into_flash(self) -> F {
+        self.map.destroy().0
+    }
 }

@@ -1,0 +1,182 @@
+//! The console against a board that obeys the control loop's own rules.
+
+use core::future::Future;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+
+use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::{Command, Config, ConfigError};
+use firmware_logic::console::{ANSWER, Board, Console, line};
+use firmware_logic::control_loop::Denial;
+use firmware_logic::history::Entry;
+use firmware_logic::interlock::Hold;
+use firmware_logic::settings::store::SaveError;
+use firmware_logic::settings::stored::check;
+use firmware_logic::status::Status;
+use proptest::prelude::*;
+
+/// Remembers what it was asked.
+#[derive(Debug, Default)]
+struct Mock {
+    asked: Vec<String>,
+    config: Config,
+    held: Option<Hold>,
+    heating: bool,
+}
+
+impl Board for Mock {
+    async fn command(&mut self, command: Command) -> Result<(), Denial> {
+        self.asked.push(format!("{command:?}"));
+        match (command, self.held) {
+            (Command::Arm, Some(hold)) => Err(Denial::Held(hold)),
+            (Command::Arm, None) => {
+                self.heating = true;
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+    fn stop(&mut self) {
+        self.asked.push("stop".into());
+        self.heating = false;
+    }
+    fn status(&self) -> Status {
+        Status::default()
+    }
+    fn config(&self) -> Config {
+        self.config.clone()
+    }
+    async fn apply(&mut self, config: &Config) -> Result<(), ConfigError> {
+        check(config)?;
+        self.config = config.clone();
+        Ok(())
+    }
+    async fn save(&mut self) -> Result<(), SaveError> {
+        if self.heating { Err(SaveError::Heating) } else { Ok(()) }
+    }
+    fn baseline(&self) -> Option<Baseline> {
+        Some(Baseline { samples: 1637, ..Baseline::default() })
+    }
+    fn fault(&self, index: usize) -> Option<Entry> {
+        (index < 2).then_some(Entry::Hold { hold: Hold::BreakInput, tick: 100 * (index as u32 + 1) })
+    }
+}
+
+fn now<T>(future: impl Future<Output = T>) -> T {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(value) => value,
+        Poll::Pending => panic!("the mock never waits"),
+    }
+}
+
+/// Types bytes and returns all that the terminal shows.
+fn type_in(board: &mut Mock, bytes: &[u8]) -> String {
+    let (mut console, mut shown) = (Console::default(), String::new());
+    for &byte in bytes {
+        now(console.push(byte, board, &mut shown));
+    }
+    shown
+}
+
+/// The answer to one line, without its echo and the prompt.
+fn answer(board: &mut Mock, line: &str) -> String {
+    let shown = type_in(board, format!("{line}\r").as_bytes());
+    let echo = format!("{line}\n");
+    let answer = shown.strip_prefix(&echo).unwrap_or_else(|| panic!("no echo of {line:?} in {shown:?}"));
+    answer.strip_suffix("> ").expect("a prompt").to_owned()
+}
+
+#[test]
+fn arms_stops_and_acknowledges() {
+    let mut board = Mock { held: Some(Hold::BreakInput), ..Mock::default() };
+    let refused = answer(&mut board, "arm");
+    assert_eq!(refused, "error: held off: the interlock on the break input opened; expected `ack` first\n");
+    assert_eq!(answer(&mut board, "ack"), "ok\n");
+    assert_eq!(answer(&mut board, "stop"), "stopped\n");
+    assert_eq!(board.asked, ["Arm", "Acknowledge", "stop"]);
+}
+
+#[test]
+fn settings_are_checked_by_the_core_before_they_count() {
+    let mut board = Mock::default();
+    assert_eq!(answer(&mut board, "set pid.kp 3.5"), "pid.kp = 3.5 %/degC\n");
+    assert_eq!(answer(&mut board, "get pid.k"), "pid.kp = 3.5 %/degC\n");
+    assert_eq!(answer(&mut board, "set pid.kp -1"), "error: pid.kp is -1, expected 0 to 1000\n");
+    assert_eq!(
+        answer(&mut board, "set sample_time 0.2"),
+        "error: sample_time is 0.2, expected 0.11 to 0.11\n"
+    );
+    assert_eq!(board.config.pid.kp, 3.5);
+    assert_eq!(answer(&mut board, "get nothing"), "error: no setting \"nothing\", see `get`\n");
+    assert_eq!(answer(&mut board, "defaults"), "ok\n");
+    assert_eq!(board.config, Config::default());
+}
+
+#[test]
+fn a_new_set_point_also_reaches_the_running_loop() {
+    let mut board = Mock::default();
+    assert_eq!(answer(&mut board, "set setpoint 40"), "setpoint = 40 degC\n");
+    assert_eq!(board.asked, ["SetPoint(Celsius(40.0))"]);
+    assert_eq!(answer(&mut board, "set setpoint 99"), "error: setpoint is 99, expected 20 to 65\n");
+    assert_eq!(board.asked.len(), 1, "what is refused reaches nothing");
+}
+
+#[test]
+fn nothing_is_saved_while_heating() {
+    let mut board = Mock::default();
+    assert_eq!(answer(&mut board, "save"), "ok\n");
+    answer(&mut board, "arm");
+    assert_eq!(answer(&mut board, "save"), "error: not while heating, expected `stop` first\n");
+}
+
+#[test]
+fn the_longest_answers_fit() {
+    let mut board = Mock::default();
+    for line in ["get", "help", "faults", "baseline", "status"] {
+        let answer = answer(&mut board, line);
+        assert!(!answer.is_empty() && answer.len() < ANSWER - 100, "{line}: {} bytes", answer.len());
+    }
+    assert!(answer(&mut board, "get").contains("supervisor.over_temperature = 75 degC\n"));
+    assert_eq!(answer(&mut board, "faults").lines().count(), 2);
+}
+
+#[test]
+fn typing_is_shown_and_can_be_corrected() {
+    let mut board = Mock::default();
+    assert_eq!(type_in(&mut board, b"ar\x7frm\n"), "ar\x08 \x08rm\nok\n> ");
+    assert_eq!(board.asked, ["Arm"]);
+}
+
+#[test]
+fn over_long_lines_do_nothing_at_all() {
+    let mut board = Mock::default();
+    let long = format!("set pid.kp 1{}\n", " ".repeat(line::LENGTH));
+    let shown = type_in(&mut board, long.as_bytes());
+    assert!(shown.ends_with("error: line too long, expected at most 80 characters\n> "), "{shown:?}");
+    assert_eq!(board.config, Config::default());
+}
+
+proptest! {
+    /// Garbage at full speed: no panic, no heat, and the next line works.
+    #[test]
+    fn garbage_never_heats(garbage in proptest::collection::vec(any::<u8>(), 0..300)) {
+        prop_assume!(!String::from_utf8_lossy(&garbage).contains("arm"));
+        let mut board = Mock::default();
+        let mut bytes = garbage;
+        bytes.extend(b"\nstop\n");
+        let shown = type_in(&mut board, &bytes);
+        prop_assert!(!board.heating);
+        prop_assert!(shown.ends_with("stop\nstopped\n> "), "{:?}", shown);
+        prop_assert_eq!(board.asked, ["stop"]);
+    }
+
+    /// Words of the console in any order: settings stay valid whatever is typed.
+    #[test]
+    fn settings_stay_valid(lines in proptest::collection::vec("(set|get|defaults|save) (setpoint|pid.kp|prbs.bits|diagnosis.isolation.1|supervisor.over_temperature) [-0-9.e+x ]{0,12}", 1..20)) {
+        let mut board = Mock::default();
+        for line in lines {
+            type_in(&mut board, format!("{line}\n").as_bytes());
+            prop_assert_eq!(check(&board.config), Ok(()));
+        }
+    }
+}

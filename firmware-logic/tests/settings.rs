@@ -1,0 +1,271 @@
+//! Settings must survive: a round trip, an update of the firmware, damage, and a power cut after any single step.
+
+mod flash;
+
+use core::future::Future;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+
+use fdi_core::diagnosis::baseline::{Baseline, Normal};
+use fdi_core::diagnosis::signature::{MAX_ROWS, Signature};
+use fdi_core::identify::rls::Adaptation;
+use fdi_core::{Celsius, Config, Seconds};
+use firmware_logic::crc::crc32;
+use firmware_logic::settings::schema::{ENTRIES, Name, SetError};
+use firmware_logic::settings::store::{Origin, SaveError, Store};
+use firmware_logic::settings::stored::{MAX_BYTES, Stored, StoredError, VERSION};
+use flash::Flash;
+use proptest::prelude::*;
+
+/// The mock never waits, so one poll is all it takes.
+fn now<T>(future: impl Future<Output = T>) -> T {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(value) => value,
+        Poll::Pending => panic!("the mock flash never waits"),
+    }
+}
+
+fn load(flash: &Flash) -> (Stored, Origin) {
+    now(Store::new(flash.clone()).load())
+}
+
+/// Something that is nowhere at its default.
+fn unusual(setpoint: f32) -> Stored {
+    let mut config = Config { setpoint: Celsius(setpoint), ..Config::default() };
+    config.sensors.t1.offset = Celsius(-0.25);
+    config.prbs.start = 77;
+    config.identification.adaptation = Adaptation::RandomWalk { r1: 1e-4, r2: 0.01 };
+    let rows = &mut config.diagnosis.isolation;
+    rows.clear();
+    for number in 1..=3u8 {
+        let pattern = ["0 -1 0 +1 x", "+1 x -1 0 -1", "+1 0 -1 x +1"][usize::from(number - 1)];
+        rows.push(Signature { number, pattern: pattern.parse().expect("a pattern") }).expect("room");
+    }
+    let numbers = |k: usize| core::array::from_fn(|i| (7 * k + i) as f32 * 0.125);
+    let normal = |k| Normal { mean: numbers(k), sigma: numbers(k + 1) };
+    Stored { config, baseline: Some(Baseline { samples: 1637, raw: normal(0), filtered: normal(2) }) }
+}
+
+fn encoded(stored: &Stored) -> Vec<u8> {
+    let mut buffer = [0; MAX_BYTES];
+    stored.encode(&mut buffer).expect("fits").to_vec()
+}
+
+fn with_crc(mut content: Vec<u8>) -> Vec<u8> {
+    content.extend(crc32(&content).to_le_bytes());
+    content
+}
+
+#[test]
+fn comes_back_as_it_was() {
+    for stored in [Stored::default(), unusual(41.5)] {
+        assert_eq!(Stored::decode(&encoded(&stored)), Ok(stored));
+    }
+}
+
+#[test]
+fn the_longest_record_fits() {
+    let mut stored = unusual(30.0);
+    for rows in [&mut stored.config.diagnosis.detection, &mut stored.config.diagnosis.isolation] {
+        let row = rows[0];
+        while rows.push(row).is_ok() {}
+        assert_eq!(rows.len(), MAX_ROWS);
+    }
+    assert!(encoded(&stored).len() <= MAX_BYTES);
+}
+
+#[test]
+fn any_flipped_bit_and_any_cut_is_noticed() {
+    let bytes = encoded(&unusual(41.5));
+    for bit in 0..8 * bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[bit / 8] ^= 1 << (bit % 8);
+        assert!(Stored::decode(&damaged).is_err(), "bit {bit}");
+    }
+    for length in 0..bytes.len() {
+        assert!(Stored::decode(&bytes[..length]).is_err(), "{length} bytes");
+    }
+}
+
+#[test]
+fn what_another_program_saved_is_read_as_far_as_it_is_known() {
+    // A newer program, which knew one setting that this one does not, and not the others.
+    let id = ENTRIES[1].id();
+    assert_eq!(ENTRIES[1].name, "setpoint");
+    let strange = (0..=u16::MAX).find(|id| ENTRIES.iter().all(|e| e.id() != *id)).expect("ids are few");
+    let mut content = vec![VERSION, 2];
+    content.extend(strange.to_le_bytes());
+    content.extend([9; 8]);
+    content.extend(id.to_le_bytes());
+    content.extend(50f32.to_le_bytes());
+    content.extend([0xFF; 4]);
+    content.extend([0, 0, 0]); // no rows, no rows, no baseline
+    let stored = Stored::decode(&with_crc(content)).expect("readable");
+    assert_eq!(stored.config.setpoint, Celsius(50.0));
+    assert_eq!(stored.config.pid, Config::default().pid);
+}
+
+#[test]
+fn another_layout_is_refused_by_its_version() {
+    let mut bytes = encoded(&Stored::default());
+    bytes.truncate(bytes.len() - 4);
+    bytes[0] = VERSION + 1;
+    assert_eq!(Stored::decode(&with_crc(bytes)), Err(StoredError::Version(VERSION + 1)));
+}
+
+#[test]
+fn settings_out_of_bounds_fall_back_and_say_so() {
+    let mut stored = Stored::default();
+    stored.config.setpoint = Celsius(f32::NAN);
+    assert!(matches!(Stored::decode(&encoded(&stored)), Err(StoredError::Invalid(_))));
+    stored.config = Config { sample_time: Seconds(0.2), ..Config::default() };
+    let error = Stored::decode(&encoded(&stored)).expect_err("the timers run at 110 ms");
+    assert!(error.to_string().contains("sample_time is 0.2, expected 0.11 to 0.11"), "{error}");
+}
+
+#[test]
+fn an_empty_flash_gives_the_defaults_and_a_full_one_still_saves() {
+    let mut flash = Flash::new();
+    assert_eq!(load(&flash), (Stored::default(), Origin::Default));
+    let mut erases = 0;
+    for i in 0..200 {
+        let stored = unusual(21.0 + i as f32 * 0.2);
+        let mut store = Store::new(flash.clone());
+        assert_eq!(now(store.save(&stored)), Ok(()), "save {i}");
+        flash = store.into_flash();
+        erases = flash.erases;
+        assert_eq!(load(&flash), (stored, Origin::Flash));
+    }
+    assert!(erases > 2, "both sectors have been used up: {erases}");
+}
+
+#[test]
+fn garbage_in_flash_falls_back_and_can_be_saved_over() {
+    let mut flash = Flash::new();
+    flash.fill_with_garbage(3);
+    let (stored, origin) = load(&flash);
+    assert_eq!(stored, Stored::default());
+    assert!(!matches!(origin, Origin::Flash), "{origin}");
+    let mut store = Store::new(flash);
+    assert_eq!(now(store.save(&unusual(40.0))), Ok(()));
+    assert_eq!(load(&store.into_flash()), (unusual(40.0), Origin::Flash));
+}
+
+/// Saves until both sectors have filled up and been erased; before each save, for every write and every erase of it,
+/// tries what a power cut in the middle of that step leaves behind.
+#[test]
+fn a_power_cut_at_any_step_leaves_the_old_settings_or_the_new() {
+    let mut flash = Flash::new();
+    let (mut cuts, mut in_erase, mut old_kept, mut new_kept) = (0, 0, 0, 0);
+    for round in 0..25 {
+        let (old, new) = (unusual(21.0 + round as f32 * 0.5), unusual(21.25 + round as f32 * 0.5));
+        let mut store = Store::new(flash.clone());
+        now(store.save(&old)).expect("no cut");
+        flash = store.into_flash();
+        for step in 0.. {
+            let mut cut = flash.clone();
+            cut.cut_at(step);
+            let mut store = Store::new(cut);
+            let result = now(store.save(&new));
+            let mut after = store.into_flash();
+            if !after.was_cut() {
+                assert_eq!(result, Ok(()));
+                break;
+            }
+            assert_eq!(result, Err(SaveError::Flash));
+            cuts += 1;
+            in_erase += u32::from(after.cut_in_erase);
+            after.power_up();
+            let (stored, origin) = load(&after);
+            assert_eq!(origin, Origin::Flash, "round {round}, step {step}: {origin}");
+            match stored {
+                s if s == old => old_kept += 1,
+                s if s == new => new_kept += 1,
+                s => panic!("round {round}, step {step}: neither old nor new: {s:?}"),
+            }
+            let mut store = Store::new(after);
+            assert_eq!(now(store.save(&new)), Ok(()), "round {round}, step {step}: cannot save any more");
+            assert_eq!(load(&store.into_flash()).0, new);
+        }
+    }
+    assert!(
+        cuts > 1000 && in_erase > 0 && old_kept > 0,
+        "{cuts} cuts, {in_erase} in an erase, {old_kept} old"
+    );
+    println!("{cuts} cuts, {in_erase} in an erase: {old_kept} times the old settings, {new_kept} the new");
+}
+
+#[test]
+fn every_setting_can_be_set_to_what_it_shows() {
+    let config = unusual(40.0).config;
+    for name in Name::all(&config) {
+        let (text, shown) = (name.to_string(), name.value(&config).to_string());
+        let unit = match name {
+            Name::Entry(entry) if !entry.unit.is_empty() => format!(" {}", entry.unit),
+            _ => String::new(),
+        };
+        let value = shown.strip_suffix(&unit).expect("the unit is behind");
+        let mut copy = config.clone();
+        let found = Name::find(&text).expect("its own name");
+        assert_eq!(found.set(&mut copy, &text, value), Ok(()), "{text} = {value}");
+        assert_eq!(copy, config, "{text}");
+    }
+}
+
+#[test]
+fn names_and_kinds_are_checked() {
+    let mut config = Config::default();
+    let mut text = |name: &str, value: &str| {
+        let result = Name::find(name).and_then(|n| n.set(&mut config, name, value));
+        result.expect_err(name).to_string()
+    };
+    assert_eq!(text("pid.kq", "1"), "no setting \"pid.kq\", see `get`");
+    assert_eq!(
+        text("pid.kp", "two"),
+        "pid.kp: \"two\" given, expected a number of up to 7 digits, such as 35, -0.25 or 1e5"
+    );
+    assert_eq!(text("prbs.bits", "10.5"), "prbs.bits: \"10.5\" given, expected a whole number up to 255");
+    assert!(text("identification.bandwidth", "fast").contains("rise-time or residence-time"));
+    assert!(text("identification.adaptation", "forgetting").contains("forgetting LAMBDA"));
+    assert!(text("diagnosis.isolation.1", "1 0 0 0").contains("expected five of -1, 0, +1, x"));
+    assert!(text("diagnosis.isolation.9", "1 0 0 0 0 0").contains("has 3 rows, expected a row from 1 to 4"));
+    assert!(matches!(Name::find("diagnosis.isolation.13"), Err(SetError::Unknown(_))));
+    assert_eq!(config, Config::default(), "a refused value changes nothing");
+}
+
+#[test]
+fn rows_are_added_changed_and_taken_away() {
+    let mut config = Config::default();
+    let mut set = |name: &str, value: &str| {
+        Name::find(name).expect(name).set(&mut config, name, value).expect(value);
+        config.diagnosis.isolation.len()
+    };
+    assert_eq!(set("diagnosis.isolation.4", "7 -1 -1 -1 -1 -1"), 4);
+    assert_eq!(set("diagnosis.isolation.4", "8 -1 -1 -1 -1 0"), 4);
+    assert_eq!(set("diagnosis.isolation.1", "none"), 3);
+    assert_eq!(config.diagnosis.isolation[2].number, 8);
+}
+
+#[test]
+fn the_listing_tells_bounds_that_the_core_enforces() {
+    let lines: Vec<String> = firmware_logic::settings::listing::lines().map(|l| l.to_string()).collect();
+    assert!(lines.contains(&"setpoint = 35 degC   (20 to 65)".to_owned()), "{lines:?}");
+    assert!(lines.contains(&"prbs.bits = 10   (3 to 16)".to_owned()), "{lines:?}");
+    assert!(lines.contains(&"diagnosis.detection.2 = 2 +1 x -1 x x".to_owned()), "{lines:?}");
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_panic(bytes in proptest::collection::vec(any::<u8>(), 0..900)) {
+        prop_assert!(Stored::decode(&bytes).is_err());
+        let _ = Stored::decode(&with_crc(bytes));
+    }
+
+    #[test]
+    fn no_name_or_value_panics(name in "[a-z0-9._]{0,30}", value in "[ -~]{0,40}") {
+        let mut config = Config::default();
+        if let Ok(found) = Name::find(&name) {
+            let _ = found.set(&mut config, &name, &value);
+        }
+    }
+}

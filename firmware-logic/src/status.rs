@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use fdi_core::{Config, Mode, Percent, Reading, Report, Validity};
+use fdi_core::{Mode, Percent, Reading, Report, Validity};
 
 use crate::cadence::Punctuality;
 use crate::control_loop::Beat;
@@ -117,24 +117,4 @@ impl fmt::Display for Shown {
             doubt => write!(f, " ({doubt:?})"),
         }
     }
-}
-
-/// Settings that differ from the defaults, each as `name = value`; what a log must carry for a replay.
-pub fn changed_settings(config: &Config) -> impl Iterator<Item = crate::settings::schema::Name> {
-    use crate::settings::schema::Name;
-    let mut names = heapless::Vec::<Name, 80>::new();
-    let default = Config::default();
-    let mut text = heapless::String::<64>::new();
-    let mut usual = heapless::String::<64>::new();
-    for name in Name::all(config) {
-        use fmt::Write;
-        text.clear();
-        usual.clear();
-        let _ = write!(text, "{}", name.value(config));
-        let _ = write!(usual, "{}", name.value(&default));
-        if text != usual {
-            let _ = names.push(name);
-        }
-    }
-    names.into_iter()
 }

@@ -167,6 +167,10 @@ impl Board for ConsoleBoard {
     }
 
     async fn save(&mut self) -> Result<(), SaveError> {
+        // After a `stop` the output is off at once, and the control half says so on its next tick.
+        while self.instrument.is_heating() && !heater::is_enabled() {
+            Timer::after_millis(10).await;
+        }
         if self.instrument.is_heating() || heater::is_enabled() {
             return Err(SaveError::Heating);
         }

@@ -9,8 +9,9 @@ use firmware_logic::control_loop::Outcome;
 use firmware_logic::history::{Entry, Shown};
 use firmware_logic::reset_cause::ResetCause;
 use firmware_logic::retained::Retained;
+use firmware_logic::settings::schema::Name;
 use firmware_logic::settings::store::Origin;
-use firmware_logic::status::{Status, changed_settings};
+use firmware_logic::status::Status;
 
 use crate::hardware::clock::Source;
 use crate::hardware::{board, stack};
@@ -53,8 +54,11 @@ pub(crate) fn banner(
 
 /// Each setting that is not at its default.
 pub(crate) fn settings(config: &Config) {
-    for name in changed_settings(config) {
-        defmt::info!("setting {=str}", text(format_args!("{name} = {}", name.value(config))));
+    let (mut ours, mut usual) = (config.clone(), Config::default());
+    for name in Name::all(config) {
+        if !name.same(&mut ours, &mut usual) {
+            defmt::info!("setting {=str}", text(format_args!("{name} = {}", name.value(config))));
+        }
     }
 }
 

@@ -24,6 +24,13 @@ use crate::{link, log, tasks};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
+    static EXECUTOR: StaticCell<Executor> = StaticCell::new();
+    EXECUTOR.init(Executor::new()).run(start)
+}
+
+/// Brings everything up. Not part of `main`, whose stack frame lies beneath that of every task for ever.
+#[inline(never)]
+fn start(spawner: Spawner) {
     // Before anything that could hang: the clocks are the first candidates.
     watchdog::start();
     let left = retained::load();
@@ -57,16 +64,13 @@ fn main() -> ! {
 
     let spawned = tasks::control::control(control, heater, thermistors, beats_in, orders_out);
     control_executor::start().spawn(once(spawned));
-    static EXECUTOR: StaticCell<Executor> = StaticCell::new();
-    EXECUTOR.init(Executor::new()).run(|spawner: Spawner| {
-        spawner.spawn(once(tasks::diagnosis::diagnosis(diagnosis, beats_out, instrument)));
-        spawner.spawn(once(tasks::status::status(instrument)));
-        spawner.spawn(once(tasks::panel::panel(panel, instrument)));
-        if let Some((tx, rx)) = port {
-            spawner.spawn(once(tasks::console::console(tx, rx, ConsoleBoard { instrument, store })));
-        }
-        spawner.spawn(once(tasks::watchdog::watchdog()));
-    })
+    spawner.spawn(once(tasks::diagnosis::diagnosis(diagnosis, beats_out, instrument)));
+    spawner.spawn(once(tasks::status::status(instrument)));
+    spawner.spawn(once(tasks::panel::panel(panel, instrument)));
+    if let Some((tx, rx)) = port {
+        spawner.spawn(once(tasks::console::console(tx, rx, ConsoleBoard { instrument, store })));
+    }
+    spawner.spawn(once(tasks::watchdog::watchdog()));
 }
 
 /// Both halves of the instrument. What was read from flash has been checked, and the defaults are tested.

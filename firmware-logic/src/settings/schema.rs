@@ -275,6 +275,14 @@ impl Name {
         }
     }
 
+    /// Whether the value is the same in both configurations.
+    pub fn same(&self, a: &mut Config, b: &mut Config) -> bool {
+        match self {
+            Self::Entry(entry) => entry.bits(a) == entry.bits(b),
+            Self::Row(table, row) => table.rows(a).get(*row) == table.rows(b).get(*row),
+        }
+    }
+
     /// The value as text.
     pub fn value<'a>(&self, config: &'a Config) -> Value<'a> {
         Value { name: *self, config }

@@ -11,9 +11,11 @@
 
 use core::fmt;
 
+use fdi_core::control::Controller;
+use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::signature::{Cell, Pattern, Rows, Signature, Symptom};
-use fdi_core::{Config, ConfigError, Instrument};
+use fdi_core::{Config, ConfigError};
 
 use super::schema::{ENTRIES, Table};
 use crate::crc::crc32;
@@ -72,7 +74,9 @@ pub fn check(config: &Config) -> Result<(), ConfigError> {
     if value != fixed {
         return Err(ConfigError::OutOfRange { name: "sample_time", value, min: fixed, max: fixed });
     }
-    Instrument::new(config).map(drop)
+    // One half after the other, so that only one lies on the stack.
+    Controller::new(config).map(drop)?;
+    Diagnosis::new(config).map(drop)
 }
 
 impl Stored {

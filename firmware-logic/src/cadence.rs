@@ -2,6 +2,8 @@
 //!
 //! Time is a free-running 32-bit counter of microseconds that wraps every 71.6 minutes; only differences are used.
 
+use core::num::NonZeroU32;
+
 /// Bins of the jitter histogram: bin i counts ticks that began less than `2^i` µs late (and not less than half of that).
 pub const BINS: usize = 16;
 
@@ -47,14 +49,14 @@ pub struct Arrival {
 /// The grid of due times.
 #[derive(Clone, Debug)]
 pub struct Cadence {
-    period: u32,
+    period: NonZeroU32,
     due: u32,
 }
 
 impl Cadence {
     /// A grid whose first tick is due at `first`; `period` in µs.
-    pub fn new(period: u32, first: u32) -> Self {
-        Self { period: period.max(1), due: first }
+    pub fn new(period: NonZeroU32, first: u32) -> Self {
+        Self { period, due: first }
     }
 
     /// When the next tick is due.
@@ -68,8 +70,8 @@ impl Cadence {
         let behind = now.wrapping_sub(self.due);
         let behind = if behind > u32::MAX / 2 { 0 } else { behind }; // woken early: on time
         let (missed, late_us) = (behind / self.period, behind % self.period);
-        let due = self.due.wrapping_add(missed.wrapping_mul(self.period));
-        self.due = due.wrapping_add(self.period);
+        let due = self.due.wrapping_add(missed.wrapping_mul(self.period.get()));
+        self.due = due.wrapping_add(self.period.get());
         Arrival { due, late_us, missed }
     }
 }
@@ -79,11 +81,12 @@ mod tests {
     use super::*;
 
     const TS: u32 = 110_000;
+    const PERIOD: NonZeroU32 = NonZeroU32::new(TS).expect("not zero");
 
     #[test]
     fn a_day_of_jitter_moves_the_grid_by_nothing() {
         let first = u32::MAX - 5 * TS; // begins just before the counter wraps
-        let mut cadence = Cadence::new(TS, first);
+        let mut cadence = Cadence::new(PERIOD, first);
         let mut p = Punctuality::default();
         let ticks = 24 * 3600 * 1000 / 110;
         for k in 0..ticks {
@@ -99,7 +102,7 @@ mod tests {
 
     #[test]
     fn whole_periods_are_missed_ticks_and_the_rest_is_lateness() {
-        let mut cadence = Cadence::new(TS, 0);
+        let mut cadence = Cadence::new(PERIOD, 0);
         assert_eq!(
             cadence.arrive(3 * TS + 70),
             Arrival { due: 3 * TS, late_us: 70, missed: 3 },
@@ -111,7 +114,7 @@ mod tests {
 
     #[test]
     fn early_is_on_time_and_bins_are_powers_of_two() {
-        let mut cadence = Cadence::new(TS, 1000);
+        let mut cadence = Cadence::new(PERIOD, 1000);
         assert_eq!(cadence.arrive(998).late_us, 0);
         for (late, bin) in [(0, 0), (1, 1), (2, 2), (3, 2), (4, 3), (65_000, BINS - 1)] {
             let mut p = Punctuality::default();

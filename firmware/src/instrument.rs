@@ -14,7 +14,7 @@ use firmware_logic::console::Board;
 use firmware_logic::control_loop::{Beat, Denial, Order, Outcome};
 use firmware_logic::history::{Entry, History};
 use firmware_logic::settings::store::{SaveError, Store};
-use firmware_logic::settings::stored::Stored;
+use firmware_logic::settings::stored::{Stored, check};
 use firmware_logic::status::{Health, Status};
 use heapless::spsc::Producer;
 
@@ -157,13 +157,14 @@ impl Board for ConsoleBoard {
     }
 
     async fn apply(&mut self, config: &Config) -> Result<(), ConfigError> {
+        check(config)?;
         let controller = Controller::new(config)?;
         let diagnosis = Diagnosis::new(config)?;
         *self.instrument.retuned.borrow_mut() = Some(diagnosis);
+        log::settings(config); // a replay needs them before the order that puts them in force
         // New settings are always accepted: they have just been checked.
         let _ = self.instrument.order(Order::Retune(controller)).await;
         self.instrument.settings.borrow_mut().config = config.clone();
-        log::settings(config); // a replay follows the change by these lines
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! Every 110 ms: sample, decide, drive. Then tell the diagnosis.
 
+use core::num::NonZeroU32;
 use core::sync::atomic::Ordering;
 
 use fdi_core::Command;
@@ -14,7 +15,8 @@ use crate::hardware::tick_timer;
 use crate::link;
 
 /// Ts: 110 ms, exactly, in µs.
-pub(crate) const PERIOD_US: u32 = 110_000;
+const PERIOD: NonZeroU32 = NonZeroU32::new(110_000).expect("not zero");
+const PERIOD_US: u32 = PERIOD.get();
 /// The heater is cut when no tick has been completed for this long after the last was due: three are missed then and
 /// the fourth has not come either.
 const DEAD_MAN_US: u32 = 4 * PERIOD_US;
@@ -30,7 +32,7 @@ pub(crate) async fn control(
     mut beats: Producer<'static, Beat>,
     mut orders: Consumer<'static, Order>,
 ) {
-    let mut cadence = Cadence::new(PERIOD_US, tick_timer::now().wrapping_add(PERIOD_US));
+    let mut cadence = Cadence::new(PERIOD, tick_timer::now().wrapping_add(PERIOD_US));
     loop {
         tick_timer::until(cadence.due()).await;
         let arrival = cadence.arrive(tick_timer::now());

@@ -23,6 +23,8 @@ enum Line {
 /// One start of the board: its records, and what was asked for before a tick.
 struct Start {
     config: Config,
+    /// Settings told since the last order for some: all that are not at their default. The order comes after them.
+    told: Config,
     records: Vec<Record>,
     orders: Vec<(u32, Order)>,
 }
@@ -70,7 +72,8 @@ pub(super) fn read(text: &str, config: Config) -> anyhow::Result<Recording> {
 }
 
 fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
-    let fresh = || Start { config: config.clone(), records: Vec::new(), orders: Vec::new() };
+    let fresh =
+        || Start { config: config.clone(), told: Config::default(), records: Vec::new(), orders: Vec::new() };
     let mut starts = vec![fresh()];
     for (line, number) in text.lines().zip(1..) {
         let parsed = parse(line).with_context(|| format!("line {number}"))?;
@@ -83,16 +86,14 @@ fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
             }
             Line::Tick(record) => start.records.push(*record),
             Line::Order(tick, Some(command)) => start.orders.push((tick, Order::Command(command))),
-            // The settings themselves follow, line by line: all that are not at their default.
-            Line::Order(tick, None) => start.orders.push((tick, Order::Settings(Box::default()))),
+            Line::Order(tick, None) => {
+                let settings = std::mem::take(&mut start.told);
+                start.orders.push((tick, Order::Settings(Box::new(settings))));
+            }
             Line::Hold(tick) => start.orders.insert(0, (tick, Order::Command(Command::Stop))),
             Line::Setting(name, value) => {
-                let changed = start.orders.iter_mut().rev().find_map(|(_, order)| match order {
-                    Order::Settings(config) => Some(config.as_mut()),
-                    Order::Command(_) => None,
-                });
-                set(changed.unwrap_or(&mut start.config), &name, &value)
-                    .with_context(|| format!("line {number}"))?;
+                let config = if start.records.is_empty() { &mut start.config } else { &mut start.told };
+                set(config, &name, &value).with_context(|| format!("line {number}"))?;
             }
             Line::Other => {}
         }
@@ -201,7 +202,7 @@ pub(super) mod tests {
                 let mut config = config.clone();
                 config.pid.kp = 3.0;
                 instrument.retune(&config).unwrap();
-                log += "22.0 [INFO ] order 200 settings (firmware log.rs:77)\n22.0 [INFO ] setting pid.kp = 3 %/degC\n";
+                log += "22.0 [INFO ] setting pid.kp = 3 %/degC\n22.0 [INFO ] order 200 settings (firmware log.rs:77)\n";
             }
             let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));
             let raw = RawSample { t0, t1, t2 };

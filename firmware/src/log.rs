@@ -3,6 +3,7 @@
 
 use core::fmt::{Arguments, Write};
 
+use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::event::Event;
 use fdi_core::{Command, Config};
 use firmware_logic::control_loop::Outcome;
@@ -59,6 +60,24 @@ pub(crate) fn settings(config: &Config) {
         if !name.same(&mut ours, &mut usual) {
             defmt::info!("setting {=str}", text(format_args!("{name} = {}", name.value(config))));
         }
+    }
+}
+
+/// A baseline that was restored, with its bits, so that a replay can begin with it.
+pub(crate) fn baseline(baseline: &Baseline) {
+    defmt::info!("baseline samples {=u32}", baseline.samples);
+    let rows = [
+        ("raw.mean", &baseline.raw.mean),
+        ("raw.sigma", &baseline.raw.sigma),
+        ("filtered.mean", &baseline.filtered.mean),
+        ("filtered.sigma", &baseline.filtered.sigma),
+    ];
+    for (name, values) in rows {
+        let mut words = text(format_args!("{name}"));
+        for value in values {
+            let _ = write!(words, " {:x}", value.to_bits());
+        }
+        defmt::info!("baseline {=str}", words);
     }
 }
 

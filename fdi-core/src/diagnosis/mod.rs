@@ -213,7 +213,9 @@ impl Diagnosis {
                 state.baseline = None;
             }
             Mode::Monitor => {
-                state.baseline = Some(state.learner.baseline());
+                if matches!(state.mode, Mode::Learn { .. }) {
+                    state.baseline = Some(state.learner.baseline());
+                }
                 state.events = EventState::default();
             }
             Mode::Off | Mode::Settle { .. } | Mode::Tripped(_) => {}
@@ -228,6 +230,11 @@ impl Diagnosis {
             fdv: look_up(&self.detection, &symptoms),
             fiv: look_up(&self.isolation, &symptoms),
         }
+    }
+
+    /// Takes over what was learnt in an earlier life; it has been checked with [`Baseline::validate`].
+    pub fn restore(&self, state: &mut DiagnosisState, baseline: &Baseline) {
+        state.baseline = Some(*baseline);
     }
 
     /// What was learnt, once monitoring has begun.

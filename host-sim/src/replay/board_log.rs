@@ -160,7 +160,7 @@ fn parse(line: &str) -> anyhow::Result<Line> {
     if let Some(rest) = after(line, "tick ") {
         let words: Vec<&str> = rest.split_ascii_whitespace().take(WORDS).collect();
         let hex = |word: &&str| word.len() <= 8 && word.bytes().all(|b| b.is_ascii_hexdigit());
-        if !words.get(..8).is_some_and(|first| first.iter().all(|word| hex(word))) {
+        if !words.get(..8).is_some_and(|first| first.iter().all(hex)) {
             return Ok(Line::Other); // a sentence that speaks of a tick
         }
         return Ok(Line::Tick(Box::new(format!("tick {}", words.join(" ")).parse()?)));

@@ -1,0 +1,19 @@
+#![doc = include_str!("../README.md")]
+
+pub mod adc;
+pub mod board;
+pub mod chip;
+pub mod clock;
+pub mod closed_loop;
+pub mod cpu;
+pub mod flash;
+pub mod gpio;
+pub mod image;
+pub mod nvic;
+pub mod registers;
+pub mod rtt;
+pub mod scs;
+pub mod time;
+pub mod timer;
+pub mod usart;
+pub mod watchdog;

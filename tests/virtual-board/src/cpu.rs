@@ -279,6 +279,15 @@ impl Cpu {
         self.machine().passing = None;
     }
 
+    /// As [`Self::jump`], with the first argument of a function.
+    ///
+    /// # Errors
+    /// The emulator refuses.
+    pub fn call(&mut self, address: u32, argument: u32) -> anyhow::Result<()> {
+        self.jump(address);
+        self.set_register(RegisterARM::R0, argument)
+    }
+
     /// Where the function that is about to begin will return to.
     ///
     /// # Errors

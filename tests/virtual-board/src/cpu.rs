@@ -70,6 +70,8 @@ pub struct Machine {
     until: Ps,
     stop: Option<Stop>,
     event: bool,
+    /// Where the block before began.
+    last: u32,
     /// Size of the block in bytes and its instructions, by the half of the flash at which it begins.
     blocks: Vec<(u16, u16)>,
     code: Rc<Image>,
@@ -93,6 +95,7 @@ impl Machine {
             until: 0,
             stop: None,
             event: false,
+            last: 0,
             blocks: vec![(0, 0); FLASH_SIZE / 2],
             code,
             refused: None,
@@ -178,7 +181,7 @@ pub struct Cpu {
     image: Rc<Image>,
     pc: u32,
     state: State,
-    watched: Vec<unicorn_engine::UcHookId>,
+    watched: Vec<(u32, unicorn_engine::UcHookId)>,
 }
 
 /// An error of the emulator, told.
@@ -369,8 +372,8 @@ impl Cpu {
                 let _ = emulator.emu_stop();
             }
         });
-        self.watched.push(hook.map_err(told)?);
-        self.forget_translations()
+        self.watched.push((address, hook.map_err(told)?));
+        self.forget_translation(address)
     }
 
     /// Stops watching all addresses.
@@ -378,16 +381,19 @@ impl Cpu {
     /// # Errors
     /// The emulator refuses.
     pub fn unwatch(&mut self) -> anyhow::Result<()> {
-        for hook in std::mem::take(&mut self.watched) {
+        for (address, hook) in std::mem::take(&mut self.watched) {
             self.emulator.remove_hook(hook).map_err(told)?;
+            self.forget_translation(address)?;
         }
         self.machine().passing = None;
-        self.forget_translations()
+        Ok(())
     }
 
-    /// Code that has been translated knows only the hooks of that time.
-    fn forget_translations(&mut self) -> anyhow::Result<()> {
-        self.emulator.ctl_flush_tb().map_err(told)
+    /// Code that has been translated knows only the hooks of that time. Forgetting all of it takes a second, so it is
+    /// the block that begins here: where a function begins.
+    fn forget_translation(&mut self, address: u32) -> anyhow::Result<()> {
+        let address = u64::from(address);
+        self.emulator.ctl_remove_cache(address, address + 2).map_err(told)
     }
 
     /// Runs until a time, or until something happens that the caller is told of.
@@ -712,6 +718,11 @@ fn block(emulator: &mut Emulator<'_>, address: u64, size: u32) {
         }
     }
     let machine = emulator.get_data_mut();
+    if size == 2 && machine.last == address {
+        // One instruction that jumps to itself: nothing but the chip can change anything.
+        machine.now = machine.chip.next_event().min(machine.until).max(machine.now);
+    }
+    machine.last = address;
     let count = machine.count(address, size);
     machine.instructions += count;
     machine.now += count * machine.cycle;

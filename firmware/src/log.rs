@@ -128,7 +128,7 @@ pub(crate) fn status(status: &Status) {
         hundredths(tick.sample.t2.celsius.0),
         hundredths(tick.setpoint.0),
         hundredths(beat.applied.0),
-        report.ms1.static_gain.map_or(f32::NAN, |g| hundredths(10.0 * g) / 10.0),
+        report.ms1.static_gain.map_or(f32::NAN, |g| (g * 1000.0) as i32 as f32 / 1000.0),
         report.ms1.bandwidth.map_or(f32::NAN, hundredths),
         vectors.0,
         vectors.1,

@@ -202,15 +202,19 @@ impl Board {
     }
 }
 
-/// Where `cargo fw` puts the image: beside this program, in the folder of the board's target.
+/// The image that VIRTUAL_BOARD_ELF names, or else the one that `cargo fw` has built: beside this program, in the folder
+/// of the board's target.
 ///
 /// # Errors
 /// It is not there.
 pub fn default_image() -> anyhow::Result<PathBuf> {
+    if let Some(path) = std::env::var_os("VIRTUAL_BOARD_ELF") {
+        return Ok(path.into());
+    }
     let this = std::env::current_exe()?;
     let found = this.ancestors().map(|folder| folder.join("thumbv7em-none-eabihf/firmware/firmware"));
     found.into_iter().find(|path| path.is_file()).context(
-        "no firmware image found; build it with `cargo fw`, or name one with --elf PATH",
+        "no firmware image found; build it with `cargo fw`, or name one with --elf PATH (tests: VIRTUAL_BOARD_ELF=PATH)",
     )
 }
 

@@ -19,5 +19,6 @@ pub mod scene;
 pub mod scs;
 pub mod time;
 pub mod timer;
+pub mod twin;
 pub mod usart;
 pub mod watchdog;

@@ -5,6 +5,8 @@ use std::process::Stdio;
 
 use anyhow::{Context, bail, ensure};
 
+use pil::recording::Recording;
+
 use crate::{image, qemu, recording};
 
 /// Runs everything on all three and compares.
@@ -12,10 +14,10 @@ use crate::{image, qemu, recording};
 /// # Errors
 /// The first line that differs; a build or a program that fails.
 pub(crate) fn run() -> anyhow::Result<()> {
-    let codes = recording::write()?;
-    let target = qemu::run(&image::build("pil-image")?, &codes)?;
-    let debug = host("dev", &codes)?;
-    let release = host("release", &codes)?;
+    let recording = recording::write()?;
+    let target = qemu::run(&image::build("pil-image")?, &recording, &[])?;
+    let debug = host("dev", &recording)?;
+    let release = host("release", &recording)?;
     same("host debug", &debug, "host release", &release)?;
     same("host release", &release, "Cortex-M4F", &target)?;
     print!("{}", last_lines(&target));
@@ -30,17 +32,18 @@ pub(crate) fn run() -> anyhow::Result<()> {
 ///
 /// # Errors
 /// Codes that can't be read.
-pub(crate) fn print_digest(codes: &Path) -> anyhow::Result<()> {
+pub(crate) fn print_digest(path: &Path) -> anyhow::Result<()> {
     let mut text = String::new();
-    pil::runs::write_all(&recording::read(codes)?, &mut text)?;
+    let rows = recording::read(path)?;
+    pil::runs::write_all(&Recording::new(&rows).context("an empty recording")?, &mut text)?;
     print!("{text}");
     Ok(())
 }
 
 /// The hashes of a host build of the given profile.
-fn host(profile: &str, codes: &Path) -> anyhow::Result<String> {
+fn host(profile: &str, recording: &Path) -> anyhow::Result<String> {
     let output = image::cargo(&["run", "--quiet", "--profile", profile, "-p", "pil-host", "--", "digest"])
-        .arg(codes)
+        .arg(recording)
         .stdin(Stdio::null())
         .stderr(Stdio::inherit())
         .output()

@@ -1,9 +1,13 @@
 //! Builds the images of the crate `pil`, runs them in QEMU, and judges what they say.
 
+mod bench;
 mod compare;
+mod counts;
+mod cycles;
 mod image;
 mod qemu;
 mod recording;
+mod trace;
 
 use std::path::PathBuf;
 
@@ -20,16 +24,23 @@ struct Cli {
 enum Command {
     /// Do target, host debug and host release give the same bits? Fails where they do not.
     Compare,
+    /// What does each part cost? Fails where a count has risen since it was committed.
+    Bench {
+        /// Write the counts as the new ones to hold.
+        #[arg(long)]
+        update: bool,
+    },
     /// Print the hashes of this build of the host.
     Digest {
-        /// Recorded codes, as `compare` writes them.
-        codes: PathBuf,
+        /// A recording, as `compare` writes them.
+        recording: PathBuf,
     },
 }
 
 fn main() -> anyhow::Result<()> {
     match Cli::parse().command {
         Command::Compare => compare::run(),
-        Command::Digest { codes } => compare::print_digest(&codes),
+        Command::Bench { update } => bench::run(update),
+        Command::Digest { recording } => compare::print_digest(&recording),
     }
 }

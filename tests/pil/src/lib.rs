@@ -5,5 +5,9 @@
 #[cfg(target_os = "none")]
 pub mod board;
 pub mod codes;
+#[cfg(target_os = "none")]
+pub mod cost;
 pub mod digest;
+pub mod peers;
+pub mod recording;
 pub mod runs;

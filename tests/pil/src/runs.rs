@@ -9,8 +9,9 @@ use fdi_core::identify::rls::{Adaptation, Rls, RlsConfig};
 use fdi_core::identify::transfer::Transfer;
 use fdi_core::{Celsius, Command, Config, Instrument, Percent, Seconds};
 
-use crate::codes::{Codes, Generator, sample};
+use crate::codes::{Generator, sample};
 use crate::digest::Digest;
+use crate::recording::Recording;
 
 /// Samples between two lines: small enough to find a difference, large enough to read.
 const LINE_EVERY: usize = 500;
@@ -21,7 +22,7 @@ const CORNER_SAMPLES: usize = 10_000;
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write_all(paper: &[Codes], out: &mut impl Write) -> fmt::Result {
+pub fn write_all(paper: &Recording, out: &mut impl Write) -> fmt::Result {
     recorded(paper, out)?;
     any_codes(out)?;
     for (name, config) in configurations() {
@@ -59,11 +60,11 @@ impl<'a, W: Write> Log<'a, W> {
 }
 
 /// A recorded run through the whole instrument, with the paper's settings.
-fn recorded(codes: &[Codes], out: &mut impl Write) -> fmt::Result {
+fn recorded(recording: &Recording, out: &mut impl Write) -> fmt::Result {
     let mut log = Log::new(["recorded codes", "the paper's run"], out);
     let mut instrument = armed(&Config::default());
-    for &codes in codes {
-        let tick = instrument.control(sample(codes));
+    for row in recording.rows() {
+        let tick = instrument.control(sample(row.codes));
         let report = instrument.diagnose(&tick, tick.drive);
         log.digest.tick(&tick);
         log.digest.report(&report);

@@ -5,11 +5,11 @@
 #[cfg(target_os = "none")]
 #[unsafe(no_mangle)]
 extern "C" fn main() -> ! {
-    let done = pil::runs::write_all(pil::board::input::recorded(), &mut pil::board::Console);
+    let done = pil::runs::write_all(&pil::board::input::recording(), &mut pil::board::Console);
     pil::board::exit(done.is_ok())
 }
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    println!("This is the image for an emulated Cortex-M4F: run `cargo pil`.");
+    println!("This is an image for an emulated Cortex-M4F: run `cargo pil`.");
 }

@@ -6,6 +6,8 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, ensure};
 
 const TARGET: &str = "thumbv7em-none-eabihf";
+/// The profile of the board's image: what is compared and counted is what ships.
+const PROFILE: &str = "firmware";
 
 /// Where cargo puts what it builds: two levels above this program.
 pub(crate) fn target_dir() -> anyhow::Result<PathBuf> {
@@ -23,11 +25,12 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
 
 /// Builds an image of the crate `pil` and says where it lies.
 pub(crate) fn build(name: &str) -> anyhow::Result<PathBuf> {
-    let arguments = ["build", "--quiet", "--release", "-p", "pil", "--bin", name, "--target", TARGET];
+    let arguments =
+        ["build", "--quiet", "--profile", PROFILE, "-p", "pil", "--bin", name, "--target", TARGET];
     let status = cargo(&arguments).stdin(Stdio::null()).status().context("can't run cargo")?;
     ensure!(
         status.success(),
         "the image {name} can't be built (is the target there? rustup target add {TARGET})"
     );
-    Ok(target_dir()?.join(TARGET).join("release").join(name))
+    Ok(target_dir()?.join(TARGET).join(PROFILE).join(name))
 }

@@ -13,6 +13,18 @@
 //! Source: G. J. Bierman, "Factorization Methods for Discrete Sequential Estimation", 1977, section V.3; the
 //! exponential forgetting is the division of D by lambda.
 
+/// Repeats `$body` for `$j` from 0 to below `$n`, at most 16, each time with a constant: the loops inside unroll, and
+/// their indices need no check.
+macro_rules! unrolled {
+    ($j:ident < $n:ident $body:block) => {
+        unrolled!(@ $j $n $body 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15)
+    };
+    (@ $j:ident $n:ident $body:block $($k:literal)*) => {{
+        const { assert!($n <= 16) };
+        $(if $k < $n { let $j = $k; $body; })*
+    }};
+}
+
 use super::random_walk;
 use crate::error::{ConfigError, in_range};
 
@@ -66,10 +78,8 @@ pub struct RlsConfig {
     pub d_max: f32,
 }
 
-/// Keeps D off zero, where an element could never learn again.
-const D_MIN: f32 = 1e-12;
-/// A sum of absolute parameters that no scaled model comes near.
-const THETA_LIMIT: f32 = 1e6;
+/// alpha plus the squared innovation of no scaled sample comes near this.
+const SIZE_LIMIT: f32 = 1e20;
 
 /// A validated estimator of `N` parameters.
 #[derive(Clone, Copy, Debug)]
@@ -131,57 +141,70 @@ impl<const N: usize> Rls<N> {
     /// Takes in one sample `y` with its regressor `phi`, both scaled.
     ///
     /// Total: whatever comes in, the state stays finite; where it would not, it is reset and the update says `sick`.
+    #[inline]
     pub fn step(&self, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> Update {
+        let mut sweep = Sweep { gain: [0.0; N], alpha: self.alpha_0, inv_alpha: 1.0 / self.alpha_0 };
+        unrolled!(j < N { self.column(&mut sweep, state, phi, j) });
         let prediction = predict(&state.theta, phi);
         let innovation = y - prediction;
-        let alpha = self.update(state, phi, innovation);
-        let size: f32 = state.theta.iter().map(|t| t.abs()).sum();
-        let healthy = alpha >= self.alpha_0 && alpha < f32::MAX && size < THETA_LIMIT;
-        if !healthy {
-            *state = RlsState { resets: state.resets.saturating_add(1), ..self.start() };
-            let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
-            return Update { prediction: finite(prediction), innovation: finite(innovation), sick: true };
+        let step = innovation * sweep.inv_alpha;
+        for i in 0..N {
+            state.theta[i] += sweep.gain[i] * step;
+        }
+        if !(sweep.alpha + innovation * innovation < SIZE_LIMIT) {
+            self.restart(state, prediction, innovation)
+        } else if self.r1 > 0.0 {
+            self.walk(state, prediction, innovation)
+        } else {
+            Update { prediction, innovation, sick: false }
+        }
+    }
+
+    /// One column of Bierman's update.
+    #[inline(always)]
+    fn column(&self, sweep: &mut Sweep<N>, state: &mut RlsState<N>, phi: &[f32; N], j: usize) {
+        let Sweep { gain, alpha, inv_alpha } = sweep;
+        let RlsState { u, d, .. } = state;
+        let f = if j == 0 { phi[0] } else { column_dot(u, phi, j) + phi[j] };
+        let v = d[j] * f;
+        let mu = -f * *inv_alpha;
+        let previous = *alpha;
+        *alpha += f * v;
+        *inv_alpha = 1.0 / *alpha;
+        d[j] = bound(d[j] * previous * *inv_alpha * self.inflation, self.d_max);
+        for i in 0..j {
+            let u_ij = u[i][j];
+            u[i][j] = u_ij + gain[i] * mu;
+            gain[i] += u_ij * v;
+        }
+        gain[j] = v;
+    }
+
+    /// Lets the parameters walk. Out of line, and last, so that forgetting does not pay for it.
+    #[inline(never)]
+    fn walk(&self, state: &mut RlsState<N>, prediction: f32, innovation: f32) -> Update {
+        random_walk::propagate(&mut state.u, &mut state.d, self.r1);
+        for d in &mut state.d {
+            *d = bound(*d, self.d_max);
         }
         Update { prediction, innovation, sick: false }
     }
 
-    /// Bierman's update; returns alpha_N, the innovation's variance in the units of alpha_0.
-    #[inline]
-    fn update(&self, state: &mut RlsState<N>, phi: &[f32; N], innovation: f32) -> f32 {
-        let RlsState { theta, u, d, .. } = state;
-        let mut gain = [0.0; N];
-        let mut alpha = self.alpha_0;
-        let mut inv_alpha = 1.0 / alpha;
-        for j in 0..N {
-            let mut f = phi[j];
-            for i in 0..j {
-                f += u[i][j] * phi[i];
-            }
-            let v = d[j] * f;
-            let previous = alpha;
-            let mu = -f * inv_alpha;
-            alpha += f * v;
-            inv_alpha = 1.0 / alpha;
-            d[j] = bound(d[j] * previous * inv_alpha * self.inflation, self.d_max);
-            gain[j] = v;
-            for i in 0..j {
-                let u_ij = u[i][j];
-                u[i][j] = u_ij + gain[i] * mu;
-                gain[i] += u_ij * v;
-            }
-        }
-        let step = innovation * inv_alpha;
-        for i in 0..N {
-            theta[i] += gain[i] * step;
-        }
-        if self.r1 > 0.0 {
-            random_walk::propagate(u, d, self.r1);
-            for d_j in d.iter_mut() {
-                *d_j = bound(*d_j, self.d_max);
-            }
-        }
-        alpha
+    /// Starts afresh from numbers that have become useless.
+    #[cold]
+    #[inline(never)]
+    fn restart(&self, state: &mut RlsState<N>, prediction: f32, innovation: f32) -> Update {
+        *state = RlsState { resets: state.resets.saturating_add(1), ..self.start() };
+        let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
+        Update { prediction: finite(prediction), innovation: finite(innovation), sick: true }
     }
+}
+
+/// What Bierman's update hands from column to column.
+struct Sweep<const N: usize> {
+    gain: [f32; N],
+    alpha: f32,
+    inv_alpha: f32,
 }
 
 impl<const N: usize> RlsState<N> {
@@ -197,21 +220,26 @@ impl<const N: usize> RlsState<N> {
 /// One-step prediction phi' theta.
 #[inline]
 pub(crate) fn predict<const N: usize>(theta: &[f32; N], phi: &[f32; N]) -> f32 {
-    let mut sum = 0.0;
-    for i in 0..N {
+    let mut sum = theta[0] * phi[0];
+    for i in 1..N {
         sum += theta[i] * phi[i];
     }
     sum
 }
 
-/// Keeps an element of D within its bounds. NaN comes out as the cap: the vague end, from which data can be learnt again.
+/// Column j of U above its diagonal, times phi; j is at least 1.
+#[inline(always)]
+fn column_dot<const N: usize>(u: &[[f32; N]; N], phi: &[f32; N], j: usize) -> f32 {
+    let mut sum = u[0][j] * phi[0];
+    for i in 1..j {
+        sum += u[i][j] * phi[i];
+    }
+    sum
+}
+
+/// Caps an element of D. Positive numbers are in the order of their bits, and everything that is none (NaN) lies above
+/// them: it comes out as the cap, the vague end, from which data can be learnt again.
 #[inline]
 fn bound(d: f32, max: f32) -> f32 {
-    if d < D_MIN {
-        D_MIN
-    } else if d < max {
-        d
-    } else {
-        max
-    }
+    f32::from_bits(d.to_bits().min(max.to_bits()))
 }

@@ -1,5 +1,6 @@
 //! From ADC codes to temperatures that say whether they can be trusted.
 
+mod logarithm;
 pub mod plausibility;
 pub mod thermistor;
 

@@ -8,6 +8,7 @@
 //! 1/T = 1/T25 + ln(R / R25) / B       T in kelvin, T25 = 298.15 K
 //! ```
 
+use super::logarithm::ln;
 use crate::error::{ConfigError, in_range};
 use crate::units::{AdcCode, Celsius, Ohm};
 
@@ -102,7 +103,7 @@ impl Thermistor {
     /// Temperature at a code strictly between 0 and full scale; at or beyond these the result is not meaningful.
     pub fn celsius(&self, code: AdcCode) -> Celsius {
         let r_over_pull_up = code.0 / (AdcCode::FULL_SCALE - code.0);
-        let kelvin = 1.0 / (self.inv_t_at_half_scale + libm::logf(r_over_pull_up) * self.inv_beta);
+        let kelvin = 1.0 / (self.inv_t_at_half_scale + ln(r_over_pull_up) * self.inv_beta);
         Celsius(self.gain * kelvin + self.offset)
     }
 

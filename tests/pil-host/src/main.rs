@@ -1,0 +1,46 @@
+//! Builds the images of the crate `pil`, runs them in QEMU, and judges what they say.
+
+mod bench;
+mod compare;
+mod counts;
+mod cycles;
+mod image;
+mod qemu;
+mod recording;
+mod trace;
+
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand};
+
+/// fdi-core on an emulated Cortex-M4F.
+#[derive(Parser)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Do target, host debug and host release give the same bits? Fails where they do not.
+    Compare,
+    /// What does each part cost? Fails where a count has risen since it was committed.
+    Bench {
+        /// Write the counts as the new ones to hold.
+        #[arg(long)]
+        update: bool,
+    },
+    /// Print the hashes of this build of the host.
+    Digest {
+        /// A recording, as `compare` writes them.
+        recording: PathBuf,
+    },
+}
+
+fn main() -> anyhow::Result<()> {
+    match Cli::parse().command {
+        Command::Compare => compare::run(),
+        Command::Bench { update } => bench::run(update),
+        Command::Digest { recording } => compare::print_digest(&recording),
+    }
+}

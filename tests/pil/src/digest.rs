@@ -1,0 +1,171 @@
+//! A hash over every bit of what the instrument says.
+//!
+//! The structures are taken apart by name and in full: a field added to one of them does not compile until it is
+//! hashed too.
+
+use fdi_core::diagnosis::baseline::{Baseline, Normal};
+use fdi_core::diagnosis::event::{Event, Fault};
+use fdi_core::diagnosis::{Report, Verdict};
+use fdi_core::identify::observer::Observation;
+use fdi_core::supervisor::{Mode, Trip};
+use fdi_core::{RawSample, Reading, Sample, Tick};
+
+/// FNV-1a over words of 32 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Digest(u64);
+
+impl Default for Digest {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Digest {
+    /// The hash so far.
+    pub fn value(self) -> u64 {
+        self.0
+    }
+
+    /// Takes in a word.
+    pub fn word(&mut self, word: u32) {
+        self.0 = (self.0 ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3);
+    }
+
+    /// Takes in a number by its bits. All NaNs count as one: neither Rust nor IEEE 754 says which an operation gives.
+    pub fn number(&mut self, x: f32) {
+        self.word(if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() });
+    }
+
+    /// Takes in each number of a list.
+    pub fn numbers(&mut self, numbers: &[f32]) {
+        for &x in numbers {
+            self.number(x);
+        }
+    }
+
+    /// Takes in a value that may be missing, so that a missing one differs from any that is there.
+    pub fn option<T>(&mut self, value: Option<T>, take: impl FnOnce(&mut Self, T)) {
+        self.word(u32::from(value.is_some()));
+        if let Some(value) = value {
+            take(self, value);
+        }
+    }
+
+    /// All of the first half of a tick.
+    pub fn tick(&mut self, tick: &Tick) {
+        let Tick { index, sample, setpoint, pid, prbs, drive, mode, learn, blocked } = *tick;
+        self.word(index);
+        self.sample(sample);
+        self.numbers(&[setpoint.0, pid.0, prbs.0, drive.0]);
+        self.mode(mode);
+        self.word(u32::from(learn));
+        self.option(blocked, |d, blocker| d.word(blocker as u32));
+    }
+
+    /// All of the second half of a tick.
+    pub fn report(&mut self, report: &Report) {
+        let Report {
+            tick,
+            y1,
+            y2,
+            ms1,
+            ms2,
+            features,
+            features_filtered,
+            residuals,
+            residuals_filtered,
+            filtered,
+            raw,
+            learned,
+            events,
+        } = report;
+        self.word(*tick);
+        for y in [*y1, *y2] {
+            self.option(y, Self::number);
+        }
+        for model in [ms1, ms2] {
+            self.observation(model);
+        }
+        for numbers in [features, features_filtered, residuals, residuals_filtered] {
+            self.option(numbers.as_ref(), |d, n| d.numbers(n));
+        }
+        for verdict in [filtered, raw] {
+            self.option(verdict.as_ref(), Self::verdict);
+        }
+        self.word(*learned);
+        for event in events {
+            self.event(event);
+        }
+    }
+
+    /// All that was learnt.
+    pub fn baseline(&mut self, baseline: &Baseline) {
+        let Baseline { samples, raw, filtered } = baseline;
+        self.word(*samples);
+        for Normal { mean, sigma } in [raw, filtered] {
+            self.numbers(mean);
+            self.numbers(sigma);
+        }
+    }
+
+    fn sample(&mut self, sample: Sample) {
+        let Sample { t0, t1, t2 } = sample;
+        for Reading { celsius, validity } in [t0, t1, t2] {
+            self.number(celsius.0);
+            self.word(validity as u32);
+        }
+    }
+
+    fn mode(&mut self, mode: Mode) {
+        match mode {
+            Mode::Off => self.word(0),
+            Mode::Settle { steady } => self.numbered(1, steady),
+            Mode::Learn { accepted } => self.numbered(2, accepted),
+            Mode::Monitor => self.word(3),
+            Mode::Tripped(Trip { reason, tick, raw: RawSample { t0, t1, t2 }, sample, setpoint }) => {
+                self.numbered(4, reason as u32);
+                self.word(tick);
+                self.numbers(&[t0.0, t1.0, t2.0, setpoint.0]);
+                self.sample(sample);
+            }
+        }
+    }
+
+    fn numbered(&mut self, kind: u32, number: u32) {
+        self.word(kind);
+        self.word(number);
+    }
+
+    fn observation(&mut self, model: &Observation) {
+        let Observation { prediction, static_gain, bandwidth, held, gain_held, bandwidth_held, sick, resets } =
+            *model;
+        for number in [prediction, static_gain, bandwidth] {
+            self.option(number, Self::number);
+        }
+        for flag in [held, gain_held, bandwidth_held, sick] {
+            self.word(u32::from(flag));
+        }
+        self.word(resets);
+    }
+
+    fn verdict(&mut self, verdict: &Verdict) {
+        let Verdict { symptoms, fdv, fiv } = verdict;
+        for symptom in symptoms {
+            self.word(symptom.sign() as u32);
+        }
+        self.numbered(u32::from(*fdv), u32::from(*fiv));
+    }
+
+    fn event(&mut self, event: &Event) {
+        let (kind, fault) = match event {
+            Event::Detected(fault) => (0, fault),
+            Event::Isolated(fault) => (1, fault),
+            Event::Ended(fault) => (2, fault),
+        };
+        let Fault { detection_number, isolation_number, onset, detected, isolated, last_seen } = *fault;
+        self.numbered(kind, u32::from(detection_number));
+        self.numbered(u32::from(isolation_number), onset);
+        self.numbered(detected, last_seen);
+        self.option(isolated, Self::word);
+    }
+}

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, ensure};
 use fdi_core::Config;
-use host_sim::experiment::{Record, Row, as_written, with_prbs_phase};
+use host_sim::experiment::{Origin, Record, Row, as_written, with_prbs_phase};
 use host_sim::fault::Fault;
 use host_sim::rig::Rig;
 use host_sim::scenario::Scenario;
@@ -53,30 +53,17 @@ pub fn run(image: Rc<Image>, scenario: &Scenario, seed: u64) -> anyhow::Result<E
     let ticks = (scenario.duration / sample_time).floor() as usize;
     board.run_for(ticks as u64 * TICK)?;
 
-    let armed = board.log[first..].iter().find_map(|line| {
-        line.text.strip_prefix("order ")?.strip_suffix(" arm")?.parse::<usize>().ok()
-    });
+    let armed = board.log[first..]
+        .iter()
+        .find_map(|line| line.text.strip_prefix("order ")?.strip_suffix(" arm")?.parse::<usize>().ok());
     let idle_ticks = armed.context("the log does not say that the board was armed")?;
     let start = board.log.iter().rposition(|line| line.text.starts_with("PT-326 FDI"));
     let recording = Recording::of(&board.log[start.unwrap_or(0)..], &config)?;
     ensure!(recording.ticks.len() >= idle_ticks + ticks, "the log ends at tick {}", recording.ticks.len());
     let rows = rows(&recording, idle_ticks, ticks, &scenario.faults, sample_time);
-    let record = Record {
-        seed,
-        wander: scenario.wander,
-        sample_time,
-        setpoint: as_written(config.setpoint.0),
-        nominal_window: (
-            as_written(config.supervisor.learn_start.0),
-            as_written(config.supervisor.learn_end.0),
-        ),
-        sigma_factor: f64::from(config.diagnosis.sigma_factor),
-        faults: scenario.faults.clone(),
-        rows,
-        baseline: recording.instrument.baseline().copied(),
-        refused: Vec::new(),
-        elapsed: started.elapsed(),
-    };
+    let origin = Origin::Simulated { seed, wander: scenario.wander };
+    let baseline = recording.instrument.baseline().copied();
+    let record = Record::new(origin, &config, &scenario.faults, rows, baseline, started.elapsed());
     Ok(Experiment { board, rig, record, differences: recording.differences, idle_ticks })
 }
 

@@ -71,13 +71,7 @@ pub enum Effect {
 
 impl Default for Flash {
     fn default() -> Self {
-        Self {
-            file: File::new(&TABLE),
-            keys: 0,
-            content: vec![0xFF; 2 * SECTOR],
-            cut: None,
-            operations: 0,
-        }
+        Self { file: File::new(&TABLE), keys: 0, content: vec![0xFF; 2 * SECTOR], cut: None, operations: 0 }
     }
 }
 

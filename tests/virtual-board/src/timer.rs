@@ -120,7 +120,13 @@ impl Timer {
     pub fn reset(&mut self, now: Ps) {
         let lines = Lines { ..self.lines };
         let fresh = Self::new(self.advanced, lines);
-        *self = Self { kernel_period: self.kernel_period, break_level: self.break_level, seen: now, origin: now, ..fresh };
+        *self = Self {
+            kernel_period: self.kernel_period,
+            break_level: self.break_level,
+            seen: now,
+            origin: now,
+            ..fresh
+        };
     }
 
     /// The clock that feeds it has changed.

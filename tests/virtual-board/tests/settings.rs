@@ -97,11 +97,18 @@ fn cut_everywhere(times: usize, step: usize) {
         let old = times.checked_sub(1).map_or("2.4".into(), kp);
         let now = say(board, "get pid.kp");
         let allowed = [old, kp(times)].map(|kp| format!("pid.kp = {kp} %/degC"));
-        assert!(allowed.contains(&now), "cut at {i} of {operations}, {remains:?}: {now}, expected {allowed:?}");
+        assert!(
+            allowed.contains(&now),
+            "cut at {i} of {operations}, {remains:?}: {now}, expected {allowed:?}"
+        );
         save(board, 7);
         board.reset(Cause::Pin).expect("resets");
         board.run_for(2 * SECOND).expect("restarts");
-        assert_eq!(say(board, "get pid.kp"), "pid.kp = 2.8 %/degC", "cut at {i} of {operations}, {remains:?}");
+        assert_eq!(
+            say(board, "get pid.kp"),
+            "pid.kp = 2.8 %/degC",
+            "cut at {i} of {operations}, {remains:?}"
+        );
     }
 }
 

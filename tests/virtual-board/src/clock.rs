@@ -33,8 +33,7 @@ static TABLE: [Register; 17] = [
     register(0x64, "APB2LPENR", 0x0007_7930, 0x0007_7930),
 ];
 
-static POWER_TABLE: [Register; 2] =
-    [register(0x00, "CR", 0x8000, 0xC3F0), register(0x04, "CSR", 0, 0x300)];
+static POWER_TABLE: [Register; 2] = [register(0x00, "CR", 0x8000, 0xC3F0), register(0x04, "CSR", 0, 0x300)];
 
 const HSI: u64 = 16_000_000;
 const HSEON: u32 = 1 << 16;

@@ -170,7 +170,9 @@ pub enum Outcome {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Running,
-    Sleeping { for_event: bool },
+    Sleeping {
+        for_event: bool,
+    },
     /// Dead until a reset: a fault in the hard fault's handler, or a clock that stands still.
     Dead,
 }
@@ -202,8 +204,7 @@ impl Cpu {
         map_memory(&mut emulator, &image).map_err(told)?;
         map_peripherals(&mut emulator).map_err(told)?;
         add_hooks(&mut emulator, &image).map_err(told)?;
-        let mut cpu =
-            Self { emulator, image, pc: 0, state: State::Running, watched: Vec::new() };
+        let mut cpu = Self { emulator, image, pc: 0, state: State::Running, watched: Vec::new() };
         cpu.fill_ram()?;
         cpu.start()?;
         Ok(cpu)
@@ -347,7 +348,9 @@ impl Cpu {
         let vectors = FLASH;
         let (stack, entry) = (self.image.word(vectors), self.image.word(vectors + 4));
         let (stack, entry) = stack.zip(entry).context("the image has no vector table")?;
-        for register in [RegisterARM::PRIMASK, RegisterARM::BASEPRI, RegisterARM::FAULTMASK, RegisterARM::CONTROL] {
+        for register in
+            [RegisterARM::PRIMASK, RegisterARM::BASEPRI, RegisterARM::FAULTMASK, RegisterARM::CONTROL]
+        {
             self.set_register(register, 0)?;
         }
         self.set_register(RegisterARM::XPSR_NZCVQG, 1 << 24)?;
@@ -623,7 +626,10 @@ impl Cpu {
     }
 }
 
-fn map_memory(emulator: &mut Emulator<'_>, image: &Image) -> Result<(), unicorn_engine::unicorn_const::uc_error> {
+fn map_memory(
+    emulator: &mut Emulator<'_>,
+    image: &Image,
+) -> Result<(), unicorn_engine::unicorn_const::uc_error> {
     let code = Permission::READ | Permission::EXEC;
     for base in [0, FLASH] {
         emulator.mem_map(base.into(), FLASH_SIZE, code)?;
@@ -666,7 +672,10 @@ fn map_peripherals(emulator: &mut Emulator<'static>) -> Result<(), unicorn_engin
     Ok(())
 }
 
-fn add_hooks(emulator: &mut Emulator<'static>, image: &Image) -> Result<(), unicorn_engine::unicorn_const::uc_error> {
+fn add_hooks(
+    emulator: &mut Emulator<'static>,
+    image: &Image,
+) -> Result<(), unicorn_engine::unicorn_const::uc_error> {
     emulator.add_block_hook(0, u64::from(u32::MAX), block)?;
     emulator.add_intr_hook(|emulator, number| {
         emulator.get_data_mut().stop.get_or_insert(Stop::Trap(number));
@@ -682,7 +691,9 @@ fn add_hooks(emulator: &mut Emulator<'static>, image: &Image) -> Result<(), unic
     for (i, half) in image.flash.chunks_exact(2).enumerate() {
         let at = u64::from(FLASH) + 2 * i as u64;
         match u16::from_le_bytes([half[0], half[1]]) {
-            SEV => drop(emulator.add_code_hook(at, at, |emulator, _, _| emulator.get_data_mut().event = true)?),
+            SEV => {
+                drop(emulator.add_code_hook(at, at, |emulator, _, _| emulator.get_data_mut().event = true)?)
+            }
             code @ (WFE | WFI) => {
                 let for_event = code == WFE;
                 emulator.add_code_hook(at, at, move |emulator, address, _| {

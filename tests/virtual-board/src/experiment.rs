@@ -53,9 +53,9 @@ pub fn run(image: Rc<Image>, scenario: &Scenario, seed: u64) -> anyhow::Result<E
     let ticks = (scenario.duration / sample_time).floor() as usize;
     board.run_for(ticks as u64 * TICK)?;
 
-    let armed = board.log[first..].iter().find_map(|line| {
-        line.text.strip_prefix("order ")?.strip_suffix(" arm")?.parse::<usize>().ok()
-    });
+    let armed = board.log[first..]
+        .iter()
+        .find_map(|line| line.text.strip_prefix("order ")?.strip_suffix(" arm")?.parse::<usize>().ok());
     let idle_ticks = armed.context("the log does not say that the board was armed")?;
     let start = board.log.iter().rposition(|line| line.text.starts_with("PT-326 FDI"));
     let recording = Recording::of(&board.log[start.unwrap_or(0)..], &config)?;

@@ -97,7 +97,9 @@ pub fn panic(board: &mut Board, task: &str) -> anyhow::Result<()> {
         board.cpu.set_word(location + 4 * i as u32, word)?;
     }
     for (i, bytes) in b"injected".chunks_exact(4).enumerate() {
-        board.cpu.set_word(name + 4 * i as u32, u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))?;
+        board
+            .cpu
+            .set_word(name + 4 * i as u32, u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))?;
     }
     let function = board.image.address("core::panicking::panic_const::panic_const_div_by_zero")?;
     board.cpu.call(function, location)

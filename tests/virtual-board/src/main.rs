@@ -59,7 +59,11 @@ fn carry_out(cli: &Cli) -> anyhow::Result<bool> {
         done.idle_ticks
     )?;
     let words = firmware_logic::record::WORDS * (done.idle_ticks + done.record.rows.len());
-    writeln!(out, "Bits                   {} of {words} words of the log differ from the host's", done.differences.len())?;
+    writeln!(
+        out,
+        "Bits                   {} of {words} words of the log differ from the host's",
+        done.differences.len()
+    )?;
     for d in done.differences.iter().take(10) {
         writeln!(out, "  tick {} {}: board {:#010x}, host {:#010x}", d.tick, d.name, d.board, d.host)?;
     }

@@ -87,7 +87,8 @@ impl Nvic {
         if waiting == 0 {
             return None;
         }
-        let best = (0..128).filter(|&e| waiting & Self::mask(e) != 0).min_by_key(|&e| (self.priority(e), e))?;
+        let best =
+            (0..128).filter(|&e| waiting & Self::mask(e) != 0).min_by_key(|&e| (self.priority(e), e))?;
         let mask = if basepri == 0 { IDLE } else { i16::from(basepri) };
         let mask = if primask { mask.min(0) } else { mask };
         (self.priority(best) < self.active_priority().min(mask)).then_some(best)
@@ -124,10 +125,7 @@ impl Nvic {
     /// The highest pending exception, enabled or masked by priority or not; 0 for none.
     pub fn vect_pending(&self) -> Exception {
         let waiting = self.pending & self.enabled;
-        (0..128)
-            .filter(|&e| waiting & Self::mask(e) != 0)
-            .min_by_key(|&e| (self.priority(e), e))
-            .unwrap_or(0)
+        (0..128).filter(|&e| waiting & Self::mask(e) != 0).min_by_key(|&e| (self.priority(e), e)).unwrap_or(0)
     }
 
     /// Whether the exception is pending.

@@ -80,7 +80,8 @@ impl Probe {
     fn decode(&mut self, lines: &mut Vec<Line>) -> anyhow::Result<()> {
         // A zero ends each frame, so what comes before the last one is complete.
         let Some(last) = self.bytes.iter().rposition(|byte| *byte == 0) else { return Ok(()) };
-        let mut decoder: Box<dyn StreamDecoder + Send + Sync + '_> = self.image.log_table.new_stream_decoder();
+        let mut decoder: Box<dyn StreamDecoder + Send + Sync + '_> =
+            self.image.log_table.new_stream_decoder();
         decoder.received(&self.bytes[..=last]);
         loop {
             match decoder.decode() {

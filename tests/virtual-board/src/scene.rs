@@ -83,7 +83,12 @@ impl Scene {
         let off = self.board.heater_off_since();
         ensure!(off.is_some(), "the heater is still on after {} ms", 2 * limit / MS);
         let time = off.unwrap_or(0).saturating_sub(begin);
-        ensure!(time <= limit, "the heater went off after {} us, expected {} us", time / 1_000_000, limit / 1_000_000);
+        ensure!(
+            time <= limit,
+            "the heater went off after {} us, expected {} us",
+            time / 1_000_000,
+            limit / 1_000_000
+        );
         Ok(time)
     }
 }

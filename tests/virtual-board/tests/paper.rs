@@ -75,6 +75,10 @@ fn faults_are_seen_within_one_tick_of_the_simulation() {
         };
         assert!(near(board.signature.detected_s, host.signature.detected_s), "{}", board.name);
         assert!(near(board.signature.isolated_s, host.signature.isolated_s), "{}", board.name);
-        assert!(board.signature.detected_s.is_some() && board.signature.isolated_s.is_some(), "{}", board.name);
+        assert!(
+            board.signature.detected_s.is_some() && board.signature.isolated_s.is_some(),
+            "{}",
+            board.name
+        );
     }
 }

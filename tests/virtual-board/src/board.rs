@@ -135,11 +135,11 @@ impl Board {
     /// Types a line and waits for the prompt after its answer, which is returned.
     ///
     /// # Errors
-    /// There is no prompt within three seconds.
+    /// There is no prompt within ten seconds.
     pub fn command(&mut self, line: &str) -> anyhow::Result<String> {
         self.take_terminal();
         self.send(format!("{line}\r").as_bytes());
-        self.run_until(&format!("an answer to `{line}`"), 3000 * MS, |board| {
+        self.run_until(&format!("an answer to `{line}`"), 10_000 * MS, |board| {
             board.terminal.ends_with("> ") || board.power_is_cut
         })?;
         let text = self.take_terminal();

@@ -30,7 +30,7 @@ pub const BASE: u32 = 0x0804_0000;
 /// Size of a sector.
 pub const SECTOR: usize = 128 * 1024;
 /// Typical times of the data sheet, at the parallelism of 32 bits.
-const ERASE: Ps = 1000 * MS;
+const ERASE_TIME: Ps = 1000 * MS;
 const PROGRAM: Ps = 16 * US;
 /// Highest core clock in Hz that each wait state allows for, 2.7 to 3.6 V.
 const HZ_A_WAIT_STATE: u64 = 30_000_000;
@@ -54,6 +54,8 @@ pub struct Flash {
     pub content: Vec<u8>,
     /// The supply goes during the operation after so many.
     pub cut: Option<(u32, Remains)>,
+    /// How long a sector takes: 1 s typical, 4 s at most.
+    pub erase_time: Ps,
     /// Words programmed and sectors erased since power came up.
     pub operations: u32,
 }
@@ -71,7 +73,14 @@ pub enum Effect {
 
 impl Default for Flash {
     fn default() -> Self {
-        Self { file: File::new(&TABLE), keys: 0, content: vec![0xFF; 2 * SECTOR], cut: None, operations: 0 }
+        Self {
+            file: File::new(&TABLE),
+            keys: 0,
+            content: vec![0xFF; 2 * SECTOR],
+            cut: None,
+            erase_time: ERASE_TIME,
+            operations: 0,
+        }
     }
 }
 
@@ -144,7 +153,7 @@ impl Flash {
             Some(Remains::After) | None => from + SECTOR,
         };
         self.content[from..until].fill(0xFF);
-        self.end(self.cut.is_some_and(|(after, _)| self.operations > after), ERASE)
+        self.end(self.cut.is_some_and(|(after, _)| self.operations > after), self.erase_time)
     }
 
     /// The program writes to the memory itself. `offset` is from [`BASE`].

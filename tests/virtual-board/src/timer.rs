@@ -55,6 +55,8 @@ pub enum Output {
 pub struct Timer {
     /// Its interrupts.
     pub lines: Lines,
+    /// What the counter begins with when the program starts it anew: 0 on silicon, else a test of its wrap.
+    pub begins_at: u32,
     advanced: bool,
     width: u32,
     kernel_period: Ps,
@@ -94,6 +96,7 @@ impl Timer {
         let width = if advanced { 0xFFFF } else { u32::MAX };
         Self {
             lines,
+            begins_at: 0,
             advanced,
             width,
             kernel_period: 62_500,
@@ -121,6 +124,7 @@ impl Timer {
         let lines = Lines { ..self.lines };
         let fresh = Self::new(self.advanced, lines);
         *self = Self {
+            begins_at: self.begins_at,
             kernel_period: self.kernel_period,
             break_level: self.break_level,
             seen: now,
@@ -159,12 +163,6 @@ impl Timer {
     /// The counter.
     pub fn count(&self, now: Ps) -> u32 {
         ((u64::from(self.base) + self.steps(now)) % self.span()) as u32
-    }
-
-    /// Sets the counter, as a debugger would.
-    pub fn set_count(&mut self, count: u32, now: Ps) {
-        self.advance(now);
-        self.rebase(now, count);
     }
 
     /// Steps until the counter, after `from` steps, next becomes `value`; `None` if it never does.
@@ -300,7 +298,7 @@ impl Timer {
         self.sr |= value & 0x1E;
         if value & 1 != 0 {
             self.psc_active = self.psc;
-            self.rebase(now, 0);
+            self.rebase(now, self.begins_at);
             self.update();
             if self.cr1 & URS == 0 {
                 self.sr |= UIF;
@@ -406,7 +404,7 @@ mod tests {
     #[test]
     fn wraps() {
         let mut timer = microseconds();
-        timer.set_count(u32::MAX - 1, 0);
+        timer.rebase(0, u32::MAX - 1);
         timer.write(DIER, 1, 0).unwrap();
         assert_eq!(timer.next_event(), 2 * US);
         assert_eq!(timer.read(CNT, 3 * US).unwrap(), 1);

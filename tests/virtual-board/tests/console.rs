@@ -20,7 +20,7 @@ fn every_command_answers() {
     assert!(COMMANDS.iter().all(|(name, ..)| help.contains(name)), "{help}");
     assert!(say("status").contains("mode off"));
     assert!(say("get").contains("pid.kp = 2.4 %/degC") && say("get").lines().count() > 30);
-    assert_eq!(say("set pid.kp 2"), "pid.kp = 2.0 %/degC");
+    assert_eq!(say("set pid.kp 2"), "pid.kp = 2 %/degC");
     assert_eq!(say("defaults"), "ok");
     assert_eq!(say("baseline"), "nothing learnt yet");
     assert_eq!(say("faults"), "none");

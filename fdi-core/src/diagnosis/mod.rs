@@ -10,6 +10,7 @@ use crate::control::Tick;
 use crate::error::{ConfigError, in_range};
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Observation, Observer, ObserverState};
+use crate::parity::ParityReport;
 use crate::supervisor::Mode;
 use crate::units::{Percent, Seconds};
 use baseline::{Baseline, Learner};
@@ -118,6 +119,8 @@ pub struct Report {
     pub learned: u32,
     /// What happened, by the filtered verdict.
     pub events: Events,
+    /// The second opinion.
+    pub parity: ParityReport,
 }
 
 impl Diagnosis {

@@ -6,6 +6,7 @@ use crate::control::prbs::PrbsConfig;
 use crate::diagnosis::DiagnosisConfig;
 use crate::error::{ConfigError, in_range};
 use crate::identify::observer::IdentificationConfig;
+use crate::parity::ParityConfig;
 use crate::sense::plausibility::PlausibilityConfig;
 use crate::sense::thermistor::ThermistorConfig;
 use crate::supervisor::SupervisorConfig;
@@ -35,6 +36,8 @@ pub struct Config {
     pub identification: IdentificationConfig,
     /// Residuals, thresholds, signatures.
     pub diagnosis: DiagnosisConfig,
+    /// The second opinion.
+    pub parity: ParityConfig,
     /// Modes and trips.
     pub supervisor: SupervisorConfig,
 }
@@ -67,6 +70,7 @@ impl Default for Config {
             prbs: PrbsConfig::default(),
             identification: IdentificationConfig::default(),
             diagnosis: DiagnosisConfig::default(),
+            parity: ParityConfig::default(),
             supervisor: SupervisorConfig::default(),
         }
     }

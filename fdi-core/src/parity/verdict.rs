@@ -126,8 +126,10 @@ pub enum Arming {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Distrust {
-    /// A model is unstable, or its gain is not positive.
+    /// A model is unstable.
     Unstable,
+    /// The static gain of a model is not positive.
+    Gain,
     /// The models leave too much of the temperatures unexplained.
     PoorFit,
 }

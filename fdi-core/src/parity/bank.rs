@@ -1,0 +1,223 @@
+//! Which fault explains the residuals best? A matched filter for each hypothesis, all from the same assumed onset.
+//!
+//! A hypothesis says what the residuals of y1 and y2 do from the onset: a fixed part f, and a part s that scales with
+//! the unknown magnitude. Whitened as the residuals z are, least squares is maximum likelihood:
+//!
+//! ```text
+//! magnitude = sum s (z - f) / sum s s          bounded to what is possible
+//! J         = sum (z - f)^2 - magnitude (2 sum s (z - f) - magnitude sum s s)
+//! ```
+//!
+//! J is what the hypothesis leaves unexplained; the difference of two J is twice the logarithm of a likelihood ratio
+//! (generalised likelihood ratio; Willsky and Jones 1976). Only sums are kept, so cost and memory are constant.
+
+use super::fit::{HA, HB, Models, NA, NB};
+use super::model::{Simulation, shift};
+use super::noise::Normal;
+use super::whitening::Past;
+
+/// Extra lags of a clogged T1 that are tried, s. The first is none: only the gain has gone.
+const LAGS: [f32; 3] = [0.0, 0.35, 1.0];
+
+/// Constants of the filters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Filters {
+    /// Poles of [`LAGS`].
+    poles: [f32; LAGS.len()],
+}
+
+/// What the filters need to know of a tick.
+pub(super) struct Moment<'a> {
+    /// The models.
+    pub(super) models: &'a Models,
+    /// What is normal for the residuals of y1 and y2.
+    pub(super) normal: &'a [Normal; 3],
+    /// Ticks from a change of the power to the first sample that shows it.
+    pub(super) lead: usize,
+    /// Whitened residuals of y1 and y2.
+    pub(super) z: [f32; 2],
+    /// Weight of this tick, 0..=1.
+    pub(super) weight: f32,
+    /// Power that acted on this tick, newest first, %.
+    pub(super) power: &'a [f32; NB],
+    /// What y1 and y2 should be now, degC.
+    pub(super) expected: [f32; 2],
+    /// What y1 should have been, and what y1 and y2 were, a tick ago, degC.
+    pub(super) y1_before: f32,
+    pub(super) measured_before: [f32; 2],
+}
+
+/// Sums of one scaled signature.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Match {
+    /// sum s (z - f)
+    cross: f32,
+    /// sum s s
+    pub(super) square: f32,
+}
+
+impl Match {
+    #[inline]
+    fn add(&mut self, z: f32, s: f32, weight: f32) {
+        let s_weighted = s * weight;
+        self.cross += s_weighted * z;
+        self.square += s_weighted * s;
+    }
+
+    /// Both channels together; `sign` is that of s in them.
+    pub(super) fn joined(a: &[Self; 2], sign: f32) -> Self {
+        Self { cross: sign * (a[0].cross + a[1].cross), square: a[0].square + a[1].square }
+    }
+
+    /// The magnitude that explains most, within bounds.
+    pub(super) fn best(&self, (low, high): (f32, f32)) -> f32 {
+        if self.square > 0.0 { (self.cross / self.square).clamp(low, high) } else { 0.0 }
+    }
+
+    /// How much of the energy a magnitude explains.
+    pub(super) fn explained(&self, magnitude: f32) -> f32 {
+        magnitude * (2.0 * self.cross - magnitude * self.square)
+    }
+}
+
+/// A clogged T1 with one extra lag.
+#[derive(Clone, Copy, Debug, Default)]
+struct Clogged {
+    /// The rise of T1 behind the lag, and the part of it since the onset.
+    lagged: f32,
+    lost: f32,
+    past_lagged: Past,
+    past_lost: Past,
+    energy: f32,
+    gain: Match,
+}
+
+/// The memory of all filters.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Bank {
+    /// Ticks since the assumed onset.
+    pub(super) age: u32,
+    /// A drift would have begun so many ticks before that.
+    pub(super) ago: u32,
+    /// sum z^2 of either channel.
+    energy: [f32; 2],
+    /// A constant from the onset on, a ramp, in either channel.
+    pub(super) offset: [Match; 2],
+    pub(super) ramp: [Match; 2],
+    /// The answer to the power since the onset, and the same with what a change of air flow does to T2's heat loss.
+    pub(super) power: Match,
+    pub(super) flow: Match,
+    clogged: [Clogged; LAGS.len()],
+    /// sum (z - f)^2 for a sensor that repeats itself.
+    stuck_energy: [f32; 2],
+    stuck_at: [f32; 2],
+    y1: Simulation<NA, NB>,
+    y2: Simulation<HA, HB>,
+    loss: Simulation<HA, HB>,
+    past_offset: [Past; 2],
+    past_ramp: [Past; 2],
+    past_y: [Past; 2],
+    past_loss: Past,
+    past_stuck: [Past; 2],
+}
+
+impl Filters {
+    pub(super) fn new(sample_time: f32) -> Self {
+        Self { poles: LAGS.map(|lag| if lag > 0.0 { libm::expf(-sample_time / lag) } else { 0.0 }) }
+    }
+
+    /// Takes in a tick.
+    pub(super) fn step(&self, bank: &mut Bank, now: &Moment) {
+        for m in 0..2 {
+            bank.energy[m] += now.weight * now.z[m] * now.z[m];
+            let whitener = &now.normal[m].whitener;
+            bank.offset[m].add(now.z[m], whitener.step(&mut bank.past_offset[m], 1.0), now.weight);
+            let age = (bank.ago + bank.age) as f32;
+            bank.ramp[m].add(now.z[m], whitener.step(&mut bank.past_ramp[m], age), now.weight);
+        }
+        self.process(bank, now);
+        self.clogged(bank, now);
+        self.stuck(bank, now);
+        bank.age = bank.age.saturating_add(1);
+    }
+
+    /// Heater power and air flow. With the flow at f times normal, the gain goes with 1/f, and so does the heat lost
+    /// between T1 and T2: the magnitude is `1 - 1/f` for the flow, the relative change for the power.
+    fn process(&self, bank: &mut Bank, now: &Moment) {
+        let [w1, w2] = [&now.normal[0].whitener, &now.normal[1].whitener];
+        let on = (bank.age as usize).saturating_add(now.lead);
+        for (i, (u, &power)) in bank.y1.u.iter_mut().zip(now.power).enumerate() {
+            *u = if i < on { power } else { 0.0 };
+        }
+        let y1 = now.models.heat.output(&bank.y1);
+        shift(&mut bank.y1.y, y1);
+        let y2 = now.models.along.step(&mut bank.y2, y1);
+        let gain = now.models.along.gain().min(1.0);
+        let loss = now.models.along.step(&mut bank.loss, now.expected[0]) * (1.0 / gain - 1.0);
+        let [s1, s2] = [w1.step(&mut bank.past_y[0], y1), w2.step(&mut bank.past_y[1], y2)];
+        let loss = w2.step(&mut bank.past_loss, loss);
+        bank.power.add(now.z[0], s1, now.weight);
+        bank.power.add(now.z[1], s2, now.weight);
+        bank.flow.add(now.z[0], -s1, now.weight);
+        bank.flow.add(now.z[1], loss - s2, now.weight);
+    }
+
+    /// T1 behind an extra lag: `y1 = gain * lag(expected)`, from where it was at the onset.
+    fn clogged(&self, bank: &mut Bank, now: &Moment) {
+        let whitener = &now.normal[0].whitener;
+        for (clogged, &pole) in bank.clogged.iter_mut().zip(&self.poles) {
+            if bank.age == 0 {
+                clogged.lagged = now.y1_before;
+            }
+            clogged.lagged = now.expected[0] + pole * (clogged.lagged - now.expected[0]);
+            clogged.lost = now.expected[0] + pole * (clogged.lost - now.expected[0]);
+            let fixed = whitener.step(&mut clogged.past_lagged, clogged.lagged - now.expected[0]);
+            let s = whitener.step(&mut clogged.past_lost, -clogged.lost);
+            let z = now.z[0] - fixed;
+            clogged.energy += now.weight * z * z;
+            clogged.gain.add(z, s, now.weight);
+        }
+    }
+
+    /// A sensor that stays where it was a tick before the onset.
+    fn stuck(&self, bank: &mut Bank, now: &Moment) {
+        if bank.age == 0 {
+            bank.stuck_at = now.measured_before;
+        }
+        for m in 0..2 {
+            let gap = bank.stuck_at[m] - now.expected[m];
+            let z = now.z[m] - now.normal[m].whitener.step(&mut bank.past_stuck[m], gap);
+            bank.stuck_energy[m] += now.weight * z * z;
+        }
+    }
+}
+
+impl Bank {
+    /// Nothing gathered; a drift would have begun `ago` ticks before.
+    pub(super) fn start(ago: u32) -> Self {
+        let past = if ago as usize > Past::LENGTH { Past::ramp(ago as f32) } else { Past::default() };
+        Self { ago, past_ramp: [past; 2], ..Self::default() }
+    }
+
+    /// Energy of both residuals since the onset.
+    pub(super) fn energy(&self) -> f32 {
+        self.energy[0] + self.energy[1]
+    }
+
+    /// What a repeating T1 (0) or T2 (1) leaves unexplained.
+    pub(super) fn stuck(&self, m: usize) -> f32 {
+        self.stuck_energy[m] + self.energy[1 - m]
+    }
+
+    /// The energy before, and the sums for, the loss of T1's gain with the lag that fits best.
+    pub(super) fn clogged(&self, bounds: (f32, f32)) -> (f32, Match) {
+        let left = |c: &Clogged| c.energy - c.gain.explained(c.gain.best(bounds));
+        let mut best = &self.clogged[0];
+        for clogged in &self.clogged[1..] {
+            if left(clogged) < left(best) {
+                best = clogged;
+            }
+        }
+        (best.energy + self.energy[1], best.gain)
+    }
+}

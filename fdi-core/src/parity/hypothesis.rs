@@ -1,0 +1,191 @@
+//! The hypotheses about a fault, compared: which one leaves least unexplained, and by how much.
+
+use super::bank::{Bank, Match};
+use super::verdict::{Channel, FaultClass, Magnitude};
+
+/// The hypotheses.
+pub(super) const ALL: [FaultClass; 11] = [
+    FaultClass::T2Offset,
+    FaultClass::T1Offset,
+    FaultClass::T0Fault,
+    FaultClass::AirFlow,
+    FaultClass::HeaterPower,
+    FaultClass::T1Clogged,
+    FaultClass::Stuck(Channel::T1),
+    FaultClass::Stuck(Channel::T2),
+    DRIFTS[0],
+    DRIFTS[1],
+    DRIFTS[2],
+];
+/// Drift of T0, T1, T2.
+const DRIFTS: [FaultClass; 3] = [FaultClass::Drift; 3];
+const COUNT: usize = ALL.len();
+
+/// Places of the two that are told apart last.
+const FLOW: usize = 3;
+const POWER: usize = 4;
+
+/// No slow drift is faster, degC a minute.
+const FASTEST_DRIFT: f32 = 10.0;
+/// Nothing is named a drift within so long: too early to tell, s.
+const EARLIEST_DRIFT: f32 = 5.0;
+
+/// Everything that the bank says, weighed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weighed {
+    /// Unexplained energy of each hypothesis.
+    left: [f32; COUNT],
+    theta: [f32; COUNT],
+    square: [f32; COUNT],
+    energy: f32,
+    age: f32,
+    /// The hypothesis that leaves least.
+    best: usize,
+    /// The least that one of another kind leaves; power and flow are one kind.
+    rival: f32,
+    sample_time: f32,
+}
+
+/// Bounds of the magnitude of a hypothesis, in the unit of its signature.
+fn bounds(class: FaultClass, sample_time: f32) -> (f32, f32) {
+    match class {
+        FaultClass::AirFlow => (-4.0, 0.8), // 1 - 1/f for f from 0.2 to 5
+        FaultClass::HeaterPower => (-1.0, 1.0),
+        FaultClass::T1Clogged => (0.0, 1.0),
+        FaultClass::Drift => {
+            let rate = FASTEST_DRIFT / 60.0 * sample_time;
+            (-rate, rate)
+        }
+        _ => (-200.0, 200.0),
+    }
+}
+
+/// Hypotheses of one kind are told apart only after the kind is known.
+fn kind(h: usize) -> FaultClass {
+    if h == POWER { ALL[FLOW] } else { ALL[h] }
+}
+
+impl Weighed {
+    /// Weighs what the bank has gathered.
+    pub(super) fn new(bank: &Bank, sample_time: f32) -> Self {
+        let energy = bank.energy();
+        let young = bank.age.saturating_add(bank.ago) as f32 * sample_time < EARLIEST_DRIFT;
+        let (clogged_energy, clogged) = bank.clogged(bounds(FaultClass::T1Clogged, sample_time));
+        let none = Match::default();
+        let sums: [(f32, Match); COUNT] = [
+            (energy, bank.offset[1]),
+            (energy, bank.offset[0]),
+            (energy, Match::joined(&bank.offset, -1.0)),
+            (energy, bank.flow),
+            (energy, bank.power),
+            (clogged_energy, clogged),
+            (bank.stuck(0), none),
+            (bank.stuck(1), none),
+            (energy, Match::joined(&bank.ramp, -1.0)),
+            (energy, bank.ramp[0]),
+            (energy, bank.ramp[1]),
+        ];
+        let mut all = Self {
+            left: [0.0; COUNT],
+            theta: [0.0; COUNT],
+            square: [0.0; COUNT],
+            energy,
+            age: bank.age as f32,
+            best: 0,
+            rival: f32::MAX,
+            sample_time,
+        };
+        for (h, (before, sum)) in sums.iter().enumerate() {
+            let theta = sum.best(bounds(ALL[h], sample_time));
+            all.theta[h] = theta;
+            all.square[h] = sum.square;
+            all.left[h] = before - sum.explained(theta);
+            if all.left[h] < all.left[all.best] && !(young && ALL[h] == FaultClass::Drift) {
+                all.best = h;
+            }
+        }
+        for h in 0..COUNT {
+            if kind(h) != kind(all.best) {
+                all.rival = all.rival.min(all.left[h]);
+            }
+        }
+        all
+    }
+
+    /// Unexplained energy a sample, over what noise alone leaves; 1 where it is no more.
+    fn misfit(&self) -> f32 {
+        (self.left[self.best] / (2.0 * self.age.max(1.0))).max(1.0)
+    }
+
+    /// Whether the best hypothesis explains nearly all.
+    pub(super) fn fits(&self) -> bool {
+        self.left[self.best] < 4.5 * self.age + 0.03 * self.energy + 20.0
+    }
+
+    /// Whether no hypothesis explains what is seen.
+    pub(super) fn is_strange(&self) -> bool {
+        self.left[self.best] > 6.0 * self.age + 0.05 * self.energy + 30.0
+    }
+
+    /// By how much the best hypothesis beats those of another kind. Where even the best fits badly, so may its lead.
+    pub(super) fn lead(&self) -> f32 {
+        (self.rival - self.left[self.best]) / self.misfit()
+    }
+
+    /// Whether the process, not a sensor, is to blame.
+    pub(super) fn is_process(&self) -> bool {
+        kind(self.best) == ALL[FLOW]
+    }
+
+    /// The best hypothesis; of power and flow the flow, unless the power is better by `power_margin`, or the flow would
+    /// have to be impossible.
+    pub(super) fn choice(&self, power_margin: f32) -> usize {
+        if !self.is_process() {
+            return self.best;
+        }
+        let (low, high) = bounds(ALL[FLOW], self.sample_time);
+        let impossible = self.theta[FLOW] <= low || self.theta[FLOW] >= high;
+        let margin = if impossible { 4.0 } else { power_margin * self.misfit() };
+        if self.left[FLOW] - self.left[POWER] > margin { POWER } else { FLOW }
+    }
+
+    /// Probability of a hypothesis against the strongest of another class.
+    pub(super) fn confidence(&self, h: usize) -> f32 {
+        let others = (0..COUNT).filter(|&other| ALL[other] != ALL[h]);
+        let rival = others.map(|other| self.left[other]).fold(f32::MAX, f32::min);
+        let lead = (rival - self.left[h]) / self.misfit();
+        1.0 / (1.0 + libm::expf((-0.5 * lead).clamp(-40.0, 40.0)))
+    }
+
+    /// Whether a change of power no larger than `share` explains what is seen about as well as any clear fault.
+    pub(super) fn is_sag(&self, bank: &Bank, share: f32) -> bool {
+        let left = self.energy - bank.power.explained(bank.power.best((-share, share)));
+        let clear = (0..COUNT).filter(|&h| !matches!(ALL[h], FaultClass::T0Fault | FaultClass::Drift));
+        let best = clear.map(|h| self.left[h]).fold(f32::MAX, f32::min);
+        left < 5.0 * self.age + 10.0 && left - best < 16.0
+    }
+
+    /// The magnitude of a hypothesis in the unit of its class. `slow` is the standard deviation, in degC, of wander
+    /// slower than the noise model's memory, `rise` the rise of T1.
+    pub(super) fn magnitude(&self, h: usize, slow: f32, rise: f32) -> Option<Magnitude> {
+        let theta = self.theta[h];
+        let variance = if self.square[h] > 0.0 { 4.0 / self.square[h] } else { return None };
+        let scaled = |factor: f32, slow: f32| {
+            let half_width = 1.96 * factor * libm::sqrtf(variance + slow * slow);
+            Some(Magnitude { value: factor * theta, half_width })
+        };
+        let share = slow / rise.max(1.0);
+        match ALL[h] {
+            FaultClass::T1Offset | FaultClass::T2Offset | FaultClass::T0Fault => scaled(1.0, slow),
+            FaultClass::T1Clogged => scaled(100.0, share).map(|m| Magnitude { value: -m.value, ..m }),
+            FaultClass::HeaterPower => scaled(100.0, share),
+            FaultClass::Drift => scaled(60.0 / self.sample_time, slow / self.age.clamp(10.0, 60.0)),
+            FaultClass::AirFlow => {
+                let left = (1.0 - theta).max(0.05); // 1/f
+                let at_theta = scaled(100.0 / (left * left), share)?;
+                Some(Magnitude { value: 100.0 * (1.0 / left - 1.0), ..at_theta })
+            }
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! What is normal for one residual: mean, noise model, slow wander; learnt after the models are frozen.
+
+use super::model::shift;
+use super::verdict::Distrust;
+use super::whitening::{ORDER, Whitener};
+
+/// What is normal for one residual.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Normal {
+    /// Mean, degC.
+    pub(super) mean: f32,
+    /// Standard deviation, degC.
+    pub(super) sd: f32,
+    /// Standard deviation of the mean over 20 samples, degC: wander that the noise model does not know of.
+    pub(super) slow_sd: f32,
+    /// Its noise model.
+    pub(super) whitener: Whitener,
+}
+
+/// Sums over one residual and the output that it belongs to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Gather {
+    count: f32,
+    sum: f32,
+    /// Sums of e\[k\] e\[k-i\], i from 0, over pairs.
+    products: [f32; ORDER + 1],
+    past: [f32; ORDER],
+    slow: f32,
+    slow_squares: f32,
+    first: f32,
+    departure: f32,
+    departure_squares: f32,
+}
+
+/// Forgetting of the mean over 20 samples.
+const SLOW: f32 = 1.0 / 20.0;
+/// The largest share of an output's variance that a model may leave unexplained.
+const MAX_UNEXPLAINED: f32 = 0.6;
+
+impl Gather {
+    /// Takes in a residual and the output that it belongs to, degC.
+    pub(super) fn push(&mut self, e: f32, y: f32) {
+        if self.count == 0.0 {
+            self.first = y;
+        }
+        let departure = y - self.first;
+        self.departure += departure;
+        self.departure_squares += departure * departure;
+        self.slow += SLOW * (e - self.slow);
+        self.slow_squares += self.slow * self.slow;
+        self.count += 1.0;
+        self.sum += e;
+        self.products[0] += e * e;
+        for (product, past) in self.products[1..].iter_mut().zip(&self.past) {
+            *product += e * past;
+        }
+        shift(&mut self.past, e);
+    }
+
+    /// Mean of the output, degC.
+    pub(super) fn level(&self) -> f32 {
+        self.first + self.departure / self.count.max(1.0)
+    }
+
+    /// What is normal, or why it can't be trusted.
+    pub(super) fn finish(&self) -> Result<Normal, Distrust> {
+        let n = self.count.max(1.0);
+        let mean = self.sum / n;
+        let r = self.products.map(|product| product / n - mean * mean);
+        let departure = self.departure / n;
+        let variance = self.departure_squares / n - departure * departure;
+        if !(r[0] < MAX_UNEXPLAINED * variance) {
+            return Err(Distrust::PoorFit);
+        }
+        let whitener = Whitener::from_autocovariance(&r).ok_or(Distrust::PoorFit)?;
+        let slow_sd = libm::sqrtf((self.slow_squares / n - mean * mean).max(0.0));
+        Ok(Normal { mean, sd: libm::sqrtf(r[0].max(0.0)), slow_sd, whitener })
+    }
+}

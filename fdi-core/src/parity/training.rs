@@ -1,0 +1,98 @@
+//! Training: fit the models, freeze them, learn what is normal for their residuals; a gate at either end.
+
+use super::fit::{Fit, FitState, Models, Simulations};
+use super::noise::{Gather, Normal};
+use super::verdict::Distrust;
+
+/// How far training has come.
+#[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is one, and nowhere to box it")]
+pub(super) enum Training {
+    /// Fitting the models.
+    Fitting {
+        /// The estimators.
+        fit: FitState,
+        /// Samples used.
+        count: u32,
+    },
+    /// Watching the residuals of frozen models.
+    Checking {
+        /// The models.
+        models: Models,
+        /// Their simulations.
+        simulations: Simulations,
+        /// Of y1, y2, and y2 from y1.
+        gather: [Gather; 3],
+        /// Samples used.
+        count: u32,
+    },
+}
+
+/// What training gives: models, what is normal, and the rise of T1 at which it was learnt.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trained {
+    pub(super) models: Models,
+    pub(super) simulations: Simulations,
+    pub(super) normal: [Normal; 3],
+    pub(super) rise: f32,
+}
+
+/// Lengths of both parts in samples.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trainer {
+    pub(super) fit: Fit,
+    pub(super) fit_samples: u32,
+    pub(super) check_samples: u32,
+}
+
+impl Trainer {
+    pub(super) fn start(&self) -> Training {
+        Training::Fitting { fit: self.fit.start(), count: 0 }
+    }
+
+    /// Takes in one sample; `fit_to_learn` says whether it is one of undisturbed operation.
+    ///
+    /// # Errors
+    /// Why what was learnt can't be trusted.
+    pub(super) fn step(
+        &self,
+        training: &mut Training,
+        y: [Option<f32>; 2],
+        u: f32,
+        fit_to_learn: bool,
+    ) -> Result<Option<Trained>, Distrust> {
+        let y = y.map(|y| y.filter(|_| fit_to_learn));
+        match training {
+            Training::Fitting { fit, count } => {
+                self.fit.step(fit, y, u);
+                *count += u32::from(fit_to_learn);
+                if *count >= self.fit_samples {
+                    let (models, simulations) = self.fit.finish(fit)?;
+                    *training =
+                        Training::Checking { models, simulations, gather: Default::default(), count: 0 };
+                }
+                Ok(None)
+            }
+            Training::Checking { models, simulations, gather, count } => {
+                let y1 = y[0].unwrap_or(simulations.y1.y[0]);
+                let [expected_1, expected_2, along] = models.step(simulations, y1, u);
+                if let [Some(y1), Some(y2)] = y {
+                    *count += 1;
+                    gather[0].push(y1 - expected_1, y1);
+                    gather[1].push(y2 - expected_2, y2);
+                    gather[2].push(y2 - along, y2);
+                }
+                if *count < self.check_samples {
+                    return Ok(None);
+                }
+                let [of_y1, of_y2, of_along] = gather;
+                Ok(Some(Trained {
+                    models: *models,
+                    simulations: *simulations,
+                    normal: [of_y1.finish()?, of_y2.finish()?, of_along.finish()?],
+                    rise: of_y1.level(),
+                }))
+            }
+        }
+    }
+}

@@ -157,7 +157,7 @@ fn speed(text: &str) -> Result<f64, String> {
 ///
 /// Each input line holds three 12-bit ADC codes, `t0_code,t1_code,t2_code`, 0..4095, decimals allowed; it is one tick.
 /// The first output line is a header; then each input line is answered by one flushed line: the drive in % to apply until
-/// the next tick, and the columns of trace.csv from t_s to mode. The clock is the number of the tick times Ts; the
+/// the next tick, and the columns of trace.csv but for `truth`. The clock is the number of the tick times Ts; the
 /// instrument begins to regulate at the first line. A bad line ends it with exit code 2.
 #[derive(Clone, Debug, Args)]
 #[command(verbatim_doc_comment)]

@@ -3,6 +3,7 @@
 pub mod cli;
 pub mod console;
 pub mod cosim;
+pub mod expectation;
 pub mod experiment;
 pub mod fault;
 pub mod figure;
@@ -13,6 +14,7 @@ pub mod report;
 pub mod rig;
 pub mod run;
 pub mod scenario;
+pub mod score;
 pub mod summary;
 pub mod table;
 pub mod trace;

@@ -196,10 +196,14 @@ mod tests {
 
     #[test]
     fn a_trace_replays_to_the_same_bits() {
-        let action = |at, setpoint, excite| Action { at, setpoint, excite };
+        let action = |at, setpoint, excite| Action { at, setpoint, excite, ..Action::default() };
         let scenario = Scenario {
             duration: 450.0,
-            actions: vec![action(420.0, Some(38.0), None), action(440.0, None, Some(false))],
+            actions: vec![
+                action(420.0, Some(38.0), None),
+                Action { at: 430.0, relearn: true, ..Action::default() },
+                action(440.0, None, Some(false)),
+            ],
             ..Scenario::default()
         };
         for seed in [1, 9] {

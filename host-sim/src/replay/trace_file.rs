@@ -51,6 +51,7 @@ struct Before {
     setpoint: f32,
     excited: bool,
     heating: bool,
+    monitoring: bool,
 }
 
 struct Reader {
@@ -71,7 +72,9 @@ impl Reader {
         };
         let celsius = [number(T0)?, number(T0 + 1)?, number(T0 + 2)?];
         let heating = !matches!(cells[MODE], "off" | "tripped");
-        let now = Before { celsius, setpoint: number(SETPOINT)?, excited: number(PRBS)? != 0.0, heating };
+        let monitoring = cells[MODE] == "monitor";
+        let excited = number(PRBS)? != 0.0;
+        let now = Before { celsius, setpoint: number(SETPOINT)?, excited, heating, monitoring };
         let [t0, t1, t2] = std::array::from_fn(|i| {
             // A sample that went missing repeats the temperature before, and has no rise.
             let repeats = self.before.as_ref().is_some_and(|b| b.celsius[i] == celsius[i]);
@@ -105,6 +108,9 @@ fn orders(before: Option<&Before>, now: &Before) -> Vec<Order> {
         None if now.heating => commands.push(Command::Arm),
         Some(b) if now.setpoint != b.setpoint => commands.push(Command::SetPoint(Celsius(now.setpoint))),
         _ => {}
+    }
+    if now.heating && !now.monitoring && before.is_some_and(|b| b.monitoring) {
+        commands.push(Command::Relearn); // nothing else leads from monitoring back to learning
     }
     let excited = before.is_none_or(|b| b.excited || !b.heating);
     if now.heating && now.excited != excited {

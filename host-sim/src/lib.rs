@@ -1,5 +1,6 @@
 //! The PT-326 instrument on the host: the same [`fdi_core`] that the board runs, against a simulated rig.
 
+pub mod campaign;
 pub mod cli;
 pub mod console;
 pub mod cosim;

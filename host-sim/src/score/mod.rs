@@ -53,7 +53,7 @@ pub fn signature_sight(fault: &Fault, verdict: Option<Verdict>) -> Sight {
 }
 
 /// The class that a number of the paper's isolation table stands for.
-fn signature_class(fiv: u8) -> Option<FaultClass> {
+pub fn signature_class(fiv: u8) -> Option<FaultClass> {
     match fiv {
         1 => Some(FaultClass::T2Offset),
         2 => Some(FaultClass::T1Clogged),

@@ -311,3 +311,71 @@ fn confusion(cases: &[Case]) -> Vec<Confusion> {
     };
     counts.into_iter().map(entry).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::Config;
+
+    use super::*;
+
+    /// One cell of an air flow of 1.25, and a row for each thing that parity saw.
+    fn statistics(seen: Vec<Seen>) -> Statistics {
+        let text = "[[cell]]\nname = \"flow\"\nruns = 1\nfault = [{ do = \"air-flow\", size = 1.25, at = 400.0, for = 25.0 }]";
+        let campaign: Campaign = toml::from_str(text).unwrap();
+        let cells = campaign.expand(&Config::default()).unwrap();
+        let rows: Vec<RunRow> = seen
+            .into_iter()
+            .zip(0..)
+            .map(|(parity, run)| RunRow {
+                cell: 0,
+                run,
+                seed: run,
+                onset_s: Some(400.0),
+                tripped: false,
+                signature: Seen::default(),
+                parity,
+            })
+            .collect();
+        Results::new(&campaign, &cells, &rows).cells.remove(0).parity
+    }
+
+    fn right(magnitude: f64) -> Seen {
+        Seen {
+            armed: true,
+            detection_delay_s: Some(0.5),
+            isolation_delay_s: Some(1.0),
+            indicated_duration_s: Some(26.5),
+            first: Some("heater_power".into()),
+            settled: Some("air_flow".into()),
+            magnitude: Some(magnitude),
+            half_width: Some(2.0),
+            onset_error_s: Some(-0.25),
+            ..Seen::default()
+        }
+    }
+
+    #[test]
+    fn a_fault_is_judged_against_its_truth() {
+        let wrong = Seen { settled: Some("drift".into()), magnitude: Some(25.0), ..right(25.0) };
+        let unarmed = Seen { first: Some("air_flow".into()), ..Seen::default() };
+        let statistics = statistics(vec![right(26.0), right(20.0), wrong, unarmed]);
+        let fault = statistics.fault.unwrap();
+        assert_eq!((statistics.unarmed, fault.missed, fault.not_isolated), (1, 1, 1));
+        assert_eq!((fault.first_right_pct, fault.settled_right_pct), (25.0, 50.0));
+        assert_eq!((fault.duration_error_s.median, fault.onset_error_s.median), (Some(1.5), Some(0.25)));
+        assert!((fault.magnitude_error.median.unwrap() - 0.2).abs() < 1e-12, "of 4 %, 20 % and two without");
+        assert_eq!(fault.magnitude_error.p95, None);
+        assert_eq!(fault.magnitude_coverage_pct, Some(50.0), "of the two under the right class");
+    }
+
+    #[test]
+    fn alarms_are_a_rate_over_the_time_watched() {
+        let seen = |alarms| Seen { alarms, watched_ticks: 32_727, alarm_ticks: 32_727, ..Seen::default() };
+        let alarms = statistics(vec![seen(3), seen(0)]).alarms;
+        assert!((alarms.hours - 2.0).abs() < 1e-3 && alarms.runs_with == 1);
+        assert!((alarms.per_hour.unwrap() - 1.5).abs() < 1e-3);
+        let [low, high] = alarms.per_hour_95.unwrap();
+        assert!((low - 0.6187 / 2.0).abs() < 1e-3 && (high - 8.7673 / 2.0).abs() < 1e-3);
+        assert!((alarms.share_of_time - 0.5).abs() < 1e-12);
+    }
+}

@@ -185,3 +185,49 @@ fn named_by_parity(guard: Guard, score: ParityScore) -> Seen {
         ..guard.finish(score.score)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fault::{Sensor, Verb};
+
+    /// What is kept of a fault from 10 s to 20 s, one tick a second, if the alarm stands when `alarm` says so.
+    fn seen(alarm: impl Fn(u32) -> Option<bool>) -> Seen {
+        let fault = Fault {
+            name: String::new(),
+            verb: Verb::Offset,
+            sensor: Some(Sensor::T2),
+            size: Some(1.0),
+            lag: None,
+            at: 10.0,
+            duration: 10.0,
+        };
+        let mut guard = Guard::default();
+        for t in 0..60 {
+            let named = (t == 40).then_some(FaultClass::Drift);
+            guard.see(f64::from(t), Some(&fault), &Said { alarm: alarm(t), named });
+        }
+        guard.finish(Score { detection_delay_s: Some(0.0), ..Score::default() })
+    }
+
+    #[test]
+    fn only_alarms_outside_the_fault_and_its_tail_are_false_and_each_counts_once() {
+        let seen = seen(|t| (t >= 2).then_some(matches!(t, 12..34 | 38..42 | 50)));
+        assert_eq!((seen.alarms, seen.alarm_ticks), (2, 5));
+        assert_eq!(seen.watched_ticks, 8 + 25 - 5, "2 to 9 s, and 35 to 59 s without the alarms");
+        assert_eq!((seen.first_alarm_s, seen.first_alarm_as.as_deref()), (Some(38.0), Some("drift")));
+        assert_eq!((seen.armed, seen.early, seen.detection_delay_s), (true, false, Some(0.0)));
+    }
+
+    #[test]
+    fn an_alarm_that_stood_before_the_fault_has_not_detected_it() {
+        let seen = seen(|t| Some((8..20).contains(&t)));
+        assert_eq!((seen.early, seen.detection_delay_s, seen.alarms), (true, None, 1));
+    }
+
+    #[test]
+    fn what_did_not_watch_at_the_onset_is_not_armed() {
+        let seen = seen(|t| (t >= 15).then_some(false));
+        assert_eq!((seen.armed, seen.detection_delay_s), (false, None));
+    }
+}

@@ -166,3 +166,26 @@ fn judge_one(target: &Target, setting: &str, cases: &[Case]) -> Option<Outcome> 
     let all = by_cell.map(|cases| outcome(&cases[0].0.name, cases));
     all.min_by(|a, b| target.margin(a.measured).total_cmp(&target.margin(b.measured)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn target(cells: &str, at_most: Option<f64>, at_least: Option<f64>) -> Target {
+        let by = By::Parity;
+        Target { cells: cells.into(), measure: Measure::Missed, by, each: false, at_most, at_least }
+    }
+
+    #[test]
+    fn cells_are_chosen_by_name_or_by_how_it_begins() {
+        assert!(target("a/*", None, None).chooses("a/b 1") && !target("a/*", None, None).chooses("ba/b"));
+        assert!(target("a/b", None, None).chooses("a/b") && !target("a/b", None, None).chooses("a/b 1"));
+    }
+
+    #[test]
+    fn what_never_happened_misses_every_bound() {
+        assert!(target("a", Some(1.0), None).margin(None) < 0.0);
+        assert!(target("a", Some(1.0), None).margin(Some(1.0)) >= 0.0);
+        assert!(target("a", Some(1.0), Some(0.5)).margin(Some(0.25)) < 0.0);
+    }
+}

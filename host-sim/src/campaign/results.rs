@@ -100,8 +100,11 @@ pub struct AlarmStatistics {
     pub hours: f64,
     /// Alarms an hour.
     pub per_hour: Option<f64>,
-    /// Exact 95 % interval of that.
+    /// Exact 95 % interval of that, if alarms come independently of each other.
     pub per_hour_95: Option<[f64; 2]>,
+    /// Variance over mean of the alarms of a run. About 1 if they do come independently; where it is much more, they
+    /// come in bursts, and the interval is too narrow.
+    pub dispersion: Option<f64>,
     /// Runs with an alarm.
     pub runs_with: usize,
     /// Share of the time that an alarm stood.
@@ -287,10 +290,19 @@ impl AlarmStatistics {
             hours: watched,
             per_hour: watches.then(|| rate(f64::from(alarms))),
             per_hour_95: watches.then(|| poisson_interval(alarms).map(rate)),
+            dispersion: dispersion(cases.iter().map(|(_, row)| f64::from(by.of(row).alarms)).collect()),
             runs_with: cases.iter().filter(|(_, row)| by.of(row).alarms > 0).count(),
             share_of_time: alarmed / (alarmed + watched).max(f64::MIN_POSITIVE),
         }
     }
+}
+
+/// Variance over mean; none of fewer than two counts, or where all are zero.
+fn dispersion(counts: Vec<f64>) -> Option<f64> {
+    let n = counts.len() as f64;
+    let mean = counts.iter().sum::<f64>() / n;
+    let variance = counts.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (n - 1.0);
+    (n > 1.0 && mean > 0.0).then(|| variance / mean)
 }
 
 fn confusion(cases: &[Case]) -> Vec<Confusion> {
@@ -376,6 +388,7 @@ mod tests {
         assert!((alarms.per_hour.unwrap() - 1.5).abs() < 1e-3);
         let [low, high] = alarms.per_hour_95.unwrap();
         assert!((low - 0.6187 / 2.0).abs() < 1e-3 && (high - 8.7673 / 2.0).abs() < 1e-3);
+        assert_eq!(alarms.dispersion, Some(3.0), "3 and 0: variance 4.5, mean 1.5");
         assert!((alarms.share_of_time - 0.5).abs() < 1e-12);
     }
 }

@@ -103,7 +103,8 @@ fn silent_cells(text: &mut String, cells: &[&CellResults]) {
     let width = cells.iter().map(|cell| label(cell).chars().count()).max().unwrap_or(0).max(20);
     let _ = writeln!(
         text,
-        "\nNothing to be reported: runs with an alarm, alarms an hour [exact 95 % interval] in the hours watched\n\n\
+        "\nNothing to be reported: runs with an alarm, alarms an hour [exact 95 % interval] in the hours watched\n\
+         (the interval takes alarms to be independent: where they come in bursts it is too narrow)\n\n\
          {:width$}  runs   parity                                              signatures",
         "cell"
     );
@@ -128,10 +129,14 @@ fn silent_cells(text: &mut String, cells: &[&CellResults]) {
 fn alarms(a: &AlarmStatistics) -> String {
     let rate = a.per_hour.zip(a.per_hour_95);
     let rate = rate.map_or("never watched".into(), |(rate, [low, high])| {
-        format!("{} [{}, {}] an hour in {:.1} h", short(rate), short(low), short(high), a.hours)
+        let bursts = if a.dispersion.is_some_and(|d| d > BURSTS) { ", in bursts" } else { "" };
+        format!("{} [{}, {}] an hour in {:.1} h{bursts}", short(rate), short(low), short(high), a.hours)
     });
     format!("{:>4}: {rate}", a.runs_with)
 }
+
+/// Above this dispersion alarms are said to come in bursts.
+const BURSTS: f64 = 3.0;
 
 /// Three digits.
 fn short(x: f64) -> String {

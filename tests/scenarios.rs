@@ -142,8 +142,8 @@ fn missing_samples_hold_and_do_not_trip() {
 
 #[test]
 fn learning_is_refused_while_unfit_and_begins_when_fit() {
-    let setpoint = |at, to| Action { at, setpoint: Some(to), excite: None };
-    let excite = |at, on| Action { at, setpoint: None, excite: Some(on) };
+    let setpoint = |at, to| Action { at, setpoint: Some(to), ..Action::default() };
+    let excite = |at, on| Action { at, excite: Some(on), ..Action::default() };
     let cases = [
         ("Unexcited", vec![excite(100.0, false), excite(250.0, true)], 270.0),
         ("OutOfRegulation", vec![setpoint(200.0, 36.0)], 220.0),
@@ -176,7 +176,7 @@ fn a_missing_sample_is_skipped_and_the_window_made_longer() {
 
 #[test]
 fn the_largest_setpoint_is_held_without_windup() {
-    let to = |at, t| Action { at, setpoint: Some(t), excite: None };
+    let to = |at, t| Action { at, setpoint: Some(t), ..Action::default() };
     let record = run_with(vec![], vec![to(60.0, 62.0), to(90.0, 35.0)], 130.0, 1);
     assert!(record.rows.iter().any(|r| r.tick.drive.0 == 100.0), "52.5 degC is all that it can");
     let settled = record.rows.iter().filter(|r| record.time(r.tick.index) > 95.0);

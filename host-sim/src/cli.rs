@@ -20,6 +20,7 @@ use fdi_core::Config;
   host-sim run --seed 7 --wander lively --fault-size small
   host-sim scenario > my.toml; host-sim run --scenario my.toml
   host-sim repeat --seeds 200                       delays and durations over 200 runs
+  host-sim campaign --quick                         every fault and disturbance, both diagnoses, in a minute
   host-sim identify record.csv --u Q1 --y T1 --order 2,2,1 --ts 1
   host-sim replay board.log                         a board's log through the core again, compared bit for bit
   host-sim console                                  the board's console on the simulated rig
@@ -38,6 +39,8 @@ pub enum Subcommand {
     Run(RunArgs),
     /// Run the same experiment over many seeds; print medians and percentiles.
     Repeat(RepeatArgs),
+    /// Many runs of many kinds, scored against the truth: delays, verdicts, magnitudes, false alarms of both diagnoses.
+    Campaign(Box<crate::campaign::CampaignArgs>),
     /// The instrument on standard input and output, for co-simulation.
     Core(CoreArgs),
     /// Identify an ARX model from a recorded file.
@@ -157,7 +160,7 @@ fn speed(text: &str) -> Result<f64, String> {
 ///
 /// Each input line holds three 12-bit ADC codes, `t0_code,t1_code,t2_code`, 0..4095, decimals allowed; it is one tick.
 /// The first output line is a header; then each input line is answered by one flushed line: the drive in % to apply until
-/// the next tick, and the columns of trace.csv from t_s to mode. The clock is the number of the tick times Ts; the
+/// the next tick, and the columns of trace.csv but for `truth`. The clock is the number of the tick times Ts; the
 /// instrument begins to regulate at the first line. A bad line ends it with exit code 2.
 #[derive(Clone, Debug, Args)]
 #[command(verbatim_doc_comment)]

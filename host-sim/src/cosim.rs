@@ -8,7 +8,7 @@ use fdi_core::{AdcCode, Command, Config, Instrument, RawSample};
 use crate::cli::CoreArgs;
 use crate::experiment::as_written;
 use crate::scenario::read_config;
-use crate::trace::{INSTRUMENT_COLUMNS, instrument_row};
+use crate::trace::{INSTRUMENT_COLUMNS, PARITY_COLUMNS, instrument_row, parity_row};
 
 /// Runs on the process's standard streams.
 ///
@@ -27,7 +27,7 @@ pub fn serve(config: &Config, input: impl BufRead, mut output: impl Write) -> an
     let mut instrument = Instrument::new(config)?;
     instrument.command(Command::Arm).context("can't begin to regulate")?;
     let sample_time = as_written(config.sample_time.0);
-    writeln!(output, "drive_pct,{INSTRUMENT_COLUMNS}")?;
+    writeln!(output, "drive_pct,{INSTRUMENT_COLUMNS},{PARITY_COLUMNS}")?;
     output.flush()?;
     for (i, line) in input.lines().enumerate() {
         let number = i + 1;
@@ -37,6 +37,7 @@ pub fn serve(config: &Config, input: impl BufRead, mut output: impl Write) -> an
         let report = instrument.diagnose(&tick, tick.drive);
         let mut answer = format!("{},", tick.drive.0);
         instrument_row(&mut answer, &tick, &report, sample_time);
+        parity_row(&mut answer, &report.parity, sample_time);
         writeln!(output, "{answer}")?;
         output.flush()?;
     }
@@ -78,7 +79,7 @@ mod tests {
         assert!(lines[0].starts_with("drive_pct,t_s,t0_c,"));
         let columns = lines[0].split(',').count();
         assert!(lines.iter().all(|line| line.split(',').count() == columns));
-        assert!(lines[2].contains(",0.11,") && lines[2].ends_with(",settle"));
+        assert!(lines[2].contains(",0.11,") && lines[2].ends_with(",settle,0,,,,,"));
     }
 
     #[test]

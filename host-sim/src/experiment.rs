@@ -7,7 +7,7 @@ use fdi_core::{AdcCode, Command, Config, Instrument, RawSample, Report, Tick};
 
 use crate::fault::Fault;
 use crate::rig::{Rig, Wander};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, commands};
 
 /// Something that can stand in for the board: it takes codes and gives a drive and a report.
 pub trait Backend {
@@ -171,16 +171,28 @@ pub fn with_prbs_phase(config: &Config, seed: u64) -> Config {
 
 /// Runs a scenario on any backend: it is armed at the first tick.
 pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, seed: u64) -> Record {
+    let mut rows = Vec::new();
+    let started = Instant::now();
+    let refused = drive(backend, config, scenario, seed, |row| rows.push(row));
+    let origin = Origin::Simulated { seed, wander: scenario.wander };
+    let record = Record::new(origin, config, &scenario.faults, rows, backend.baseline(), started.elapsed());
+    Record { refused, ..record }
+}
+
+/// The same without a record: `see` gets each tick, so that a run may be of any length. Returns the commands that were
+/// refused, with the time and the reason.
+pub fn drive(
+    backend: &mut impl Backend,
+    config: &Config,
+    scenario: &Scenario,
+    seed: u64,
+    mut see: impl FnMut(Row),
+) -> Vec<(f64, String)> {
     let sample_time = as_written(config.sample_time.0);
     let ticks = (scenario.duration / sample_time).floor() as u32;
     let mut rig = Rig::new(&scenario.rig, scenario.wander, sample_time, seed, &scenario.faults);
-    let mut rows = Vec::with_capacity(ticks as usize);
     let mut refused = Vec::new();
-    let mut actions: Vec<_> = scenario.actions.iter().collect();
-    actions.sort_by(|a, b| a.at.total_cmp(&b.at));
-    let mut actions = actions.into_iter().peekable();
-
-    let started = Instant::now();
+    let mut commands = commands(&scenario.actions, config.setpoint.0).into_iter().peekable();
     let mut obey = |backend: &mut _, command, t| {
         if let Err(reason) = Backend::command(backend, command) {
             refused.push((t, reason));
@@ -189,20 +201,16 @@ pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, 
     obey(backend, Command::Arm, 0.0);
     for index in 0..ticks {
         let t = f64::from(index) * sample_time;
-        while let Some(action) = actions.next_if(|a| a.at <= t) {
-            for command in action.commands() {
-                obey(backend, command, t);
-            }
+        while let Some((_, command)) = commands.next_if(|(at, _)| *at <= t) {
+            obey(backend, command, t);
         }
         let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));
         let tick = backend.control(RawSample { t0, t1, t2 });
         rig.advance(f64::from(tick.drive.0));
         let report = backend.diagnose(&tick);
-        rows.push(Row { tick, report, truth: truth(&scenario.faults, t) });
+        see(Row { tick, report, truth: truth(&scenario.faults, t) });
     }
-    let origin = Origin::Simulated { seed, wander: scenario.wander };
-    let record = Record::new(origin, config, &scenario.faults, rows, backend.baseline(), started.elapsed());
-    Record { refused, ..record }
+    refused
 }
 
 /// The true fault at a time.

@@ -5,13 +5,14 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use host_sim::cli::{Cli, Subcommand};
-use host_sim::{console, cosim, identify, repeat, replay, run, scenario};
+use host_sim::{campaign, console, cosim, identify, repeat, replay, run, scenario};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command.unwrap_or_default() {
         Subcommand::Run(args) => run::run(&args),
         Subcommand::Repeat(args) => repeat::run(&args),
+        Subcommand::Campaign(args) => campaign::run(&args),
         Subcommand::Core(args) => cosim::run(&args),
         Subcommand::Identify(args) => identify::run(&args),
         Subcommand::Replay(args) => replay::run(&args),

@@ -11,7 +11,8 @@ use serde::Serialize;
 use crate::cli::RepeatArgs;
 use crate::experiment;
 use crate::scenario::Scenario;
-use crate::summary::{FaultSummary, Score, Summary};
+use crate::score::Score;
+use crate::summary::{FaultSummary, Summary};
 
 /// What many runs showed.
 #[derive(Clone, Debug, Serialize)]
@@ -28,6 +29,8 @@ pub struct Repeated {
     pub false_alarms_fdv: u32,
     /// False alarms of fiv in all runs, low-passed.
     pub false_alarms_fiv: u32,
+    /// False alarms of the parity diagnosis in all runs.
+    pub false_alarms_parity: u32,
 }
 
 /// One fault over many runs.
@@ -39,6 +42,10 @@ pub struct RepeatedFault {
     pub signature: RepeatedScore,
     /// By the raw residuals.
     pub signature_raw: RepeatedScore,
+    /// By the parity diagnosis.
+    pub parity: RepeatedScore,
+    /// Runs in which the parity diagnosis first named the right class.
+    pub parity_first_verdict_right: usize,
 }
 
 /// A score over many runs; what never happened in a run is counted as missed and left out of the spread.
@@ -128,6 +135,11 @@ pub fn repeat(
             name: scenario.faults[i].label(),
             signature: score(|f| &f.signature),
             signature_raw: score(|f| &f.signature_raw),
+            parity: score(|f| &f.parity.score),
+            parity_first_verdict_right: summaries
+                .iter()
+                .filter(|s| s.faults[i].parity.first_verdict_right == Some(true))
+                .count(),
         }
     };
     Ok(Repeated {
@@ -137,6 +149,7 @@ pub fn repeat(
         faults: (0..scenario.faults.len()).map(fault).collect(),
         false_alarms_fdv: summaries.iter().map(|s| s.false_alarms.fdv).sum(),
         false_alarms_fiv: summaries.iter().map(|s| s.false_alarms.fiv).sum(),
+        false_alarms_parity: summaries.iter().map(|s| s.false_alarms.parity).sum(),
     })
 }
 
@@ -157,9 +170,11 @@ fn table(r: &Repeated, scenario: &Scenario) -> String {
     ];
     text += &line(columns.map(String::from));
     for fault in &r.faults {
-        for (name, score) in
-            [(fault.name.as_str(), &fault.signature), ("  raw residuals", &fault.signature_raw)]
-        {
+        for (name, score) in [
+            (fault.name.as_str(), &fault.signature),
+            ("  raw residuals", &fault.signature_raw),
+            ("  parity", &fault.parity),
+        ] {
             let missed = |s: &Spread| format!("{:.1} %", 100.0 * s.missed as f64 / r.runs as f64);
             text += &line([
                 name.to_string(),
@@ -172,9 +187,16 @@ fn table(r: &Repeated, scenario: &Scenario) -> String {
             ]);
         }
     }
+    let named = r.faults.iter().map(|f| format!("{} {}", f.name, f.parity_first_verdict_right));
     text + &format!(
-        "\nLargest control error  {} % of the set-point\nFalse alarms           fdv {}, fiv {} in all runs (low-passed)\n",
-        r.control_error_max_pct, r.false_alarms_fdv, r.false_alarms_fiv
+        "\nParity names it first  {} of {} runs\nLargest control error  {} % of the set-point\n\
+         False alarms           fdv {}, fiv {} (low-passed), parity {} in all runs\n",
+        named.collect::<Vec<_>>().join(", "),
+        r.runs,
+        r.control_error_max_pct,
+        r.false_alarms_fdv,
+        r.false_alarms_fiv,
+        r.false_alarms_parity
     )
 }
 

@@ -28,23 +28,56 @@ pub struct Scenario {
 }
 
 /// Something that the user does at a time.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Action {
     /// When, s.
     pub at: f64,
     /// New set-point, degC.
     pub setpoint: Option<f32>,
+    /// With `setpoint`: it is reached in a ramp of so many s, from the set-point before.
+    pub over: Option<f64>,
     /// Excitation on or off.
     pub excite: Option<bool>,
+    /// Learn anew what is normal, as after an announced change of the rig.
+    #[serde(default)]
+    pub relearn: bool,
 }
 
 impl Action {
-    /// The commands that it stands for.
-    pub fn commands(&self) -> impl Iterator<Item = Command> {
-        let setpoint = self.setpoint.map(|t| Command::SetPoint(Celsius(t)));
-        setpoint.into_iter().chain(self.excite.map(Command::Excite))
+    /// The commands that it stands for, with their times, if the set-point is `before` until then.
+    fn commands(&self, before: f32) -> Vec<(f64, Command)> {
+        let mut commands = Vec::new();
+        if let Some(setpoint) = self.setpoint {
+            let steps = (self.over.unwrap_or(0.0) / RAMP_STEP).ceil().max(1.0) as u32;
+            let wait = if self.over.is_some() { RAMP_STEP } else { 0.0 };
+            commands.extend((1..=steps).map(|i| {
+                let share = i as f32 / steps as f32;
+                let now = if i == steps { setpoint } else { before + share * (setpoint - before) };
+                (self.at + f64::from(i) * wait, Command::SetPoint(Celsius(now)))
+            }));
+        }
+        commands.extend(self.excite.map(|on| (self.at, Command::Excite(on))));
+        commands.extend(self.relearn.then_some((self.at, Command::Relearn)));
+        commands
     }
+}
+
+/// A ramp is made of steps of so many s.
+const RAMP_STEP: f64 = 1.0;
+
+/// All commands of some actions, in the order of time; `setpoint` is the one at the start.
+pub fn commands(actions: &[Action], setpoint: f32) -> Vec<(f64, Command)> {
+    let mut sorted: Vec<&Action> = actions.iter().collect();
+    sorted.sort_by(|a, b| a.at.total_cmp(&b.at));
+    let mut before = setpoint;
+    let mut commands = Vec::new();
+    for action in sorted {
+        commands.extend(action.commands(before));
+        before = action.setpoint.unwrap_or(before);
+    }
+    commands.sort_by(|a, b| a.0.total_cmp(&b.0));
+    commands
 }
 
 impl Default for Scenario {
@@ -74,7 +107,17 @@ impl Scenario {
         }
         for (i, action) in self.actions.iter().enumerate() {
             ensure!(action.at >= 0.0, "action {}: at is {}, expected 0 s or more", i + 1, action.at);
-            ensure!(action.commands().next().is_some(), "action {}: expected `setpoint` or `excite`", i + 1);
+            ensure!(
+                action.setpoint.is_some() || action.excite.is_some() || action.relearn,
+                "action {}: expected `setpoint`, `excite` or `relearn`",
+                i + 1
+            );
+            let over = action.over.unwrap_or(1.0);
+            ensure!(
+                (0.0..=1e5).contains(&over) && (action.over.is_none() || action.setpoint.is_some()),
+                "action {}: over is {over}, expected 0 to 100000 s, and a `setpoint`",
+                i + 1
+            );
         }
         Ok(())
     }
@@ -155,9 +198,19 @@ mod tests {
             ("[[fault]]\ndo = \"open\"\nsensor = \"t1\"\nat = 1\nfor = 0", ["for is 0", "more than 0 s"]),
             ("[rig]\ngain = -1", ["rig.gain is -1", "0.001 to 100"]),
             ("[[action]]\nat = 3", ["action 1", "setpoint"]),
+            ("[[action]]\nat = 3\nexcite = true\nover = 5", ["action 1", "over is 5"]),
         ] {
             let error = toml::from_str::<Scenario>(text).unwrap().validate().unwrap_err().to_string();
             assert!(words.iter().all(|w| error.contains(w)), "{text}: {error}");
         }
+    }
+
+    #[test]
+    fn a_ramp_goes_from_the_set_point_before_to_the_new_one() {
+        let action = |at, setpoint, over| Action { at, setpoint: Some(setpoint), over, ..Action::default() };
+        let commands = commands(&[action(10.0, 40.0, Some(4.0)), action(2.0, 36.0, None)], 35.0);
+        let setpoint = |celsius| Command::SetPoint(Celsius(celsius));
+        let expected = [(2.0, 36.0), (11.0, 37.0), (12.0, 38.0), (13.0, 39.0), (14.0, 40.0)];
+        assert_eq!(commands, expected.map(|(t, celsius)| (t, setpoint(celsius))));
     }
 }

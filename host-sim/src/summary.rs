@@ -1,17 +1,14 @@
 //! What a run showed, in numbers: delays and durations of each fault, false alarms, control error, what was learnt.
 
-use fdi_core::diagnosis::Verdict;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::{DECISIVE, Residual};
 use fdi_core::{AdcCode, Reading, Validity};
 use serde::Serialize;
 
-use crate::experiment::{Origin, Record, Row};
+use crate::experiment::{Origin, Record};
 use crate::fault::Fault;
 use crate::rig::Wander;
-
-/// An alarm so long after a fault's end still belongs to it, s.
-pub const TAIL: f64 = 15.0;
+use crate::score::{ParityScore, ParityWatch, Rise, Score, TAIL, Watch, signature_sight};
 
 /// `summary.json`.
 #[derive(Clone, Debug, Serialize)]
@@ -94,25 +91,8 @@ pub struct FaultSummary {
     pub signature: Score,
     /// By the raw residuals.
     pub signature_raw: Score,
-}
-
-/// How one form of the diagnosis saw a fault; null for what never happened.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Score {
-    /// First time, during the fault, that fdv had the right value.
-    pub detected_s: Option<f64>,
-    /// The same, since the onset.
-    pub detection_delay_s: Option<f64>,
-    /// First time, during the fault, that fiv had the right value.
-    pub isolated_s: Option<f64>,
-    /// The same, since the onset.
-    pub isolation_delay_s: Option<f64>,
-    /// Time that fdv had the right value, up to 15 s after the end.
-    pub indicated_duration_s: Option<f64>,
-    /// Share of the fault's time that fiv was right.
-    pub isolated_share: Option<f64>,
-    /// Pieces into which the indication is broken.
-    pub segments: Option<u32>,
+    /// By the parity diagnosis.
+    pub parity: ParityScore,
 }
 
 /// Rising edges of each vector outside any fault.
@@ -126,6 +106,8 @@ pub struct FalseAlarms {
     pub fdv_raw: u32,
     /// Isolation, raw.
     pub fiv_raw: u32,
+    /// The parity diagnosis. What is no fault (a warmer room, a spike) excuses none of its alarms.
+    pub parity: u32,
 }
 
 /// One trip.
@@ -166,22 +148,6 @@ impl std::fmt::Display for Seen {
     }
 }
 
-/// Which form of the residuals.
-#[derive(Clone, Copy)]
-enum Form {
-    Filtered,
-    Raw,
-}
-
-impl Form {
-    fn of(self, row: &Row) -> Option<Verdict> {
-        match self {
-            Self::Filtered => row.report.filtered,
-            Self::Raw => row.report.raw,
-        }
-    }
-}
-
 impl Summary {
     /// Scores a run.
     pub fn new(record: &Record) -> Self {
@@ -203,23 +169,8 @@ impl Summary {
             control_error_max_c: error,
             control_error_max_pct: 100.0 * error / record.setpoint,
             baseline: record.baseline.as_ref().map(baseline),
-            faults: record
-                .faults
-                .iter()
-                .map(|fault| FaultSummary {
-                    name: fault.label(),
-                    onset_s: fault.at,
-                    duration_s: fault.duration,
-                    signature: score(record, fault, Form::Filtered),
-                    signature_raw: score(record, fault, Form::Raw),
-                })
-                .collect(),
-            false_alarms: FalseAlarms {
-                fdv: false_alarms(record, |row| Form::Filtered.of(row).map(|v| v.fdv)),
-                fiv: false_alarms(record, |row| Form::Filtered.of(row).map(|v| v.fiv)),
-                fdv_raw: false_alarms(record, |row| Form::Raw.of(row).map(|v| v.fdv)),
-                fiv_raw: false_alarms(record, |row| Form::Raw.of(row).map(|v| v.fiv)),
-            },
+            faults: record.faults.iter().map(|f| fault(record, f)).collect(),
+            false_alarms: false_alarms(record),
             realtime_factor: record.realtime_factor(),
             trips: trips(record),
         }
@@ -251,62 +202,51 @@ fn baseline(baseline: &Baseline) -> BaselineSummary {
     BaselineSummary { rap, ry12, rsg1, rsg2, rbw1 }
 }
 
-fn score(record: &Record, fault: &Fault, form: Form) -> Score {
-    let rows = |until: f64| {
-        record.rows.iter().filter(move |row| {
-            let t = record.time(row.tick.index);
-            t >= fault.at && t < until
-        })
-    };
-    let time = |row: &Row| record.time(row.tick.index);
-    let expected = fault.expected();
-    let mut score = Score::default();
-    if let Some(number) = expected.fdv {
-        let right = |row: &&Row| form.of(row).is_some_and(|v| v.fdv == number);
-        score.detected_s = rows(fault.end()).find(right).map(time);
-        if score.detected_s.is_some() {
-            let seen: Vec<bool> = rows(fault.end() + TAIL).map(|row| right(&row)).collect();
-            score.indicated_duration_s = Some(microseconds(count(&seen) * record.sample_time));
-            score.segments = Some(rising_edges(seen));
+/// How the three forms of the diagnosis saw a fault.
+fn fault(record: &Record, fault: &Fault) -> FaultSummary {
+    let mut filtered = Watch::new(fault);
+    let mut raw = Watch::new(fault);
+    let mut parity = ParityWatch::new(fault, record.sample_time);
+    for row in &record.rows {
+        let t = record.time(row.tick.index);
+        filtered.see(t, signature_sight(fault, row.report.filtered));
+        raw.see(t, signature_sight(fault, row.report.raw));
+        parity.see(t, &row.report.parity);
+    }
+    let isolable = fault.expected().fiv.is_some();
+    FaultSummary {
+        name: fault.label(),
+        onset_s: fault.at,
+        duration_s: fault.duration,
+        signature: filtered.score(record.sample_time, isolable),
+        signature_raw: raw.score(record.sample_time, isolable),
+        parity: parity.score(),
+    }
+}
+
+/// Times that each alarm rises while nothing acts that it should report, nor has shortly before.
+fn false_alarms(record: &Record) -> FalseAlarms {
+    let mut rises = [Rise::default(); 5];
+    let mut alarms = [0; 5];
+    for row in &record.rows {
+        let t = record.time(row.tick.index);
+        let acting = || record.faults.iter().filter(|f| t >= f.at && t < f.end() + TAIL);
+        let anything = acting().next().is_some();
+        let faulty = acting().any(|f| f.expected_class().is_some());
+        let (filtered, raw) = (row.report.filtered, row.report.raw);
+        let flags = [
+            (filtered.is_some_and(|v| v.fdv != 0), anything),
+            (filtered.is_some_and(|v| v.fiv != 0), anything),
+            (raw.is_some_and(|v| v.fdv != 0), anything),
+            (raw.is_some_and(|v| v.fiv != 0), anything),
+            (row.report.parity.alarm, faulty),
+        ];
+        for ((alarms, rise), (flag, excused)) in alarms.iter_mut().zip(&mut rises).zip(flags) {
+            *alarms += u32::from(rise.of(flag) && !excused);
         }
     }
-    if let Some(number) = expected.fiv {
-        let right = |row: &&Row| form.of(row).is_some_and(|v| v.fiv == number);
-        score.isolated_s = rows(fault.end()).find(right).map(time);
-        let seen: Vec<bool> = rows(fault.end()).map(|row| right(&row)).collect();
-        score.isolated_share = (!seen.is_empty()).then(|| count(&seen) / seen.len() as f64);
-    }
-    score.detection_delay_s = score.detected_s.map(|t| microseconds(t - fault.at));
-    score.isolation_delay_s = score.isolated_s.map(|t| microseconds(t - fault.at));
-    score
-}
-
-/// Rounds a time to the microsecond: 0.61 and not 0.6100000000000136.
-fn microseconds(t: f64) -> f64 {
-    (t * 1e6).round() / 1e6
-}
-
-fn count(seen: &[bool]) -> f64 {
-    seen.iter().filter(|&&s| s).count() as f64
-}
-
-/// Times that a flag rises; it was down before the first value.
-fn rising_edges(flags: impl IntoIterator<Item = bool>) -> u32 {
-    let mut before = false;
-    flags.into_iter().filter(|&now| !std::mem::replace(&mut before, now) && now).count() as u32
-}
-
-/// Times that a vector leaves zero while no fault acts or has acted shortly before.
-fn false_alarms(record: &Record, vector: impl Fn(&Row) -> Option<u8>) -> u32 {
-    let excused = |t: f64| record.faults.iter().any(|f| t >= f.at && t < f.end() + TAIL);
-    let mut before = false;
-    let mut alarms = 0;
-    for row in &record.rows {
-        let now = vector(row).is_some_and(|v| v != 0);
-        let rises = now && !std::mem::replace(&mut before, now);
-        alarms += u32::from(rises && !excused(record.time(row.tick.index)));
-    }
-    alarms
+    let [fdv, fiv, fdv_raw, fiv_raw, parity] = alarms;
+    FalseAlarms { fdv, fiv, fdv_raw, fiv_raw, parity }
 }
 
 fn trips(record: &Record) -> Vec<TripSummary> {

@@ -5,7 +5,8 @@ use std::fmt::Write;
 use fdi_core::diagnosis::event::Event;
 
 use crate::experiment::{Origin, Record};
-use crate::summary::{FaultSummary, Score, Summary};
+use crate::score::Score;
+use crate::summary::{FaultSummary, Summary};
 
 /// The paper's own figures: fault, detection delay, indicated duration (sections 4.3 and 4.4).
 pub const PAPER: [(&str, f64, f64); 3] = [("AFS2", 2.0, 27.0), ("MFS1", 2.0, 14.0), ("MFP", 2.0, 27.0)];
@@ -21,6 +22,7 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
     let _ = writeln!(text, "PT-326 fault diagnosis: {duration:.0} s {}", record.origin);
     let _ = writeln!(text);
     faults(&mut text, &s.faults);
+    verdicts(&mut text, &s.faults);
     if s.faults.is_empty() {
         events(&mut text, record);
     }
@@ -33,7 +35,7 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
     let f = &s.false_alarms;
     let _ = writeln!(
         text,
-        "{:<22} fdv {}, fiv {} (low-passed)   fdv {}, fiv {} (raw)",
+        "{:<22} fdv {}, fiv {} (low-passed)   fdv {}, fiv {} (raw)   parity {}",
         if matches!(record.origin, Origin::Recorded { .. }) && s.faults.is_empty() {
             "Alarms"
         } else {
@@ -42,7 +44,8 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
         f.fdv,
         f.fiv,
         f.fdv_raw,
-        f.fiv_raw
+        f.fiv_raw,
+        f.parity
     );
     if s.baseline.is_none() {
         let _ = writeln!(text, "No baseline learnt     {}", why_not_learnt(record));
@@ -101,6 +104,38 @@ fn faults(text: &mut String, faults: &[FaultSummary]) {
         let paper = paper.map_or(String::from("-"), |(_, delay, span)| format!("{delay} s, {span} s"));
         line(text, &fault.name, fault, &fault.signature, &paper);
         line(text, "  raw residuals", fault, &fault.signature_raw, "");
+        line(text, "  parity", fault, &fault.parity.score, "");
+    }
+}
+
+/// What the parity diagnosis called each fault, and how large it took it to be.
+fn verdicts(text: &mut String, faults: &[FaultSummary]) {
+    if faults.iter().all(|fault| fault.parity.verdict.is_none()) {
+        return;
+    }
+    let _ = writeln!(
+        text,
+        "\nParity verdict    first, then settled on       magnitude (true)                        onset    confidence"
+    );
+    for fault in faults {
+        let p = &fault.parity;
+        let (Some(first), Some(settled)) = (p.first_verdict, p.verdict) else {
+            let _ = writeln!(text, "{:<15}   never named", fault.name);
+            continue;
+        };
+        let unit = p.magnitude_unit.unwrap_or_default();
+        let magnitude = p.magnitude.zip(p.magnitude_half_width);
+        let magnitude =
+            magnitude.map_or("-".into(), |(value, half)| format!("{value:.2} +- {half:.2} {unit}"));
+        let truth = p.magnitude_true.map_or(String::new(), |x| format!(" ({x})"));
+        let onset = p.onset_error_s.map_or("-".into(), |t| format!("{t:+.2} s"));
+        let _ = writeln!(
+            text,
+            "{:<15}   {first:<12} {settled:<15} {:<38}  {onset:>8} {:>10.3}",
+            fault.name,
+            magnitude + &truth,
+            p.confidence.unwrap_or(0.0)
+        );
     }
 }
 

@@ -3,6 +3,7 @@
 use fdi_core::Mode;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::{RESIDUALS, Residual};
+use fdi_core::parity::Arming;
 use plotters::style::RGBColor;
 
 use super::Number;
@@ -169,7 +170,27 @@ fn residuals_and_vectors(record: &Record) -> Vec<Panel> {
                 vector("low-passed", FILTERED, |r| Some(r.report.filtered?.fiv)),
             ],
         ),
+        parity(record),
     ]
+}
+
+/// What the parity diagnosis says: nothing, an alarm, or one of the classes that it named in this run.
+fn parity(record: &Record) -> Panel {
+    let mut names = vec!["quiet", "alarm"];
+    for finding in record.rows.iter().filter_map(|row| row.report.parity.finding) {
+        if !names.contains(&finding.class.name()) {
+            names.push(finding.class.name());
+        }
+    }
+    let level = |row: &Row| {
+        let parity = &row.report.parity;
+        let named = parity.finding.and_then(|f| names.iter().position(|name| *name == f.class.name()));
+        let armed = parity.arming == Arming::Armed || parity.alarm;
+        named.or(armed.then_some(usize::from(parity.alarm))).map(|level| level as f32)
+    };
+    let verdict = trace(record, "verdict", FILTERED.stepped(), level);
+    let top = names.len() as f64 - 0.6; // room for the uppermost name above its line
+    Panel { names, ..panel("Parity diagnosis: alarm and verdict", Scale::Levels(top), vec![verdict]) }
 }
 
 /// A decisive residual as it was judged; before monitoring, what it would have been with the baseline learnt later.
@@ -189,7 +210,7 @@ fn decisive(record: &Record, residual: Residual, title: &'static str, min_span: 
 }
 
 fn panel(title: &'static str, scale: Scale, traces: Vec<Trace>) -> Panel {
-    Panel { title, scale, traces, thresholds: Vec::new() }
+    Panel { title, scale, traces, thresholds: Vec::new(), names: Vec::new() }
 }
 
 fn trace(record: &Record, label: &'static str, pen: Pen, value: impl Fn(&Row) -> Option<f32>) -> Trace {

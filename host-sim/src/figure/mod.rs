@@ -110,6 +110,7 @@ fn reduce(pixels: &[u8], width: usize) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use fdi_core::Config;
+    use fdi_core::parity::{Arming, FaultClass, Finding, ParityReport};
 
     use super::*;
     use crate::experiment::run;
@@ -132,7 +133,7 @@ mod tests {
 
     #[test]
     fn a_run_too_short_to_learn_has_all_its_panels() {
-        for (number, panels) in ALL.into_iter().zip([4, 4, 7]) {
+        for (number, panels) in ALL.into_iter().zip([4, 4, 8]) {
             let svg = svg(number, &record(10.0)).unwrap();
             assert_is_sound(&svg, panels);
             assert!(svg.contains("&lt;b&gt; &amp; co"));
@@ -144,14 +145,28 @@ mod tests {
     fn a_run_of_nothing_has_all_its_panels() {
         let mut empty = record(1.0);
         empty.rows.clear();
-        for (number, panels) in ALL.into_iter().zip([4, 4, 7]) {
+        for (number, panels) in ALL.into_iter().zip([4, 4, 8]) {
             assert_is_sound(&svg(number, &empty).unwrap(), panels);
         }
     }
 
     #[test]
     fn thresholds_and_faults_are_in_figure_6() {
-        let svg = svg(Number::Six, &record(400.0)).unwrap();
+        let mut record = record(400.0);
+        for row in record.rows.iter_mut().skip(3500) {
+            row.report.parity = ParityReport {
+                arming: Arming::Armed,
+                alarm: true,
+                finding: Some(Finding {
+                    class: FaultClass::Drift,
+                    confidence: 1.0,
+                    magnitude: None,
+                    onset: 3500,
+                }),
+            };
+        }
+        let svg = svg(Number::Six, &record).unwrap();
+        assert!(svg.matches(">\ndrift\n<").count() == 1, "the verdict's name beside its level");
         assert!(svg.contains("thresholds") && svg.contains("learning what is normal"));
         assert!(!svg.contains("not defined in this run"));
         assert!(svg.len() < 400_000, "{}", svg.len());

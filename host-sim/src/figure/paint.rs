@@ -163,7 +163,9 @@ impl<'a> Frame<'a> {
                 ((-0.12 * top, 1.12 * top), (1.24 * top).ceil().min(6.0) as u32)
             }
         };
-        Self { figure, y, range, ticks: axis::ticks(range, count) }
+        let levels = (0..panel.names.len()).map(|level| (level as f64, String::new()));
+        let ticks = if panel.names.is_empty() { axis::ticks(range, count) } else { levels.collect() };
+        Self { figure, y, range, ticks }
     }
 
     fn x_of(&self, t: f64) -> f64 {
@@ -180,7 +182,7 @@ impl<'a> Frame<'a> {
             let (from, until) = (self.x_of(band.span.0), self.x_of(band.span.1));
             canvas.fill((from, top), (until.max(from + 1.0), bottom), band.colour.mix(BAND_OPACITY))?;
         }
-        self.paint_grid(canvas)?;
+        self.paint_grid(canvas, panel)?;
         self.paint_traces(canvas, panel)?;
         for &threshold in panel.thresholds.iter().filter(|x| x.is_finite()) {
             canvas.horizontal((LEFT, RIGHT), self.y_of(threshold), THRESHOLD)?;
@@ -189,7 +191,7 @@ impl<'a> Frame<'a> {
         canvas.line(&corners, FRAME)
     }
 
-    fn paint_grid<M: Medium>(&self, canvas: &mut Canvas<M>) -> anyhow::Result<()> {
+    fn paint_grid<M: Medium>(&self, canvas: &mut Canvas<M>, panel: &Panel) -> anyhow::Result<()> {
         for (t, _) in axis::ticks(self.figure.span, TIME_TICKS) {
             canvas.line(&[(self.x_of(t), self.y.0), (self.x_of(t), self.y.1)], GRID)?;
         }
@@ -197,6 +199,16 @@ impl<'a> Frame<'a> {
             let y = self.y_of(*value);
             canvas.line(&[(LEFT, y), (RIGHT, y)], GRID)?;
             canvas.text(label, (LEFT - 8.0, y), PLAIN.right())?;
+        }
+        self.paint_names(canvas, panel)
+    }
+
+    /// Names of levels stand in the frame, over their lines: they are too long for the margin, and before monitoring
+    /// begins there is room.
+    fn paint_names<M: Medium>(&self, canvas: &mut Canvas<M>, panel: &Panel) -> anyhow::Result<()> {
+        for (level, name) in panel.names.iter().enumerate() {
+            let y = self.y_of(level as f64);
+            canvas.text(name, (LEFT + 8.0, y - 8.0), PLAIN.coloured(MUTED))?;
         }
         Ok(())
     }

@@ -43,6 +43,8 @@ pub(super) struct Panel {
     pub(super) traces: Vec<Trace>,
     /// Heights of dashed lines.
     pub(super) thresholds: Vec<f64>,
+    /// Names of the levels 0, 1, 2 and so on, in place of their numbers.
+    pub(super) names: Vec<&'static str>,
 }
 
 /// The scale of a panel's values.

@@ -76,7 +76,7 @@ enum Order {
 enum Said {
     /// Bits of the board.
     Bits(Box<firmware_logic::record::Record>),
-    /// A row of a trace, up to the mode.
+    /// A row of a trace, without the truth.
     Text(String),
 }
 
@@ -196,10 +196,14 @@ mod tests {
 
     #[test]
     fn a_trace_replays_to_the_same_bits() {
-        let action = |at, setpoint, excite| Action { at, setpoint, excite };
+        let action = |at, setpoint, excite| Action { at, setpoint, excite, ..Action::default() };
         let scenario = Scenario {
             duration: 450.0,
-            actions: vec![action(420.0, Some(38.0), None), action(440.0, None, Some(false))],
+            actions: vec![
+                action(420.0, Some(38.0), None),
+                Action { at: 430.0, relearn: true, ..Action::default() },
+                action(440.0, None, Some(false)),
+            ],
             ..Scenario::default()
         };
         for seed in [1, 9] {
@@ -223,6 +227,21 @@ mod tests {
         let agreement = agreement(&trace.replacen(line, &changed, 1), 1);
         assert_eq!(agreement.differing, 1);
         assert!(agreement.examples[0].contains("pa_pct") && agreement.examples[0].contains("12.5"));
+    }
+
+    #[test]
+    fn an_older_trace_replays_without_the_parity_columns_and_a_changed_one_is_found() {
+        let scenario = Scenario { duration: 20.0, ..Scenario::default() };
+        let trace = traced(&scenario, 1);
+        let older: Vec<String> =
+            trace.lines().map(|line| line.split(',').take(40).collect::<Vec<_>>().join(",")).collect();
+        let replayed = agreement(&older.join("\n"), 1);
+        assert_eq!((replayed.ticks, replayed.differing), (181, 0), "{:?}", replayed.examples);
+        let line = trace.lines().nth(100).unwrap();
+        let changed = line.strip_suffix(",0,,,,,").map(|head| format!("{head},1,,,,,")).unwrap();
+        let replayed = agreement(&trace.replacen(line, &changed, 1), 1);
+        assert_eq!(replayed.differing, 1);
+        assert!(replayed.examples[0].contains("alarm"), "{:?}", replayed.examples);
     }
 
     /// A log as the board writes it: made from a run, with what a terminal puts around each line.

@@ -7,7 +7,7 @@ use fdi_core::{AdcCode, Celsius, Command, Config, RawSample, Report, Tick};
 use super::{Order, Recorded, Recording, Said};
 use crate::experiment::as_written;
 use crate::fault::Fault;
-use crate::trace::{INSTRUMENT_COLUMNS, instrument_row};
+use crate::trace::{INSTRUMENT_COLUMNS, PARITY_COLUMNS, instrument_row, parity_row};
 
 /// Places of the columns that a replay reads.
 const T0: usize = 1;
@@ -18,12 +18,12 @@ const Y2: usize = 9;
 const MODE: usize = 38;
 const TRUTH: usize = 39;
 
-/// Reads a trace.
+/// Reads a trace; one from before the parity diagnosis ends with `truth`.
 ///
 /// # Errors
 /// Another header, or a bad cell by line and column.
 pub(super) fn read(text: &str, config: &Config) -> anyhow::Result<Recording> {
-    let columns: Vec<&str> = INSTRUMENT_COLUMNS.split(',').chain(["truth"]).collect();
+    let mut columns: Vec<&str> = INSTRUMENT_COLUMNS.split(',').chain(["truth"]).collect();
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
     ensure!(
@@ -31,6 +31,10 @@ pub(super) fn read(text: &str, config: &Config) -> anyhow::Result<Recording> {
         "line 1: expected the header of a trace.csv: {}",
         columns.join(",")
     );
+    let parity: Vec<&str> = PARITY_COLUMNS.split(',').collect();
+    if header[columns.len()..].starts_with(&parity) {
+        columns.extend(parity);
+    }
     let s = &config.sensors;
     let thermistors = [Thermistor::new(&s.t0, 0)?, Thermistor::new(&s.t1, 1)?, Thermistor::new(&s.t2, 2)?];
     let mut reader = Reader { thermistors, columns, before: None };
@@ -47,6 +51,7 @@ struct Before {
     setpoint: f32,
     excited: bool,
     heating: bool,
+    monitoring: bool,
 }
 
 struct Reader {
@@ -67,7 +72,9 @@ impl Reader {
         };
         let celsius = [number(T0)?, number(T0 + 1)?, number(T0 + 2)?];
         let heating = !matches!(cells[MODE], "off" | "tripped");
-        let now = Before { celsius, setpoint: number(SETPOINT)?, excited: number(PRBS)? != 0.0, heating };
+        let monitoring = cells[MODE] == "monitor";
+        let excited = number(PRBS)? != 0.0;
+        let now = Before { celsius, setpoint: number(SETPOINT)?, excited, heating, monitoring };
         let [t0, t1, t2] = std::array::from_fn(|i| {
             // A sample that went missing repeats the temperature before, and has no rise.
             let repeats = self.before.as_ref().is_some_and(|b| b.celsius[i] == celsius[i]);
@@ -80,7 +87,8 @@ impl Reader {
         });
         let orders = orders(self.before.as_ref(), &now);
         self.before = Some(now);
-        let text = cells[..TRUTH].join(",");
+        let compared = [&cells[..TRUTH], &cells[TRUTH + 1..self.columns.len()]].concat();
+        let text = compared.join(",");
         Ok(Recorded { orders, raw: RawSample { t0, t1, t2 }, applied: None, said: Said::Text(text) })
     }
 }
@@ -100,6 +108,9 @@ fn orders(before: Option<&Before>, now: &Before) -> Vec<Order> {
         None if now.heating => commands.push(Command::Arm),
         Some(b) if now.setpoint != b.setpoint => commands.push(Command::SetPoint(Celsius(now.setpoint))),
         _ => {}
+    }
+    if now.heating && !now.monitoring && before.is_some_and(|b| b.monitoring) {
+        commands.push(Command::Relearn); // nothing else leads from monitoring back to learning
     }
     let excited = before.is_none_or(|b| b.excited || !b.heating);
     if now.heating && now.excited != excited {
@@ -127,8 +138,9 @@ fn faults(text: &str, sample_time: f64) -> Vec<Fault> {
 pub(super) fn differences(said: &str, tick: &Tick, report: &Report, sample_time: f64) -> Vec<String> {
     let mut ours = String::new();
     instrument_row(&mut ours, tick, report, sample_time);
+    parity_row(&mut ours, &report.parity, sample_time);
     let cells = said.split(',').zip(ours.split(','));
-    let named = INSTRUMENT_COLUMNS.split(',').zip(cells);
+    let named = INSTRUMENT_COLUMNS.split(',').chain(PARITY_COLUMNS.split(',')).zip(cells);
     named
         .filter(|(_, (a, b))| a != b)
         .map(|(name, (a, b))| format!("{name}: trace {a:?}, core {b:?}"))

@@ -6,7 +6,8 @@ use super::numbers::{NOTHING, escape, maybe, significant, written};
 use crate::experiment::Record;
 use crate::fault::{Fault, Verb};
 use crate::rig::Wander;
-use crate::summary::{FaultSummary, Normal, Score, Summary};
+use crate::score::Score;
+use crate::summary::{FaultSummary, Normal, Summary};
 use crate::table::PAPER;
 
 /// How each fault was seen, by the low-passed residuals and by the raw ones.
@@ -31,8 +32,45 @@ pub(super) fn faults(record: &Record, summary: &Summary) -> String {
             beside_paper.collect(),
         ),
         &html_table("By the raw residuals, for comparison.", head, rows(|f| &f.signature_raw).collect()),
+        &parity(record, summary),
     ]
     .concat()
+}
+
+/// How each fault was seen by the parity diagnosis: when, as what, how large.
+fn parity(record: &Record, summary: &Summary) -> String {
+    let head = "<th>Fault</th><th>Detected at<br>(delay), s</th><th>Isolated at<br>(delay), s</th><th>Indicated<br>s</th>\
+                <th>First named</th><th>Settled on</th><th>Magnitude</th><th>True</th><th>Onset dated<br>off by, s</th>";
+    let pairs = record.faults.iter().zip(&summary.faults);
+    let rows = pairs.map(|(fault, seen)| parity_row(record, fault, seen)).collect();
+    html_table("By the parity diagnosis: it names the fault and says how large it is.", head, rows)
+}
+
+fn parity_row(record: &Record, fault: &Fault, seen: &FaultSummary) -> Vec<String> {
+    let p = &seen.parity;
+    let expected = fault.expected_class();
+    let class = |name: Option<&str>| match name {
+        None => NOTHING.into(),
+        Some(name) if expected.is_some_and(|class| class.name() == name) => name.to_owned(),
+        Some(name) => format!("<span class='miss'>{name}</span>"),
+    };
+    let unit = expected.map_or("", |class| class.unit());
+    let magnitude = p.magnitude.zip(p.magnitude_half_width).map(|(value, half)| {
+        let unit = p.magnitude_unit.unwrap_or_default();
+        format!("{} &plusmn; {} {unit}", significant(value, 3), significant(half, 2))
+    });
+    let never = |word| never(record, fault, expected.is_some(), word);
+    vec![
+        escape(&seen.name),
+        moment(p.score.detected_s, p.score.detection_delay_s).unwrap_or_else(|| never("detected")),
+        moment(p.score.isolated_s, p.score.isolation_delay_s).unwrap_or_else(|| never("isolated")),
+        maybe(p.score.indicated_duration_s, 3),
+        class(p.first_verdict),
+        class(p.verdict),
+        magnitude.unwrap_or_else(|| NOTHING.into()),
+        p.magnitude_true.map_or_else(|| NOTHING.into(), |x| format!("{} {unit}", written(x))),
+        maybe(p.onset_error_s, 2),
+    ]
 }
 
 /// What the paper reports of a fault of this name.
@@ -43,16 +81,7 @@ fn paper_cells(fault: &FaultSummary) -> Vec<String> {
 
 fn fault_row(record: &Record, fault: &Fault, seen: &FaultSummary, score: &Score) -> Vec<String> {
     let expected = fault.expected();
-    let never = |answer: Option<u8>, word: &str| {
-        let reached = record.rows.last().is_some_and(|row| record.time(row.tick.index) >= fault.at);
-        let why = match answer {
-            _ if !reached => "after the end".to_owned(),
-            None => "not in the tables".to_owned(),
-            Some(_) => format!("<span class='miss'>not {word}</span>"),
-        };
-        format!("{NOTHING} {why}")
-    };
-    let moment = |at: Option<f64>, delay: Option<f64>| Some(format!("{:.2} ({:.2})", at?, delay?));
+    let never = |answer: Option<u8>, word| never(record, fault, answer.is_some(), word);
     let detected = moment(score.detected_s, score.detection_delay_s);
     let isolated = moment(score.isolated_s, score.isolation_delay_s);
     vec![
@@ -67,16 +96,37 @@ fn fault_row(record: &Record, fault: &Fault, seen: &FaultSummary, score: &Score)
     ]
 }
 
+/// A time and the delay since the onset, s.
+fn moment(at: Option<f64>, delay: Option<f64>) -> Option<String> {
+    Some(format!("{:.2} ({:.2})", at?, delay?))
+}
+
+/// Why there is no such time; `known`: whether the diagnosis has an answer for the fault.
+fn never(record: &Record, fault: &Fault, known: bool, word: &str) -> String {
+    let reached = record.rows.last().is_some_and(|row| record.time(row.tick.index) >= fault.at);
+    let why = match known {
+        _ if !reached => "after the end".to_owned(),
+        false => "not in the tables".to_owned(),
+        true => format!("<span class='miss'>not {word}</span>"),
+    };
+    format!("{NOTHING} {why}")
+}
+
 /// Alarms with no fault behind them.
 pub(super) fn false_alarms(summary: &Summary) -> String {
     let f = &summary.false_alarms;
     let row =
         |name: &str, low_passed: u32, raw: u32| vec![name.into(), low_passed.to_string(), raw.to_string()];
-    let rows = vec![row("Detection, fdv", f.fdv, f.fdv_raw), row("Isolation, fiv", f.fiv, f.fiv_raw)];
-    let caption = "Times that a vector left zero outside every fault and the 15 s after it.";
+    let rows = vec![
+        row("Detection, fdv", f.fdv, f.fdv_raw),
+        row("Isolation, fiv", f.fiv, f.fiv_raw),
+        vec!["Parity alarm".into(), f.parity.to_string(), NOTHING.into()],
+    ];
+    let caption =
+        "Times that a vector left zero, or the parity alarm rose, outside every fault and the 15 s after it.";
     format!(
         "<h2>False alarms</h2>\n{}",
-        html_table(caption, "<th>Vector</th><th>Low-passed</th><th>Raw</th>", rows)
+        html_table(caption, "<th>Indication</th><th>Low-passed</th><th>Raw</th>", rows)
     )
 }
 

@@ -1,0 +1,143 @@
+//! `campaign.json`, `cells.csv` and `runs.csv`.
+
+use std::io::Write;
+use std::path::Path;
+
+use anyhow::Context;
+
+use super::cell::Cell;
+use super::results::{By, CellResults, Results};
+use super::run::{RunRow, Seen};
+use super::statistics::Quantiles;
+
+/// A cell of a table with the name of its column.
+type Field = (String, String);
+
+/// Writes all three.
+///
+/// # Errors
+/// The file that can't be written.
+pub(super) fn write(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Path) -> anyhow::Result<()> {
+    let mut json = serde_json::to_vec_pretty(results)?;
+    writeln!(json)?;
+    write_file(out, "campaign.json", &json)?;
+    write_file(out, "cells.csv", &csv(results.cells.iter().map(cell_fields))?)?;
+    write_file(out, "runs.csv", &csv(rows.iter().map(|row| run_fields(&cells[row.cell], row)))?)
+}
+
+fn write_file(out: &Path, name: &str, bytes: &[u8]) -> anyhow::Result<()> {
+    let path = out.join(name);
+    std::fs::write(&path, bytes).with_context(|| format!("can't write {}", path.display()))
+}
+
+/// A table whose header is made of the names of the first row.
+fn csv(rows: impl Iterator<Item = Vec<Field>>) -> anyhow::Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for (i, row) in rows.enumerate() {
+        if i == 0 {
+            writer.write_record(row.iter().map(|(name, _)| name))?;
+        }
+        writer.write_record(row.iter().map(|(_, value)| value))?;
+    }
+    Ok(writer.into_inner()?)
+}
+
+fn field(name: impl Into<String>, value: impl ToString) -> Field {
+    (name.into(), value.to_string())
+}
+
+/// Empty where there is nothing.
+fn maybe(name: impl Into<String>, value: Option<impl ToString>) -> Field {
+    (name.into(), value.map_or(String::new(), |x| x.to_string()))
+}
+
+fn run_fields(cell: &Cell, row: &RunRow) -> Vec<Field> {
+    let fault = cell.fault();
+    let mut fields = vec![
+        field("cell", &cell.name),
+        field("setting", &cell.setting),
+        field("run", row.run),
+        field("seed", row.seed),
+        maybe("class", fault.and_then(|f| f.expected_class()).map(|c| c.name())),
+        maybe("magnitude_true", fault.and_then(|f| f.true_magnitude())),
+        maybe("onset_s", row.onset_s),
+        field("tripped", u8::from(row.tripped)),
+    ];
+    for by in By::BOTH {
+        fields.extend(seen_fields(by, by.of(row)));
+    }
+    fields
+}
+
+fn seen_fields(by: By, seen: &Seen) -> Vec<Field> {
+    let fields = [
+        field("armed", u8::from(seen.armed)),
+        field("early", u8::from(seen.early)),
+        maybe("detection_delay_s", seen.detection_delay_s),
+        maybe("isolation_delay_s", seen.isolation_delay_s),
+        maybe("indicated_duration_s", seen.indicated_duration_s),
+        maybe("isolated_share", seen.isolated_share),
+        maybe("first", seen.first.as_ref()),
+        maybe("settled", seen.settled.as_ref()),
+        maybe("magnitude", seen.magnitude),
+        maybe("half_width", seen.half_width),
+        maybe("onset_error_s", seen.onset_error_s),
+        maybe("confidence", seen.confidence),
+        field("alarms", seen.alarms),
+        field("watched_ticks", seen.watched_ticks),
+        field("alarm_ticks", seen.alarm_ticks),
+        maybe("first_alarm_s", seen.first_alarm_s),
+        maybe("first_alarm_as", seen.first_alarm_as.as_ref()),
+    ];
+    fields.into_iter().map(|(name, value)| (format!("{}_{name}", by.name()), value)).collect()
+}
+
+fn cell_fields(cell: &CellResults) -> Vec<Field> {
+    let mut fields = vec![
+        field("cell", &cell.name),
+        field("plant", &cell.plant),
+        field("setting", &cell.setting),
+        field("wander", cell.wander),
+        maybe("class", cell.class),
+        maybe("magnitude_true", cell.magnitude),
+        field("runs", cell.runs),
+        field("tripped", cell.tripped),
+    ];
+    for by in By::BOTH {
+        let statistics = cell.by(by);
+        let fault = statistics.fault.as_ref();
+        let mut these = vec![field("unarmed", statistics.unarmed)];
+        for (name, quantiles) in [
+            ("detection_delay_s", fault.map(|f| f.detection_delay_s)),
+            ("isolation_delay_s", fault.map(|f| f.isolation_delay_s)),
+            ("duration_error_s", fault.map(|f| f.duration_error_s)),
+            ("magnitude_error", fault.map(|f| f.magnitude_error)),
+            ("onset_error_s", fault.map(|f| f.onset_error_s)),
+        ] {
+            let Quantiles { median, p95, p99 } = quantiles.unwrap_or_default();
+            these.extend(
+                [("median", median), ("p95", p95), ("p99", p99)]
+                    .map(|(q, x)| maybe(format!("{name}_{q}"), x)),
+            );
+        }
+        let alarms = &statistics.alarms;
+        these.extend([
+            maybe("missed", fault.map(|f| f.missed)),
+            maybe("early", fault.map(|f| f.early)),
+            maybe("not_isolated", fault.map(|f| f.not_isolated)),
+            maybe("first_right_pct", fault.map(|f| f.first_right_pct)),
+            maybe("settled_right_pct", fault.map(|f| f.settled_right_pct)),
+            maybe("magnitude_coverage_pct", fault.and_then(|f| f.magnitude_coverage_pct)),
+            field("alarms", alarms.alarms),
+            field("runs_with_alarm", alarms.runs_with),
+            field("hours", alarms.hours),
+            maybe("alarms_per_hour", alarms.per_hour),
+            maybe("alarms_per_hour_low", alarms.per_hour_95.map(|i| i[0])),
+            maybe("alarms_per_hour_high", alarms.per_hour_95.map(|i| i[1])),
+            maybe("alarms_dispersion", alarms.dispersion),
+            field("alarm_share_of_time", alarms.share_of_time),
+        ]);
+        fields.extend(these.into_iter().map(|(name, value)| (format!("{}_{name}", by.name()), value)));
+    }
+    fields
+}

@@ -1,0 +1,233 @@
+//! One run of a campaign, seen by both diagnoses, as the few numbers that are kept of it.
+
+use fdi_core::parity::{Arming, FaultClass};
+use fdi_core::{Instrument, Mode};
+use serde::{Deserialize, Serialize};
+
+use super::cell::Cell;
+use crate::experiment::{Row, as_written, drive, tick_time, with_prbs_phase};
+use crate::fault::Fault;
+use crate::score::{ParityScore, ParityWatch, Rise, Score, TAIL, Watch, signature_class, signature_sight};
+
+/// One run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunRow {
+    /// Number of the cell.
+    pub cell: usize,
+    /// Number of the run in the cell.
+    pub run: u64,
+    /// Its seed.
+    pub seed: u64,
+    /// True onset of the fault; null where there is none to be scored.
+    pub onset_s: Option<f64>,
+    /// The instrument switched the heater off.
+    pub tripped: bool,
+    /// By the paper's signatures.
+    pub signature: Seen,
+    /// By the parity diagnosis.
+    pub parity: Seen,
+}
+
+/// What one diagnosis saw.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Seen {
+    /// It watched when the fault began, or at the end of a run without.
+    pub armed: bool,
+    /// An alarm stood already when the fault began: then nothing was detected.
+    pub early: bool,
+    /// Delay of the detection, s; null: missed.
+    pub detection_delay_s: Option<f64>,
+    /// Delay of the right isolation, s; null: missed.
+    pub isolation_delay_s: Option<f64>,
+    /// Indicated duration, s.
+    pub indicated_duration_s: Option<f64>,
+    /// Share of the fault's time that it was rightly isolated.
+    pub isolated_share: Option<f64>,
+    /// Class named first during the fault.
+    pub first: Option<String>,
+    /// Class named on most ticks of the fault.
+    pub settled: Option<String>,
+    /// Estimated magnitude, in the unit of the class settled on.
+    pub magnitude: Option<f64>,
+    /// Half of its 95 % interval.
+    pub half_width: Option<f64>,
+    /// Estimated minus true onset, s.
+    pub onset_error_s: Option<f64>,
+    /// Confidence.
+    pub confidence: Option<f64>,
+    /// Alarms that rose outside the fault and its tail.
+    pub alarms: u32,
+    /// Ticks outside of it on which it watched and no alarm stood.
+    pub watched_ticks: u64,
+    /// Ticks outside of it on which an alarm stood.
+    pub alarm_ticks: u64,
+    /// Time of the first false alarm, s.
+    pub first_alarm_s: Option<f64>,
+    /// What it was first named; empty if it was not.
+    pub first_alarm_as: Option<String>,
+}
+
+/// Counts the false alarms of one diagnosis.
+#[derive(Default)]
+struct Guard {
+    rise: Rise,
+    seen: Seen,
+}
+
+/// What a diagnosis says on a tick: `None` while it does not watch.
+struct Said {
+    alarm: Option<bool>,
+    named: Option<FaultClass>,
+}
+
+impl Said {
+    fn by_signature(row: &Row) -> Self {
+        let verdict = row.report.filtered;
+        Self { alarm: verdict.map(|v| v.fdv != 0), named: verdict.and_then(|v| signature_class(v.fiv)) }
+    }
+
+    fn by_parity(row: &Row) -> Self {
+        let parity = &row.report.parity;
+        let watches = parity.alarm || parity.arming == Arming::Armed;
+        Self { alarm: watches.then_some(parity.alarm), named: parity.finding.map(|f| f.class) }
+    }
+}
+
+impl Guard {
+    fn see(&mut self, t: f64, fault: Option<&Fault>, said: &Said) {
+        let alarm = said.alarm == Some(true);
+        let rises = self.rise.of(alarm);
+        let seen = &mut self.seen;
+        if fault.is_none_or(|f| t < f.at) {
+            seen.armed = said.alarm.is_some();
+            seen.early = alarm && fault.is_some();
+        }
+        if fault.is_some_and(|f| t >= f.at && t < f.end() + TAIL) {
+            return;
+        }
+        match said.alarm {
+            Some(true) => seen.alarm_ticks += 1,
+            Some(false) => seen.watched_ticks += 1,
+            None => {}
+        }
+        if rises {
+            seen.alarms += 1;
+            seen.first_alarm_s.get_or_insert(t);
+        }
+        if let (true, Some(class)) = (seen.first_alarm_s.is_some(), said.named) {
+            seen.first_alarm_as.get_or_insert_with(|| class.name().into());
+        }
+    }
+
+    fn finish(self, score: Score) -> Seen {
+        let Seen { armed, early, .. } = self.seen;
+        let valid = armed && !early;
+        Seen {
+            detection_delay_s: score.detection_delay_s.filter(|_| valid),
+            isolation_delay_s: score.isolation_delay_s.filter(|_| valid),
+            indicated_duration_s: score.indicated_duration_s.filter(|_| valid),
+            isolated_share: score.isolated_share,
+            ..self.seen
+        }
+    }
+}
+
+/// Runs one run of a cell.
+///
+/// # Errors
+/// The parameter of the configuration that is out of bounds.
+pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
+    let seed = cell.seed(run);
+    let scenario = cell.scenario(seed);
+    let config = with_prbs_phase(&cell.config, seed);
+    let sample_time = as_written(config.sample_time.0);
+    let fault = cell.fault().and(scenario.faults.first());
+    let mut instrument = Instrument::new(&config)?;
+    let mut guards = [Guard::default(), Guard::default()];
+    let mut watches = fault.map(|f| (Watch::new(f), ParityWatch::new(f, sample_time)));
+    let mut tripped = false;
+    drive(&mut instrument, &config, &scenario, seed, |row| {
+        let t = tick_time(row.tick.index, sample_time);
+        tripped |= matches!(row.tick.mode, Mode::Tripped(_));
+        for (guard, said) in guards.iter_mut().zip([Said::by_signature(&row), Said::by_parity(&row)]) {
+            guard.see(t, fault, &said);
+        }
+        if let (Some(fault), Some((signature, parity))) = (fault, &mut watches) {
+            signature.see(t, signature_sight(fault, row.report.filtered));
+            parity.see(t, &row.report.parity);
+        }
+    });
+    let [signature, parity] = guards;
+    let (signature, parity) = match (fault, watches) {
+        (Some(fault), Some((by_signature, by_parity))) => {
+            let isolable = fault.expected().fiv.is_some();
+            let seen = signature.finish(by_signature.score(sample_time, isolable));
+            (named_by_signature(seen, &by_signature), named_by_parity(parity, by_parity.score()))
+        }
+        _ => (signature.seen, parity.seen),
+    };
+    Ok(RunRow { cell: number, run, seed, onset_s: fault.map(|f| f.at), tripped, signature, parity })
+}
+
+fn named_by_signature(seen: Seen, watch: &Watch) -> Seen {
+    let name = |class: FaultClass| class.name().to_owned();
+    Seen { first: watch.first_named().map(name), settled: watch.settled().map(name), ..seen }
+}
+
+fn named_by_parity(guard: Guard, score: ParityScore) -> Seen {
+    Seen {
+        first: score.first_verdict.map(str::to_owned),
+        settled: score.verdict.map(str::to_owned),
+        magnitude: score.magnitude,
+        half_width: score.magnitude_half_width,
+        onset_error_s: score.onset_error_s,
+        confidence: score.confidence,
+        ..guard.finish(score.score)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fault::{Sensor, Verb};
+
+    /// What is kept of a fault from 10 s to 20 s, one tick a second, if the alarm stands when `alarm` says so.
+    fn seen(alarm: impl Fn(u32) -> Option<bool>) -> Seen {
+        let fault = Fault {
+            name: String::new(),
+            verb: Verb::Offset,
+            sensor: Some(Sensor::T2),
+            size: Some(1.0),
+            lag: None,
+            at: 10.0,
+            duration: 10.0,
+        };
+        let mut guard = Guard::default();
+        for t in 0..60 {
+            let named = (t == 40).then_some(FaultClass::Drift);
+            guard.see(f64::from(t), Some(&fault), &Said { alarm: alarm(t), named });
+        }
+        guard.finish(Score { detection_delay_s: Some(0.0), ..Score::default() })
+    }
+
+    #[test]
+    fn only_alarms_outside_the_fault_and_its_tail_are_false_and_each_counts_once() {
+        let seen = seen(|t| (t >= 2).then_some(matches!(t, 12..34 | 38..42 | 50)));
+        assert_eq!((seen.alarms, seen.alarm_ticks), (2, 5));
+        assert_eq!(seen.watched_ticks, 8 + 25 - 5, "2 to 9 s, and 35 to 59 s without the alarms");
+        assert_eq!((seen.first_alarm_s, seen.first_alarm_as.as_deref()), (Some(38.0), Some("drift")));
+        assert_eq!((seen.armed, seen.early, seen.detection_delay_s), (true, false, Some(0.0)));
+    }
+
+    #[test]
+    fn an_alarm_that_stood_before_the_fault_has_not_detected_it() {
+        let seen = seen(|t| Some((8..20).contains(&t)));
+        assert_eq!((seen.early, seen.detection_delay_s, seen.alarms), (true, None, 1));
+    }
+
+    #[test]
+    fn what_did_not_watch_at_the_onset_is_not_armed() {
+        let seen = seen(|t| (t >= 15).then_some(false));
+        assert_eq!((seen.armed, seen.detection_delay_s), (false, None));
+    }
+}

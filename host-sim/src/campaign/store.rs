@@ -1,0 +1,198 @@
+//! The results file: a header that says what they are results of, then a line of JSON for each finished run. A campaign
+//! that was interrupted goes on where it stopped; the parts of a cluster are put together from it.
+
+use std::collections::HashSet;
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail, ensure};
+use fdi_core::Config;
+use serde::{Deserialize, Serialize};
+
+use super::definition::Campaign;
+use super::run::RunRow;
+
+/// Which part of the runs: every `of`-th, from the `part`-th on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shard {
+    /// From 1.
+    pub part: usize,
+    /// Number of parts.
+    pub of: usize,
+}
+
+impl Shard {
+    /// All of it.
+    pub const WHOLE: Self = Self { part: 1, of: 1 };
+
+    /// Whether a run belongs to it.
+    pub fn holds(self, unit: usize) -> bool {
+        unit % self.of == self.part - 1
+    }
+
+    /// Name of its results file.
+    pub fn file_name(self) -> String {
+        if self == Self::WHOLE {
+            "runs.jsonl".into()
+        } else {
+            format!("runs.{}-of-{}.jsonl", self.part, self.of)
+        }
+    }
+}
+
+impl std::str::FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+        match numbers {
+            Some((part, of)) if part >= 1 && part <= of => Ok(Self { part, of }),
+            _ => Err("expected part/parts, such as 1/4".into()),
+        }
+    }
+}
+
+/// What the results are results of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// The campaign, TOML.
+    pub campaign: String,
+    /// The settings of the instrument that it began with, TOML.
+    pub config: String,
+    /// Hash of the program, since another one may come to other results.
+    pub build: String,
+}
+
+impl Header {
+    /// Of this program.
+    ///
+    /// # Errors
+    /// The program can't be read.
+    pub fn new(campaign: &Campaign, config: &Config) -> anyhow::Result<Self> {
+        let program = std::env::current_exe().and_then(std::fs::read).context("can't read this program")?;
+        let hash = program
+            .iter()
+            .fold(0xcbf2_9ce4_8422_2325_u64, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3));
+        Ok(Self {
+            campaign: toml::to_string(campaign)?,
+            config: toml::to_string(config)?,
+            build: format!("{hash:016x}"),
+        })
+    }
+
+    /// # Errors
+    /// In what `other` differs.
+    fn must_equal(&self, other: &Self) -> anyhow::Result<()> {
+        same_text("campaign", &self.campaign, &other.campaign)?;
+        same_text("configuration", &self.config, &other.config)?;
+        ensure!(self.build == other.build, "they were made by another build of this program");
+        Ok(())
+    }
+}
+
+fn same_text(what: &str, ours: &str, theirs: &str) -> anyhow::Result<()> {
+    if ours == theirs {
+        return Ok(());
+    }
+    let mut pairs = ours.lines().zip(theirs.lines());
+    match pairs.find(|(a, b)| a != b) {
+        Some((ours, theirs)) => bail!("their {what} has `{theirs}` where this one has `{ours}`"),
+        None => bail!(
+            "their {what} is another one: it has {} lines, this one {}",
+            theirs.lines().count(),
+            ours.lines().count()
+        ),
+    }
+}
+
+/// A results file that is open for more.
+pub struct Store {
+    file: File,
+    path: PathBuf,
+    /// Cell and run of what is finished.
+    pub finished: HashSet<(usize, u64)>,
+}
+
+impl Store {
+    /// Opens the file, or begins it. What an interruption has left of a last line is cut off.
+    ///
+    /// # Errors
+    /// Results of another campaign; a file that can't be read or written.
+    pub fn open(path: &Path, header: &Header, fresh: bool) -> anyhow::Result<Self> {
+        let place = || format!("can't write {}", path.display());
+        let mut finished = HashSet::new();
+        let old = if fresh { None } else { std::fs::read_to_string(path).ok().filter(|t| t.contains('\n')) };
+        let keep = match &old {
+            None => 0,
+            Some(text) => {
+                let whole = text.rfind('\n').map_or(0, |end| end + 1);
+                let (found, rows) = parse(&text[..whole]).with_context(|| path.display().to_string())?;
+                header.must_equal(&found).with_context(|| {
+                    format!(
+                        "{} holds results that these can't join; --fresh puts them away, --out DIR goes elsewhere",
+                        path.display()
+                    )
+                })?;
+                finished.extend(rows.iter().map(|row| (row.cell, row.run)));
+                whole as u64
+            }
+        };
+        let file = OpenOptions::new().create(true).append(true).open(path).with_context(place)?;
+        file.set_len(keep).with_context(place)?;
+        let mut store = Self { file, path: path.to_owned(), finished };
+        if old.is_none() {
+            store.line(header)?;
+        }
+        Ok(store)
+    }
+
+    /// Adds a run.
+    ///
+    /// # Errors
+    /// The file can't be written.
+    pub fn push(&mut self, row: &RunRow) -> anyhow::Result<()> {
+        self.line(row)
+    }
+
+    fn line(&mut self, value: &impl Serialize) -> anyhow::Result<()> {
+        let line = serde_json::to_string(value)? + "\n";
+        self.file.write_all(line.as_bytes()).with_context(|| format!("can't write {}", self.path.display()))
+    }
+}
+
+/// Reads results files of one campaign and puts their runs in order.
+///
+/// # Errors
+/// A file that is none; files of several campaigns.
+pub fn read(paths: &[PathBuf]) -> anyhow::Result<(Header, Vec<RunRow>)> {
+    let mut first: Option<Header> = None;
+    let mut rows = Vec::new();
+    for path in paths {
+        let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
+        let (header, more) = parse(&text).with_context(|| path.display().to_string())?;
+        match &first {
+            None => first = Some(header),
+            Some(first) => {
+                first
+                    .must_equal(&header)
+                    .with_context(|| format!("{} does not belong to these", path.display()))?;
+            }
+        }
+        rows.extend(more);
+    }
+    rows.sort_by_key(|row: &RunRow| (row.cell, row.run));
+    rows.dedup_by_key(|row| (row.cell, row.run));
+    Ok((first.context("no results file")?, rows))
+}
+
+fn parse(text: &str) -> anyhow::Result<(Header, Vec<RunRow>)> {
+    let mut lines = text.lines();
+    let header = serde_json::from_str(lines.next().unwrap_or_default())
+        .context("line 1: expected the header of a campaign's results")?;
+    let rows = lines
+        .zip(2..)
+        .map(|(line, number)| serde_json::from_str(line).with_context(|| format!("line {number}")))
+        .collect::<anyhow::Result<_>>()?;
+    Ok((header, rows))
+}

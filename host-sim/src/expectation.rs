@@ -1,0 +1,99 @@
+//! What the parity diagnosis should say of what happens to the rig.
+
+use fdi_core::parity::{Channel, FaultClass};
+
+use crate::fault::{Fault, Sensor, Verb};
+
+impl Sensor {
+    /// The same thermistor in the words of the instrument.
+    fn channel(self) -> Channel {
+        match self {
+            Self::T0 => Channel::T0,
+            Self::T1 => Channel::T1,
+            Self::T2 => Channel::T2,
+        }
+    }
+}
+
+impl Fault {
+    /// The class that should be named; `None` for what is no fault, of which nothing should be said: a room that
+    /// changes, single spikes, samples missing now and then.
+    pub fn expected_class(&self) -> Option<FaultClass> {
+        use Channel::{T0, T1, T2};
+        match (self.verb, self.sensor.map(Sensor::channel)) {
+            (Verb::AirFlow, _) => Some(FaultClass::AirFlow),
+            (Verb::HeaterPower | Verb::HeaterStuck, _) => Some(FaultClass::HeaterPower),
+            (Verb::Offset, Some(T1)) => Some(FaultClass::T1Offset),
+            (Verb::Offset, Some(T2)) => Some(FaultClass::T2Offset),
+            (Verb::Offset | Verb::Clog, Some(T0)) => Some(FaultClass::T0Fault),
+            (Verb::Clog, Some(T1)) => Some(FaultClass::T1Clogged),
+            (Verb::Clog, Some(T2)) => Some(FaultClass::Unknown),
+            (Verb::Drift, Some(_)) => Some(FaultClass::Drift),
+            (Verb::Stuck, channel) => channel.map(FaultClass::Stuck),
+            (Verb::Open, channel) => channel.map(FaultClass::Open),
+            (Verb::Short, channel) => channel.map(FaultClass::Short),
+            (Verb::Missing, channel) if self.size == Some(1.0) => channel.map(FaultClass::Lost),
+            (Verb::Offset | Verb::Clog | Verb::Drift | Verb::Missing, _) => None,
+            (Verb::Spike | Verb::Room | Verb::RoomDrift, _) => None,
+        }
+    }
+
+    /// The true departure in [`FaultClass::unit`] of the expected class, where it has one.
+    pub fn true_magnitude(&self) -> Option<f64> {
+        self.expected_class()?;
+        let size = self.size?;
+        match self.verb {
+            Verb::Offset | Verb::Drift => Some(size),
+            Verb::Clog if self.sensor == Some(Sensor::T1) => Some(percent(size)),
+            Verb::AirFlow | Verb::HeaterPower => Some(percent(size)),
+            _ => None,
+        }
+    }
+}
+
+/// A factor as a departure from 1, %. Rounded to what people write: 26 and not 26.000000000000004.
+fn percent(factor: f64) -> f64 {
+    (1e8 * (factor - 1.0)).round() / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fault(verb: Verb, sensor: Option<Sensor>, size: Option<f64>) -> Fault {
+        Fault { name: String::new(), verb, sensor, size, lag: None, at: 1.0, duration: 1.0 }
+    }
+
+    #[test]
+    fn each_fault_has_its_class_and_magnitude_in_the_unit_of_the_class() {
+        use Sensor::{T0, T1, T2};
+        for (verb, sensor, size, class, magnitude) in [
+            (Verb::Offset, Some(T1), Some(-1.5), FaultClass::T1Offset, Some(-1.5)),
+            (Verb::Offset, Some(T2), Some(1.5), FaultClass::T2Offset, Some(1.5)),
+            (Verb::Offset, Some(T0), Some(2.0), FaultClass::T0Fault, Some(2.0)),
+            (Verb::Clog, Some(T1), Some(0.85), FaultClass::T1Clogged, Some(-15.0)),
+            (Verb::AirFlow, None, Some(1.26), FaultClass::AirFlow, Some(26.0)),
+            (Verb::HeaterPower, None, Some(0.8), FaultClass::HeaterPower, Some(-20.0)),
+            (Verb::HeaterStuck, None, Some(60.0), FaultClass::HeaterPower, None),
+            (Verb::Drift, Some(T2), Some(3.0), FaultClass::Drift, Some(3.0)),
+            (Verb::Stuck, Some(T2), None, FaultClass::Stuck(Channel::T2), None),
+            (Verb::Missing, Some(T1), Some(1.0), FaultClass::Lost(Channel::T1), None),
+        ] {
+            let fault = fault(verb, sensor, size);
+            assert_eq!((fault.expected_class(), fault.true_magnitude()), (Some(class), magnitude));
+        }
+    }
+
+    #[test]
+    fn what_is_no_fault_expects_silence() {
+        for (verb, sensor, size) in [
+            (Verb::Room, None, 2.0),
+            (Verb::RoomDrift, None, 2.0),
+            (Verb::Spike, Some(Sensor::T1), 10.0),
+            (Verb::Missing, Some(Sensor::T1), 0.05),
+        ] {
+            let fault = fault(verb, sensor, Some(size));
+            assert_eq!((fault.expected_class(), fault.true_magnitude()), (None, None), "{verb:?}");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! How well the parity diagnosis saw a fault: when, as what, how large, since when.
+
+use fdi_core::parity::{FaultClass, Finding, ParityReport};
+use serde::Serialize;
+
+use super::{Score, Sight, Watch, microseconds};
+use crate::experiment::{as_written, tick_time};
+use crate::fault::Fault;
+
+/// A score with the estimates; null for what never happened or has no meaning.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ParityScore {
+    /// When it was detected (an alarm) and isolated (the right class), and for how long.
+    #[serde(flatten)]
+    pub score: Score,
+    /// Class that was named on most ticks of the fault.
+    pub verdict: Option<&'static str>,
+    /// Class that was named first.
+    pub first_verdict: Option<&'static str>,
+    /// Whether that was the right one.
+    pub first_verdict_right: Option<bool>,
+    /// Last estimate during the fault of how large it is, under `verdict`.
+    pub magnitude: Option<f64>,
+    /// Half of its 95 % interval.
+    pub magnitude_half_width: Option<f64>,
+    /// Unit of these.
+    pub magnitude_unit: Option<&'static str>,
+    /// What it truly is, in the unit of the right class.
+    pub magnitude_true: Option<f64>,
+    /// Onset as it was dated minus the true one, s.
+    pub onset_error_s: Option<f64>,
+    /// Probability that `verdict` had last.
+    pub confidence: Option<f64>,
+}
+
+/// Watches the parity diagnosis for the time of one fault.
+#[derive(Clone, Debug)]
+pub struct ParityWatch {
+    watch: Watch,
+    expected: Option<FaultClass>,
+    true_magnitude: Option<f64>,
+    at: f64,
+    end: f64,
+    sample_time: f64,
+    /// The last finding of each class during the fault.
+    findings: Vec<Finding>,
+}
+
+impl ParityWatch {
+    /// A watch over `fault`.
+    pub fn new(fault: &Fault, sample_time: f64) -> Self {
+        Self {
+            watch: Watch::new(fault),
+            expected: fault.expected_class(),
+            true_magnitude: fault.true_magnitude(),
+            at: fault.at,
+            end: fault.end(),
+            sample_time,
+            findings: Vec::new(),
+        }
+    }
+
+    /// Takes in the tick at `t`.
+    pub fn see(&mut self, t: f64, report: &ParityReport) {
+        let named = report.finding.map(|finding| finding.class);
+        let detected = report.alarm && self.expected.is_some();
+        self.watch.see(t, Sight { detected, isolated: named.is_some() && named == self.expected, named });
+        if let Some(finding) = report.finding.filter(|_| t >= self.at && t < self.end) {
+            match self.findings.iter_mut().find(|known| known.class == finding.class) {
+                Some(known) => *known = finding,
+                None => self.findings.push(finding),
+            }
+        }
+    }
+
+    /// The score.
+    pub fn score(&self) -> ParityScore {
+        let known = self.expected.is_some();
+        let first = self.watch.first_named();
+        let settled = self.watch.settled();
+        let finding = self.findings.iter().find(|f| Some(f.class) == settled);
+        let magnitude = finding.and_then(|f| f.magnitude);
+        ParityScore {
+            score: self.watch.score(self.sample_time, known),
+            verdict: settled.map(FaultClass::name),
+            first_verdict: first.map(FaultClass::name),
+            first_verdict_right: first.filter(|_| known).map(|class| Some(class) == self.expected),
+            magnitude: magnitude.map(|m| as_written(m.value)),
+            magnitude_half_width: magnitude.map(|m| as_written(m.half_width)),
+            magnitude_unit: magnitude.and(settled).map(FaultClass::unit),
+            magnitude_true: self.true_magnitude,
+            onset_error_s: finding.map(|f| microseconds(tick_time(f.onset, self.sample_time) - self.at)),
+            confidence: finding.map(|f| as_written(f.confidence)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::parity::Magnitude;
+
+    use super::*;
+    use crate::fault::{Sensor, Verb};
+
+    fn finding(class: FaultClass, value: f32) -> Finding {
+        Finding { class, confidence: 0.5, magnitude: Some(Magnitude { value, half_width: 0.5 }), onset: 11 }
+    }
+
+    /// T2 offset of 1.5 degC from 1 s to 3 s; ticks each 0.1 s.
+    fn scored(says: impl Fn(u32) -> (bool, Option<Finding>)) -> ParityScore {
+        let fault = Fault {
+            name: String::new(),
+            verb: Verb::Offset,
+            sensor: Some(Sensor::T2),
+            size: Some(1.5),
+            lag: None,
+            at: 1.0,
+            duration: 2.0,
+        };
+        let mut watch = ParityWatch::new(&fault, 0.1);
+        for tick in 0..250 {
+            let (alarm, finding) = says(tick);
+            watch.see(tick_time(tick, 0.1), &ParityReport { alarm, finding, ..ParityReport::default() });
+        }
+        watch.score()
+    }
+
+    #[test]
+    fn detection_isolation_and_estimates_are_those_of_the_fault() {
+        let score = scored(|tick| {
+            let named = match tick {
+                14..16 => Some(finding(FaultClass::Unknown, 0.0)),
+                16..18 => Some(finding(FaultClass::AirFlow, 9.0)),
+                18..29 => Some(finding(FaultClass::T2Offset, 9.0)),
+                29 => Some(finding(FaultClass::T2Offset, 1.25)),
+                30..40 => Some(finding(FaultClass::T2Offset, 9.0)),
+                _ => None,
+            };
+            ((12..34).contains(&tick), named)
+        });
+        assert_eq!(score.score.detection_delay_s, Some(0.2));
+        assert_eq!(score.score.isolation_delay_s, Some(0.8));
+        assert_eq!(score.score.indicated_duration_s, Some(2.2));
+        assert_eq!((score.score.isolated_share, score.score.segments), (Some(0.6), Some(1)));
+        assert_eq!((score.first_verdict, score.first_verdict_right), (Some("air_flow"), Some(false)));
+        assert_eq!(
+            (score.verdict, score.magnitude, score.magnitude_true),
+            (Some("t2_offset"), Some(1.25), Some(1.5))
+        );
+        assert_eq!((score.onset_error_s, score.magnitude_unit), (Some(0.1), Some("degC")));
+    }
+
+    #[test]
+    fn an_alarm_outside_the_fault_is_no_detection() {
+        let score = scored(|tick| {
+            (!(10..30).contains(&tick), Some(finding(FaultClass::T2Offset, 1.0)).filter(|_| tick >= 30))
+        });
+        assert_eq!((score.score.detected_s, score.score.indicated_duration_s), (None, None));
+        assert_eq!((score.verdict, score.magnitude, score.first_verdict_right), (None, None, None));
+        assert_eq!(score.score.isolated_share, Some(0.0));
+    }
+}

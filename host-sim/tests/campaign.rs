@@ -1,0 +1,160 @@
+//! `host-sim campaign` as a user calls it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const SMALL: &str = r#"
+seeds_from = 500
+[[cell]]
+name = "fault/afs2"
+runs = 3
+phase = 60.0
+sizes = [1.5, -1.5]
+fault = [{ do = "offset", sensor = "t2", at = 400.0, for = 10.0 }]
+[[cell]]
+name = "silence/ramp"
+runs = 3
+action = [{ at = 400.0, setpoint = 38.0, over = 10.0 }]
+[[target]]
+cells = "fault/afs2 1.5"
+measure = "first-right"
+by = "signature"
+at_least = 50.0
+[[target]]
+cells = "silence/*"
+measure = "runs-with-alarm"
+at_most = 0.0
+"#;
+
+fn campaign(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_host-sim")).arg("campaign").args(args).output().expect("host-sim runs")
+}
+
+fn succeeds(args: &[&str]) -> String {
+    let output = campaign(args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn fails(args: &[&str]) -> String {
+    let output = campaign(args);
+    assert_eq!(output.status.code(), Some(2), "{args:?}: {}", String::from_utf8_lossy(&output.stdout));
+    String::from_utf8(output.stderr).unwrap()
+}
+
+/// A fresh folder of this test's own, with the definition in it.
+fn folder(name: &str, definition: &str) -> (PathBuf, String) {
+    let dir = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("campaign-{name}"));
+    let _ = std::fs::remove_dir_all(&dir);
+    std::fs::create_dir_all(&dir).expect("folder");
+    let file = dir.join("campaign.toml");
+    std::fs::write(&file, definition).expect("definition");
+    (dir, file.to_str().unwrap().into())
+}
+
+fn results(dir: &Path) -> Vec<Vec<u8>> {
+    ["campaign.json", "cells.csv", "runs.csv"].map(|name| std::fs::read(dir.join(name)).expect(name)).into()
+}
+
+#[test]
+fn threads_shards_and_interruptions_change_no_byte() {
+    let (dir, file) = folder("same", SMALL);
+    let [one, two, part, merged] = ["one", "two", "part", "merged"].map(|name| dir.join(name));
+    let path = |dir: &Path| dir.to_str().unwrap().to_owned();
+    let table = succeeds(&[&file, "--threads", "1", "--out", &path(&one)]);
+    assert!(table.contains("fault/afs2 1.5") && table.contains("silence/ramp"), "{table}");
+
+    // Interrupted in the middle of a line, and gone on with by more threads.
+    std::fs::create_dir_all(&two).unwrap();
+    let whole = std::fs::read(one.join("runs.jsonl")).unwrap();
+    let third_line = whole.iter().enumerate().filter(|(_, b)| **b == b'\n').nth(2).unwrap().0;
+    std::fs::write(two.join("runs.jsonl"), &whole[..third_line + 40]).unwrap();
+    succeeds(&[&file, "--threads", "3", "--out", &path(&two)]);
+    assert_eq!(std::fs::read_to_string(two.join("runs.jsonl")).unwrap().lines().count(), 10);
+
+    for shard in ["1/2", "2/2"] {
+        succeeds(&[&file, "--shard", shard, "--out", &path(&part)]);
+    }
+    let parts = ["runs.1-of-2.jsonl", "runs.2-of-2.jsonl"].map(|name| path(&part.join(name)));
+    let error = fails(&["merge", &parts[0], "--out", &path(&merged)]);
+    assert!(error.contains("of 9 runs are there"), "{error}");
+    let again = succeeds(&["merge", &parts[1], &parts[0], "--out", &path(&merged)]);
+    let numbers = |text: &str| text.split("\nWritten").next().unwrap().to_owned();
+    assert_eq!(numbers(&again), numbers(&table));
+    for other in [&two, &merged] {
+        assert!(results(other) == results(&one), "{}", other.display());
+    }
+}
+
+#[test]
+fn results_of_another_definition_are_refused_until_put_away() {
+    let (dir, file) = folder("changed", SMALL);
+    let out = dir.join("out").to_str().unwrap().to_owned();
+    succeeds(&[&file, "--only", "silence", "--out", &out]);
+    std::fs::write(&file, SMALL.replace("setpoint = 38.0", "setpoint = 39.0")).unwrap();
+    let error = fails(&[&file, "--only", "silence", "--out", &out]);
+    assert!(error.contains("setpoint = 38.0") && error.contains("setpoint = 39.0"), "{error}");
+    assert!(error.contains("runs.jsonl") && error.contains("--fresh"), "{error}");
+    succeeds(&[&file, "--only", "silence", "--out", &out, "--fresh"]);
+}
+
+#[test]
+fn seeds_do_not_depend_on_what_else_is_run() {
+    let (dir, file) = folder("seeds", SMALL);
+    let out = dir.join("out").to_str().unwrap().to_owned();
+    let table =
+        succeeds(&[&file, "--only", "silence", "--sweep", "diagnosis.sigma_factor=3,50.0", "--out", &out]);
+    assert!(table.contains("silence/ramp [diagnosis.sigma_factor=50.0]"), "{table}");
+    let runs = std::fs::read_to_string(dir.join("out/runs.csv")).unwrap();
+    let seeds: Vec<&str> = runs.lines().skip(1).map(|line| line.split(',').nth(3).unwrap()).collect();
+    assert_eq!(seeds, ["506", "507", "508", "506", "507", "508"], "after the six of the other cell");
+}
+
+#[test]
+fn a_wrong_definition_names_the_cell_and_the_key() {
+    let cases = [
+        (SMALL.replace("phase", "fase"), vec!["line 6", "fase"]),
+        (SMALL.replace("sensor = \"t2\", ", ""), vec!["fault/afs2", "sensor", "t0, t1 or t2"]),
+        (SMALL.replace("runs = 3", "runs = 0"), vec!["fault/afs2", "runs is 0"]),
+        (SMALL.replace("phase = 60.0", "plants = [\"x\"]"), vec!["fault/afs2", "plants", "\"x\""]),
+        (SMALL.replace("phase = 60.0", "lags = [1.0]"), vec!["fault/afs2", "lags", "as many as"]),
+        (SMALL.replace("phase = 60.0", "config = { pid = { kq = 1 } }"), vec!["fault/afs2", "kq"]),
+        (SMALL.replace("phase = 60.0", "config = { pid = { kp = -1 } }"), vec!["fault/afs2", "pid.kp is -1"]),
+        (SMALL.replace("first-right", "first"), vec!["line", "first-right"]),
+    ];
+    for (i, (text, words)) in cases.into_iter().enumerate() {
+        let (dir, file) = folder(&format!("wrong-{i}"), &text);
+        let error = fails(&[&file, "--out", dir.join("out").to_str().unwrap()]);
+        assert!(words.iter().all(|word| error.contains(word)), "{words:?}: {error}");
+    }
+    let (_, file) = folder("wrong-sweep", SMALL);
+    for (sweep, word) in [("diagnosis.sigma=1", "sigma"), ("nothing", "key=value"), ("pid.kp=x", "key=value")]
+    {
+        let error = fails(&[&file, "--sweep", sweep]);
+        assert!(error.contains(word), "{error}");
+    }
+}
+
+#[test]
+fn the_printed_default_is_the_default() {
+    let printed = succeeds(&["define"]);
+    assert!(printed.contains("Seeds 1 to 99999 are for tuning"));
+    let (dir, file) = folder("default", &printed);
+    let run = |args: &[&str], out: &Path| {
+        let common = ["--only", "silence/start-up", "--scale", "0.01", "--out", out.to_str().unwrap()];
+        succeeds(&[args, &common].concat());
+        results(out)
+    };
+    assert!(run(&[], &dir.join("a")) == run(&[&file], &dir.join("b")));
+}
+
+#[test]
+fn one_run_can_be_looked_at() {
+    let (dir, file) = folder("show", SMALL);
+    let out = dir.join("run");
+    succeeds(&["show", "fault/afs2 1.5", &file, "--run", "2", "--out", out.to_str().unwrap()]);
+    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    assert!(summary.contains("\"seed\": 502"), "{summary}");
+    let error = fails(&["show", "afs2", &file]);
+    assert!(error.contains("fault/afs2 -1.5"), "{error}");
+}

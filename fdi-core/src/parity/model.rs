@@ -38,6 +38,13 @@ impl<const NA: usize, const NB: usize> Model<NA, NB> {
         self.b.iter().sum::<f32>() / (1.0 + self.a.iter().sum::<f32>())
     }
 
+    /// Mean residence time in ticks, half a tick of holding included: with the input named u\[k\] one tick old.
+    pub(super) fn residence(&self) -> f32 {
+        let weighted = |x: &[f32]| x.iter().enumerate().map(|(i, x)| (i + 1) as f32 * x).sum::<f32>();
+        let (a, b) = (1.0 + self.a.iter().sum::<f32>(), self.b.iter().sum::<f32>());
+        weighted(&self.b) / b - weighted(&self.a) / a
+    }
+
     /// The output that follows from the past.
     #[inline]
     pub(super) fn output(&self, s: &Simulation<NA, NB>) -> f32 {

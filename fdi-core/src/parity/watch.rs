@@ -4,7 +4,7 @@
 //! bank starts anew whenever all fast charts are near zero, so that when one fires, it has gathered since the onset.
 
 use super::alarm::{Alarm, Rules};
-use super::bank::{Bank, Filters, Moment};
+use super::bank::{Bank, Briskness, Filters, Moment};
 use super::chart::{Chart, Sums};
 use super::fit::NA;
 use super::hypothesis::Weighed;
@@ -48,6 +48,7 @@ pub(super) struct Watch {
 pub(super) struct WatchState {
     trained: Trained,
     lead: usize,
+    brisk: Briskness,
     /// Means of the residuals of y1, y2 and y2 from y1, degC.
     mean: [f32; 3],
     past: [Past; 3],
@@ -100,6 +101,7 @@ impl Watch {
     pub(super) fn start(&self, trained: Trained, tick: u32) -> WatchState {
         WatchState {
             lead: trained.models.lead(),
+            brisk: Briskness::new(&trained.models),
             mean: trained.normal.map(|normal| normal.mean),
             past: Default::default(),
             past_clipped: Default::default(),
@@ -219,12 +221,13 @@ impl Watch {
             let moment = Moment {
                 models: &s.trained.models,
                 normal: &s.trained.normal,
+                brisk: s.brisk,
                 lead: s.lead,
                 z: now.z,
                 weight: 1.0 / ((1.0 + widest) * (1.0 + widest)),
                 power: &now.power,
                 expected: [now.expected[0] + s.mean[0], now.expected[1] + s.mean[1]],
-                y1_before: now.y1_before + s.mean[0],
+                expected_before: now.y1_before + s.mean[0],
                 measured_before: now.measured_before,
             };
             self.filters.step(&mut s.bank, &moment);

@@ -1,6 +1,7 @@
 //! What is normal: mean and standard deviation of each feature over fault-free operation, and the thresholds from them.
 
 use super::residual::RESIDUALS;
+use super::root::sqrt;
 
 /// Running mean and variance of `M` signals by Welford's recurrence, which subtracts no large sums.
 ///
@@ -49,7 +50,7 @@ impl<const M: usize> Statistics<M> {
     /// Standard deviation of each signal (divisor n); zero before the second sample.
     pub fn sigma(&self) -> [f32; M] {
         let n = self.count.max(1) as f32;
-        core::array::from_fn(|i| libm::sqrtf((self.m2[i] / n).max(0.0)))
+        core::array::from_fn(|i| sqrt(self.m2[i] / n))
     }
 }
 

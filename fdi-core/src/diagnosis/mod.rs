@@ -3,6 +3,7 @@
 pub mod baseline;
 pub mod event;
 pub mod residual;
+mod root;
 pub mod signature;
 
 use crate::config::Config;
@@ -14,8 +15,8 @@ use crate::supervisor::Mode;
 use crate::units::{Percent, Seconds};
 use baseline::{Baseline, Learner};
 use event::{EventRules, EventState, Events};
-use residual::{RESIDUALS, features};
-use signature::{PAPER_DETECTION, PAPER_ISOLATION, Rows, Symptoms, look_up, symptoms};
+use residual::{FIRST_DECISIVE, RESIDUALS, features};
+use signature::{PAPER_DETECTION, PAPER_ISOLATION, Rows, Symptoms, Table, symptoms};
 
 /// Settings of the residuals, their thresholds and the signatures.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,8 +60,8 @@ pub struct Diagnosis {
     ms2: Observer,
     low_pass: LowPass,
     sigma_factor: f32,
-    detection: Rows,
-    isolation: Rows,
+    detection: Table,
+    isolation: Table,
     events: EventRules,
 }
 
@@ -139,8 +140,8 @@ impl Diagnosis {
             ms2: Observer::new(identification, None, config.sample_time)?,
             low_pass: LowPass::new(c.filter_cutoff, config.sample_time),
             sigma_factor: c.sigma_factor,
-            detection: c.detection.clone(),
-            isolation: c.isolation.clone(),
+            detection: Table::new(&c.detection),
+            isolation: Table::new(&c.isolation),
             events: EventRules {
                 onset_window: c.onset_window.ticks(config.sample_time),
                 clear_ticks: c.clear_time.ticks(config.sample_time),
@@ -168,38 +169,38 @@ impl Diagnosis {
         let heating = tick.mode.is_heating();
         let t0 = tick.sample.t0.good();
         let rise = |reading: Option<f32>| Some(reading? - t0?);
-        let (y1, y2) = (rise(tick.sample.t1.good()), rise(tick.sample.t2.good()));
-        let ms1 = self.ms1.step(&mut state.ms1, y1.filter(|_| heating), applied);
-        let ms2 = self.ms2.step(&mut state.ms2, y2.filter(|_| heating), applied);
-        let raw = features(y1, y2, applied, &ms1, &ms2).filter(|_| heating);
-        let filtered = raw.map(|raw| self.low_pass.step(&mut state.filters, &raw));
-
-        self.follow_mode(state, tick.mode);
-        if let (Some(raw), Some(filtered), true) = (&raw, &filtered, tick.learn) {
-            state.learner.push(raw, filtered);
-        }
         let mut report = Report {
             tick: tick.index,
-            y1,
-            y2,
-            ms1,
-            ms2,
-            features: raw,
-            features_filtered: filtered,
-            learned: state.learner.count(),
+            y1: rise(tick.sample.t1.good()),
+            y2: rise(tick.sample.t2.good()),
             ..Report::default()
         };
-        let reference = state.baseline.as_ref().filter(|_| tick.mode == Mode::Monitor);
-        if let (Some(raw), Some(filtered), Some(baseline)) = (&raw, &filtered, reference) {
-            let verdict = self.judge(filtered, &baseline.filtered);
-            report.residuals = Some(subtract(raw, &baseline.raw.mean));
-            report.residuals_filtered = Some(subtract(filtered, &baseline.raw.mean));
-            report.filtered = Some(verdict);
-            report.raw = Some(self.judge(raw, &baseline.raw));
-            report.events =
-                self.events.step(&mut state.events, tick.index, &verdict.symptoms, verdict.fdv, verdict.fiv);
+        report.ms1 = self.ms1.step(&mut state.ms1, report.y1.filter(|_| heating), applied);
+        report.ms2 = self.ms2.step(&mut state.ms2, report.y2.filter(|_| heating), applied);
+        if heating && let Some(raw) = features(report.y1, report.y2, applied, &report.ms1, &report.ms2) {
+            report.features = Some(raw);
+            report.features_filtered = Some(self.low_pass.step(&mut state.filters, &raw));
         }
+        self.follow_mode(state, tick.mode);
+        self.learn_or_judge(state, tick, &mut report);
+        report.learned = state.learner.count();
         report
+    }
+
+    /// Puts complete features to their use: they are normal, or they are compared with what is.
+    fn learn_or_judge(&self, state: &mut DiagnosisState, tick: &Tick, report: &mut Report) {
+        let (Some(raw), Some(filtered)) = (&report.features, &report.features_filtered) else { return };
+        if tick.learn {
+            state.learner.push(raw, filtered);
+        }
+        let Some(baseline) = state.baseline.as_ref().filter(|_| tick.mode == Mode::Monitor) else { return };
+        let verdict = self.judge(filtered, &baseline.filtered);
+        report.residuals = Some(subtract(raw, &baseline.raw.mean));
+        report.residuals_filtered = Some(subtract(filtered, &baseline.raw.mean));
+        report.filtered = Some(verdict);
+        report.raw = Some(self.judge(raw, &baseline.raw));
+        report.events =
+            self.events.step(&mut state.events, tick.index, &verdict.symptoms, verdict.fdv, verdict.fiv);
     }
 
     /// Learning starts afresh whenever it is entered; the baseline stands once monitoring begins.
@@ -223,11 +224,7 @@ impl Diagnosis {
 
     fn judge(&self, features: &[f32; RESIDUALS], normal: &baseline::Normal) -> Verdict {
         let symptoms = symptoms(features, normal, self.sigma_factor);
-        Verdict {
-            symptoms,
-            fdv: look_up(&self.detection, &symptoms),
-            fiv: look_up(&self.isolation, &symptoms),
-        }
+        Verdict { symptoms, fdv: self.detection.look_up(&symptoms), fiv: self.isolation.look_up(&symptoms) }
     }
 
     /// What was learnt, once monitoring has begun.
@@ -236,8 +233,7 @@ impl Diagnosis {
     }
 }
 
-/// Residuals: features minus nominal means. The first two are residuals as they are.
+/// Residuals: features minus nominal means. Those that are only shown are residuals as they are.
 fn subtract(features: &[f32; RESIDUALS], mean: &[f32; RESIDUALS]) -> [f32; RESIDUALS] {
-    let shown = [residual::Residual::Ry1 as usize, residual::Residual::Ry2 as usize];
-    core::array::from_fn(|i| if shown.contains(&i) { features[i] } else { features[i] - mean[i] })
+    core::array::from_fn(|i| if i < FIRST_DECISIVE { features[i] } else { features[i] - mean[i] })
 }

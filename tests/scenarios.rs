@@ -2,7 +2,7 @@
 
 use fdi_core::control::{Controller, ControllerState};
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::{Command, Config, Mode, RawSample, Report, Tick, TripReason};
+use fdi_core::{Command, Config, Instrument, Mode, RawSample, Report, Tick, TripReason};
 use host_sim::experiment::{Backend, Record, run, run_on};
 use host_sim::fault::{Fault, Sensor, Verb};
 use host_sim::repeat::repeat;
@@ -257,6 +257,28 @@ fn a_stale_count_does_not_end_learning() {
     let record = run_on(&mut backend, &config, &scenario, 1);
     let monitor = record.rows.iter().find(|r| r.tick.mode == Mode::Monitor).unwrap();
     assert!((360.0..361.0).contains(&record.time(monitor.tick.index)));
+}
+
+/// A baseline from an earlier life: monitoring begins once in regulation, with the thresholds as they were.
+#[test]
+fn a_restored_baseline_spares_the_learning() {
+    let config = Config::default();
+    let learnt = run_with(vec![], vec![], 400.0, 1).baseline.unwrap();
+    let mut instrument = Instrument::new(&config).unwrap();
+    instrument.restore(&learnt).unwrap();
+    let faults = vec![fault(Verb::Offset, Some(Sensor::T2), Some(1.5), 60.0, 20.0)];
+    let scenario = Scenario { duration: 120.0, faults, ..Scenario::default() };
+    let record = run_on(&mut instrument, &config, &scenario, 2);
+    let monitor = record.rows.iter().find(|r| r.tick.mode == Mode::Monitor).unwrap();
+    assert!((20.0..40.0).contains(&record.time(monitor.tick.index)));
+    assert_eq!(record.baseline, Some(learnt));
+    let seen = record.rows.iter().find(|r| r.report.filtered.is_some_and(|v| v.fdv != 0)).unwrap();
+    assert!((60.0..63.0).contains(&record.time(seen.tick.index)), "{}", record.time(seen.tick.index));
+
+    let mut nonsense = learnt;
+    nonsense.filtered.sigma[2] = f32::NAN;
+    let error = Instrument::new(&config).unwrap().restore(&nonsense).unwrap_err();
+    assert!(error.to_string().contains("baseline.sigma"), "{error}");
 }
 
 /// The same seed gives the same run; another one does not.

@@ -82,6 +82,18 @@ impl Instrument {
         Ok(())
     }
 
+    /// Takes over a baseline that was learnt in an earlier life: once in regulation, monitoring begins without learning.
+    /// [`Command::Relearn`] puts it aside.
+    ///
+    /// # Errors
+    /// What cannot have been learnt; nothing has changed then.
+    pub fn restore(&mut self, baseline: &Baseline) -> Result<(), ConfigError> {
+        baseline.validate()?;
+        self.diagnosis.restore(&mut self.diagnosis_state, baseline);
+        self.controller.restored(&mut self.control_state);
+        Ok(())
+    }
+
     /// What was learnt, once monitoring has begun.
     pub fn baseline(&self) -> Option<&Baseline> {
         self.diagnosis.baseline(&self.diagnosis_state)

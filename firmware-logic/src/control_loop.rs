@@ -112,6 +112,11 @@ impl ControlLoop {
         Self { controller, state, interlock, driving: false, applied: Percent(0.0) }
     }
 
+    /// Hears that the other half has a baseline from an earlier life.
+    pub fn restored(&mut self) {
+        self.controller.restored(&mut self.state);
+    }
+
     /// One tick. `learned` is what the other half last reported.
     pub fn tick(
         &mut self,

@@ -117,6 +117,8 @@ fn a_new_set_point_also_reaches_the_running_loop() {
     let mut board = Mock::default();
     assert_eq!(answer(&mut board, "set setpoint 40"), "setpoint = 40 degC\n");
     assert_eq!(board.asked, ["SetPoint(Celsius(40.0))"]);
+    assert_eq!(answer(&mut board, "defaults"), "ok\n");
+    assert_eq!(board.asked.pop().as_deref(), Some("SetPoint(Celsius(35.0))"));
     assert_eq!(answer(&mut board, "set setpoint 99"), "error: setpoint is 99, expected 20 to 65\n");
     assert_eq!(board.asked.len(), 1, "what is refused reaches nothing");
 }

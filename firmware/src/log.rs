@@ -3,6 +3,7 @@
 
 use core::fmt::{Arguments, Write};
 
+use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::event::Event;
 use fdi_core::{Command, Config};
 use firmware_logic::control_loop::Outcome;
@@ -62,6 +63,24 @@ pub(crate) fn settings(config: &Config) {
     }
 }
 
+/// A baseline that was restored, with its bits, so that a replay can begin with it.
+pub(crate) fn baseline(baseline: &Baseline) {
+    defmt::info!("baseline samples {=u32}", baseline.samples);
+    let rows = [
+        ("raw.mean", &baseline.raw.mean),
+        ("raw.sigma", &baseline.raw.sigma),
+        ("filtered.mean", &baseline.filtered.mean),
+        ("filtered.sigma", &baseline.filtered.sigma),
+    ];
+    for (name, values) in rows {
+        let mut words = text(format_args!("{name}"));
+        for value in values {
+            let _ = write!(words, " {:x}", value.to_bits());
+        }
+        defmt::info!("baseline {=str}", words);
+    }
+}
+
 /// What became of an order before a tick.
 pub(crate) fn outcome(tick: u32, outcome: &Outcome) {
     if let Err(denial) = outcome.result {
@@ -109,7 +128,7 @@ pub(crate) fn status(status: &Status) {
         hundredths(tick.sample.t2.celsius.0),
         hundredths(tick.setpoint.0),
         hundredths(beat.applied.0),
-        report.ms1.static_gain.map_or(f32::NAN, |g| hundredths(10.0 * g) / 10.0),
+        report.ms1.static_gain.map_or(f32::NAN, |g| (g * 1000.0) as i32 as f32 / 1000.0),
         report.ms1.bandwidth.map_or(f32::NAN, hundredths),
         vectors.0,
         vectors.1,

@@ -19,5 +19,11 @@ mod tasks;
 /// Prints the default settings: name, value, unit, and the bounds that the core puts on each.
 #[cfg(not(target_os = "none"))]
 fn main() {
-    firmware_logic::settings::listing::lines().for_each(|line| println!("{line}"));
+    use std::io::Write;
+    let mut out = std::io::stdout().lock();
+    for line in firmware_logic::settings::listing::lines() {
+        if writeln!(out, "{line}").is_err() {
+            break; // whoever reads it has had enough
+        }
+    }
 }

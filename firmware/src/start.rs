@@ -48,6 +48,7 @@ fn start(spawner: Spawner) {
     let (settings, origin) = block_on(store.load());
     let config = settings.config.clone();
     log::banner(clock, cause, left.as_ref(), &origin, &config);
+    let baseline = settings.baseline.filter(|baseline| baseline.validate().is_ok());
     let (controller, diagnosis) = halves(&config);
 
     tick_timer::start(board.tick_timer);
@@ -55,7 +56,11 @@ fn start(spawner: Spawner) {
     let thermistors = Thermistors::new(board.adc, board.thermistors);
     let (orders_in, orders_out) = link::orders();
     let (beats_out, beats_in) = link::beats();
-    let control = ControlLoop::new(controller, config.setpoint, interlock);
+    let mut control = ControlLoop::new(controller, config.setpoint, interlock);
+    if let Some(baseline) = &baseline {
+        log::baseline(baseline);
+        control.restored();
+    }
 
     static INSTRUMENT: StaticCell<Instrument> = StaticCell::new();
     let instrument: &'static Instrument = INSTRUMENT.init(Instrument::new(settings, orders_in));
@@ -64,7 +69,7 @@ fn start(spawner: Spawner) {
 
     let spawned = tasks::control::control(control, heater, thermistors, beats_in, orders_out);
     control_executor::start().spawn(once(spawned));
-    spawner.spawn(once(tasks::diagnosis::diagnosis(diagnosis, beats_out, instrument)));
+    spawner.spawn(once(tasks::diagnosis::diagnosis(diagnosis, baseline, beats_out, instrument)));
     spawner.spawn(once(tasks::status::status(instrument)));
     spawner.spawn(once(tasks::panel::panel(panel, instrument)));
     if let Some((tx, rx)) = port {

@@ -206,7 +206,7 @@ pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, 
 }
 
 /// The true fault at a time.
-fn truth(faults: &[Fault], t: f64) -> u8 {
+pub fn truth(faults: &[Fault], t: f64) -> u8 {
     let active = faults.iter().filter(|f| f.is_active(t));
     active.max_by(|a, b| a.at.total_cmp(&b.at)).map_or(0, Fault::truth)
 }

@@ -38,7 +38,10 @@ pub fn tell(record: &Record, dir: &Path) -> anyhow::Result<()> {
 }
 
 /// Writes trace, summary, figures and report.
-fn write_files(record: &Record, summary: &Summary, dir: &Path) -> anyhow::Result<()> {
+///
+/// # Errors
+/// The folder or file that can't be written.
+pub fn write_files(record: &Record, summary: &Summary, dir: &Path) -> anyhow::Result<()> {
     fs::create_dir_all(dir).with_context(|| format!("can't make the folder {}", dir.display()))?;
     let write = |name: &str, content: &dyn Fn(&mut BufWriter<File>) -> anyhow::Result<()>| {
         let path = dir.join(name);

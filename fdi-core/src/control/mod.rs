@@ -178,6 +178,11 @@ impl Controller {
         }
     }
 
+    /// Hears that the second half has a baseline from an earlier life: no need to learn one.
+    pub fn restored(&self, state: &mut ControllerState) {
+        self.supervisor.restored(&mut state.supervisor);
+    }
+
     /// Hears from the second half how many samples the baseline has.
     pub fn heard(&self, state: &mut ControllerState, learned: u32) {
         state.learned = learned;

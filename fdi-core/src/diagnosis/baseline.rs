@@ -2,6 +2,7 @@
 
 use super::residual::RESIDUALS;
 use super::root::sqrt;
+use crate::error::{ConfigError, in_range};
 
 /// Running mean and variance of `M` signals by Welford's recurrence, which subtracts no large sums.
 ///
@@ -83,6 +84,24 @@ pub struct Baseline {
     /// Features after the low-pass filter.
     pub filtered: Normal,
 }
+
+impl Baseline {
+    /// Checks a baseline that comes from outside, such as from flash.
+    ///
+    /// # Errors
+    /// The part that cannot have been learnt.
+    pub fn validate(&self) -> Result<(), ConfigError> {
+        in_range("baseline.samples", self.samples as f32, MIN_SAMPLES, f32::MAX)?;
+        for normal in [&self.raw, &self.filtered] {
+            normal.mean.iter().try_for_each(|&mean| in_range("baseline.mean", mean, -1e6, 1e6))?;
+            normal.sigma.iter().try_for_each(|&sigma| in_range("baseline.sigma", sigma, 0.0, 1e6))?;
+        }
+        Ok(())
+    }
+}
+
+/// Fewer samples give no standard deviation worth a threshold.
+pub(crate) const MIN_SAMPLES: f32 = 100.0;
 
 /// Learns a [`Baseline`].
 #[derive(Clone, Copy, Debug, Default)]

@@ -214,7 +214,9 @@ impl Diagnosis {
                 state.baseline = None;
             }
             Mode::Monitor => {
-                state.baseline = Some(state.learner.baseline());
+                if matches!(state.mode, Mode::Learn { .. }) {
+                    state.baseline = Some(state.learner.baseline());
+                }
                 state.events = EventState::default();
             }
             Mode::Off | Mode::Settle { .. } | Mode::Tripped(_) => {}
@@ -225,6 +227,11 @@ impl Diagnosis {
     fn judge(&self, features: &[f32; RESIDUALS], normal: &baseline::Normal) -> Verdict {
         let symptoms = symptoms(features, normal, self.sigma_factor);
         Verdict { symptoms, fdv: self.detection.look_up(&symptoms), fiv: self.isolation.look_up(&symptoms) }
+    }
+
+    /// Takes over what was learnt in an earlier life; it has been checked with [`Baseline::validate`].
+    pub fn restore(&self, state: &mut DiagnosisState, baseline: &Baseline) {
+        state.baseline = Some(*baseline);
     }
 
     /// What was learnt, once monitoring has begun.

@@ -9,6 +9,7 @@
 //!    └──── Acknowledge ── Tripped ◀── T1 lost, over-temperature: from any heating mode, in the same tick
 //! ```
 //!
+//! With a baseline from an earlier life (see `restored`), settling ends in Monitor, without Learn and without its clock.
 //! A trip latches with its reason and the values seen, and is left only by an acknowledgement after its cause has gone.
 
 mod mode;
@@ -16,6 +17,7 @@ mod mode;
 pub use mode::{Blocker, Command, Mode, Refusal, Trip, TripReason};
 
 use crate::config::Config;
+use crate::diagnosis::baseline::MIN_SAMPLES;
 use crate::error::{ConfigError, above, in_range};
 use crate::sense::{RawSample, Sample, Validity};
 use crate::units::{Celsius, Percent, Seconds};
@@ -122,6 +124,8 @@ pub struct SupervisorState {
     setpoint: Celsius,
     /// What would trip now, whatever the mode.
     hazard: Option<TripReason>,
+    /// A baseline from an earlier life is there.
+    restored: bool,
 }
 
 impl Supervisor {
@@ -133,8 +137,7 @@ impl Supervisor {
         let c = &config.supervisor;
         in_range("supervisor.learn_start", c.learn_start.0, 0.0, 86400.0)?;
         in_range("supervisor.learn_end", c.learn_end.0, 0.0, 86400.0)?;
-        // A standard deviation from fewer than a hundred samples is no threshold.
-        let shortest = c.learn_start.0 + 100.0 * config.sample_time.0;
+        let shortest = c.learn_start.0 + MIN_SAMPLES * config.sample_time.0;
         above("supervisor.learn_end", c.learn_end.0, "supervisor.learn_start + 100 samples", shortest)?;
         in_range("supervisor.regulation_band", c.regulation_band.0, 0.1, 100.0)?;
         in_range("supervisor.regulation_time", c.regulation_time.0, 0.0, 3600.0)?;
@@ -182,7 +185,7 @@ impl Supervisor {
         let moved = core::mem::replace(&mut state.setpoint, now.setpoint) != now.setpoint;
         let blocker = self.blocker(now, moved);
 
-        let due = state.elapsed > self.learn_start;
+        let due = state.elapsed > self.learn_start || state.restored;
         state.mode = match (state.mode, state.hazard) {
             (mode, Some(reason)) if mode.is_heating() => Mode::Tripped(Trip {
                 reason,
@@ -191,7 +194,7 @@ impl Supervisor {
                 sample: now.sample,
                 setpoint: now.setpoint,
             }),
-            (Mode::Settle { steady }, _) => self.settle(steady, blocker, due),
+            (Mode::Settle { steady }, _) => self.settle(steady, blocker, due, state.restored),
             (Mode::Learn { accepted }, _) => self.learn(accepted, now.learned, blocker),
             (mode, _) => mode,
         };
@@ -204,8 +207,9 @@ impl Supervisor {
         Decision { mode: state.mode, learn: learning && blocker.is_none(), blocked }
     }
 
-    fn settle(&self, steady: u32, blocker: Option<Blocker>, due: bool) -> Mode {
+    fn settle(&self, steady: u32, blocker: Option<Blocker>, due: bool, restored: bool) -> Mode {
         match blocker {
+            None if restored && steady >= self.steady_ticks => Mode::Monitor,
             None if due && steady >= self.steady_ticks => Mode::Learn { accepted: 1 },
             None => Mode::Settle { steady: steady.saturating_add(1) },
             Some(Blocker::InvalidSample) => Mode::Settle { steady },
@@ -271,6 +275,11 @@ impl Supervisor {
         }
     }
 
+    /// Hears that the diagnosis has a baseline from an earlier life.
+    pub fn restored(&self, state: &mut SupervisorState) {
+        state.restored = true;
+    }
+
     /// Carries out a command on the mode.
     ///
     /// # Errors
@@ -284,6 +293,7 @@ impl Supervisor {
                 return Err(Refusal::CausePersists(reason));
             }
             (Command::Relearn, Mode::Settle { .. } | Mode::Learn { .. } | Mode::Monitor, _) => {
+                state.restored = false;
                 Mode::Settle { steady: 0 }
             }
             (Command::Stop, Mode::Tripped(trip), _) => Mode::Tripped(trip),

@@ -105,9 +105,7 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         Request::Get { name } => get(name, &board.config(), out),
         Request::Set { name, value } => set(name, value, board, out).await,
         Request::Save => done(out, board.save().await),
-        Request::Defaults => {
-            done(out, board.apply(&Config::default()).await.as_ref().map_err(Explained).copied())
-        }
+        Request::Defaults => defaults(board, out).await,
         Request::Arm => done(out, board.command(Command::Arm).await),
         Request::Stop => {
             board.stop();
@@ -153,6 +151,14 @@ async fn set(name: &str, value: &str, board: &mut impl Board, out: &mut dyn Writ
         return fail(out, &error);
     }
     let _ = writeln!(out, "{resolved} = {}", resolved.value(&config));
+}
+
+async fn defaults(board: &mut impl Board, out: &mut dyn Write) {
+    let config = Config::default();
+    if let Err(error) = board.apply(&config).await {
+        return fail(out, &Explained(&error));
+    }
+    done(out, board.command(Command::SetPoint(config.setpoint)).await);
 }
 
 fn baseline(baseline: Option<Baseline>, out: &mut dyn Write) {

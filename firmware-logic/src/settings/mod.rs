@@ -4,3 +4,4 @@ pub mod listing;
 pub mod schema;
 pub mod store;
 pub mod stored;
+pub mod table;

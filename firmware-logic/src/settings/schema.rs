@@ -3,10 +3,11 @@
 use core::fmt;
 
 use fdi_core::Config;
-use fdi_core::diagnosis::signature::{MAX_ROWS, Pattern, PatternError, Rows, Signature};
+use fdi_core::diagnosis::signature::{MAX_ROWS, PatternError};
 use fdi_core::identify::observer::Bandwidth;
 use fdi_core::identify::rls::Adaptation;
 
+use super::table::{Table, set_row};
 use crate::decimal::{self, Short};
 
 /// Where a setting lies within a configuration.
@@ -153,37 +154,6 @@ const fn ids_differ() -> bool {
         i += 1;
     }
     true
-}
-
-/// A table of signatures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Table {
-    /// fdv.
-    Detection,
-    /// fiv.
-    Isolation,
-}
-
-impl Table {
-    /// Both, with the beginning of the names of their rows.
-    const ALL: [(Self, &'static str); 2] =
-        [(Self::Detection, "diagnosis.detection."), (Self::Isolation, "diagnosis.isolation.")];
-
-    /// Its rows.
-    pub fn rows(self, config: &Config) -> &Rows {
-        match self {
-            Self::Detection => &config.diagnosis.detection,
-            Self::Isolation => &config.diagnosis.isolation,
-        }
-    }
-
-    /// Its rows, to be changed.
-    pub fn rows_mut(self, config: &mut Config) -> &mut Rows {
-        match self {
-            Self::Detection => &mut config.diagnosis.detection,
-            Self::Isolation => &mut config.diagnosis.isolation,
-        }
-    }
 }
 
 /// The name of a setting, resolved.
@@ -375,27 +345,4 @@ fn adaptation(text: &str) -> Option<Adaptation> {
         _ => return None,
     };
     words.next().is_none().then_some(adaptation)
-}
-
-/// Writes, adds or (with `none`) takes away a row.
-fn set_row<'a>(rows: &mut Rows, row: usize, name: &'a str, text: &'a str) -> Result<(), SetError<'a>> {
-    let count = rows.len();
-    if text == "none" && row < count {
-        rows.remove(row);
-        return Ok(());
-    }
-    let wrong = SetError::Value { name, given: text, expected: "NUMBER and five of -1 0 +1 x, or none" };
-    let (number, pattern) = text.split_once(' ').ok_or(wrong)?;
-    let number: u8 = number.parse().map_err(|_| wrong)?;
-    let pattern: Pattern = pattern.parse().map_err(|error| SetError::Pattern { name, error })?;
-    let signature = Signature { number, pattern };
-    match rows.get_mut(row) {
-        Some(place) => *place = signature,
-        None if row == count => {
-            // There is room: a row beyond the last possible one has no name.
-            let _ = rows.push(signature);
-        }
-        None => return Err(SetError::Gap { name, rows: count }),
-    }
-    Ok(())
 }

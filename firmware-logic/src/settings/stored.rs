@@ -17,7 +17,8 @@ use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::signature::{Cell, Pattern, Rows, Signature, Symptom};
 use fdi_core::{Config, ConfigError};
 
-use super::schema::{ENTRIES, Table};
+use super::schema::ENTRIES;
+use super::table::Table;
 use crate::crc::crc32;
 use crate::explain::Explained;
 

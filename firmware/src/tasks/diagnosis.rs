@@ -2,6 +2,7 @@
 
 use core::sync::atomic::Ordering;
 
+use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::{Mode, Report};
 use firmware_logic::checkin::Task;
@@ -18,8 +19,16 @@ use crate::log;
 
 /// The diagnosis half of the instrument.
 #[embassy_executor::task]
-pub(crate) async fn diagnosis(mut diagnosis: Diagnosis, mut beats: Beats, instrument: &'static Instrument) {
+pub(crate) async fn diagnosis(
+    mut diagnosis: Diagnosis,
+    restored: Option<Baseline>,
+    mut beats: Beats,
+    instrument: &'static Instrument,
+) {
     let mut state = diagnosis.start();
+    if let Some(baseline) = &restored {
+        diagnosis.restore(&mut state, baseline);
+    }
     let mut changes = Changes { mode: Mode::Off, hold: None };
     loop {
         let beat = beats.next().await;

@@ -1,6 +1,7 @@
 //! The log of a board as text: the record of each tick, orders, settings, holds. Everything else is passed over.
 
 use anyhow::{Context, bail, ensure};
+use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Celsius, Command, Config, Report, Tick};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::control_loop::Beat;
@@ -14,6 +15,8 @@ enum Line {
     Tick(Box<Record>),
     Order(u32, Option<Command>),
     Setting(String, String),
+    /// A part of a baseline that was restored.
+    Baseline(String, Vec<u32>),
     /// The interlock stopped the heater before this tick.
     Hold(u32),
     Boot,
@@ -25,6 +28,7 @@ struct Start {
     config: Config,
     /// Settings told since the last order for some: all that are not at their default. The order comes after them.
     told: Config,
+    baseline: Option<Baseline>,
     records: Vec<Record>,
     orders: Vec<(u32, Order)>,
 }
@@ -68,12 +72,23 @@ pub(super) fn read(text: &str, config: Config) -> anyhow::Result<Recording> {
             said: Said::Bits(Box::new(record)),
         }
     });
-    Ok(Recording { config: start.config, ticks: ticks.collect(), faults: Vec::new(), remarks })
+    Ok(Recording {
+        config: start.config,
+        baseline: start.baseline,
+        ticks: ticks.collect(),
+        faults: Vec::new(),
+        remarks,
+    })
 }
 
 fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
-    let fresh =
-        || Start { config: config.clone(), told: Config::default(), records: Vec::new(), orders: Vec::new() };
+    let fresh = || Start {
+        config: config.clone(),
+        told: Config::default(),
+        baseline: None,
+        records: Vec::new(),
+        orders: Vec::new(),
+    };
     let mut starts = vec![fresh()];
     for (line, number) in text.lines().zip(1..) {
         let parsed = parse(line).with_context(|| format!("line {number}"))?;
@@ -95,10 +110,33 @@ fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
                 let config = if start.records.is_empty() { &mut start.config } else { &mut start.told };
                 set(config, &name, &value).with_context(|| format!("line {number}"))?;
             }
+            Line::Baseline(part, words) => {
+                restore(start.baseline.get_or_insert_default(), &part, &words)
+                    .with_context(|| format!("line {number}"))?;
+            }
             Line::Other => {}
         }
     }
     Ok(starts)
+}
+
+/// Fills in a part of a baseline.
+fn restore(baseline: &mut Baseline, part: &str, words: &[u32]) -> anyhow::Result<()> {
+    let row = match part {
+        "samples" => {
+            baseline.samples = *words.first().context("baseline samples: expected a number")?;
+            return Ok(());
+        }
+        "raw.mean" => &mut baseline.raw.mean,
+        "raw.sigma" => &mut baseline.raw.sigma,
+        "filtered.mean" => &mut baseline.filtered.mean,
+        "filtered.sigma" => &mut baseline.filtered.sigma,
+        _ => bail!("unknown part of a baseline: {part:?}"),
+    };
+    let expected = row.len();
+    ensure!(words.len() == expected, "baseline {part}: {} words, expected {expected}", words.len());
+    row.iter_mut().zip(words).for_each(|(value, word)| *value = f32::from_bits(*word));
+    Ok(())
 }
 
 /// Sets a value as the log writes it: perhaps with a unit behind.
@@ -122,7 +160,7 @@ fn parse(line: &str) -> anyhow::Result<Line> {
     if let Some(rest) = after(line, "tick ") {
         let words: Vec<&str> = rest.split_ascii_whitespace().take(WORDS).collect();
         let hex = |word: &&str| word.len() <= 8 && word.bytes().all(|b| b.is_ascii_hexdigit());
-        if !words.get(..8).is_some_and(|first| first.iter().all(|word| hex(word))) {
+        if !words.get(..8).is_some_and(|first| first.iter().all(hex)) {
             return Ok(Line::Other); // a sentence that speaks of a tick
         }
         return Ok(Line::Tick(Box::new(format!("tick {}", words.join(" ")).parse()?)));
@@ -133,6 +171,13 @@ fn parse(line: &str) -> anyhow::Result<Line> {
     if let Some(rest) = after(line, "setting ") {
         let Some((name, value)) = rest.split_once(" = ") else { return Ok(Line::Other) };
         return Ok(Line::Setting(name.trim().into(), value.trim().into()));
+    }
+    if let Some(rest) = after(line, "baseline ") {
+        let mut words = rest.split_ascii_whitespace();
+        let part = words.next().unwrap_or_default();
+        let radix = if part == "samples" { 10 } else { 16 };
+        let words = words.map_while(|word| u32::from_str_radix(word, radix).ok()).collect();
+        return Ok(Line::Baseline(part.into(), words));
     }
     if let Some(rest) = after(line, "hold ") {
         return Ok(rest
@@ -234,5 +279,28 @@ pub(super) mod tests {
         let late = format!("tick 7 {}", ["0"; WORDS - 1].join(" "));
         let error = format!("{:#}", read(&late, Config::default()).err().unwrap());
         assert!(error.contains("begins at tick 7"), "{error}");
+    }
+
+    #[test]
+    fn a_restored_baseline_is_read_with_its_bits() {
+        let row = |from: u32| {
+            (0..7).map(|i| format!(" {:x}", (from as f32 + i as f32).to_bits())).collect::<String>()
+        };
+        let lines = format!(
+            "[INFO] baseline samples 1636\nbaseline raw.mean{}\nbaseline raw.sigma{}\nbaseline filtered.mean{}\n\
+             baseline filtered.sigma{}\n",
+            row(1),
+            row(10),
+            row(20),
+            row(30)
+        );
+        let recording = read(
+            &format!("{lines}{}", log_of(&Config::default(), 1.0).replace("PT-326 FDI", "")),
+            Config::default(),
+        );
+        let baseline = recording.unwrap().baseline.unwrap();
+        assert_eq!((baseline.samples, baseline.raw.mean[0], baseline.filtered.sigma[6]), (1636, 1.0, 36.0));
+        let error = format!("{:#}", read("baseline raw.mean 1 2\n", Config::default()).err().unwrap());
+        assert!(error.contains("line 1") && error.contains("2 words, expected 7"), "{error}");
     }
 }

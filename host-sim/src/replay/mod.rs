@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, bail};
+use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Command, Config, Instrument, Percent, RawSample, Report, Tick};
 
 use crate::experiment::{Origin, Record, Row, as_written};
@@ -43,6 +44,8 @@ pub struct ReplayArgs {
 struct Recording {
     /// Settings at the start.
     config: Config,
+    /// A baseline that it began with.
+    baseline: Option<Baseline>,
     /// Ticks without a gap, from the first on.
     ticks: Vec<Recorded>,
     /// What was done to the rig, where the recording knows.
@@ -125,6 +128,9 @@ fn read(text: &str, config: Config, seed: u64) -> anyhow::Result<Recording> {
 fn rerun(recording: &Recording, file: &Path) -> anyhow::Result<(Record, Agreement)> {
     let config = &recording.config;
     let mut instrument = Instrument::new(config)?;
+    if let Some(baseline) = &recording.baseline {
+        instrument.restore(baseline)?;
+    }
     let sample_time = as_written(config.sample_time.0);
     let mut rows = Vec::with_capacity(recording.ticks.len());
     let mut agreement = Agreement::default();

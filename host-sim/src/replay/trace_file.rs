@@ -38,7 +38,7 @@ pub(super) fn read(text: &str, config: &Config) -> anyhow::Result<Recording> {
         lines.zip(2..).map(|(line, number)| reader.row(line).with_context(|| format!("line {number}")));
     let ticks = ticks.collect::<anyhow::Result<Vec<Recorded>>>()?;
     let faults = faults(text, as_written(config.sample_time.0));
-    Ok(Recording { config: config.clone(), ticks, faults, remarks: Vec::new() })
+    Ok(Recording { config: config.clone(), baseline: None, ticks, faults, remarks: Vec::new() })
 }
 
 /// The cells of a row that the next one is compared with.

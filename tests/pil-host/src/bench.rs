@@ -45,7 +45,7 @@ fn measure() -> anyhow::Result<Bench> {
     let recording = recording::write()?;
     let image = image::build("cost-image")?;
     let counted = Listing::read(&qemu::run(&image, &recording, &["-icount", "shift=0"])?)?;
-    let intervals = qemu::trace(&image, &recording, |log| trace::intervals(log))?;
+    let intervals = qemu::trace(&image, &recording, trace::intervals)?;
     let mut intervals = intervals.into_iter();
     let mut bench = Bench { prices: Vec::new(), stacks: counted.stacks };
     let mut nothing = Cost::default();

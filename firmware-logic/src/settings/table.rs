@@ -1,0 +1,65 @@
+//! The two signature tables as settings: a row is `NUMBER PATTERN`, such as `1 0 -1 0 +1 0`, or `none`.
+
+use fdi_core::Config;
+use fdi_core::diagnosis::signature::{Pattern, Rows, Signature};
+
+use super::schema::SetError;
+
+/// A table of signatures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Table {
+    /// fdv.
+    Detection,
+    /// fiv.
+    Isolation,
+}
+
+impl Table {
+    /// Both, with the beginning of the names of their rows.
+    pub(super) const ALL: [(Self, &'static str); 2] =
+        [(Self::Detection, "diagnosis.detection."), (Self::Isolation, "diagnosis.isolation.")];
+
+    /// Its rows.
+    pub fn rows(self, config: &Config) -> &Rows {
+        match self {
+            Self::Detection => &config.diagnosis.detection,
+            Self::Isolation => &config.diagnosis.isolation,
+        }
+    }
+
+    /// Its rows, to be changed.
+    pub fn rows_mut(self, config: &mut Config) -> &mut Rows {
+        match self {
+            Self::Detection => &mut config.diagnosis.detection,
+            Self::Isolation => &mut config.diagnosis.isolation,
+        }
+    }
+}
+
+/// Writes, adds or (with `none`) takes away a row.
+pub(super) fn set_row<'a>(
+    rows: &mut Rows,
+    row: usize,
+    name: &'a str,
+    text: &'a str,
+) -> Result<(), SetError<'a>> {
+    let count = rows.len();
+    if text == "none" && row < count {
+        rows.remove(row);
+        return Ok(());
+    }
+    let wrong = SetError::Value { name, given: text, expected: "NUMBER and five of -1 0 +1 x, or none" };
+    let (number, pattern) = text.split_once(' ').ok_or(wrong)?;
+    let number: u8 = number.parse().map_err(|_| wrong)?;
+    let pattern: Pattern = pattern.parse().map_err(|error| SetError::Pattern { name, error })?;
+    let signature = Signature { number, pattern };
+    match rows.get_mut(row) {
+        Some(place) => *place = signature,
+        None if row == count => {
+            // There is room: a row beyond the last possible one has no name.
+            let _ = rows.push(signature);
+        }
+        None => return Err(SetError::Gap { name, rows: count }),
+    }
+    Ok(())
+}

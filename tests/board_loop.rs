@@ -1,0 +1,101 @@
+//! The control loop of the board and the instrument in process are the same thing: same codes, same orders, same bits.
+
+use fdi_core::control::Controller;
+use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
+use fdi_core::{Command, Config, Percent, RawSample, Report, Tick};
+use firmware_logic::cadence::Arrival;
+use firmware_logic::control_loop::{Beat, ControlLoop, Heater, Order};
+use firmware_logic::interlock::{Hold, Interlock};
+use host_sim::experiment::{Backend, run, run_on};
+use host_sim::scenario::Scenario;
+
+/// An output that nothing cuts.
+#[derive(Default)]
+struct Output {
+    enabled: bool,
+}
+
+impl Heater for Output {
+    fn drive(&mut self, _: Percent) {}
+    fn enable(&mut self) {
+        self.enabled = true;
+    }
+    fn disable(&mut self) {
+        self.enabled = false;
+    }
+    fn is_enabled(&self) -> bool {
+        self.enabled
+    }
+    fn break_is_open(&self) -> bool {
+        false
+    }
+    fn cut_by(&self) -> Hold {
+        Hold::BreakInput
+    }
+}
+
+/// The two halves as the firmware runs them: orders wait for the next tick, what was learnt comes back one tick later.
+struct Board {
+    control: ControlLoop,
+    diagnosis: Diagnosis,
+    state: DiagnosisState,
+    output: Output,
+    order: Option<Order>,
+    learned: u32,
+    beat: Option<Beat>,
+}
+
+impl Board {
+    fn new(config: &Config) -> Self {
+        let controller = Controller::new(config).expect("valid");
+        let diagnosis = Diagnosis::new(config).expect("valid");
+        Self {
+            control: ControlLoop::new(controller, config.setpoint, Interlock::default()),
+            state: diagnosis.start(),
+            diagnosis,
+            output: Output::default(),
+            order: None,
+            learned: 0,
+            beat: None,
+        }
+    }
+}
+
+impl Backend for Board {
+    fn control(&mut self, raw: RawSample) -> Tick {
+        let order = self.order.take();
+        let beat = self.control.tick(raw, Arrival::default(), order, self.learned, &mut self.output);
+        let tick = beat.tick;
+        self.beat = Some(beat);
+        tick
+    }
+
+    fn diagnose(&mut self, tick: &Tick) -> Report {
+        let applied = self.beat.take().expect("control came first").applied;
+        let report = self.diagnosis.step(&mut self.state, tick, applied);
+        self.learned = report.learned;
+        report
+    }
+
+    fn command(&mut self, command: Command) -> Result<(), String> {
+        self.order = Some(Order::Command(command));
+        Ok(())
+    }
+
+    fn baseline(&self) -> Option<Baseline> {
+        self.diagnosis.baseline(&self.state).copied()
+    }
+}
+
+#[test]
+fn the_papers_experiment_gives_the_same_bits_on_the_boards_loop() {
+    let (config, scenario) = (Config::default(), Scenario::default());
+    let here = run(&config, &scenario, 1).expect("valid");
+    let board = run_on(&mut Board::new(&config), &config, &scenario, 1);
+    assert_eq!(here.rows.len(), board.rows.len());
+    for (here, board) in here.rows.iter().zip(&board.rows) {
+        assert_eq!((here.tick, &here.report), (board.tick, &board.report));
+    }
+    assert!(here.baseline.is_some() && here.baseline == board.baseline);
+}

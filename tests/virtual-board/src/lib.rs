@@ -1,0 +1,24 @@
+#![doc = include_str!("../README.md")]
+
+pub mod adc;
+pub mod board;
+pub mod chip;
+pub mod clock;
+pub mod closed_loop;
+pub mod cpu;
+pub mod experiment;
+pub mod flash;
+pub mod gpio;
+pub mod image;
+pub mod inject;
+pub mod nvic;
+pub mod recording;
+pub mod registers;
+pub mod rtt;
+pub mod scene;
+pub mod scs;
+pub mod time;
+pub mod timer;
+pub mod twin;
+pub mod usart;
+pub mod watchdog;

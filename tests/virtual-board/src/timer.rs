@@ -1,0 +1,452 @@
+//! TIM1, TIM2 and TIM5: up-counters with compare channels. The counter is not stepped: it follows from the time at which
+//! it was last set. TIM1 also drives the heater's pin, with a break input that no program can overrule.
+
+use crate::registers::{Refusal, bit, field};
+use crate::time::{NEVER, Ps};
+
+const CR1: u32 = 0x00;
+const CR2: u32 = 0x04;
+const SMCR: u32 = 0x08;
+const DIER: u32 = 0x0C;
+const SR: u32 = 0x10;
+const EGR: u32 = 0x14;
+const CCMR1: u32 = 0x18;
+const CCMR2: u32 = 0x1C;
+const CCER: u32 = 0x20;
+const CNT: u32 = 0x24;
+const PSC: u32 = 0x28;
+const ARR: u32 = 0x2C;
+const RCR: u32 = 0x30;
+const CCR1: u32 = 0x34;
+const CCR4: u32 = 0x40;
+const BDTR: u32 = 0x44;
+
+const CEN: u32 = 1;
+const URS: u32 = 1 << 2;
+/// CEN, UDIS, URS and ARPE; one-pulse and down- or centre-counting are not modelled.
+const CR1_BITS: u32 = CEN | 1 << 1 | URS | 1 << 7;
+const UIF: u32 = 1;
+const BIF: u32 = 1 << 7;
+const BKE: u32 = 1 << 12;
+const BKP: u32 = 1 << 13;
+const MOE: u32 = 1 << 15;
+const OSSI: u32 = 1 << 10;
+
+/// Which interrupt lines a timer raises.
+pub struct Lines {
+    /// Update, compare and break, one number for all where the timer has one.
+    pub update: u16,
+    /// Compare.
+    pub compare: u16,
+    /// Break.
+    pub brk: u16,
+}
+
+/// What the timer does to the pin of channel 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Output {
+    /// Nothing drives the pin.
+    Released,
+    /// The pin is driven high for this share of the time.
+    Driven(f64),
+}
+
+/// A timer.
+pub struct Timer {
+    /// Its interrupts.
+    pub lines: Lines,
+    /// What the counter begins with when the program starts it anew: 0 on silicon, else a test of its wrap.
+    pub begins_at: u32,
+    advanced: bool,
+    width: u32,
+    kernel_period: Ps,
+    cr1: u32,
+    cr2: u32,
+    dier: u32,
+    sr: u32,
+    ccmr: [u32; 2],
+    ccer: u32,
+    psc: u32,
+    psc_active: u32,
+    arr: u32,
+    ccr: [u32; 4],
+    /// Compare value of channel 1 in force, which the preload follows at the next update.
+    ccr1_active: u32,
+    bdtr: u32,
+    /// The counter was `base` at `origin`.
+    base: u32,
+    origin: Ps,
+    /// Flags are up to date until here.
+    seen: Ps,
+    break_level: bool,
+}
+
+impl Timer {
+    /// A general-purpose timer of 32 bits.
+    pub fn general(interrupt: u16) -> Self {
+        Self::new(false, Lines { update: interrupt, compare: interrupt, brk: interrupt })
+    }
+
+    /// The advanced timer of 16 bits.
+    pub fn advanced(lines: Lines) -> Self {
+        Self::new(true, lines)
+    }
+
+    fn new(advanced: bool, lines: Lines) -> Self {
+        let width = if advanced { 0xFFFF } else { u32::MAX };
+        Self {
+            lines,
+            begins_at: 0,
+            advanced,
+            width,
+            kernel_period: 62_500,
+            cr1: 0,
+            cr2: 0,
+            dier: 0,
+            sr: 0,
+            ccmr: [0; 2],
+            ccer: 0,
+            psc: 0,
+            psc_active: 0,
+            arr: width,
+            ccr: [0; 4],
+            ccr1_active: 0,
+            bdtr: 0,
+            base: 0,
+            origin: 0,
+            seen: 0,
+            break_level: false,
+        }
+    }
+
+    /// As after reset; what is wired to it stays.
+    pub fn reset(&mut self, now: Ps) {
+        let lines = Lines { ..self.lines };
+        let fresh = Self::new(self.advanced, lines);
+        *self = Self {
+            begins_at: self.begins_at,
+            kernel_period: self.kernel_period,
+            break_level: self.break_level,
+            seen: now,
+            origin: now,
+            ..fresh
+        };
+    }
+
+    /// The clock that feeds it has changed.
+    pub fn set_clock(&mut self, kernel_period: Ps, now: Ps) {
+        self.advance(now);
+        self.rebase(now, self.count(now));
+        self.kernel_period = kernel_period;
+    }
+
+    fn tick(&self) -> Ps {
+        self.kernel_period * Ps::from(self.psc_active + 1)
+    }
+
+    fn running(&self) -> bool {
+        self.cr1 & CEN != 0
+    }
+
+    fn span(&self) -> u64 {
+        u64::from(self.arr) + 1
+    }
+
+    fn rebase(&mut self, now: Ps, count: u32) {
+        (self.base, self.origin, self.seen) = (count, now, now);
+    }
+
+    fn steps(&self, now: Ps) -> u64 {
+        if self.running() { (now - self.origin) / self.tick() } else { 0 }
+    }
+
+    /// The counter.
+    pub fn count(&self, now: Ps) -> u32 {
+        ((u64::from(self.base) + self.steps(now)) % self.span()) as u32
+    }
+
+    /// Steps until the counter, after `from` steps, next becomes `value`; `None` if it never does.
+    fn steps_to(&self, value: u32, from: u64) -> Option<u64> {
+        let span = self.span();
+        if u64::from(value) >= span {
+            return None;
+        }
+        let at = (u64::from(self.base) + from) % span;
+        let ahead = (u64::from(value) + span - at) % span;
+        Some(from + if ahead == 0 { span } else { ahead })
+    }
+
+    /// Sets the flags of all that has happened until `now`.
+    pub fn advance(&mut self, now: Ps) {
+        if now <= self.seen || !self.running() {
+            self.seen = self.seen.max(now);
+            return;
+        }
+        let (from, to) = (self.steps(self.seen), self.steps(now));
+        if to > from {
+            let passed = |value| self.steps_to(value, from).is_some_and(|step| step <= to);
+            let updated = passed(0);
+            let compared = (0..4).filter(|&i| passed(self.ccr[i])).fold(0, |bits, i| bits | 2 << i);
+            self.sr |= compared;
+            if updated {
+                self.update();
+                self.sr |= UIF;
+            }
+        }
+        self.seen = now;
+    }
+
+    fn update(&mut self) {
+        self.ccr1_active = self.ccr[0];
+    }
+
+    /// When it next has something to say that nobody asks for: an interrupt, or a new duty at the pin.
+    pub fn next_event(&self) -> Ps {
+        if !self.running() {
+            return NEVER;
+        }
+        let from = self.steps(self.seen);
+        let at = |value| self.steps_to(value, from).map_or(NEVER, |step| self.origin + step * self.tick());
+        let compares = (0..4).filter(|i| self.dier & !self.sr & 2 << i != 0).map(|i| at(self.ccr[i]));
+        let update = self.dier & !self.sr & UIF != 0 || (self.advanced && self.ccr1_active != self.ccr[0]);
+        compares.chain(update.then(|| at(0))).min().unwrap_or(NEVER)
+    }
+
+    /// Which of its interrupt lines are high: update, compare, break.
+    pub fn levels(&self) -> [(u16, bool); 3] {
+        let high = self.sr & self.dier;
+        [
+            (self.lines.update, high & UIF != 0),
+            (self.lines.compare, high & 0x1E != 0),
+            (self.lines.brk, high & BIF != 0),
+        ]
+    }
+
+    /// Reads a register.
+    ///
+    /// # Errors
+    /// It is not modelled.
+    pub fn read(&mut self, offset: u32, now: Ps) -> Result<u32, Refusal> {
+        self.advance(now);
+        Ok(match offset {
+            CR1 => self.cr1,
+            CR2 => self.cr2,
+            DIER => self.dier,
+            SR => self.sr,
+            CCMR1 | CCMR2 => self.ccmr[(offset - CCMR1) as usize / 4],
+            CCER => self.ccer,
+            CNT => self.count(now),
+            PSC => self.psc,
+            ARR => self.arr,
+            CCR1..=CCR4 => self.ccr[(offset - CCR1) as usize / 4],
+            BDTR if self.advanced => self.bdtr,
+            SMCR | EGR | RCR => 0,
+            _ => return Err("no such register in the model".into()),
+        })
+    }
+
+    /// Writes a register.
+    ///
+    /// # Errors
+    /// It is not modelled.
+    pub fn write(&mut self, offset: u32, value: u32, now: Ps) -> Result<(), Refusal> {
+        self.advance(now);
+        match offset {
+            CR1 => self.write_cr1(value, now)?,
+            CR2 => self.cr2 = self.locked(1, 0x7F00, self.cr2, value),
+            SMCR | RCR if value == 0 => {}
+            DIER => self.write_dier(value)?,
+            SR => self.sr &= value,
+            EGR => self.generate(value, now)?,
+            CCMR1 => self.ccmr[0] = self.locked(3, 0x7878, self.ccmr[0], value),
+            CCMR2 => self.ccmr[1] = self.locked(3, 0x7878, self.ccmr[1], value),
+            CCER => self.ccer = self.locked(2, 0xAAAA, self.ccer, value),
+            CNT => self.rebase(now, value & self.width),
+            PSC => self.psc = value & 0xFFFF,
+            ARR => {
+                self.rebase(now, self.count(now));
+                self.arr = value & self.width;
+            }
+            CCR1..=CCR4 => self.write_ccr((offset - CCR1) as usize / 4, value & self.width),
+            BDTR if self.advanced => self.write_bdtr(value),
+            _ => return Err(format!("writing {value:#x} here is not modelled")),
+        }
+        Ok(())
+    }
+
+    fn write_cr1(&mut self, value: u32, now: Ps) -> Result<(), Refusal> {
+        if value & !CR1_BITS != 0 {
+            return Err(format!("CR1: bits {:#x} are not modelled", value & !CR1_BITS));
+        }
+        self.rebase(now, self.count(now));
+        self.cr1 = value;
+        Ok(())
+    }
+
+    fn write_dier(&mut self, value: u32) -> Result<(), Refusal> {
+        if value & 0xFF00 != 0 {
+            return Err("DIER: DMA requests are not modelled".into());
+        }
+        self.dier = value;
+        Ok(())
+    }
+
+    fn generate(&mut self, value: u32, now: Ps) -> Result<(), Refusal> {
+        if value & !0x1F != 0 {
+            return Err(format!("EGR: bits {value:#x} are not modelled"));
+        }
+        self.sr |= value & 0x1E;
+        if value & 1 != 0 {
+            self.psc_active = self.psc;
+            self.rebase(now, self.begins_at);
+            self.update();
+            if self.cr1 & URS == 0 {
+                self.sr |= UIF;
+            }
+        }
+        Ok(())
+    }
+
+    fn write_ccr(&mut self, channel: usize, value: u32) {
+        self.ccr[channel] = value;
+        let preloaded = bit(self.ccmr[0], 3);
+        if channel == 0 && !(preloaded && self.running()) {
+            self.ccr1_active = value;
+        }
+    }
+
+    /// LOCK of the advanced timer: from `level` on, the bits of `mask` keep what they hold.
+    fn locked(&self, level: u32, mask: u32, old: u32, new: u32) -> u32 {
+        let mask = if self.advanced && field(self.bdtr, 8, 2) >= level { mask } else { 0 };
+        new & !mask | old & mask
+    }
+
+    fn write_bdtr(&mut self, value: u32) {
+        let old = self.bdtr;
+        let mut new = self.locked(1, 0x70FF, old, value); // BKE, BKP, AOE, dead time
+        new = self.locked(2, 0x0C00, old, new); // OSSI, OSSR
+        let lock = if field(old, 8, 2) == 0 { new & 0x300 } else { old & 0x300 }; // written once
+        self.bdtr = new & !0x300 | lock;
+        self.apply_break();
+    }
+
+    /// The level at the break input.
+    pub fn set_break_level(&mut self, level: bool) {
+        self.break_level = level;
+        self.apply_break();
+    }
+
+    /// Something inside the chip breaks: the clock's guard.
+    pub fn break_now(&mut self) {
+        if self.bdtr & BKE != 0 {
+            self.bdtr &= !MOE;
+            self.sr |= BIF;
+        }
+    }
+
+    fn apply_break(&mut self) {
+        let active = self.break_level == (self.bdtr & BKP != 0);
+        if active {
+            self.break_now();
+        }
+    }
+
+    /// Channel 1 as the pin sees it.
+    pub fn output(&self) -> Output {
+        let enabled = bit(self.ccer, 0);
+        if self.bdtr & MOE == 0 {
+            // The idle level, where OSSI asks for it; else the timer lets go of the pin.
+            let idle = f64::from(u8::from(bit(self.cr2, 8)));
+            return if self.bdtr & OSSI != 0 && enabled { Output::Driven(idle) } else { Output::Released };
+        }
+        if !enabled {
+            return Output::Released;
+        }
+        let share = (f64::from(self.ccr1_active) / self.span() as f64).min(1.0);
+        let high = match field(self.ccmr[0], 4, 3) {
+            6 if self.running() => share,
+            7 if self.running() => 1.0 - share,
+            5 => 1.0,
+            _ => 0.0,
+        };
+        Output::Driven(if bit(self.ccer, 1) { 1.0 - high } else { high })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::US;
+
+    fn microseconds() -> Timer {
+        let mut timer = Timer::general(50);
+        timer.set_clock(10_000, 0);
+        timer.write(PSC, 99, 0).unwrap();
+        timer.write(CR1, URS, 0).unwrap();
+        timer.write(EGR, 1, 0).unwrap();
+        timer.write(CR1, URS | CEN, 0).unwrap();
+        timer
+    }
+
+    #[test]
+    fn counts_compares_and_says_when() {
+        let mut timer = microseconds();
+        timer.write(CCR1, 50, 0).unwrap();
+        timer.write(DIER, 2, 0).unwrap();
+        assert_eq!(timer.next_event(), 50 * US);
+        assert_eq!(timer.read(SR, 50 * US - 1).unwrap() & 2, 0);
+        assert_eq!(timer.read(SR, 50 * US).unwrap() & 2, 2);
+        assert_eq!(timer.read(CNT, 77 * US).unwrap(), 77);
+        timer.write(SR, !2, 77 * US).unwrap();
+        assert_eq!(timer.next_event(), (50 + (1 << 32)) * US, "a whole wrap later");
+    }
+
+    #[test]
+    fn wraps() {
+        let mut timer = microseconds();
+        timer.rebase(0, u32::MAX - 1);
+        timer.write(DIER, 1, 0).unwrap();
+        assert_eq!(timer.next_event(), 2 * US);
+        assert_eq!(timer.read(CNT, 3 * US).unwrap(), 1);
+        assert_eq!(timer.read(SR, 3 * US).unwrap() & UIF, UIF);
+    }
+
+    fn heater() -> Timer {
+        let mut timer = Timer::advanced(Lines { update: 25, compare: 27, brk: 24 });
+        timer.set_clock(10_000, 0);
+        timer.write(ARR, 4999, 0).unwrap();
+        timer.write(CCMR1, 0x68, 0).unwrap();
+        timer.write(CCER, 1, 0).unwrap();
+        timer.write(BDTR, BKE | BKP | OSSI | 0x300, 0).unwrap();
+        timer.write(CR1, CEN, 0).unwrap();
+        timer
+    }
+
+    #[test]
+    fn a_new_duty_shows_at_the_next_update_and_a_break_at_once() {
+        let mut timer = heater();
+        timer.write(BDTR, BKE | BKP | OSSI | 0x300 | MOE, 0).unwrap();
+        timer.write(CCR1, 2500, US).unwrap();
+        assert_eq!(timer.output(), Output::Driven(0.0));
+        assert_eq!(timer.next_event(), 50 * US);
+        timer.advance(50 * US);
+        assert_eq!(timer.output(), Output::Driven(0.5));
+        timer.set_break_level(true);
+        assert_eq!(timer.output(), Output::Driven(0.0));
+        timer.write(BDTR, BKE | BKP | OSSI | MOE, 60 * US).unwrap();
+        assert_eq!(timer.output(), Output::Driven(0.0), "not while the input is open");
+        timer.set_break_level(false);
+        assert_eq!(timer.output(), Output::Driven(0.0), "not by itself");
+    }
+
+    #[test]
+    fn the_lock_keeps_polarity_mode_and_idle_level() {
+        let mut timer = heater();
+        timer.write(CCER, 3, 0).unwrap();
+        timer.write(CCMR1, 0x50, 0).unwrap();
+        timer.write(CR2, 0x100, 0).unwrap();
+        timer.write(BDTR, 0, 0).unwrap();
+        assert_eq!((timer.ccer, timer.ccmr[0], timer.cr2), (1, 0x68, 0));
+        assert_eq!(timer.bdtr & (BKE | BKP | OSSI), BKE | BKP | OSSI);
+    }
+}

@@ -1,0 +1,99 @@
+//! From power-up to the first ticks, on boards as they are sold and on boards that lack something.
+
+use virtual_board::board::load;
+use virtual_board::gpio::Mode;
+use virtual_board::scene::Scene;
+use virtual_board::scs::CPACR;
+use virtual_board::time::{MS, SECOND};
+
+fn powered_up() -> Scene {
+    Scene::powered_up(load(None).expect("an image")).expect("powers up")
+}
+
+#[test]
+fn boots_to_off_and_nothing_heats_before_it_is_armed() {
+    let mut scene = powered_up();
+    scene.board.run_for(10 * SECOND).expect("boots");
+    let board = &mut scene.board;
+    assert!(board.logged("on NUCLEO-F411RE") && board.logged("clock StLink"), "{:?}", board.log.first());
+    assert!(board.logged("reset cause: power-on") && board.logged("settings defaults, nothing saved"));
+    assert!(board.command("status").expect("answers").starts_with("mode off"));
+    assert_eq!(board.chip().heater_log, [(0, 0.0)], "the heater's pin was never high");
+    assert_eq!(board.chip().ports[0].mode(8), Mode::Alternate(1), "and its timer holds it low");
+    assert_eq!(board.chip().scs.get(CPACR), 0xF0_0000, "FPU on");
+    assert_eq!(board.resets, []);
+    assert!(!board.log.iter().any(|line| line.level == "warn" || line.level == "error"));
+}
+
+#[test]
+fn arms_to_settle() {
+    let mut scene = powered_up();
+    scene.board.run_for(SECOND).expect("boots");
+    scene.arm().expect("arms");
+    scene.board.run_for(SECOND).expect("runs on");
+    assert!(scene.board.logged("off -> settle"));
+    assert!(scene.board.heater() > 0.0);
+}
+
+#[test]
+fn the_first_tick_is_due_a_period_after_the_start_and_the_grid_never_moves() {
+    let mut scene = powered_up();
+    scene.board.run_for(20 * SECOND).expect("boots");
+    let ticks: Vec<_> = scene.board.log.iter().filter(|line| line.text.starts_with("tick ")).collect();
+    assert!((180..=182).contains(&ticks.len()), "{}", ticks.len());
+    for line in ticks {
+        let record: firmware_logic::record::Record = line.text.parse().expect("a record");
+        assert!(!record.missed() && record.late_us() <= 5, "{line}");
+    }
+}
+
+#[test]
+fn without_the_external_clock_it_runs_on_the_internal_one() {
+    let mut scene = powered_up();
+    scene.board.cpu.touch(|chip, _| chip.clocks.external = None);
+    scene.board.run_for(2 * SECOND).expect("boots");
+    assert!(scene.board.logged("clock Internal"));
+    scene.arm().expect("arms");
+    scene.board.run_for(5 * SECOND).expect("runs on");
+    assert!(scene.board.heater() > 0.05);
+    assert_eq!(scene.board.resets, []);
+}
+
+#[test]
+fn any_watchdog_oscillator_of_the_data_sheet_will_do() {
+    for hz in [17_000, 47_000] {
+        let mut scene = powered_up();
+        scene.board.cpu.touch(|chip, _| chip.watchdog.oscillator = hz);
+        scene.board.run_for(30 * SECOND).expect("boots");
+        assert_eq!(scene.board.resets, [], "{hz} Hz");
+    }
+}
+
+#[test]
+fn the_tick_goes_on_when_its_timer_wraps() {
+    // Before the first tick, between two, in the middle of a sample, on a due time, while the dead man's handle lies ahead.
+    for before in [1, 55_000, 110_000, 110_600, 111_000, 165_000, 440_000] {
+        let mut scene = powered_up();
+        scene.board.cpu.touch(|chip, _| chip.tim5.begins_at = u32::MAX - before);
+        scene.board.run_for(600 * MS).expect("boots");
+        scene.arm().expect("arms");
+        scene.board.run_for(3 * SECOND).expect("runs on");
+        let status = scene.board.command("status").expect("answers");
+        assert!(status.contains("missed 0 worst 2 us late"), "{before} us before the wrap: {status}");
+        assert!(scene.board.heater() > 0.0, "{before} us before the wrap");
+        assert_eq!(scene.board.resets, []);
+    }
+}
+
+#[test]
+fn the_dead_man_cuts_across_a_wrap() {
+    let mut scene = powered_up();
+    scene.board.cpu.touch(|chip, _| chip.tim5.begins_at = u32::MAX - 3_000_000);
+    scene.board.run_for(600 * MS).expect("boots");
+    scene.arm().expect("arms");
+    scene.board.run_for(2200 * MS).expect("runs on");
+    assert!(scene.board.heater() > 0.0);
+    scene.board.cpu.touch(|chip, _| chip.scs.nvic.enable(84, false)); // the control task's executor
+    scene.time_until_off(441 * MS).expect("off");
+    assert_eq!(scene.board.resets.len(), 1, "and the watchdog after it");
+}

@@ -1,0 +1,74 @@
+//! A day of virtual time, heating: no tick is missed, none is late, the grid does not drift, no counter overflows. It takes
+//! some ten minutes: `cargo test --release -p virtual-board --test endurance -- --ignored`.
+
+use firmware_logic::record::Record;
+use virtual_board::board::load;
+use virtual_board::closed_loop::TICK;
+use virtual_board::rtt::Line;
+use virtual_board::scene::Scene;
+use virtual_board::time::{Ps, SECOND};
+
+/// What is known of the ticks so far.
+#[derive(Default)]
+struct Grid {
+    ticks: u64,
+    first: Option<f64>,
+}
+
+impl Grid {
+    /// Takes in the lines of the log.
+    fn check(&mut self, lines: &[Line]) {
+        for line in lines {
+            let Ok(record) = line.text.parse::<Record>() else {
+                assert!(
+                    line.level == "info" || line.text.contains("isolated") || line.level == "warn",
+                    "{line}"
+                );
+                continue;
+            };
+            assert_eq!(u64::from(record.tick()), self.ticks, "a tick is missing");
+            assert!(!record.missed() && record.late_us() <= 3, "{line}");
+            let told: f64 = line.timestamp.parse().expect("seconds");
+            let first = *self.first.get_or_insert(told);
+            let due = first + self.ticks as f64 * TICK as f64 / SECOND as f64;
+            assert!((told - due).abs() < 0.002, "tick {} at {told} s, due at {due} s", self.ticks);
+            self.ticks += 1;
+        }
+    }
+}
+
+fn run(time: Ps) {
+    let mut scene = Scene::powered_up(load(None).expect("an image")).expect("powers up");
+    scene.board.run_for(SECOND).expect("boots");
+    scene.arm().expect("arms");
+    let mut grid = Grid::default();
+    let mut begin = None;
+    while scene.board.now() < time {
+        scene.board.run_for(60 * SECOND).expect("runs on");
+        grid.check(&std::mem::take(&mut scene.board.log));
+        begin.get_or_insert((scene.board.now(), grid.ticks));
+        scene.rig.0.borrow_mut().power.clear();
+        scene.board.cpu.touch(|chip, _| {
+            let done = chip.heater_log.len() - 1;
+            chip.heater_log.drain(..done);
+        });
+    }
+    let (start, ticks) = begin.expect("more than a minute");
+    let (elapsed, ticks) = (scene.board.now() - start, grid.ticks - ticks);
+    assert!(elapsed.abs_diff(ticks * TICK) <= TICK, "{ticks} ticks in {} s", elapsed / SECOND);
+    let status = scene.board.command("status").expect("answers");
+    assert!(status.contains("missed 0 worst 2 us late, diagnosis lost 0, log dropped 0"), "{status}");
+    assert!(scene.board.heater() > 0.1, "still heating");
+    assert_eq!(scene.board.resets, []);
+}
+
+#[test]
+fn ten_minutes() {
+    run(600 * SECOND);
+}
+
+#[test]
+#[ignore = "some ten minutes"]
+fn a_day() {
+    run(24 * 3600 * SECOND);
+}

@@ -169,38 +169,39 @@ impl Diagnosis {
         let heating = tick.mode.is_heating();
         let t0 = tick.sample.t0.good();
         let rise = |reading: Option<f32>| Some(reading? - t0?);
-        let mut report = Report {
-            tick: tick.index,
-            y1: rise(tick.sample.t1.good()),
-            y2: rise(tick.sample.t2.good()),
-            ..Report::default()
-        };
-        report.ms1 = self.ms1.step(&mut state.ms1, report.y1.filter(|_| heating), applied);
-        report.ms2 = self.ms2.step(&mut state.ms2, report.y2.filter(|_| heating), applied);
-        if heating && let Some(raw) = features(report.y1, report.y2, applied, &report.ms1, &report.ms2) {
-            report.features = Some(raw);
-            report.features_filtered = Some(self.low_pass.step(&mut state.filters, &raw));
-        }
+        let (y1, y2) = (rise(tick.sample.t1.good()), rise(tick.sample.t2.good()));
+        let ms1 = self.ms1.step(&mut state.ms1, y1.filter(|_| heating), applied);
+        let ms2 = self.ms2.step(&mut state.ms2, y2.filter(|_| heating), applied);
+        let raw = if heating { features(y1, y2, applied, &ms1, &ms2) } else { None };
+        let filtered = raw.as_ref().map(|raw| self.low_pass.step(&mut state.filters, raw));
         self.follow_mode(state, tick.mode);
-        self.learn_or_judge(state, tick, &mut report);
-        report.learned = state.learner.count();
-        report
-    }
-
-    /// Puts complete features to their use: they are normal, or they are compared with what is.
-    fn learn_or_judge(&self, state: &mut DiagnosisState, tick: &Tick, report: &mut Report) {
-        let (Some(raw), Some(filtered)) = (&report.features, &report.features_filtered) else { return };
-        if tick.learn {
+        if tick.learn
+            && let (Some(raw), Some(filtered)) = (&raw, &filtered)
+        {
             state.learner.push(raw, filtered);
         }
-        let Some(baseline) = state.baseline.as_ref().filter(|_| tick.mode == Mode::Monitor) else { return };
-        let verdict = self.judge(filtered, &baseline.filtered);
-        report.residuals = Some(subtract(raw, &baseline.raw.mean));
-        report.residuals_filtered = Some(subtract(filtered, &baseline.raw.mean));
-        report.filtered = Some(verdict);
-        report.raw = Some(self.judge(raw, &baseline.raw));
-        report.events =
-            self.events.step(&mut state.events, tick.index, &verdict.symptoms, verdict.fdv, verdict.fiv);
+        let normal = state.baseline.as_ref().filter(|_| matches!(tick.mode, Mode::Monitor));
+        let judge = |features: &Option<_>, normal: Option<&_>| Some(self.judge(features.as_ref()?, normal?));
+        let subtract = |features: &Option<_>| Some(subtract(features.as_ref()?, &normal?.raw.mean));
+        let verdict = judge(&filtered, normal.map(|normal| &normal.filtered));
+        Report {
+            tick: tick.index,
+            y1,
+            y2,
+            ms1,
+            ms2,
+            features: raw,
+            features_filtered: filtered,
+            residuals: subtract(&raw),
+            residuals_filtered: subtract(&filtered),
+            filtered: verdict,
+            raw: judge(&raw, normal.map(|normal| &normal.raw)),
+            learned: state.learner.count(),
+            events: match &verdict {
+                Some(v) => self.events.step(&mut state.events, tick.index, &v.symptoms, v.fdv, v.fiv),
+                None => Events::new(),
+            },
+        }
     }
 
     /// Learning starts afresh whenever it is entered; the baseline stands once monitoring begins.

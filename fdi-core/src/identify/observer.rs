@@ -186,12 +186,13 @@ impl Observer {
             return;
         };
         let crossing = response.advance::<STEPS_A_TICK>();
-        let done = crossing.is_some() || response.samples() >= MAX_STEPS;
-        state.response = (!done).then_some(response);
-        if done {
-            let time = crossing.filter(|&samples| samples > 0.0);
-            state.take_bandwidth(time.map(|samples| 3.0 / (samples * self.sample_time)));
+        if crossing.is_none() && response.samples() < MAX_STEPS {
+            state.response = Some(response);
+            return;
         }
+        state.response = None;
+        let time = crossing.filter(|&samples| samples > 0.0);
+        state.take_bandwidth(time.map(|samples| 3.0 / (samples * self.sample_time)));
     }
 
     fn by_residence_time(&self, model: &Transfer<3, 3>, gain: Option<f32>) -> Option<f32> {

@@ -14,7 +14,7 @@ pub struct StepResponse<const NA: usize, const NB: usize> {
     forcing: f32,
     /// The last outputs, newest first.
     y: [f32; NA],
-    /// Samples computed, without the dead time.
+    /// Samples computed, those without an output not counted.
     samples: u16,
 }
 
@@ -28,25 +28,33 @@ impl<const NA: usize, const NB: usize> StepResponse<NA, NB> {
         Self { model, level, forcing: 0.0, y: [0.0; NA], samples: 0 }
     }
 
-    /// Time computed so far, in samples since the step.
+    /// Samples computed so far, without those before the step reaches the output.
     #[inline]
     pub fn samples(&self) -> u16 {
-        self.samples.saturating_add(u16::try_from(self.model.nk.saturating_sub(1)).unwrap_or(u16::MAX))
+        self.samples
     }
 
     /// Computes `COUNT` samples, at the start NB more, but none beyond the first that reaches the level: then the time of
-    /// the crossing in samples after the step, linearly interpolated. As all before it lie below, it is an upward one.
+    /// the crossing in samples after the step, linearly interpolated, and the response is over. As all before it lie
+    /// below, the crossing is an upward one.
     #[inline(always)]
     pub fn advance<const COUNT: usize>(&mut self) -> Option<f32> {
-        for (i, b) in self.model.b.into_iter().enumerate() {
-            if usize::from(self.samples) == i {
-                self.forcing += b;
-                if let Some(time) = self.sample() {
+        let mut ahead = *self; // what has crossed need not be kept, so this can live in registers
+        if self.samples == 0 {
+            for b in self.model.b {
+                ahead.forcing += b;
+                if let Some(time) = ahead.sample() {
                     return Some(time);
                 }
             }
         }
-        (0..COUNT).find_map(|_| self.sample())
+        for _ in 0..COUNT {
+            if let Some(time) = ahead.sample() {
+                return Some(time);
+            }
+        }
+        *self = ahead;
+        None
     }
 
     /// Computes one sample.
@@ -58,7 +66,8 @@ impl<const NA: usize, const NB: usize> StepResponse<NA, NB> {
         }
         let before = self.y[0];
         if now >= self.level {
-            return Some(f32::from(self.samples()) + (self.level - before) / (now - before));
+            let whole = f32::from(self.samples) + (self.model.nk.max(1) - 1) as f32;
+            return Some(whole + (self.level - before) / (now - before));
         }
         for i in (1..NA).rev() {
             self.y[i] = self.y[i - 1];

@@ -62,7 +62,7 @@ impl<const NA: usize, const NB: usize> Transfer<NA, NB> {
         let mut response = StepResponse::new(*self, level);
         while response.samples() < max_steps {
             if let Some(time) = response.advance::<1>() {
-                return Some(time);
+                return Some(time).filter(|&time| time <= f32::from(max_steps));
             }
         }
         None

@@ -50,8 +50,8 @@ impl<const M: usize> Statistics<M> {
 
     /// Standard deviation of each signal (divisor n); zero before the second sample.
     pub fn sigma(&self) -> [f32; M] {
-        let n = self.count.max(1) as f32;
-        core::array::from_fn(|i| sqrt(self.m2[i] / n))
+        let inv_count = 1.0 / self.count.max(1) as f32;
+        self.m2.map(|m2| sqrt(m2 * inv_count))
     }
 }
 

@@ -186,7 +186,9 @@ impl Supervisor {
         let due = state.elapsed > self.learn_start || state.restored;
         match (&mut state.mode, state.hazard) {
             (mode, Some(reason)) if mode.is_heating() => *mode = Mode::Tripped(trip(reason, now)),
-            (mode @ &mut Mode::Settle { steady }, _) => *mode = self.settle(steady, blocker, due, state.restored),
+            (mode @ &mut Mode::Settle { steady }, _) => {
+                *mode = self.settle(steady, blocker, due, state.restored)
+            }
             (mode @ &mut Mode::Learn { accepted }, _) => *mode = self.learn(accepted, now.learned, blocker),
             _ => {}
         }

@@ -165,10 +165,9 @@ impl Diagnosis {
         }
     }
 
-    /// Diagnoses one tick. `applied` is what really drives the heater from this tick to the next; what is no
-    /// number counts as the drive that the tick asked for.
+    /// Diagnoses one tick. `applied` is what really drives the heater from this tick to the next, 0..=100.
     pub fn step(&self, state: &mut DiagnosisState, tick: &Tick, applied: Percent) -> Report {
-        let applied = if applied.0.is_finite() { applied.0.clamp(0.0, 100.0) } else { tick.drive.0 };
+        let applied = applied.0;
         let heating = tick.mode.is_heating();
         let t0 = tick.sample.t0.good();
         let rise = |reading: Option<f32>| Some(reading? - t0?);
@@ -204,6 +203,7 @@ impl Diagnosis {
                 Some(v) => self.events.step(&mut state.events, tick.index, &v.symptoms, v.fdv, v.fiv),
                 None => Events::new(),
             },
+            parity: ParityReport::default(),
         }
     }
 

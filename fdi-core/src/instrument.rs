@@ -5,7 +5,6 @@ use crate::control::{Controller, ControllerState, Tick};
 use crate::diagnosis::baseline::Baseline;
 use crate::diagnosis::{Diagnosis, DiagnosisState, Report};
 use crate::error::ConfigError;
-use crate::parity::{Parity, ParityState};
 use crate::sense::RawSample;
 use crate::supervisor::{Command, Refusal};
 use crate::units::Percent;
@@ -31,10 +30,8 @@ use crate::units::Percent;
 pub struct Instrument {
     controller: Controller,
     diagnosis: Diagnosis,
-    parity: Parity,
     control_state: ControllerState,
     diagnosis_state: DiagnosisState,
-    parity_state: ParityState,
 }
 
 impl Instrument {
@@ -48,9 +45,7 @@ impl Instrument {
         let diagnosis = Diagnosis::new(config)?;
         let control_state = controller.start(config.setpoint);
         let diagnosis_state = diagnosis.start();
-        let parity = Parity::new(config)?;
-        let parity_state = ParityState::default();
-        Ok(Self { controller, diagnosis, parity, control_state, diagnosis_state, parity_state })
+        Ok(Self { controller, diagnosis, control_state, diagnosis_state })
     }
 
     /// First half of a tick: takes in the codes, says what to drive the heater with until the next tick.
@@ -59,11 +54,9 @@ impl Instrument {
     }
 
     /// Second half: identifies and diagnoses. `applied` is what the heater really gets until the next tick, which is
-    /// the drive of `tick` unless something else has cut it; what is no number counts as that.
+    /// the drive of `tick` unless something else has cut it.
     pub fn diagnose(&mut self, tick: &Tick, applied: Percent) -> Report {
-        let applied = if applied.0.is_finite() { Percent(applied.0.clamp(0.0, 100.0)) } else { tick.drive };
-        let mut report = self.diagnosis.step(&mut self.diagnosis_state, tick, applied);
-        report.parity = self.parity.step(&mut self.parity_state, tick, [report.y1, report.y2], applied);
+        let report = self.diagnosis.step(&mut self.diagnosis_state, tick, applied);
         self.controller.heard(&mut self.control_state, report.learned);
         report
     }
@@ -84,9 +77,7 @@ impl Instrument {
     pub fn retune(&mut self, config: &Config) -> Result<(), ConfigError> {
         config.validate_sample_time()?;
         let controller = Controller::new(config)?;
-        let diagnosis = Diagnosis::new(config)?;
-        self.parity = Parity::new(config)?;
-        self.diagnosis = diagnosis;
+        self.diagnosis = Diagnosis::new(config)?;
         self.controller = controller;
         Ok(())
     }

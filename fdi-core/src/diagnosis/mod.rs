@@ -11,7 +11,7 @@ use crate::control::Tick;
 use crate::error::{ConfigError, in_range};
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Observation, Observer, ObserverState};
-use crate::parity::ParityReport;
+use crate::parity::{Parity, ParityReport, ParityState};
 use crate::supervisor::Mode;
 use crate::units::{Percent, Seconds};
 use baseline::{Baseline, Learner};
@@ -64,6 +64,7 @@ pub struct Diagnosis {
     detection: Table,
     isolation: Table,
     events: EventRules,
+    parity: Parity,
 }
 
 /// The memory of the [`Diagnosis`].
@@ -76,6 +77,7 @@ pub struct DiagnosisState {
     learner: Learner,
     baseline: Option<Baseline>,
     events: EventState,
+    parity: ParityState,
 }
 
 /// The fault vectors of one form of the residuals.
@@ -149,6 +151,7 @@ impl Diagnosis {
                 onset_window: c.onset_window.ticks(config.sample_time),
                 clear_ticks: c.clear_time.ticks(config.sample_time),
             },
+            parity: Parity::new(config)?,
         })
     }
 
@@ -162,12 +165,14 @@ impl Diagnosis {
             learner: Learner::default(),
             baseline: None,
             events: EventState::default(),
+            parity: ParityState::default(),
         }
     }
 
-    /// Diagnoses one tick. `applied` is what really drives the heater from this tick to the next, 0..=100.
+    /// Diagnoses one tick. `applied` is what really drives the heater from this tick to the next; what is no
+    /// number counts as the drive that the tick asked for.
     pub fn step(&self, state: &mut DiagnosisState, tick: &Tick, applied: Percent) -> Report {
-        let applied = applied.0;
+        let applied = if applied.0.is_finite() { applied.0.clamp(0.0, 100.0) } else { tick.drive.0 };
         let heating = tick.mode.is_heating();
         let t0 = tick.sample.t0.good();
         let rise = |reading: Option<f32>| Some(reading? - t0?);
@@ -203,7 +208,7 @@ impl Diagnosis {
                 Some(v) => self.events.step(&mut state.events, tick.index, &v.symptoms, v.fdv, v.fiv),
                 None => Events::new(),
             },
-            parity: ParityReport::default(),
+            parity: self.parity.step(&mut state.parity, tick, [y1, y2], applied),
         }
     }
 

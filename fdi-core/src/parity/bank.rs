@@ -12,7 +12,7 @@
 //! (generalised likelihood ratio; Willsky and Jones 1976). Only sums are kept, so cost and memory are constant.
 
 use super::fit::{HA, HB, Models, NA, NB};
-use super::model::{Simulation, shift};
+use super::model::{Simulation, bounded, shift};
 use super::noise::Normal;
 use super::whitening::Past;
 
@@ -64,7 +64,7 @@ pub(super) struct Briskness {
 
 impl Briskness {
     pub(super) fn new(models: &Models) -> Self {
-        let ticks = models.heat.residence().clamp(1.0, 1000.0);
+        let ticks = bounded(models.heat.residence(), 1.0, 1000.0);
         Self { ticks: SOONER * ticks, share: 1.0 - libm::expf(-1.0 / ticks) }
     }
 }
@@ -93,7 +93,7 @@ impl Match {
 
     /// The magnitude that explains most, within bounds.
     pub(super) fn best(&self, (low, high): (f32, f32)) -> f32 {
-        if self.square > 0.0 { (self.cross / self.square).clamp(low, high) } else { 0.0 }
+        if self.square > 0.0 { bounded(self.cross / self.square, low, high) } else { 0.0 }
     }
 
     /// How much of the energy a magnitude explains.

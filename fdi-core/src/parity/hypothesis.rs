@@ -1,6 +1,7 @@
 //! The hypotheses about a fault, compared: which one leaves least unexplained, and by how much.
 
 use super::bank::{Bank, Match};
+use super::model::bounded;
 use super::verdict::{Channel, FaultClass, Magnitude};
 
 /// The hypotheses.
@@ -162,7 +163,7 @@ impl Weighed {
         let others = (0..COUNT).filter(|&other| ALL[other] != ALL[h]);
         let rival = others.map(|other| self.left[other]).fold(f32::MAX, f32::min);
         let lead = (rival - self.left[h]) / self.misfit();
-        1.0 / (1.0 + libm::expf((-0.5 * lead).clamp(-40.0, 40.0)))
+        1.0 / (1.0 + libm::expf(bounded(-0.5 * lead, -40.0, 40.0)))
     }
 
     /// Whether a change of power no larger than `share` explains what is seen about as well as any clear fault.
@@ -188,7 +189,7 @@ impl Weighed {
             FaultClass::T1Offset | FaultClass::T2Offset | FaultClass::T0Fault => scaled(1.0, slow),
             FaultClass::T1Clogged => scaled(100.0, share).map(|m| Magnitude { value: -m.value, ..m }),
             FaultClass::HeaterPower => scaled(100.0, share),
-            FaultClass::Drift => scaled(60.0 / self.sample_time, slow / self.age.clamp(10.0, 60.0)),
+            FaultClass::Drift => scaled(60.0 / self.sample_time, slow / bounded(self.age, 10.0, 60.0)),
             FaultClass::AirFlow => {
                 let left = (1.0 - theta).max(0.05); // 1/f
                 let at_theta = scaled(100.0 / (left * left), share)?;

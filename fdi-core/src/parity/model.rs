@@ -55,7 +55,9 @@ impl<const NA: usize, const NB: usize> Model<NA, NB> {
 /// Puts `x` in front of what was there.
 #[inline]
 pub(super) fn shift<const N: usize>(past: &mut [f32; N], x: f32) {
-    past.copy_within(..N - 1, 1);
+    for i in (1..N).rev() {
+        past[i] = past[i - 1];
+    }
     past[0] = x;
 }
 
@@ -67,4 +69,10 @@ pub(super) fn dot<const N: usize>(a: &[f32; N], b: &[f32; N]) -> f32 {
         sum += a[i] * b[i];
     }
     sum
+}
+
+/// `x` within bounds; the lower one for what is no number. Unlike `clamp` it has no way to panic.
+#[inline]
+pub(super) fn bounded(x: f32, low: f32, high: f32) -> f32 {
+    x.max(low).min(high)
 }

@@ -8,7 +8,7 @@ use super::bank::{Bank, Briskness, Filters, Moment};
 use super::chart::{Chart, Sums};
 use super::fit::NA;
 use super::hypothesis::Weighed;
-use super::model::{dot, shift};
+use super::model::{bounded, dot, shift};
 use super::training::Trained;
 use super::verdict::Finding;
 use super::weakness::{Slack, Weakness, WeaknessState};
@@ -145,7 +145,7 @@ impl Watch {
         // A spike of T1 would otherwise ring in what is expected of T2.
         let likely = y1_expected + s.mean[0] + normal[0].whitener.expected(&s.past_clipped[0]);
         let reach = CLIP * normal[0].whitener.sigma() * (1.0 + slack.model[0]);
-        let y1_clipped = y[0].map_or(likely, |y1| likely + (y1 - likely).clamp(-reach, reach));
+        let y1_clipped = y[0].map_or(likely, |y1| likely + bounded(y1 - likely, -reach, reach));
         let [_, y2_expected, along] = models.step(simulations, y1_clipped, u);
         let expected = [y1_expected, y2_expected];
         let seen = core::array::from_fn(|m| y[m].unwrap_or(expected[m]));

@@ -193,6 +193,7 @@ impl Supervisor {
                 raw: now.raw,
                 sample: now.sample,
                 setpoint: now.setpoint,
+                limit: self.over_temperature,
             }),
             (Mode::Settle { steady }, _) => self.settle(steady, blocker, due, state.restored),
             (Mode::Learn { accepted }, _) => self.learn(accepted, now.learned, blocker),

@@ -57,6 +57,14 @@ fn run(time: Ps) {
     let (elapsed, ticks) = (scene.board.now() - start, grid.ticks - ticks);
     assert!(elapsed.abs_diff(ticks * TICK) <= TICK, "{ticks} ticks in {} s", elapsed / SECOND);
     let status = scene.board.command("status").expect("answers");
+    let drift = elapsed as i64 - (ticks * TICK) as i64;
+    println!(
+        "{} s, {} ticks, {} instructions; since the first minute {ticks} ticks in {elapsed} ps, {drift} ps off the grid",
+        scene.board.now() / SECOND,
+        grid.ticks,
+        scene.board.cpu.instructions()
+    );
+    println!("{status}");
     assert!(status.contains("missed 0 worst 2 us late, diagnosis lost 0, log dropped 0"), "{status}");
     assert!(scene.board.heater() > 0.1, "still heating");
     assert_eq!(scene.board.resets, []);

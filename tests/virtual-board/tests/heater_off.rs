@@ -61,6 +61,8 @@ fn too_hot() {
         scene.wire_sensor(sensor, 500); // 87 degC
         // A jump is taken for a glitch at first: the plausibility check wants it confirmed.
         scene.time_until_off(720 * MS).unwrap_or_else(|e| panic!("T{sensor}: {e}"));
+        scene.board.run_for(MS).expect("runs on");
+        assert!(scene.board.logged("limit 75.0 degC"), "T{sensor}: the log does not say the limit");
         needs_acknowledgement(&mut scene);
     }
 }

@@ -7,3 +7,4 @@ mod heater_off;
 mod log;
 mod paper;
 mod settings;
+mod wraps;

@@ -185,7 +185,9 @@ impl Supervisor {
 
         let due = state.elapsed > self.learn_start || state.restored;
         match (&mut state.mode, state.hazard) {
-            (mode, Some(reason)) if mode.is_heating() => *mode = Mode::Tripped(trip(reason, now)),
+            (mode, Some(reason)) if mode.is_heating() => {
+                *mode = Mode::Tripped(trip(reason, now, self.over_temperature));
+            }
             (mode @ &mut Mode::Settle { steady }, _) => {
                 *mode = self.settle(steady, blocker, due, state.restored)
             }
@@ -307,6 +309,6 @@ impl Supervisor {
 
 /// The record of a trip. Out of line: it is long, and made once.
 #[cold]
-fn trip(reason: TripReason, now: &Situation) -> Trip {
-    Trip { reason, tick: now.tick, raw: now.raw, sample: *now.sample, setpoint: now.setpoint }
+fn trip(reason: TripReason, now: &Situation, limit: Celsius) -> Trip {
+    Trip { reason, tick: now.tick, raw: now.raw, sample: *now.sample, setpoint: now.setpoint, limit }
 }

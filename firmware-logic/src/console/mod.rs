@@ -68,6 +68,7 @@ impl Console {
                 say(out, "> ");
             }
             Step::Rejected(error) => {
+                say(out, "\n");
                 fail(out, &error);
                 say(out, "> ");
             }

@@ -3,7 +3,7 @@
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
-use fdi_core::{Command, Config, Percent, RawSample, Report, Tick};
+use fdi_core::{Command, Config, Feedback, Percent, RawSample, Report, Tick};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::control_loop::{Beat, ControlLoop, Heater, Order};
 use firmware_logic::interlock::{Hold, Interlock};
@@ -42,7 +42,7 @@ struct Board {
     state: DiagnosisState,
     output: Output,
     order: Option<Order>,
-    learned: u32,
+    feedback: Feedback,
     beat: Option<Beat>,
 }
 
@@ -56,7 +56,7 @@ impl Board {
             diagnosis,
             output: Output::default(),
             order: None,
-            learned: 0,
+            feedback: Feedback::default(),
             beat: None,
         }
     }
@@ -65,7 +65,7 @@ impl Board {
 impl Backend for Board {
     fn control(&mut self, raw: RawSample) -> Tick {
         let order = self.order.take();
-        let beat = self.control.tick(raw, Arrival::default(), order, self.learned, &mut self.output);
+        let beat = self.control.tick(raw, Arrival::default(), order, self.feedback, &mut self.output);
         let tick = beat.tick;
         self.beat = Some(beat);
         tick
@@ -74,7 +74,7 @@ impl Backend for Board {
     fn diagnose(&mut self, tick: &Tick) -> Report {
         let applied = self.beat.take().expect("control came first").applied;
         let report = self.diagnosis.step(&mut self.state, tick, applied);
-        self.learned = report.learned;
+        self.feedback = report.feedback();
         report
     }
 

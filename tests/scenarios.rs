@@ -2,7 +2,7 @@
 
 use fdi_core::control::{Controller, ControllerState};
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::{Command, Config, Instrument, Mode, RawSample, Report, Tick, TripReason};
+use fdi_core::{Command, Config, Feedback, Instrument, Mode, RawSample, Report, Tick, TripReason};
 use host_sim::experiment::{Backend, Record, run, run_on};
 use host_sim::fault::{Fault, Sensor, Verb};
 use host_sim::repeat::repeat;
@@ -240,7 +240,7 @@ fn a_stale_count_does_not_end_learning() {
             self.0.step(&mut self.1, raw)
         }
         fn diagnose(&mut self, _: &Tick) -> Report {
-            self.0.heard(&mut self.1, u32::MAX);
+            self.0.heard(&mut self.1, Feedback { learned: u32::MAX, ..Feedback::default() });
             Report::default()
         }
         fn command(&mut self, command: Command) -> Result<(), String> {

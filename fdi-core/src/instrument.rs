@@ -57,7 +57,7 @@ impl Instrument {
     /// the drive of `tick` unless something else has cut it.
     pub fn diagnose(&mut self, tick: &Tick, applied: Percent) -> Report {
         let report = self.diagnosis.step(&mut self.diagnosis_state, tick, applied);
-        self.controller.heard(&mut self.control_state, report.learned);
+        self.controller.heard(&mut self.control_state, report.feedback());
         report
     }
 

@@ -4,7 +4,7 @@
 use core::fmt;
 
 use fdi_core::control::{Controller, ControllerState};
-use fdi_core::{AdcCode, Celsius, Command, Percent, RawSample, Refusal, Tick};
+use fdi_core::{AdcCode, Celsius, Command, Feedback, Percent, RawSample, Refusal, Tick};
 
 use crate::cadence::Arrival;
 use crate::explain::Explained;
@@ -117,16 +117,16 @@ impl ControlLoop {
         self.controller.restored(&mut self.state);
     }
 
-    /// One tick. `learned` is what the other half last reported.
+    /// One tick. `feedback` is what the other half last reported.
     pub fn tick(
         &mut self,
         raw: RawSample,
         arrival: Arrival,
         order: Option<Order>,
-        learned: u32,
+        feedback: Feedback,
         heater: &mut impl Heater,
     ) -> Beat {
-        self.controller.heard(&mut self.state, learned);
+        self.controller.heard(&mut self.state, feedback);
         // Whoever orders a stop may have disabled the output already, rather than wait for this tick.
         let stopping = matches!(order, Some(Order::Command(Command::Stop)));
         if self.driving && !heater.is_enabled() && !stopping {

@@ -2,7 +2,7 @@
 
 use fdi_core::control::Controller;
 use fdi_core::sense::thermistor::ThermistorConfig;
-use fdi_core::{AdcCode, Command, Config, Mode, Percent, RawSample, Refusal, TripReason};
+use fdi_core::{AdcCode, Command, Config, Feedback, Mode, Percent, RawSample, Refusal, TripReason};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::control_loop::{Beat, ControlLoop, Denial, Heater, Order};
 use firmware_logic::interlock::{Hold, Interlock};
@@ -78,7 +78,7 @@ impl Bench {
         self.noise = (self.noise + 1) % 3; // a live sensor is never quite still
         let wiggle = |code: AdcCode| AdcCode(code.0 + self.noise as f32);
         let raw = RawSample { t0: self.codes.t0, t1: wiggle(self.codes.t1), t2: wiggle(self.codes.t2) };
-        self.control.tick(raw, Arrival::default(), order, 0, &mut self.output)
+        self.control.tick(raw, Arrival::default(), order, Feedback::default(), &mut self.output)
     }
 
     fn tick(&mut self) -> Beat {

@@ -12,7 +12,7 @@ use embassy_futures::block_on;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
-use fdi_core::{AdcCode, Command, Config, ConfigError, Mode, Percent, RawSample};
+use fdi_core::{AdcCode, Command, Config, ConfigError, Feedback, Mode, Percent, RawSample};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::console::{self, Board};
 use firmware_logic::control_loop::{ControlLoop, Denial, Heater, Order};
@@ -141,9 +141,10 @@ impl Bench {
     /// One tick, and what became of the order before it.
     fn tick(&mut self, order: Option<Order>) -> Result<(), Denial> {
         let [t0, t1, t2] = self.rig.sample().map(|code| AdcCode(code as f32));
-        let learned = self.status.last.as_ref().map_or(0, |(_, report)| report.learned);
+        let feedback =
+            self.status.last.as_ref().map_or_else(Feedback::default, |(_, report)| report.feedback());
         let raw = RawSample { t0, t1, t2 };
-        let beat = self.control.tick(raw, Arrival::default(), order, learned, &mut self.heater);
+        let beat = self.control.tick(raw, Arrival::default(), order, feedback, &mut self.heater);
         self.rig.advance(f64::from(self.heater.given().0));
         let report = self.diagnosis.step(&mut self.state, &beat.tick, beat.applied);
         let tripped = |mode: &Mode| matches!(mode, Mode::Tripped(_));

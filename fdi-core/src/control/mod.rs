@@ -5,9 +5,10 @@ pub mod prbs;
 
 use crate::config::Config;
 use crate::error::ConfigError;
+use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
-use crate::sense::{RawSample, Sample, Sensing, SensingState};
-use crate::supervisor::{Blocker, Command, Mode, Refusal, Situation, Supervisor, SupervisorState};
+use crate::sense::{RawSample, Sample, Sensing, SensingState, Validity};
+use crate::supervisor::{Blocker, Command, Mode, Refusal, Regulated, Situation, Supervisor, SupervisorState};
 use crate::units::{Celsius, Percent};
 use pid::{Pid, PidState};
 use prbs::{Prbs, PrbsState};
@@ -23,6 +24,8 @@ pub struct Tick {
     pub index: u32,
     /// What the thermistors read.
     pub sample: Sample,
+    /// What is regulated in place of T1, where T1 is known to be wrong: see [`crate::SupervisorConfig::go_on_without_t1`].
+    pub stand_in: Option<Celsius>,
     /// Temperature wanted at T1.
     pub setpoint: Celsius,
     /// Output of the PID.
@@ -60,8 +63,10 @@ pub struct ControllerState {
     error_filter: LowPassState<1>,
     setpoint: Celsius,
     excite: bool,
-    /// Samples learnt so far, as the second half reported them.
-    learned: u32,
+    /// What the second half said last.
+    feedback: Feedback,
+    /// The stand-in for T1 was regulated on the tick before.
+    stood_in: bool,
     /// What the tick before did: its excitation after saturation, and whether the sum was cut.
     excitation: Percent,
     saturated: bool,
@@ -93,7 +98,8 @@ impl Controller {
             error_filter: None,
             setpoint,
             excite: true,
-            learned: 0,
+            feedback: Feedback::default(),
+            stood_in: false,
             excitation: Percent(0.0),
             saturated: false,
         }
@@ -103,22 +109,25 @@ impl Controller {
     pub fn step(&self, state: &mut ControllerState, raw: RawSample) -> Tick {
         let excited = state.excitation.0.abs() >= self.supervisor.min_excitation();
         let sample = self.sensing.step(&mut state.sensing, raw, excited);
-        let error = self.mean_error(state, &sample);
+        let regulated = self.regulated(state, &sample);
+        let error = self.mean_error(state, regulated.value);
         let situation = Situation {
             tick: state.index,
             raw,
             sample: &sample,
+            regulated,
             mean_error: error,
             setpoint: state.setpoint,
             saturated: state.saturated,
             excited,
-            learned: state.learned,
+            feedback: &state.feedback,
         };
         let decision = self.supervisor.step(&mut state.supervisor, &situation);
-        let (pid, prbs, drive) = self.drive(state, &sample);
+        let (pid, prbs, drive) = self.drive(state, regulated);
         let tick = Tick {
             index: state.index,
             sample,
+            stand_in: regulated.value.filter(|_| regulated.is_stand_in),
             setpoint: state.setpoint,
             pid,
             prbs,
@@ -131,17 +140,38 @@ impl Controller {
         tick
     }
 
+    /// The temperature to regulate: T1, or what stands in for it where T1 is known to be wrong and that is allowed.
+    fn regulated(&self, state: &ControllerState, sample: &Sample) -> Regulated {
+        let dead = matches!(
+            sample.t1.validity,
+            Validity::Open | Validity::Short | Validity::OutOfRange | Validity::Stuck
+        );
+        let known = state.feedback.stand_in.is_some() || state.stood_in;
+        if self.supervisor.goes_on_without_t1() && known && (dead || state.feedback.t1_faulty) {
+            let stand_in = sample.t0.good().zip(state.feedback.stand_in).map(|(t0, rise)| Celsius(t0 + rise));
+            Regulated { value: stand_in, is_stand_in: true }
+        } else {
+            Regulated { value: sample.t1.good().map(Celsius), is_stand_in: false }
+        }
+    }
+
     /// PID and excitation where the mode allows heat, else everything at rest.
-    fn drive(&self, state: &mut ControllerState, sample: &Sample) -> (Percent, Percent, Percent) {
+    fn drive(&self, state: &mut ControllerState, regulated: Regulated) -> (Percent, Percent, Percent) {
         if !self.supervisor.mode(&state.supervisor).is_heating() {
             state.pid = PidState::default();
             state.error_filter = None;
             state.excitation = Percent(0.0);
             state.saturated = false;
+            state.stood_in = false;
             return Default::default();
         }
-        let pid = match sample.t1.good() {
-            Some(t1) => self.pid.step(&mut state.pid, state.setpoint, Celsius(t1)),
+        let pid = match regulated.value {
+            Some(y) => {
+                if core::mem::replace(&mut state.stood_in, regulated.is_stand_in) != regulated.is_stand_in {
+                    self.pid.change_sensor(&mut state.pid, y);
+                }
+                self.pid.step(&mut state.pid, state.setpoint, y)
+            }
             None => self.pid.hold(&mut state.pid),
         };
         let prbs = self.prbs.step(&mut state.prbs);
@@ -152,10 +182,10 @@ impl Controller {
         (pid, prbs, drive)
     }
 
-    /// Low-passed control error; on an invalid T1 the last one.
-    fn mean_error(&self, state: &mut ControllerState, sample: &Sample) -> Option<f32> {
-        match sample.t1.good() {
-            Some(t1) => Some(self.error_filter.step(&mut state.error_filter, &[state.setpoint.0 - t1])[0]),
+    /// Low-passed control error; without a temperature the last one.
+    fn mean_error(&self, state: &mut ControllerState, regulated: Option<Celsius>) -> Option<f32> {
+        match regulated {
+            Some(y) => Some(self.error_filter.step(&mut state.error_filter, &[state.setpoint.0 - y.0])[0]),
             None => state.error_filter.map(|e| e[0]),
         }
     }
@@ -183,8 +213,8 @@ impl Controller {
         self.supervisor.restored(&mut state.supervisor);
     }
 
-    /// Hears from the second half how many samples the baseline has.
-    pub fn heard(&self, state: &mut ControllerState, learned: u32) {
-        state.learned = learned;
+    /// Hears what the second half has found.
+    pub fn heard(&self, state: &mut ControllerState, feedback: Feedback) {
+        state.feedback = feedback;
     }
 }

@@ -102,6 +102,14 @@ impl Pid {
         Percent(output)
     }
 
+    /// From here on another sensor is regulated, which reads `y` now: the step from the one to the other is no change of
+    /// the temperature, and must not act as one.
+    pub fn change_sensor(&self, state: &mut PidState, y: Celsius) {
+        let step = y.0 - state.y1;
+        state.y1 += step;
+        state.y2 += step;
+    }
+
     /// A tick without a measurement: the output is held, and the derivative waits for two samples in a row.
     pub fn hold(&self, state: &mut PidState) -> Percent {
         state.known = state.known.min(1);

@@ -9,9 +9,10 @@ pub mod signature;
 use crate::config::Config;
 use crate::control::Tick;
 use crate::error::{ConfigError, in_range};
+use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Observation, Observer, ObserverState};
-use crate::parity::{Parity, ParityReport, ParityState};
+use crate::parity::{FaultClass, Parity, ParityReport, ParityState};
 use crate::supervisor::Mode;
 use crate::units::{Percent, Seconds};
 use baseline::{Baseline, Learner};
@@ -124,6 +125,22 @@ pub struct Report {
     pub events: Events,
     /// The second opinion.
     pub parity: ParityReport,
+}
+
+impl Report {
+    /// What of it the first half of the next tick needs.
+    pub fn feedback(&self) -> Feedback {
+        let finding = self.parity.finding;
+        // A heater that gives more than it is asked for looks like too little air.
+        let air_is_to_blame = !finding.is_some_and(|f| f.class == FaultClass::HeaterPower);
+        Feedback {
+            learned: self.learned,
+            stand_in: self.parity.stand_in,
+            t1_faulty: finding.is_some_and(|f| f.class.is_of_t1()),
+            air_flow: self.parity.air_flow.filter(|_| air_is_to_blame).map(Percent),
+            heater_stuck_on: self.parity.heater_stuck_on,
+        }
+    }
 }
 
 impl Diagnosis {

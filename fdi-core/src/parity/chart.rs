@@ -33,3 +33,42 @@ impl Chart {
         sums.up.max(sums.down) / self.limit
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// White Gaussian noise: the sum of twelve uniform numbers, by a 64-bit congruential generator.
+    fn noise(seed: &mut u64) -> f32 {
+        let mut sum = -6.0;
+        for _ in 0..12 {
+            *seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            sum += (*seed >> 40) as f32 / (1u64 << 24) as f32;
+        }
+        sum
+    }
+
+    /// One side with slack 0.5 and limit 4: 335 samples in the mean (Siegmund's formula 337, tables 336); both: half.
+    #[test]
+    fn false_alarms_are_as_rare_as_the_formula_says() {
+        let chart = Chart { slack: 0.5, limit: 4.0 };
+        let (mut seed, runs, mut samples) = (7, 4000, 0u32);
+        for _ in 0..runs {
+            let mut sums = Sums::default();
+            while chart.step(&mut sums, noise(&mut seed), 0.0) <= 1.0 {
+                samples += 1;
+            }
+        }
+        let mean = f64::from(samples) / f64::from(runs);
+        assert!((150.0..186.0).contains(&mean), "{mean} samples between false alarms, seed 7");
+    }
+
+    #[test]
+    fn extra_slack_ignores_what_it_covers() {
+        let chart = Chart { slack: 1.5, limit: 7.0 };
+        let mut sums = Sums::default();
+        assert!((0..1000).all(|_| chart.step(&mut sums, 3.0, 2.0) == 0.0));
+        assert!((0..10).map(|_| chart.step(&mut sums, 3.0, 0.0)).any(|q| q > 1.0));
+        assert_eq!(chart.step(&mut sums, f32::NAN, 0.0), 0.0, "no number starts it afresh");
+    }
+}

@@ -108,10 +108,17 @@ impl Parity {
         self.follow_mode(state, tick.mode);
         let by_models = self.run(state, tick, y, applied);
         let by_sensors = state.sensors.step(&tick.sample, tick.index);
+        let watching = match &state.phase {
+            Phase::Watching(watch) if tick.mode == Mode::Monitor => Some(watch),
+            _ => None,
+        };
         ParityReport {
             arming: state.arming(),
             alarm: by_models.is_some() || by_sensors.is_some(),
             finding: by_sensors.or(by_models.flatten()),
+            stand_in: watching.filter(|_| y[1].is_some()).map(WatchState::stand_in),
+            air_flow: watching.and_then(WatchState::air_flow),
+            heater_stuck_on: watching.is_some_and(WatchState::heater_stuck_on),
         }
     }
 

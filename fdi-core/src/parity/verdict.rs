@@ -70,6 +70,19 @@ impl FaultClass {
         }
     }
 
+    /// Whether it is T1 that reads wrong, by name.
+    pub const fn is_of_t1(self) -> bool {
+        matches!(
+            self,
+            Self::T1Offset
+                | Self::T1Clogged
+                | Self::Stuck(Channel::T1)
+                | Self::Open(Channel::T1)
+                | Self::Short(Channel::T1)
+                | Self::Lost(Channel::T1)
+        )
+    }
+
     /// Unit of the estimated magnitude; empty where there is none.
     pub const fn unit(self) -> &'static str {
         match self {
@@ -144,4 +157,10 @@ pub struct ParityReport {
     pub alarm: bool,
     /// What it is, once that can be told.
     pub finding: Option<Finding>,
+    /// What T1 will be above the room on the next tick by T2 and the models, degC; None where that is not known.
+    pub stand_in: Option<f32>,
+    /// Air flow by the static gain of both rises over some seconds, % of normal.
+    pub air_flow: Option<f32>,
+    /// The rig has been much hotter than the models say for some seconds in which no heat was asked for.
+    pub heater_stuck_on: bool,
 }

@@ -107,3 +107,45 @@ impl Whitener {
         dot(&self.c, &past.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An autoregressive process of order 2 with coefficients 1.2 and -0.5 and innovations of variance 1 has the
+    /// autocovariances 3.704 (1, 0.8, 0.46, 0.152) (Yule-Walker by hand).
+    #[test]
+    fn coefficients_come_back_from_autocovariances() {
+        let r0 = 1.0 / ((1.0 - 0.8 * 1.2 + 0.46 * 0.5) as f32);
+        let whitener = Whitener::from_autocovariance(&[r0, 0.8 * r0, 0.46 * r0, 0.152 * r0]).unwrap();
+        for (c, wanted) in whitener.c.iter().zip([1.2, -0.5, 0.0]) {
+            assert!((c - wanted).abs() < 5e-3, "{:?}", whitener.c);
+        }
+        assert!((whitener.sigma() - 1.0).abs() < 5e-3 && (whitener.rest() - 0.3).abs() < 5e-3);
+    }
+
+    #[test]
+    fn what_is_no_autocovariance_is_refused() {
+        for r in [
+            [0.0; 4],
+            [-1.0, 0.0, 0.0, 0.0],
+            [f32::NAN; 4],
+            [1.0, 2.0, 0.0, 0.0],
+            [f32::INFINITY, 0.0, 0.0, 0.0],
+        ] {
+            assert!(Whitener::from_autocovariance(&r).is_none(), "{r:?}");
+        }
+    }
+
+    #[test]
+    fn one_outlier_leaves_no_echo_in_the_charts() {
+        let r = [1.0, 0.5, 0.25, 0.125];
+        let whitener = Whitener::from_autocovariance(&r).unwrap();
+        let mut past = Past::default();
+        assert_eq!(whitener.step_clipped(&mut past, 1000.0, 6.0), 6.0);
+        let echo = whitener.step_clipped(&mut past, 0.0, 6.0);
+        assert!((-6.0..0.0).contains(&echo) && echo > -3.7, "{echo}");
+        let later = whitener.step_clipped(&mut past, 0.0, 6.0);
+        assert!(later.abs() < 1e-3, "{later}");
+    }
+}

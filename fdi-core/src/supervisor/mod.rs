@@ -19,6 +19,7 @@ pub use mode::{Blocker, Command, Mode, Refusal, Trip, TripReason};
 use crate::config::Config;
 use crate::diagnosis::baseline::MIN_SAMPLES;
 use crate::error::{ConfigError, above, in_range};
+use crate::feedback::Feedback;
 use crate::sense::{RawSample, Sample, Validity};
 use crate::units::{Celsius, Percent, Seconds};
 
@@ -45,6 +46,11 @@ pub struct SupervisorConfig {
     pub over_temperature: Celsius,
     /// T1 without a valid sample for longer than this switches the heater off, whatever the reason.
     pub signal_timeout: Seconds,
+    /// Once T1 is named faulty, or breaks, go on with T2 through the models of the parity diagnosis; else what is broken
+    /// trips and what reads wrong is only told. Set-point limits and over-temperature hold all the same.
+    pub go_on_without_t1: bool,
+    /// Air flow surely below this share of normal switches the heater off; 0 never does.
+    pub min_air_flow: Percent,
     /// Lowest set-point that is accepted.
     pub setpoint_min: Celsius,
     /// Highest set-point that is accepted.
@@ -61,6 +67,8 @@ impl Default for SupervisorConfig {
             min_excitation: Percent(0.5),
             over_temperature: Celsius(75.0),
             signal_timeout: Seconds(0.5),
+            go_on_without_t1: false,
+            min_air_flow: Percent(50.0),
             setpoint_min: Celsius(20.0),
             setpoint_max: Celsius(65.0),
         }
@@ -76,6 +84,8 @@ pub struct Situation<'a> {
     pub raw: RawSample,
     /// The readings.
     pub sample: &'a Sample,
+    /// The temperature that is regulated.
+    pub regulated: Regulated,
     /// Low-passed control error in degC, if known.
     pub mean_error: Option<f32>,
     /// The temperature wanted.
@@ -84,8 +94,17 @@ pub struct Situation<'a> {
     pub saturated: bool,
     /// The tick before was really excited.
     pub excited: bool,
-    /// Samples that the baseline has.
-    pub learned: u32,
+    /// What the second half of the tick before has found.
+    pub feedback: &'a Feedback,
+}
+
+/// The temperature that is regulated, where there is one that may be used.
+#[derive(Clone, Copy, Debug)]
+pub struct Regulated {
+    /// T1, or what stands in for it.
+    pub value: Option<Celsius>,
+    /// It is a stand-in: T1 is known to be wrong.
+    pub is_stand_in: bool,
 }
 
 /// What the supervisor decided for this tick, besides the mode.
@@ -107,6 +126,8 @@ pub struct Supervisor {
     regulation_band: f32,
     min_excitation: f32,
     over_temperature: Celsius,
+    go_on_without_t1: bool,
+    min_air_flow: f32,
     setpoint_min: f32,
     setpoint_max: f32,
 }
@@ -117,8 +138,8 @@ pub struct SupervisorState {
     mode: Mode,
     /// Ticks since arming; saturates.
     elapsed: u32,
-    /// Ticks in a row without a valid T1; saturates.
-    t1_lost: u32,
+    /// Ticks in a row without a temperature to regulate; saturates.
+    lost: u32,
     setpoint: Celsius,
     /// What would trip now, whatever the mode.
     hazard: Option<TripReason>,
@@ -142,6 +163,7 @@ impl Supervisor {
         in_range("supervisor.min_excitation", c.min_excitation.0, 0.01, 50.0)?;
         in_range("supervisor.over_temperature", c.over_temperature.0, 30.0, 250.0)?;
         in_range("supervisor.signal_timeout", c.signal_timeout.0, 0.0, 5.0)?;
+        in_range("supervisor.min_air_flow", c.min_air_flow.0, 0.0, 95.0)?;
         in_range("supervisor.setpoint_min", c.setpoint_min.0, 0.0, 200.0)?;
         in_range("supervisor.setpoint_max", c.setpoint_max.0, 0.0, 200.0)?;
         above("supervisor.setpoint_max", c.setpoint_max.0, "supervisor.setpoint_min", c.setpoint_min.0)?;
@@ -162,6 +184,8 @@ impl Supervisor {
             regulation_band: c.regulation_band.0 / 100.0,
             min_excitation: c.min_excitation.0,
             over_temperature: c.over_temperature,
+            go_on_without_t1: c.go_on_without_t1,
+            min_air_flow: c.min_air_flow.0,
             setpoint_min: c.setpoint_min.0,
             setpoint_max: c.setpoint_max.0,
         })
@@ -172,12 +196,14 @@ impl Supervisor {
         self.min_excitation
     }
 
+    /// Whether a faulty T1 is stood in for.
+    pub fn goes_on_without_t1(&self) -> bool {
+        self.go_on_without_t1
+    }
+
     /// Decides the mode of this tick, before anything is driven.
     pub fn step(&self, state: &mut SupervisorState, now: &Situation) -> Decision {
-        state.t1_lost = match now.sample.t1.validity {
-            Validity::Good => 0,
-            _ => state.t1_lost.saturating_add(1),
-        };
+        state.lost = if now.regulated.value.is_some() { 0 } else { state.lost.saturating_add(1) };
         state.hazard = self.hazard(state, now);
         state.elapsed = if state.mode.is_heating() { state.elapsed.saturating_add(1) } else { 0 };
         let moved = core::mem::replace(&mut state.setpoint, now.setpoint) != now.setpoint;
@@ -191,7 +217,9 @@ impl Supervisor {
             (mode @ &mut Mode::Settle { steady }, _) => {
                 *mode = self.settle(steady, blocker, due, state.restored)
             }
-            (mode @ &mut Mode::Learn { accepted }, _) => *mode = self.learn(accepted, now.learned, blocker),
+            (mode @ &mut Mode::Learn { accepted }, _) => {
+                *mode = self.learn(accepted, now.feedback.learned, blocker)
+            }
             _ => {}
         }
         let blocked = match state.mode {
@@ -232,7 +260,22 @@ impl Supervisor {
     fn hazard(&self, state: &SupervisorState, now: &Situation) -> Option<TripReason> {
         let sample = now.sample;
         let hot = |reading: Option<f32>| reading.is_some_and(|t| t > self.over_temperature.0);
-        let lost_too_long = state.t1_lost > self.lost_ticks;
+        let lost_too_long = state.lost > self.lost_ticks;
+        let flow = now.feedback.air_flow.filter(|flow| flow.0 < self.min_air_flow);
+        if state.mode.is_heating() && flow.is_some() {
+            return Some(TripReason::AirFlowLost);
+        }
+        if state.mode.is_heating() && now.feedback.heater_stuck_on {
+            return Some(TripReason::HeaterStuckOn);
+        }
+        if now.regulated.is_stand_in {
+            return match now.regulated.value {
+                None if lost_too_long => Some(TripReason::T1Lost),
+                stand_in if hot(stand_in.map(|t| t.0)) => Some(TripReason::T1OverTemperature),
+                _ if hot(sample.t2.good()) => Some(TripReason::T2OverTemperature),
+                _ => None,
+            };
+        }
         match sample.t1.validity {
             Validity::Open => Some(TripReason::T1Open),
             Validity::Short => Some(TripReason::T1Short),

@@ -24,6 +24,10 @@ pub enum TripReason {
     T1OverTemperature,
     /// T2 is above the limit.
     T2OverTemperature,
+    /// The air flow is too small to heat.
+    AirFlowLost,
+    /// The heater heats although it is not asked to.
+    HeaterStuckOn,
 }
 
 /// The record of a trip: what was seen on the tick that tripped.

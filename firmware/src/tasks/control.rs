@@ -44,8 +44,7 @@ pub(crate) async fn control(
             true => Some(Order::Command(Command::Stop)),
             false => orders.dequeue(),
         };
-        let learned = link::LEARNED.load(Ordering::Relaxed);
-        let beat = control.tick(raw, arrival, order, learned, &mut heater);
+        let beat = control.tick(raw, arrival, order, link::feedback(), &mut heater);
         tick_timer::feed_dead_man(arrival.due.wrapping_add(DEAD_MAN_US));
         link::check_in(Task::Control);
         link::send(&mut beats, beat);

@@ -43,7 +43,7 @@ pub(crate) async fn diagnosis(
             instrument.answered(outcome);
         }
         let report = diagnosis.step(&mut state, &beat.tick, beat.applied);
-        link::LEARNED.store(report.learned, Ordering::Relaxed);
+        link::feed_back(report.feedback());
         defmt::debug!("{}", Record::new(&beat, &report));
         changes.notice(&beat, &report, instrument, &diagnosis, &state);
         instrument.ticked(beat, report);

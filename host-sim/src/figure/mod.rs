@@ -163,6 +163,7 @@ mod tests {
                     magnitude: None,
                     onset: 3500,
                 }),
+                ..ParityReport::default()
             };
         }
         let svg = svg(Number::Six, &record).unwrap();

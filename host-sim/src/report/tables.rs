@@ -226,5 +226,7 @@ pub(super) fn trip_reason(reason: TripReason) -> &'static str {
         TripReason::T1Stuck => "T1 did not move although the heater did",
         TripReason::T1OverTemperature => "T1 above the limit",
         TripReason::T2OverTemperature => "T2 above the limit",
+        TripReason::AirFlowLost => "too little air to heat",
+        TripReason::HeaterStuckOn => "the rig heats although the heater is off",
     }
 }

@@ -1,0 +1,20 @@
+//! What the second half of a tick tells the first half of the next.
+
+use crate::units::Percent;
+
+/// What the diagnosis found that control and supervision act on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Feedback {
+    /// Samples that the baseline has.
+    pub learned: u32,
+    /// What T1 will be above the room on the next tick by T2 and the models, degC. None unless the parity diagnosis watches
+    /// and T2 is good.
+    pub stand_in: Option<f32>,
+    /// T1 reads wrong, by name: offset, clogged, stuck, open, shorted or lost.
+    pub t1_faulty: bool,
+    /// Air flow by the static gain, % of normal, where known.
+    pub air_flow: Option<Percent>,
+    /// The rig heats although no heat is asked for.
+    pub heater_stuck_on: bool,
+}

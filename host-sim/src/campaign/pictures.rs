@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use fdi_core::FaultClass;
 use plotters::style::RGBColor;
 
 use super::cell::Cell;
@@ -10,6 +11,7 @@ use super::results::{By, Results};
 use super::run::RunRow;
 use super::statistics::{Quantiles, quantile};
 use super::trade::Trade;
+use crate::fault::Sensor;
 use crate::figure::chart::{Axis, Chart, Dot, Log, Panel};
 use crate::figure::matrix::{Group, Matrix};
 use crate::figure::{self, BLUE, VERMILLION};
@@ -21,7 +23,7 @@ use crate::rig::Wander;
 /// The file that can't be written.
 pub(super) fn draw(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Path) -> anyhow::Result<String> {
     let mut names = String::new();
-    if let Some(chart) = delays(cells, rows) {
+    if let Some(chart) = delays(results, cells, rows) {
         figure::draw(&chart, "Detection delay against fault size", out, "delays")?;
         names += ", delays";
     }
@@ -70,9 +72,7 @@ fn families(cells: &[Cell]) -> Vec<Family<'_>> {
             continue;
         };
         let (Some(class), Some(_)) = (fault.expected_class(), fault.true_magnitude()) else { continue };
-        let sensor = fault.sensor.map_or(String::new(), |sensor| format!(" of {sensor:?}"));
-        let lag = if fault.lag.is_some() { ", lag (s) below" } else { "" };
-        let title = format!("{}{sensor}: {}{lag}", class.name(), class.unit().replace("degC", "\u{b0}C"));
+        let title = title(class, fault.sensor);
         match families.iter_mut().find(|family| family.title == title) {
             Some(family) => family.cells.push((number, cell)),
             None => families.push(Family { title, cells: vec![(number, cell)] }),
@@ -90,6 +90,20 @@ fn families(cells: &[Cell]) -> Vec<Family<'_>> {
     families
 }
 
+fn title(class: FaultClass, sensor: Option<Sensor>) -> String {
+    let what = match class {
+        FaultClass::T1Offset | FaultClass::T2Offset | FaultClass::T0Fault => {
+            "reads too high or too low (\u{b0}C)"
+        }
+        FaultClass::T1Clogged => "is clogged: loss of gain (%), lag below (s)",
+        FaultClass::AirFlow => "Air flow changes (%)",
+        FaultClass::HeaterPower => "Heater power changes (%)",
+        FaultClass::Drift => "drifts (\u{b0}C a minute)",
+        other => other.name(),
+    };
+    sensor.map_or(what.to_owned(), |sensor| format!("{sensor:?} {what}"))
+}
+
 /// 5th percentile, median, 95th percentile of the delay, and the share of the runs that missed the fault.
 fn spread(by: By, rows: &[&RunRow]) -> ([f64; 3], f64) {
     let delay = |row: &&RunRow| by.of(row).detection_delay_s.unwrap_or(f64::INFINITY);
@@ -100,9 +114,9 @@ fn spread(by: By, rows: &[&RunRow]) -> ([f64; 3], f64) {
 }
 
 /// How soon a fault is seen, over its size.
-fn delays(cells: &[Cell], rows: &[RunRow]) -> Option<Chart> {
+fn delays(results: &Results, cells: &[Cell], rows: &[RunRow]) -> Option<Chart> {
     let families = families(cells);
-    let (&first, runs) = (families.first()?.cells.first()?, rows.len());
+    families.first()?;
     let panels: Vec<Panel> = families.iter().map(|family| family_panel(family, rows)).collect();
     let values =
         panels.iter().flat_map(|p| &p.dots).flat_map(|d| d.y.into_iter().chain(d.y_bar.map(|b| b.0)));
@@ -119,7 +133,7 @@ fn delays(cells: &[Cell], rows: &[RunRow]) -> Option<Chart> {
             "Dot: median of {count} runs a size, lively surroundings. Bar: from the 5th to the 95th percentile of the runs; \
              a missed fault counts as infinitely late. Horizontal: true size."
         ),
-        format!("Seeds from {} on; {runs} runs in the whole campaign.", first.1.first_seed),
+        format!("Seeds of the campaign from {} on.", results.campaign.seeds_from),
     ];
     let title = "How soon a fault is detected, over its size".into();
     Some(Chart { title, legend: legend(), columns: 3, panels, y, notes })
@@ -158,7 +172,7 @@ fn family_panel(family: &Family, rows: &[RunRow]) -> Panel {
             }
         }
     }
-    let remark = blind.then(|| ("the signatures have no row for it".to_owned(), VERMILLION));
+    let remark = blind.then(|| ("not in the signatures' tables".to_owned(), VERMILLION));
     Panel { title: family.title.clone(), x: Axis::Names(names), dots, strip, remark }
 }
 

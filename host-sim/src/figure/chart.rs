@@ -29,7 +29,7 @@ pub(crate) struct Panel {
     pub(crate) dots: Vec<Dot>,
     /// Texts in the strip of infinity: place on the axis, px to the right of it, text, colour.
     pub(crate) strip: Vec<(f64, f64, String, RGBColor)>,
-    /// A remark in the chart, in a colour.
+    /// A remark in that strip, in a colour.
     pub(crate) remark: Option<(String, RGBColor)>,
 }
 
@@ -70,8 +70,8 @@ pub(crate) struct Dot {
 const WIDTH: f64 = 1200.0;
 const PANEL_HEIGHT: f64 = 300.0;
 const HEAD: f64 = 64.0;
-const LEFT: f64 = 62.0;
-const GAP: f64 = 58.0;
+const LEFT: f64 = 80.0;
+const GAP: f64 = 78.0;
 const TOP: f64 = 36.0;
 const BOTTOM: f64 = 62.0;
 const NOTE: f64 = 21.0;
@@ -88,8 +88,8 @@ impl Log {
     /// A scale that holds all positive finite values.
     pub(crate) fn over(label: impl Into<String>, values: impl Iterator<Item = f64>) -> Self {
         let positive: Vec<f64> = values.filter(|x| *x > 0.0 && x.is_finite()).collect();
-        let low = positive.iter().copied().fold(f64::INFINITY, f64::min).min(1e9);
-        let high = positive.iter().copied().fold(0.0, f64::max).max(low * 1.0001);
+        let low = positive.iter().copied().reduce(f64::min).unwrap_or(1.0);
+        let high = positive.iter().copied().fold(1.1 * low, f64::max);
         let range = (round(low, false), round(high, true));
         Self { label: label.into(), range, zero: None, never: None }
     }
@@ -169,7 +169,8 @@ impl Chart {
             Axis::Log(log) => frame.x_axis(canvas, log)?,
         }
         if let Some((remark, colour)) = &panel.remark {
-            canvas.text(remark, (frame.x.0 + 8.0, frame.y.0 - 12.0), SMALL.coloured(*colour))?;
+            let y = self.y.at(f64::INFINITY, frame.y);
+            canvas.text(remark, (frame.x.0 + 8.0, y), SMALL.coloured(*colour))?;
         }
         for dot in &panel.dots {
             frame.dot(canvas, &panel.x, &self.y, dot)?;

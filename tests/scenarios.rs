@@ -92,7 +92,7 @@ fn over_temperature_trips_also_by_t2_alone() {
         let record =
             run_with(vec![fault(Verb::Offset, Some(sensor), Some(45.0), 50.0, 20.0)], vec![], 60.0, 1);
         let trips = Summary::new(&record).trips;
-        assert_eq!(trips.first().map(|t| t.reason), Some(reason));
+        assert_eq!(trips.first().map(|t| (t.reason, t.limit_c)), Some((reason, 75.0)));
         assert!(trips[0].t_s < 50.3, "withheld as a spike for one tick, then believed: {}", trips[0].t_s);
     }
 }

@@ -1,7 +1,7 @@
 //! Modes, commands, trips and events, without a rig: codes made by hand.
 
 use fdi_core::diagnosis::event::{Event, EventRules, EventState};
-use fdi_core::diagnosis::signature::{PAPER_DETECTION, PAPER_ISOLATION, Pattern, Symptom, Symptoms, look_up};
+use fdi_core::diagnosis::signature::{PAPER_DETECTION, PAPER_ISOLATION, Pattern, Symptom, Symptoms, Table};
 use fdi_core::{
     AdcCode, Celsius, Command, Config, ConfigError, Instrument, Mode, RawSample, Refusal, TripReason,
     Validity,
@@ -140,7 +140,11 @@ fn the_papers_tables_say_what_the_paper_says() {
     ];
     for (text, fdv, fiv) in cases {
         let s = symptoms(text);
-        assert_eq!((look_up(&PAPER_DETECTION, &s), look_up(&PAPER_ISOLATION, &s)), (fdv, fiv), "{text}");
+        assert_eq!(
+            (Table::new(&PAPER_DETECTION).look_up(&s), Table::new(&PAPER_ISOLATION).look_up(&s)),
+            (fdv, fiv),
+            "{text}"
+        );
     }
 }
 

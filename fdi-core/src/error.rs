@@ -65,6 +65,7 @@ impl fmt::Display for ConfigError {
 impl core::error::Error for ConfigError {}
 
 /// Checks that `value` is finite and within `min..=max`.
+#[inline(never)]
 pub(crate) fn in_range(name: &'static str, value: f32, min: f32, max: f32) -> Result<(), ConfigError> {
     if !value.is_finite() {
         Err(ConfigError::NonFinite { name })
@@ -76,6 +77,7 @@ pub(crate) fn in_range(name: &'static str, value: f32, min: f32, max: f32) -> Re
 }
 
 /// Checks that `value` exceeds `limit`, the value of the parameter `other`.
+#[inline(never)]
 pub(crate) fn above(
     name: &'static str,
     value: f32,

@@ -5,7 +5,6 @@ use crate::control::{Controller, ControllerState, Tick};
 use crate::diagnosis::baseline::Baseline;
 use crate::diagnosis::{Diagnosis, DiagnosisState, Report};
 use crate::error::ConfigError;
-use crate::parity::{Parity, ParityState};
 use crate::sense::RawSample;
 use crate::supervisor::{Command, Refusal};
 use crate::units::Percent;
@@ -33,8 +32,6 @@ pub struct Instrument {
     diagnosis: Diagnosis,
     control_state: ControllerState,
     diagnosis_state: DiagnosisState,
-    parity: Parity,
-    parity_state: ParityState,
 }
 
 impl Instrument {
@@ -48,9 +45,7 @@ impl Instrument {
         let diagnosis = Diagnosis::new(config)?;
         let control_state = controller.start(config.setpoint);
         let diagnosis_state = diagnosis.start();
-        let parity = Parity::new(config)?;
-        let parity_state = ParityState::default();
-        Ok(Self { controller, diagnosis, control_state, diagnosis_state, parity, parity_state })
+        Ok(Self { controller, diagnosis, control_state, diagnosis_state })
     }
 
     /// First half of a tick: takes in the codes, says what to drive the heater with until the next tick.
@@ -61,8 +56,7 @@ impl Instrument {
     /// Second half: identifies and diagnoses. `applied` is what the heater really gets until the next tick, which is
     /// the drive of `tick` unless something else has cut it.
     pub fn diagnose(&mut self, tick: &Tick, applied: Percent) -> Report {
-        let mut report = self.diagnosis.step(&mut self.diagnosis_state, tick, applied);
-        report.parity = self.parity.step(&mut self.parity_state, tick, [report.y1, report.y2], applied);
+        let report = self.diagnosis.step(&mut self.diagnosis_state, tick, applied);
         self.controller.heard(&mut self.control_state, report.learned);
         report
     }

@@ -106,7 +106,13 @@ impl fmt::Display for Shown<'_> {
                     trip.reason,
                     Fixed(celsius.0, 1),
                     Fixed(code.0, 0)
-                )
+                )?;
+                match trip.reason {
+                    TripReason::T1OverTemperature | TripReason::T2OverTemperature => {
+                        write!(f, ", limit {} degC", Fixed(trip.limit.0, 1))
+                    }
+                    _ => Ok(()),
+                }
             }
             Entry::Hold { hold, tick } => write!(f, "{} s hold: {hold}", seconds(*tick)),
         }
@@ -123,6 +129,8 @@ fn seen(trip: &Trip) -> (Reading, AdcCode) {
 
 #[cfg(test)]
 mod tests {
+    use fdi_core::{Celsius, RawSample, Sample, Validity};
+
     use super::*;
 
     fn fault(detected: u32) -> Fault {
@@ -147,6 +155,24 @@ mod tests {
         assert_eq!(history.get(1), None);
         let text = Shown { entry: history.get(0).expect("one"), sample_time: 0.11 }.to_string();
         assert_eq!(text, "10.6 s fault: fdv 1 fiv 2, detected 11.0 s, isolated 12.1 s, lasted 22.1 s");
+    }
+
+    #[test]
+    fn a_trip_by_heat_says_which_limit_was_exceeded() {
+        let reading = |celsius| Reading { celsius: Celsius(celsius), validity: Validity::Good };
+        let trip = Trip {
+            reason: TripReason::T2OverTemperature,
+            tick: 100,
+            raw: RawSample { t2: AdcCode(500.0), ..RawSample::default() },
+            sample: Sample { t0: reading(22.0), t1: reading(35.0), t2: reading(87.25) },
+            setpoint: Celsius(35.0),
+            limit: Celsius(75.0),
+        };
+        let text = |trip| Shown { entry: &Entry::Trip(trip), sample_time: 0.11 }.to_string();
+        let seen = "87.3 degC (Good, code 500) seen, 35.0 degC wanted at T1";
+        assert_eq!(text(trip), format!("11.0 s trip: T2OverTemperature, {seen}, limit 75.0 degC"));
+        let open = text(Trip { reason: TripReason::T1Open, ..trip });
+        assert!(open.ends_with("35.0 degC wanted at T1"), "{open}");
     }
 
     #[test]

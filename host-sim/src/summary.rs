@@ -122,6 +122,8 @@ pub struct TripSummary {
     pub reason: fdi_core::TripReason,
     /// What T1 was to be, degC.
     pub setpoint_c: f32,
+    /// The temperature above which T1 or T2 trips, degC.
+    pub limit_c: f32,
     /// What T1 read.
     pub t1: Seen,
     /// What T2 read.
@@ -286,6 +288,7 @@ fn trips(record: &Record) -> Vec<TripSummary> {
         t_s: record.time(trip.tick),
         reason: trip.reason,
         setpoint_c: trip.setpoint.0,
+        limit_c: trip.limit.0,
         t1: seen(trip.raw.t1, trip.sample.t1),
         t2: seen(trip.raw.t2, trip.sample.t2),
     };

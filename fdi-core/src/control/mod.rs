@@ -107,7 +107,7 @@ impl Controller {
         let situation = Situation {
             tick: state.index,
             raw,
-            sample,
+            sample: &sample,
             mean_error: error,
             setpoint: state.setpoint,
             saturated: state.saturated,
@@ -115,7 +115,7 @@ impl Controller {
             learned: state.learned,
         };
         let decision = self.supervisor.step(&mut state.supervisor, &situation);
-        let (pid, prbs, drive) = self.drive(state, &sample, decision.mode);
+        let (pid, prbs, drive) = self.drive(state, &sample);
         let tick = Tick {
             index: state.index,
             sample,
@@ -123,7 +123,7 @@ impl Controller {
             pid,
             prbs,
             drive,
-            mode: decision.mode,
+            mode: *self.supervisor.mode(&state.supervisor),
             learn: decision.learn,
             blocked: decision.blocked,
         };
@@ -132,8 +132,8 @@ impl Controller {
     }
 
     /// PID and excitation where the mode allows heat, else everything at rest.
-    fn drive(&self, state: &mut ControllerState, sample: &Sample, mode: Mode) -> (Percent, Percent, Percent) {
-        if !mode.is_heating() {
+    fn drive(&self, state: &mut ControllerState, sample: &Sample) -> (Percent, Percent, Percent) {
+        if !self.supervisor.mode(&state.supervisor).is_heating() {
             state.pid = PidState::default();
             state.error_filter = None;
             state.excitation = Percent(0.0);

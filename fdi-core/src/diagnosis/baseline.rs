@@ -1,6 +1,7 @@
 //! What is normal: mean and standard deviation of each feature over fault-free operation, and the thresholds from them.
 
 use super::residual::RESIDUALS;
+use super::root::sqrt;
 use crate::error::{ConfigError, in_range};
 
 /// Running mean and variance of `M` signals by Welford's recurrence, which subtracts no large sums.
@@ -49,8 +50,8 @@ impl<const M: usize> Statistics<M> {
 
     /// Standard deviation of each signal (divisor n); zero before the second sample.
     pub fn sigma(&self) -> [f32; M] {
-        let n = self.count.max(1) as f32;
-        core::array::from_fn(|i| libm::sqrtf((self.m2[i] / n).max(0.0)))
+        let inv_count = 1.0 / self.count.max(1) as f32;
+        self.m2.map(|m2| sqrt(m2 * inv_count))
     }
 }
 

@@ -65,12 +65,22 @@ pub struct EventState {
 impl EventRules {
     /// Takes in what one tick said.
     pub fn step(&self, state: &mut EventState, tick: u32, symptoms: &Symptoms, fdv: u8, fiv: u8) -> Events {
-        for i in 0..symptoms.len() {
-            if symptoms[i] != state.symptoms[i] {
-                state.since[i] = tick;
+        if *symptoms != state.symptoms {
+            for i in 0..symptoms.len() {
+                if symptoms[i] != state.symptoms[i] {
+                    state.since[i] = tick;
+                }
             }
+            state.symptoms = *symptoms;
         }
-        state.symptoms = *symptoms;
+        if fdv == 0 && state.current.is_none() {
+            return Events::new();
+        }
+        self.follow(state, tick, fdv, fiv)
+    }
+
+    /// Begins, continues or ends the record of a fault.
+    fn follow(&self, state: &mut EventState, tick: u32, fdv: u8, fiv: u8) -> Events {
         let mut events = Events::new();
         state.current = match state.current {
             None if fdv != 0 => Some(self.detect(state, tick, fdv, &mut events)),

@@ -3,6 +3,7 @@
 pub mod baseline;
 pub mod event;
 pub mod residual;
+mod root;
 pub mod signature;
 
 use crate::config::Config;
@@ -10,13 +11,13 @@ use crate::control::Tick;
 use crate::error::{ConfigError, in_range};
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Observation, Observer, ObserverState};
-use crate::parity::ParityReport;
+use crate::parity::{Parity, ParityReport, ParityState};
 use crate::supervisor::Mode;
 use crate::units::{Percent, Seconds};
 use baseline::{Baseline, Learner};
 use event::{EventRules, EventState, Events};
-use residual::{RESIDUALS, features};
-use signature::{PAPER_DETECTION, PAPER_ISOLATION, Rows, Symptoms, look_up, symptoms};
+use residual::{FIRST_DECISIVE, RESIDUALS, features};
+use signature::{PAPER_DETECTION, PAPER_ISOLATION, Rows, Symptoms, Table, symptoms};
 
 /// Settings of the residuals, their thresholds and the signatures.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,9 +61,10 @@ pub struct Diagnosis {
     ms2: Observer,
     low_pass: LowPass,
     sigma_factor: f32,
-    detection: Rows,
-    isolation: Rows,
+    detection: Table,
+    isolation: Table,
     events: EventRules,
+    parity: Parity,
 }
 
 /// The memory of the [`Diagnosis`].
@@ -75,6 +77,7 @@ pub struct DiagnosisState {
     learner: Learner,
     baseline: Option<Baseline>,
     events: EventState,
+    parity: ParityState,
 }
 
 /// The fault vectors of one form of the residuals.
@@ -142,12 +145,13 @@ impl Diagnosis {
             ms2: Observer::new(identification, None, config.sample_time)?,
             low_pass: LowPass::new(c.filter_cutoff, config.sample_time),
             sigma_factor: c.sigma_factor,
-            detection: c.detection.clone(),
-            isolation: c.isolation.clone(),
+            detection: Table::new(&c.detection),
+            isolation: Table::new(&c.isolation),
             events: EventRules {
                 onset_window: c.onset_window.ticks(config.sample_time),
                 clear_ticks: c.clear_time.ticks(config.sample_time),
             },
+            parity: Parity::new(config)?,
         })
     }
 
@@ -161,6 +165,7 @@ impl Diagnosis {
             learner: Learner::default(),
             baseline: None,
             events: EventState::default(),
+            parity: ParityState::default(),
         }
     }
 
@@ -174,14 +179,19 @@ impl Diagnosis {
         let (y1, y2) = (rise(tick.sample.t1.good()), rise(tick.sample.t2.good()));
         let ms1 = self.ms1.step(&mut state.ms1, y1.filter(|_| heating), applied);
         let ms2 = self.ms2.step(&mut state.ms2, y2.filter(|_| heating), applied);
-        let raw = features(y1, y2, applied, &ms1, &ms2).filter(|_| heating);
-        let filtered = raw.map(|raw| self.low_pass.step(&mut state.filters, &raw));
-
+        let raw = if heating { features(y1, y2, applied, &ms1, &ms2) } else { None };
+        let filtered = raw.as_ref().map(|raw| self.low_pass.step(&mut state.filters, raw));
         self.follow_mode(state, tick.mode);
-        if let (Some(raw), Some(filtered), true) = (&raw, &filtered, tick.learn) {
+        if tick.learn
+            && let (Some(raw), Some(filtered)) = (&raw, &filtered)
+        {
             state.learner.push(raw, filtered);
         }
-        let mut report = Report {
+        let normal = state.baseline.as_ref().filter(|_| matches!(tick.mode, Mode::Monitor));
+        let judge = |features: &Option<_>, normal: Option<&_>| Some(self.judge(features.as_ref()?, normal?));
+        let subtract = |features: &Option<_>| Some(subtract(features.as_ref()?, &normal?.raw.mean));
+        let verdict = judge(&filtered, normal.map(|normal| &normal.filtered));
+        Report {
             tick: tick.index,
             y1,
             y2,
@@ -189,20 +199,17 @@ impl Diagnosis {
             ms2,
             features: raw,
             features_filtered: filtered,
+            residuals: subtract(&raw),
+            residuals_filtered: subtract(&filtered),
+            filtered: verdict,
+            raw: judge(&raw, normal.map(|normal| &normal.raw)),
             learned: state.learner.count(),
-            ..Report::default()
-        };
-        let reference = state.baseline.as_ref().filter(|_| tick.mode == Mode::Monitor);
-        if let (Some(raw), Some(filtered), Some(baseline)) = (&raw, &filtered, reference) {
-            let verdict = self.judge(filtered, &baseline.filtered);
-            report.residuals = Some(subtract(raw, &baseline.raw.mean));
-            report.residuals_filtered = Some(subtract(filtered, &baseline.raw.mean));
-            report.filtered = Some(verdict);
-            report.raw = Some(self.judge(raw, &baseline.raw));
-            report.events =
-                self.events.step(&mut state.events, tick.index, &verdict.symptoms, verdict.fdv, verdict.fiv);
+            events: match &verdict {
+                Some(v) => self.events.step(&mut state.events, tick.index, &v.symptoms, v.fdv, v.fiv),
+                None => Events::new(),
+            },
+            parity: self.parity.step(&mut state.parity, tick, [y1, y2], applied),
         }
-        report
     }
 
     /// Learning starts afresh whenever it is entered; the baseline stands once monitoring begins.
@@ -228,11 +235,7 @@ impl Diagnosis {
 
     fn judge(&self, features: &[f32; RESIDUALS], normal: &baseline::Normal) -> Verdict {
         let symptoms = symptoms(features, normal, self.sigma_factor);
-        Verdict {
-            symptoms,
-            fdv: look_up(&self.detection, &symptoms),
-            fiv: look_up(&self.isolation, &symptoms),
-        }
+        Verdict { symptoms, fdv: self.detection.look_up(&symptoms), fiv: self.isolation.look_up(&symptoms) }
     }
 
     /// Takes over what was learnt in an earlier life; it has been checked with [`Baseline::validate`].
@@ -246,8 +249,7 @@ impl Diagnosis {
     }
 }
 
-/// Residuals: features minus nominal means. The first two are residuals as they are.
+/// Residuals: features minus nominal means. Those that are only shown are residuals as they are.
 fn subtract(features: &[f32; RESIDUALS], mean: &[f32; RESIDUALS]) -> [f32; RESIDUALS] {
-    let shown = [residual::Residual::Ry1 as usize, residual::Residual::Ry2 as usize];
-    core::array::from_fn(|i| if shown.contains(&i) { features[i] } else { features[i] - mean[i] })
+    core::array::from_fn(|i| if i < FIRST_DECISIVE { features[i] } else { features[i] - mean[i] })
 }

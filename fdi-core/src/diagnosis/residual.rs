@@ -40,6 +40,11 @@ pub const ALL: [Residual; RESIDUALS] = [
 pub const DECISIVE: [Residual; 5] =
     [Residual::Rap, Residual::Ry12, Residual::Rsg1, Residual::Rsg2, Residual::Rbw1];
 
+/// Where the decisive ones begin among all.
+pub const FIRST_DECISIVE: usize = RESIDUALS - DECISIVE.len();
+
+const _: () = assert!(FIRST_DECISIVE == DECISIVE[0] as usize && DECISIVE[4] as usize == RESIDUALS - 1);
+
 /// What the residuals are made of, before any nominal value is subtracted: `None` where a part of it is not defined.
 ///
 /// `y1`, `y2` in degC above the room, `power` in %.

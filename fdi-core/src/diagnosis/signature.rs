@@ -6,7 +6,7 @@
 use core::fmt;
 
 use super::baseline::Normal;
-use super::residual::{DECISIVE, RESIDUALS};
+use super::residual::{DECISIVE, FIRST_DECISIVE, RESIDUALS};
 use crate::error::ConfigError;
 
 /// Number of residuals in a signature.
@@ -43,17 +43,16 @@ impl Symptom {
 pub type Symptoms = [Symptom; WIDTH];
 
 /// Compares features with mean plus and minus `factor` standard deviations.
+#[inline]
 pub fn symptoms(features: &[f32; RESIDUALS], normal: &Normal, factor: f32) -> Symptoms {
-    DECISIVE.map(|residual| {
-        let i = residual as usize;
+    core::array::from_fn(|i| {
+        let i = FIRST_DECISIVE + i;
         let deviation = features[i] - normal.mean[i];
         let threshold = factor * normal.sigma[i];
-        if deviation > threshold {
-            Symptom::High
-        } else if deviation < -threshold {
-            Symptom::Low
-        } else {
-            Symptom::Normal
+        match (deviation.abs() > threshold, deviation.is_sign_negative()) {
+            (false, _) => Symptom::Normal,
+            (true, false) => Symptom::High,
+            (true, true) => Symptom::Low,
         }
     })
 }
@@ -161,9 +160,44 @@ const fn numbers_are_set(rows: &[Signature]) -> bool {
     true
 }
 
-/// The number of the last row that matches, 0 where none does.
-pub fn look_up(rows: &[Signature], symptoms: &Symptoms) -> u8 {
-    rows.iter().rev().find(|row| row.pattern.matches(symptoms)).map_or(0, |row| row.number)
+/// Vectors of symptoms that there are.
+const VECTORS: usize = 3usize.pow(WIDTH as u32);
+
+/// The place of a vector of symptoms among all: its digits in base 3, the first lowest.
+#[inline]
+fn place(symptoms: &Symptoms) -> usize {
+    symptoms.iter().rev().fold(0, |place, &symptom| 3 * place + symptom as usize)
+}
+
+/// A table ready to be looked up in: the answer to every vector of symptoms, whatever the rows ask for.
+#[derive(Clone, Debug)]
+pub struct Table {
+    numbers: [u8; VECTORS],
+}
+
+impl Table {
+    /// Works out every answer.
+    pub fn new(rows: &[Signature]) -> Self {
+        const ALL: [Symptom; 3] = [Symptom::Low, Symptom::Normal, Symptom::High];
+        let mut numbers = [0; VECTORS];
+        for (place, number) in numbers.iter_mut().enumerate() {
+            let mut rest = place;
+            let symptoms = core::array::from_fn(|_| {
+                let symptom = ALL[rest % ALL.len()];
+                rest /= ALL.len();
+                symptom
+            });
+            let last = rows.iter().rev().find(|row| row.pattern.matches(&symptoms));
+            *number = last.map_or(0, |row| row.number);
+        }
+        Self { numbers }
+    }
+
+    /// The number of the last row that matches, 0 where none does.
+    #[inline]
+    pub fn look_up(&self, symptoms: &Symptoms) -> u8 {
+        self.numbers.get(place(symptoms)).copied().unwrap_or(0)
+    }
 }
 
 /// Checks that each row has a number, and where it matters that no two rows can match at once.

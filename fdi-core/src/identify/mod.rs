@@ -4,4 +4,5 @@ pub mod arx;
 pub mod observer;
 pub mod random_walk;
 pub mod rls;
+pub mod step_response;
 pub mod transfer;

@@ -3,6 +3,7 @@
 
 use super::arx::{Arx, ArxState};
 use super::rls::{Adaptation, RlsConfig};
+use super::step_response::StepResponse;
 use super::transfer::Transfer;
 use crate::error::{ConfigError, in_range};
 use crate::units::{Celsius, Percent, Seconds};
@@ -62,6 +63,9 @@ impl Default for IdentificationConfig {
 
 /// Samples of the step response looked at for the rise time.
 const MAX_STEPS: u16 = 64;
+/// Samples of it computed in a tick. The reference rig takes 15: the bandwidth is that of the model just identified.
+/// Of a slower one it comes a tick later for every so many samples.
+const STEPS_A_TICK: usize = 15;
 /// Share of the static gain that ends the rise time: 3 / tr is 1 / tau for a first-order model only at 95 %.
 const RISE_LEVEL: f32 = 0.95;
 /// Bounds on the time constant by the residence time, in s.
@@ -86,6 +90,10 @@ pub struct ObserverState {
     arx: ArxState<3, 3, 1, 6>,
     static_gain: Option<f32>,
     bandwidth: Option<f32>,
+    /// The last attempt at the bandwidth failed.
+    bandwidth_held: bool,
+    /// Step response of the model as it was when the last one was done.
+    response: Option<StepResponse<3, 3>>,
 }
 
 /// What an observer says after one sample.
@@ -134,19 +142,30 @@ impl Observer {
 
     /// An observer that knows nothing.
     pub fn start(&self) -> ObserverState {
-        ObserverState { arx: self.arx.start(), static_gain: None, bandwidth: None }
+        ObserverState {
+            arx: self.arx.start(),
+            static_gain: None,
+            bandwidth: None,
+            bandwidth_held: true,
+            response: None,
+        }
     }
 
     /// Takes in the rise `y[k]` in degC (`None` where it is invalid) and the power applied from now on, in %.
     pub fn step(&self, state: &mut ObserverState, y: Option<f32>, power: f32) -> Observation {
         let step = self.arx.step(&mut state.arx, y, power);
-        let (mut gain, mut bandwidth) = (None, None);
+        let mut gain = None;
         if step.updated {
             let model = self.arx.transfer(&state.arx);
             gain = model.static_gain().filter(|g| g.abs() <= self.gain_max);
-            bandwidth = gain.and_then(|g| self.bandwidth_of(&model, g));
             state.static_gain = gain.or(state.static_gain);
-            state.bandwidth = bandwidth.or(state.bandwidth);
+            match self.bandwidth {
+                Some(Bandwidth::RiseTime) => self.follow_response(state, &model, gain),
+                Some(Bandwidth::ResidenceTime) => state.take_bandwidth(self.by_residence_time(&model, gain)),
+                None => {}
+            }
+        } else if step.sick {
+            state.response = None;
         }
         Observation {
             prediction: step.prediction,
@@ -154,31 +173,56 @@ impl Observer {
             bandwidth: state.bandwidth,
             held: !step.updated,
             gain_held: gain.is_none(),
-            bandwidth_held: bandwidth.is_none(),
+            bandwidth_held: state.bandwidth_held || !step.updated,
             sick: step.sick,
             resets: state.arx.rls.resets,
         }
     }
 
-    /// Bandwidth in rad/s of a stable model with a positive gain.
-    fn bandwidth_of(&self, model: &Transfer<3, 3>, gain: f32) -> Option<f32> {
-        if !(gain > 0.0) || !model.is_stable() {
+    /// Computes the next samples of the step response, and begins a new one behind each that has arrived.
+    fn follow_response(&self, state: &mut ObserverState, model: &Transfer<3, 3>, gain: Option<f32>) {
+        let Some(mut response) = state.response.or_else(|| begin_response(model, gain)) else {
+            state.bandwidth_held = true;
+            return;
+        };
+        let crossing = response.advance::<STEPS_A_TICK>();
+        if crossing.is_none() && response.samples() < MAX_STEPS {
+            state.response = Some(response);
+            return;
+        }
+        state.response = None;
+        let time = crossing.filter(|&samples| samples > 0.0);
+        state.take_bandwidth(time.map(|samples| 3.0 / (samples * self.sample_time)));
+    }
+
+    fn by_residence_time(&self, model: &Transfer<3, 3>, gain: Option<f32>) -> Option<f32> {
+        if !has_response(model, gain?) {
             return None;
         }
-        match self.bandwidth? {
-            Bandwidth::RiseTime => {
-                let samples = model.rise_time(RISE_LEVEL * gain, MAX_STEPS)?;
-                (samples > 0.0).then(|| 3.0 / (samples * self.sample_time))
-            }
-            Bandwidth::ResidenceTime => {
-                let tau = model.residence_time()? * self.sample_time - self.lag;
-                Some(1.0 / tau.clamp(TAU_MIN, TAU_MAX))
-            }
-        }
+        let tau = model.residence_time()? * self.sample_time - self.lag;
+        Some(1.0 / tau.clamp(TAU_MIN, TAU_MAX))
     }
 
     /// The model as it stands.
     pub fn model(&self, state: &ObserverState) -> Transfer<3, 3> {
         self.arx.transfer(&state.arx)
     }
+}
+
+impl ObserverState {
+    /// Takes over a bandwidth, or keeps the last one.
+    fn take_bandwidth(&mut self, bandwidth: Option<f32>) {
+        self.bandwidth_held = bandwidth.is_none();
+        self.bandwidth = bandwidth.or(self.bandwidth);
+    }
+}
+
+fn begin_response(model: &Transfer<3, 3>, gain: Option<f32>) -> Option<StepResponse<3, 3>> {
+    let gain = gain.filter(|&gain| has_response(model, gain))?;
+    Some(StepResponse::new(*model, RISE_LEVEL * gain))
+}
+
+/// Whether the step response is that of a heater: it rises, and it ends.
+fn has_response(model: &Transfer<3, 3>, gain: f32) -> bool {
+    gain > 0.0 && model.is_stable()
 }

@@ -1,5 +1,7 @@
 //! What a discrete-time model says: static gain, stability, rise time, mean residence time.
 
+use super::step_response::StepResponse;
+
 /// `y[k] + a1 y[k-1] + .. + aNA y[k-NA] = b1 u[k-NK] + .. + bNB u[k-NK-NB+1]` (paper, equation 2).
 ///
 /// Coefficients may be zero, so a smaller model fits into a larger type.
@@ -36,19 +38,20 @@ impl<const NA: usize, const NB: usize> Transfer<NA, NB> {
         (a1.abs() > A1_MIN && gain.is_finite()).then_some(gain)
     }
 
-    /// Whether all poles lie inside the unit circle: step-down form of the Jury test.
+    /// Whether all poles lie inside the unit circle: Jury's test, in the form that divides by nothing.
     pub fn is_stable(&self) -> bool {
-        let mut a = self.a;
+        let (mut lead, mut a) = (1.0, self.a);
         for m in (1..=NA).rev() {
-            let k = a[m - 1];
-            let rest = 1.0 - k * k;
-            if !(rest > 0.0) {
+            let last = a[m - 1];
+            let next = lead * lead - last * last;
+            if !(next > 0.0) {
                 return false;
             }
             let before = a;
             for i in 0..m - 1 {
-                a[i] = (before[i] - k * before[m - 2 - i]) / rest;
+                a[i] = lead * before[i] - last * before[m - 2 - i];
             }
+            lead = next;
         }
         true
     }
@@ -56,28 +59,11 @@ impl<const NA: usize, const NB: usize> Transfer<NA, NB> {
     /// First upward crossing of `level` by the unit step response, in samples after the step, linearly interpolated;
     /// `None` if it does not come within `max_steps` samples. `level` is in units of y and positive.
     pub fn rise_time(&self, level: f32, max_steps: u16) -> Option<f32> {
-        let mut y = [0.0; NA];
-        let mut forcing = 0.0;
-        let mut previous = 0.0;
-        for n in 1..=max_steps {
-            let reached = usize::from(n) - 1; // how many samples ago the step was first seen by b1, plus NK - 1
-            if let Some(b) = reached.checked_sub(self.nk.saturating_sub(1)).and_then(|j| self.b.get(j)) {
-                forcing += b;
+        let mut response = StepResponse::new(*self, level);
+        while response.samples() < max_steps {
+            if let Some(time) = response.advance::<1>() {
+                return Some(time).filter(|&time| time <= f32::from(max_steps));
             }
-            let mut now = forcing;
-            for i in 0..NA {
-                now -= self.a[i] * y[i];
-            }
-            if now >= level && now > previous {
-                return Some(f32::from(n - 1) + (level - previous) / (now - previous));
-            }
-            for i in (1..NA).rev() {
-                y[i] = y[i - 1];
-            }
-            if let Some(newest) = y.first_mut() {
-                *newest = now;
-            }
-            previous = now;
         }
         None
     }

@@ -12,12 +12,16 @@
 //! (generalised likelihood ratio; Willsky and Jones 1976). Only sums are kept, so cost and memory are constant.
 
 use super::fit::{HA, HB, Models, NA, NB};
-use super::model::{Simulation, shift};
+use super::model::{Simulation, bounded, shift};
 use super::noise::Normal;
 use super::whitening::Past;
 
 /// Extra lags of a clogged T1 that are tried, s. The first is none: only the gain has gone.
 const LAGS: [f32; 3] = [0.0, 0.35, 1.0];
+
+/// By how much of `1 - 1/f` of its residence time the answer comes sooner with the flow at f times normal. It is
+/// `c ln f / f` with c from 0.8 (time constants) to 1 (dead times): 0.65 at f = 1.5, 1 at f = 0.67.
+const SOONER: f32 = 0.75;
 
 /// Constants of the filters.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +36,8 @@ pub(super) struct Moment<'a> {
     pub(super) models: &'a Models,
     /// What is normal for the residuals of y1 and y2.
     pub(super) normal: &'a [Normal; 3],
+    /// How fast T1 answers.
+    pub(super) brisk: Briskness,
     /// Ticks from a change of the power to the first sample that shows it.
     pub(super) lead: usize,
     /// Whitened residuals of y1 and y2.
@@ -43,8 +49,24 @@ pub(super) struct Moment<'a> {
     /// What y1 and y2 should be now, degC.
     pub(super) expected: [f32; 2],
     /// What y1 should have been, and what y1 and y2 were, a tick ago, degC.
-    pub(super) y1_before: f32,
+    pub(super) expected_before: f32,
     pub(super) measured_before: [f32; 2],
+}
+
+/// How fast T1 answers to the power.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Briskness {
+    /// [`SOONER`] of the mean residence time, ticks.
+    ticks: f32,
+    /// Share of a first-order lag of that time that is renewed in a tick.
+    share: f32,
+}
+
+impl Briskness {
+    pub(super) fn new(models: &Models) -> Self {
+        let ticks = bounded(models.heat.residence(), 1.0, 1000.0);
+        Self { ticks: SOONER * ticks, share: 1.0 - libm::expf(-1.0 / ticks) }
+    }
 }
 
 /// Sums of one scaled signature.
@@ -71,7 +93,7 @@ impl Match {
 
     /// The magnitude that explains most, within bounds.
     pub(super) fn best(&self, (low, high): (f32, f32)) -> f32 {
-        if self.square > 0.0 { (self.cross / self.square).clamp(low, high) } else { 0.0 }
+        if self.square > 0.0 { bounded(self.cross / self.square, low, high) } else { 0.0 }
     }
 
     /// How much of the energy a magnitude explains.
@@ -107,6 +129,13 @@ pub(super) struct Bank {
     /// The answer to the power since the onset, and the same with what a change of air flow does to T2's heat loss.
     pub(super) power: Match,
     pub(super) flow: Match,
+    /// A heater that gives the same power whatever is asked for: energy with the asked power taken away, and the answer
+    /// to 1 %.
+    pub(super) constant_energy: f32,
+    pub(super) constant: Match,
+    unit: Simulation<NA, NB>,
+    unit_far: Simulation<HA, HB>,
+    past_unit: [Past; 2],
     clogged: [Clogged; LAGS.len()],
     /// sum (z - f)^2 for a sensor that repeats itself.
     stuck_energy: [f32; 2],
@@ -117,6 +146,8 @@ pub(super) struct Bank {
     past_offset: [Past; 2],
     past_ramp: [Past; 2],
     past_y: [Past; 2],
+    sooner: f32,
+    past_sooner: Past,
     past_loss: Past,
     past_stuck: [Past; 2],
 }
@@ -141,8 +172,9 @@ impl Filters {
         bank.age = bank.age.saturating_add(1);
     }
 
-    /// Heater power and air flow. With the flow at f times normal, the gain goes with 1/f, and so does the heat lost
-    /// between T1 and T2: the magnitude is `1 - 1/f` for the flow, the relative change for the power.
+    /// Heater power and air flow. With the flow at f times normal, the gain goes with 1/f, and so do the heat lost
+    /// between T1 and T2 and, nearly, all times: the answer comes sooner by `ln f` of the residence time, which is
+    /// taken for one lag. The magnitude is `1 - 1/f` for the flow, the relative change for the power.
     fn process(&self, bank: &mut Bank, now: &Moment) {
         let [w1, w2] = [&now.normal[0].whitener, &now.normal[1].whitener];
         let on = (bank.age as usize).saturating_add(now.lead);
@@ -152,14 +184,28 @@ impl Filters {
         let y1 = now.models.heat.output(&bank.y1);
         shift(&mut bank.y1.y, y1);
         let y2 = now.models.along.step(&mut bank.y2, y1);
-        let gain = now.models.along.gain().min(1.0);
-        let loss = now.models.along.step(&mut bank.loss, now.expected[0]) * (1.0 / gain - 1.0);
+        bank.sooner +=
+            now.brisk.share * (now.brisk.ticks * (now.expected[0] - now.expected_before) - bank.sooner);
+        let loss = 1.0 / now.models.along.gain().min(1.0) - 1.0;
+        let at_t2 = now.models.along.step(&mut bank.loss, loss * now.expected[0] + bank.sooner);
         let [s1, s2] = [w1.step(&mut bank.past_y[0], y1), w2.step(&mut bank.past_y[1], y2)];
-        let loss = w2.step(&mut bank.past_loss, loss);
+        let sooner = w1.step(&mut bank.past_sooner, bank.sooner);
+        let at_t2 = w2.step(&mut bank.past_loss, at_t2);
         bank.power.add(now.z[0], s1, now.weight);
         bank.power.add(now.z[1], s2, now.weight);
-        bank.flow.add(now.z[0], -s1, now.weight);
-        bank.flow.add(now.z[1], loss - s2, now.weight);
+        for (i, u) in bank.unit.u.iter_mut().enumerate() {
+            *u = if i < on { 1.0 } else { 0.0 };
+        }
+        let unit = now.models.heat.output(&bank.unit);
+        shift(&mut bank.unit.y, unit);
+        let unit_far = now.models.along.step(&mut bank.unit_far, unit);
+        let [c1, c2] = [w1.step(&mut bank.past_unit[0], unit), w2.step(&mut bank.past_unit[1], unit_far)];
+        for (z, c) in [(now.z[0] + s1, c1), (now.z[1] + s2, c2)] {
+            bank.constant_energy += now.weight * z * z;
+            bank.constant.add(z, c, now.weight);
+        }
+        bank.flow.add(now.z[0], sooner - s1, now.weight);
+        bank.flow.add(now.z[1], at_t2 - s2, now.weight);
     }
 
     /// T1 behind an extra lag: `y1 = gain * lag(expected)`, from where it was at the onset.
@@ -167,7 +213,7 @@ impl Filters {
         let whitener = &now.normal[0].whitener;
         for (clogged, &pole) in bank.clogged.iter_mut().zip(&self.poles) {
             if bank.age == 0 {
-                clogged.lagged = now.y1_before;
+                clogged.lagged = now.expected_before;
             }
             clogged.lagged = now.expected[0] + pole * (clogged.lagged - now.expected[0]);
             clogged.lost = now.expected[0] + pole * (clogged.lost - now.expected[0]);

@@ -1,5 +1,7 @@
 //! Page's cumulative sum test, two-sided: quick on a lasting shift of a whitened residual, blind to less than its slack.
 
+use super::model::bounded;
+
 /// A validated chart: `g <- max(0, g +- z - slack)` on either side, alarm above `limit`.
 ///
 /// Mean time between false alarms of one side, in samples of white Gaussian noise (Siegmund 1985):
@@ -26,8 +28,8 @@ impl Chart {
     pub(super) fn step(&self, sums: &mut Sums, z: f32, extra: f32) -> f32 {
         let slack = self.slack + extra;
         let ceiling = CEILING * self.limit;
-        sums.up = (sums.up + z - slack).clamp(0.0, ceiling);
-        sums.down = (sums.down - z - slack).clamp(0.0, ceiling);
+        sums.up = bounded(sums.up + z - slack, 0.0, ceiling);
+        sums.down = bounded(sums.down - z - slack, 0.0, ceiling);
         sums.up.max(sums.down) / self.limit
     }
 }

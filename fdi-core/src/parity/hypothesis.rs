@@ -1,10 +1,11 @@
 //! The hypotheses about a fault, compared: which one leaves least unexplained, and by how much.
 
 use super::bank::{Bank, Match};
+use super::model::bounded;
 use super::verdict::{Channel, FaultClass, Magnitude};
 
 /// The hypotheses.
-pub(super) const ALL: [FaultClass; 11] = [
+pub(super) const ALL: [FaultClass; 12] = [
     FaultClass::T2Offset,
     FaultClass::T1Offset,
     FaultClass::T0Fault,
@@ -16,6 +17,7 @@ pub(super) const ALL: [FaultClass; 11] = [
     DRIFTS[0],
     DRIFTS[1],
     DRIFTS[2],
+    FaultClass::HeaterPower, // the same power whatever is asked for
 ];
 /// Drift of T0, T1, T2.
 const DRIFTS: [FaultClass; 3] = [FaultClass::Drift; 3];
@@ -24,6 +26,8 @@ const COUNT: usize = ALL.len();
 /// Places of the two that are told apart last.
 const FLOW: usize = 3;
 const POWER: usize = 4;
+/// The heater that gives the same power whatever is asked for, %.
+const CONSTANT: usize = 11;
 
 /// No slow drift is faster, degC a minute.
 const FASTEST_DRIFT: f32 = 10.0;
@@ -49,7 +53,7 @@ pub(super) struct Weighed {
 /// Bounds of the magnitude of a hypothesis, in the unit of its signature.
 fn bounds(class: FaultClass, sample_time: f32) -> (f32, f32) {
     match class {
-        FaultClass::AirFlow => (-4.0, 0.8), // 1 - 1/f for f from 0.2 to 5
+        FaultClass::AirFlow => (-4.0, 0.7), // 1 - 1/f for f from 0.2 to 3.3
         FaultClass::HeaterPower => (-1.0, 1.0),
         FaultClass::T1Clogged => (0.0, 1.0),
         FaultClass::Drift => {
@@ -62,7 +66,7 @@ fn bounds(class: FaultClass, sample_time: f32) -> (f32, f32) {
 
 /// Hypotheses of one kind are told apart only after the kind is known.
 fn kind(h: usize) -> FaultClass {
-    if h == POWER { ALL[FLOW] } else { ALL[h] }
+    if ALL[h] == FaultClass::HeaterPower { ALL[FLOW] } else { ALL[h] }
 }
 
 impl Weighed {
@@ -84,6 +88,7 @@ impl Weighed {
             (energy, Match::joined(&bank.ramp, -1.0)),
             (energy, bank.ramp[0]),
             (energy, bank.ramp[1]),
+            (bank.constant_energy, bank.constant),
         ];
         let mut all = Self {
             left: [0.0; COUNT],
@@ -96,7 +101,8 @@ impl Weighed {
             sample_time,
         };
         for (h, (before, sum)) in sums.iter().enumerate() {
-            let theta = sum.best(bounds(ALL[h], sample_time));
+            let limits = if h == CONSTANT { (0.0, 100.0) } else { bounds(ALL[h], sample_time) };
+            let theta = sum.best(limits);
             all.theta[h] = theta;
             all.square[h] = sum.square;
             all.left[h] = before - sum.explained(theta);
@@ -124,7 +130,7 @@ impl Weighed {
 
     /// Whether no hypothesis explains what is seen.
     pub(super) fn is_strange(&self) -> bool {
-        self.left[self.best] > 6.0 * self.age + 0.05 * self.energy + 30.0
+        self.left[self.best] > 6.0 * self.age + 0.07 * self.energy + 30.0
     }
 
     /// By how much the best hypothesis beats those of another kind. Where even the best fits badly, so may its lead.
@@ -145,7 +151,10 @@ impl Weighed {
         }
         let (low, high) = bounds(ALL[FLOW], self.sample_time);
         let impossible = self.theta[FLOW] <= low || self.theta[FLOW] >= high;
-        let margin = if impossible { 4.0 } else { power_margin * self.misfit() };
+        if self.left[FLOW].min(self.left[POWER]) - self.left[CONSTANT] > power_margin * self.misfit() {
+            return CONSTANT;
+        }
+        let margin = if impossible { 2.0 } else { power_margin * self.misfit() };
         if self.left[FLOW] - self.left[POWER] > margin { POWER } else { FLOW }
     }
 
@@ -154,7 +163,7 @@ impl Weighed {
         let others = (0..COUNT).filter(|&other| ALL[other] != ALL[h]);
         let rival = others.map(|other| self.left[other]).fold(f32::MAX, f32::min);
         let lead = (rival - self.left[h]) / self.misfit();
-        1.0 / (1.0 + libm::expf((-0.5 * lead).clamp(-40.0, 40.0)))
+        1.0 / (1.0 + libm::expf(bounded(-0.5 * lead, -40.0, 40.0)))
     }
 
     /// Whether a change of power no larger than `share` explains what is seen about as well as any clear fault.
@@ -176,10 +185,11 @@ impl Weighed {
         };
         let share = slow / rise.max(1.0);
         match ALL[h] {
+            _ if h == CONSTANT => None,
             FaultClass::T1Offset | FaultClass::T2Offset | FaultClass::T0Fault => scaled(1.0, slow),
             FaultClass::T1Clogged => scaled(100.0, share).map(|m| Magnitude { value: -m.value, ..m }),
             FaultClass::HeaterPower => scaled(100.0, share),
-            FaultClass::Drift => scaled(60.0 / self.sample_time, slow / self.age.clamp(10.0, 60.0)),
+            FaultClass::Drift => scaled(60.0 / self.sample_time, slow / bounded(self.age, 10.0, 60.0)),
             FaultClass::AirFlow => {
                 let left = (1.0 - theta).max(0.05); // 1/f
                 let at_theta = scaled(100.0 / (left * left), share)?;

@@ -30,7 +30,6 @@ use crate::config::Config;
 use crate::control::Tick;
 use crate::error::ConfigError;
 use crate::supervisor::Mode;
-use crate::units::Percent;
 use alarm::Rules;
 use bank::Filters;
 use chart::Chart;
@@ -98,16 +97,16 @@ impl Parity {
     }
 
     /// Diagnoses one tick: `y` are the rises of T1 and T2 over the room in degC where valid, `applied` is what drives
-    /// the heater from this tick to the next.
+    /// the heater from this tick to the next, %.
     pub fn step(
         &self,
         state: &mut ParityState,
         tick: &Tick,
         y: [Option<f32>; 2],
-        applied: Percent,
+        applied: f32,
     ) -> ParityReport {
         self.follow_mode(state, tick.mode);
-        let by_models = self.run(state, tick, y, applied.0);
+        let by_models = self.run(state, tick, y, applied);
         let by_sensors = state.sensors.step(&tick.sample, tick.index);
         ParityReport {
             arming: state.arming(),

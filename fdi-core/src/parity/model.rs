@@ -38,6 +38,13 @@ impl<const NA: usize, const NB: usize> Model<NA, NB> {
         self.b.iter().sum::<f32>() / (1.0 + self.a.iter().sum::<f32>())
     }
 
+    /// Mean residence time in ticks, half a tick of holding included: with the input named u\[k\] one tick old.
+    pub(super) fn residence(&self) -> f32 {
+        let weighted = |x: &[f32]| x.iter().enumerate().map(|(i, x)| (i + 1) as f32 * x).sum::<f32>();
+        let (a, b) = (1.0 + self.a.iter().sum::<f32>(), self.b.iter().sum::<f32>());
+        weighted(&self.b) / b - weighted(&self.a) / a
+    }
+
     /// The output that follows from the past.
     #[inline]
     pub(super) fn output(&self, s: &Simulation<NA, NB>) -> f32 {
@@ -48,7 +55,9 @@ impl<const NA: usize, const NB: usize> Model<NA, NB> {
 /// Puts `x` in front of what was there.
 #[inline]
 pub(super) fn shift<const N: usize>(past: &mut [f32; N], x: f32) {
-    past.copy_within(..N - 1, 1);
+    for i in (1..N).rev() {
+        past[i] = past[i - 1];
+    }
     past[0] = x;
 }
 
@@ -60,4 +69,10 @@ pub(super) fn dot<const N: usize>(a: &[f32; N], b: &[f32; N]) -> f32 {
         sum += a[i] * b[i];
     }
     sum
+}
+
+/// `x` within bounds; the lower one for what is no number. Unlike `clamp` it has no way to panic.
+#[inline]
+pub(super) fn bounded(x: f32, low: f32, high: f32) -> f32 {
+    x.max(low).min(high)
 }

@@ -4,11 +4,11 @@
 //! bank starts anew whenever all fast charts are near zero, so that when one fires, it has gathered since the onset.
 
 use super::alarm::{Alarm, Rules};
-use super::bank::{Bank, Filters, Moment};
+use super::bank::{Bank, Briskness, Filters, Moment};
 use super::chart::{Chart, Sums};
 use super::fit::NA;
 use super::hypothesis::Weighed;
-use super::model::{dot, shift};
+use super::model::{bounded, dot, shift};
 use super::training::Trained;
 use super::verdict::Finding;
 use super::weakness::{Slack, Weakness, WeaknessState};
@@ -48,6 +48,7 @@ pub(super) struct Watch {
 pub(super) struct WatchState {
     trained: Trained,
     lead: usize,
+    brisk: Briskness,
     /// Means of the residuals of y1, y2 and y2 from y1, degC.
     mean: [f32; 3],
     past: [Past; 3],
@@ -100,6 +101,7 @@ impl Watch {
     pub(super) fn start(&self, trained: Trained, tick: u32) -> WatchState {
         WatchState {
             lead: trained.models.lead(),
+            brisk: Briskness::new(&trained.models),
             mean: trained.normal.map(|normal| normal.mean),
             past: Default::default(),
             past_clipped: Default::default(),
@@ -143,7 +145,7 @@ impl Watch {
         // A spike of T1 would otherwise ring in what is expected of T2.
         let likely = y1_expected + s.mean[0] + normal[0].whitener.expected(&s.past_clipped[0]);
         let reach = CLIP * normal[0].whitener.sigma() * (1.0 + slack.model[0]);
-        let y1_clipped = y[0].map_or(likely, |y1| likely + (y1 - likely).clamp(-reach, reach));
+        let y1_clipped = y[0].map_or(likely, |y1| likely + bounded(y1 - likely, -reach, reach));
         let [_, y2_expected, along] = models.step(simulations, y1_clipped, u);
         let expected = [y1_expected, y2_expected];
         let seen = core::array::from_fn(|m| y[m].unwrap_or(expected[m]));
@@ -219,12 +221,13 @@ impl Watch {
             let moment = Moment {
                 models: &s.trained.models,
                 normal: &s.trained.normal,
+                brisk: s.brisk,
                 lead: s.lead,
                 z: now.z,
                 weight: 1.0 / ((1.0 + widest) * (1.0 + widest)),
                 power: &now.power,
                 expected: [now.expected[0] + s.mean[0], now.expected[1] + s.mean[1]],
-                y1_before: now.y1_before + s.mean[0],
+                expected_before: now.y1_before + s.mean[0],
                 measured_before: now.measured_before,
             };
             self.filters.step(&mut s.bank, &moment);

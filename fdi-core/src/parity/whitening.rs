@@ -1,7 +1,7 @@
 //! Whitening: what is left of a residual when that which follows from its own past is taken away, in units of its
 //! standard deviation. On it, run lengths of sequential tests are what the formulas say.
 
-use super::model::{dot, shift};
+use super::model::{bounded, dot, shift};
 
 /// Order of the autoregressive noise model.
 pub(super) const ORDER: usize = 3;
@@ -75,7 +75,7 @@ impl Whitener {
     #[inline]
     pub(super) fn step_clipped(&self, past: &mut Past, e: f32, limit: f32) -> f32 {
         let expected = self.expected(past);
-        let z = ((e - expected) * self.inv_sigma).clamp(-limit, limit);
+        let z = bounded((e - expected) * self.inv_sigma, -limit, limit);
         shift(&mut past.0, expected + z * self.sigma);
         z
     }

@@ -97,66 +97,49 @@ impl Channel {
 
     /// Converts and judges one code. Total: any bit pattern gives a finite temperature and a validity.
     pub fn step(&self, state: &mut ChannelState, code: AdcCode, excited: bool) -> Reading {
-        let celsius = self.convert(code);
-        let shown = celsius.or(state.last).unwrap_or_default();
-        let validity = match self.wiring(code, celsius) {
-            Some(broken) => {
-                *state = ChannelState { last: state.last, ..ChannelState::default() };
-                broken
+        let limits = &self.limits;
+        if code > limits.short_code && code < limits.open_code {
+            let celsius = self.thermistor.celsius(code);
+            if celsius >= limits.min && celsius <= limits.max {
+                return Reading { celsius, validity: self.motion(state, code, celsius, excited) };
             }
-            None => self.motion(state, code, shown, excited),
-        };
-        Reading { celsius: shown, validity }
+        }
+        self.broken(state, code)
     }
 
-    /// The temperature, bounded to what a display can use; nothing where there is no code.
-    fn convert(&self, code: AdcCode) -> Option<Celsius> {
+    /// What is wrong with a sample that is wrong by itself; whatever was known of the motion before is forgotten.
+    #[cold]
+    fn broken(&self, state: &mut ChannelState, code: AdcCode) -> Reading {
+        *state = ChannelState { last: state.last, ..ChannelState::default() };
         if !(code.0 >= 0.0 && code.0 <= AdcCode::FULL_SCALE) {
-            return None;
+            return Reading { celsius: state.last.unwrap_or_default(), validity: Validity::Missing };
         }
-        let bounded = AdcCode(code.0.clamp(1.0, AdcCode::FULL_SCALE - 1.0));
-        Some(Celsius(self.thermistor.celsius(bounded).0.clamp(-100.0, 400.0)))
-    }
-
-    /// Checks that need only this sample.
-    fn wiring(&self, code: AdcCode, celsius: Option<Celsius>) -> Option<Validity> {
-        let Some(celsius) = celsius else { return Some(Validity::Missing) };
-        if code >= self.limits.open_code {
-            Some(Validity::Open)
+        let validity = if code >= self.limits.open_code {
+            Validity::Open
         } else if code <= self.limits.short_code {
-            Some(Validity::Short)
-        } else if celsius < self.limits.min || celsius > self.limits.max {
-            Some(Validity::OutOfRange)
+            Validity::Short
         } else {
-            None
-        }
+            Validity::OutOfRange
+        };
+        // Bounded to what a display can use.
+        let within = AdcCode(code.0.clamp(1.0, AdcCode::FULL_SCALE - 1.0));
+        let celsius = Celsius(self.thermistor.celsius(within).0.clamp(-100.0, 400.0));
+        Reading { celsius, validity }
     }
 
     /// Checks against the samples before.
     fn motion(&self, state: &mut ChannelState, code: AdcCode, celsius: Celsius, excited: bool) -> Validity {
         let stuck = self.is_stuck(state, code, excited);
-        let jumped = state.last.is_some_and(|last| {
-            let change = celsius.0 - last.0;
-            let limit = self.limits.jump.0;
-            change.abs() > limit && (change - state.slope).abs() > limit
-        });
+        let change = state.last.map_or(0.0, |last| celsius.0 - last.0);
+        let limit = self.limits.jump.0;
+        let jumped = change.abs() > limit && (change - state.slope).abs() > limit;
         state.jumps = (state.jumps << 1) | u8::from(jumped);
-        state.withheld = jumped && !state.withheld;
-        if state.withheld {
-            return Validity::Spike;
+        let validity = if state.jumps == 0 { Validity::Good } else { state.doubt(jumped) };
+        if validity != Validity::Spike {
+            state.slope = if jumped { 0.0 } else { change };
+            state.last = Some(celsius);
         }
-        state.slope = match state.last {
-            Some(last) if !jumped => celsius.0 - last.0,
-            _ => 0.0,
-        };
-        state.last = Some(celsius);
-        if state.jumps.count_ones() >= RATE_JUMPS {
-            Validity::Rate
-        } else if stuck {
-            Validity::Stuck
-        } else {
-            Validity::Good
-        }
+        if stuck && validity == Validity::Good { Validity::Stuck } else { validity }
     }
 
     fn is_stuck(&self, state: &mut ChannelState, code: AdcCode, excited: bool) -> bool {
@@ -168,5 +151,20 @@ impl Channel {
             state.still_ticks = state.still_ticks.saturating_add(1);
         }
         state.still_ticks >= self.stuck_ticks
+    }
+}
+
+impl ChannelState {
+    /// What a sample is worth on which, or shortly before which, the reading jumped.
+    #[cold]
+    fn doubt(&mut self, jumped: bool) -> Validity {
+        self.withheld = jumped && !self.withheld;
+        if self.withheld {
+            Validity::Spike
+        } else if self.jumps.count_ones() >= RATE_JUMPS {
+            Validity::Rate
+        } else {
+            Validity::Good
+        }
     }
 }

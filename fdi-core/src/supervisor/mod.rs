@@ -69,13 +69,13 @@ impl Default for SupervisorConfig {
 
 /// What the supervisor looks at.
 #[derive(Clone, Copy, Debug)]
-pub struct Situation {
+pub struct Situation<'a> {
     /// Number of the tick.
     pub tick: u32,
     /// Codes as they came.
     pub raw: RawSample,
     /// The readings.
-    pub sample: Sample,
+    pub sample: &'a Sample,
     /// Low-passed control error in degC, if known.
     pub mean_error: Option<f32>,
     /// The temperature wanted.
@@ -88,11 +88,9 @@ pub struct Situation {
     pub learned: u32,
 }
 
-/// What the supervisor decided for this tick.
+/// What the supervisor decided for this tick, besides the mode.
 #[derive(Clone, Copy, Debug)]
 pub struct Decision {
-    /// The mode.
-    pub mode: Mode,
     /// Whether this sample belongs to the baseline.
     pub learn: bool,
     /// Why it does not, while learning is due.
@@ -186,25 +184,27 @@ impl Supervisor {
         let blocker = self.blocker(now, moved);
 
         let due = state.elapsed > self.learn_start || state.restored;
-        state.mode = match (state.mode, state.hazard) {
-            (mode, Some(reason)) if mode.is_heating() => Mode::Tripped(Trip {
-                reason,
-                tick: now.tick,
-                raw: now.raw,
-                sample: now.sample,
-                setpoint: now.setpoint,
-            }),
-            (Mode::Settle { steady }, _) => self.settle(steady, blocker, due, state.restored),
-            (Mode::Learn { accepted }, _) => self.learn(accepted, now.learned, blocker),
-            (mode, _) => mode,
-        };
-        let learning = matches!(state.mode, Mode::Learn { .. });
+        match (&mut state.mode, state.hazard) {
+            (mode, Some(reason)) if mode.is_heating() => {
+                *mode = Mode::Tripped(trip(reason, now, self.over_temperature));
+            }
+            (mode @ &mut Mode::Settle { steady }, _) => {
+                *mode = self.settle(steady, blocker, due, state.restored)
+            }
+            (mode @ &mut Mode::Learn { accepted }, _) => *mode = self.learn(accepted, now.learned, blocker),
+            _ => {}
+        }
         let blocked = match state.mode {
             Mode::Settle { .. } if due => Some(blocker.unwrap_or(Blocker::NotSteady)),
             Mode::Learn { .. } => blocker,
             _ => None,
         };
-        Decision { mode: state.mode, learn: learning && blocker.is_none(), blocked }
+        Decision { learn: matches!(state.mode, Mode::Learn { .. }) && blocker.is_none(), blocked }
+    }
+
+    /// The mode as last decided.
+    pub fn mode<'a>(&self, state: &'a SupervisorState) -> &'a Mode {
+        &state.mode
     }
 
     fn settle(&self, steady: u32, blocker: Option<Blocker>, due: bool, restored: bool) -> Mode {
@@ -230,7 +230,7 @@ impl Supervisor {
 
     /// What would make heating dangerous.
     fn hazard(&self, state: &SupervisorState, now: &Situation) -> Option<TripReason> {
-        let sample = &now.sample;
+        let sample = now.sample;
         let hot = |reading: Option<f32>| reading.is_some_and(|t| t > self.over_temperature.0);
         let lost_too_long = state.t1_lost > self.lost_ticks;
         match sample.t1.validity {
@@ -305,4 +305,10 @@ impl Supervisor {
         };
         Ok(())
     }
+}
+
+/// The record of a trip. Out of line: it is long, and made once.
+#[cold]
+fn trip(reason: TripReason, now: &Situation, limit: Celsius) -> Trip {
+    Trip { reason, tick: now.tick, raw: now.raw, sample: *now.sample, setpoint: now.setpoint, limit }
 }

@@ -40,6 +40,8 @@ pub struct Trip {
     pub sample: Sample,
     /// The temperature that was wanted.
     pub setpoint: Celsius,
+    /// The temperature above which T1 or T2 trips.
+    pub limit: Celsius,
 }
 
 /// Mode of the instrument; the diagram is in the module's documentation.

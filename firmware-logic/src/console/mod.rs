@@ -69,6 +69,7 @@ impl Console {
                 say(out, "> ");
             }
             Step::Rejected(error) => {
+                say(out, "\n");
                 fail(out, &error);
                 say(out, "> ");
             }

@@ -5,6 +5,7 @@ use core::fmt;
 
 use embedded_storage_async::nor_flash::NorFlash;
 use sequential_storage::Error;
+use sequential_storage::cache::key_pointers::ArrayKeyPointers;
 use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage};
 
@@ -62,19 +63,21 @@ impl fmt::Display for SaveError {
     }
 }
 
-/// The record is read once and written seldom: a cache would only cost RAM.
-type NoCache = Cache<Uncached, Uncached, Uncached, u8>;
+/// Remembers where the newest record is. Without it, changing sectors searches the whole of the full one once for each
+/// of the hundreds of records in it, which takes many seconds and starves the watchdog.
+type Newest = Cache<Uncached, Uncached, ArrayKeyPointers<u8, 1>, u8>;
 
 /// The storage.
 pub struct Store<F: NorFlash> {
-    map: MapStorage<u8, F, NoCache>,
+    map: MapStorage<u8, F, Newest>,
 }
 
 impl<F: NorFlash> Store<F> {
     /// A store that covers the whole of `flash`, at least two sectors.
     pub fn new(flash: F) -> Self {
         let capacity = flash.capacity() as u32;
-        Self { map: MapStorage::new(flash, MapConfig::new(0..capacity), NoCache::new_uncached()) }
+        let newest = Newest::new(Uncached, Uncached, ArrayKeyPointers::new());
+        Self { map: MapStorage::new(flash, MapConfig::new(0..capacity), newest) }
     }
 
     /// Reads what was saved; the defaults where there is nothing usable, and why.

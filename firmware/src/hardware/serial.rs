@@ -9,7 +9,10 @@ bind_interrupts!(struct Irqs {
     USART2 => BufferedInterruptHandler<peripherals::USART2>;
 });
 
-static TX: ConstStaticCell<[u8; 256]> = ConstStaticCell::new([0; 256]);
+/// Bytes that wait to be sent, at most.
+pub(crate) const SENDING: usize = 256;
+
+static TX: ConstStaticCell<[u8; SENDING]> = ConstStaticCell::new([0; SENDING]);
 static RX: ConstStaticCell<[u8; 128]> = ConstStaticCell::new([0; 128]);
 
 /// Opens the port; `None` if the HAL refuses the settings, which are constant.

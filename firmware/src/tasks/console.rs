@@ -8,6 +8,7 @@ use firmware_logic::checkin::Task;
 use firmware_logic::console::{ANSWER, Console};
 use static_cell::ConstStaticCell;
 
+use crate::hardware::serial;
 use crate::instrument::ConsoleBoard;
 use crate::link::check_in;
 
@@ -43,9 +44,16 @@ async fn print(tx: &mut BufferedUartTx<'static>, answer: &mut Answer) {
     for line in answer.split_inclusive('\n') {
         check_in(Task::Console); // a whole `get` takes 0.3 s on the wire
         let (text, end) = line.strip_suffix('\n').map_or((line, ""), |text| (text, "\r\n"));
-        // The port has no errors on sending.
-        let _ = tx.write_all(text.as_bytes()).await;
-        let _ = tx.write_all(end.as_bytes()).await;
+        send(tx, text).await;
+        send(tx, end).await;
     }
     answer.clear();
+}
+
+/// Sends text. A piece is taken whole or, for want of room, not at all; the driver (embassy-stm32 0.6.0) then never wakes
+/// the writer, who has to come back by itself.
+async fn send(tx: &mut BufferedUartTx<'static>, text: &str) {
+    for piece in text.as_bytes().chunks(serial::SENDING / 2) {
+        while let Either::Second(()) = select(tx.write(piece), Timer::after_millis(5)).await {}
+    }
 }

@@ -104,12 +104,13 @@ fn warnings(record: &Record, summary: &Summary) -> String {
     });
     let trips = summary.trips.iter().map(|trip| {
         format!(
-            "Tripped at {} s: {}. T1 read {}, expected {} °C; T2 read {}. The heater was off until acknowledged.",
+            "Tripped at {} s: {}. T1 read {}, expected {} °C; T2 read {}; the limit is {} °C. The heater was off until acknowledged.",
             significant(trip.t_s, 5),
             tables::trip_reason(trip.reason),
             trip.t1,
             significant(trip.setpoint_c.into(), 3),
-            trip.t2
+            trip.t2,
+            significant(trip.limit_c.into(), 3)
         )
     });
     let refused = record

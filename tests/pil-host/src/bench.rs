@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::Path;
 
 use anyhow::{Context, ensure};
 
 use crate::trace::{self, Cost};
-use crate::{counts, image, qemu, recording};
+use crate::{counts, divergence, image, qemu, recording};
 
 /// Name of the interval that measures the measurement.
 const NOTHING: &str = "nothing";
@@ -36,16 +37,15 @@ pub(crate) struct Bench {
 /// # Errors
 /// A program that fails, two ways of counting that disagree, or a count that has risen.
 pub(crate) fn run(update: bool) -> anyhow::Result<()> {
-    let bench = measure()?;
-    print!("{}", table(&bench));
+    let bench = measure(&recording::write()?)?;
+    print!("{}\n{}", table(&bench), divergence::table()?);
     counts::check(&bench, update)
 }
 
-fn measure() -> anyhow::Result<Bench> {
-    let recording = recording::write()?;
+fn measure(recording: &Path) -> anyhow::Result<Bench> {
     let image = image::build("cost-image")?;
-    let counted = Listing::read(&qemu::run(&image, &recording, &["-icount", "shift=0"])?)?;
-    let intervals = qemu::trace(&image, &recording, trace::intervals)?;
+    let counted = Listing::read(&qemu::run(&image, recording, &["-icount", "shift=0"])?)?;
+    let intervals = qemu::trace(&image, recording, trace::intervals)?;
     let mut intervals = intervals.into_iter();
     let mut bench = Bench { prices: Vec::new(), stacks: counted.stacks };
     let mut nothing = Cost::default();

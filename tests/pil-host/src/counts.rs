@@ -9,8 +9,10 @@ use crate::bench::{Bench, indicator};
 
 /// A count may rise by so much before it counts as risen: compilers move an instruction here and there.
 const TOLERANCE: f64 = 0.02;
+/// And by this in any case: how a part's arguments get to its call depends on the code around the call.
+const AT_THE_CALL: f64 = 2.0;
 const HEADER: &str = "# What the instrument costs on a Cortex-M4F: instructions, and bytes of stack. `cargo bench-m4` fails when one rises by\n\
-# more than 2 %; `cargo bench-m4 --update` writes this file.\n\n";
+# more than 2 %, and by more than 2 in any case; `cargo bench-m4 --update` writes this file.\n\n";
 
 /// Compares with the committed counts, or writes them.
 ///
@@ -25,7 +27,11 @@ pub(crate) fn check(bench: &Bench, update: bool) -> anyhow::Result<()> {
     let committed: BTreeMap<String, f64> = toml::from_str(&text).context("counts.toml")?;
     let changes = changes(&committed, &now);
     if !changes.is_empty() {
-        bail!("counts have changed (`cargo bench-m4 --update` if that is meant):\n{}", changes.join("\n"));
+        bail!(
+            "the cost is not what tests/pil/counts.toml says:\n{}\n\
+             If that is meant, `cargo bench-m4 --update` writes the file anew; say why in the commit.",
+            changes.join("\n")
+        );
     }
     println!("\nNo count has risen by more than {} % against tests/pil/counts.toml.", TOLERANCE * 100.0);
     Ok(())
@@ -40,8 +46,8 @@ fn changes(committed: &BTreeMap<String, f64>, now: &BTreeMap<String, f64>) -> Ve
     for (name, &is) in now {
         match committed.get(name) {
             None => changes.push(format!("  {name}: {is}, not committed yet")),
-            Some(&was) if is > was * (1.0 + TOLERANCE) => {
-                changes.push(format!("  {name}: was {was}, is {is}"))
+            Some(&was) if is > was + AT_THE_CALL.max(was * TOLERANCE) => {
+                changes.push(format!("  {name}: was {was}, is {is} ({:+.1} %)", 100.0 * (is / was - 1.0)))
             }
             Some(_) => {}
         }

@@ -4,12 +4,14 @@ mod bench;
 mod compare;
 mod counts;
 mod cycles;
+mod divergence;
 mod image;
 mod qemu;
 mod recording;
 mod trace;
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
@@ -37,10 +39,17 @@ enum Command {
     },
 }
 
-fn main() -> anyhow::Result<()> {
-    match Cli::parse().command {
+fn main() -> ExitCode {
+    let done = match Cli::parse().command {
         Command::Compare => compare::run(),
         Command::Bench { update } => bench::run(update),
         Command::Digest { recording } => compare::print_digest(&recording),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
     }
 }

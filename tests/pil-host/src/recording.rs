@@ -47,16 +47,22 @@ impl Backend for Recorder {
     }
 }
 
-/// Simulates the experiment and writes the recording into the target folder.
-pub(crate) fn write() -> anyhow::Result<PathBuf> {
+/// Simulates a run and returns what a [`Recording`] is made of.
+pub(crate) fn simulate(scenario: &Scenario) -> anyhow::Result<(Option<Baseline>, Vec<Row>)> {
     let config = with_prbs_phase(&Config::default(), 1);
     let instrument = Instrument::new(&config)?;
     let mut recorder = Recorder { instrument, raw: RawSample::default(), rows: Vec::new() };
-    let record = run_on(&mut recorder, &config, &Scenario::default(), 1);
-    let baseline = record.baseline.context("the experiment learnt nothing")?;
+    let record = run_on(&mut recorder, &config, scenario, 1);
+    Ok((record.baseline, recorder.rows))
+}
+
+/// Simulates the experiment and writes the recording into the target folder.
+pub(crate) fn write() -> anyhow::Result<PathBuf> {
+    let (baseline, recorded) = simulate(&Scenario::default())?;
+    let baseline = baseline.context("the experiment learnt nothing")?;
     let first = Recording::first_row(&baseline.filtered);
-    let rows = std::iter::once(first).chain(recorder.rows.iter().map(Row::numbers));
-    let mut bytes = (recorder.rows.len() as u32 + 1).to_le_bytes().to_vec();
+    let rows = std::iter::once(first).chain(recorded.iter().map(Row::numbers));
+    let mut bytes = (recorded.len() as u32 + 1).to_le_bytes().to_vec();
     bytes.extend(rows.flatten().flat_map(f32::to_le_bytes));
     let path = image::target_dir()?.join("pil-recording.bin");
     fs::write(&path, bytes).with_context(|| format!("can't write {}", path.display()))?;

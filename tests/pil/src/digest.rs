@@ -122,10 +122,10 @@ impl Digest {
             Mode::Settle { steady } => self.numbered(1, steady),
             Mode::Learn { accepted } => self.numbered(2, accepted),
             Mode::Monitor => self.word(3),
-            Mode::Tripped(Trip { reason, tick, raw: RawSample { t0, t1, t2 }, sample, setpoint }) => {
+            Mode::Tripped(Trip { reason, tick, raw: RawSample { t0, t1, t2 }, sample, setpoint, limit }) => {
                 self.numbered(4, reason as u32);
                 self.word(tick);
-                self.numbers(&[t0.0, t1.0, t2.0, setpoint.0]);
+                self.numbers(&[t0.0, t1.0, t2.0, setpoint.0, limit.0]);
                 self.sample(sample);
             }
         }

@@ -58,6 +58,8 @@ pub struct Flash {
     pub erase_time: Ps,
     /// Words programmed and sectors erased since power came up.
     pub operations: u32,
+    /// Which of them were erasures, counted from 0.
+    pub erased: Vec<u32>,
 }
 
 /// What a write did beyond the register.
@@ -80,6 +82,7 @@ impl Default for Flash {
             cut: None,
             erase_time: ERASE_TIME,
             operations: 0,
+            erased: Vec::new(),
         }
     }
 }
@@ -146,6 +149,7 @@ impl Flash {
         if cr & SER == 0 || !(6..8).contains(&sector) {
             return Err(format!("CR {cr:#x}: only erasing sectors 6 and 7 is modelled"));
         }
+        self.erased.push(self.operations);
         let from = (sector - 6) * SECTOR;
         let until = match self.operate() {
             Some(Remains::Before) => return Ok(Effect::PowerCut),

@@ -2,22 +2,19 @@
 
 use core::fmt::{self, Write};
 
-use fdi_core::identify::rls::{Adaptation, Rls, RlsConfig, RlsState, Update};
+use fdi_core::identify::rls::{Rls, RlsState, Update};
 
 use super::Stopwatch;
-use crate::peers::{FullMatrix, LAMBDA, P_INITIAL, Textbook};
-use crate::recording::{Recording, Row};
+use crate::peers::{self, FullMatrix, Regressor, Textbook};
+use crate::recording::Recording;
 
 /// Samples given to a peer: they take the same path on each, and double precision is slow to trace.
 const PEER_SAMPLES: usize = 500;
-/// Settings of the instrument: a typical rise in degC, a typical power in %, and the cap on D.
-const SCALES: (f32, f32) = (12.5, 41.7);
-const D_MAX: f32 = 1e5;
 
 /// Counts every estimator.
 pub(super) fn count(watch: &mut Stopwatch, recording: &Recording, out: &mut impl Write) -> fmt::Result {
     ours::<6>(watch, recording, out, "RLS update, n = 6", recording.len())?;
-    peers(watch, recording, out)?;
+    others(watch, recording, out)?;
     ours::<2>(watch, recording, out, "RLS update, n = 2", PEER_SAMPLES)?;
     ours::<4>(watch, recording, out, "RLS update, n = 4", PEER_SAMPLES)?;
     ours::<8>(watch, recording, out, "RLS update, n = 8", PEER_SAMPLES)?;
@@ -34,8 +31,7 @@ fn ours<const N: usize>(
     name: &str,
     samples: usize,
 ) -> fmt::Result {
-    let adaptation = Adaptation::Forgetting { lambda: LAMBDA };
-    let rls = Rls::<N>::new(&RlsConfig { adaptation, d_initial: P_INITIAL, d_max: D_MAX }).expect("valid");
+    let rls = peers::ours::<N>();
     let mut state = rls.start();
     let mut regressor = Regressor::default();
     watch.pass(out, [name], samples, |watch, k| {
@@ -45,7 +41,7 @@ fn ours<const N: usize>(
     })
 }
 
-fn peers(watch: &mut Stopwatch, recording: &Recording, out: &mut impl Write) -> fmt::Result {
+fn others(watch: &mut Stopwatch, recording: &Recording, out: &mut impl Write) -> fmt::Result {
     let mut regressor = Regressor::<6>::default();
     let mut full = FullMatrix::default();
     watch.pass(out, ["peer, n = 6: full matrix, arrays, f32"], PEER_SAMPLES, |watch, k| {
@@ -69,46 +65,27 @@ fn peers(watch: &mut Stopwatch, recording: &Recording, out: &mut impl Write) -> 
     })
 }
 
-/// Past outputs, negative, then past inputs, half of each: the regressor of an ARX model of order n/2.
-struct Regressor<const N: usize> {
-    phi: [f32; N],
-}
-
-impl<const N: usize> Default for Regressor<N> {
-    fn default() -> Self {
-        Self { phi: [0.0; N] }
-    }
-}
-
-impl<const N: usize> Regressor<N> {
-    fn output(&self, row: &Row) -> f32 {
-        if row.rise[0].is_finite() { row.rise[0] / SCALES.0 } else { 0.0 }
-    }
-
-    fn shift(&mut self, row: &Row) {
-        let newest = -self.output(row);
-        self.phi.rotate_right(1);
-        self.phi[0] = newest;
-        self.phi[N / 2] = row.power / SCALES.1;
-    }
-}
-
 #[inline(never)]
-fn update<const N: usize>(rls: &Rls<N>, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> Update {
+pub(super) fn update<const N: usize>(
+    rls: &Rls<N>,
+    state: &mut RlsState<N>,
+    phi: &[f32; N],
+    y: f32,
+) -> Update {
     rls.step(state, phi, y)
 }
 
 #[inline(never)]
-fn full_matrix(peer: &mut FullMatrix<6>, phi: &[f32; 6], y: f32) -> f32 {
+pub(super) fn full_matrix(peer: &mut FullMatrix<6>, phi: &[f32; 6], y: f32) -> f32 {
     peer.step(phi, y)
 }
 
 #[inline(never)]
-fn textbook_single(peer: &mut Textbook<f32, 6>, phi: &[f32; 6], y: f32) -> f32 {
+pub(super) fn textbook_single(peer: &mut Textbook<f32, 6>, phi: &[f32; 6], y: f32) -> f32 {
     peer.step(phi, y)
 }
 
 #[inline(never)]
-fn textbook_double(peer: &mut Textbook<f64, 6>, phi: &[f64; 6], y: f64) -> f64 {
+pub(super) fn textbook_double(peer: &mut Textbook<f64, 6>, phi: &[f64; 6], y: f64) -> f64 {
     peer.step(phi, y)
 }

@@ -5,7 +5,7 @@ use core::hint::black_box;
 
 use fdi_core::control::pid::{Pid, PidState};
 use fdi_core::control::prbs::{Prbs, PrbsState};
-use fdi_core::diagnosis::signature::{PAPER_DETECTION, PAPER_ISOLATION, Rows, Symptoms, look_up, symptoms};
+use fdi_core::diagnosis::signature::{PAPER_DETECTION, PAPER_ISOLATION, Symptoms, Table, symptoms};
 use fdi_core::filter::{LowPass, LowPassState};
 use fdi_core::identify::observer::{Bandwidth, Observation, Observer, ObserverState};
 use fdi_core::identify::transfer::Transfer;
@@ -98,8 +98,7 @@ fn decision(watch: &mut Stopwatch, recording: &Recording, out: &mut impl Write) 
         let features = recording.row(k).features;
         watch.time(0, || filter(&low_pass, &mut state, &features));
     })?;
-    let (detection, isolation): (Rows, Rows) =
-        (PAPER_DETECTION.iter().copied().collect(), PAPER_ISOLATION.iter().copied().collect());
+    let (detection, isolation) = (Table::new(&PAPER_DETECTION), Table::new(&PAPER_ISOLATION));
     watch.pass(out, ["symptoms and look-up"], recording.len(), |watch, k| {
         let row = recording.row(k);
         watch.time(0, || {
@@ -160,6 +159,6 @@ fn compare(features: &[f32; 7], recording: &Recording, factor: f32) -> Symptoms 
 }
 
 #[inline(never)]
-fn look(detection: &Rows, isolation: &Rows, symptoms: &Symptoms) -> (u8, u8) {
-    (look_up(detection, symptoms), look_up(isolation, symptoms))
+fn look(detection: &Table, isolation: &Table, symptoms: &Symptoms) -> (u8, u8) {
+    (detection.look_up(symptoms), isolation.look_up(symptoms))
 }

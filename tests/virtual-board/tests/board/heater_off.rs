@@ -3,9 +3,11 @@
 use std::rc::Rc;
 
 use virtual_board::board::load;
+use virtual_board::chip::Chip;
 use virtual_board::clock::Cause;
 use virtual_board::image::Image;
 use virtual_board::inject::{self, TASKS};
+use virtual_board::registers::Refusal;
 use virtual_board::scene::Scene;
 use virtual_board::time::{MS, Ps, US};
 
@@ -61,6 +63,8 @@ fn too_hot() {
         scene.wire_sensor(sensor, 500); // 87 degC
         // A jump is taken for a glitch at first: the plausibility check wants it confirmed.
         scene.time_until_off(720 * MS).unwrap_or_else(|e| panic!("T{sensor}: {e}"));
+        scene.board.run_for(MS).expect("runs on");
+        assert!(scene.board.logged("limit 75.0 degC"), "T{sensor}: the log does not say the limit");
         needs_acknowledgement(&mut scene);
     }
 }
@@ -171,6 +175,22 @@ fn tick_interrupt_disabled() {
     scene.board.cpu.touch(|chip, _| chip.scs.nvic.enable(TIM5, false));
     scene.time_until_off(1100 * MS).expect("the watchdog takes it off");
     assert_eq!(scene.board.resets.last().map(|r| r.1), Some(Cause::Watchdog));
+}
+
+#[test]
+fn clocks_of_the_tasks_stop() {
+    type Stop = fn(&mut Chip, Ps) -> Result<(), Refusal>;
+    let clocks: [(&str, Stop, Ps); 2] = [
+        ("TIM5", |chip, now| chip.tim5.write(0, 0, now), 1100 * MS),
+        ("TIM2", |chip, now| chip.tim2.write(0, 0, now), 810 * MS),
+    ];
+    for (name, stop, limit) in clocks {
+        let mut scene = heating();
+        scene.board.cpu.touch(stop).expect("its control register");
+        scene.time_until_off(limit).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(scene.board.resets.last().map(|r| r.1), Some(Cause::Watchdog), "{name}");
+        needs_acknowledgement(&mut scene);
+    }
 }
 
 /// Deadline of each task in docs/safety.md, to which the watchdog's 0.81 s are added.

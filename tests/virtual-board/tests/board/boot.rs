@@ -4,7 +4,7 @@ use virtual_board::board::load;
 use virtual_board::gpio::Mode;
 use virtual_board::scene::Scene;
 use virtual_board::scs::CPACR;
-use virtual_board::time::{MS, SECOND};
+use virtual_board::time::SECOND;
 
 fn powered_up() -> Scene {
     Scene::powered_up(load(None).expect("an image")).expect("powers up")
@@ -67,33 +67,4 @@ fn any_watchdog_oscillator_of_the_data_sheet_will_do() {
         scene.board.run_for(30 * SECOND).expect("boots");
         assert_eq!(scene.board.resets, [], "{hz} Hz");
     }
-}
-
-#[test]
-fn the_tick_goes_on_when_its_timer_wraps() {
-    // Before the first tick, between two, in the middle of a sample, on a due time, while the dead man's handle lies ahead.
-    for before in [1, 55_000, 110_000, 110_600, 111_000, 165_000, 440_000] {
-        let mut scene = powered_up();
-        scene.board.cpu.touch(|chip, _| chip.tim5.begins_at = u32::MAX - before);
-        scene.board.run_for(600 * MS).expect("boots");
-        scene.arm().expect("arms");
-        scene.board.run_for(3 * SECOND).expect("runs on");
-        let status = scene.board.command("status").expect("answers");
-        assert!(status.contains("missed 0 worst 2 us late"), "{before} us before the wrap: {status}");
-        assert!(scene.board.heater() > 0.0, "{before} us before the wrap");
-        assert_eq!(scene.board.resets, []);
-    }
-}
-
-#[test]
-fn the_dead_man_cuts_across_a_wrap() {
-    let mut scene = powered_up();
-    scene.board.cpu.touch(|chip, _| chip.tim5.begins_at = u32::MAX - 3_000_000);
-    scene.board.run_for(600 * MS).expect("boots");
-    scene.arm().expect("arms");
-    scene.board.run_for(2200 * MS).expect("runs on");
-    assert!(scene.board.heater() > 0.0);
-    scene.board.cpu.touch(|chip, _| chip.scs.nvic.enable(84, false)); // the control task's executor
-    scene.time_until_off(441 * MS).expect("off");
-    assert_eq!(scene.board.resets.len(), 1, "and the watchdog after it");
 }

@@ -54,19 +54,8 @@ fn nothing_is_saved_while_heating() {
     assert!(scene.board.heater() > 0.0);
 }
 
-/// Operations on the flash that saving takes, from a board that has saved `times` before.
-fn operations(times: usize) -> u32 {
-    let mut scene = at_rest();
-    for i in 0..times {
-        save(&mut scene.board, i);
-    }
-    let before = scene.board.chip().flash.operations;
-    save(&mut scene.board, times);
-    scene.board.chip().flash.operations - before
-}
-
 fn kp(i: usize) -> String {
-    format!("2.{}", i + 1)
+    format!("2.{}", i % 9 + 1)
 }
 
 fn save(board: &mut Board, i: usize) {
@@ -75,46 +64,56 @@ fn save(board: &mut Board, i: usize) {
     assert_eq!(say(board, "save"), "ok");
 }
 
+/// What is in flash after so many saves.
+fn saved(times: usize) -> Vec<u8> {
+    let mut scene = at_rest();
+    (0..times).for_each(|i| save(&mut scene.board, i));
+    scene.board.chip().flash.content.clone()
+}
+
+/// A board with this in its flash.
+fn with_flash(content: &[u8]) -> Scene {
+    let mut scene = Scene::powered_up(load(None).expect("an image")).expect("powers up");
+    scene.board.cpu.touch(|chip, _| chip.flash.content.copy_from_slice(content));
+    wait_for_ticks(&mut scene.board);
+    scene
+}
+
 /// Starting takes as long as it takes to mend the storage.
 fn wait_for_ticks(board: &mut Board) {
     board.log.clear();
     board.run_until("a tick", 20 * SECOND, |board| board.logged("tick 0 ")).expect("starts");
 }
 
-/// Cuts the supply during each operation of a save, in three ways; afterwards the settings are the ones before or the
-/// new ones, and can be saved again.
+/// Cuts the supply at operations of the save after so many others, in three ways; afterwards the settings are the ones
+/// before or the new ones, and can be saved again. Each `step`th operation is cut, each erasing and the last.
 fn cut_everywhere(times: usize, step: usize) {
-    let operations = operations(times);
-    for (i, remains) in (0..operations)
-        .step_by(step)
-        .chain([operations - 1])
-        .flat_map(|i| [Remains::Before, Remains::Half, Remains::After].map(|remains| (i, remains)))
+    let content = saved(times);
+    let mut whole = with_flash(&content);
+    save(&mut whole.board, times);
+    let flash = &whole.board.chip().flash;
+    let (operations, erased) = (flash.operations, flash.erased.clone());
+    let places = (0..operations).step_by(step).chain(erased).chain([operations - 1]);
+    for (i, remains) in
+        places.flat_map(|i| [Remains::Before, Remains::Half, Remains::After].map(|remains| (i, remains)))
     {
-        let mut scene = at_rest();
+        let place = format!("cut at {i} of {operations}, {remains:?}");
+        let mut scene = with_flash(&content);
         let board = &mut scene.board;
-        (0..times).for_each(|i| save(board, i));
         board.cpu.touch(|chip, _| chip.flash.cut = Some((chip.flash.operations + i, remains)));
         say(board, &format!("set pid.kp {}", kp(times)));
         board.send(b"save\r");
-        board.run_for(10 * SECOND).expect("runs until the cut");
-        assert!(board.power_is_cut, "operation {i}");
+        board.run_until(&place, 10 * SECOND, |board| board.power_is_cut).expect("runs until the cut");
         board.power_cycle().expect("comes back");
         wait_for_ticks(board);
         let old = times.checked_sub(1).map_or("2.4".into(), kp);
         let now = say(board, "get pid.kp");
         let allowed = [old, kp(times)].map(|kp| format!("pid.kp = {kp} %/degC"));
-        assert!(
-            allowed.contains(&now),
-            "cut at {i} of {operations}, {remains:?}: {now}, expected {allowed:?}"
-        );
+        assert!(allowed.contains(&now), "{place}: {now}, expected {allowed:?}");
         save(board, 7);
         board.reset(Cause::Pin).expect("resets");
         wait_for_ticks(board);
-        assert_eq!(
-            say(board, "get pid.kp"),
-            "pid.kp = 2.8 %/degC",
-            "cut at {i} of {operations}, {remains:?}"
-        );
+        assert_eq!(say(board, "get pid.kp"), "pid.kp = 2.8 %/degC", "{place}");
     }
 }
 
@@ -128,6 +127,14 @@ fn a_cut_anywhere_in_a_later_save() {
     cut_everywhere(2, 5);
 }
 
+/// Saves that fill a sector: the next one moves on to the other sector and erases this one.
+const FULL: usize = 218;
+
+#[test]
+fn a_cut_anywhere_while_the_sectors_change() {
+    cut_everywhere(FULL, 15);
+}
+
 #[test]
 fn saving_never_starves_the_watchdog() {
     for (hz, erase) in [(17_000, 1), (32_000, 2), (47_000, 4)] {
@@ -139,10 +146,10 @@ fn saving_never_starves_the_watchdog() {
         scene.board.reset(Cause::Pin).expect("resets");
         scene.board.run_for(SECOND).expect("restarts");
         let resets = scene.board.resets.len();
-        // So often that a sector is full and the other one is erased.
-        for i in 0..230 {
+        for i in 0..FULL + 10 {
             assert_eq!(say(&mut scene.board, "save"), "ok", "{hz} Hz, save {i}");
         }
+        assert_eq!(scene.board.chip().flash.erased.len(), 1, "the sectors have changed");
         assert_eq!(scene.board.resets.len(), resets, "{hz} Hz");
         assert_eq!(scene.board.heater(), 0.0);
     }

@@ -1,0 +1,178 @@
+//! Accesses of the core to the peripherals.
+
+use super::Chip;
+use super::map::{APB2, Block, MAP, Place};
+use crate::adc::Adc;
+use crate::clock::RESETS;
+use crate::flash::Effect;
+use crate::gpio::Mode;
+use crate::registers::Refusal;
+use crate::time::Ps;
+
+impl Chip {
+    fn find(&self, address: u32) -> Result<(Block, u32), Refusal> {
+        let place = MAP.iter().find(|p| (p.base..p.base + p.size).contains(&address));
+        let place = place.ok_or("no such peripheral in the model")?;
+        if let Some((register, bit)) = place.clock
+            && !self.clocks.is_enabled(register, bit)
+        {
+            return Err(format!("{:?} has no clock", place.block));
+        }
+        Ok((place.block, address - place.base))
+    }
+
+    /// Reads `size` bytes.
+    ///
+    /// # Errors
+    /// It is not modelled.
+    pub fn read(&mut self, address: u32, size: usize, now: Ps) -> Result<u32, Refusal> {
+        let (block, offset) = self.find(address & !3)?;
+        let word = match block {
+            Block::Tim1 => self.tim1.read(offset, now),
+            Block::Tim2 => self.tim2.read(offset, now),
+            Block::Tim5 => self.tim5.read(offset, now),
+            Block::Usart2 => self.usart.read(offset, now),
+            Block::Adc1 => self.adc.read(offset, now),
+            Block::Gpio(port) => self.ports[port].read(offset),
+            Block::Clocks => self.clocks.read(offset, now),
+            Block::Power => self.clocks.read_power(offset),
+            Block::Flash => self.flash.read(offset),
+            Block::FlashMemory => Ok(self.flash_word(offset)),
+            Block::Watchdog => self.watchdog.read(offset, now),
+            Block::Exti => self.exti.read(offset),
+            Block::Syscfg => self.syscfg.read(offset),
+            Block::Scs => self.scs.read(offset, now),
+            Block::Debug => self.debug.read(offset),
+        }
+        .map_err(|why| format!("{block:?}: {why}"))?;
+        if block == Block::Usart2 {
+            self.settle(now);
+        }
+        let (shift, mask) = (8 * (address & 3), u32::MAX >> (32 - 8 * size.min(4)));
+        Ok(word >> shift & mask)
+    }
+
+    fn flash_word(&self, offset: u32) -> u32 {
+        let at = offset as usize;
+        let bytes = self.flash.content.get(at..at + 4).and_then(|b| b.try_into().ok());
+        u32::from_le_bytes(bytes.unwrap_or_default())
+    }
+
+    /// Writes `size` bytes. The core may have to stand still for it, for the time that is returned.
+    ///
+    /// # Errors
+    /// It is not modelled.
+    pub fn write(&mut self, address: u32, size: usize, value: u32, now: Ps) -> Result<Ps, Refusal> {
+        let (block, offset) = self.find(address)?;
+        let mut stall = 0;
+        if size != 4 {
+            self.write_part(block, offset, size, value, now)
+        } else {
+            self.write_word(block, offset, value, now, &mut stall)
+        }
+        .map_err(|why| format!("{block:?}: {why}"))?;
+        self.settle(now);
+        Ok(stall)
+    }
+
+    /// The few registers that the program writes a byte or a half of.
+    fn write_part(
+        &mut self,
+        block: Block,
+        offset: u32,
+        size: usize,
+        value: u32,
+        now: Ps,
+    ) -> Result<(), Refusal> {
+        match (block, offset, size) {
+            (Block::Scs, _, 1) => self.scs.write_byte(offset, value as u8),
+            (Block::Usart2, 4, 1) => self.usart.write(offset, value, now),
+            // Registers of 16 bits.
+            (Block::Tim2, 0..0x24 | 0x28, 2) => self.tim2.write(offset, value, now),
+            (Block::Tim5, 0..0x24 | 0x28, 2) => self.tim5.write(offset, value, now),
+            (Block::Tim1, _, 2) => self.tim1.write(offset, value, now),
+            _ => Err(format!("writing {size} bytes here is not modelled")),
+        }
+    }
+
+    fn write_word(
+        &mut self,
+        block: Block,
+        offset: u32,
+        value: u32,
+        now: Ps,
+        stall: &mut Ps,
+    ) -> Result<(), Refusal> {
+        match block {
+            Block::Tim1 => self.tim1.write(offset, value, now),
+            Block::Tim2 => self.tim2.write(offset, value, now),
+            Block::Tim5 => self.tim5.write(offset, value, now),
+            Block::Usart2 => self.usart.write(offset, value, now),
+            Block::Adc1 => self.write_adc(offset, value, now),
+            Block::Gpio(port) => self.ports[port].write(offset, value),
+            Block::Clocks => {
+                self.clocks.write(offset, value, now)?;
+                self.reset_blocks(offset, value, now);
+                self.clocks_changed(now);
+                self.check_speed()
+            }
+            Block::Power => self.clocks.write_power(offset, value),
+            Block::Flash => {
+                let effect = self.flash.write(offset, value)?;
+                self.flash_effect(effect, stall);
+                self.check_speed()
+            }
+            Block::FlashMemory => {
+                let effect = self.flash.program(offset, 4, value)?;
+                self.flash_effect(effect, stall);
+                Ok(())
+            }
+            Block::Watchdog => self.watchdog.write(offset, value, now),
+            Block::Exti => self.exti.write(offset, value),
+            Block::Syscfg => self.syscfg.write(offset, value),
+            Block::Scs => self.scs.write(offset, value, now),
+            Block::Debug => self.debug.write(offset, value),
+        }
+    }
+
+    fn flash_effect(&mut self, effect: Effect, stall: &mut Ps) {
+        match effect {
+            Effect::None => {}
+            Effect::Stall(time) => *stall = time,
+            Effect::PowerCut => self.power_cut = true,
+        }
+    }
+
+    /// A one in a reset register resets the peripheral whose enable stands at the same place.
+    fn reset_blocks(&mut self, offset: u32, value: u32, now: Ps) {
+        let Some(register) = offset.checked_sub(RESETS).filter(|r| *r <= APB2) else { return };
+        let hit = |p: &&Place| p.clock.is_some_and(|(r, place)| r == register && value >> place & 1 == 1);
+        for place in MAP.iter().filter(hit) {
+            match place.block {
+                Block::Tim1 => self.tim1.reset(now),
+                Block::Tim2 => self.tim2.reset(now),
+                Block::Tim5 => self.tim5.reset(now),
+                Block::Usart2 => self.usart.reset(),
+                Block::Adc1 => self.adc = Adc::default(),
+                Block::Gpio(port) => self.ports[port].reset(),
+                _ => {}
+            }
+        }
+    }
+
+    fn write_adc(&mut self, offset: u32, value: u32, now: Ps) -> Result<(), Refusal> {
+        let Some(channel) = self.adc.write(offset, value, now)? else { return Ok(()) };
+        let (port, pin) = match channel {
+            0..8 => (0, channel),
+            8..10 => (1, channel - 8),
+            10..16 => (2, channel - 10),
+            _ => return Err(format!("channel {channel} is not modelled")),
+        };
+        if self.ports[port].mode(pin.into()) != Mode::Analog {
+            return Err(format!("channel {channel} is converted, but its pin is not analogue"));
+        }
+        let code = self.analog.code(channel, now, self.heater());
+        let pclk2 = self.frequencies.map_or(0, |f| f.pclk2);
+        self.adc.convert(channel, code, pclk2, now)
+    }
+}

@@ -53,7 +53,9 @@ fn folder(name: &str, definition: &str) -> (PathBuf, String) {
 }
 
 fn results(dir: &Path) -> Vec<Vec<u8>> {
-    ["campaign.json", "cells.csv", "runs.csv", "tables.md", "delays.svg"].map(|name| std::fs::read(dir.join(name)).expect(name)).into()
+    ["campaign.json", "cells.csv", "runs.csv", "tables.md", "delays.svg"]
+        .map(|name| std::fs::read(dir.join(name)).expect(name))
+        .into()
 }
 
 #[test]
@@ -186,19 +188,26 @@ fn variations_come_each_by_itself_and_their_trade_is_told() {
     let results: serde_json::Value = serde_json::from_slice(&results_json(&dir)).unwrap();
     let trade = results["trade"].as_array().unwrap();
     let settings: Vec<&str> = trade.iter().step_by(2).map(|t| t["setting"].as_str().unwrap()).collect();
-    let wanted = ["", "diagnosis.filter_cutoff=0.3", "diagnosis.sigma_factor=40.0", "diagnosis.sigma_factor=50.0"];
+    let wanted =
+        ["", "diagnosis.filter_cutoff=0.3", "diagnosis.sigma_factor=40.0", "diagnosis.sigma_factor=50.0"];
     assert_eq!(settings, wanted);
     for t in trade {
         assert_eq!(t["disturbed_runs"], 1, "the ramp alone: {t}");
         let hours = t["undisturbed"]["hours"].as_f64().unwrap();
-        assert!((hours - 2.0 * 140.0 / 3600.0).abs() < 0.01, "two runs, watched from 360 s to 500 s: {hours}");
+        assert!(
+            (hours - 2.0 * 140.0 / 3600.0).abs() < 0.01,
+            "two runs, watched from 360 s to 500 s: {hours}"
+        );
         assert_eq!(t["faults"][0]["name"], "nominal/afs2");
     }
     let missed: Vec<f64> =
         trade.iter().filter(|t| t["by"] == "signature").map(|t| t["missed_pct"].as_f64().unwrap()).collect();
     assert_eq!((missed[0], missed[3]), (0.0, 100.0), "50 standard deviations are out of reach");
     let tables = std::fs::read_to_string(dir.join("tables.md")).unwrap();
-    assert!(tables.contains("| `diagnosis.sigma_factor=50.0` |") && tables.contains("| as delivered |"), "{tables}");
+    assert!(
+        tables.contains("| `diagnosis.sigma_factor=50.0` |") && tables.contains("| as delivered |"),
+        "{tables}"
+    );
     assert!(!tables.contains("Settings of the parity diagnosis"), "they do not touch it: {tables}");
 }
 

@@ -175,7 +175,9 @@ fn trade(text: &mut String, by: By, all: &[Trade]) {
     columns.extend(["missed, all classes, %", "first right, all classes, %"]);
     let who = if by == By::Parity { "parity diagnosis" } else { "signatures" };
     head(text, &format!("Settings of the {who}: detection as median / 95 % / 99 %"), &columns);
-    for t in trades {
+    let (idle, telling): (Vec<&Trade>, Vec<&Trade>) =
+        trades.iter().partition(|t| !t.setting.is_empty() && same(t));
+    for t in telling {
         let name = if t.setting.is_empty() { "as delivered".into() } else { format!("`{}`", t.setting) };
         let rate = alarms(&t.undisturbed);
         let rate = rate.split_once(": ").map_or("-".to_owned(), |(_, rate)| rate.replace(" an hour", ""));
@@ -183,5 +185,9 @@ fn trade(text: &mut String, by: By, all: &[Trade]) {
         line.extend(t.faults.iter().map(|f| delays(&f.detection_delay_s)));
         line.extend([t.missed_pct, t.first_right_pct].map(|x| x.map_or("-".into(), |x| format!("{x:.1}"))));
         row(text, &line);
+    }
+    let idle: Vec<String> = idle.iter().map(|t| format!("`{}`", t.setting)).collect();
+    if !idle.is_empty() {
+        let _ = writeln!(text, "\nNothing of this is changed by {}.", idle.join(", "));
     }
 }

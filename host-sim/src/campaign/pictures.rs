@@ -201,18 +201,10 @@ fn trade(trades: &[Trade]) -> Option<Chart> {
                     y_bar: Some((median, p95)),
                     label: number(t).to_string(),
                 };
-                let same = |d: &&mut Dot| {
-                    d.colour == new.colour && d.x == new.x && d.y == new.y && d.y_bar == new.y_bar
-                };
-                match dots.iter_mut().find(same) {
-                    Some(known) => known.label += &format!(",{}", new.label),
-                    None => dots.push(new),
-                }
-            }
-            // One whole sweep may be of the other diagnosis: then all its numbers would stand at one dot.
-            for dot in &mut dots {
-                if dot.label.matches(',').count() + 1 == settings.len() {
-                    dot.label = "all".into();
+                let same =
+                    |d: &Dot| d.colour == new.colour && d.x == new.x && d.y == new.y && d.y_bar == new.y_bar;
+                if !dots.iter().any(same) {
+                    dots.push(new);
                 }
             }
             Panel {
@@ -230,8 +222,9 @@ fn trade(trades: &[Trade]) -> Option<Chart> {
     let y = Log { never, ..Log::over("delay from the true onset to the first alarm (s)", values) };
     let hours = first.undisturbed.hours;
     let mut notes = vec![format!(
-        "Dot: median delay; bar upwards: to the 95th percentile of the runs; bar sideways: exact 95 % interval of the rate in {hours:.0} h a setting, lively surroundings. Settings:"
+        "Dot: median delay; bar upwards: to the 95th percentile of the runs; bar sideways: exact 95 % interval of the rate in {hours:.0} h a setting, lively surroundings."
     )];
+    notes.push("Settings; one without a dot of its own changes nothing there against an earlier one:".into());
     notes.extend(lines(settings.iter().zip(1..).map(|(s, n)| {
         let name = if s.is_empty() { "as delivered" } else { s };
         format!("{n}  {name}")
@@ -240,9 +233,10 @@ fn trade(trades: &[Trade]) -> Option<Chart> {
     Some(Chart { title, legend: legend(), columns: 3, panels, y, notes })
 }
 
+/// Lower ends of the intervals may lie beyond: they would stretch the scale.
 fn rates(trades: &[Trade]) -> Log {
-    let bars = trades.iter().filter_map(|t| t.undisturbed.per_hour_95).flatten();
-    let values = trades.iter().filter_map(|t| t.undisturbed.per_hour).chain(bars);
+    let highest = trades.iter().filter_map(|t| t.undisturbed.per_hour_95).map(|[_, high]| high);
+    let values = trades.iter().filter_map(|t| t.undisturbed.per_hour).chain(highest);
     Log { zero: Some("none"), ..Log::over("false alarms an hour", values) }
 }
 

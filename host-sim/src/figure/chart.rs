@@ -239,7 +239,10 @@ impl Frame {
         for (value, label) in log.ticks() {
             let x = log.at(value, self.x);
             canvas.line(&[(x, self.y.0), (x, self.y.1)], GRID)?;
-            canvas.text(&label, (x, y), SMALL.centred())?;
+            // The name of zero stands right beside the lowest number.
+            if log.zero.is_none() || x > inner.0 + STRIP {
+                canvas.text(&label, (x, y), SMALL.centred())?;
+            }
         }
         canvas.text(&log.label, (0.5 * (self.x.0 + self.x.1), y + 18.0), SMALL.centred())
     }

@@ -176,6 +176,9 @@ fn family_panel(family: &Family, rows: &[RunRow]) -> Panel {
     Panel { title: family.title.clone(), x: Axis::Names(names), dots, strip, remark }
 }
 
+/// Medians that differ by less than this share can't be told apart in the picture.
+const ALIKE: f64 = 0.02;
+
 /// What the settings of a sweep trade.
 fn trade(trades: &[Trade]) -> Option<Chart> {
     let first = trades.first()?;
@@ -201,8 +204,9 @@ fn trade(trades: &[Trade]) -> Option<Chart> {
                     y_bar: Some((median, p95)),
                     label: number(t).to_string(),
                 };
+                let near = |a: f64, b: f64| a == b || (a - b).abs() < ALIKE * b.abs();
                 let same =
-                    |d: &Dot| d.colour == new.colour && d.x == new.x && d.y == new.y && d.y_bar == new.y_bar;
+                    |d: &Dot| d.colour == new.colour && d.x == new.x && near(d.y.unwrap_or(median), median);
                 if !dots.iter().any(same) {
                     dots.push(new);
                 }

@@ -68,7 +68,9 @@ pub(crate) struct Dot {
 }
 
 const WIDTH: f64 = 1200.0;
+/// Height of a chart among several rows of them, and of one in a single row.
 const PANEL_HEIGHT: f64 = 300.0;
+const LONE_HEIGHT: f64 = 480.0;
 const HEAD: f64 = 64.0;
 const LEFT: f64 = 80.0;
 const GAP: f64 = 78.0;
@@ -76,7 +78,7 @@ const TOP: f64 = 36.0;
 const BOTTOM: f64 = 62.0;
 const NOTE: f64 = 21.0;
 /// Room for zero or infinity beyond an axis.
-const STRIP: f64 = 30.0;
+const STRIP: f64 = 46.0;
 const RADIUS: f64 = 4.5;
 
 const GRID: Pen = Pen::new(RGBColor(0xE1, 0xE5, 0xEA), 1.0);
@@ -145,6 +147,10 @@ impl Chart {
         self.panels.len().div_ceil(self.columns)
     }
 
+    fn panel_height(&self) -> f64 {
+        if self.rows() > 1 { PANEL_HEIGHT } else { LONE_HEIGHT }
+    }
+
     fn legend<M: Medium>(&self, canvas: &mut Canvas<M>) -> anyhow::Result<()> {
         let mut x = WIDTH - 20.0;
         for (name, colour) in self.legend.iter().rev() {
@@ -160,8 +166,9 @@ impl Chart {
         let panel = &self.panels[i];
         let width = (WIDTH - LEFT - 20.0 + GAP) / self.columns as f64;
         let left = LEFT + width * (i % self.columns) as f64;
-        let top = HEAD + PANEL_HEIGHT * (i / self.columns) as f64 + TOP;
-        let frame = Frame { x: (left, left + width - GAP), y: (top + PANEL_HEIGHT - TOP - BOTTOM, top) };
+        let top = HEAD + self.panel_height() * (i / self.columns) as f64 + TOP;
+        let frame =
+            Frame { x: (left, left + width - GAP), y: (top + self.panel_height() - TOP - BOTTOM, top) };
         canvas.text(&panel.title, (left, top - 15.0), BOLD)?;
         frame.y_axis(canvas, &self.y)?;
         match &panel.x {
@@ -187,7 +194,7 @@ impl Chart {
 impl Picture for Chart {
     fn size(&self) -> (u32, u32) {
         let notes = NOTE * self.notes.len() as f64;
-        (WIDTH as u32, (HEAD + PANEL_HEIGHT * self.rows() as f64 + notes + 8.0) as u32)
+        (WIDTH as u32, (HEAD + self.panel_height() * self.rows() as f64 + notes + 8.0) as u32)
     }
 
     fn paint<M: Medium>(&self, backend: &mut M) -> anyhow::Result<()> {
@@ -201,7 +208,7 @@ impl Picture for Chart {
             self.paint_panel(&mut canvas, i)?;
         }
         for (i, note) in self.notes.iter().enumerate() {
-            let y = HEAD + PANEL_HEIGHT * self.rows() as f64 + NOTE * (i as f64 + 0.3);
+            let y = HEAD + self.panel_height() * self.rows() as f64 + NOTE * (i as f64 + 0.3);
             canvas.text(note, (20.0, y), SMALL)?;
         }
         Ok(backend.present()?)
@@ -290,9 +297,14 @@ impl Frame {
             }
         }
         canvas.dot(at, RADIUS, dot.colour)?;
+        let in_strip = matches!(x, Axis::Log(_)) && dot.x <= 0.0;
         let room = self.x.1 - at.0 - 9.0 > SMALL.width(&dot.label)?;
-        let (place, look) = if room { (at.0 + 7.0, SMALL) } else { (at.0 - 7.0, SMALL.right()) };
-        canvas.text(&dot.label, (place, at.1 - 9.0), look.coloured(INK))
+        let (place, look) = match (in_strip, room) {
+            (true, _) => ((at.0 - 8.0, at.1), SMALL.right()),
+            (false, true) => ((at.0 + 7.0, at.1 - 9.0), SMALL),
+            (false, false) => ((at.0 - 7.0, at.1 - 9.0), SMALL.right()),
+        };
+        canvas.text(&dot.label, place, look.coloured(INK))
     }
 }
 

@@ -10,6 +10,7 @@ pub mod crc;
 pub mod decimal;
 pub mod duty;
 pub mod explain;
+pub mod finding;
 pub mod history;
 pub mod hold_button;
 pub mod interlock;

@@ -272,7 +272,8 @@ mod tests {
 
     #[test]
     fn the_papers_first_fault_is_listed() {
-        let said = session("arm\nwait 400\nfaults\nbaseline\n");
+        let said = session("arm\nwait 400\nstatus\nfaults\nbaseline\n");
+        assert!(said.contains("\nfault: T2 reads 1.") && said.contains(" degC measured, "), "{said}");
         assert!(said.contains("learnt from 1636 samples"), "{said}");
         assert!(said.contains("fdv 1") || said.contains("isolated"), "{said}");
     }

@@ -2,10 +2,11 @@
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::{DECISIVE, Residual};
-use fdi_core::{AdcCode, Reading, Validity};
+use fdi_core::{AdcCode, Finding, Reading, Validity};
+use firmware_logic::finding::Told;
 use serde::Serialize;
 
-use crate::experiment::{Origin, Record};
+use crate::experiment::{Origin, Record, Row};
 use crate::fault::Fault;
 use crate::rig::Wander;
 use crate::score::{ParityScore, ParityWatch, Rise, Score, TAIL, Watch, signature_sight};
@@ -93,6 +94,8 @@ pub struct FaultSummary {
     pub signature_raw: Score,
     /// By the parity diagnosis.
     pub parity: ParityScore,
+    /// What it last said of the fault, in a sentence; null: it never named it.
+    pub parity_told: Option<String>,
 }
 
 /// Rising edges of each vector outside any fault.
@@ -216,14 +219,30 @@ fn fault(record: &Record, fault: &Fault) -> FaultSummary {
         parity.see(t, &row.report.parity);
     }
     let isolable = fault.expected().fiv.is_some();
+    let parity = parity.score();
     FaultSummary {
         name: fault.label(),
         onset_s: fault.at,
         duration_s: fault.duration,
         signature: filtered.score(record.sample_time, isolable),
         signature_raw: raw.score(record.sample_time, isolable),
-        parity: parity.score(),
+        parity_told: told(record, fault, parity.verdict),
+        parity,
     }
+}
+
+/// The last sentence about a fault while it acted, under the class that was settled on.
+fn told(record: &Record, fault: &Fault, verdict: Option<&str>) -> Option<String> {
+    let during = record.rows.iter().rev().filter(|row| fault.is_active(record.time(row.tick.index)));
+    let (row, finding) = during
+        .filter_map(|row| Some((row, row.report.parity.finding.as_ref()?)))
+        .find(|(_, finding)| Some(finding.class.name()) == verdict)?;
+    Some(sentence(record, row, finding))
+}
+
+/// What a finding says on the tick of `row`.
+pub fn sentence(record: &Record, row: &Row, finding: &Finding) -> String {
+    Told { finding, sample: &row.tick.sample, sample_time: record.sample_time as f32 }.to_string()
 }
 
 /// Times that each alarm rises while nothing acts that it should report, nor has shortly before.

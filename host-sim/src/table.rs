@@ -6,7 +6,7 @@ use fdi_core::diagnosis::event::Event;
 
 use crate::experiment::{Origin, Record};
 use crate::score::Score;
-use crate::summary::{FaultSummary, Summary};
+use crate::summary::{FaultSummary, Summary, sentence};
 
 /// The paper's own figures: fault, detection delay, indicated duration (sections 4.3 and 4.4).
 pub const PAPER: [(&str, f64, f64); 3] = [("AFS2", 2.0, 27.0), ("MFS1", 2.0, 14.0), ("MFP", 2.0, 27.0)];
@@ -65,28 +65,41 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
     text
 }
 
-/// What the diagnosis said happened, where there is no truth to hold it against.
+/// What both diagnoses said happened, where there is no truth to hold it against.
 fn events(text: &mut String, record: &Record) {
-    for event in record.rows.iter().flat_map(|row| &row.report.events) {
-        let (what, fault) = match event {
-            Event::Detected(fault) => ("detected", fault),
-            Event::Isolated(fault) => ("isolated", fault),
-            Event::Ended(fault) => ("ended", fault),
-        };
-        let at = match event {
-            Event::Detected(_) => fault.detected,
-            Event::Isolated(_) => fault.isolated.unwrap_or(fault.detected),
-            Event::Ended(_) => fault.last_seen,
-        };
-        let _ = writeln!(
-            text,
-            "{:>9.2} s  {what}: fdv {}, fiv {}, since about {:.2} s",
-            record.time(at),
-            fault.detection_number,
-            fault.isolation_number,
-            record.time(fault.onset)
-        );
+    let mut named = None;
+    let mut alarm = false;
+    for row in &record.rows {
+        for event in &row.report.events {
+            signature_event(text, record, event);
+        }
+        let parity = &row.report.parity;
+        let t = record.time(row.tick.index);
+        if let Some(finding) = parity.finding.filter(|finding| named != Some(finding.class)) {
+            let _ = writeln!(text, "{t:>9.2} s  parity: {}", sentence(record, row, &finding));
+        }
+        if alarm && !parity.alarm {
+            let _ = writeln!(text, "{t:>9.2} s  parity: all is as expected again");
+        }
+        named = parity.finding.map(|finding| finding.class);
+        alarm = parity.alarm;
     }
+}
+
+fn signature_event(text: &mut String, record: &Record, event: &Event) {
+    let (what, fault, at) = match event {
+        Event::Detected(fault) => ("detected", fault, fault.detected),
+        Event::Isolated(fault) => ("isolated", fault, fault.isolated.unwrap_or(fault.detected)),
+        Event::Ended(fault) => ("ended", fault, fault.last_seen),
+    };
+    let _ = writeln!(
+        text,
+        "{:>9.2} s  {what}: fdv {}, fiv {}, since about {:.2} s",
+        record.time(at),
+        fault.detection_number,
+        fault.isolation_number,
+        record.time(fault.onset)
+    );
 }
 
 /// One line a fault and form, the paper's own beside it.
@@ -108,34 +121,33 @@ fn faults(text: &mut String, faults: &[FaultSummary]) {
     }
 }
 
-/// What the parity diagnosis called each fault, and how large it took it to be.
+/// What the parity diagnosis said of each fault, and how far that is from the truth.
 fn verdicts(text: &mut String, faults: &[FaultSummary]) {
     if faults.iter().all(|fault| fault.parity.verdict.is_none()) {
         return;
     }
     let _ = writeln!(
         text,
-        "\nParity verdict    first, then settled on       magnitude (true)                        onset    confidence"
+        "\nWhat the parity diagnosis said at the end of each fault (with 95 % intervals), and the truth\n"
     );
     for fault in faults {
         let p = &fault.parity;
-        let (Some(first), Some(settled)) = (p.first_verdict, p.verdict) else {
-            let _ = writeln!(text, "{:<15}   never named", fault.name);
-            continue;
-        };
-        let unit = p.magnitude_unit.unwrap_or_default();
-        let magnitude = p.magnitude.zip(p.magnitude_half_width);
-        let magnitude =
-            magnitude.map_or("-".into(), |(value, half)| format!("{value:.2} +- {half:.2} {unit}"));
-        let truth = p.magnitude_true.map_or(String::new(), |x| format!(" ({x})"));
-        let onset = p.onset_error_s.map_or("-".into(), |t| format!("{t:+.2} s"));
-        let _ = writeln!(
-            text,
-            "{:<15}   {first:<12} {settled:<15} {:<38}  {onset:>8} {:>10.3}",
-            fault.name,
-            magnitude + &truth,
-            p.confidence.unwrap_or(0.0)
+        let told = fault.parity_told.as_deref().unwrap_or("it was never named");
+        let _ = writeln!(text, "{:<15} {told}", fault.name);
+        let mut truth = Vec::new();
+        truth.extend(p.magnitude_true.zip(p.magnitude_unit).map(|(x, unit)| format!("true {x} {unit}")));
+        truth.extend(p.onset_error_s.map(|t| match t {
+            ..0.0 => format!("onset dated {:.2} s too early", -t),
+            _ => format!("onset dated {t:.2} s too late"),
+        }));
+        truth.extend(
+            p.first_verdict
+                .filter(|_| p.first_verdict_right == Some(false))
+                .map(|first| format!("first taken for {first}")),
         );
+        if !truth.is_empty() {
+            let _ = writeln!(text, "{:<15} ({})", "", truth.join(", "));
+        }
     }
 }
 

@@ -53,7 +53,9 @@ fn folder(name: &str, definition: &str) -> (PathBuf, String) {
 }
 
 fn results(dir: &Path) -> Vec<Vec<u8>> {
-    ["campaign.json", "cells.csv", "runs.csv"].map(|name| std::fs::read(dir.join(name)).expect(name)).into()
+    ["campaign.json", "cells.csv", "runs.csv", "tables.md"]
+        .map(|name| std::fs::read(dir.join(name)).expect(name))
+        .into()
 }
 
 #[test]
@@ -83,6 +85,8 @@ fn threads_shards_and_interruptions_change_no_byte() {
     assert_eq!(numbers(&again), numbers(&table));
     for other in [&two, &merged] {
         assert!(results(other) == results(&one), "{}", other.display());
+        let picture = |dir: &Path| std::fs::read(dir.join("delays.svg")).expect("delays.svg");
+        assert!(picture(other) == picture(&one), "{}", other.display());
     }
 }
 
@@ -157,4 +161,58 @@ fn one_run_can_be_looked_at() {
     assert!(summary.contains("\"seed\": 502"), "{summary}");
     let error = fails(&["show", "afs2", &file]);
     assert!(error.contains("fault/afs2 -1.5"), "{error}");
+}
+
+/// One nominal fault, something that must not alarm, and time in which nothing is done.
+const TRADE: &str = r#"
+seeds_from = 700
+[[cell]]
+name = "nominal/afs2"
+runs = 2
+fault = [{ do = "offset", sensor = "t2", size = 1.5, at = 400.0, for = 10.0 }]
+[[cell]]
+name = "silence/ramp"
+runs = 1
+action = [{ at = 400.0, setpoint = 38.0, over = 10.0 }]
+[[cell]]
+name = "hours/lively"
+runs = 2
+duration = 500.0
+"#;
+
+#[test]
+fn variations_come_each_by_itself_and_their_trade_is_told() {
+    let (dir, file) = folder("trade", TRADE);
+    let out = dir.to_str().unwrap();
+    let vary = ["--vary", "diagnosis.sigma_factor=40.0,50.0", "--vary", "diagnosis.filter_cutoff=0.3"];
+    let table = succeeds(&[&[file.as_str(), "--out", out], vary.as_slice()].concat());
+    assert!(table.contains("trade (.svg and .png)"), "{table}");
+    let results: serde_json::Value = serde_json::from_slice(&results_json(&dir)).unwrap();
+    let trade = results["trade"].as_array().unwrap();
+    let settings: Vec<&str> = trade.iter().step_by(2).map(|t| t["setting"].as_str().unwrap()).collect();
+    let wanted =
+        ["", "diagnosis.filter_cutoff=0.3", "diagnosis.sigma_factor=40.0", "diagnosis.sigma_factor=50.0"];
+    assert_eq!(settings, wanted);
+    for t in trade {
+        assert_eq!(t["disturbed_runs"], 1, "the ramp alone: {t}");
+        let hours = t["undisturbed"]["hours"].as_f64().unwrap();
+        assert!(
+            (hours - 2.0 * 140.0 / 3600.0).abs() < 0.01,
+            "two runs, watched from 360 s to 500 s: {hours}"
+        );
+        assert_eq!(t["faults"][0]["name"], "nominal/afs2");
+    }
+    let missed: Vec<f64> =
+        trade.iter().filter(|t| t["by"] == "signature").map(|t| t["missed_pct"].as_f64().unwrap()).collect();
+    assert_eq!((missed[0], missed[3]), (0.0, 100.0), "50 standard deviations are out of reach");
+    let tables = std::fs::read_to_string(dir.join("tables.md")).unwrap();
+    assert!(
+        tables.contains("| `diagnosis.sigma_factor=50.0` |") && tables.contains("| as delivered |"),
+        "{tables}"
+    );
+    assert!(!tables.contains("Settings of the parity diagnosis"), "they do not touch it: {tables}");
+}
+
+fn results_json(dir: &Path) -> Vec<u8> {
+    std::fs::read(dir.join("campaign.json")).expect("campaign.json")
 }

@@ -13,6 +13,7 @@ use fdi_core::{Command, Config, ConfigError};
 use crate::control_loop::Denial;
 use crate::decimal::Fixed;
 use crate::explain::Explained;
+use crate::finding::Told;
 use crate::history::{Entry, Shown};
 use crate::settings::schema::{Name, SetError};
 use crate::settings::store::SaveError;
@@ -102,7 +103,7 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
     match request {
         Request::Nothing => {}
         Request::Help => help(out),
-        Request::Status => drop(writeln!(out, "{}", board.status())),
+        Request::Status => status(board, out),
         Request::Get { name } => get(name, &board.config(), out),
         Request::Set { name, value } => set(name, value, board, out).await,
         Request::Save => done(out, board.save().await),
@@ -116,6 +117,21 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         Request::Baseline => baseline(board.baseline(), out),
         Request::Relearn => done(out, board.command(Command::Relearn).await),
         Request::Faults => faults(board, out),
+    }
+}
+
+fn status(board: &impl Board, out: &mut dyn Write) {
+    let status = board.status();
+    let _ = writeln!(out, "{status}");
+    let Some((beat, report)) = &status.last else { return };
+    let sample_time = board.config().sample_time.0;
+    match &report.parity.finding {
+        Some(finding) => {
+            let told = Told { finding, sample: &beat.tick.sample, sample_time };
+            let _ = writeln!(out, "fault: {told}");
+        }
+        None if report.parity.alarm => say(out, "fault: something is wrong, too early to say what\n"),
+        None => {}
     }
 }
 

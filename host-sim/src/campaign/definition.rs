@@ -31,6 +31,8 @@ pub struct Campaign {
     pub rest: f64,
     /// Settings of the instrument that take each of some values in turn: `"diagnosis.sigma_factor" = [2.5, 3.0]`.
     pub sweep: BTreeMap<String, Vec<Value>>,
+    /// Settings that take each of some values by itself, all others as they are; once they are all as they are.
+    pub vary: BTreeMap<String, Vec<Value>>,
     /// Rigs that differ from the reference rig.
     #[serde(rename = "plant")]
     pub plants: Vec<Plant>,
@@ -50,6 +52,7 @@ impl Default for Campaign {
             only: String::new(),
             rest: 30.0,
             sweep: BTreeMap::new(),
+            vary: BTreeMap::new(),
             plants: Vec::new(),
             cells: Vec::new(),
             targets: Vec::new(),
@@ -212,22 +215,25 @@ impl Campaign {
         })
     }
 
-    /// Every combination of the values of the sweep, with its name.
+    /// Every combination of the values of the sweep, with its name; each with every variation by itself.
     fn settings(&self) -> Vec<Setting<'_>> {
         let mut all: Vec<Setting> = vec![(String::new(), Vec::new())];
         for (key, values) in &self.sweep {
-            let mut longer = Vec::new();
-            for (name, before) in &all {
-                let space = if name.is_empty() { "" } else { " " };
-                for value in values {
-                    let pairs = [before.as_slice(), &[(key.as_str(), value)]].concat();
-                    longer.push((format!("{name}{space}{key}={value}"), pairs));
-                }
-            }
-            all = longer;
+            all = all.iter().flat_map(|before| values.iter().map(|value| and(before, key, value))).collect();
         }
-        all
+        let varied =
+            || self.vary.iter().flat_map(|(key, values)| values.iter().map(move |value| (key, value)));
+        let each = all.iter().flat_map(|before| {
+            std::iter::once(before.clone()).chain(varied().map(|(key, value)| and(before, key, value)))
+        });
+        each.collect()
     }
+}
+
+/// A combination with one value more.
+fn and<'a>((name, pairs): &Setting<'a>, key: &'a str, value: &'a Value) -> Setting<'a> {
+    let space = if name.is_empty() { "" } else { " " };
+    (format!("{name}{space}{key}={value}"), [pairs.as_slice(), &[(key, value)]].concat())
 }
 
 /// One combination of values of the sweep: its name, and the values by key.

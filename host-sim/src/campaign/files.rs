@@ -1,4 +1,4 @@
-//! `campaign.json`, `cells.csv` and `runs.csv`.
+//! `campaign.json`, `cells.csv`, `runs.csv` and `tables.md`.
 
 use std::io::Write;
 use std::path::Path;
@@ -13,7 +13,7 @@ use super::statistics::Quantiles;
 /// A cell of a table with the name of its column.
 type Field = (String, String);
 
-/// Writes all three.
+/// Writes them all.
 ///
 /// # Errors
 /// The file that can't be written.
@@ -21,6 +21,7 @@ pub(super) fn write(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Pa
     let mut json = serde_json::to_vec_pretty(results)?;
     writeln!(json)?;
     write_file(out, "campaign.json", &json)?;
+    write_file(out, "tables.md", super::markdown::of(results).as_bytes())?;
     write_file(out, "cells.csv", &csv(results.cells.iter().map(cell_fields))?)?;
     write_file(out, "runs.csv", &csv(rows.iter().map(|row| run_fields(&cells[row.cell], row)))?)
 }

@@ -3,12 +3,15 @@
 pub mod cell;
 pub mod definition;
 mod files;
+mod markdown;
+mod pictures;
 pub mod results;
 pub mod run;
 pub mod statistics;
 pub mod store;
 mod table;
 pub mod target;
+pub mod trade;
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -30,12 +33,13 @@ use store::{Header, Shard, Store};
 #[command(
     args_conflicts_with_subcommands = true,
     after_help = "Examples:
-  host-sim campaign --quick                      every kind of run a few times: about a minute
+  host-sim campaign --quick                      every kind of run a few times: less than a minute
   host-sim campaign --full --out out/full        the numbers to report
   host-sim campaign define > my.toml             the default campaign, commented: edit, then
   host-sim campaign my.toml
   host-sim campaign --only nominal/ --config tuning.toml --seeds-from 1
   host-sim campaign --quick --sweep diagnosis.sigma_factor=2.5,3,3.5,4
+  host-sim campaign --seeds-from 1 --vary parity.margin=0,4 --vary parity.tolerated_sag=0
   host-sim campaign --shard 2/8 --out part       one of eight jobs of a cluster, then
   host-sim campaign merge part/runs.*.jsonl
   host-sim campaign show \"nominal/mfs1\" --run 17   that run with its trace, figures and report
@@ -74,7 +78,7 @@ pub struct DefinitionArgs {
     /// Settings of the instrument, TOML; see `host-sim config`.
     #[arg(long, value_name = "FILE.toml")]
     pub config: Option<PathBuf>,
-    /// Few runs: about a minute (the default campaign has a quarter of its runs).
+    /// Few runs: less than a minute (the default campaign has a quarter of its runs).
     #[arg(long, conflicts_with_all = ["full", "scale"])]
     pub quick: bool,
     /// All runs of the definition.
@@ -89,9 +93,12 @@ pub struct DefinitionArgs {
     /// The first seed, in place of the definition's.
     #[arg(long, value_name = "SEED")]
     pub seeds_from: Option<u64>,
-    /// Repeat everything for each of some values of a setting; may be given for several settings.
+    /// Repeat everything for each of some values of a setting; of several settings, for all combinations.
     #[arg(long, value_name = "KEY=VALUE,VALUE")]
     pub sweep: Vec<String>,
+    /// The same, but of several settings each by itself, beside all as they are: what is each worth?
+    #[arg(long, value_name = "KEY=VALUE,VALUE")]
+    pub vary: Vec<String>,
 }
 
 /// Arguments of a campaign.
@@ -169,14 +176,17 @@ impl DefinitionArgs {
             let (key, values) = parse_sweep(text)?;
             campaign.sweep.insert(key, values);
         }
+        for text in &self.vary {
+            let (key, values) = parse_sweep(text)?;
+            campaign.vary.insert(key, values);
+        }
         Ok((campaign, config))
     }
 }
 
 /// `key=value,value` with values as in TOML.
 fn parse_sweep(text: &str) -> anyhow::Result<(String, Vec<toml::Value>)> {
-    let expected =
-        || format!("--sweep {text}: expected key=value,value such as diagnosis.sigma_factor=2.5,3,4");
+    let expected = || format!("{text}: expected key=value,value such as diagnosis.sigma_factor=2.5,3,4");
     let (key, values) = text.split_once('=').with_context(expected)?;
     let table: toml::Table = format!("values = [{values}]").parse().with_context(expected)?;
     let values = table["values"].as_array().cloned().unwrap_or_default();
@@ -283,7 +293,8 @@ fn tell(files: &[PathBuf], out: &Path) -> anyhow::Result<()> {
     let results = Results::new(&campaign, &cells, &rows);
     print(&table::of(&results))?;
     files::write(&results, &cells, &rows, out)?;
-    println!("\nWritten to {}: campaign.json, cells.csv, runs.csv", out.display());
+    let pictures = pictures::draw(&results, &cells, &rows, out)?;
+    println!("\nWritten to {}: campaign.json, cells.csv, runs.csv, tables.md{pictures}", out.display());
     Ok(())
 }
 

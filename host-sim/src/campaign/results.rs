@@ -9,6 +9,7 @@ use super::definition::{Campaign, Expect};
 use super::run::{RunRow, Seen};
 use super::statistics::{Quantiles, poisson_interval};
 use super::target::{self, Outcome};
+use super::trade::{self, Trade};
 use crate::experiment::as_written;
 
 /// `campaign.json`.
@@ -18,6 +19,8 @@ pub struct Results {
     pub cells: Vec<CellResults>,
     /// True class against the verdict settled on, over the fault cells of the reference rig.
     pub confusion: Vec<Confusion>,
+    /// False alarms against delays, for each setting; empty without a sweep.
+    pub trade: Vec<Trade>,
     /// Targets and what became of them.
     pub targets: Vec<Outcome>,
     /// The campaign itself.
@@ -67,6 +70,8 @@ pub struct Statistics {
 /// How a diagnosis saw a fault.
 #[derive(Clone, Debug, Serialize)]
 pub struct FaultStatistics {
+    /// Number of runs.
+    pub runs: usize,
     /// Delay of the detection, s.
     pub detection_delay_s: Quantiles,
     /// Delay of the right isolation, s.
@@ -92,7 +97,7 @@ pub struct FaultStatistics {
 }
 
 /// What a diagnosis raised while nothing was there to be reported.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AlarmStatistics {
     /// Alarms.
     pub alarms: u32,
@@ -178,6 +183,7 @@ impl Results {
         Self {
             cells: (0..cells.len()).map(of_cell).collect(),
             confusion: confusion(&cases),
+            trade: trade::of(&cases),
             targets: target::judge(&campaign.targets, &cases),
             campaign: campaign.clone(),
         }
@@ -241,6 +247,7 @@ impl FaultStatistics {
         let covered: Vec<bool> = cases.iter().filter_map(|case| covered(by, case)).collect();
         let held = covered.iter().filter(|&&c| c).count() as f64;
         Self {
+            runs: cases.len(),
             detection_delay_s: quantiles(&|(_, row)| by.of(row).detection_delay_s),
             isolation_delay_s: quantiles(&|(_, row)| by.of(row).isolation_delay_s),
             missed: count(&|s| s.detection_delay_s.is_none()),

@@ -22,7 +22,7 @@ pub(super) fn of(results: &Results) -> String {
     text
 }
 
-fn label(cell: &CellResults) -> String {
+pub(super) fn label(cell: &CellResults) -> String {
     let calm =
         if cell.wander == crate::rig::Wander::Lively { String::new() } else { format!(", {}", cell.wander) };
     let setting = if cell.setting.is_empty() { String::new() } else { format!(" [{}]", cell.setting) };
@@ -85,14 +85,14 @@ fn fault_line(f: &FaultStatistics, runs: usize) -> String {
     )
 }
 
-fn delays(q: &Quantiles) -> String {
+pub(super) fn delays(q: &Quantiles) -> String {
     if *q == Quantiles::default() {
         return "never".into();
     }
     [q.median, q.p95, q.p99].map(seconds).join(" / ")
 }
 
-fn seconds(x: Option<f64>) -> String {
+pub(super) fn seconds(x: Option<f64>) -> String {
     x.map_or("-".into(), |x| format!("{x:.2}"))
 }
 
@@ -126,7 +126,7 @@ fn silent_cells(text: &mut String, cells: &[&CellResults]) {
     }
 }
 
-fn alarms(a: &AlarmStatistics) -> String {
+pub(super) fn alarms(a: &AlarmStatistics) -> String {
     let rate = a.per_hour.zip(a.per_hour_95);
     let rate = rate.map_or("never watched".into(), |(rate, [low, high])| {
         let bursts = if a.dispersion.is_some_and(|d| d > BURSTS) { ", in bursts" } else { "" };
@@ -139,7 +139,7 @@ fn alarms(a: &AlarmStatistics) -> String {
 const BURSTS: f64 = 3.0;
 
 /// Three digits.
-fn short(x: f64) -> String {
+pub(super) fn short(x: f64) -> String {
     match x {
         0.0 => "0".into(),
         x if x < 0.1 => format!("{x:.4}"),

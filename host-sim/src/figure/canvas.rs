@@ -4,7 +4,7 @@ use anyhow::Context;
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{
-    Color, FontDesc, FontFamily, FontStyle, RGBColor, ShapeStyle, TextStyle, register_font,
+    Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle, register_font,
 };
 
 use super::plot::{INK, Pen};
@@ -16,7 +16,7 @@ pub(super) const UNITS: u32 = 2;
 const DASH: (f64, f64) = (9.0, 6.0);
 
 /// What the backends do differently.
-pub(super) trait Medium: DrawingBackend<ErrorType: 'static> {
+pub(crate) trait Medium: DrawingBackend<ErrorType: 'static> {
     /// Whether a wide line is drawn well as one path. The bitmap fills it as a polygon, which breaks where the path
     /// comes near itself.
     const WHOLE_PATHS: bool;
@@ -57,6 +57,11 @@ impl Type {
     /// The same, ending at its place.
     pub(super) const fn right(self) -> Self {
         Self { align: HPos::Right, ..self }
+    }
+
+    /// The same in another size, px.
+    pub(super) const fn sized(self, size: f64) -> Self {
+        Self { size, ..self }
     }
 
     /// The same in another colour.
@@ -101,6 +106,19 @@ impl<M: Medium> Canvas<'_, M> {
     pub(super) fn text(&mut self, text: &str, at: Point, look: Type) -> anyhow::Result<()> {
         let style = TextStyle::from(look.font()).color(&look.colour).pos(Pos::new(look.align, VPos::Center));
         Ok(self.0.draw_text(text, &style, units((at.0, at.1 + M::TEXT_DROP * look.size)))?)
+    }
+
+    /// A text that runs upwards from its place, about the vertical through it.
+    pub(super) fn upright(&mut self, text: &str, at: Point, look: Type) -> anyhow::Result<()> {
+        let font = look.font().transform(FontTransform::Rotate270);
+        let style = TextStyle::from(font).color(&look.colour).pos(Pos::new(HPos::Left, VPos::Center));
+        Ok(self.0.draw_text(text, &style, units((at.0 + M::TEXT_DROP * look.size, at.1)))?)
+    }
+
+    /// A dot.
+    pub(super) fn dot(&mut self, at: Point, radius: f64, colour: RGBColor) -> anyhow::Result<()> {
+        let radius = (radius * f64::from(UNITS)) as u32;
+        Ok(self.0.draw_circle(units(at), radius, &colour.filled(), true)?)
     }
 
     /// A line through points.

@@ -7,11 +7,10 @@ use fdi_core::parity::Arming;
 use plotters::style::RGBColor;
 
 use super::Number;
-use super::plot::{Band, Figure, INK, Panel, Pen, Scale, Trace, VERMILLION};
+use super::plot::{BLUE, Band, Figure, INK, Panel, Pen, Scale, Trace, VERMILLION};
 use crate::experiment::{Record, Row};
 
 // Okabe and Ito's colours, which the colour-blind can tell apart.
-const BLUE: RGBColor = RGBColor(0x00, 0x72, 0xB2);
 const ORANGE: RGBColor = RGBColor(0xE6, 0x9F, 0x00);
 const SKY: RGBColor = RGBColor(0x56, 0xB4, 0xE9);
 const GREEN: RGBColor = RGBColor(0x00, 0x9E, 0x73);

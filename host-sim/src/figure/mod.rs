@@ -1,8 +1,11 @@
-//! The paper's figures 4, 5 and 6, drawn from a run: as SVG for pages and papers, as PNG for a quick look.
+//! Pictures as SVG for pages and papers, and as PNG for a quick look: the paper's figures 4, 5 and 6, drawn from a run, and
+//! the charts of a campaign.
 
 mod axis;
 mod canvas;
+pub(crate) mod chart;
 mod content;
+pub(crate) mod matrix;
 mod paint;
 mod plot;
 mod polyline;
@@ -14,9 +17,9 @@ use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use rayon::prelude::*;
 
 use crate::experiment::Record;
-use canvas::UNITS;
-use paint::{Layout, WIDTH};
-use plot::Figure;
+use canvas::{Medium, UNITS};
+use paint::Layout;
+pub(crate) use plot::{BLUE, VERMILLION};
 
 /// A figure of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +41,18 @@ impl std::fmt::Display for Number {
     }
 }
 
+/// What can be drawn on any backend.
+pub(crate) trait Picture: Sync {
+    /// Width and height, px.
+    fn size(&self) -> (u32, u32);
+
+    /// Draws it.
+    ///
+    /// # Errors
+    /// Those of the backend.
+    fn paint<M: Medium>(&self, backend: &mut M) -> anyhow::Result<()>;
+}
+
 /// Writes `figure4.svg`, `figure4.png` and so on into a folder that exists.
 ///
 /// # Errors
@@ -46,19 +61,28 @@ pub fn draw_all(record: &Record, folder: &Path) -> anyhow::Result<()> {
     canvas::register_fonts()?;
     ALL.into_par_iter().try_for_each(|number| {
         let figure = content::figure(number, record);
-        let path = |extension| folder.join(format!("figure{number}.{extension}"));
-        let write_svg = || {
-            let path = path("svg");
-            std::fs::write(&path, draw_svg(number, &figure)?)
-                .with_context(|| format!("can't write {}", path.display()))
-        };
-        let write_png = || {
-            let path = path("png");
-            draw_png(&figure, &path).with_context(|| format!("can't write {}", path.display()))
-        };
-        let (svg, png) = rayon::join(write_svg, write_png);
-        svg.and(png)
+        draw(&Layout::new(&figure)?, &label(number), folder, &format!("figure{number}"))
     })
+}
+
+/// Writes a picture as `name.svg` and `name.png` into a folder that exists.
+///
+/// # Errors
+/// The file that can't be written.
+pub(crate) fn draw(picture: &impl Picture, label: &str, folder: &Path, name: &str) -> anyhow::Result<()> {
+    canvas::register_fonts()?;
+    let path = |extension| folder.join(format!("{name}.{extension}"));
+    let write_svg = || {
+        let path = path("svg");
+        std::fs::write(&path, draw_svg(picture, label)?)
+            .with_context(|| format!("can't write {}", path.display()))
+    };
+    let write_png = || {
+        let path = path("png");
+        draw_png(picture, &path).with_context(|| format!("can't write {}", path.display()))
+    };
+    let (svg, png) = rayon::join(write_svg, write_png);
+    svg.and(png)
 }
 
 /// A figure as SVG, to be a file or a part of a page.
@@ -67,29 +91,36 @@ pub fn draw_all(record: &Record, folder: &Path) -> anyhow::Result<()> {
 /// Those of the drawing library.
 pub fn svg(number: Number, record: &Record) -> anyhow::Result<String> {
     canvas::register_fonts()?;
-    draw_svg(number, &content::figure(number, record))
+    draw_svg(&Layout::new(&content::figure(number, record))?, &label(number))
 }
 
-fn draw_svg(number: Number, figure: &Figure) -> anyhow::Result<String> {
-    let layout = Layout::new(figure)?;
-    let (width, height) = (WIDTH, layout.height());
+fn label(number: Number) -> String {
+    format!("Figure {number}")
+}
+
+fn draw_svg(picture: &impl Picture, label: &str) -> anyhow::Result<String> {
+    let (width, height) = picture.size();
     let mut text = String::new();
-    layout.paint(&mut SVGBackend::with_string(&mut text, (UNITS * width, UNITS * height)))?;
+    picture.paint(&mut SVGBackend::with_string(&mut text, (UNITS * width, UNITS * height)))?;
     // The backend counts in units and calls them pixels: the size is ours, the units stay in its viewBox.
     let body = text.split_once(" viewBox=").context("SVG without a viewBox")?.1;
-    let attributes = format!("role=\"img\" aria-label=\"Figure {number}\" stroke-linejoin=\"round\"");
+    let attributes = format!("role=\"img\" aria-label=\"{label}\" stroke-linejoin=\"round\"");
     Ok(format!("<svg {attributes} width=\"{width}\" height=\"{height}\" viewBox={body}"))
 }
 
-fn draw_png(figure: &Figure, path: &Path) -> anyhow::Result<()> {
-    let layout = Layout::new(figure)?;
-    let size = (WIDTH, layout.height());
+fn draw_png(picture: &impl Picture, path: &Path) -> anyhow::Result<()> {
+    let size = picture.size();
     let large = (UNITS * size.0, UNITS * size.1);
     let mut pixels = vec![0; 3 * (large.0 * large.1) as usize];
-    layout.paint(&mut BitMapBackend::with_buffer(&mut pixels, large))?;
+    picture.paint(&mut BitMapBackend::with_buffer(&mut pixels, large))?;
     let mut file = BitMapBackend::new(path, size);
     file.blit_bitmap((0, 0), size, &reduce(&pixels, size.0 as usize))?;
     Ok(file.present()?)
+}
+
+/// Maps a value from one interval to another.
+fn place(x: f64, from: (f64, f64), to: (f64, f64)) -> f64 {
+    to.0 + (x - from.0) / (from.1 - from.0) * (to.1 - to.0)
 }
 
 /// An RGB picture reduced by [`UNITS`] to a width in px: each pixel is the mean of the units that it covers.
@@ -179,7 +210,8 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("host-sim-figures-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         draw_all(&record, &folder).unwrap();
-        draw_png(&content::figure(Number::Four, &record), &folder.join("again.png")).unwrap();
+        let again = content::figure(Number::Four, &record);
+        draw_png(&Layout::new(&again).unwrap(), &folder.join("again.png")).unwrap();
         let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
         let pictures = ["figure4.png", "figure5.png", "figure6.png", "again.png"].map(read);
         let svgs = ["figure4.svg", "figure5.svg", "figure6.svg"].map(read);

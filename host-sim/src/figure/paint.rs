@@ -6,6 +6,7 @@ use super::axis;
 use super::canvas::{BOLD, Canvas, Medium, PLAIN};
 use super::plot::{Band, Figure, Panel, Pen, Scale, THRESHOLD, THRESHOLD_LABEL};
 use super::polyline::{Point, polylines};
+use super::{Picture, place};
 
 /// Width of a figure, px.
 pub(super) const WIDTH: u32 = 1200;
@@ -58,34 +59,6 @@ impl<'a> Layout<'a> {
         HEADER_ROW * rows as f64
     }
 
-    /// Height of the figure, px.
-    pub(super) fn height(&self) -> u32 {
-        (self.header() + PANEL * self.figure.panels.len() as f64 + FOOTER) as u32
-    }
-
-    /// Draws the figure.
-    ///
-    /// # Errors
-    /// Those of the backend.
-    pub(super) fn paint<M: Medium>(&self, backend: &mut M) -> anyhow::Result<()> {
-        let mut canvas = Canvas(backend);
-        canvas.fill((0.0, 0.0), (f64::from(WIDTH), f64::from(self.height())), WHITE)?;
-        let mut top = TITLE;
-        for (i, panel) in self.figure.panels.iter().enumerate() {
-            let title = top - 0.5 * TITLE + 2.0;
-            paint_title(&mut canvas, panel, title)?;
-            if i == 0 {
-                top += self.header();
-                self.paint_names(&mut canvas, top)?;
-            }
-            let bottom = top + PANEL - TITLE;
-            Frame::new(self.figure, panel, (top, bottom)).paint(&mut canvas, panel)?;
-            top = bottom + TITLE;
-        }
-        self.paint_time(&mut canvas, top - TITLE)?;
-        Ok(backend.present()?)
-    }
-
     /// Names of the bands, above the first frame.
     fn paint_names<M: Medium>(&self, canvas: &mut Canvas<M>, frame_top: f64) -> anyhow::Result<()> {
         for name in &self.names {
@@ -103,6 +76,31 @@ impl<'a> Layout<'a> {
             canvas.text(&label, (x, frame_bottom + 13.0), PLAIN.centred())?;
         }
         canvas.text("time (s)", (0.5 * (LEFT + RIGHT), frame_bottom + 33.0), PLAIN.centred())
+    }
+}
+
+impl Picture for Layout<'_> {
+    fn size(&self) -> (u32, u32) {
+        (WIDTH, (self.header() + PANEL * self.figure.panels.len() as f64 + FOOTER) as u32)
+    }
+
+    fn paint<M: Medium>(&self, backend: &mut M) -> anyhow::Result<()> {
+        let mut canvas = Canvas(backend);
+        canvas.fill((0.0, 0.0), (f64::from(WIDTH), f64::from(self.size().1)), WHITE)?;
+        let mut top = TITLE;
+        for (i, panel) in self.figure.panels.iter().enumerate() {
+            let title = top - 0.5 * TITLE + 2.0;
+            paint_title(&mut canvas, panel, title)?;
+            if i == 0 {
+                top += self.header();
+                self.paint_names(&mut canvas, top)?;
+            }
+            let bottom = top + PANEL - TITLE;
+            Frame::new(self.figure, panel, (top, bottom)).paint(&mut canvas, panel)?;
+            top = bottom + TITLE;
+        }
+        self.paint_time(&mut canvas, top - TITLE)?;
+        Ok(backend.present()?)
     }
 }
 
@@ -234,11 +232,6 @@ impl<'a> Frame<'a> {
         let middle = (0.5 * (LEFT + RIGHT), 0.5 * (self.y.0 + self.y.1));
         canvas.text("not defined in this run", middle, PLAIN.centred().coloured(MUTED))
     }
-}
-
-/// Maps a value from one interval to another.
-fn place(x: f64, from: (f64, f64), to: (f64, f64)) -> f64 {
-    to.0 + (x - from.0) / (from.1 - from.0) * (to.1 - to.0)
 }
 
 /// A tint's colour as text: dark enough to be read on white.

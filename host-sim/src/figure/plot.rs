@@ -6,7 +6,10 @@ use plotters::style::RGBColor;
 pub(super) const INK: RGBColor = RGBColor(0x24, 0x2B, 0x33);
 
 /// Thresholds: one of Okabe and Ito's colours, which the colour-blind can tell apart.
-pub(super) const VERMILLION: RGBColor = RGBColor(0xD5, 0x5E, 0x00);
+pub(crate) const VERMILLION: RGBColor = RGBColor(0xD5, 0x5E, 0x00);
+
+/// Another of them.
+pub(crate) const BLUE: RGBColor = RGBColor(0x00, 0x72, 0xB2);
 
 /// The start-up up to here, in s after the first row, does not count for the ranges.
 const START_UP: f64 = 20.0;

@@ -43,7 +43,17 @@ fn parity(record: &Record, summary: &Summary) -> String {
                 <th>First named</th><th>Settled on</th><th>Magnitude</th><th>True</th><th>Onset dated<br>off by, s</th>";
     let pairs = record.faults.iter().zip(&summary.faults);
     let rows = pairs.map(|(fault, seen)| parity_row(record, fault, seen)).collect();
-    html_table("By the parity diagnosis: it names the fault and says how large it is.", head, rows)
+    let told = summary.faults.iter().filter_map(|fault| Some((&fault.name, fault.parity_told.as_ref()?)));
+    let told: String =
+        told.map(|(name, told)| format!("<li>{}: {}.</li>\n", escape(name), escape(told))).collect();
+    let caption =
+        "By the parity diagnosis: it names the fault and says how large it is, with a 95 % interval.";
+    let table = html_table(caption, head, rows);
+    if told.is_empty() {
+        table
+    } else {
+        format!("{table}<p>What it said at the end of each fault:</p>\n<ul>\n{told}</ul>\n")
+    }
 }
 
 fn parity_row(record: &Record, fault: &Fault, seen: &FaultSummary) -> Vec<String> {

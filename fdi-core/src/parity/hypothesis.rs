@@ -31,6 +31,8 @@ const CONSTANT: usize = 11;
 
 /// No slow drift is faster, degC a minute.
 const FASTEST_DRIFT: f32 = 10.0;
+/// Energy of noise that a few samples may have without being called a misfit.
+const FIRST: f32 = 8.0;
 /// Nothing is named a drift within so long: too early to tell, s.
 const EARLIEST_DRIFT: f32 = 5.0;
 
@@ -120,7 +122,7 @@ impl Weighed {
 
     /// Unexplained energy a sample, over what noise alone leaves; 1 where it is no more.
     fn misfit(&self) -> f32 {
-        (self.left[self.best] / (2.0 * self.age.max(1.0))).max(1.0)
+        ((self.left[self.best] + FIRST) / (2.0 * self.age + FIRST)).max(1.0)
     }
 
     /// Whether the best hypothesis explains nearly all.
@@ -171,7 +173,10 @@ impl Weighed {
         let left = self.energy - bank.power.explained(bank.power.best((-share, share)));
         let clear = (0..COUNT).filter(|&h| !matches!(ALL[h], FaultClass::T0Fault | FaultClass::Drift));
         let best = clear.map(|h| self.left[h]).fold(f32::MAX, f32::min);
-        left < 5.0 * self.age + 10.0 && left - best < 16.0
+        // A change of the process not much larger than a sag is no emergency: it gets the time to show its size.
+        let small = self.is_process() && self.theta[POWER].abs() < 2.0 * share;
+        let patience = if small { 2.0 } else { 1.0 };
+        left < patience * (5.0 * self.age + 10.0) && left - best < patience * 16.0
     }
 
     /// The magnitude of a hypothesis in the unit of its class. `slow` is the standard deviation, in degC, of wander

@@ -7,6 +7,7 @@ use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::event::{Event, Fault};
 use fdi_core::diagnosis::{Report, Verdict};
 use fdi_core::identify::observer::Observation;
+use fdi_core::parity::{Arming, Finding, Magnitude, ParityReport};
 use fdi_core::supervisor::{Mode, Trip};
 use fdi_core::{RawSample, Reading, Sample, Tick};
 
@@ -78,6 +79,7 @@ impl Digest {
             raw,
             learned,
             events,
+            parity,
         } = report;
         self.word(*tick);
         for y in [*y1, *y2] {
@@ -96,6 +98,7 @@ impl Digest {
         for event in events {
             self.event(event);
         }
+        self.parity(parity);
     }
 
     /// All that was learnt.
@@ -154,6 +157,24 @@ impl Digest {
             self.word(symptom.sign() as u32);
         }
         self.numbered(u32::from(*fdv), u32::from(*fiv));
+    }
+
+    fn parity(&mut self, report: &ParityReport) {
+        let ParityReport { arming, alarm, finding } = report;
+        match *arming {
+            Arming::Untrained => self.word(0),
+            Arming::Training => self.word(1),
+            Arming::Refused(why) => self.numbered(2, why as u32),
+            Arming::Armed => self.word(3),
+        }
+        self.word(u32::from(*alarm));
+        self.option(finding.as_ref(), |d, finding| {
+            let Finding { class, confidence, magnitude, onset } = *finding;
+            class.name().bytes().for_each(|letter| d.word(u32::from(letter)));
+            d.number(confidence);
+            d.option(magnitude, |d, Magnitude { value, half_width }| d.numbers(&[value, half_width]));
+            d.word(onset);
+        });
     }
 
     fn event(&mut self, event: &Event) {

@@ -8,7 +8,7 @@
 //! enters by the integral part alone and a change of the gains alters increments only, so neither bumps the output.
 //! The clamped output is the only memory of the integral part: it cannot wind up.
 
-use crate::error::{ConfigError, above, in_range};
+use crate::error::{ConfigError, above, in_ranges};
 use crate::units::{Celsius, Percent, Seconds};
 
 /// Gains and output limits.
@@ -72,11 +72,13 @@ impl Pid {
     /// # Errors
     /// The parameter that is out of bounds.
     pub fn new(c: &PidConfig, sample_time: Seconds) -> Result<Self, ConfigError> {
-        in_range("pid.kp", c.kp, 0.0, 1000.0)?;
-        in_range("pid.ti", c.ti.0, 0.01, 1e4)?;
-        in_range("pid.td", c.td.0, 0.0, 100.0)?;
-        in_range("pid.output_min", c.output_min.0, 0.0, 100.0)?;
-        in_range("pid.output_max", c.output_max.0, 0.0, 100.0)?;
+        in_ranges! {
+            "pid.kp": c.kp, 0.0, 1000.0;
+            "pid.ti": c.ti.0, 0.01, 1e4;
+            "pid.td": c.td.0, 0.0, 100.0;
+            "pid.output_min": c.output_min.0, 0.0, 100.0;
+            "pid.output_max": c.output_max.0, 0.0, 100.0;
+        }?;
         above("pid.output_max", c.output_max.0, "pid.output_min", c.output_min.0)?;
         Ok(Self {
             kp: c.kp,

@@ -1,7 +1,7 @@
 //! Pseudo-random binary signal of maximal length, added to the PID's output so that the loop stays identifiable
 //! while it is closed (paper, section 2.3).
 
-use crate::error::{ConfigError, in_range};
+use crate::error::{ConfigError, in_range, in_ranges};
 use crate::units::Percent;
 
 /// Shape of the excitation.
@@ -85,8 +85,10 @@ impl Prbs {
     /// The parameter that is out of bounds.
     pub fn new(c: &PrbsConfig) -> Result<Self, ConfigError> {
         in_range("prbs.bits", f32::from(c.bits), f32::from(MIN_BITS), f32::from(MAX_BITS))?;
-        in_range("prbs.samples_per_bit", f32::from(c.samples_per_bit), 1.0, 100.0)?;
-        in_range("prbs.amplitude", c.amplitude.0, 0.0, 50.0)?;
+        in_ranges! {
+            "prbs.samples_per_bit": f32::from(c.samples_per_bit), 1.0, 100.0;
+            "prbs.amplitude": c.amplitude.0, 0.0, 50.0;
+        }?;
         let mask = u16::MAX >> (u16::BITS - u32::from(c.bits));
         in_range("prbs.start", f32::from(c.start), 1.0, f32::from(mask))?;
         Ok(Self {

@@ -8,7 +8,8 @@ pub mod signature;
 
 use crate::config::Config;
 use crate::control::Tick;
-use crate::error::{ConfigError, in_range};
+
+use crate::error::{ConfigError, in_ranges};
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Observation, Observer, ObserverState};
@@ -150,10 +151,12 @@ impl Diagnosis {
     /// The parameter of `identification` or `diagnosis` that is out of bounds.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         let c = &config.diagnosis;
-        in_range("diagnosis.filter_cutoff", c.filter_cutoff, 1e-3, 100.0)?;
-        in_range("diagnosis.sigma_factor", c.sigma_factor, 0.1, 100.0)?;
-        in_range("diagnosis.onset_window", c.onset_window.0, 0.0, 3600.0)?;
-        in_range("diagnosis.clear_time", c.clear_time.0, 0.0, 3600.0)?;
+        in_ranges! {
+            "diagnosis.filter_cutoff": c.filter_cutoff, 1e-3, 100.0;
+            "diagnosis.sigma_factor": c.sigma_factor, 0.1, 100.0;
+            "diagnosis.onset_window": c.onset_window.0, 0.0, 3600.0;
+            "diagnosis.clear_time": c.clear_time.0, 0.0, 3600.0;
+        }?;
         signature::validate("diagnosis.detection", &c.detection, false)?;
         signature::validate("diagnosis.isolation", &c.isolation, true)?;
         let identification = &config.identification;

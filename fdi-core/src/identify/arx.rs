@@ -1,9 +1,9 @@
 //! ARX(NA, NB, NK) identified by recursive least squares, sample by sample, without intercept and without removal of
 //! means: an offset of a sensor shows only because it changes the gain (specified so; see docs/theory.md).
 
-use super::rls::{Rls, RlsConfig, RlsState, predict};
+use super::rls::{Rls, RlsConfig, RlsState, Update, predict};
 use super::transfer::Transfer;
-use crate::error::{ConfigError, in_range};
+use crate::error::{ConfigError, in_ranges};
 
 /// A validated ARX estimator; `N` must be `NA + NB`.
 #[derive(Clone, Copy, Debug)]
@@ -51,8 +51,10 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
     /// The parameter that is out of bounds.
     pub fn new(c: &RlsConfig, y_scale: f32, u_scale: f32) -> Result<Self, ConfigError> {
         let () = Self::ORDERS_FIT;
-        in_range("identification.y_scale", y_scale, 1e-3, 1e6)?;
-        in_range("identification.u_scale", u_scale, 1e-3, 1e6)?;
+        in_ranges! {
+            "identification.y_scale": y_scale, 1e-3, 1e6;
+            "identification.u_scale": u_scale, 1e-3, 1e6;
+        }?;
         Ok(Self { rls: Rls::new(c)?, inv_y_scale: 1.0 / y_scale, inv_u_scale: 1.0 / u_scale, y_scale })
     }
 
@@ -63,12 +65,28 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
 
     /// Takes in `y[k]` (`None` where it is invalid) and `u[k]`, the input applied from now to the next sample.
     pub fn step(&self, state: &mut ArxState<NA, NB, NK, N>, y: Option<f32>, u: f32) -> ArxStep {
+        self.step_by(Rls::step, state, y, u)
+    }
+
+    /// The same by [`Rls::step_looped`].
+    pub(crate) fn step_looped(&self, state: &mut ArxState<NA, NB, NK, N>, y: Option<f32>, u: f32) -> ArxStep {
+        self.step_by(Rls::step_looped, state, y, u)
+    }
+
+    #[inline(always)]
+    fn step_by(
+        &self,
+        update: impl FnOnce(&Rls<N>, &mut RlsState<N>, &[f32; N], f32) -> Update,
+        state: &mut ArxState<NA, NB, NK, N>,
+        y: Option<f32>,
+        u: f32,
+    ) -> ArxStep {
         let complete = usize::from(state.y_known) >= NA && usize::from(state.u_known) >= NB + NK - 1;
         let mut step = ArxStep::default();
         if complete {
             match y {
                 Some(y) => {
-                    let update = self.rls.step(&mut state.rls, &state.phi, y * self.inv_y_scale);
+                    let update = update(&self.rls, &mut state.rls, &state.phi, y * self.inv_y_scale);
                     step.prediction = Some(update.prediction * self.y_scale);
                     step.updated = !update.sick;
                     step.sick = update.sick;

@@ -5,7 +5,7 @@ use super::arx::{Arx, ArxState};
 use super::rls::{Adaptation, RlsConfig};
 use super::step_response::StepResponse;
 use super::transfer::Transfer;
-use crate::error::{ConfigError, in_range};
+use crate::error::{ConfigError, in_ranges};
 use crate::units::{Celsius, Percent, Seconds};
 
 /// How the bandwidth is read off the model.
@@ -128,8 +128,10 @@ impl Observer {
         bandwidth: Option<Bandwidth>,
         sample_time: Seconds,
     ) -> Result<Self, ConfigError> {
-        in_range("identification.dead_time", c.dead_time.0, 0.0, 100.0)?;
-        in_range("identification.gain_max", c.gain_max, 1e-3, 1e3)?;
+        in_ranges! {
+            "identification.dead_time": c.dead_time.0, 0.0, 100.0;
+            "identification.gain_max": c.gain_max, 1e-3, 1e3;
+        }?;
         let rls = RlsConfig { adaptation: c.adaptation, d_initial: c.d_initial, d_max: c.d_max };
         Ok(Self {
             arx: Arx::new(&rls, c.y_scale.0, c.u_scale.0)?,

@@ -26,7 +26,7 @@ macro_rules! unrolled {
 }
 
 use super::random_walk;
-use crate::error::{ConfigError, in_range};
+use crate::error::{ConfigError, in_range, in_ranges};
 
 /// How old data lose their weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,8 +59,10 @@ impl Adaptation {
                 in_range("identification.adaptation.forgetting.lambda", lambda, 0.5, 1.0)
             }
             Self::RandomWalk { r1, r2 } => {
-                in_range("identification.adaptation.random-walk.r1", r1, 0.0, 1.0)?;
-                in_range("identification.adaptation.random-walk.r2", r2, 1e-9, 1e6)
+                in_ranges! {
+                    "identification.adaptation.random-walk.r1": r1, 0.0, 1.0;
+                    "identification.adaptation.random-walk.r2": r2, 1e-9, 1e6;
+                }
             }
         }
     }
@@ -124,8 +126,10 @@ impl<const N: usize> Rls<N> {
     /// The parameter that is out of bounds.
     pub fn new(c: &RlsConfig) -> Result<Self, ConfigError> {
         c.adaptation.validate()?;
-        in_range("identification.d_initial", c.d_initial, 1e-6, 1e9)?;
-        in_range("identification.d_max", c.d_max, 1.0, 1e9)?;
+        in_ranges! {
+            "identification.d_initial": c.d_initial, 1e-6, 1e9;
+            "identification.d_max": c.d_max, 1.0, 1e9;
+        }?;
         let (alpha_0, inflation, r1) = match c.adaptation {
             Adaptation::Forgetting { lambda } => (lambda, 1.0 / lambda, 0.0),
             Adaptation::RandomWalk { r1, r2 } => (r2, 1.0, r1),
@@ -143,8 +147,30 @@ impl<const N: usize> Rls<N> {
     /// Total: whatever comes in, the state stays finite; where it would not, it is reset and the update says `sick`.
     #[inline]
     pub fn step(&self, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> Update {
-        let mut sweep = Sweep { gain: [0.0; N], alpha: self.alpha_0, inv_alpha: 1.0 / self.alpha_0 };
+        let mut sweep = self.sweep();
         unrolled!(j < N { self.column(&mut sweep, state, phi, j) });
+        let update = self.correct(&sweep, state, phi, y);
+        if self.r1 > 0.0 && !update.sick { self.walk(state, update) } else { update }
+    }
+
+    /// The same, bit by bit, as a loop: a fifth of the code for twice the time. It lets nothing walk at random.
+    #[inline(never)]
+    pub(crate) fn step_looped(&self, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> Update {
+        let mut sweep = self.sweep();
+        for j in 0..N {
+            self.column(&mut sweep, state, phi, j);
+        }
+        self.correct(&sweep, state, phi, y)
+    }
+
+    #[inline(always)]
+    fn sweep(&self) -> Sweep<N> {
+        Sweep { gain: [0.0; N], alpha: self.alpha_0, inv_alpha: 1.0 / self.alpha_0 }
+    }
+
+    /// The parameters' part of the update, once the covariance has had its own.
+    #[inline(always)]
+    fn correct(&self, sweep: &Sweep<N>, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> Update {
         let prediction = predict(&state.theta, phi);
         let innovation = y - prediction;
         let step = innovation * sweep.inv_alpha;
@@ -153,8 +179,6 @@ impl<const N: usize> Rls<N> {
         }
         if !(sweep.alpha + innovation * innovation < SIZE_LIMIT) {
             self.restart(state, prediction, innovation)
-        } else if self.r1 > 0.0 {
-            self.walk(state, prediction, innovation)
         } else {
             Update { prediction, innovation, sick: false }
         }
@@ -182,12 +206,12 @@ impl<const N: usize> Rls<N> {
 
     /// Lets the parameters walk. Out of line, and last, so that forgetting does not pay for it.
     #[inline(never)]
-    fn walk(&self, state: &mut RlsState<N>, prediction: f32, innovation: f32) -> Update {
+    fn walk(&self, state: &mut RlsState<N>, update: Update) -> Update {
         random_walk::propagate(&mut state.u, &mut state.d, self.r1);
         for d in &mut state.d {
             *d = bound(*d, self.d_max);
         }
-        Update { prediction, innovation, sick: false }
+        update
     }
 
     /// Starts afresh from numbers that have become useless.

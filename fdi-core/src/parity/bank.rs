@@ -53,19 +53,22 @@ pub(super) struct Moment<'a> {
     pub(super) measured_before: [f32; 2],
 }
 
-/// How fast T1 answers to the power.
+/// How fast T1 answers to the power, and how much of its rise reaches T2.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Briskness {
     /// [`SOONER`] of the mean residence time, ticks.
     ticks: f32,
     /// Share of a first-order lag of that time that is renewed in a tick.
     share: f32,
+    /// What is lost between T1 and T2, as a share of what arrives.
+    loss: f32,
 }
 
 impl Briskness {
     pub(super) fn new(models: &Models) -> Self {
         let ticks = bounded(models.heat.residence(), 1.0, 1000.0);
-        Self { ticks: SOONER * ticks, share: 1.0 - libm::expf(-1.0 / ticks) }
+        let loss = 1.0 / models.along.gain().min(1.0) - 1.0;
+        Self { ticks: SOONER * ticks, share: 1.0 - libm::expf(-1.0 / ticks), loss }
     }
 }
 
@@ -186,8 +189,7 @@ impl Filters {
         let y2 = now.models.along.step(&mut bank.y2, y1);
         bank.sooner +=
             now.brisk.share * (now.brisk.ticks * (now.expected[0] - now.expected_before) - bank.sooner);
-        let loss = 1.0 / now.models.along.gain().min(1.0) - 1.0;
-        let at_t2 = now.models.along.step(&mut bank.loss, loss * now.expected[0] + bank.sooner);
+        let at_t2 = now.models.along.step(&mut bank.loss, now.brisk.loss * now.expected[0] + bank.sooner);
         let [s1, s2] = [w1.step(&mut bank.past_y[0], y1), w2.step(&mut bank.past_y[1], y2)];
         let sooner = w1.step(&mut bank.past_sooner, bank.sooner);
         let at_t2 = w2.step(&mut bank.past_loss, at_t2);
@@ -240,9 +242,14 @@ impl Filters {
 
 impl Bank {
     /// Nothing gathered; a drift would have begun `ago` ticks before.
-    pub(super) fn start(ago: u32) -> Self {
+    #[inline(never)]
+    pub(super) fn restart(&mut self, ago: u32) {
+        if self.age > 0 {
+            *self = Self::default();
+        }
         let past = if ago as usize > Past::LENGTH { Past::ramp(ago as f32) } else { Past::default() };
-        Self { ago, past_ramp: [past; 2], ..Self::default() }
+        self.ago = ago;
+        self.past_ramp = [past; 2];
     }
 
     /// Energy of both residuals since the onset.

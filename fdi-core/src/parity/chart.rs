@@ -23,14 +23,14 @@ pub(super) struct Sums {
 const CEILING: f32 = 2.5;
 
 impl Chart {
-    /// Takes in z; `extra` widens the slack where the model is known to be weak. Gives the larger sum over the limit.
-    #[inline]
+    /// Takes in z; `extra` widens the slack where the model is known to be weak. Gives the larger sum.
+    #[inline(never)]
     pub(super) fn step(&self, sums: &mut Sums, z: f32, extra: f32) -> f32 {
         let slack = self.slack + extra;
         let ceiling = CEILING * self.limit;
         sums.up = bounded(sums.up + z - slack, 0.0, ceiling);
         sums.down = bounded(sums.down - z - slack, 0.0, ceiling);
-        sums.up.max(sums.down) / self.limit
+        sums.up.max(sums.down)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Settings of the parity diagnosis.
 
-use crate::error::{ConfigError, in_range};
+use crate::error::{ConfigError, in_ranges};
 use crate::units::Seconds;
 
 /// Settings of the parity diagnosis. Nothing here belongs to a particular rig: models and noise are learnt.
@@ -57,16 +57,18 @@ impl Default for ParityConfig {
 impl ParityConfig {
     /// Checks every setting.
     pub(super) fn validate(&self) -> Result<(), ConfigError> {
-        in_range("parity.fit_time", self.fit_time.0, 10.0, 1e5)?;
-        in_range("parity.check_time", self.check_time.0, 10.0, 1e5)?;
-        in_range("parity.fast_slack", self.fast_slack, 0.1, 10.0)?;
-        in_range("parity.fast_limit", self.fast_limit, 1.0, 100.0)?;
-        in_range("parity.slow_slack", self.slow_slack, 0.1, 10.0)?;
-        in_range("parity.slow_limit", self.slow_limit, 1.0, 1000.0)?;
-        in_range("parity.mean_time", self.mean_time.0, 10.0, 1e5)?;
-        in_range("parity.model_uncertainty", self.model_uncertainty, 0.0, 1.0)?;
-        in_range("parity.tolerated_sag", self.tolerated_sag, 0.0, 0.5)?;
-        in_range("parity.margin", self.margin, 0.0, 1000.0)?;
-        in_range("parity.power_margin", self.power_margin, 0.0, 1000.0)
+        in_ranges! {
+            "parity.fit_time": self.fit_time.0, 10.0, 1e5;
+            "parity.check_time": self.check_time.0, 10.0, 1e5;
+            "parity.fast_slack": self.fast_slack, 0.1, 10.0;
+            "parity.fast_limit": self.fast_limit, 1.0, 100.0;
+            "parity.slow_slack": self.slow_slack, 0.1, 10.0;
+            "parity.slow_limit": self.slow_limit, 1.0, 1000.0;
+            "parity.mean_time": self.mean_time.0, 10.0, 1e5;
+            "parity.model_uncertainty": self.model_uncertainty, 0.0, 1.0;
+            "parity.tolerated_sag": self.tolerated_sag, 0.0, 0.5;
+            "parity.margin": self.margin, 0.0, 1000.0;
+            "parity.power_margin": self.power_margin, 0.0, 1000.0;
+        }
     }
 }

@@ -77,8 +77,8 @@ impl Fit {
         let past = &mut s.past;
         let [y1, y2] = [y[0].unwrap_or(past.y1.y[0]), y[1].unwrap_or(past.y2.y[0])];
         let before = core::mem::replace(&mut s.y2, y[1]);
-        self.heat.step(&mut s.heat, y[0], u);
-        self.along.step(&mut s.along, before.filter(|_| y[0].is_some()), y1);
+        self.heat.step_looped(&mut s.heat, y[0], u);
+        self.along.step_looped(&mut s.along, before.filter(|_| y[0].is_some()), y1);
         shift(&mut past.y1.y, y1);
         shift(&mut past.y1.u, u);
         for far in [&mut past.y2, &mut past.along] {

@@ -23,6 +23,7 @@ pub(super) const ALL: [FaultClass; 12] = [
 const DRIFTS: [FaultClass; 3] = [FaultClass::Drift; 3];
 const COUNT: usize = ALL.len();
 
+const CLOGGED: usize = 5;
 /// Places of the two that are told apart last.
 const FLOW: usize = 3;
 const POWER: usize = 4;
@@ -52,31 +53,38 @@ pub(super) struct Weighed {
     sample_time: f32,
 }
 
-/// Bounds of the magnitude of a hypothesis, in the unit of its signature.
-fn bounds(class: FaultClass, sample_time: f32) -> (f32, f32) {
-    match class {
-        FaultClass::AirFlow => (-4.0, 0.7), // 1 - 1/f for f from 0.2 to 3.3
-        FaultClass::HeaterPower => (-1.0, 1.0),
-        FaultClass::T1Clogged => (0.0, 1.0),
-        FaultClass::Drift => {
-            let rate = FASTEST_DRIFT / 60.0 * sample_time;
-            (-rate, rate)
-        }
-        _ => (-200.0, 200.0),
-    }
-}
+/// Bounds of the magnitude of each hypothesis, in the unit of its signature; of a drift in degC/s.
+const BOUNDS: [(f32, f32); COUNT] = [
+    ANYTHING,
+    ANYTHING,
+    ANYTHING,
+    (-4.0, 0.7), // 1 - 1/f for f from 0.2 to 3.3
+    (-1.0, 1.0),
+    (0.0, 1.0),
+    ANYTHING,
+    ANYTHING,
+    SLOW_DRIFT,
+    SLOW_DRIFT,
+    SLOW_DRIFT,
+    (0.0, 100.0),
+];
+const ANYTHING: (f32, f32) = (-200.0, 200.0);
+const SLOW_DRIFT: (f32, f32) = (-FASTEST_DRIFT / 60.0, FASTEST_DRIFT / 60.0);
 
-/// Hypotheses of one kind are told apart only after the kind is known.
-fn kind(h: usize) -> FaultClass {
-    if ALL[h] == FaultClass::HeaterPower { ALL[FLOW] } else { ALL[h] }
+/// Which hypotheses are of one kind: they are told apart only after the kind is known.
+const KIND: [u8; COUNT] = [0, 1, 2, 3, 3, 4, 5, 6, 7, 7, 7, 3];
+
+fn is_drift(h: usize) -> bool {
+    KIND[h] == KIND[COUNT - 2]
 }
 
 impl Weighed {
     /// Weighs what the bank has gathered.
+    #[inline(never)]
     pub(super) fn new(bank: &Bank, sample_time: f32) -> Self {
         let energy = bank.energy();
         let young = bank.age.saturating_add(bank.ago) as f32 * sample_time < EARLIEST_DRIFT;
-        let (clogged_energy, clogged) = bank.clogged(bounds(FaultClass::T1Clogged, sample_time));
+        let (clogged_energy, clogged) = bank.clogged(BOUNDS[CLOGGED]);
         let none = Match::default();
         let sums: [(f32, Match); COUNT] = [
             (energy, bank.offset[1]),
@@ -103,17 +111,18 @@ impl Weighed {
             sample_time,
         };
         for (h, (before, sum)) in sums.iter().enumerate() {
-            let limits = if h == CONSTANT { (0.0, 100.0) } else { bounds(ALL[h], sample_time) };
-            let theta = sum.best(limits);
+            let (low, high) = BOUNDS[h];
+            let unit = if is_drift(h) { sample_time } else { 1.0 };
+            let theta = sum.best((low * unit, high * unit));
             all.theta[h] = theta;
             all.square[h] = sum.square;
             all.left[h] = before - sum.explained(theta);
-            if all.left[h] < all.left[all.best] && !(young && ALL[h] == FaultClass::Drift) {
+            if all.left[h] < all.left[all.best] && !(young && is_drift(h)) {
                 all.best = h;
             }
         }
         for h in 0..COUNT {
-            if kind(h) != kind(all.best) {
+            if KIND[h] != KIND[all.best] {
                 all.rival = all.rival.min(all.left[h]);
             }
         }
@@ -142,7 +151,7 @@ impl Weighed {
 
     /// Whether the process, not a sensor, is to blame.
     pub(super) fn is_process(&self) -> bool {
-        kind(self.best) == ALL[FLOW]
+        KIND[self.best] == KIND[FLOW]
     }
 
     /// The best hypothesis; of power and flow the flow, unless the power is better by `power_margin`, or the flow would
@@ -151,7 +160,7 @@ impl Weighed {
         if !self.is_process() {
             return self.best;
         }
-        let (low, high) = bounds(ALL[FLOW], self.sample_time);
+        let (low, high) = BOUNDS[FLOW];
         let impossible = self.theta[FLOW] <= low || self.theta[FLOW] >= high;
         if self.left[FLOW].min(self.left[POWER]) - self.left[CONSTANT] > power_margin * self.misfit() {
             return CONSTANT;

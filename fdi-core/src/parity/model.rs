@@ -25,7 +25,7 @@ impl<const NA: usize, const NB: usize> Default for Simulation<NA, NB> {
 
 impl<const NA: usize, const NB: usize> Model<NA, NB> {
     /// Takes in the newest input, gives the output that follows from it.
-    #[inline]
+    #[inline(never)]
     pub(super) fn step(&self, s: &mut Simulation<NA, NB>, u: f32) -> f32 {
         shift(&mut s.u, u);
         let y = self.output(s);
@@ -46,7 +46,7 @@ impl<const NA: usize, const NB: usize> Model<NA, NB> {
     }
 
     /// The output that follows from the past.
-    #[inline]
+    #[inline(never)]
     pub(super) fn output(&self, s: &Simulation<NA, NB>) -> f32 {
         dot(&self.b, &s.u) - dot(&self.a, &s.y)
     }

@@ -39,6 +39,7 @@ const MAX_UNEXPLAINED: f32 = 0.6;
 
 impl Gather {
     /// Takes in a residual and the output that it belongs to, degC.
+    #[inline(never)]
     pub(super) fn push(&mut self, e: f32, y: f32) {
         if self.count == 0.0 {
             self.first = y;

@@ -207,11 +207,12 @@ impl Watch {
             }
             charted.fast = charted.fast.max(self.fast.step(&mut s.fast[m], clipped, now.slack.all[m]));
             if m == 2 {
-                charted.slow = self.slow.step(&mut s.slow, clipped, now.slack.all[m]);
+                charted.slow = self.slow.step(&mut s.slow, clipped, now.slack.all[m]) / self.slow.limit;
                 s.slow_onset = if charted.slow > 0.0 { s.slow_onset } else { now.tick };
             }
             s.levels.residual[m] += LEVEL_SHARE * (e - s.levels.residual[m]);
         }
+        charted.fast /= self.fast.limit;
         if let Some(e) = now.e[0] {
             let drive = e + dot(&s.trained.models.heat.a, &s.levels.past);
             s.levels.drive += LEVEL_SHARE * (drive - s.levels.drive);
@@ -258,7 +259,7 @@ impl Watch {
             }
             let energy = now.z[0] * now.z[0] + now.z[1] * now.z[1];
             if near_zero || energy > OUTSHINES * s.bank.energy() {
-                s.bank = Bank::start(now.tick.saturating_sub(s.slow_onset));
+                s.bank.restart(now.tick.saturating_sub(s.slow_onset));
             }
         }
         if s.alarm.is_some() || !near_zero {
@@ -292,7 +293,7 @@ impl Watch {
             }
             s.alarm = Some(Alarm::new(now.tick.saturating_sub(s.bank.age.saturating_sub(1))));
         } else if charted.slow > 1.0 && s.sagging == 0 {
-            s.bank = Bank::start(now.tick.saturating_sub(s.slow_onset));
+            s.bank.restart(now.tick.saturating_sub(s.slow_onset));
             s.alarm = Some(Alarm::new(s.slow_onset));
         }
         s.sagging = 0;
@@ -339,7 +340,7 @@ impl WatchState {
     fn rest(&mut self) {
         self.fast = Default::default();
         self.slow = Sums::default();
-        self.bank = Bank::default();
+        self.bank.restart(0);
         self.sagging = 0;
     }
 

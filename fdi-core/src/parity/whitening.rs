@@ -14,6 +14,8 @@ pub(super) struct Whitener {
     /// Standard deviation of w, degC, and its inverse.
     sigma: f32,
     inv_sigma: f32,
+    /// What is left of a constant residual: 1 - c1 - c2 - c3.
+    rest: f32,
 }
 
 /// Past residuals, newest first, degC.
@@ -59,11 +61,12 @@ impl Whitener {
             variance *= 1.0 - k * k;
         }
         let sigma = libm::sqrtf(variance);
-        (sigma > 1e-6).then(|| Self { c, sigma, inv_sigma: 1.0 / sigma })
+        let rest = 1.0 - c.iter().sum::<f32>();
+        (sigma > 1e-6).then(|| Self { c, sigma, inv_sigma: 1.0 / sigma, rest })
     }
 
     /// Takes in a residual; gives its innovation in standard deviations.
-    #[inline]
+    #[inline(never)]
     pub(super) fn step(&self, past: &mut Past, e: f32) -> f32 {
         let w = e - self.expected(past);
         shift(&mut past.0, e);
@@ -72,7 +75,7 @@ impl Whitener {
 
     /// The same for charts: an innovation counts and is remembered only up to `limit` standard deviations, so that a
     /// single outlier leaves no echo.
-    #[inline]
+    #[inline(never)]
     pub(super) fn step_clipped(&self, past: &mut Past, e: f32, limit: f32) -> f32 {
         let expected = self.expected(past);
         let z = bounded((e - expected) * self.inv_sigma, -limit, limit);
@@ -81,7 +84,7 @@ impl Whitener {
     }
 
     /// Goes on without a sample: what was expected is taken as seen.
-    #[inline]
+    #[inline(never)]
     pub(super) fn skip(&self, past: &mut Past) {
         let expected = self.expected(past);
         shift(&mut past.0, expected);
@@ -98,7 +101,7 @@ impl Whitener {
 
     /// What is left of a constant residual: 1 - c1 - c2 - c3.
     pub(super) fn rest(&self) -> f32 {
-        1.0 - self.c.iter().sum::<f32>()
+        self.rest
     }
 
     /// The residual that its past lets expect.

@@ -5,7 +5,7 @@
 
 use super::thermistor::Thermistor;
 use super::{Reading, Validity};
-use crate::error::{ConfigError, above, in_range};
+use crate::error::{ConfigError, above, in_ranges};
 use crate::units::{AdcCode, Celsius, Seconds};
 
 /// Limits that every channel shares.
@@ -53,15 +53,19 @@ impl Default for PlausibilityConfig {
 impl PlausibilityConfig {
     /// Checks every limit.
     pub(crate) fn validate(&self) -> Result<(), ConfigError> {
-        in_range("plausibility.short_code", self.short_code.0, 1.0, 1000.0)?;
-        in_range("plausibility.open_code", self.open_code.0, 3000.0, 4094.0)?;
-        in_range("plausibility.min", self.min.0, -50.0, 50.0)?;
-        in_range("plausibility.max", self.max.0, -50.0, 250.0)?;
+        in_ranges! {
+            "plausibility.short_code": self.short_code.0, 1.0, 1000.0;
+            "plausibility.open_code": self.open_code.0, 3000.0, 4094.0;
+            "plausibility.min": self.min.0, -50.0, 50.0;
+            "plausibility.max": self.max.0, -50.0, 250.0;
+        }?;
         above("plausibility.max", self.max.0, "plausibility.min", self.min.0)?;
-        in_range("plausibility.jump", self.jump.0, 0.1, 200.0)?;
-        in_range("plausibility.stuck_time", self.stuck_time.0, 0.5, 3600.0)?;
-        in_range("plausibility.room_stuck_time", self.room_stuck_time.0, 0.5, 86400.0)?;
-        in_range("plausibility.stuck_band", self.stuck_band.0, 0.0, 10.0)
+        in_ranges! {
+            "plausibility.jump": self.jump.0, 0.1, 200.0;
+            "plausibility.stuck_time": self.stuck_time.0, 0.5, 3600.0;
+            "plausibility.room_stuck_time": self.room_stuck_time.0, 0.5, 86400.0;
+            "plausibility.stuck_band": self.stuck_band.0, 0.0, 10.0;
+        }
     }
 }
 

@@ -20,7 +20,7 @@ const EXCITED: f64 = 60.0;
 /// A simulation that fails.
 pub(crate) fn table() -> anyhow::Result<String> {
     let steady = Scenario { duration: LONG, faults: Vec::new(), ..Scenario::default() };
-    let unexcited = Action { at: EXCITED, setpoint: None, excite: Some(false) };
+    let unexcited = Action { at: EXCITED, excite: Some(false), ..Action::default() };
     let runs = [
         ("the paper's run", Scenario::default()),
         ("a long run without a fault", steady.clone()),

@@ -7,6 +7,7 @@ use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::event::{Event, Fault};
 use fdi_core::diagnosis::{Report, Verdict};
 use fdi_core::identify::observer::Observation;
+use fdi_core::parity::{Arming, Finding, Magnitude, ParityReport};
 use fdi_core::supervisor::{Mode, Trip};
 use fdi_core::{RawSample, Reading, Sample, Tick};
 
@@ -53,13 +54,14 @@ impl Digest {
 
     /// All of the first half of a tick.
     pub fn tick(&mut self, tick: &Tick) {
-        let Tick { index, sample, setpoint, pid, prbs, drive, mode, learn, blocked } = *tick;
+        let Tick { index, sample, setpoint, pid, prbs, drive, mode, learn, blocked, stand_in } = *tick;
         self.word(index);
         self.sample(sample);
         self.numbers(&[setpoint.0, pid.0, prbs.0, drive.0]);
         self.mode(mode);
         self.word(u32::from(learn));
         self.option(blocked, |d, blocker| d.word(blocker as u32));
+        self.option(stand_in, |d, celsius| d.number(celsius.0));
     }
 
     /// All of the second half of a tick.
@@ -78,6 +80,7 @@ impl Digest {
             raw,
             learned,
             events,
+            parity,
         } = report;
         self.word(*tick);
         for y in [*y1, *y2] {
@@ -96,6 +99,7 @@ impl Digest {
         for event in events {
             self.event(event);
         }
+        self.parity(parity);
     }
 
     /// All that was learnt.
@@ -154,6 +158,27 @@ impl Digest {
             self.word(symptom.sign() as u32);
         }
         self.numbered(u32::from(*fdv), u32::from(*fiv));
+    }
+
+    fn parity(&mut self, report: &ParityReport) {
+        let ParityReport { arming, alarm, finding, stand_in, air_flow, heater_stuck_on } = report;
+        match *arming {
+            Arming::Untrained => self.word(0),
+            Arming::Training => self.word(1),
+            Arming::Refused(why) => self.numbered(2, why as u32),
+            Arming::Armed => self.word(3),
+        }
+        self.word(u32::from(*alarm));
+        self.option(finding.as_ref(), |d, finding| {
+            let Finding { class, confidence, magnitude, onset } = *finding;
+            class.name().bytes().for_each(|letter| d.word(u32::from(letter)));
+            d.number(confidence);
+            d.option(magnitude, |d, Magnitude { value, half_width }| d.numbers(&[value, half_width]));
+            d.word(onset);
+        });
+        self.option(*stand_in, Self::number);
+        self.option(*air_flow, Self::number);
+        self.word(u32::from(*heater_stuck_on));
     }
 
     fn event(&mut self, event: &Event) {

@@ -1,0 +1,55 @@
+//! The parity diagnosis alone, by what it is doing on a tick.
+
+use core::fmt::{self, Write};
+
+use fdi_core::parity::{Arming, Parity, ParityReport, ParityState};
+use fdi_core::{Config, Report, Tick};
+
+use super::Stopwatch;
+use super::tick::{armed, control, diagnose};
+use crate::codes::sample;
+use crate::recording::Recording;
+
+type Phase = fn(&ParityReport) -> bool;
+
+/// What it may be doing; on the other ticks it waits.
+const PHASES: [(&str, Phase); 3] = [
+    ("parity: training", |report| report.arming == Arming::Training),
+    ("parity: watching", |report| report.arming == Arming::Armed && !report.alarm),
+    ("parity: alarm", |report| report.alarm),
+];
+
+/// Counts each phase over its own ticks of the run.
+pub(super) fn count(watch: &mut Stopwatch, recording: &Recording, out: &mut impl Write) -> fmt::Result {
+    for (name, phase) in PHASES {
+        let samples = ticks(recording).filter(|(_, report)| phase(&report.parity)).count();
+        let mut ticks = ticks(recording);
+        let parity = Parity::new(&Config::default()).expect("valid");
+        let mut state = ParityState::default();
+        watch.pass(out, [name], samples, |watch, _| {
+            for (tick, report) in ticks.by_ref() {
+                if phase(&report.parity) {
+                    watch.time(0, || step(&parity, &mut state, &tick, &report));
+                    break;
+                }
+                step(&parity, &mut state, &tick, &report);
+            }
+        })?;
+    }
+    Ok(())
+}
+
+/// The ticks of the run, and what an instrument says on them.
+fn ticks(recording: &Recording) -> impl Iterator<Item = (Tick, Report)> {
+    let mut instrument = armed();
+    recording.rows().map(move |row| {
+        let tick = control(&mut instrument, sample(row.codes));
+        let report = diagnose(&mut instrument, &tick, tick.drive);
+        (tick, report)
+    })
+}
+
+#[inline(never)]
+fn step(parity: &Parity, state: &mut ParityState, tick: &Tick, report: &Report) -> ParityReport {
+    parity.step(state, tick, [report.y1, report.y2], tick.drive.0)
+}

@@ -8,10 +8,13 @@ use super::watch::Levels;
 /// A fault is named on a clear lead; after so long on a fair one; after so long again on any.
 const FAIR_AFTER: f32 = 8.0;
 const ANY_AFTER: f32 = 15.0;
-/// The fair lead: odds of ten to one.
-const FAIR_LEAD: f32 = 4.5;
+/// The fair lead: odds of twenty to one.
+const FAIR_LEAD: f32 = 6.0;
 /// The process is named only on this lead: T1 answers first to it, and looks clogged until T2 answers too.
 const PROCESS_LEAD: f32 = 12.0;
+/// Between power and air flow the full margin is asked for so long, s: a change of flow looks like one of power until T2
+/// has answered. Later less is enough for small changes, which the model of the flow describes well.
+const EARLY: f32 = 4.0;
 /// What fits nothing for so long is unknown, s.
 const STRANGE_AFTER: f32 = 3.0;
 /// A residual is quiet again below so many standard deviations, or this share of its peak.
@@ -61,7 +64,8 @@ impl Rules {
         };
         let lead = if weighed.is_process() { lead.max(PROCESS_LEAD) } else { lead };
         if weighed.fits() && weighed.lead() > lead {
-            alarm.named = Some(weighed.choice(self.power_margin));
+            let share = if lasted < EARLY { 1.0 } else { weighed.late_share() };
+            alarm.named = Some(weighed.choice(share * self.power_margin));
         }
         if weighed.is_strange() && lasted > STRANGE_AFTER {
             alarm.named = None;

@@ -21,7 +21,7 @@ const LAGS: [f32; 3] = [0.0, 0.35, 1.0];
 
 /// By how much of `1 - 1/f` of its residence time the answer comes sooner with the flow at f times normal. It is
 /// `c ln f / f` with c from 0.8 (time constants) to 1 (dead times): 0.65 at f = 1.5, 1 at f = 0.67.
-const SOONER: f32 = 0.75;
+const SOONER: f32 = 0.7;
 
 /// Constants of the filters.
 #[derive(Clone, Copy, Debug)]

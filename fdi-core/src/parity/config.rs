@@ -49,7 +49,7 @@ impl Default for ParityConfig {
             model_uncertainty: 0.02,
             tolerated_sag: 0.045,
             margin: 9.0,
-            power_margin: 16.0,
+            power_margin: 20.0,
         }
     }
 }

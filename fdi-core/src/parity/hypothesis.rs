@@ -169,6 +169,12 @@ impl Weighed {
         if self.left[FLOW] - self.left[POWER] > margin { POWER } else { FLOW }
     }
 
+    /// Share of the power margin that is enough once T2 has answered: the larger the change, the rougher the model of
+    /// the flow, and the more is asked for.
+    pub(super) fn late_share(&self) -> f32 {
+        bounded(1.5 * self.theta[POWER].abs(), 0.12, 1.0)
+    }
+
     /// Probability of a hypothesis against the strongest of another class.
     pub(super) fn confidence(&self, h: usize) -> f32 {
         let others = (0..COUNT).filter(|&other| ALL[other] != ALL[h]);

@@ -1,7 +1,5 @@
 //! The second half of each tick: identify, diagnose, log. It has almost the whole period for it.
 
-use core::sync::atomic::Ordering;
-
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::{Mode, Report};

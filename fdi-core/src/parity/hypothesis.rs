@@ -3,6 +3,7 @@
 use super::bank::{Bank, Match};
 use super::model::{bounded, larger, smaller};
 use super::verdict::{Channel, FaultClass, Magnitude};
+use crate::root::sqrt;
 
 /// The hypotheses.
 pub(super) const ALL: [FaultClass; 12] = [
@@ -189,7 +190,7 @@ impl Weighed {
         let theta = self.theta[h];
         let variance = if self.square[h] > 0.0 { 4.0 / self.square[h] } else { return None };
         let scaled = |factor: f32, slow: f32| {
-            let half_width = 1.96 * factor * libm::sqrtf(variance + slow * slow);
+            let half_width = 1.96 * factor * sqrt(variance + slow * slow);
             Some(Magnitude { value: factor * theta, half_width })
         };
         let share = slow / larger(1.0, rise);

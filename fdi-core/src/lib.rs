@@ -11,6 +11,7 @@ pub mod filter;
 pub mod identify;
 pub mod instrument;
 pub mod parity;
+mod root;
 pub mod sense;
 pub mod supervisor;
 pub mod units;

@@ -1,8 +1,8 @@
 //! What is normal: mean and standard deviation of each feature over fault-free operation, and the thresholds from them.
 
 use super::residual::RESIDUALS;
-use super::root::sqrt;
 use crate::error::{ConfigError, in_range};
+use crate::root::sqrt;
 
 /// Running mean and variance of `M` signals by Welford's recurrence, which subtracts no large sums.
 ///

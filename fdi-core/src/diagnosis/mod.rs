@@ -3,7 +3,7 @@
 pub mod baseline;
 pub mod event;
 pub mod residual;
-mod root;
+
 pub mod signature;
 
 use crate::config::Config;

@@ -1,7 +1,7 @@
 //! ARX(NA, NB, NK) identified by recursive least squares, sample by sample, without intercept and without removal of
 //! means: an offset of a sensor shows only because it changes the gain (specified so; see docs/theory.md).
 
-use super::rls::{Rls, RlsConfig, RlsState, Update, predict};
+use super::rls::{Rls, RlsConfig, RlsState, predict};
 use super::transfer::Transfer;
 use crate::error::{ConfigError, in_ranges};
 
@@ -65,28 +65,12 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
 
     /// Takes in `y[k]` (`None` where it is invalid) and `u[k]`, the input applied from now to the next sample.
     pub fn step(&self, state: &mut ArxState<NA, NB, NK, N>, y: Option<f32>, u: f32) -> ArxStep {
-        self.step_by(Rls::step, state, y, u)
-    }
-
-    /// The same by [`Rls::step_looped`].
-    pub(crate) fn step_looped(&self, state: &mut ArxState<NA, NB, NK, N>, y: Option<f32>, u: f32) -> ArxStep {
-        self.step_by(Rls::step_looped, state, y, u)
-    }
-
-    #[inline(always)]
-    fn step_by(
-        &self,
-        update: impl FnOnce(&Rls<N>, &mut RlsState<N>, &[f32; N], f32) -> Update,
-        state: &mut ArxState<NA, NB, NK, N>,
-        y: Option<f32>,
-        u: f32,
-    ) -> ArxStep {
         let complete = usize::from(state.y_known) >= NA && usize::from(state.u_known) >= NB + NK - 1;
         let mut step = ArxStep::default();
         if complete {
             match y {
                 Some(y) => {
-                    let update = update(&self.rls, &mut state.rls, &state.phi, y * self.inv_y_scale);
+                    let update = self.rls.step(&mut state.rls, &state.phi, y * self.inv_y_scale);
                     step.prediction = Some(update.prediction * self.y_scale);
                     step.updated = !update.sick;
                     step.sick = update.sick;

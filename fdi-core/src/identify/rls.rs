@@ -153,11 +153,12 @@ impl<const N: usize> Rls<N> {
         if self.r1 > 0.0 && !update.sick { self.walk(state, update) } else { update }
     }
 
-    /// The same, bit by bit, as a loop: a fifth of the code for twice the time. It lets nothing walk at random.
+    /// The same as a loop over the first `n` parameters only: a fifth of the code for twice the time. Where r1 is zero
+    /// the bits are those of [`Self::step`]; nothing walks at random here.
     #[inline(never)]
-    pub(crate) fn step_looped(&self, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> Update {
+    pub(crate) fn step_first(&self, n: usize, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> Update {
         let mut sweep = self.sweep();
-        for j in 0..N {
+        for j in 0..n.min(N) {
             self.column(&mut sweep, state, phi, j);
         }
         self.correct(&sweep, state, phi, y)

@@ -1,6 +1,7 @@
 //! An alarm from its onset to its end: when to name the fault, when to call it unknown, when it is over.
 
 use super::hypothesis::{ALL, Weighed};
+use super::model::{larger, smaller};
 use super::noise::Normal;
 use super::verdict::{FaultClass, Finding};
 use super::watch::Levels;
@@ -59,10 +60,10 @@ impl Rules {
         let lasted = alarm.ticks as f32 * self.sample_time;
         let lead = match alarm.named {
             None if lasted > ANY_AFTER => 0.0,
-            None if lasted > FAIR_AFTER => FAIR_LEAD.min(self.margin),
+            None if lasted > FAIR_AFTER => smaller(FAIR_LEAD, self.margin),
             _ => self.margin,
         };
-        let lead = if weighed.is_process() { lead.max(PROCESS_LEAD) } else { lead };
+        let lead = if weighed.is_process() { larger(PROCESS_LEAD, lead) } else { lead };
         if weighed.fits() && weighed.lead() > lead {
             let share = if lasted < EARLY { 1.0 } else { weighed.late_share() };
             alarm.named = Some(weighed.choice(share * self.power_margin));
@@ -90,14 +91,14 @@ impl Rules {
         valid: bool,
     ) -> bool {
         for (peak, level) in alarm.peak.iter_mut().zip(&levels.residual) {
-            *peak = peak.max(level.abs());
+            *peak = larger(*peak, level.abs());
         }
-        alarm.peak_drive = alarm.peak_drive.max(levels.drive.abs());
+        alarm.peak_drive = larger(alarm.peak_drive, levels.drive.abs());
         // y2 from y1 forgets a fault of T1 only as fast as T2 answers; it is asked only where nothing else knows.
         let class = alarm.named.map(|h| ALL[h]);
         let asked = if matches!(class, None | Some(FaultClass::Drift)) { 0..3 } else { 0..2 };
         let quiet = asked.into_iter().all(|m| {
-            levels.residual[m].abs() < (QUIET_SIGMA * normal[m].sd).max(QUIET_SHARE * alarm.peak[m])
+            levels.residual[m].abs() < larger(QUIET_SIGMA * normal[m].sd, QUIET_SHARE * alarm.peak[m])
         });
         let process = matches!(class, Some(FaultClass::AirFlow | FaultClass::HeaterPower));
         let ended = process && levels.drive.abs() < ENDED_SHARE * alarm.peak_drive;

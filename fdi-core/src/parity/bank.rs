@@ -82,7 +82,7 @@ pub(super) struct Match {
 }
 
 impl Match {
-    #[inline]
+    #[inline(never)]
     fn add(&mut self, z: f32, s: f32, weight: f32) {
         let s_weighted = s * weight;
         self.cross += s_weighted * z;
@@ -161,6 +161,7 @@ impl Filters {
     }
 
     /// Takes in a tick.
+    #[inline(never)]
     pub(super) fn step(&self, bank: &mut Bank, now: &Moment) {
         for m in 0..2 {
             bank.energy[m] += now.weight * now.z[m] * now.z[m];

@@ -1,6 +1,6 @@
 //! Page's cumulative sum test, two-sided: quick on a lasting shift of a whitened residual, blind to less than its slack.
 
-use super::model::bounded;
+use super::model::{bounded, larger};
 
 /// A validated chart: `g <- max(0, g +- z - slack)` on either side, alarm above `limit`.
 ///
@@ -30,7 +30,7 @@ impl Chart {
         let ceiling = CEILING * self.limit;
         sums.up = bounded(sums.up + z - slack, 0.0, ceiling);
         sums.down = bounded(sums.down - z - slack, 0.0, ceiling);
-        sums.up.max(sums.down)
+        larger(sums.up, sums.down)
     }
 }
 

@@ -3,9 +3,9 @@
 use super::model::{Model, Simulation, shift};
 use super::verdict::Distrust;
 use crate::error::ConfigError;
-use crate::identify::arx::{Arx, ArxState};
 use crate::identify::observer::IdentificationConfig;
-use crate::identify::rls::{Adaptation, RlsConfig};
+use crate::identify::rls::{Adaptation, Rls, RlsConfig, RlsState};
+use crate::identify::transfer::Transfer;
 
 /// Orders of power -> y1: enough for dead times up to five ticks, and for the noise, which shares the denominator.
 pub(super) const NA: usize = 3;
@@ -35,21 +35,23 @@ pub(super) struct Simulations {
     pub(super) along: Simulation<HA, HB>,
 }
 
-/// The estimators of both models.
+/// The estimator of both models; the second uses the first [`HN`] of its parameters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fit {
-    heat: Arx<NA, NB, 1, N>,
-    along: Arx<HA, HB, 1, HN>,
+    rls: Rls<N>,
+    inv_y_scale: f32,
+    inv_u_scale: f32,
+    y_scale: f32,
 }
 
-/// Their memory.
+/// Its memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FitState {
-    heat: ArxState<NA, NB, 1, N>,
-    along: ArxState<HA, HB, 1, HN>,
-    /// y2 of the tick before: an [`Arx`] knows no input without a delay, so its output comes a tick late.
-    y2: Option<f32>,
-    /// Measured values where a simulation has its own: the state that it begins in.
+    heat: RlsState<N>,
+    along: RlsState<N>,
+    /// Samples in a row that were valid.
+    whole: usize,
+    /// Measured values where a simulation has its own: the regressors, and the state that simulations begin in.
     past: Simulations,
 }
 
@@ -57,52 +59,75 @@ impl Fit {
     pub(super) fn new(c: &IdentificationConfig) -> Result<Self, ConfigError> {
         let adaptation = Adaptation::Forgetting { lambda: 1.0 };
         let rls = RlsConfig { adaptation, d_initial: c.d_initial, d_max: c.d_max };
-        Ok(Self {
-            heat: Arx::new(&rls, c.y_scale.0, c.u_scale.0)?,
-            along: Arx::new(&rls, c.y_scale.0, c.y_scale.0)?,
-        })
+        let (y_scale, u_scale) = (c.y_scale.0, c.u_scale.0);
+        Ok(Self { rls: Rls::new(&rls)?, inv_y_scale: 1.0 / y_scale, inv_u_scale: 1.0 / u_scale, y_scale })
     }
 
     pub(super) fn start(&self) -> FitState {
-        FitState {
-            heat: self.heat.start(),
-            along: self.along.start(),
-            y2: None,
-            past: Simulations::default(),
-        }
+        let none = self.rls.start();
+        FitState { heat: none, along: none, whole: 0, past: Simulations::default() }
     }
 
     /// Takes in one sample: rises in degC, `None` where invalid, and the power in % applied from now on.
     pub(super) fn step(&self, s: &mut FitState, y: [Option<f32>; 2], u: f32) {
         let past = &mut s.past;
         let [y1, y2] = [y[0].unwrap_or(past.y1.y[0]), y[1].unwrap_or(past.y2.y[0])];
-        let before = core::mem::replace(&mut s.y2, y[1]);
-        self.heat.step_looped(&mut s.heat, y[0], u);
-        self.along.step_looped(&mut s.along, before.filter(|_| y[0].is_some()), y1);
+        let usable = y[0].is_some() && y[1].is_some();
+        let complete = usable && s.whole >= NB;
+        s.whole = if usable { s.whole.saturating_add(1) } else { 0 };
+        if complete {
+            let phi = regressor(&past.y1, self.inv_y_scale, self.inv_u_scale);
+            self.rls.step_first(N, &mut s.heat, &phi, y1 * self.inv_y_scale);
+        }
         shift(&mut past.y1.y, y1);
         shift(&mut past.y1.u, u);
-        for far in [&mut past.y2, &mut past.along] {
-            shift(&mut far.y, y2);
-            shift(&mut far.u, y1);
+        shift(&mut past.y2.u, y1); // its newest input is of this tick
+        if complete {
+            let phi = regressor(&past.y2, self.inv_y_scale, self.inv_y_scale);
+            self.rls.step_first(HN, &mut s.along, &phi, y2 * self.inv_y_scale);
         }
+        shift(&mut past.y2.y, y2);
+        past.along = past.y2;
     }
 
     /// The models, and simulations that go on from the last sample; or why they can't be used.
     pub(super) fn finish(&self, s: &FitState) -> Result<(Models, Simulations), Distrust> {
-        let (heat, along) = (self.heat.transfer(&s.heat), self.along.transfer(&s.along));
-        let positive = |gain: Option<f32>| gain.is_some_and(|gain| gain > 0.0);
-        if !(heat.is_stable() && along.is_stable()) {
+        let heat = model(&s.heat.theta, self.y_scale * self.inv_u_scale);
+        let along = model(&s.along.theta, 1.0);
+        if !(is_stable(heat.a) && is_stable([along.a[0], along.a[1], 0.0])) {
             return Err(Distrust::Unstable);
         }
-        if !(positive(heat.static_gain()) && positive(along.static_gain())) {
+        let sound = |gain: f32| gain > 0.0 && gain.is_finite();
+        if !(sound(heat.gain()) && sound(along.gain())) {
             return Err(Distrust::Gain);
         }
-        let models = Models { heat: Model { a: heat.a, b: heat.b }, along: Model { a: along.a, b: along.b } };
         let mut simulations = s.past;
-        let next = models.heat.output(&simulations.y1);
+        let next = heat.output(&simulations.y1);
         shift(&mut simulations.y1.y, next);
-        Ok((models, simulations))
+        Ok((Models { heat, along }, simulations))
     }
+}
+
+/// Past outputs, negated, and inputs, as far as there are; scaled.
+fn regressor<const A: usize, const B: usize>(
+    past: &Simulation<A, B>,
+    y_scale: f32,
+    u_scale: f32,
+) -> [f32; N] {
+    let mut phi = [0.0; N];
+    let scaled = past.y.iter().map(|y| -y * y_scale).chain(past.u.iter().map(|u| u * u_scale));
+    phi.iter_mut().zip(scaled).for_each(|(phi, x)| *phi = x);
+    phi
+}
+
+/// The model in the order of a regressor; `scale` brings the coefficients of the input to units.
+fn model<const A: usize, const B: usize>(theta: &[f32; N], scale: f32) -> Model<A, B> {
+    const { assert!(A + B <= N) };
+    Model { a: core::array::from_fn(|i| theta[i]), b: core::array::from_fn(|i| theta[A + i] * scale) }
+}
+
+fn is_stable(a: [f32; NA]) -> bool {
+    Transfer { a, b: [0.0; 3], nk: 1 }.is_stable()
 }
 
 impl Models {

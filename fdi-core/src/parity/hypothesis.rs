@@ -1,8 +1,9 @@
 //! The hypotheses about a fault, compared: which one leaves least unexplained, and by how much.
 
 use super::bank::{Bank, Match};
-use super::model::bounded;
+use super::model::{bounded, larger, smaller};
 use super::verdict::{Channel, FaultClass, Magnitude};
+use crate::root::sqrt;
 
 /// The hypotheses.
 pub(super) const ALL: [FaultClass; 12] = [
@@ -123,7 +124,7 @@ impl Weighed {
         }
         for h in 0..COUNT {
             if KIND[h] != KIND[all.best] {
-                all.rival = all.rival.min(all.left[h]);
+                all.rival = smaller(all.rival, all.left[h]);
             }
         }
         all
@@ -131,7 +132,7 @@ impl Weighed {
 
     /// Unexplained energy a sample, over what noise alone leaves; 1 where it is no more.
     fn misfit(&self) -> f32 {
-        ((self.left[self.best] + FIRST) / (2.0 * self.age + FIRST)).max(1.0)
+        larger(1.0, (self.left[self.best] + FIRST) / (2.0 * self.age + FIRST))
     }
 
     /// Whether the best hypothesis explains nearly all.
@@ -162,7 +163,7 @@ impl Weighed {
         }
         let (low, high) = BOUNDS[FLOW];
         let impossible = self.theta[FLOW] <= low || self.theta[FLOW] >= high;
-        if self.left[FLOW].min(self.left[POWER]) - self.left[CONSTANT] > power_margin * self.misfit() {
+        if smaller(self.left[FLOW], self.left[POWER]) - self.left[CONSTANT] > power_margin * self.misfit() {
             return CONSTANT;
         }
         let margin = if impossible { 2.0 } else { power_margin * self.misfit() };
@@ -178,7 +179,7 @@ impl Weighed {
     /// Probability of a hypothesis against the strongest of another class.
     pub(super) fn confidence(&self, h: usize) -> f32 {
         let others = (0..COUNT).filter(|&other| ALL[other] != ALL[h]);
-        let rival = others.map(|other| self.left[other]).fold(f32::MAX, f32::min);
+        let rival = others.map(|other| self.left[other]).fold(f32::MAX, smaller);
         let lead = (rival - self.left[h]) / self.misfit();
         1.0 / (1.0 + libm::expf(bounded(-0.5 * lead, -40.0, 40.0)))
     }
@@ -187,7 +188,7 @@ impl Weighed {
     pub(super) fn is_sag(&self, bank: &Bank, share: f32) -> bool {
         let left = self.energy - bank.power.explained(bank.power.best((-share, share)));
         let clear = (0..COUNT).filter(|&h| !matches!(ALL[h], FaultClass::T0Fault | FaultClass::Drift));
-        let best = clear.map(|h| self.left[h]).fold(f32::MAX, f32::min);
+        let best = clear.map(|h| self.left[h]).fold(f32::MAX, smaller);
         // A change of the process not much larger than a sag is no emergency: it gets the time to show its size.
         let small = self.is_process() && self.theta[POWER].abs() < 2.0 * share;
         let patience = if small { 2.0 } else { 1.0 };
@@ -200,10 +201,10 @@ impl Weighed {
         let theta = self.theta[h];
         let variance = if self.square[h] > 0.0 { 4.0 / self.square[h] } else { return None };
         let scaled = |factor: f32, slow: f32| {
-            let half_width = 1.96 * factor * libm::sqrtf(variance + slow * slow);
+            let half_width = 1.96 * factor * sqrt(variance + slow * slow);
             Some(Magnitude { value: factor * theta, half_width })
         };
-        let share = slow / rise.max(1.0);
+        let share = slow / larger(1.0, rise);
         match ALL[h] {
             _ if h == CONSTANT => None,
             FaultClass::T1Offset | FaultClass::T2Offset | FaultClass::T0Fault => scaled(1.0, slow),
@@ -211,7 +212,7 @@ impl Weighed {
             FaultClass::HeaterPower => scaled(100.0, share),
             FaultClass::Drift => scaled(60.0 / self.sample_time, slow / bounded(self.age, 10.0, 60.0)),
             FaultClass::AirFlow => {
-                let left = (1.0 - theta).max(0.05); // 1/f
+                let left = larger(0.05, 1.0 - theta); // 1/f
                 let at_theta = scaled(100.0 / (left * left), share)?;
                 Some(Magnitude { value: 100.0 * (1.0 / left - 1.0), ..at_theta })
             }

@@ -3,6 +3,7 @@
 use super::model::shift;
 use super::verdict::Distrust;
 use super::whitening::{ORDER, Whitener};
+use crate::root::sqrt;
 
 /// What is normal for one residual.
 #[derive(Clone, Copy, Debug, Default)]
@@ -74,7 +75,7 @@ impl Gather {
             return Err(Distrust::PoorFit);
         }
         let whitener = Whitener::from_autocovariance(&r).ok_or(Distrust::PoorFit)?;
-        let slow_sd = libm::sqrtf((self.slow_squares / n - mean * mean).max(0.0));
-        Ok(Normal { mean, sd: libm::sqrtf(r[0].max(0.0)), slow_sd, whitener })
+        let slow_sd = sqrt(self.slow_squares / n - mean * mean);
+        Ok(Normal { mean, sd: sqrt(r[0]), slow_sd, whitener })
     }
 }

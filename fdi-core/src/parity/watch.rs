@@ -8,7 +8,7 @@ use super::bank::{Bank, Briskness, Filters, Moment};
 use super::chart::{Chart, Sums};
 use super::fit::NA;
 use super::hypothesis::Weighed;
-use super::model::{bounded, dot, shift};
+use super::model::{bounded, dot, larger, shift};
 use super::training::Trained;
 use super::verdict::Finding;
 use super::weakness::{Slack, Weakness, WeaknessState};
@@ -205,7 +205,7 @@ impl Watch {
             if m < 2 {
                 now.z[m] = z;
             }
-            charted.fast = charted.fast.max(self.fast.step(&mut s.fast[m], clipped, now.slack.all[m]));
+            charted.fast = larger(charted.fast, self.fast.step(&mut s.fast[m], clipped, now.slack.all[m]));
             if m == 2 {
                 charted.slow = self.slow.step(&mut s.slow, clipped, now.slack.all[m]) / self.slow.limit;
                 s.slow_onset = if charted.slow > 0.0 { s.slow_onset } else { now.tick };
@@ -252,7 +252,7 @@ impl Watch {
         }
         let near_zero = charted.fast * self.fast.limit < NEAR_ZERO;
         if s.alarm.is_none() {
-            if charted.fast.max(charted.slow) < STIRRED {
+            if larger(charted.fast, charted.slow) < STIRRED {
                 for (mean, e) in s.mean.iter_mut().zip(&now.e) {
                     *mean += self.mean_share * e.unwrap_or(0.0);
                 }
@@ -263,7 +263,7 @@ impl Watch {
             }
         }
         if s.alarm.is_some() || !near_zero {
-            let widest = now.slack.model[0].max(now.slack.model[1]);
+            let widest = larger(now.slack.model[0], now.slack.model[1]);
             let moment = Moment {
                 models: &s.trained.models,
                 normal: &s.trained.normal,
@@ -324,7 +324,7 @@ impl Watch {
         let alarm = s.alarm.as_mut()?;
         let normal = &s.trained.normal;
         let weighed = Weighed::new(&s.bank, self.sample_time);
-        let slow = normal[0].slow_sd.max(normal[1].slow_sd);
+        let slow = larger(normal[0].slow_sd, normal[1].slow_sd);
         let finding = self.rules.name(alarm, &weighed, slow, now.expected[0]);
         if self.rules.is_over(alarm, &s.levels, normal, now.valid) {
             s.weakness.fault_ended(s.levels.residual);

@@ -4,6 +4,7 @@
 //! where training took place, and the whole of a jump of the room, which the three thermistors do not follow alike. A
 //! fault that has just ended leaves a fourth: what is still decaying.
 
+use super::model::larger;
 use super::noise::Normal;
 
 /// Swings of T1 up to this size are part of regulation with excitation, degC.
@@ -64,8 +65,8 @@ impl Weakness {
         normal: &[Normal; 3],
     ) -> Slack {
         s.mean_rise += self.swing * (expected - s.mean_rise);
-        s.swing = (s.swing * (1.0 - self.swing)).max((expected - s.mean_rise).abs());
-        let moved = self.uncertainty * (s.swing - USUAL_SWING).max(0.0);
+        s.swing = larger(s.swing * (1.0 - self.swing), (expected - s.mean_rise).abs());
+        let moved = self.uncertainty * larger(0.0, s.swing - USUAL_SWING);
         let away = self.uncertainty * (expected - s.trained).abs();
         let room = self.room_jump(s, t0);
         let model = core::array::from_fn(|m| {
@@ -87,7 +88,7 @@ impl Weakness {
         let mean = s.room.get_or_insert(t0);
         let jump = (t0 - *mean).abs();
         *mean += self.room * (t0 - *mean);
-        (jump - ROOM_NOISE).max(0.0)
+        larger(0.0, jump - ROOM_NOISE)
     }
 }
 

@@ -2,6 +2,7 @@
 //! standard deviation. On it, run lengths of sequential tests are what the formulas say.
 
 use super::model::{bounded, dot, shift};
+use crate::root::sqrt;
 
 /// Order of the autoregressive noise model.
 pub(super) const ORDER: usize = 3;
@@ -60,7 +61,7 @@ impl Whitener {
             c[m] = k;
             variance *= 1.0 - k * k;
         }
-        let sigma = libm::sqrtf(variance);
+        let sigma = sqrt(variance);
         let rest = 1.0 - c.iter().sum::<f32>();
         (sigma > 1e-6).then(|| Self { c, sigma, inv_sigma: 1.0 / sigma, rest })
     }

@@ -18,7 +18,7 @@ pub use mode::{Blocker, Command, Mode, Refusal, Trip, TripReason};
 
 use crate::config::Config;
 use crate::diagnosis::baseline::MIN_SAMPLES;
-use crate::error::{ConfigError, above, in_range};
+use crate::error::{ConfigError, above, in_range, in_ranges};
 use crate::feedback::Feedback;
 use crate::sense::{RawSample, Sample, Validity};
 use crate::units::{Celsius, Percent, Seconds};
@@ -158,14 +158,16 @@ impl Supervisor {
         in_range("supervisor.learn_end", c.learn_end.0, 0.0, 86400.0)?;
         let shortest = c.learn_start.0 + MIN_SAMPLES * config.sample_time.0;
         above("supervisor.learn_end", c.learn_end.0, "supervisor.learn_start + 100 samples", shortest)?;
-        in_range("supervisor.regulation_band", c.regulation_band.0, 0.1, 100.0)?;
-        in_range("supervisor.regulation_time", c.regulation_time.0, 0.0, 3600.0)?;
-        in_range("supervisor.min_excitation", c.min_excitation.0, 0.01, 50.0)?;
-        in_range("supervisor.over_temperature", c.over_temperature.0, 30.0, 250.0)?;
-        in_range("supervisor.signal_timeout", c.signal_timeout.0, 0.0, 5.0)?;
-        in_range("supervisor.min_air_flow", c.min_air_flow.0, 0.0, 95.0)?;
-        in_range("supervisor.setpoint_min", c.setpoint_min.0, 0.0, 200.0)?;
-        in_range("supervisor.setpoint_max", c.setpoint_max.0, 0.0, 200.0)?;
+        in_ranges! {
+            "supervisor.regulation_band": c.regulation_band.0, 0.1, 100.0;
+            "supervisor.regulation_time": c.regulation_time.0, 0.0, 3600.0;
+            "supervisor.min_excitation": c.min_excitation.0, 0.01, 50.0;
+            "supervisor.over_temperature": c.over_temperature.0, 30.0, 250.0;
+            "supervisor.signal_timeout": c.signal_timeout.0, 0.0, 5.0;
+            "supervisor.min_air_flow": c.min_air_flow.0, 0.0, 95.0;
+            "supervisor.setpoint_min": c.setpoint_min.0, 0.0, 200.0;
+            "supervisor.setpoint_max": c.setpoint_max.0, 0.0, 200.0;
+        }?;
         above("supervisor.setpoint_max", c.setpoint_max.0, "supervisor.setpoint_min", c.setpoint_min.0)?;
         above(
             "supervisor.over_temperature",

@@ -23,8 +23,8 @@ pub fn count_all(recording: &Recording, out: &mut impl Write) -> fmt::Result {
     let mut watch = Stopwatch::start();
     watch.pass(out, ["nothing"], 16, |watch, _| watch.time(0, || ()))?;
     tick::count(&mut watch, recording, out)?;
-    parts::count(&mut watch, recording, out)?;
     parity::count(&mut watch, recording, out)?;
+    parts::count(&mut watch, recording, out)?;
     estimators::count(&mut watch, recording, out)?;
     stack::measure(recording, out)
 }

@@ -4,7 +4,8 @@
 ///
 /// By way of 1/sqrt(x), which takes no division: half the exponent, negated, is a guess within 4 %; each of three Newton
 /// steps squares the relative error.
-pub(super) fn sqrt(x: f32) -> f32 {
+#[inline(never)]
+pub(crate) fn sqrt(x: f32) -> f32 {
     const BIAS: u32 = 0x5F37_5A86;
     if !(x >= f32::MIN_POSITIVE) {
         return 0.0;

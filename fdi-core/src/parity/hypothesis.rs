@@ -166,7 +166,7 @@ impl Weighed {
         if smaller(self.left[FLOW], self.left[POWER]) - self.left[CONSTANT] > power_margin * self.misfit() {
             return CONSTANT;
         }
-        let margin = if impossible { 2.0 } else { power_margin * self.misfit() };
+        let margin = if impossible { 0.5 * power_margin } else { power_margin * self.misfit() };
         if self.left[FLOW] - self.left[POWER] > margin { POWER } else { FLOW }
     }
 

@@ -1,6 +1,6 @@
 //! An alarm from its onset to its end: when to name the fault, when to call it unknown, when it is over.
 
-use super::hypothesis::{ALL, Weighed};
+use super::hypothesis::{Weighed, class};
 use super::model::{larger, smaller};
 use super::noise::Normal;
 use super::verdict::{FaultClass, Finding};
@@ -75,7 +75,7 @@ impl Rules {
         }
         let h = alarm.named?;
         Some(Finding {
-            class: ALL[h],
+            class: class(h),
             confidence: weighed.confidence(h),
             magnitude: weighed.magnitude(h, slow, rise),
             onset: alarm.onset,
@@ -95,7 +95,7 @@ impl Rules {
         }
         alarm.peak_drive = larger(alarm.peak_drive, levels.drive.abs());
         // y2 from y1 forgets a fault of T1 only as fast as T2 answers; it is asked only where nothing else knows.
-        let class = alarm.named.map(|h| ALL[h]);
+        let class = alarm.named.map(class);
         let asked = if matches!(class, None | Some(FaultClass::Drift)) { 0..3 } else { 0..2 };
         let quiet = asked.into_iter().all(|m| {
             levels.residual[m].abs() < larger(QUIET_SIGMA * normal[m].sd, QUIET_SHARE * alarm.peak[m])

@@ -47,8 +47,10 @@ pub(super) struct Weighed {
     square: [f32; COUNT],
     energy: f32,
     age: f32,
-    /// The hypothesis that leaves least.
+    /// The hypothesis that leaves least, what it leaves, and its kind.
     best: usize,
+    best_left: f32,
+    best_kind: u8,
     /// The least that one of another kind leaves; power and flow are one kind.
     rival: f32,
     sample_time: f32,
@@ -74,6 +76,15 @@ const SLOW_DRIFT: (f32, f32) = (-FASTEST_DRIFT / 60.0, FASTEST_DRIFT / 60.0);
 
 /// Which hypotheses are of one kind: they are told apart only after the kind is known.
 const KIND: [u8; COUNT] = [0, 1, 2, 3, 3, 4, 5, 6, 7, 7, 7, 3];
+
+/// The class of a hypothesis.
+pub(super) fn class(h: usize) -> FaultClass {
+    ALL.get(h).copied().unwrap_or(FaultClass::Unknown)
+}
+
+fn at(values: &[f32; COUNT], h: usize) -> f32 {
+    values.get(h).copied().unwrap_or(0.0)
+}
 
 fn is_drift(h: usize) -> bool {
     KIND[h] == KIND[COUNT - 2]
@@ -108,6 +119,8 @@ impl Weighed {
             energy,
             age: bank.age as f32,
             best: 0,
+            best_left: f32::MAX,
+            best_kind: KIND[0],
             rival: f32::MAX,
             sample_time,
         };
@@ -118,12 +131,12 @@ impl Weighed {
             all.theta[h] = theta;
             all.square[h] = sum.square;
             all.left[h] = before - sum.explained(theta);
-            if all.left[h] < all.left[all.best] && !(young && is_drift(h)) {
-                all.best = h;
+            if all.left[h] < all.best_left && !(young && is_drift(h)) {
+                (all.best, all.best_left, all.best_kind) = (h, all.left[h], KIND[h]);
             }
         }
         for h in 0..COUNT {
-            if KIND[h] != KIND[all.best] {
+            if KIND[h] != all.best_kind {
                 all.rival = smaller(all.rival, all.left[h]);
             }
         }
@@ -132,27 +145,27 @@ impl Weighed {
 
     /// Unexplained energy a sample, over what noise alone leaves; 1 where it is no more.
     fn misfit(&self) -> f32 {
-        larger(1.0, (self.left[self.best] + FIRST) / (2.0 * self.age + FIRST))
+        larger(1.0, (self.best_left + FIRST) / (2.0 * self.age + FIRST))
     }
 
     /// Whether the best hypothesis explains nearly all.
     pub(super) fn fits(&self) -> bool {
-        self.left[self.best] < 4.5 * self.age + 0.03 * self.energy + 20.0
+        self.best_left < 4.5 * self.age + 0.03 * self.energy + 20.0
     }
 
     /// Whether no hypothesis explains what is seen.
     pub(super) fn is_strange(&self) -> bool {
-        self.left[self.best] > 6.0 * self.age + 0.07 * self.energy + 30.0
+        self.best_left > 6.0 * self.age + 0.07 * self.energy + 30.0
     }
 
     /// By how much the best hypothesis beats those of another kind. Where even the best fits badly, so may its lead.
     pub(super) fn lead(&self) -> f32 {
-        (self.rival - self.left[self.best]) / self.misfit()
+        (self.rival - self.best_left) / self.misfit()
     }
 
     /// Whether the process, not a sensor, is to blame.
     pub(super) fn is_process(&self) -> bool {
-        KIND[self.best] == KIND[FLOW]
+        self.best_kind == KIND[FLOW]
     }
 
     /// The best hypothesis; of power and flow the flow, unless the power is better by `power_margin`, or the flow would
@@ -178,9 +191,9 @@ impl Weighed {
 
     /// Probability of a hypothesis against the strongest of another class.
     pub(super) fn confidence(&self, h: usize) -> f32 {
-        let others = (0..COUNT).filter(|&other| ALL[other] != ALL[h]);
+        let others = (0..COUNT).filter(|&other| ALL[other] != class(h));
         let rival = others.map(|other| self.left[other]).fold(f32::MAX, smaller);
-        let lead = (rival - self.left[h]) / self.misfit();
+        let lead = (rival - at(&self.left, h)) / self.misfit();
         1.0 / (1.0 + libm::expf(bounded(-0.5 * lead, -40.0, 40.0)))
     }
 
@@ -198,14 +211,15 @@ impl Weighed {
     /// The magnitude of a hypothesis in the unit of its class. `slow` is the standard deviation, in degC, of wander
     /// slower than the noise model's memory, `rise` the rise of T1.
     pub(super) fn magnitude(&self, h: usize, slow: f32, rise: f32) -> Option<Magnitude> {
-        let theta = self.theta[h];
-        let variance = if self.square[h] > 0.0 { 4.0 / self.square[h] } else { return None };
+        let theta = at(&self.theta, h);
+        let square = at(&self.square, h);
+        let variance = if square > 0.0 { 4.0 / square } else { return None };
         let scaled = |factor: f32, slow: f32| {
             let half_width = 1.96 * factor * sqrt(variance + slow * slow);
             Some(Magnitude { value: factor * theta, half_width })
         };
         let share = slow / larger(1.0, rise);
-        match ALL[h] {
+        match class(h) {
             _ if h == CONSTANT => None,
             FaultClass::T1Offset | FaultClass::T2Offset | FaultClass::T0Fault => scaled(1.0, slow),
             FaultClass::T1Clogged => scaled(100.0, share).map(|m| Magnitude { value: -m.value, ..m }),

@@ -59,7 +59,6 @@ pub struct ParityState {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-#[expect(clippy::large_enum_variant, reason = "there is one, and nowhere to box it")]
 enum Phase {
     #[default]
     Untrained,

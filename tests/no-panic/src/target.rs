@@ -73,7 +73,13 @@ extern "C" fn every_tick() {
     mean.push(black_box(Some(1)));
     let raw = black_box(RawSample { t0: mean.code(), ..RawSample::default() });
     black_box(control.missed(arrival, &mut Output));
-    let beat: Beat = control.tick(raw, arrival, black_box(None::<Order>), black_box(0), &mut Output);
+    let beat: Beat = control.tick(
+        raw,
+        arrival,
+        black_box(None::<Order>),
+        black_box(fdi_core::Feedback::default()),
+        &mut Output,
+    );
     static ROLL: Roll = Roll::new();
     ROLL.check_in(black_box(Task::Control), black_box(1));
 

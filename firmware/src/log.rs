@@ -5,7 +5,7 @@ use core::fmt::{Arguments, Write};
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::event::Event;
-use fdi_core::{Command, Config};
+use fdi_core::{Command, Config, ParityReport};
 use firmware_logic::control_loop::Outcome;
 use firmware_logic::history::{Entry, Shown};
 use firmware_logic::reset_cause::ResetCause;
@@ -143,4 +143,25 @@ pub(crate) fn status(status: &Status) {
 /// Two decimals, which is what a person reads.
 fn hundredths(x: f32) -> f32 {
     (x * 100.0) as i32 as f32 / 100.0
+}
+
+/// The parity diagnosis has changed its mind. Units are those of [`fdi_core::FaultClass::unit`].
+pub(crate) fn parity(tick: u32, report: &ParityReport) {
+    match report.finding {
+        Some(finding) => {
+            let magnitude = finding.magnitude.unwrap_or_default();
+            defmt::warn!(
+                "parity {=u32} {=str}: {=f32} +- {=f32} {=str}, confidence {=f32}, since tick {=u32}",
+                tick,
+                finding.class.name(),
+                magnitude.value,
+                magnitude.half_width,
+                finding.class.unit(),
+                finding.confidence,
+                finding.onset
+            );
+        }
+        None if report.alarm => defmt::warn!("parity {=u32} alarm, not named yet", tick),
+        None => defmt::info!("parity {=u32} quiet again", tick),
+    }
 }

@@ -149,8 +149,14 @@ impl<const N: usize> Rls<N> {
     pub fn step(&self, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> Update {
         let mut sweep = self.sweep();
         unrolled!(j < N { self.column(&mut sweep, state, phi, j) });
-        let update = self.correct(&sweep, state, phi, y);
-        if self.r1 > 0.0 && !update.sick { self.walk(state, update) } else { update }
+        let (prediction, innovation) = correct(&sweep, state, phi, y);
+        if !(sweep.alpha + innovation * innovation < SIZE_LIMIT) {
+            self.restart(state, prediction, innovation)
+        } else if self.r1 > 0.0 {
+            self.walk(state, prediction, innovation)
+        } else {
+            Update { prediction, innovation, sick: false }
+        }
     }
 
     /// The same as a loop over the first `n` parameters only: a fifth of the code for twice the time. Where r1 is zero
@@ -161,28 +167,17 @@ impl<const N: usize> Rls<N> {
         for j in 0..n.min(N) {
             self.column(&mut sweep, state, phi, j);
         }
-        self.correct(&sweep, state, phi, y)
-    }
-
-    #[inline(always)]
-    fn sweep(&self) -> Sweep<N> {
-        Sweep { gain: [0.0; N], alpha: self.alpha_0, inv_alpha: 1.0 / self.alpha_0 }
-    }
-
-    /// The parameters' part of the update, once the covariance has had its own.
-    #[inline(always)]
-    fn correct(&self, sweep: &Sweep<N>, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> Update {
-        let prediction = predict(&state.theta, phi);
-        let innovation = y - prediction;
-        let step = innovation * sweep.inv_alpha;
-        for i in 0..N {
-            state.theta[i] += sweep.gain[i] * step;
-        }
+        let (prediction, innovation) = correct(&sweep, state, phi, y);
         if !(sweep.alpha + innovation * innovation < SIZE_LIMIT) {
             self.restart(state, prediction, innovation)
         } else {
             Update { prediction, innovation, sick: false }
         }
+    }
+
+    #[inline(always)]
+    fn sweep(&self) -> Sweep<N> {
+        Sweep { gain: [0.0; N], alpha: self.alpha_0, inv_alpha: 1.0 / self.alpha_0 }
     }
 
     /// One column of Bierman's update.
@@ -207,12 +202,12 @@ impl<const N: usize> Rls<N> {
 
     /// Lets the parameters walk. Out of line, and last, so that forgetting does not pay for it.
     #[inline(never)]
-    fn walk(&self, state: &mut RlsState<N>, update: Update) -> Update {
+    fn walk(&self, state: &mut RlsState<N>, prediction: f32, innovation: f32) -> Update {
         random_walk::propagate(&mut state.u, &mut state.d, self.r1);
         for d in &mut state.d {
             *d = bound(*d, self.d_max);
         }
-        update
+        Update { prediction, innovation, sick: false }
     }
 
     /// Starts afresh from numbers that have become useless.
@@ -223,6 +218,18 @@ impl<const N: usize> Rls<N> {
         let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
         Update { prediction: finite(prediction), innovation: finite(innovation), sick: true }
     }
+}
+
+/// The parameters' part of the update, once the covariance has had its own: prediction and innovation.
+#[inline(always)]
+fn correct<const N: usize>(sweep: &Sweep<N>, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> (f32, f32) {
+    let prediction = predict(&state.theta, phi);
+    let innovation = y - prediction;
+    let step = innovation * sweep.inv_alpha;
+    for i in 0..N {
+        state.theta[i] += sweep.gain[i] * step;
+    }
+    (prediction, innovation)
 }
 
 /// What Bierman's update hands from column to column.

@@ -2,7 +2,7 @@
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
-use fdi_core::{Mode, Report};
+use fdi_core::{FaultClass, Mode, Report};
 use firmware_logic::checkin::Task;
 use firmware_logic::control_loop::Beat;
 use firmware_logic::history::Entry;
@@ -27,7 +27,7 @@ pub(crate) async fn diagnosis(
     if let Some(baseline) = &restored {
         diagnosis.restore(&mut state, baseline);
     }
-    let mut changes = Changes { mode: Mode::Off, hold: None };
+    let mut changes = Changes { mode: Mode::Off, hold: None, alarm: None };
     loop {
         let beat = beats.next().await;
         link::check_in(Task::Diagnosis);
@@ -52,6 +52,8 @@ pub(crate) async fn diagnosis(
 struct Changes {
     mode: Mode,
     hold: Option<Hold>,
+    /// The parity diagnosis's alarm, with the class where it is known.
+    alarm: Option<Option<FaultClass>>,
 }
 
 impl Changes {
@@ -84,6 +86,10 @@ impl Changes {
                 log::went_wrong(&entry, sample_time);
                 instrument.note(|history| history.push(entry));
             }
+        }
+        let alarm = report.parity.alarm.then(|| report.parity.finding.map(|finding| finding.class));
+        if core::mem::replace(&mut self.alarm, alarm) != alarm {
+            log::parity(tick.index, &report.parity);
         }
         for event in &report.events {
             log::event(event, sample_time);

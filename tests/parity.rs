@@ -8,6 +8,7 @@ use host_sim::experiment::{Record, Row, run};
 use host_sim::fault::{Fault, Sensor, Verb};
 use host_sim::rig::{RigConfig, Wander};
 use host_sim::scenario::{Action, Scenario};
+use host_sim::summary::Summary;
 
 const ONSET: f64 = 400.03;
 
@@ -179,7 +180,10 @@ fn a_t1_that_reads_wrong_is_stood_in_for_without_a_bump() {
         let bump = w[1].tick.pid.0 - w[0].tick.pid.0;
         assert!(bump.abs() < 4.0, "a step of {bump} % at {} s", record.time(w[1].tick.index));
     }
+    let told = Summary::new(&record).without_t1.expect("it was stood in for");
+    assert!((55.0..65.0).contains(&told.duration_s) && told.error_mean_c.abs() < 0.2, "{told:?}");
     let without = run(&Config::default(), &scenario, 31).unwrap();
+    assert_eq!(Summary::new(&without).without_t1, None);
     assert!(without.rows.iter().all(|row| !stood_in(row)), "only where it is asked for");
 }
 

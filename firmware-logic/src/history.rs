@@ -5,6 +5,7 @@ use core::fmt;
 use fdi_core::diagnosis::event::{Event, Fault};
 use fdi_core::{AdcCode, Reading, Trip, TripReason};
 
+use crate::alarm::{self, Alarm};
 use crate::decimal::Fixed;
 use crate::interlock::Hold;
 
@@ -22,6 +23,8 @@ pub enum Entry {
         /// Whether it has passed.
         ended: bool,
     },
+    /// The parity diagnosis raised an alarm.
+    Alarm(Alarm),
     /// The supervisor tripped.
     Trip(Trip),
     /// Something held the heater off, from this tick on.
@@ -62,6 +65,15 @@ impl History {
         }
     }
 
+    /// Takes in news of an alarm, which replace its entry.
+    pub fn alarm(&mut self, alarm: Alarm) {
+        let same = |entry: &&mut Entry| matches!(entry, Entry::Alarm(known) if known.raised == alarm.raised);
+        match self.entries.iter_mut().find(same) {
+            Some(entry) => *entry = Entry::Alarm(alarm),
+            None => self.push(Entry::Alarm(alarm)),
+        }
+    }
+
     /// An entry, the oldest first.
     pub fn get(&self, index: usize) -> Option<&Entry> {
         self.entries.iter().nth(index)
@@ -97,6 +109,7 @@ impl fmt::Display for Shown<'_> {
                     false => f.write_str(", lasting"),
                 }
             }
+            Entry::Alarm(alarm) => alarm::Shown { alarm, sample_time: self.sample_time }.fmt(f),
             Entry::Trip(trip) => {
                 let (wanted, tick) = (Fixed(trip.setpoint.0, 1), seconds(trip.tick));
                 let (Reading { celsius, validity }, code) = seen(trip);
@@ -155,6 +168,19 @@ mod tests {
         assert_eq!(history.get(1), None);
         let text = Shown { entry: history.get(0).expect("one"), sample_time: 0.11 }.to_string();
         assert_eq!(text, "10.6 s fault: fdv 1 fiv 2, detected 11.0 s, isolated 12.1 s, lasted 22.1 s");
+    }
+
+    #[test]
+    fn an_alarm_is_one_entry_from_its_beginning_to_its_end() {
+        let mut history = History::default();
+        let alarm = Alarm { raised: 100, finding: None, ended: None };
+        history.alarm(alarm);
+        history.event(Event::Detected(fault(100)));
+        history.alarm(Alarm { ended: Some(200), ..alarm });
+        assert_eq!(history.get(0), Some(&Entry::Alarm(Alarm { ended: Some(200), ..alarm })));
+        assert_eq!(history.get(2), None);
+        history.alarm(Alarm { raised: 300, ..alarm });
+        assert_eq!(history.get(2), Some(&Entry::Alarm(Alarm { raised: 300, ..alarm })));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
+pub mod alarm;
 pub mod cadence;
 pub mod checkin;
 pub mod console;

@@ -1,5 +1,5 @@
 //! The record of one tick, as the log carries it: the bits of what went in and of what came out, so that a replay on
-//! the host can run the core again and compare. It is text of 26 hexadecimal words after "tick ", in the order of
+//! the host can run the core again and compare. It is text of 31 hexadecimal words after "tick ", in the order of
 //! [`FIELDS`]; a number that is not defined on the tick is written as [`NONE`].
 
 use core::fmt;
@@ -7,19 +7,21 @@ use core::fmt;
 use fdi_core::diagnosis::Verdict;
 use fdi_core::diagnosis::signature::{Symptom, Symptoms};
 use fdi_core::identify::observer::Observation;
+use fdi_core::parity::{Arming, Channel, Distrust, FaultClass, ParityReport};
 use fdi_core::supervisor::Blocker;
 use fdi_core::{AdcCode, Mode, Percent, RawSample, Report, Validity};
 
 use crate::control_loop::Beat;
 
 /// Words in a record.
-pub const WORDS: usize = 26;
+pub const WORDS: usize = 31;
 
 /// Names of the words. Plain numbers are `f32` bits.
+#[rustfmt::skip]
 pub const FIELDS: [&str; WORDS] = [
     "tick", "timing", "t0_code", "t1_code", "t2_code", "setpoint", "pid", "prbs", "drive", "applied",
     "state", "learned", "y1m", "y2m", "sg1", "sg2", "bw1", "ry1_f", "ry2_f", "rap_f", "ry12_f", "rsg1_f",
-    "rsg2_f", "rbw1_f", "symptoms", "vectors",
+    "rsg2_f", "rbw1_f", "symptoms", "vectors", "parity", "confidence", "magnitude", "half_width", "onset",
 ];
 
 /// "Not defined": a NaN that no arithmetic gives.
@@ -35,12 +37,14 @@ pub struct Record(pub [u32; WORDS]);
 impl Record {
     /// The record of a tick.
     pub fn new(beat: &Beat, report: &Report) -> Self {
-        let mut words = [NONE; WORDS];
         let tick = &beat.tick;
         let timing = if beat.missed { MISSED } else { beat.arrival.late_us };
         let numbers = |x: Option<f32>| x.map_or(NONE, f32::to_bits);
-        let (raw, f) = (&beat.raw, report.residuals_filtered);
-        let fixed = [
+        let (raw, filtered) = (&beat.raw, report.residuals_filtered.as_ref());
+        let residual = |i: usize| numbers(filtered.and_then(|filtered| filtered.get(i).copied()));
+        let finding = &report.parity.finding;
+        let magnitude = finding.and_then(|finding| finding.magnitude);
+        Self([
             tick.index,
             timing,
             raw.t0.0.to_bits(),
@@ -58,13 +62,21 @@ impl Record {
             numbers(report.ms1.static_gain),
             numbers(report.ms2.static_gain),
             numbers(report.ms1.bandwidth),
-        ];
-        let residuals = (0..7).map(|i| numbers(f.and_then(|f| f.get(i).copied())));
-        let verdicts = [symptoms(report), vectors(report)];
-        for (word, value) in words.iter_mut().zip(fixed.into_iter().chain(residuals).chain(verdicts)) {
-            *word = value;
-        }
-        Self(words)
+            residual(0),
+            residual(1),
+            residual(2),
+            residual(3),
+            residual(4),
+            residual(5),
+            residual(6),
+            symptoms(report),
+            vectors(report),
+            parity(&report.parity),
+            numbers(finding.map(|finding| finding.confidence)),
+            numbers(magnitude.map(|magnitude| magnitude.value)),
+            numbers(magnitude.map(|magnitude| magnitude.half_width)),
+            finding.map_or(NONE, |finding| finding.onset),
+        ])
     }
 
     /// Number of the tick.
@@ -116,9 +128,11 @@ impl defmt::Format for Record {
         defmt::write!(
             f,
             "tick {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} \
-             {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x}",
+             {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} \
+             {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x}",
             w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10], w[11], w[12],
             w[13], w[14], w[15], w[16], w[17], w[18], w[19], w[20], w[21], w[22], w[23], w[24], w[25],
+            w[26], w[27], w[28], w[29], w[30],
         );
     }
 }
@@ -235,6 +249,43 @@ fn symptoms(report: &Report) -> u32 {
     match (&report.filtered, &report.raw) {
         (Some(filtered), Some(raw)) => bits(&filtered.symptoms) | bits(&raw.symptoms) << 16,
         _ => NONE,
+    }
+}
+
+/// Arming of the parity diagnosis in bits 0..4, its alarm in bit 4, the class that it names from bit 8; 0 for none.
+fn parity(report: &ParityReport) -> u32 {
+    let arming = match report.arming {
+        Arming::Untrained => 0,
+        Arming::Training => 1,
+        Arming::Armed => 2,
+        Arming::Refused(Distrust::Unstable) => 3,
+        Arming::Refused(Distrust::Gain) => 4,
+        Arming::Refused(Distrust::PoorFit) => 5,
+    };
+    let class = report.finding.map_or(0, |finding| number(finding.class));
+    arming | u32::from(report.alarm) << 4 | class << 8
+}
+
+/// A number for a class; where it is a thermistor's, 16 more for T1 and 32 for T2.
+fn number(class: FaultClass) -> u32 {
+    let of = |channel: Channel| match channel {
+        Channel::T0 => 0,
+        Channel::T1 => 16,
+        Channel::T2 => 32,
+    };
+    match class {
+        FaultClass::T1Offset => 1,
+        FaultClass::T2Offset => 2,
+        FaultClass::T1Clogged => 3,
+        FaultClass::AirFlow => 4,
+        FaultClass::HeaterPower => 5,
+        FaultClass::T0Fault => 6,
+        FaultClass::Drift => 7,
+        FaultClass::Unknown => 8,
+        FaultClass::Stuck(channel) => 9 + of(channel),
+        FaultClass::Open(channel) => 10 + of(channel),
+        FaultClass::Short(channel) => 11 + of(channel),
+        FaultClass::Lost(channel) => 12 + of(channel),
     }
 }
 

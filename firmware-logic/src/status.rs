@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use fdi_core::parity::{Arming, Distrust};
 use fdi_core::{Mode, Percent, Reading, Report, Validity};
 
 use crate::cadence::Punctuality;
@@ -78,6 +79,12 @@ impl fmt::Display for Status {
         if let Some(verdict) = &report.filtered {
             write!(f, "\nfdv {} fiv {}", verdict.fdv, verdict.fiv)?;
         }
+        f.write_str("\nparity diagnosis ")?;
+        f.write_str(arming(report.parity.arming))?;
+        if report.parity.alarm {
+            let class = report.parity.finding.map_or("not named", |finding| finding.class.name());
+            write!(f, ", alarm: {class}")?;
+        }
         write!(f, "\n{}", self.health)
     }
 }
@@ -96,6 +103,18 @@ impl fmt::Display for Health {
             self.stack_used,
             self.stack_size
         )
+    }
+}
+
+/// How far the parity diagnosis has come.
+pub const fn arming(arming: Arming) -> &'static str {
+    match arming {
+        Arming::Untrained => "not trained",
+        Arming::Training => "in training",
+        Arming::Refused(Distrust::Unstable) => "refused: a model is unstable",
+        Arming::Refused(Distrust::Gain) => "refused: a gain is not positive",
+        Arming::Refused(Distrust::PoorFit) => "refused: the models fit badly",
+        Arming::Armed => "armed",
     }
 }
 

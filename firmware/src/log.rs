@@ -5,7 +5,8 @@ use core::fmt::{Arguments, Write};
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::event::Event;
-use fdi_core::{Command, Config, ParityReport};
+use fdi_core::{Command, Config};
+use firmware_logic::alarm::Alarm;
 use firmware_logic::control_loop::Outcome;
 use firmware_logic::history::{Entry, Shown};
 use firmware_logic::reset_cause::ResetCause;
@@ -38,7 +39,7 @@ pub(crate) fn banner(
         env!("GIT_DESCRIBE"),
         board::NAME
     );
-    defmt::info!("clock {}, stack {=usize} bytes, record 1", clock, stack::size());
+    defmt::info!("clock {}, stack {=usize} bytes, record 2", clock, stack::size());
     match cause.is_fault() {
         true => defmt::error!("reset cause: {=str}", cause.name()),
         false => defmt::info!("reset cause: {=str}", cause.name()),
@@ -116,6 +117,12 @@ pub(crate) fn event(event: &Event, sample_time: f32) {
     defmt::warn!("{=str}: {=str}", what, text(format_args!("{}", Shown { entry: &entry, sample_time })));
 }
 
+/// News of an alarm of the parity diagnosis.
+pub(crate) fn alarm(alarm: Alarm, sample_time: f32) {
+    let entry = Entry::Alarm(alarm);
+    defmt::info!("parity: {=str}", text(format_args!("{}", Shown { entry: &entry, sample_time })));
+}
+
 /// The line of each second.
 pub(crate) fn status(status: &Status) {
     let Some((beat, report)) = &status.last else { return };
@@ -143,25 +150,4 @@ pub(crate) fn status(status: &Status) {
 /// Two decimals, which is what a person reads.
 fn hundredths(x: f32) -> f32 {
     (x * 100.0) as i32 as f32 / 100.0
-}
-
-/// The parity diagnosis has changed its mind. Units are those of [`fdi_core::FaultClass::unit`].
-pub(crate) fn parity(tick: u32, report: &ParityReport) {
-    match report.finding {
-        Some(finding) => {
-            let magnitude = finding.magnitude.unwrap_or_default();
-            defmt::warn!(
-                "parity {=u32} {=str}: {=f32} +- {=f32} {=str}, confidence {=f32}, since tick {=u32}",
-                tick,
-                finding.class.name(),
-                magnitude.value,
-                magnitude.half_width,
-                finding.class.unit(),
-                finding.confidence,
-                finding.onset
-            );
-        }
-        None if report.alarm => defmt::warn!("parity {=u32} alarm, not named yet", tick),
-        None => defmt::info!("parity {=u32} quiet again", tick),
-    }
 }

@@ -36,8 +36,21 @@ pub struct Summary {
     pub false_alarms: FalseAlarms,
     /// Simulated time over the time it took.
     pub realtime_factor: f64,
+    /// How it went while T1 was stood in for; null where it never was.
+    pub without_t1: Option<WithoutT1>,
     /// Trips, with time and reason.
     pub trips: Vec<TripSummary>,
+}
+
+/// Regulation by the stand-in for a faulty T1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct WithoutT1 {
+    /// For how long.
+    pub duration_s: f64,
+    /// Mean of set-point minus stand-in, degC. What the stand-in itself is off by, no instrument can know.
+    pub error_mean_c: f64,
+    /// Largest of it, without sign, degC.
+    pub error_max_c: f64,
 }
 
 /// Name and size of a fault.
@@ -177,6 +190,7 @@ impl Summary {
             faults: record.faults.iter().map(|f| fault(record, f)).collect(),
             false_alarms: false_alarms(record),
             realtime_factor: record.realtime_factor(),
+            without_t1: without_t1(record),
             trips: trips(record),
         }
     }
@@ -268,6 +282,20 @@ fn false_alarms(record: &Record) -> FalseAlarms {
     }
     let [fdv, fiv, fdv_raw, fiv_raw, parity] = alarms;
     FalseAlarms { fdv, fiv, fdv_raw, fiv_raw, parity }
+}
+
+fn without_t1(record: &Record) -> Option<WithoutT1> {
+    let errors: Vec<f64> = record
+        .rows
+        .iter()
+        .filter_map(|row| Some(f64::from(row.tick.setpoint.0 - row.tick.stand_in?.0)))
+        .collect();
+    let count = errors.len() as f64;
+    (!errors.is_empty()).then(|| WithoutT1 {
+        duration_s: count * record.sample_time,
+        error_mean_c: errors.iter().sum::<f64>() / count,
+        error_max_c: errors.iter().fold(0.0, |worst: f64, e| worst.max(e.abs())),
+    })
 }
 
 fn trips(record: &Record) -> Vec<TripSummary> {

@@ -50,6 +50,13 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
     if s.baseline.is_none() {
         let _ = writeln!(text, "No baseline learnt     {}", why_not_learnt(record));
     }
+    if let Some(w) = &s.without_t1 {
+        let _ = writeln!(
+            text,
+            "Without T1             {:.1} s by T2 and the models: {:.2} degC off in the mean, {:.2} at most",
+            w.duration_s, w.error_mean_c, w.error_max_c
+        );
+    }
     for trip in &s.trips {
         let _ = writeln!(
             text,

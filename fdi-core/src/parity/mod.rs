@@ -66,6 +66,8 @@ enum Phase {
     Watching(WatchState),
 }
 
+const _: () = assert!(size_of::<ParityState>() <= 4096, "more than the board has for it");
+
 impl Parity {
     /// Builds the diagnosis.
     ///

@@ -9,7 +9,7 @@
 //! ```
 
 use super::logarithm::ln;
-use crate::error::{ConfigError, in_range};
+use crate::error::{ConfigError, all_in_range};
 use crate::units::{AdcCode, Celsius, Ohm};
 
 /// 0 degC in kelvin.
@@ -44,29 +44,23 @@ impl Default for ThermistorConfig {
     }
 }
 
-/// Parameter names of one channel, for its errors.
-struct Names {
-    r25: &'static str,
-    beta: &'static str,
-    pull_up: &'static str,
-    gain: &'static str,
-    offset: &'static str,
-}
+/// Names of the parameters of one channel, with their bounds.
+type Bounds = [(&'static str, f32, f32); 5];
 
-macro_rules! names {
+macro_rules! bounds {
     ($channel:literal) => {
-        Names {
-            r25: concat!("sensors.", $channel, ".r25"),
-            beta: concat!("sensors.", $channel, ".beta"),
-            pull_up: concat!("sensors.", $channel, ".pull_up"),
-            gain: concat!("sensors.", $channel, ".gain"),
-            offset: concat!("sensors.", $channel, ".offset"),
-        }
+        [
+            (concat!("sensors.", $channel, ".r25"), 10.0, 10e6),
+            (concat!("sensors.", $channel, ".beta"), 500.0, 10e3),
+            (concat!("sensors.", $channel, ".pull_up"), 10.0, 10e6),
+            (concat!("sensors.", $channel, ".gain"), 0.5, 2.0),
+            (concat!("sensors.", $channel, ".offset"), -20.0, 20.0),
+        ]
     };
 }
 
-/// Names for T0, T1, T2.
-const NAMES: [Names; 3] = [names!("t0"), names!("t1"), names!("t2")];
+/// For T0, T1, T2.
+const BOUNDS: [Bounds; 3] = [bounds!("t0"), bounds!("t1"), bounds!("t2")];
 
 /// A thermistor ready to convert.
 #[derive(Clone, Copy, Debug)]
@@ -86,12 +80,7 @@ impl Thermistor {
     /// # Errors
     /// The parameter that is out of bounds.
     pub fn new(c: &ThermistorConfig, channel: usize) -> Result<Self, ConfigError> {
-        let names = &NAMES[channel.min(2)];
-        in_range(names.r25, c.r25.0, 10.0, 10e6)?;
-        in_range(names.beta, c.beta, 500.0, 10e3)?;
-        in_range(names.pull_up, c.pull_up.0, 10.0, 10e6)?;
-        in_range(names.gain, c.gain, 0.5, 2.0)?;
-        in_range(names.offset, c.offset.0, -20.0, 20.0)?;
+        all_in_range(&BOUNDS[channel.min(2)], &[c.r25.0, c.beta, c.pull_up.0, c.gain, c.offset.0])?;
         Ok(Self {
             inv_t_at_half_scale: 1.0 / T25 + libm::logf(c.pull_up.0 / c.r25.0) / c.beta,
             inv_beta: 1.0 / c.beta,

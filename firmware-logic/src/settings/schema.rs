@@ -83,6 +83,17 @@ pub const ENTRIES: &[Entry] = entries! {
     Float "diagnosis.sigma_factor" "" diagnosis.sigma_factor;
     Float "diagnosis.onset_window" "s" diagnosis.onset_window.0;
     Float "diagnosis.clear_time" "s" diagnosis.clear_time.0;
+    Float "parity.fit_time" "s" parity.fit_time.0;
+    Float "parity.check_time" "s" parity.check_time.0;
+    Float "parity.fast_slack" "" parity.fast_slack;
+    Float "parity.fast_limit" "" parity.fast_limit;
+    Float "parity.slow_slack" "" parity.slow_slack;
+    Float "parity.slow_limit" "" parity.slow_limit;
+    Float "parity.mean_time" "s" parity.mean_time.0;
+    Float "parity.model_uncertainty" "" parity.model_uncertainty;
+    Float "parity.tolerated_sag" "" parity.tolerated_sag;
+    Float "parity.margin" "" parity.margin;
+    Float "parity.power_margin" "" parity.power_margin;
     Float "supervisor.learn_start" "s" supervisor.learn_start.0;
     Float "supervisor.learn_end" "s" supervisor.learn_end.0;
     Float "supervisor.regulation_band" "%" supervisor.regulation_band.0;

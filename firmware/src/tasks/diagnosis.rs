@@ -2,13 +2,16 @@
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
-use fdi_core::{FaultClass, Mode, Report};
+use fdi_core::parity::Arming;
+use fdi_core::{Mode, Report};
+use firmware_logic::alarm::Alarms;
 use firmware_logic::checkin::Task;
 use firmware_logic::control_loop::Beat;
 use firmware_logic::history::Entry;
 use firmware_logic::interlock::Hold;
 use firmware_logic::record::Record;
 use firmware_logic::retained::Retained;
+use firmware_logic::status::arming;
 
 use crate::hardware::retained;
 use crate::instrument::Instrument;
@@ -27,7 +30,8 @@ pub(crate) async fn diagnosis(
     if let Some(baseline) = &restored {
         diagnosis.restore(&mut state, baseline);
     }
-    let mut changes = Changes { mode: Mode::Off, hold: None, alarm: None };
+    let mut changes =
+        Changes { mode: Mode::Off, hold: None, arming: Arming::Untrained, alarms: Alarms::default() };
     loop {
         let beat = beats.next().await;
         link::check_in(Task::Diagnosis);
@@ -52,8 +56,8 @@ pub(crate) async fn diagnosis(
 struct Changes {
     mode: Mode,
     hold: Option<Hold>,
-    /// The parity diagnosis's alarm, with the class where it is known.
-    alarm: Option<Option<FaultClass>>,
+    arming: Arming,
+    alarms: Alarms,
 }
 
 impl Changes {
@@ -87,13 +91,17 @@ impl Changes {
                 instrument.note(|history| history.push(entry));
             }
         }
-        let alarm = report.parity.alarm.then(|| report.parity.finding.map(|finding| finding.class));
-        if core::mem::replace(&mut self.alarm, alarm) != alarm {
-            log::parity(tick.index, &report.parity);
-        }
         for event in &report.events {
             log::event(event, sample_time);
             instrument.note(|history| history.event(*event));
+        }
+        if report.parity.arming != self.arming {
+            self.arming = report.parity.arming;
+            defmt::info!("parity {=u32} {=str}", tick.index, arming(self.arming));
+        }
+        if let Some(alarm) = self.alarms.notice(report) {
+            log::alarm(alarm, sample_time);
+            instrument.note(|history| history.alarm(alarm));
         }
         if beat.arrival.missed > 0 && !beat.missed {
             defmt::warn!("tick {=u32} came after {=u32} missed", tick.index, beat.arrival.missed);

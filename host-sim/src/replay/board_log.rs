@@ -273,7 +273,7 @@ pub(super) mod tests {
     fn broken_lines_are_named() {
         let record = format!("tick {}", ["1f"; WORDS - 1].join(" "));
         let error = format!("{:#}", read(&format!("boot\n{record}\n"), Config::default()).err().unwrap());
-        assert!(error.contains("line 2") && error.contains("25 words, expected 26"), "{error}");
+        assert!(error.contains("line 2") && error.contains("30 words, expected 31"), "{error}");
         let error = format!("{:#}", read("order 5 explode\n", Config::default()).err().unwrap());
         assert!(error.contains("line 1") && error.contains("explode"), "{error}");
         let late = format!("tick 7 {}", ["0"; WORDS - 1].join(" "));

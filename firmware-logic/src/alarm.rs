@@ -1,0 +1,116 @@
+//! Alarms of the parity diagnosis, from tick to tick: what is worth a line is that one was raised, is called another
+//! name, or has ended.
+
+use core::fmt;
+
+use fdi_core::{Finding, Report};
+
+use crate::decimal::Fixed;
+
+/// An alarm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Alarm {
+    /// The tick on which it was raised.
+    pub raised: u32,
+    /// The last that was said of it; `None` while nothing could be.
+    pub finding: Option<Finding>,
+    /// The tick on which it had gone.
+    pub ended: Option<u32>,
+}
+
+/// Follows what the diagnosis says.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Alarms {
+    lasting: Option<Alarm>,
+}
+
+impl Alarms {
+    /// Takes in a tick; gives the alarm if there is news of it.
+    pub fn notice(&mut self, report: &Report) -> Option<Alarm> {
+        let (tick, said) = (report.tick, &report.parity);
+        let Some(alarm) = &mut self.lasting else {
+            let raised = Alarm { raised: tick, finding: said.finding, ended: None };
+            self.lasting = said.alarm.then_some(raised);
+            return self.lasting;
+        };
+        if !said.alarm {
+            let ended = Alarm { ended: Some(tick), ..*alarm };
+            self.lasting = None;
+            return Some(ended);
+        }
+        let news = said.finding.is_some() && said.finding.map(|f| f.class) != alarm.finding.map(|f| f.class);
+        alarm.finding = said.finding.or(alarm.finding);
+        news.then_some(*alarm)
+    }
+}
+
+/// An alarm for people; `sample_time` in s turns ticks into times.
+pub struct Shown<'a> {
+    /// The alarm.
+    pub alarm: &'a Alarm,
+    /// Ts in s.
+    pub sample_time: f32,
+}
+
+impl fmt::Display for Shown<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let seconds = |tick: u32| Fixed(tick as f32 * self.sample_time, 1);
+        write!(f, "{} s alarm: ", seconds(self.alarm.raised))?;
+        match &self.alarm.finding {
+            None => f.write_str("not named")?,
+            Some(Finding { class, confidence, magnitude, onset }) => {
+                f.write_str(class.name())?;
+                if let Some(m) = magnitude {
+                    write!(f, " {} +- {} {}", Fixed(m.value, 2), Fixed(m.half_width, 2), class.unit())?;
+                }
+                write!(f, ", confidence {}, since {} s", Fixed(*confidence, 2), seconds(*onset))?;
+            }
+        }
+        match self.alarm.ended {
+            Some(ended) => write!(f, ", ended {} s", seconds(ended)),
+            None => f.write_str(", lasting"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::parity::{Magnitude, ParityReport};
+    use fdi_core::{FaultClass, Report};
+
+    use super::*;
+
+    fn report(tick: u32, alarm: bool, finding: Option<(FaultClass, f32)>) -> Report {
+        let finding = finding.map(|(class, value)| Finding {
+            class,
+            confidence: 0.987,
+            magnitude: Some(Magnitude { value, half_width: 0.125 }),
+            onset: 98,
+        });
+        Report { tick, parity: ParityReport { alarm, finding, ..Default::default() }, ..Report::default() }
+    }
+
+    #[test]
+    fn an_alarm_is_told_when_raised_when_renamed_and_when_over() {
+        let mut alarms = Alarms::default();
+        let (clogged, offset) = (FaultClass::T1Clogged, FaultClass::T1Offset);
+        let mut text = |tick, alarm, finding| {
+            let alarm = alarms.notice(&report(tick, alarm, finding))?;
+            Some(Shown { alarm: &alarm, sample_time: 0.11 }.to_string())
+        };
+        assert_eq!(text(99, false, None), None);
+        assert_eq!(text(100, true, None).as_deref(), Some("11.0 s alarm: not named, lasting"));
+        assert_eq!(text(101, true, None), None);
+        let named =
+            "11.0 s alarm: t1_clogged -15.00 +- 0.13 % of gain, confidence 0.99, since 10.8 s, lasting";
+        assert_eq!(text(102, true, Some((clogged, -15.0))).as_deref(), Some(named));
+        assert_eq!(text(103, true, Some((clogged, -14.0))), None);
+        assert!(text(104, true, Some((offset, 1.0))).is_some_and(|text| text.contains("t1_offset 1.00")));
+        assert_eq!(text(105, true, Some((offset, 1.5))), None);
+        assert_eq!(text(106, true, None), None);
+        let last = "11.0 s alarm: t1_offset 1.50 +- 0.13 degC, confidence 0.99, since 10.8 s, ended 12.1 s";
+        assert_eq!(text(110, false, None).as_deref(), Some(last));
+        assert_eq!(text(111, false, None), None);
+    }
+}

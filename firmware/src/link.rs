@@ -1,16 +1,13 @@
 //! What the two halves of the instrument tell each other. The control half never waits for the other: it pushes into a
 //! queue of one producer and one consumer, and reads atomics.
 
-use core::cell::Cell;
 use core::future::poll_fn;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use core::task::Poll;
 
-use embassy_sync::blocking_mutex::Mutex;
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::waitqueue::AtomicWaker;
 use embassy_time::Instant;
-use fdi_core::Feedback;
+use fdi_core::{Feedback, Percent};
 use firmware_logic::checkin::{Roll, Task};
 use firmware_logic::control_loop::{Beat, Order};
 use heapless::spsc::{Consumer, Producer, Queue};
@@ -20,8 +17,13 @@ use static_cell::ConstStaticCell;
 pub(crate) static ROLL: Roll = Roll::new();
 /// "Stop" needs no place in a queue.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
-/// What the diagnosis has found, for the control half. Whole or not at all: a copy takes some 20 cycles.
-static FEEDBACK: Mutex<CriticalSectionRawMutex, Cell<Option<Feedback>>> = Mutex::new(Cell::new(None));
+/// What the diagnosis has found, for the control half, a word a field: no interrupt is masked for it. Control may come
+/// between two of them and take one from a tick earlier; each means what it says by itself. NaN stands for "not known".
+static LEARNED: AtomicU32 = AtomicU32::new(0);
+static STAND_IN: AtomicU32 = AtomicU32::new(f32::NAN.to_bits());
+static AIR_FLOW: AtomicU32 = AtomicU32::new(f32::NAN.to_bits());
+static T1_FAULTY: AtomicBool = AtomicBool::new(false);
+static HEATER_STUCK_ON: AtomicBool = AtomicBool::new(false);
 /// Beats that found the queue full, since the diagnosis was too slow.
 pub(crate) static BEATS_LOST: AtomicU32 = AtomicU32::new(0);
 
@@ -31,12 +33,27 @@ static ORDERS: ConstStaticCell<Queue<Order, 2>> = ConstStaticCell::new(Queue::ne
 
 /// Tells the control half what the diagnosis has found.
 pub(crate) fn feed_back(feedback: Feedback) {
-    FEEDBACK.lock(|cell| cell.set(Some(feedback)));
+    let bits = |x: Option<f32>| x.unwrap_or(f32::NAN).to_bits();
+    LEARNED.store(feedback.learned, Ordering::Relaxed);
+    STAND_IN.store(bits(feedback.stand_in), Ordering::Relaxed);
+    AIR_FLOW.store(bits(feedback.air_flow.map(|flow| flow.0)), Ordering::Relaxed);
+    T1_FAULTY.store(feedback.t1_faulty, Ordering::Relaxed);
+    HEATER_STUCK_ON.store(feedback.heater_stuck_on, Ordering::Relaxed);
 }
 
 /// What the diagnosis found last.
 pub(crate) fn feedback() -> Feedback {
-    FEEDBACK.lock(Cell::get).unwrap_or_default()
+    let known = |bits: &AtomicU32| {
+        let x = f32::from_bits(bits.load(Ordering::Relaxed));
+        (!x.is_nan()).then_some(x)
+    };
+    Feedback {
+        learned: LEARNED.load(Ordering::Relaxed),
+        stand_in: known(&STAND_IN),
+        t1_faulty: T1_FAULTY.load(Ordering::Relaxed),
+        air_flow: known(&AIR_FLOW).map(Percent),
+        heater_stuck_on: HEATER_STUCK_ON.load(Ordering::Relaxed),
+    }
 }
 
 /// A task is alive.

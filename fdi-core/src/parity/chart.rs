@@ -55,7 +55,7 @@ mod tests {
         let (mut seed, runs, mut samples) = (7, 4000, 0u32);
         for _ in 0..runs {
             let mut sums = Sums::default();
-            while chart.step(&mut sums, noise(&mut seed), 0.0) <= 1.0 {
+            while chart.step(&mut sums, noise(&mut seed), 0.0) <= chart.limit {
                 samples += 1;
             }
         }
@@ -68,7 +68,7 @@ mod tests {
         let chart = Chart { slack: 1.5, limit: 7.0 };
         let mut sums = Sums::default();
         assert!((0..1000).all(|_| chart.step(&mut sums, 3.0, 2.0) == 0.0));
-        assert!((0..10).map(|_| chart.step(&mut sums, 3.0, 0.0)).any(|q| q > 1.0));
+        assert!((0..10).map(|_| chart.step(&mut sums, 3.0, 0.0)).any(|sum| sum > chart.limit));
         assert_eq!(chart.step(&mut sums, f32::NAN, 0.0), 0.0, "no number starts it afresh");
     }
 }

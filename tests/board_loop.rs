@@ -3,37 +3,13 @@
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
-use fdi_core::{Command, Config, Feedback, Percent, RawSample, Report, Tick};
+use fdi_core::{Command, Config, Feedback, RawSample, Report, Tick};
 use firmware_logic::cadence::Arrival;
-use firmware_logic::control_loop::{Beat, ControlLoop, Heater, Order};
-use firmware_logic::interlock::{Hold, Interlock};
+use firmware_logic::control_loop::{Beat, ControlLoop, Order};
+use firmware_logic::interlock::Interlock;
+use host_sim::console::Output;
 use host_sim::experiment::{Backend, run, run_on};
 use host_sim::scenario::Scenario;
-
-/// An output that nothing cuts.
-#[derive(Default)]
-struct Output {
-    enabled: bool,
-}
-
-impl Heater for Output {
-    fn drive(&mut self, _: Percent) {}
-    fn enable(&mut self) {
-        self.enabled = true;
-    }
-    fn disable(&mut self) {
-        self.enabled = false;
-    }
-    fn is_enabled(&self) -> bool {
-        self.enabled
-    }
-    fn break_is_open(&self) -> bool {
-        false
-    }
-    fn cut_by(&self) -> Hold {
-        Hold::BreakInput
-    }
-}
 
 /// The two halves as the firmware runs them: orders wait for the next tick, what was learnt comes back one tick later.
 struct Board {

@@ -3,8 +3,8 @@
 use std::mem::size_of;
 
 use fdi_core::parity::{Arming, Distrust, FaultClass, ParityState};
-use fdi_core::{Config, Mode, TripReason};
-use host_sim::experiment::{Record, Row, run};
+use fdi_core::{Config, Instrument, Mode, TripReason};
+use host_sim::experiment::{Record, Row, run, run_on};
 use host_sim::fault::{Fault, Sensor, Verb};
 use host_sim::rig::{RigConfig, Wander};
 use host_sim::scenario::{Action, Scenario};
@@ -214,6 +214,42 @@ fn a_stand_in_that_is_lost_trips() {
     let (t, row) = since_onset(&record).find(|(_, row)| !row.tick.mode.is_heating()).expect("a trip");
     assert!(matches!(row.tick.mode, Mode::Tripped(trip) if trip.reason == TripReason::T1Lost));
     assert!((10.0..11.0).contains(&t), "{t} s");
+}
+
+/// T1 is gone, and T2 reads far too low: regulating by it would overheat the rig.
+#[test]
+fn a_stand_in_that_the_models_contradict_trips() {
+    let t1 = fault(Verb::Open, Some(Sensor::T1), 0.0, None, 60.0);
+    let t2 = Fault { at: ONSET + 10.0, ..fault(Verb::Offset, Some(Sensor::T2), -10.0, None, 50.0) };
+    let record = run(&going_on(), &scenario(vec![t1, t2], 440.0), 34).unwrap();
+    let (t, row) = since_onset(&record).find(|(_, row)| !row.tick.mode.is_heating()).expect("a trip");
+    assert!(matches!(row.tick.mode, Mode::Tripped(trip) if trip.reason == TripReason::T1Lost));
+    assert!((10.0..14.0).contains(&t), "{t} s");
+}
+
+#[test]
+fn a_t1_without_samples_is_stood_in_for() {
+    let faults = vec![fault(Verb::Missing, Some(Sensor::T1), 1.0, None, 30.0)];
+    let record = run(&going_on(), &scenario(faults, 440.0), 35).unwrap();
+    assert!(record.rows.iter().all(|row| !matches!(row.tick.mode, Mode::Tripped(_))));
+    let stood_in = since_onset(&record).filter(|(_, row)| row.tick.stand_in.is_some()).count();
+    assert!((260..280).contains(&stood_in), "{stood_in} ticks of 30 s");
+}
+
+/// With a baseline of an earlier life, training takes place while monitoring, but not while something is wrong.
+#[test]
+fn a_fault_during_training_is_not_learnt() {
+    let config = Config::default();
+    let baseline = run(&config, &scenario(vec![], 400.0), 51).unwrap().baseline.expect("learnt");
+    let mut instrument = Instrument::new(&config).unwrap();
+    instrument.restore(&baseline).unwrap();
+    let fault = Fault { at: 60.0, ..fault(Verb::Offset, Some(Sensor::T2), 3.0, None, 100.0) };
+    let record = run_on(&mut instrument, &config, &scenario(vec![fault], 420.0), 51);
+    let arming = |row: &Row| row.report.parity.arming;
+    let armed = record.rows.iter().position(|row| arming(row) == Arming::Armed).expect("armed in the end");
+    let after = record.time(armed as u32);
+    assert!((270.0..310.0).contains(&after), "178 s of samples, but for 100 s of fault: {after} s");
+    assert_eq!(alarms(&record), [0.0; 0], "what was learnt is the rig without the fault");
 }
 
 #[test]

@@ -81,10 +81,6 @@ impl fmt::Display for Status {
         }
         f.write_str("\nparity diagnosis ")?;
         f.write_str(arming(report.parity.arming))?;
-        if report.parity.alarm {
-            let class = report.parity.finding.map_or("not named", |finding| finding.class.name());
-            write!(f, ", alarm: {class}")?;
-        }
         write!(f, "\n{}", self.health)
     }
 }

@@ -120,7 +120,7 @@ pub(crate) fn event(event: &Event, sample_time: f32) {
 /// News of an alarm of the parity diagnosis.
 pub(crate) fn alarm(alarm: Alarm, sample_time: f32) {
     let entry = Entry::Alarm(alarm);
-    defmt::info!("parity: {=str}", text(format_args!("{}", Shown { entry: &entry, sample_time })));
+    defmt::warn!("parity: {=str}", text(format_args!("{}", Shown { entry: &entry, sample_time })));
 }
 
 /// The line of each second.

@@ -202,14 +202,15 @@ impl Board for Bench {
 }
 
 /// The heater's output, its break input always closed.
-#[derive(Default)]
-struct Output {
+#[derive(Debug, Default)]
+pub struct Output {
     power: Percent,
     enabled: bool,
 }
 
 impl Output {
-    fn given(&self) -> Percent {
+    /// What reaches the heater.
+    pub fn given(&self) -> Percent {
         if self.enabled { self.power } else { Percent(0.0) }
     }
 }

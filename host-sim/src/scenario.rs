@@ -156,8 +156,10 @@ fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> anyhow::Result<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use firmware_logic::settings::schema::Name;
     use toml::Table;
+
+    use super::*;
 
     /// Every key of `all` stands in `some`, at any depth.
     fn covers(some: &Table, all: &Table, path: &str) {
@@ -182,6 +184,27 @@ mod tests {
         let mut all = Table::try_from(Scenario::default()).unwrap();
         all.remove("action");
         covers(&toml::from_str(SCENARIO_TOML).unwrap(), &all, "");
+    }
+
+    /// Names of all keys that have a value of their own, as the board's console writes them.
+    fn names(table: &Table, path: &str, all: &mut Vec<String>) {
+        for (key, value) in table {
+            match value.as_table() {
+                Some(inner) if key != "adaptation" => names(inner, &format!("{path}{key}."), all),
+                _ if value.is_array() => {} // rows of a signature table
+                _ => all.push(format!("{path}{key}")),
+            }
+        }
+    }
+
+    #[test]
+    fn every_setting_can_be_changed_on_the_board() {
+        let mut all = Vec::new();
+        names(&Table::try_from(Config::default()).unwrap(), "", &mut all);
+        assert!(all.len() > 60);
+        for name in all {
+            assert!(Name::find(&name).is_ok(), "{name} is no setting of the board");
+        }
     }
 
     #[test]

@@ -142,12 +142,11 @@ impl Controller {
 
     /// The temperature to regulate: T1, or what stands in for it where T1 is known to be wrong and that is allowed.
     fn regulated(&self, state: &ControllerState, sample: &Sample) -> Regulated {
-        let dead = matches!(
-            sample.t1.validity,
-            Validity::Open | Validity::Short | Validity::OutOfRange | Validity::Stuck
-        );
+        // A spike is over on the next tick: the output is held for it.
+        let believed =
+            matches!(sample.t1.validity, Validity::Good | Validity::Spike) && !state.feedback.t1_faulty;
         let known = state.feedback.stand_in.is_some() || state.stood_in;
-        if self.supervisor.goes_on_without_t1() && known && (dead || state.feedback.t1_faulty) {
+        if self.supervisor.goes_on_without_t1() && known && !believed {
             let stand_in = sample.t0.good().zip(state.feedback.stand_in).map(|(t0, rise)| Celsius(t0 + rise));
             Regulated { value: stand_in, is_stand_in: true }
         } else {

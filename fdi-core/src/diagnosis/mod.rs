@@ -13,7 +13,7 @@ use crate::error::{ConfigError, in_ranges};
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Observation, Observer, ObserverState};
-use crate::parity::{FaultClass, Parity, ParityReport, ParityState};
+use crate::parity::{Parity, ParityReport, ParityState};
 use crate::supervisor::Mode;
 use crate::units::{Percent, Seconds};
 use baseline::{Baseline, Learner};
@@ -132,13 +132,11 @@ impl Report {
     /// What of it the first half of the next tick needs.
     pub fn feedback(&self) -> Feedback {
         let finding = self.parity.finding;
-        // A heater that gives more than it is asked for looks like too little air.
-        let air_is_to_blame = !finding.is_some_and(|f| f.class == FaultClass::HeaterPower);
         Feedback {
             learned: self.learned,
             stand_in: self.parity.stand_in,
             t1_faulty: finding.is_some_and(|f| f.class.is_of_t1()),
-            air_flow: self.parity.air_flow.filter(|_| air_is_to_blame).map(Percent),
+            air_flow: self.parity.air_flow.map(Percent),
             heater_stuck_on: self.parity.heater_stuck_on,
         }
     }
@@ -211,6 +209,7 @@ impl Diagnosis {
         let judge = |features: &Option<_>, normal: Option<&_>| Some(self.judge(features.as_ref()?, normal?));
         let subtract = |features: &Option<_>| Some(subtract(features.as_ref()?, &normal?.raw.mean));
         let verdict = judge(&filtered, normal.map(|normal| &normal.filtered));
+        let undisturbed = verdict.is_none_or(|verdict| verdict.fdv == 0);
         Report {
             tick: tick.index,
             y1,
@@ -228,7 +227,7 @@ impl Diagnosis {
                 Some(v) => self.events.step(&mut state.events, tick.index, &v.symptoms, v.fdv, v.fiv),
                 None => Events::new(),
             },
-            parity: self.parity.step(&mut state.parity, tick, [y1, y2], applied),
+            parity: self.parity.step(&mut state.parity, tick, [y1, y2], applied, undisturbed),
         }
     }
 

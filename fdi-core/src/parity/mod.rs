@@ -16,6 +16,7 @@ mod bank;
 mod chart;
 mod config;
 mod fit;
+mod heat;
 mod hypothesis;
 mod model;
 mod noise;
@@ -35,6 +36,7 @@ use bank::Filters;
 use chart::Chart;
 pub use config::ParityConfig;
 use fit::Fit;
+use heat::Heat;
 use sensors::Sensors;
 use training::{Trainer, Training};
 pub use verdict::{Arming, Channel, Distrust, FaultClass, Finding, Magnitude, ParityReport};
@@ -89,6 +91,7 @@ impl Parity {
                 slow: Chart { slack: c.slow_slack, limit: c.slow_limit },
                 weakness: Weakness::new(c.model_uncertainty, ts.0),
                 filters: Filters::new(ts.0),
+                heat: Heat::new(ts.0),
                 rules,
                 mean_share: (ts.0 / c.mean_time.0).min(1.0),
                 tolerated_sag: c.tolerated_sag,
@@ -98,28 +101,32 @@ impl Parity {
     }
 
     /// Diagnoses one tick: `y` are the rises of T1 and T2 over the room in degC where valid, `applied` is what drives
-    /// the heater from this tick to the next, %.
+    /// the heater from this tick to the next, %. `undisturbed` says that the paper's signatures see no fault.
     pub fn step(
         &self,
         state: &mut ParityState,
         tick: &Tick,
         y: [Option<f32>; 2],
         applied: f32,
+        undisturbed: bool,
     ) -> ParityReport {
         self.follow_mode(state, tick.mode);
-        let by_models = self.run(state, tick, y, applied);
+        let by_models = self.run(state, tick, y, applied, undisturbed);
         let by_sensors = state.sensors.step(&tick.sample, tick.index);
         let watching = match &state.phase {
             Phase::Watching(watch) if tick.mode == Mode::Monitor => Some(watch),
             _ => None,
         };
+        let finding = by_sensors.or(by_models.flatten());
+        // A heater that gives more than it is asked for looks like too little air.
+        let by_heater = finding.is_some_and(|f| f.class == FaultClass::HeaterPower);
         ParityReport {
             arming: state.arming(),
             alarm: by_models.is_some() || by_sensors.is_some(),
-            finding: by_sensors.or(by_models.flatten()),
-            stand_in: watching.filter(|_| y[1].is_some()).map(WatchState::stand_in),
-            air_flow: watching.and_then(WatchState::air_flow),
-            heater_stuck_on: watching.is_some_and(WatchState::heater_stuck_on),
+            finding,
+            stand_in: watching.filter(|_| y[1].is_some()).and_then(WatchState::stand_in),
+            air_flow: watching.filter(|_| !by_heater).and_then(|watch| watch.heat().air_flow()),
+            heater_stuck_on: watching.is_some_and(|watch| watch.heat().heater_stuck_on()),
         }
     }
 
@@ -140,15 +147,15 @@ impl Parity {
         tick: &Tick,
         y: [Option<f32>; 2],
         u: f32,
+        undisturbed: bool,
     ) -> Option<Option<Finding>> {
         // With a baseline of an earlier life there is no learning; then training takes place while monitoring.
-        let fit_to_learn = tick.learn || (tick.mode == Mode::Monitor && tick.prbs.0 != 0.0);
+        let quiet = tick.mode == Mode::Monitor && tick.prbs.0 != 0.0 && undisturbed;
+        let fit_to_learn = tick.learn || quiet;
+        if fit_to_learn && matches!(state.phase, Phase::Untrained) {
+            state.phase = Phase::Training(self.trainer.start());
+        }
         match &mut state.phase {
-            Phase::Untrained if fit_to_learn => {
-                let mut training = self.trainer.start();
-                let _ = self.trainer.step(&mut training, y, u, true);
-                state.phase = Phase::Training(training);
-            }
             Phase::Untrained => {}
             Phase::Training(training) => match self.trainer.step(training, y, u, fit_to_learn) {
                 Ok(None) => {}

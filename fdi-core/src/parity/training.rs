@@ -50,7 +50,7 @@ impl Trainer {
         Training::Fitting { fit: self.fit.start(), count: 0 }
     }
 
-    /// Takes in one sample; `fit_to_learn` says whether it is one of undisturbed operation.
+    /// Takes in one sample; `fit_to_learn` says whether it is one of undisturbed operation. Only whole ones count.
     ///
     /// # Errors
     /// Why what was learnt can't be trusted.
@@ -65,7 +65,7 @@ impl Trainer {
         match training {
             Training::Fitting { fit, count } => {
                 self.fit.step(fit, y, u);
-                *count += u32::from(fit_to_learn);
+                *count += u32::from(y.iter().all(Option::is_some));
                 if *count >= self.fit_samples {
                     let (models, simulations) = self.fit.finish(fit)?;
                     *training =

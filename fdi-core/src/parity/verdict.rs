@@ -159,7 +159,8 @@ pub struct ParityReport {
     pub finding: Option<Finding>,
     /// What T1 will be above the room on the next tick by T2 and the models, degC; None where that is not known.
     pub stand_in: Option<f32>,
-    /// Air flow by the static gain of both rises over some seconds, % of normal.
+    /// Air flow by the static gain of both rises over some seconds, % of normal; None where it can't be told, or where the
+    /// heater is to blame.
     pub air_flow: Option<f32>,
     /// The rig has been much hotter than the models say for some seconds in which no heat was asked for.
     pub heater_stuck_on: bool,

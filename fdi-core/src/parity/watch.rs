@@ -6,7 +6,8 @@
 use super::alarm::{Alarm, Rules};
 use super::bank::{Bank, Briskness, Filters, Moment};
 use super::chart::{Chart, Sums};
-use super::fit::NA;
+use super::fit::{NA, NB};
+use super::heat::{Heat, HeatState};
 use super::hypothesis::Weighed;
 use super::model::{bounded, dot, larger, shift};
 use super::training::Trained;
@@ -26,16 +27,6 @@ const OUTSHINES: f32 = 4.0;
 const SAG_TIME: f32 = 3.0;
 /// Share of a level's running mean that is renewed in a tick.
 const LEVEL_SHARE: f32 = 0.4;
-/// Memory of the correction of a T1 that is stood in for, s.
-const STAND_IN_TIME: f32 = 2.0;
-/// The heater is stuck on when T1 has been so much hotter than expected for so long, and hardly any rise is expected:
-/// degC, s, degC.
-const TOO_HOT: f32 = 4.0;
-const TOO_HOT_TIME: f32 = 2.0;
-const HARDLY_WARM: f32 = 1.5;
-/// Memory of the rises that the air flow is judged by, s, and the smallest rise that says anything, degC.
-const FLOW_TIME: f32 = 2.0;
-const FLOW_MIN_RISE: f32 = 2.0;
 /// How far sags may carry the means from where they were trained: degC, on top of 1.5 tolerated sags.
 const MEAN_REACH: f32 = 0.25;
 
@@ -46,6 +37,7 @@ pub(super) struct Watch {
     pub(super) slow: Chart,
     pub(super) weakness: Weakness,
     pub(super) filters: Filters,
+    pub(super) heat: Heat,
     pub(super) rules: Rules,
     /// Share of the means that is renewed in a tick.
     pub(super) mean_share: f32,
@@ -70,16 +62,11 @@ pub(super) struct WatchState {
     weakness: WeaknessState,
     bank: Bank,
     measured: [f32; 2],
-    pub(super) levels: Levels,
+    levels: Levels,
     /// Ticks for which a sag has explained what the charts say.
     sagging: u32,
-    pub(super) alarm: Option<Alarm>,
-    /// What T1 by the models lacks, as T2 shows it, degC.
-    correction: f32,
-    /// For how long the rig has been hot without power, s.
-    too_hot: f32,
-    /// Low-passed rises of T1 and T2, and what was expected of them, degC.
-    rises: [[f32; 2]; 2],
+    alarm: Option<Alarm>,
+    heat: HeatState,
 }
 
 /// Where the residuals are now: means over a few ticks.
@@ -101,7 +88,7 @@ struct Now {
     expected: [f32; 2],
     y1_before: f32,
     measured_before: [f32; 2],
-    power: [f32; super::fit::NB],
+    power: [f32; NB],
     slack: Slack,
     z: [f32; 2],
     valid: bool,
@@ -130,9 +117,7 @@ impl Watch {
             levels: Levels::default(),
             sagging: 0,
             alarm: None,
-            correction: 0.0,
-            too_hot: 0.0,
-            rises: [[trained.rise; 2]; 2],
+            heat: HeatState::new(trained.rise),
             trained,
         }
     }
@@ -149,8 +134,8 @@ impl Watch {
         let mut now = self.residuals(s, tick, y, t0, u);
         let charted = self.chart(s, &mut now);
         self.explain(s, &now, &charted);
-        self.mind_the_heat(s, &now);
-        self.follow_flow(s, &now);
+        let along = s.trained.models.along.gain();
+        self.heat.step(&mut s.heat, y, now.expected, [now.e[0], now.e[1]], along);
         if s.alarm.is_none() {
             self.decide(s, &now, &charted);
         }
@@ -170,13 +155,11 @@ impl Watch {
         let [_, y2_expected, along] = models.step(simulations, y1_clipped, u);
         let expected = [y1_expected, y2_expected];
         let seen = core::array::from_fn(|m| y[m].unwrap_or(expected[m]));
-        let e = [(y[0], y1_expected), (y[1], y2_expected), (y[0].and(y[1]), along)];
-        let mut m = 0;
-        let e = e.map(|(y, expected)| {
-            let mean = s.mean[m];
-            m += 1;
-            Some(y? - expected - mean)
-        });
+        let e = [
+            y[0].map(|y1| y1 - y1_expected - s.mean[0]),
+            y[1].map(|y2| y2 - y2_expected - s.mean[1]),
+            y[0].and(y[1]).map(|y2| y2 - along - s.mean[2]),
+        ];
         Now {
             tick,
             e,
@@ -219,30 +202,6 @@ impl Watch {
             shift(&mut s.levels.past, e);
         }
         charted
-    }
-
-    /// Keeps a stand-in for T1 ready, and watches for heat that nobody asked for.
-    fn mind_the_heat(&self, s: &mut WatchState, now: &Now) {
-        if let Some(e) = now.e[1] {
-            let missing = e / s.trained.models.along.gain();
-            s.correction += (self.sample_time / STAND_IN_TIME).min(1.0) * (missing - s.correction);
-        }
-        let hotter = now.e[..2].iter().flatten().any(|&e| e > TOO_HOT);
-        let hot = hotter && now.expected[0] < HARDLY_WARM;
-        s.too_hot = if hot { (s.too_hot + self.sample_time).min(TOO_HOT_TIME) } else { 0.0 };
-    }
-
-    /// Follows what the static gains say of the air flow, however far it is from what the bank can explain.
-    fn follow_flow(&self, s: &mut WatchState, now: &Now) {
-        if !now.valid {
-            return;
-        }
-        let share = (self.sample_time / FLOW_TIME).min(1.0);
-        for m in 0..2 {
-            let [measured, expected] = &mut s.rises[m];
-            *measured += share * (s.measured[m] - *measured);
-            *expected += share * (now.expected[m] - *expected);
-        }
     }
 
     /// Lets the means follow while nothing stirs, and the bank gather while something does.
@@ -344,22 +303,14 @@ impl WatchState {
         self.sagging = 0;
     }
 
-    /// What T1 will be above the room on the next tick, by the models and T2, degC.
-    pub(super) fn stand_in(&self) -> f32 {
-        self.trained.simulations.y1.y[0] + self.mean[0] + self.correction
+    /// What T1 will be above the room on the next tick, by the models and T2, degC; None where they disagree.
+    pub(super) fn stand_in(&self) -> Option<f32> {
+        self.heat.stand_in(self.trained.simulations.y1.y[0] + self.mean[0])
     }
 
-    /// Air flow by the static gain, % of normal, the larger of what T1 and T2 say; None where it is too cold to tell.
-    pub(super) fn air_flow(&self) -> Option<f32> {
-        let flow = |[measured, expected]: [f32; 2]| {
-            (expected > FLOW_MIN_RISE && measured > FLOW_MIN_RISE).then(|| 100.0 * expected / measured)
-        };
-        Some(flow(self.rises[0])?.max(flow(self.rises[1])?))
-    }
-
-    /// Whether the rig has been hot without power for too long.
-    pub(super) fn heater_stuck_on(&self) -> bool {
-        self.too_hot >= TOO_HOT_TIME
+    /// Air flow and heater, as the heat shows them.
+    pub(super) fn heat(&self) -> &HeatState {
+        &self.heat
     }
 
     /// Keeps the simulations going while the instrument does not watch.

@@ -15,6 +15,7 @@ enum Slot<'a> {
     Float(&'a mut f32),
     Byte(&'a mut u8),
     Word(&'a mut u16),
+    Switch(&'a mut bool),
     Bandwidth(&'a mut Bandwidth),
     Adaptation(&'a mut Adaptation),
 }
@@ -101,6 +102,8 @@ pub const ENTRIES: &[Entry] = entries! {
     Float "supervisor.min_excitation" "%" supervisor.min_excitation.0;
     Float "supervisor.over_temperature" "degC" supervisor.over_temperature.0;
     Float "supervisor.signal_timeout" "s" supervisor.signal_timeout.0;
+    Switch "supervisor.go_on_without_t1" "" supervisor.go_on_without_t1;
+    Float "supervisor.min_air_flow" "%" supervisor.min_air_flow.0;
     Float "supervisor.setpoint_min" "degC" supervisor.setpoint_min.0;
     Float "supervisor.setpoint_max" "degC" supervisor.setpoint_max.0;
 };
@@ -128,6 +131,7 @@ impl Entry {
             Slot::Float(x) => [x.to_bits(), UNUSED],
             Slot::Byte(x) => [u32::from(*x), UNUSED],
             Slot::Word(x) => [u32::from(*x), UNUSED],
+            Slot::Switch(x) => [u32::from(*x), UNUSED],
             Slot::Bandwidth(Bandwidth::RiseTime) => [0, UNUSED],
             Slot::Bandwidth(Bandwidth::ResidenceTime) => [1, UNUSED],
             Slot::Adaptation(Adaptation::Forgetting { lambda }) => [lambda.to_bits(), UNUSED],
@@ -142,6 +146,7 @@ impl Entry {
             Slot::Float(x) => *x = first,
             Slot::Byte(x) => *x = bits[0] as u8,
             Slot::Word(x) => *x = bits[0] as u16,
+            Slot::Switch(x) => *x = bits[0] == 1,
             Slot::Bandwidth(x) if bits[0] == 0 => *x = Bandwidth::RiseTime,
             Slot::Bandwidth(x) => *x = Bandwidth::ResidenceTime,
             Slot::Adaptation(x) if bits[1] == UNUSED => *x = Adaptation::Forgetting { lambda: first },
@@ -283,6 +288,7 @@ impl Name {
             Slot::Float(x) => *x = decimal::parse(text).ok_or_else(|| expected(decimal::EXPECTED))?,
             Slot::Byte(x) => *x = text.parse().map_err(|_| expected("a whole number up to 255"))?,
             Slot::Word(x) => *x = text.parse().map_err(|_| expected("a whole number up to 65535"))?,
+            Slot::Switch(x) => *x = text.parse().map_err(|_| expected("true or false"))?,
             Slot::Bandwidth(x) => {
                 *x = match text {
                     "rise-time" => Bandwidth::RiseTime,
@@ -333,6 +339,7 @@ impl fmt::Display for Value<'_> {
             Slot::Float(x) => Short(*x).fmt(f)?,
             Slot::Byte(x) => write!(f, "{x}")?,
             Slot::Word(x) => write!(f, "{x}")?,
+            Slot::Switch(x) => f.write_str(if *x { "true" } else { "false" })?,
             Slot::Bandwidth(Bandwidth::RiseTime) => f.write_str("rise-time")?,
             Slot::Bandwidth(Bandwidth::ResidenceTime) => f.write_str("residence-time")?,
             Slot::Adaptation(Adaptation::Forgetting { lambda }) => {

@@ -1,6 +1,7 @@
 //! `host-sim campaign`: many runs of many kinds, both diagnoses side by side, in numbers with their uncertainty.
 
 pub mod cell;
+pub mod confusion;
 pub mod definition;
 mod files;
 mod markdown;

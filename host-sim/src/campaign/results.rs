@@ -1,10 +1,9 @@
 //! What the runs of a campaign showed, cell by cell and diagnosis by diagnosis.
 
-use std::collections::BTreeMap;
-
 use serde::{Deserialize, Serialize};
 
 use super::cell::Cell;
+use super::confusion::{Confusion, confusion};
 use super::definition::{Campaign, Expect};
 use super::run::{RunRow, Seen};
 use super::statistics::{Quantiles, poisson_interval};
@@ -116,21 +115,6 @@ pub struct AlarmStatistics {
     pub share_of_time: f64,
 }
 
-/// One entry of a confusion matrix.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Confusion {
-    /// Values of the sweep.
-    pub setting: String,
-    /// Which diagnosis.
-    pub by: By,
-    /// True class.
-    pub class: String,
-    /// Class settled on; `none`: nothing was named.
-    pub verdict: String,
-    /// Runs.
-    pub runs: u32,
-}
-
 /// Which diagnosis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -217,7 +201,7 @@ impl CellResults {
 }
 
 /// Name of the class of a cell's fault.
-fn class(cell: &Cell) -> Option<&'static str> {
+pub(super) fn class(cell: &Cell) -> Option<&'static str> {
     Some(cell.fault()?.expected_class()?.name())
 }
 
@@ -310,25 +294,6 @@ fn dispersion(counts: Vec<f64>) -> Option<f64> {
     let mean = counts.iter().sum::<f64>() / n;
     let variance = counts.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (n - 1.0);
     (n > 1.0 && mean > 0.0).then(|| variance / mean)
-}
-
-fn confusion(cases: &[Case]) -> Vec<Confusion> {
-    let mut counts: BTreeMap<(&str, By, &str, &str), u32> = BTreeMap::new();
-    for (cell, row) in cases.iter().filter(|(cell, _)| cell.plant.is_empty()) {
-        let Some(class) = class(cell) else { continue };
-        for by in By::BOTH {
-            let verdict = by.of(row).settled.as_deref().unwrap_or("none");
-            *counts.entry((&cell.setting, by, class, verdict)).or_default() += 1;
-        }
-    }
-    let entry = |((setting, by, class, verdict), runs): ((&str, By, &str, &str), u32)| Confusion {
-        setting: setting.into(),
-        by,
-        class: class.into(),
-        verdict: verdict.into(),
-        runs,
-    };
-    counts.into_iter().map(entry).collect()
 }
 
 #[cfg(test)]

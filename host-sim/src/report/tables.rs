@@ -211,6 +211,15 @@ pub(super) fn what_happens(fault: &Fault) -> String {
         Verb::HeaterStuck => format!("heater stuck at {size} %"),
         Verb::Room => format!("room {size} °C warmer"),
         Verb::RoomDrift => format!("room warmer by {size} °C a minute"),
+        Verb::Detach => {
+            let over = fault.over.map_or_else(String::new, |over| format!(", over {} s", written(over)));
+            format!("{sensor} out of the tube: it misses {size} of the rise{over}")
+        }
+        Verb::Swap => {
+            let with = fault.with.map_or_else(String::new, |s| format!("{s:?}"));
+            format!("{sensor} and {with} exchanged")
+        }
+        Verb::Freeze => format!("{sensor} frozen, with noise of {size} codes"),
     };
     format!("{what}, from {} s for {} s", written(fault.at), written(fault.duration))
 }

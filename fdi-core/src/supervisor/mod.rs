@@ -53,8 +53,8 @@ pub struct Situation<'a> {
     pub mean_error: Option<f32>,
     /// The temperature wanted.
     pub setpoint: Celsius,
-    /// What has driven the heater since the tick before.
-    pub drive: Percent,
+    /// What the PID asked for on the tick before: the drive without the excitation.
+    pub pid: Percent,
     /// The drive was at a limit on the tick before.
     pub saturated: bool,
     /// The tick before was really excited.
@@ -113,7 +113,7 @@ pub struct SupervisorState {
     restored: bool,
     /// What was learnt is to be forgotten, from the next tick on.
     forget: bool,
-    /// Power up to now, averaged, %.
+    /// Power asked for up to now, without the excitation, averaged, %.
     power: f32,
     normal: Normal,
     response: ResponseState,

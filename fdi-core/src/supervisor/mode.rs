@@ -50,7 +50,7 @@ impl TripReason {
             Self::AirFlowLost => "too little air to heat",
             Self::HeaterStuckOn => "the rig heats although the heater is off",
             Self::SensorsDisagree => {
-                "T2 is far hotter than T1: one of them is out of the tube, or wires are swapped"
+                "T2 is far hotter than T1: T1 is out of the tube or stands still, or wires are swapped"
             }
             Self::NoResponse => "full power, and T1 has not risen: T1 out of the tube, or nothing heats",
             Self::ExcessPower => {
@@ -76,7 +76,7 @@ pub struct Trip {
     pub setpoint: Celsius,
     /// The temperature above which T1 or T2 trips.
     pub limit: Celsius,
-    /// What had driven the heater up to then, its mean over about a second.
+    /// What had been asked of the heater up to then, without the excitation: its mean over about a second.
     pub power: Percent,
     /// The power that this set-point needed by what was learnt, where that is known.
     pub needed: Option<Percent>,

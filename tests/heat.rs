@@ -32,7 +32,11 @@ struct Outcome {
 
 impl Bench {
     fn new(gain: f64, setpoint: f32, room: f64, faults: &[Fault], seed: u64) -> Self {
-        let mut config = Config { setpoint: Celsius(setpoint), ..with_prbs_phase(&Config::default(), seed) };
+        Self::with(&Config::default(), gain, setpoint, room, faults, seed)
+    }
+
+    fn with(base: &Config, gain: f64, setpoint: f32, room: f64, faults: &[Fault], seed: u64) -> Self {
+        let mut config = Config { setpoint: Celsius(setpoint), ..with_prbs_phase(base, seed) };
         config.pid.kp *= 0.3 / gain as f32;
         config.prbs.amplitude.0 *= 0.3 / gain as f32;
         let sample_time = as_written(config.sample_time.0);
@@ -133,9 +137,16 @@ fn a_t1_that_slides_out_slowly_overheats_by_less_than_10_degrees() {
     for (gain, setpoint) in RIGS {
         for over in [60.0, 600.0] {
             let slides = out(Sensor::T1, 1.0, over, LATE);
-            let outcome = Bench::armed(gain, setpoint, &[slides], 12).watch(LATE, LATE + over + 60.0);
-            let place = format!("over {over} s, gain {gain}, {setpoint} degC: {outcome:?}");
-            assert!(outcome.off.is_some() && outcome.overshoot < 10.0, "{place}");
+            // Nor is a stand-in for T1 believed against it.
+            for go_on in [false, true] {
+                let mut config = Config::default();
+                config.supervisor.go_on_without_t1 = go_on;
+                let mut bench = Bench::with(&config, gain, setpoint, 22.5, std::slice::from_ref(&slides), 12);
+                bench.instrument.command(Command::Arm).unwrap();
+                let outcome = bench.watch(LATE, LATE + over + 60.0);
+                let place = format!("over {over} s, gain {gain}, {setpoint} degC, {go_on}: {outcome:?}");
+                assert!(outcome.off.is_some() && outcome.overshoot < 10.0, "{place}");
+            }
         }
     }
 }

@@ -51,6 +51,8 @@ pub struct SupervisorConfig {
     pub go_on_without_t1: bool,
     /// Air flow surely below this share of normal switches the heater off; 0 never does.
     pub min_air_flow: Percent,
+    /// The board refuses to arm until its self-test has passed since power-on. Only its control loop enforces it.
+    pub check_before_arming: bool,
     /// Lowest set-point that is accepted.
     pub setpoint_min: Celsius,
     /// Highest set-point that is accepted.
@@ -69,6 +71,7 @@ impl Default for SupervisorConfig {
             signal_timeout: Seconds(0.5),
             go_on_without_t1: false,
             min_air_flow: Percent(50.0),
+            check_before_arming: true,
             setpoint_min: Celsius(20.0),
             setpoint_max: Celsius(65.0),
         }
@@ -128,6 +131,7 @@ pub struct Supervisor {
     over_temperature: Celsius,
     go_on_without_t1: bool,
     min_air_flow: f32,
+    check_before_arming: bool,
     setpoint_min: f32,
     setpoint_max: f32,
 }
@@ -188,6 +192,7 @@ impl Supervisor {
             over_temperature: c.over_temperature,
             go_on_without_t1: c.go_on_without_t1,
             min_air_flow: c.min_air_flow.0,
+            check_before_arming: c.check_before_arming,
             setpoint_min: c.setpoint_min.0,
             setpoint_max: c.setpoint_max.0,
         })
@@ -201,6 +206,16 @@ impl Supervisor {
     /// Whether a faulty T1 is stood in for.
     pub fn goes_on_without_t1(&self) -> bool {
         self.go_on_without_t1
+    }
+
+    /// Whether a board must have passed its self-test before it arms.
+    pub fn checks_before_arming(&self) -> bool {
+        self.check_before_arming
+    }
+
+    /// What would trip, whatever the mode; as of the last tick.
+    pub fn hazard_seen(&self, state: &SupervisorState) -> Option<TripReason> {
+        state.hazard
     }
 
     /// Decides the mode of this tick, before anything is driven.

@@ -29,6 +29,12 @@ pub(crate) fn cut() {
     pac::TIM1.bdtr().modify(|w| w.set_moe(false));
 }
 
+/// Ends a break that was made on purpose, with the output off whether it has worked or not.
+fn cut_and_forget_break() {
+    cut();
+    pac::TIM1.sr().modify(|w| w.set_bif(0, false));
+}
+
 /// Switches the output off because the control tick was missing for too long.
 pub(crate) fn cut_by_dead_man() {
     cut();
@@ -95,6 +101,8 @@ impl Heater for HeaterOutput {
         pac::TIM1.ccr(0).write(|w| w.set_ccr(duty::compare(power, self.period)));
     }
 
+    fn contactor(&mut self, _closed: bool) {}
+
     fn enable(&mut self) {
         DEAD_MAN.store(false, Ordering::Relaxed);
         pac::TIM1.bdtr().modify(|w| w.set_moe(true));
@@ -110,6 +118,15 @@ impl Heater for HeaterOutput {
 
     fn break_is_open(&self) -> bool {
         self.break_input.is_high()
+    }
+
+    fn test_break(&mut self) -> bool {
+        self.enable();
+        let enabled = is_enabled();
+        pac::TIM1.egr().write(|w| w.set_bg(0, true));
+        let cut = !is_enabled();
+        cut_and_forget_break();
+        enabled && cut
     }
 
     fn cut_by(&self) -> Hold {

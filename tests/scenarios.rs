@@ -11,7 +11,7 @@ use host_sim::summary::Summary;
 use indicatif::ProgressBar;
 
 fn fault(verb: Verb, sensor: Option<Sensor>, size: Option<f64>, at: f64, duration: f64) -> Fault {
-    Fault { name: String::new(), verb, sensor, size, lag: None, at, duration }
+    Fault::new(verb, sensor, size, at, duration)
 }
 
 fn run_with(faults: Vec<Fault>, actions: Vec<Action>, duration: f64, seed: u64) -> Record {

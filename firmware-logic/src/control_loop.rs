@@ -4,6 +4,7 @@
 use core::fmt;
 
 use fdi_core::control::{Controller, ControllerState};
+use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{AdcCode, Celsius, Command, Feedback, Mode, Percent, RawSample, Refusal, Tick};
 
 use crate::cadence::Arrival;
@@ -170,8 +171,8 @@ impl ControlLoop {
     }
 
     /// Hears that the other half has a baseline from an earlier life.
-    pub fn restored(&mut self) {
-        self.controller.restored(&mut self.state);
+    pub fn restored(&mut self, baseline: &Baseline) {
+        self.controller.restored(&mut self.state, baseline);
     }
 
     /// One tick. `feedback` is what the other half last reported.
@@ -244,11 +245,14 @@ impl ControlLoop {
         let asked = order.asked();
         let result = match order {
             Order::Retune(controller) => {
-                self.controller = controller;
-                if let Some(check) = &mut self.check {
-                    check.abort(Ending::Settings);
+                let result = self.controller.check_retune(&self.state, &controller);
+                if result.is_ok() {
+                    self.controller = controller;
+                    if let Some(check) = &mut self.check {
+                        check.abort(Ending::Settings);
+                    }
                 }
-                Ok(())
+                result.map_err(Denial::Refused)
             }
             Order::Command(command) => self.command(command, heater),
             Order::Check => self.begin_check(heater),
@@ -323,7 +327,11 @@ impl ControlLoop {
             return Output::On { power: tick.drive, contactor: true };
         }
         let Some(check) = self.check.as_mut().filter(|check| check.ending().is_none()) else { return Output::Off };
-        let output = check.step(&tick.sample, &raw, self.controller.hazard(&self.state));
+        let hazard = match tick.mode {
+            Mode::Tripped(trip) => Some(trip.reason),
+            _ => self.controller.hazard(&self.state),
+        };
+        let output = check.step(&tick.sample, &raw, hazard);
         self.checked = check.ending() == Some(Ending::Passed);
         output
     }

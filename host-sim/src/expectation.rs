@@ -29,7 +29,9 @@ impl Fault {
             (Verb::Clog, Some(T1)) => Some(FaultClass::T1Clogged),
             (Verb::Clog, Some(T2)) => Some(FaultClass::Unknown),
             (Verb::Drift, Some(_)) => Some(FaultClass::Drift),
-            (Verb::Stuck, channel) => channel.map(FaultClass::Stuck),
+            (Verb::Detach, Some(T1)) => Some(FaultClass::T1Clogged),
+            (Verb::Detach, _) | (Verb::Swap, _) => Some(FaultClass::Unknown),
+            (Verb::Stuck | Verb::Freeze, channel) => channel.map(FaultClass::Stuck),
             (Verb::Open, channel) => channel.map(FaultClass::Open),
             (Verb::Short, channel) => channel.map(FaultClass::Short),
             (Verb::Missing, channel) if self.size == Some(1.0) => channel.map(FaultClass::Lost),
@@ -45,6 +47,7 @@ impl Fault {
         match self.verb {
             Verb::Offset | Verb::Drift => Some(size),
             Verb::Clog if self.sensor == Some(Sensor::T1) => Some(percent(size)),
+            Verb::Detach if self.sensor == Some(Sensor::T1) => Some(percent(1.0 - size)),
             Verb::AirFlow | Verb::HeaterPower => Some(percent(size)),
             _ => None,
         }
@@ -61,7 +64,7 @@ mod tests {
     use super::*;
 
     fn fault(verb: Verb, sensor: Option<Sensor>, size: Option<f64>) -> Fault {
-        Fault { name: String::new(), verb, sensor, size, lag: None, at: 1.0, duration: 1.0 }
+        Fault::new(verb, sensor, size, 1.0, 1.0)
     }
 
     #[test]

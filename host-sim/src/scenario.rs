@@ -219,6 +219,20 @@ mod tests {
             ("[[fault]]\ndo = \"offset\"\nsize = 1\nat = 1\nfor = 1", ["sensor", "t0, t1 or t2"]),
             ("[[fault]]\ndo = \"air-flow\"\nat = 1\nfor = 1", ["size", "times the nominal flow"]),
             ("[[fault]]\ndo = \"open\"\nsensor = \"t1\"\nat = 1\nfor = 0", ["for is 0", "more than 0 s"]),
+            (
+                "[[fault]]\ndo = \"detach\"\nsensor = \"t0\"\nsize = 1\nat = 1\nfor = 1",
+                ["sensor is t0", "t1 or t2"],
+            ),
+            (
+                "[[fault]]\ndo = \"detach\"\nsensor = \"t1\"\nsize = 1.5\nat = 1\nfor = 1",
+                ["size is 1.5", "0 to 1"],
+            ),
+            ("[[fault]]\ndo = \"swap\"\nsensor = \"t1\"\nat = 1\nfor = 1", ["`with`", "the other sensor"]),
+            (
+                "[[fault]]\ndo = \"swap\"\nsensor = \"t1\"\nwith = \"t1\"\nat = 1\nfor = 1",
+                ["the same", "two sensors"],
+            ),
+            ("[[fault]]\ndo = \"stuck\"\nsensor = \"t1\"\nover = 3\nat = 1\nfor = 1", ["over = 3", "detach"]),
             ("[rig]\ngain = -1", ["rig.gain is -1", "0.001 to 100"]),
             ("[[action]]\nat = 3", ["action 1", "setpoint"]),
             ("[[action]]\nat = 3\nexcite = true\nover = 5", ["action 1", "over is 5"]),

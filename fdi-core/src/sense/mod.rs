@@ -115,6 +115,14 @@ impl Sensing {
         })
     }
 
+    /// The first setting by which `new` would widen a limit, or change what a code means.
+    pub(crate) fn widened(&self, new: &Self) -> Option<&'static str> {
+        self.t0
+            .widened(&new.t0, "sensors.t0")
+            .or_else(|| self.t1.widened(&new.t1, "sensors.t1"))
+            .or_else(|| self.t2.widened(&new.t2, "sensors.t2"))
+    }
+
     /// Converts and judges one sample. `excited` says that the heater is being moved, so that a live sensor must move.
     pub fn step(&self, state: &mut SensingState, raw: RawSample, excited: bool) -> Sample {
         Sample {

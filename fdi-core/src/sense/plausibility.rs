@@ -69,6 +69,24 @@ impl PlausibilityConfig {
     }
 }
 
+impl PlausibilityConfig {
+    /// The first limit that `new` would widen.
+    fn widened(&self, new: &Self) -> Option<&'static str> {
+        let larger = [
+            ("plausibility.open_code", self.open_code.0, new.open_code.0),
+            ("plausibility.max", self.max.0, new.max.0),
+            ("plausibility.jump", self.jump.0, new.jump.0),
+            ("plausibility.stuck_time", self.stuck_time.0, new.stuck_time.0),
+            ("plausibility.room_stuck_time", self.room_stuck_time.0, new.room_stuck_time.0),
+            // Smaller ones are wider.
+            ("plausibility.short_code", new.short_code.0, self.short_code.0),
+            ("plausibility.min", new.min.0, self.min.0),
+            ("plausibility.stuck_band", new.stuck_band.0, self.stuck_band.0),
+        ];
+        larger.iter().find(|(_, now, then)| then > now).map(|(name, ..)| *name)
+    }
+}
+
 /// So many jumps within the last 8 samples fail the rate check.
 const RATE_JUMPS: u32 = 3;
 
@@ -97,6 +115,11 @@ pub struct ChannelState {
 impl Channel {
     pub(crate) fn new(thermistor: Thermistor, limits: &PlausibilityConfig, stuck_ticks: u32) -> Self {
         Self { thermistor, limits: *limits, stuck_ticks }
+    }
+
+    /// What a change to `new` would widen: a limit, or what a code means.
+    pub(super) fn widened(&self, new: &Self, sensor: &'static str) -> Option<&'static str> {
+        if self.thermistor != new.thermistor { Some(sensor) } else { self.limits.widened(&new.limits) }
     }
 
     /// Converts and judges one code. Total: any bit pattern gives a finite temperature and a validity.

@@ -112,11 +112,11 @@ impl fmt::Display for Finding {
             ),
             Self::TooHot(c, by) => write!(
                 f,
-                "{} rose by {} degC, expected at most 6: too strong a heater, or too little air",
+                "{} rose by {} degC, expected at most 4.5: too strong a heater, or too little air",
                 name(c),
                 Fixed(by, 1)
             ),
-            Self::Hazard(reason) => write!(f, "the supervisor would trip: {reason:?}, see `status`"),
+            Self::Hazard(reason) => write!(f, "it would trip: {}", reason.words()),
             _ => f.write_str(self.fixed_text()),
         }
     }

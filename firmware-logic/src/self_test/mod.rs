@@ -46,8 +46,9 @@ const CLOSED_TICKS: [u32; 2] = [1, 6];
 pub const LEVELS: [f32; 4] = [2.5, 5.0, 10.0, 20.0];
 /// Cycles by which order and silence are judged.
 const ORDER_CYCLES: u32 = 4;
-/// Rise in degC above the beginning at which the check ends: three times what it takes to see an answer on most rigs.
-pub const MAX_RISE: f32 = 6.0;
+/// Rise in degC above the beginning at which the check ends: well above the answer of the strongest rig to the smallest
+/// pulse, 2.5 degC, and below the 5 degC that the supervisor takes for a heater that is stuck on.
+pub const MAX_RISE: f32 = 4.5;
 /// Ticks in a row, while heating, that a thermistor may give nothing to believe.
 const MAX_LOST: u32 = 5;
 /// Ticks of a cycle at rest that may give nothing to believe: a spike now and then is no fault.

@@ -193,15 +193,7 @@ mod tests {
 
     /// What is kept of a fault from 10 s to 20 s, one tick a second, if the alarm stands when `alarm` says so.
     fn seen(alarm: impl Fn(u32) -> Option<bool>) -> Seen {
-        let fault = Fault {
-            name: String::new(),
-            verb: Verb::Offset,
-            sensor: Some(Sensor::T2),
-            size: Some(1.0),
-            lag: None,
-            at: 10.0,
-            duration: 10.0,
-        };
+        let fault = Fault::new(Verb::Offset, Some(Sensor::T2), Some(1.0), 10.0, 10.0);
         let mut guard = Guard::default();
         for t in 0..60 {
             let named = (t == 40).then_some(FaultClass::Drift);

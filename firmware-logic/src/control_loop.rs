@@ -14,6 +14,8 @@ use crate::interlock::{Hold, Interlock};
 pub trait Heater {
     /// Sets the power; has an effect at the output only while it is enabled.
     fn drive(&mut self, power: Percent);
+    /// Closes or opens the contactor in series with the heater; it is closed only while the output is enabled, too.
+    fn contactor(&mut self, closed: bool);
     /// Enables the output. Without effect while the break input is open.
     fn enable(&mut self);
     /// Disables the output at once.
@@ -168,6 +170,7 @@ impl ControlLoop {
 
     fn stop(&mut self, heater: &mut impl Heater) {
         heater.disable();
+        heater.contactor(false);
         self.driving = false;
         self.applied = Percent(0.0);
         // Stop is possible in every mode.
@@ -215,10 +218,12 @@ impl ControlLoop {
         if heat {
             heater.drive(tick.drive);
             if !self.driving {
+                heater.contactor(true);
                 heater.enable();
             }
         } else {
             heater.disable();
+            heater.contactor(false);
             heater.drive(Percent(0.0));
         }
         self.driving = heat;

@@ -8,10 +8,12 @@ use firmware_logic::control_loop::{Beat, ControlLoop, Denial, Heater, Order};
 use firmware_logic::interlock::{Hold, Interlock};
 use firmware_logic::reset_cause::ResetCause;
 
-/// The output stage as the chip has it: the break input clears the enable and keeps it from being set.
+/// The output stage as the chip has it: the break input clears the enable and keeps it from being set, and the enable
+/// carries heater and contactor both.
 #[derive(Debug, Default)]
 struct Output {
     power: f32,
+    contactor: bool,
     enabled: bool,
     open: bool,
     dead_man: bool,
@@ -19,13 +21,16 @@ struct Output {
 
 impl Output {
     fn at_the_pin(&self) -> f32 {
-        if self.enabled { self.power } else { 0.0 }
+        if self.enabled && self.contactor { self.power } else { 0.0 }
     }
 }
 
 impl Heater for Output {
     fn drive(&mut self, power: Percent) {
         self.power = power.0;
+    }
+    fn contactor(&mut self, closed: bool) {
+        self.contactor = closed;
     }
     fn enable(&mut self) {
         self.enabled = !self.open;
@@ -203,6 +208,29 @@ fn a_trip_cuts_in_the_same_tick_and_one_acknowledgement_serves() {
         });
         assert_eq!(bench.order(Command::Acknowledge).outcome.expect("an order").result, Ok(()));
         assert_eq!(bench.tick().tick.mode, Mode::Off);
+    }
+}
+
+#[test]
+fn the_contactor_is_closed_by_arming_and_opened_by_every_way_out() {
+    let ways_out: [(&str, fn(&mut Bench)); 5] = [
+        ("stop", |bench| drop(bench.order(Command::Stop))),
+        ("trip", |bench| bench.codes.t1 = AdcCode(4090.0)),
+        ("break input", |bench| (bench.output.open, bench.output.enabled) = (true, false)),
+        ("dead man", |bench| (bench.output.dead_man, bench.output.enabled) = (true, false)),
+        ("missed ticks", |bench| {
+            (0..10).for_each(|_| drop(bench.control.missed(Arrival::default(), &mut bench.output)));
+        }),
+    ];
+    for (name, leave) in ways_out {
+        let mut bench = Bench::new(ResetCause::PowerOn);
+        bench.tick();
+        assert!(!bench.output.contactor, "{name}: closed before arming");
+        bench.order(Command::Arm);
+        assert!(bench.output.contactor, "{name}: not closed by arming");
+        leave(&mut bench);
+        bench.tick();
+        assert!(!bench.output.contactor, "{name}: still closed");
     }
 }
 

@@ -52,7 +52,7 @@ fn start(spawner: Spawner) {
     let (controller, diagnosis) = halves(&config);
 
     tick_timer::start(board.tick_timer);
-    let heater = HeaterOutput::new(board.pwm_timer, board.heater, board.break_input);
+    let heater = HeaterOutput::new(board.pwm_timer, (board.heater, board.contactor), board.break_input);
     let thermistors = Thermistors::new(board.adc, board.thermistors);
     let (orders_in, orders_out) = link::orders();
     let (beats_out, beats_in) = link::beats();

@@ -205,19 +205,24 @@ impl Board for Bench {
 #[derive(Debug, Default)]
 pub struct Output {
     power: Percent,
+    contactor: bool,
     enabled: bool,
 }
 
 impl Output {
     /// What reaches the heater.
     pub fn given(&self) -> Percent {
-        if self.enabled { self.power } else { Percent(0.0) }
+        if self.enabled && self.contactor { self.power } else { Percent(0.0) }
     }
 }
 
 impl Heater for Output {
     fn drive(&mut self, power: Percent) {
         self.power = power;
+    }
+
+    fn contactor(&mut self, closed: bool) {
+        self.contactor = closed;
     }
 
     fn enable(&mut self) {

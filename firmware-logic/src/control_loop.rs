@@ -48,6 +48,10 @@ pub enum Denial {
     Held(Hold),
     /// The interlock on the break input is open.
     BreakOpen,
+    /// The flash did not take the mark that tells of a power failure.
+    NoMark,
+    /// The control half has not said what became of the order.
+    NoAnswer,
 }
 
 impl fmt::Display for Denial {
@@ -57,6 +61,12 @@ impl fmt::Display for Denial {
             Self::Held(hold) => write!(f, "held off: {hold}; expected `ack` first"),
             Self::BreakOpen => {
                 f.write_str("the interlock on the break input is open, expected it closed to ground")
+            }
+            Self::NoMark => f.write_str(
+                "the flash did not take the mark of a power failure, expected `save` first to mend it",
+            ),
+            Self::NoAnswer => {
+                f.write_str("not carried out, or not told so on the next tick as expected; see `status`")
             }
         }
     }

@@ -5,8 +5,8 @@ use core::pin::pin;
 use core::task::{Context, Poll, Waker};
 
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::{Command, Config, ConfigError};
-use firmware_logic::console::{ANSWER, Board, Console, line};
+use fdi_core::{Command, Config};
+use firmware_logic::console::{ANSWER, ApplyError, Board, Console, line};
 use firmware_logic::control_loop::Denial;
 use firmware_logic::history::Entry;
 use firmware_logic::interlock::Hold;
@@ -46,12 +46,16 @@ impl Board for Mock {
     fn config(&self) -> Config {
         self.config.clone()
     }
-    async fn apply(&mut self, config: &Config) -> Result<(), ConfigError> {
+    async fn apply(&mut self, config: &Config) -> Result<(), ApplyError> {
         check(config)?;
         self.config = config.clone();
         Ok(())
     }
     async fn save(&mut self) -> Result<(), SaveError> {
+        if self.heating { Err(SaveError::Heating) } else { Ok(()) }
+    }
+    fn set_brown_out_level(&mut self) -> Result<(), SaveError> {
+        self.asked.push("brownout".into());
         if self.heating { Err(SaveError::Heating) } else { Ok(()) }
     }
     fn baseline(&self) -> Option<Baseline> {

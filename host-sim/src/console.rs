@@ -12,9 +12,9 @@ use embassy_futures::block_on;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
-use fdi_core::{AdcCode, Command, Config, ConfigError, Feedback, Mode, Percent, RawSample};
+use fdi_core::{AdcCode, Command, Config, Feedback, Mode, Percent, RawSample};
 use firmware_logic::cadence::Arrival;
-use firmware_logic::console::{self, Board};
+use firmware_logic::console::{self, ApplyError, Board};
 use firmware_logic::control_loop::{ControlLoop, Denial, Heater, Order};
 use firmware_logic::history::{Entry, History};
 use firmware_logic::interlock::{Hold, Interlock};
@@ -178,10 +178,10 @@ impl Board for Bench {
         self.config.clone()
     }
 
-    async fn apply(&mut self, config: &Config) -> Result<(), ConfigError> {
+    async fn apply(&mut self, config: &Config) -> Result<(), ApplyError> {
         let controller = Controller::new(config)?;
         let diagnosis = Diagnosis::new(config)?;
-        let _ = self.tick(Some(Order::Retune(controller)));
+        self.tick(Some(Order::Retune(controller)))?;
         self.diagnosis = diagnosis;
         self.config = config.clone();
         Ok(())
@@ -189,6 +189,11 @@ impl Board for Bench {
 
     /// There is no flash here: settings live as long as the console. That a running heater forbids it is the same.
     async fn save(&mut self) -> Result<(), SaveError> {
+        if self.heater.enabled { Err(SaveError::Heating) } else { Ok(()) }
+    }
+
+    /// Nor are there option bytes.
+    fn set_brown_out_level(&mut self) -> Result<(), SaveError> {
         if self.heater.enabled { Err(SaveError::Heating) } else { Ok(()) }
     }
 

@@ -6,7 +6,7 @@
 //! MOE again, and only while the input is closed. Whatever cuts the heater therefore opens the contactor in the same
 //! moment, and a power stage that has failed on is switched off by it.
 
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicU8, Ordering};
 
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
@@ -19,7 +19,7 @@ use firmware_logic::control_loop::Heater;
 use firmware_logic::interlock::Hold;
 use firmware_logic::{duty, sampling};
 
-use super::board;
+use super::{board, supply};
 
 const PWM_HZ: u32 = 1_000_000 / sampling::PWM_PERIOD_US;
 
@@ -30,18 +30,22 @@ const CONTACTOR: usize = 2;
 const OPEN: u16 = 0;
 const CLOSED: u16 = u16::MAX;
 
-/// The dead man's handle has cut the output, not the break input.
-static DEAD_MAN: AtomicBool = AtomicBool::new(false);
+/// Number of the hold that the program has cut the outputs for; 0 while only the break input can have.
+static CUT_BECAUSE: AtomicU8 = AtomicU8::new(0);
 
 /// Switches both outputs off: one register, no state, safe from any interrupt, panic or fault.
 pub(crate) fn cut() {
     pac::TIM1.bdtr().modify(|w| w.set_moe(false));
 }
 
-/// Switches the output off because the control tick was missing for too long.
-pub(crate) fn cut_by_dead_man() {
+/// Switches both outputs off for a reason that the control task will latch on its next tick. `false` if they were off.
+pub(crate) fn cut_because(reason: Hold) -> bool {
+    let was_enabled = is_enabled();
     cut();
-    DEAD_MAN.store(true, Ordering::Relaxed);
+    if was_enabled {
+        CUT_BECAUSE.store(reason.number(), Ordering::Relaxed);
+    }
+    was_enabled
 }
 
 /// Whether the output is enabled.
@@ -116,8 +120,12 @@ impl Heater for HeaterOutput {
     }
 
     fn enable(&mut self) {
-        DEAD_MAN.store(false, Ordering::Relaxed);
+        CUT_BECAUSE.store(0, Ordering::Relaxed);
         pac::TIM1.bdtr().modify(|w| w.set_moe(true));
+        // A supply that was low before gives no edge for the interrupt to see.
+        if supply::is_low() {
+            cut_because(Hold::Undervoltage);
+        }
     }
 
     fn disable(&mut self) {
@@ -133,6 +141,6 @@ impl Heater for HeaterOutput {
     }
 
     fn cut_by(&self) -> Hold {
-        if DEAD_MAN.load(Ordering::Relaxed) { Hold::MissedDeadline } else { Hold::BreakInput }
+        Hold::from_number(CUT_BECAUSE.load(Ordering::Relaxed)).unwrap_or(Hold::BreakInput)
     }
 }

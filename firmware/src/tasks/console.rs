@@ -30,11 +30,15 @@ pub(crate) async fn console(
     loop {
         check_in(Task::Console);
         // A line error (noise, overrun) loses bytes; the line that lacks them is most likely no command.
-        if let Either::First(Ok(n)) = select(rx.read(&mut bytes), Timer::after_millis(100)).await {
-            for &byte in bytes.iter().take(n) {
-                console.push(byte, &mut board, answer).await;
-                print(&mut tx, answer).await;
+        match select(rx.read(&mut bytes), Timer::after_millis(100)).await {
+            Either::First(Ok(n)) => {
+                for &byte in bytes.iter().take(n) {
+                    console.push(byte, &mut board, answer).await;
+                    print(&mut tx, answer).await;
+                }
             }
+            Either::First(Err(_)) => {}
+            Either::Second(()) => board.settle().await,
         }
     }
 }

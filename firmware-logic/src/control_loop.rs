@@ -82,6 +82,10 @@ pub enum Denial {
     Unchecked,
     /// The self-test is under way.
     Checking,
+    /// The flash did not take the mark that tells of a power failure.
+    NoMark,
+    /// The control half has not said what became of the order.
+    NoAnswer,
 }
 
 impl fmt::Display for Denial {
@@ -96,6 +100,12 @@ impl fmt::Display for Denial {
                 "no `check` has passed since the start, expected one; `set supervisor.check_before_arming false` waives it",
             ),
             Self::Checking => f.write_str("a check is under way, expected its end; `stop` ends it"),
+            Self::NoMark => f.write_str(
+                "the flash did not take the mark of a power failure, expected `save` first to mend it",
+            ),
+            Self::NoAnswer => {
+                f.write_str("not carried out, or not told so on the next tick as expected; see `status`")
+            }
         }
     }
 }
@@ -336,7 +346,7 @@ impl ControlLoop {
         output
     }
 
-    /// The heater first gets its power and then its enable, so that an old power never shows.
+    /// The output first gets its power and then its enable, so that an old power never shows.
     fn actuate(&mut self, output: Output, heater: &mut impl Heater) {
         let Output::On { power, contactor } = output else {
             heater.disable();
@@ -346,10 +356,10 @@ impl ControlLoop {
             return;
         };
         heater.drive(power);
+        heater.contactor(contactor);
         if !self.driving {
             heater.enable();
         }
-        heater.contactor(contactor);
         self.driving = true;
         self.applied = if heater.is_enabled() && contactor { power } else { Percent(0.0) };
     }

@@ -45,12 +45,17 @@ impl Status {
         self.last.as_ref().is_some_and(|(beat, _)| beat.checked)
     }
 
+    /// Whether a trip or a hold keeps the heater off.
+    pub fn is_held(&self) -> bool {
+        let tripped = |(beat, _): &(Beat, Report)| matches!(beat.tick.mode, Mode::Tripped(_));
+        self.hold().is_some() || self.last.as_ref().is_some_and(tripped)
+    }
+
     /// What the LED should say.
     pub fn sign(&self) -> Sign {
-        let Some((beat, report)) = &self.last else { return Sign::Off };
-        let tripped = matches!(beat.tick.mode, Mode::Tripped(_));
+        let Some((_, report)) = &self.last else { return Sign::Off };
         let faulty = report.parity.alarm || report.filtered.is_some_and(|verdict| verdict.fdv != 0);
-        match (beat.hold.is_some() || tripped, self.is_heating() || self.check.stage.is_some()) {
+        match (self.is_held(), self.is_heating() || self.check.stage.is_some()) {
             (true, _) => Sign::Held,
             (false, true) if faulty => Sign::Alarm,
             (false, true) => Sign::Heating,

@@ -5,12 +5,13 @@ use core::sync::atomic::Ordering;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_sync::signal::Signal;
-use embassy_time::Timer;
+use embassy_time::{Duration, Timer, with_timeout};
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::{Command, Config, ConfigError, Report};
-use firmware_logic::console::Board;
+use fdi_core::{Command, Config, Report};
+use firmware_logic::checkin::Task;
+use firmware_logic::console::{ApplyError, Board};
 use firmware_logic::control_loop::{Beat, Denial, Order, Outcome};
 use firmware_logic::history::{Entry, History};
 use firmware_logic::led::Sign;
@@ -21,8 +22,11 @@ use firmware_logic::status::{Health, Status};
 use heapless::spsc::Producer;
 
 use crate::hardware::settings_flash::SettingsFlash;
-use crate::hardware::{heater, rtt, stack};
+use crate::hardware::{heater, rtt, stack, supply};
 use crate::{link, log};
+
+/// How long an order may wait for its answer: three ticks, less than the deadline of the console.
+const PATIENCE: Duration = Duration::from_millis(400);
 
 /// Shared by the tasks of thread mode, of which one runs at a time; no borrow lives across an await.
 pub(crate) struct Instrument {
@@ -96,6 +100,11 @@ impl Instrument {
         self.status.borrow().check.stage.is_some()
     }
 
+    /// Whether something holds the heater off.
+    pub(crate) fn is_held(&self) -> bool {
+        self.status.borrow().is_held()
+    }
+
     /// What the LED should say.
     pub(crate) fn sign(&self) -> Sign {
         self.status.borrow().sign()
@@ -119,9 +128,18 @@ impl Instrument {
         self.orders.borrow_mut().enqueue(order).is_ok()
     }
 
-    /// Posts an order and waits for what becomes of it: until the next tick.
+    /// Posts an order and waits for what becomes of it: until the next tick, and not so long that the watchdog takes a
+    /// console that waits for one that hangs.
     async fn order(&self, order: Order) -> Result<(), Denial> {
+        link::check_in(Task::Console);
+        let answer = with_timeout(PATIENCE, self.order_and_wait(order)).await;
+        link::check_in(Task::Console);
+        answer.unwrap_or(Err(Denial::NoAnswer))
+    }
+
+    async fn order_and_wait(&self, order: Order) -> Result<(), Denial> {
         let asked = order.asked();
+        self.outcomes.reset(); // of an order that nobody waits for any more
         while !self.post(order.clone()) {
             Timer::after_millis(10).await; // the button's order is before it
         }
@@ -146,10 +164,43 @@ pub(crate) struct ConsoleBoard {
     pub(crate) instrument: &'static Instrument,
     /// Where settings are kept.
     pub(crate) store: Store<SettingsFlash>,
+    /// The flash has the mark that tells the next start of a power failure.
+    pub(crate) marked: bool,
+}
+
+impl ConsoleBoard {
+    /// Takes the mark away once the heater is off and nothing is held. Called while there is nothing else to do.
+    pub(crate) async fn settle(&mut self) {
+        if self.marked && !self.instrument.is_held() && !self.may_heat() {
+            let _ = self.mark(false).await; // tried again
+        }
+    }
+
+    /// Also in a check, whose next pulse may come while the flash stalls the core.
+    fn may_heat(&self) -> bool {
+        self.instrument.is_heating() || self.instrument.is_checking() || heater::is_enabled()
+    }
+
+    async fn mark(&mut self, stands: bool) -> Result<(), SaveError> {
+        let result = self.store.mark(stands).await;
+        after_stall();
+        if result.is_ok() {
+            self.marked = stands;
+        }
+        result
+    }
+}
+
+/// A stall that was planned is nobody's fault.
+fn after_stall() {
+    link::ROLL.check_all_in(link::now_ms());
 }
 
 impl Board for ConsoleBoard {
     async fn command(&mut self, command: Command) -> Result<(), Denial> {
+        if command == Command::Arm && !self.marked && !self.may_heat() {
+            self.mark(true).await.map_err(|_| Denial::NoMark)?;
+        }
         self.instrument.order(Order::Command(command)).await
     }
 
@@ -173,14 +224,13 @@ impl Board for ConsoleBoard {
         self.instrument.settings.borrow().config.clone()
     }
 
-    async fn apply(&mut self, config: &Config) -> Result<(), ConfigError> {
+    async fn apply(&mut self, config: &Config) -> Result<(), ApplyError> {
         check(config)?;
         let controller = Controller::new(config)?;
         let diagnosis = Diagnosis::new(config)?;
         *self.instrument.retuned.borrow_mut() = Some(diagnosis);
         log::settings(config); // a replay needs them before the order that puts them in force
-        // New settings are always accepted: they have just been checked.
-        let _ = self.instrument.order(Order::Retune(controller)).await;
+        self.instrument.order(Order::Retune(controller)).await?;
         self.instrument.settings.borrow_mut().config = config.clone();
         Ok(())
     }
@@ -190,17 +240,22 @@ impl Board for ConsoleBoard {
         while self.instrument.is_heating() && !heater::is_enabled() {
             Timer::after_millis(10).await;
         }
-        if self.instrument.is_heating() || heater::is_enabled() {
+        if self.may_heat() {
             return Err(SaveError::Heating);
-        }
-        if self.instrument.is_checking() {
-            return Err(SaveError::Heating); // the next pulse may come while the flash stalls the core
         }
         let settings = self.instrument.settings.borrow().clone();
         let result = self.store.save(&settings).await;
-        // A stall that was planned is nobody's fault.
-        link::ROLL.check_all_in(link::now_ms());
+        after_stall();
         result
+    }
+
+    fn set_brown_out_level(&mut self) -> Result<(), SaveError> {
+        if self.may_heat() {
+            return Err(SaveError::Heating);
+        }
+        let done = supply::set_brown_out_level();
+        after_stall();
+        done.then_some(()).ok_or(SaveError::Flash)
     }
 
     fn baseline(&self) -> Option<Baseline> {

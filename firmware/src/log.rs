@@ -17,7 +17,7 @@ use firmware_logic::settings::store::Origin;
 use firmware_logic::status::Status;
 
 use crate::hardware::clock::Source;
-use crate::hardware::{board, stack};
+use crate::hardware::{board, stack, supply};
 
 /// Text put together on the board; what does not fit is cut.
 fn text(arguments: Arguments<'_>) -> heapless::String<160> {
@@ -47,6 +47,9 @@ pub(crate) fn banner(
     }
     if let Some(left) = left.filter(|left| left.death.is_some()) {
         defmt::error!("last words: {=str}", left.words.as_str());
+    }
+    if let Some(level) = supply::low_brown_out_level() {
+        defmt::warn!("brown-out level {=str}, expected 3 (2.7 V): `brownout set`", level);
     }
     match origin {
         Origin::Flash | Origin::Default => defmt::info!("settings {=str}", text(format_args!("{origin}"))),

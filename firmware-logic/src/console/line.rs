@@ -190,7 +190,9 @@ mod tests {
             let mut reader = LineReader::default();
             let long = [b'a'; 2 * LENGTH];
             for before in [&b""[..], b"arm", b"set \xff", &long] {
-                before.iter().for_each(|&byte| drop(reader.push(byte)));
+                before.iter().for_each(|&byte| {
+                    reader.push(byte);
+                });
                 assert_eq!(reader.push(key), Step::Stop, "{key:#x} after {before:?}");
                 assert_eq!(feed(&mut reader, b"\n"), [Ok(String::new())], "nothing is left of {before:?}");
             }

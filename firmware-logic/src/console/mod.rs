@@ -5,7 +5,7 @@ pub mod follow;
 pub mod line;
 pub mod request;
 
-use core::fmt::{Display, Write};
+use core::fmt::{self, Display, Write};
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::ALL;
@@ -27,6 +27,36 @@ use request::{COMMANDS, Request};
 /// Names in the console, where the stored name is not the one of a row of residuals.
 const RESIDUAL_NAMES: [&str; ALL.len()] = ["ry1", "ry2", "Pa", "ry12", "sg1", "sg2", "bw1"];
 
+/// Why settings were not put in force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ApplyError {
+    /// A parameter is out of bounds.
+    Config(ConfigError),
+    /// The control half did not take them.
+    Denied(Denial),
+}
+
+impl From<ConfigError> for ApplyError {
+    fn from(error: ConfigError) -> Self {
+        Self::Config(error)
+    }
+}
+
+impl From<Denial> for ApplyError {
+    fn from(denial: Denial) -> Self {
+        Self::Denied(denial)
+    }
+}
+
+impl Display for ApplyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Config(error) => Explained(error).fmt(f),
+            Self::Denied(denial) => denial.fmt(f),
+        }
+    }
+}
+
 /// What a console can ask of an instrument.
 #[expect(
     async_fn_in_trait,
@@ -46,9 +76,11 @@ pub trait Board {
     /// The settings in force.
     fn config(&self) -> Config;
     /// Puts settings in force on the next tick.
-    async fn apply(&mut self, config: &Config) -> Result<(), ConfigError>;
+    async fn apply(&mut self, config: &Config) -> Result<(), ApplyError>;
     /// Writes settings and baseline to flash.
     async fn save(&mut self) -> Result<(), SaveError>;
+    /// Has the chip hold itself in reset below 2.7 V, from the next power-up.
+    fn set_brown_out_level(&mut self) -> Result<(), SaveError>;
     /// What was learnt as normal.
     fn baseline(&self) -> Option<Baseline>;
     /// What went wrong, the oldest first.
@@ -134,6 +166,7 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         Request::Get { name } => get(name, &board.config(), out),
         Request::Set { name, value } => set(name, value, board, out).await,
         Request::Save => done(out, board.save().await),
+        Request::BrownOut => done(out, board.set_brown_out_level()),
         Request::Defaults => defaults(board, out).await,
         Request::Check => match board.check().await {
             Ok(()) => say(out, "ok, see below for about a minute; it heats a little\n"),
@@ -198,7 +231,7 @@ async fn set(name: &str, value: &str, board: &mut impl Board, out: &mut dyn Writ
         Err(error) => return fail(out, &error),
     };
     if let Err(error) = board.apply(&config).await {
-        return fail(out, &Explained(&error));
+        return fail(out, &error);
     }
     // Settings leave the set-point of a running loop alone; here it is what the user has just asked for.
     if name == "setpoint"
@@ -212,7 +245,7 @@ async fn set(name: &str, value: &str, board: &mut impl Board, out: &mut dyn Writ
 async fn defaults(board: &mut impl Board, out: &mut dyn Write) {
     let config = Config::default();
     if let Err(error) = board.apply(&config).await {
-        return fail(out, &Explained(&error));
+        return fail(out, &error);
     }
     done(out, board.command(Command::SetPoint(config.setpoint)).await);
 }

@@ -25,6 +25,8 @@ pub enum Request<'a> {
     },
     /// Write settings and baseline to flash.
     Save,
+    /// Set the brown-out level.
+    BrownOut,
     /// All settings as they were made.
     Defaults,
     /// The self-test.
@@ -44,7 +46,7 @@ pub enum Request<'a> {
 }
 
 /// All commands: name, what follows it, what it does.
-pub const COMMANDS: [(&str, &str, &str); 12] = [
+pub const COMMANDS: [(&str, &str, &str); 13] = [
     ("help", "", "this list"),
     ("status", "", "mode, temperatures, diagnosis, health"),
     ("get", "[NAME]", "settings, all or those that begin with NAME"),
@@ -56,6 +58,7 @@ pub const COMMANDS: [(&str, &str, &str); 12] = [
     ("stop", "", "heater off, in every state; so do the keys Ctrl-C, ESC and !"),
     ("ack", "", "acknowledge a trip or a hold"),
     ("baseline", "[learn]", "what was learnt as normal; `learn` learns it anew"),
+    ("brownout", "set", "reset below 2.7 V, from the next power-up (heater off only)"),
     ("faults", "", "what went wrong since the start"),
 ];
 
@@ -130,6 +133,11 @@ impl<'a> Request<'a> {
                 ("learn", more) => Err(RequestError::Extra { command, word: split_word(more).0 }),
                 (word, _) => Err(RequestError::Extra { command, word }),
             },
+            "brownout" => match split_word(rest) {
+                ("set", "") => Ok(Self::BrownOut),
+                ("", _) => Err(RequestError::Missing { command, expected: "set" }),
+                ("set", word) | (word, _) => Err(RequestError::Extra { command, word }),
+            },
             unknown => Err(RequestError::Unknown(unknown)),
         }
     }
@@ -155,6 +163,7 @@ mod tests {
         for (name, arguments, _) in COMMANDS {
             let line = match arguments {
                 "NAME VALUE" => format!("{name} pid.kp 2.4"),
+                "set" => format!("{name} set"),
                 _ => name.to_owned(),
             };
             assert!(Request::parse(&line).is_ok(), "{line}");
@@ -183,6 +192,7 @@ mod tests {
         assert_eq!(text("arm now"), "arm: \"now\" is too much");
         assert_eq!(text("set pid.kp"), "set: expected NAME VALUE");
         assert_eq!(text("baseline forget"), "baseline: \"forget\" is too much");
+        assert_eq!(text("brownout"), "brownout: expected set");
         assert!(text("ARM").starts_with("unknown command \"ARM\""), "no guessing what heats");
     }
 

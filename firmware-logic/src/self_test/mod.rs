@@ -39,9 +39,9 @@ pub const MAX_FINDINGS: usize = 8;
 const CALM_CYCLES: u32 = 3;
 /// Cycles (of 4.4 s) that a rig may take to come to rest: 2 minutes.
 const WAITING_CYCLES: u32 = 27;
-/// Ticks for which the contactor is closed with no power asked for: a shorted MOSFET then gives all of it. 0.11 s is enough
-/// to see on a strong rig and warms it by 20 degC at most; 0.66 s gives a weak one as much heat as the largest pulse.
-const CLOSED_TICKS: [u32; 2] = [1, 6];
+/// Ticks for which the contactor is closed with no power asked for: a shorted MOSFET then gives all of it. 0.11 s shows on a
+/// strong rig and warms it by 22 degC at most; only what has not shown then, on a weaker one, is given 0.66 and 2.2 s.
+const CLOSED_TICKS: [u32; 3] = [1, 6, 20];
 /// Powers of the pulses in %, stepped up until one is answered: the rig's gain may be anywhere from 0.05 to 1 degC per %.
 pub const LEVELS: [f32; 4] = [2.5, 5.0, 10.0, 20.0];
 /// Cycles by which order and silence are judged.

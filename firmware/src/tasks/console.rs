@@ -54,11 +54,14 @@ async fn answer(mut tx: BufferedUartTx<'static>, waiting: &Waiting, mut board: C
     let mut bytes = [0; 16];
     loop {
         check_in(Task::Console);
-        if let Either::First(n) = select(waiting.read(&mut bytes), Timer::after_millis(100)).await {
-            for &byte in bytes.iter().take(n) {
-                console.push(byte, &mut board, answer).await;
-                print(&mut tx, answer).await;
+        match select(waiting.read(&mut bytes), Timer::after_millis(100)).await {
+            Either::First(n) => {
+                for &byte in bytes.iter().take(n) {
+                    console.push(byte, &mut board, answer).await;
+                    print(&mut tx, answer).await;
+                }
             }
+            Either::Second(()) => board.settle().await,
         }
         console.follow(&board, answer);
         print(&mut tx, answer).await;

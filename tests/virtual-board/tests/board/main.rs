@@ -2,11 +2,15 @@
 
 mod boot;
 mod console;
+mod contactor;
+mod debug_halt;
 mod endurance;
+mod flash;
 mod heater_off;
 mod log;
 mod paper;
 mod settings;
+mod supply;
 mod wraps;
 
 /// Whether the board says that no tick was missed, and none more than a few microseconds late: what else runs at the same

@@ -1,4 +1,4 @@
-//! A debugger halts the core while it heats: nothing heats meanwhile, and nothing goes on as if nothing had happened.
+//! What a debugger's halt leaves behind: a hold with its name, missed ticks, no reset; at rest nothing.
 
 use virtual_board::board::load;
 use virtual_board::scene::Scene;
@@ -16,10 +16,7 @@ fn a_halt_of_any_length_cuts_and_holds() {
     for halt in HALTS {
         let mut scene = heating();
         let name = format!("{} us", halt / US);
-        scene.board.cpu.touch(|chip, now| chip.halt(true, now));
-        assert_eq!((scene.board.heater(), scene.board.contactor()), (0.0, 0.0), "{name}: halted, and on");
-        scene.board.run_for(halt).expect("stands still");
-        scene.board.cpu.touch(|chip, now| chip.halt(false, now));
+        scene.board.halt(halt).expect("stands still");
         scene.board.run_for(112 * MS).expect("runs on");
         assert_eq!((scene.board.heater(), scene.board.contactor()), (0.0, 0.0), "{name}: on again");
         scene.board.run_for(300 * MS).expect("runs on");

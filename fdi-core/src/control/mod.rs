@@ -72,8 +72,8 @@ pub struct ControllerState {
     feedback: Feedback,
     /// The stand-in for T1 was regulated on the tick before.
     stood_in: bool,
-    /// What the tick before did: its drive, its excitation after saturation, and whether the sum was cut.
-    drive: Percent,
+    /// What the tick before did: what the PID asked for, its excitation after saturation, and whether the sum was cut.
+    asked: Percent,
     excitation: Percent,
     saturated: bool,
 }
@@ -106,7 +106,7 @@ impl Controller {
             excite: true,
             feedback: Feedback::default(),
             stood_in: false,
-            drive: Percent(0.0),
+            asked: Percent(0.0),
             excitation: Percent(0.0),
             saturated: false,
         }
@@ -140,7 +140,7 @@ impl Controller {
             regulated,
             mean_error: error,
             setpoint: state.setpoint,
-            drive: state.drive,
+            pid: state.asked,
             saturated: state.saturated,
             excited,
             feedback: &state.feedback,
@@ -160,7 +160,7 @@ impl Controller {
             blocked: decision.blocked,
             forget: decision.forget,
         };
-        state.drive = drive;
+        state.asked = pid;
         state.index = state.index.wrapping_add(1);
         tick
     }

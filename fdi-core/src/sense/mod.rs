@@ -40,7 +40,7 @@ pub enum Validity {
     OutOfRange,
     /// A single jump that nothing has confirmed yet.
     Spike,
-    /// Changes again and again at a rate that air cannot have: a loose contact, or a ramp that is none.
+    /// Jumps again and again, and the next sample does not confirm it: a loose contact.
     Rate,
     /// Has not moved although the excitation should have moved it.
     Stuck,

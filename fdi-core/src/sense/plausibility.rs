@@ -87,8 +87,9 @@ impl PlausibilityConfig {
     }
 }
 
-/// So many jumps within the last 8 samples fail the rate check.
+/// So many jumps within the last 10 samples, a bit each, fail the rate check.
 const RATE_JUMPS: u32 = 3;
+const RATE_WINDOW: u16 = 0x3FF;
 
 /// One validated channel: conversion and limits.
 #[derive(Clone, Copy, Debug)]
@@ -104,9 +105,11 @@ pub struct ChannelState {
     /// Last temperature taken as true, and its change in a tick.
     last: Option<Celsius>,
     slope: f32,
-    /// One bit a sample, newest lowest: 1 where it jumped.
-    jumps: u8,
+    /// One bit a sample, newest lowest: 1 where it jumped and the next sample did not confirm it.
+    jumps: u16,
     withheld: bool,
+    /// Its change against the last one that was taken, degC.
+    withheld_change: f32,
     /// Code from which a stuck sensor has not moved, and for how many ticks.
     still_code: f32,
     still_ticks: u32,
@@ -160,8 +163,12 @@ impl Channel {
         let change = state.last.map_or(0.0, |last| celsius.0 - last.0);
         let limit = self.limits.jump.0;
         let jumped = change.abs() > limit && (change - state.slope).abs() > limit;
-        state.jumps = (state.jumps << 1) | u8::from(jumped);
-        let validity = if state.jumps == 0 { Validity::Good } else { state.doubt(jumped) };
+        // A jump that the next sample confirms is fast air, such as at a cold start of a strong heater.
+        let confirmed = jumped && state.withheld && change * state.withheld_change > 0.0;
+        state.jumps = RATE_WINDOW & state.jumps << 1 & if confirmed { !0b10 } else { !0 };
+        state.jumps |= u16::from(jumped && !confirmed);
+        state.withheld_change = change;
+        let validity = if state.jumps == 0 && !confirmed { Validity::Good } else { state.doubt(jumped) };
         if validity != Validity::Spike {
             state.slope = if jumped { 0.0 } else { change };
             state.last = Some(celsius);

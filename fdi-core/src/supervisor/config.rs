@@ -69,7 +69,7 @@ impl Default for SupervisorConfig {
             response_time: Seconds(8.0),
             min_response: Celsius(3.0),
             max_excess_power: Percent(75.0),
-            excess_power_time: Seconds(4.0),
+            excess_power_time: Seconds(3.5),
             max_disagreement: Celsius(6.0),
             disagreement_time: Seconds(2.0),
             cooling_time: Seconds(15.0),

@@ -8,7 +8,7 @@ impl Supervisor {
     /// What trips, or would if the heater were on.
     pub(super) fn hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
         state.lost = if now.regulated.value.is_some() { 0 } else { state.lost.saturating_add(1) };
-        state.power += (self.sample_time.0 / POWER_TIME).min(1.0) * (now.drive.0 - state.power);
+        state.power += (self.sample_time.0 / POWER_TIME).min(1.0) * (now.pid.0 - state.power);
         let unasked = self.unasked.step(&mut state.unasked, now, state.power);
         let by_sensors = self.sensor_hazard(state.lost > self.lost_ticks, now);
         let by_heat = if state.mode.is_heating() {

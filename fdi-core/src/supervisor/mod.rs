@@ -35,6 +35,8 @@ use normal::Normal;
 use response::{Response, ResponseState};
 use unasked::{Unasked, UnaskedState};
 
+/// So many samples behind, the baseline is not merely late: the models need fewer to settle.
+const UNIDENTIFIED: u32 = 300;
 /// Time over which the power is averaged before it is judged, s.
 const POWER_TIME: f32 = 1.0;
 
@@ -53,8 +55,8 @@ pub struct Situation<'a> {
     pub mean_error: Option<f32>,
     /// The temperature wanted.
     pub setpoint: Celsius,
-    /// What has driven the heater since the tick before.
-    pub drive: Percent,
+    /// What the PID asked for on the tick before: the drive without the excitation.
+    pub pid: Percent,
     /// The drive was at a limit on the tick before.
     pub saturated: bool,
     /// The tick before was really excited.
@@ -113,7 +115,7 @@ pub struct SupervisorState {
     restored: bool,
     /// What was learnt is to be forgotten, from the next tick on.
     forget: bool,
-    /// Power up to now, averaged, %.
+    /// Power asked for up to now, without the excitation, averaged, %.
     power: f32,
     normal: Normal,
     response: ResponseState,
@@ -188,7 +190,7 @@ impl Supervisor {
         }
         let blocked = match state.mode {
             Mode::Settle { .. } if due => Some(blocker.unwrap_or(Blocker::NotSteady)),
-            Mode::Learn { .. } => blocker,
+            Mode::Learn { accepted } => blocker.or(self.unidentified(accepted, now.feedback.learned)),
             _ => None,
         };
         let learn = matches!(state.mode, Mode::Learn { .. }) && blocker.is_none();
@@ -222,6 +224,11 @@ impl Supervisor {
             Some(Blocker::InvalidSample) => Mode::Settle { steady },
             Some(_) => Mode::Settle { steady: 0 },
         }
+    }
+
+    /// The baseline stays behind the samples that were fit for it: then the models give nothing to learn.
+    fn unidentified(&self, accepted: u32, learned: u32) -> Option<Blocker> {
+        (accepted > learned.saturating_add(UNIDENTIFIED)).then_some(Blocker::NotIdentified)
     }
 
     /// A missing sample is skipped; anything else that disturbs the rig makes what was learnt doubtful.

@@ -50,7 +50,7 @@ impl TripReason {
             Self::AirFlowLost => "too little air to heat",
             Self::HeaterStuckOn => "the rig heats although the heater is off",
             Self::SensorsDisagree => {
-                "T2 is far hotter than T1: one of them is out of the tube, or wires are swapped"
+                "T2 is far hotter than T1: T1 is out of the tube or stands still, or wires are swapped"
             }
             Self::NoResponse => "full power, and T1 has not risen: T1 out of the tube, or nothing heats",
             Self::ExcessPower => {
@@ -76,7 +76,7 @@ pub struct Trip {
     pub setpoint: Celsius,
     /// The temperature above which T1 or T2 trips.
     pub limit: Celsius,
-    /// What had driven the heater up to then, its mean over about a second.
+    /// What had been asked of the heater up to then, without the excitation: its mean over about a second.
     pub power: Percent,
     /// The power that this set-point needed by what was learnt, where that is known.
     pub needed: Option<Percent>,
@@ -138,6 +138,24 @@ pub enum Blocker {
     InvalidSample,
     /// All is well, but not yet for long enough.
     NotSteady,
+    /// The models have given no gain or bandwidth that may be believed for many samples: see `identification.gain_max`.
+    NotIdentified,
+}
+
+impl Blocker {
+    /// The reason in words, for people.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Saturated => "the power is at a limit",
+            Self::OutOfRegulation => "T1 is too far from the set-point",
+            Self::Unexcited => "the excitation is off or cut away",
+            Self::InvalidSample => "a thermistor gives no valid sample",
+            Self::NotSteady => "not steady for long enough yet",
+            Self::NotIdentified => {
+                "the models give no gain or bandwidth to be believed; see identification.gain_max"
+            }
+        }
+    }
 }
 
 /// A command of the user.

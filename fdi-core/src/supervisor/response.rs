@@ -10,7 +10,7 @@ use super::normal::Normal;
 use super::{Situation, TripReason};
 use crate::units::{Percent, Seconds};
 
-/// Above this share of the highest output the power counts as full: the excitation takes its part of it.
+/// Above this share of the highest output the power counts as full.
 const FULL: f32 = 0.9;
 /// Power that is this much above what is needed may be noise and excitation, whatever its ratio, %.
 const LEAST_EXCESS: f32 = 8.0;
@@ -50,7 +50,7 @@ impl Response {
         }
     }
 
-    /// `power` is what drove the heater up to now, low-passed, %.
+    /// `power` is what was asked for up to now, low-passed, %.
     pub(super) fn step(
         &self,
         state: &mut ResponseState,
@@ -63,16 +63,16 @@ impl Response {
         if let Some(t1) = t1 {
             state.lowest = Some(state.lowest.map_or(t1, |lowest| lowest.min(t1)));
         }
-        if self.is_unanswered(state, t1, power) {
+        if self.is_unanswered(state, t1, now.pid.0) {
             return Some(TripReason::NoResponse);
         }
         self.is_excessive(state, t1, power, normal.power_for(now.setpoint)).then_some(TripReason::ExcessPower)
     }
 
-    fn is_unanswered(&self, state: &mut ResponseState, t1: Option<f32>, power: f32) -> bool {
+    fn is_unanswered(&self, state: &mut ResponseState, t1: Option<f32>, pid: f32) -> bool {
         let answered = t1.zip(state.lowest).is_some_and(|(t1, lowest)| t1 - lowest >= self.min_response);
         state.unanswered =
-            if power < self.full_power || answered { 0 } else { state.unanswered.saturating_add(1) };
+            if pid < self.full_power || answered { 0 } else { state.unanswered.saturating_add(1) };
         state.unanswered > self.response_ticks
     }
 

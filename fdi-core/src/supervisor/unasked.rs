@@ -7,10 +7,10 @@ use super::normal::ROOM_RATE;
 use crate::sense::Validity;
 use crate::units::Seconds;
 
-/// Less than this on average is no power, %.
+/// Less than this on average, without the excitation, is no power, %.
 const NO_POWER: f32 = 0.5;
-/// A rise without power by more than this, degC.
-const RISE: f32 = 5.0;
+/// A rise without power by more than this, degC. The excitation alone must not give as much.
+const RISE: f32 = 8.0;
 /// A thermistor is hot if it reads so much above the coldest that it has read since the start, or above what a room can
 /// be, degC.
 const HOT: f32 = 8.0;
@@ -60,7 +60,7 @@ impl Unasked {
         }
     }
 
-    /// Whether the heater heats unasked. `power` is what drove it up to now, low-passed, %.
+    /// Whether the heater heats unasked. `power` is what was asked for up to now, low-passed, %.
     pub(super) fn step(&self, state: &mut UnaskedState, now: &Situation, power: f32) -> bool {
         state.unpowered = if power < NO_POWER { state.unpowered.saturating_add(1) } else { 0 };
         let since = state.unpowered.checked_sub(self.settle_ticks);

@@ -336,7 +336,9 @@ impl ControlLoop {
         if tick.mode.is_heating() {
             return Output::On { power: tick.drive, contactor: true };
         }
-        let Some(check) = self.check.as_mut().filter(|check| check.ending().is_none()) else { return Output::Off };
+        let Some(check) = self.check.as_mut().filter(|check| check.ending().is_none()) else {
+            return Output::Off;
+        };
         let hazard = match tick.mode {
             Mode::Tripped(trip) => Some(trip.reason),
             _ => self.controller.hazard(&self.state),

@@ -72,7 +72,10 @@ mod tests {
         let mut button = HoldButton::new(40);
         assert_eq!(button.step(false, true), None);
         assert_eq!(button.step(true, true), Some(Press::Stop));
-        assert!((0..1000).all(|_| button.step(true, false).is_none()), "the press that stopped has done its work");
+        assert!(
+            (0..1000).all(|_| button.step(true, false).is_none()),
+            "the press that stopped has done its work"
+        );
         button.step(false, false);
         let fired = (0..40).filter_map(|_| button.step(true, false)).collect::<Vec<_>>();
         assert_eq!(fired, [Press::Acknowledge]);

@@ -191,7 +191,10 @@ fn a_check_is_followed_while_it_is_under_way() {
     board.progress.hear(News::Found(Finding::Offset(Channel::T2, 1.25)));
     board.progress.hear(News::Found(Finding::Unheated));
     let told = follow(&board, &mut console);
-    assert!(told.contains("T2 reads 1.25 degC from") && told.contains("`set sensors.t2.offset -0.75`"), "{told}");
+    assert!(
+        told.contains("T2 reads 1.25 degC from") && told.contains("`set sensors.t2.offset -0.75`"),
+        "{told}"
+    );
     assert!(told.contains("\nno thermistor answers"), "{told}");
     board.progress.hear(News::Ended(Ending::Failed(1)));
     assert_eq!(follow(&board, &mut console), "\ncheck failed: 1 finding\n> ");

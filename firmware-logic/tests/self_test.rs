@@ -249,7 +249,10 @@ fn every_way_out_leaves_output_and_contactor_off_whenever_it_is_taken() {
             (0..10).for_each(|_| drop(bench.tick()));
             assert!(bench.output.is_off(), "{name} after {after} ticks, later");
             let ending = bench.progress.ending;
-            assert!(ending.is_some() && ending != Some(Ending::Passed), "{name} after {after} ticks: {ending:?}");
+            assert!(
+                ending.is_some() && ending != Some(Ending::Passed),
+                "{name} after {after} ticks: {ending:?}"
+            );
             assert!(expected.is_none() || ending == expected, "{name} after {after} ticks: {ending:?}");
             bench.output.open = false;
             assert!(bench.arm().is_err(), "{name} after {after} ticks: armed");

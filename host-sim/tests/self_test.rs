@@ -41,8 +41,7 @@ fn check(bench: &mut Bench) -> Outcome {
     bench.pass();
     let room = bench.rig().air()[0];
     assert!(bench.answer("check").starts_with("ok"));
-    let mut outcome =
-        Outcome { ending: None, said: bench.news(), ticks: 0, rise: 0.0, power: 0.0 };
+    let mut outcome = Outcome { ending: None, said: bench.news(), ticks: 0, rise: 0.0, power: 0.0 };
     while bench.is_checking() {
         bench.pass();
         outcome.said += &bench.news();
@@ -121,5 +120,8 @@ fn a_power_stage_that_is_stuck_is_named() {
 fn an_interlock_that_is_open_or_does_not_cut_is_named() {
     on_all_rigs(&["wire interlock open"], "the interlock is open and holds the output off");
     on_all_rigs(&["wire break ignored"], "a break does not disable the output");
-    on_all_rigs(&["wire interlock open", "wire break ignored"], "does not keep the output from being enabled");
+    on_all_rigs(
+        &["wire interlock open", "wire break ignored"],
+        "does not keep the output from being enabled",
+    );
 }

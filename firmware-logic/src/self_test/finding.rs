@@ -130,7 +130,9 @@ impl Finding {
             Self::OpenButEnabled => {
                 "the interlock is open, but does not keep the output from being enabled: do not heat, see docs/safety.md"
             }
-            Self::DoesNotCut => "a break does not disable the output: do not heat, the timer or its set-up is broken",
+            Self::DoesNotCut => {
+                "a break does not disable the output: do not heat, the timer or its set-up is broken"
+            }
             Self::CutNotSeen => {
                 "the contact of the interlock has not been seen to cut: open it, `check`, close it, `check`"
             }
@@ -144,13 +146,17 @@ impl Finding {
                 "no thermistor answers 20 % of power: look at heater, fuse, contactor, supply, and whether T1 and T2 are \
                  in the tube"
             }
-            Self::Rotated => "T0, T1 and T2 are each at another's place: put each plug where docs/wiring.md has it",
+            Self::Rotated => {
+                "T0, T1 and T2 are each at another's place: put each plug where docs/wiring.md has it"
+            }
             Self::SameTime => "T1 and T2 answer at the same time: which one is first cannot be told",
             Self::OnlyT0 => {
                 "only T0 answers the heater: the air is blown backwards, or T0 is swapped with T1 and T2 is out of the \
                  tube"
             }
-            Self::AllAnswer => "T0 answers the heater, too: it hangs in the warm air, put it where the room is",
+            Self::AllAnswer => {
+                "T0 answers the heater, too: it hangs in the warm air, put it where the room is"
+            }
             _ => "",
         }
     }
@@ -160,7 +166,9 @@ fn broken(f: &mut fmt::Formatter<'_>, channel: Channel, validity: Validity) -> f
     let what = match validity {
         Validity::Open => "reads as an open wire: look for a broken wire or a plug that is out",
         Validity::Short => "reads as a short: look for wires that touch",
-        Validity::OutOfRange => "reads what the rig cannot have: is it the right thermistor, are r25 and beta right?",
+        Validity::OutOfRange => {
+            "reads what the rig cannot have: is it the right thermistor, are r25 and beta right?"
+        }
         Validity::Missing => "gives no code: the converter does not answer",
         _ => "jumps: look for a loose contact",
     };

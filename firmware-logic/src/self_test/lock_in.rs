@@ -143,7 +143,8 @@ mod tests {
     fn the_earlier_answer_leads_whatever_its_size() {
         for delay in [0, 5, 18] {
             for (near, far) in [(1.0, 0.9), (0.05, 0.05), (0.3, 3.0)] {
-                let (first, second) = (Answer::of(&seen(near, delay, 4.0)), Answer::of(&seen(far, delay + 1, 7.0)));
+                let (first, second) =
+                    (Answer::of(&seen(near, delay, 4.0)), Answer::of(&seen(far, delay + 1, 7.0)));
                 assert!(first.lead_over(&second) > 0.02, "{delay} {near} {far}");
                 assert!(second.lead_over(&first) < -0.02, "{delay} {near} {far}");
             }

@@ -91,7 +91,10 @@ fn scripted(bench: &mut Bench, input: impl BufRead, mut output: impl Write) -> a
 
 #[cfg(test)]
 mod tests {
+    use fdi_core::Config;
+
     use super::*;
+    use crate::scenario::Scenario;
 
     fn session(script: &str) -> String {
         let mut bench = Bench::new(&Config::default(), &Scenario::default(), 1).unwrap();
@@ -103,10 +106,13 @@ mod tests {
     #[test]
     fn a_session_arms_heats_sets_and_stops() {
         let said = session(
-            "wait 1\nstatus\narm\nwait 60\nstatus\nset setpoint 38\nwait 30\nstatus\nsave\nstop\nsave\nstatus\n",
+            "wait 1\nstatus\narm\ncheck\narm\nwait 60\nstatus\nset setpoint 38\nwait 30\nstatus\nsave\nstop\nsave\nstatus\n",
         );
         for word in [
             "mode off",
+            "error: no `check` has passed since the start",
+            "check: which thermistor answers first\n",
+            "check passed\n> arm\nok\n",
             "mode settle",
             "of 35.0 degC",
             "setpoint = 38",
@@ -121,16 +127,56 @@ mod tests {
 
     #[test]
     fn the_papers_first_fault_is_listed() {
-        let said = session("arm\nwait 400\nstatus\nfaults\nbaseline\n");
+        let said =
+            session("set supervisor.check_before_arming false\narm\nwait 400\nstatus\nfaults\nbaseline\n");
+        assert!(said.contains("armed without a check"), "{said}");
         assert!(said.contains("\nfault: T2 reads 1.") && said.contains(" degC measured, "), "{said}");
         assert!(said.contains("learnt from 1636 samples"), "{said}");
         assert!(said.contains("fdv 1") || said.contains("isolated"), "{said}");
     }
 
     #[test]
+    fn a_wrong_wire_is_told_mended_and_told_no_more() {
+        let said = session("wire swap t1 t2\ncheck\narm\nwire ok\ncheck\narm\n!\nstatus\n");
+        let (wrong, mended) = said.split_once("> wire ok\n").unwrap();
+        assert!(
+            wrong.contains("T1 and T2 are swapped") && wrong.contains("check failed: 1 finding"),
+            "{said}"
+        );
+        assert!(wrong.ends_with("waives it\n"), "{said}");
+        assert!(mended.contains("check passed\n> arm\nok\n> !\n"), "{said}");
+        assert!(mended.contains("stopped") && mended.contains("mode off"), "{said}");
+    }
+
+    #[test]
+    fn a_fault_while_heating_trips_and_ends_after_its_time() {
+        let said = session(
+            "check\narm\nwait 20\nfault open t1 2\nwait 1\nstatus\nwait 3\nack\narm\nfault offset t2 1.5 25\n",
+        );
+        assert!(
+            said.contains("mode tripped (") && said.trim_end().ends_with("fault offset t2 1.5 25"),
+            "{said}"
+        );
+        assert!(said.contains("> ack\nok\n> arm\nok\n"), "{said}");
+    }
+
+    #[test]
     fn errors_name_what_was_wrong() {
-        let said = session("sett x 1\nset pid.kq 1\nset pid.kp -1\nwait forever\n");
-        for word in ["unknown command \"sett\"", "pid.kq", "expected", "\"forever\""] {
+        let said = session(
+            "sett x 1\nset pid.kq 1\nset pid.kp -1\nwait forever\nwire upside down\nwire swap t1 t3\nwire detached t0\n\
+             fault explode\nfault offset t1\n",
+        );
+        for word in [
+            "unknown command \"sett\"",
+            "pid.kq",
+            "expected",
+            "\"forever\"",
+            "\"upside down\"",
+            "\"t3\"",
+            "sensor is t0",
+            "no verb \"explode\"",
+            "key `size` is missing",
+        ] {
             assert!(said.contains(word), "{word} in:\n{said}");
         }
     }

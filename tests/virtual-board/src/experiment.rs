@@ -14,8 +14,8 @@ use crate::board::Board;
 use crate::clock::Cause;
 use crate::closed_loop::{Shared, TICK};
 use crate::image::Image;
-use crate::scene::WAIVE_CHECK;
 use crate::recording::{Difference, Recording};
+use crate::scene::WAIVE_CHECK;
 use crate::time::{MS, SECOND};
 
 /// What the three thermistors read before the rig starts: a little above room temperature.

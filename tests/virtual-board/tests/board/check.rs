@@ -57,7 +57,10 @@ fn without_a_contactor_it_says_so_and_passes() {
     let mut scene = scene(&[]);
     scene.board.cpu.touch(|chip, _| chip.wiring.contactor_fitted = false);
     let said = check(&mut scene);
-    assert!(said.contains("note: it heats with the contactor open") && said.contains("check passed"), "{said}");
+    assert!(
+        said.contains("note: it heats with the contactor open") && said.contains("check passed"),
+        "{said}"
+    );
 }
 
 #[test]

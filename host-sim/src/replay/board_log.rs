@@ -219,6 +219,8 @@ pub(super) fn differences(said: &Record, recorded: &Recorded, tick: &Tick, repor
         missed: said.missed(),
         hold: None,
         outcome: None,
+        news: None,
+        checked: false,
     };
     let ours = Record::new(&beat, report);
     let number = |bits: u32| format!("{bits:#010x} ({})", f32::from_bits(bits));
@@ -262,6 +264,8 @@ pub(super) mod tests {
                 missed: false,
                 hold: None,
                 outcome: None,
+                news: None,
+                checked: false,
             };
             log += &format!("{}.0 [DEBUG] {} (firmware diagnosis.rs:40)\n", k, Record::new(&beat, &report));
             log += "1.0 [WARN ] tick 5 came after 2 missed\n";

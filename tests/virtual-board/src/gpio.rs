@@ -41,6 +41,17 @@ pub enum Mode {
     Analog,
 }
 
+/// The pull inside the chip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PullInside {
+    /// None, or both at once.
+    None,
+    /// To the supply.
+    Up,
+    /// To ground.
+    Down,
+}
+
 /// A port.
 pub struct Port {
     file: File,
@@ -85,12 +96,21 @@ impl Port {
         self.file.get(ODR) >> (pin & 15) & 1 == 1
     }
 
+    /// The pull that the program has set for a pin.
+    pub fn pull(&self, pin: usize) -> PullInside {
+        match field(self.file.get(PUPDR), 2 * (pin as u32 & 15), 2) {
+            1 => PullInside::Up,
+            2 => PullInside::Down,
+            _ => PullInside::None,
+        }
+    }
+
     /// The level that an input sees: the wire's, or the pull's where nothing is wired.
     pub fn level(&self, pin: usize) -> bool {
         if self.mode(pin) == Mode::Output {
             return self.driven(pin);
         }
-        self.outside[pin & 15].unwrap_or(field(self.file.get(PUPDR), 2 * (pin as u32 & 15), 2) == 1)
+        self.outside[pin & 15].unwrap_or(self.pull(pin) == PullInside::Up)
     }
 
     /// Reads a register.

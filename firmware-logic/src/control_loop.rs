@@ -4,6 +4,7 @@
 use core::fmt;
 
 use fdi_core::control::{Controller, ControllerState};
+use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{AdcCode, Celsius, Command, Feedback, Percent, RawSample, Refusal, Tick};
 
 use crate::cadence::Arrival;
@@ -113,8 +114,8 @@ impl ControlLoop {
     }
 
     /// Hears that the other half has a baseline from an earlier life.
-    pub fn restored(&mut self) {
-        self.controller.restored(&mut self.state);
+    pub fn restored(&mut self, baseline: &Baseline) {
+        self.controller.restored(&mut self.state, baseline);
     }
 
     /// One tick. `feedback` is what the other half last reported.
@@ -177,8 +178,11 @@ impl ControlLoop {
     fn carry_out(&mut self, order: Order, heater: &mut impl Heater) -> Outcome {
         match order {
             Order::Retune(controller) => {
-                self.controller = controller;
-                Outcome { command: None, result: Ok(()) }
+                let result = self.controller.check_retune(&self.state, &controller);
+                if result.is_ok() {
+                    self.controller = controller;
+                }
+                Outcome { command: None, result: result.map_err(Denial::Refused) }
             }
             Order::Command(command) => {
                 Outcome { command: Some(command), result: self.command(command, heater) }

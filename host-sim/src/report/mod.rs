@@ -106,7 +106,7 @@ fn warnings(record: &Record, summary: &Summary) -> String {
         format!(
             "Tripped at {} s: {}. T1 read {}, expected {} °C; T2 read {}; the limit is {} °C. The heater was off until acknowledged.",
             significant(trip.t_s, 5),
-            tables::trip_reason(trip.reason),
+            trip.reason.words(),
             trip.t1,
             significant(trip.setpoint_c.into(), 3),
             trip.t2,

@@ -165,7 +165,7 @@ impl Power {
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::{AdcCode, Config, Instrument, Percent, RawSample, Trip};
+    use fdi_core::{AdcCode, Command, Config, Instrument, Percent, RawSample, Trip};
 
     use super::*;
     use crate::fault::{Sensor, Verb};
@@ -179,11 +179,14 @@ mod tests {
         Row { report: instrument.diagnose(&tick, Percent(0.0)), tick, truth: 0 }
     }
 
+    /// A trip that an instrument made, with another reason.
     fn tripped(reason: TripReason) -> Mode {
-        let tick = quiet().tick;
-        let (sample, setpoint) = (tick.sample, tick.setpoint);
-        let raw = RawSample { t0: AdcCode(0.0), t1: AdcCode(0.0), t2: AdcCode(0.0) };
-        Mode::Tripped(Trip { reason, tick: 0, raw, sample, setpoint, limit: setpoint })
+        let mut instrument = Instrument::new(&Config::default()).unwrap();
+        instrument.command(Command::Arm).unwrap();
+        let (room, open) = (AdcCode(2160.0), AdcCode(4095.0));
+        let mode = (0..9).map(|_| instrument.control(RawSample { t0: room, t1: open, t2: room }).mode).last();
+        let Some(Mode::Tripped(trip)) = mode else { panic!("{mode:?}, expected a trip") };
+        Mode::Tripped(Trip { reason, ..trip })
     }
 
     /// T1 leaves the tube at 20 s, having learnt until 10 s at 40 %; the controller asks for all until it trips at `off`.

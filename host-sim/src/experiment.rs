@@ -169,7 +169,7 @@ pub fn with_prbs_phase(config: &Config, seed: u64) -> Config {
     config
 }
 
-/// Runs a scenario on any backend: it is armed at the first tick.
+/// Runs a scenario on any backend.
 pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, seed: u64) -> Record {
     let mut rows = Vec::new();
     let started = Instant::now();
@@ -199,9 +199,13 @@ pub fn drive(
             refused.push((t, reason));
         }
     };
-    obey(backend, Command::Arm, 0.0);
+    let mut armed = false;
     for index in 0..ticks {
         let t = f64::from(index) * sample_time;
+        if !armed && t >= scenario.arm_at {
+            armed = true;
+            obey(backend, Command::Arm, t);
+        }
         while let Some((_, command)) = commands.next_if(|(at, _)| *at <= t) {
             obey(backend, command, t);
         }

@@ -28,6 +28,8 @@ pub struct Campaign {
     pub scale: f64,
     /// Only the cells whose name contains this.
     pub only: String,
+    /// Each run is armed at this time, s: until then the instrument sees the rig cold.
+    pub arm_at: f64,
     /// A fault cell goes on so long after the last thing that happens, s.
     pub rest: f64,
     /// Settings of the instrument that take each of some values in turn: `"diagnosis.sigma_factor" = [2.5, 3.0]`.
@@ -50,6 +52,7 @@ impl Default for Campaign {
         Self {
             seeds_from: 1_000_000,
             scale: 1.0,
+            arm_at: 0.0,
             only: String::new(),
             rest: 30.0,
             sweep: BTreeMap::new(),
@@ -198,6 +201,7 @@ impl Campaign {
             ends.chain(definition.actions.iter().map(|a| a.at + a.over.unwrap_or(0.0))).fold(0.0, f64::max);
         let scenario = Scenario {
             duration: definition.duration.unwrap_or(last + self.rest),
+            arm_at: self.arm_at,
             wander: definition.wander,
             rig: variant.plant.noisy_rig(),
             faults: variant.faults.clone(),

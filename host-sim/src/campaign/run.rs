@@ -152,7 +152,7 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
     let mut instrument = Instrument::new(&config)?;
     let mut guards = [Guard::new(fault), Guard::new(fault)];
     let mut watches = fault.map(|f| (Watch::new(f), ParityWatch::new(f, sample_time)));
-    let mut heat = HeatWatch::new(&config, fault);
+    let mut heat = HeatWatch::new(&config, &scenario, fault);
     drive(&mut instrument, &config, &scenario, seed, |row, rig| {
         let t = tick_time(row.tick.index, sample_time);
         heat.see(t, &row, rig);

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::experiment::{Row, as_written};
 use crate::fault::Fault;
 use crate::rig::Rig;
+use crate::scenario::Scenario;
 use crate::score::microseconds;
 pub use statistics::{HeatStatistics, MayTrip, name};
 
@@ -20,7 +21,7 @@ const OVERPOWER: f64 = 1.8;
 /// The power is averaged over so long before it is called too much, s: the excitation is not meant.
 const AVERAGE: f64 = 1.0;
 
-/// What is kept of a run. "Since the onset" is since the start where there is no fault to be scored.
+/// What is kept of a run. "Since the onset" is since arming where that is later, or where no fault is scored.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Heat {
     /// Highest true temperature of the air at T1 since the onset, degC.
@@ -57,10 +58,10 @@ pub(super) struct HeatWatch {
 }
 
 impl HeatWatch {
-    pub(super) fn new(config: &fdi_core::Config, fault: Option<&Fault>) -> Self {
+    pub(super) fn new(config: &fdi_core::Config, scenario: &Scenario, fault: Option<&Fault>) -> Self {
         let sample_time = as_written(config.sample_time.0);
         Self {
-            onset: fault.map_or(0.0, |f| f.at),
+            onset: fault.map_or(0.0, |f| f.at).max(scenario.arm_at),
             sample_time,
             full: config.pid.output_max.0,
             heat: Heat { air_max_c: f64::MIN, overshoot_max_c: f64::MIN, ..Heat::default() },
@@ -194,7 +195,7 @@ mod tests {
         let fault = Fault::new(Verb::Detach, Some(Sensor::T1), Some(1.0), 20.0, 100.0);
         let still = RigConfig { turbulence: 0.0, white_noise: 0.0, ..RigConfig::default() };
         let mut rig = Rig::new(&still, Wander::None, 0.11, 1, std::slice::from_ref(&fault));
-        let mut watch = HeatWatch::new(&Config::default(), Some(&fault));
+        let mut watch = HeatWatch::new(&Config::default(), &Scenario::default(), Some(&fault));
         for i in 0..400 {
             let t = f64::from(i) * 0.11;
             let mut row = quiet();

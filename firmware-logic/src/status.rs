@@ -53,13 +53,13 @@ impl fmt::Display for Status {
         let tick = &beat.tick;
         write!(f, "mode {}", tick.mode.name())?;
         if let Mode::Tripped(trip) = tick.mode {
-            write!(f, " ({:?}), `ack` when its cause has gone", trip.reason)?;
+            write!(f, " ({}), `ack` when its cause has gone", trip.reason.words())?;
         }
         if let Some(hold) = beat.hold {
             write!(f, ", heater held off: {hold}; `ack` to release")?;
         }
         if let Some(blocker) = tick.blocked {
-            write!(f, ", not learning: {blocker:?}")?;
+            write!(f, ", not learning: {}", blocker.words())?;
         }
         let sample = &tick.sample;
         let [t0, t1, t2] = [sample.t0, sample.t1, sample.t2].map(Shown);

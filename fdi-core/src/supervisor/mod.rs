@@ -35,6 +35,8 @@ use normal::Normal;
 use response::{Response, ResponseState};
 use unasked::{Unasked, UnaskedState};
 
+/// So many samples behind, the baseline is not merely late: the models need fewer to settle.
+const UNIDENTIFIED: u32 = 300;
 /// Time over which the power is averaged before it is judged, s.
 const POWER_TIME: f32 = 1.0;
 
@@ -178,7 +180,7 @@ impl Supervisor {
         }
         let blocked = match state.mode {
             Mode::Settle { .. } if due => Some(blocker.unwrap_or(Blocker::NotSteady)),
-            Mode::Learn { .. } => blocker,
+            Mode::Learn { accepted } => blocker.or(self.unidentified(accepted, now.feedback.learned)),
             _ => None,
         };
         let learn = matches!(state.mode, Mode::Learn { .. }) && blocker.is_none();
@@ -212,6 +214,11 @@ impl Supervisor {
             Some(Blocker::InvalidSample) => Mode::Settle { steady },
             Some(_) => Mode::Settle { steady: 0 },
         }
+    }
+
+    /// The baseline stays behind the samples that were fit for it: then the models give nothing to learn.
+    fn unidentified(&self, accepted: u32, learned: u32) -> Option<Blocker> {
+        (accepted > learned.saturating_add(UNIDENTIFIED)).then_some(Blocker::NotIdentified)
     }
 
     /// A missing sample is skipped; anything else that disturbs the rig makes what was learnt doubtful.

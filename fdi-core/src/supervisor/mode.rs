@@ -138,6 +138,24 @@ pub enum Blocker {
     InvalidSample,
     /// All is well, but not yet for long enough.
     NotSteady,
+    /// The models have given no gain or bandwidth that may be believed for many samples: see `identification.gain_max`.
+    NotIdentified,
+}
+
+impl Blocker {
+    /// The reason in words, for people.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Saturated => "the power is at a limit",
+            Self::OutOfRegulation => "T1 is too far from the set-point",
+            Self::Unexcited => "the excitation is off or cut away",
+            Self::InvalidSample => "a thermistor gives no valid sample",
+            Self::NotSteady => "not steady for long enough yet",
+            Self::NotIdentified => {
+                "the models give no gain or bandwidth to be believed; see identification.gain_max"
+            }
+        }
+    }
 }
 
 /// A command of the user.

@@ -100,7 +100,11 @@ impl Instrument {
     /// # Errors
     /// Why it is refused; nothing has changed then.
     pub fn command(&mut self, command: Command) -> Result<(), Refusal> {
-        self.controller.command(&mut self.control_state, command)
+        self.controller.command(&mut self.control_state, command)?;
+        if command == Command::Relearn {
+            self.diagnosis.forget(&mut self.diagnosis_state);
+        }
+        Ok(())
     }
 
     /// Takes over new settings without a bump: the state stays, the set-point of `config` is not applied (use

@@ -3,7 +3,7 @@
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::parity::Arming;
-use fdi_core::{Mode, Report};
+use fdi_core::{Command, Mode, Report};
 use firmware_logic::alarm::Alarms;
 use firmware_logic::checkin::Task;
 use firmware_logic::control_loop::Beat;
@@ -40,6 +40,9 @@ pub(crate) async fn diagnosis(
                 && let Some(retuned) = instrument.take_retuned()
             {
                 diagnosis = retuned;
+            }
+            if outcome.command == Some(Command::Relearn) && outcome.result.is_ok() {
+                diagnosis.forget(&mut state);
             }
             log::outcome(beat.tick.index, &outcome);
             instrument.answered(outcome);

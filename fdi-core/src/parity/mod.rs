@@ -136,8 +136,7 @@ impl Parity {
         let heating = tick.mode.is_heating();
         self.follow_mode(state, tick.mode);
         self.room.step(&mut state.room, tick.index, readings, applied);
-        let contradiction =
-            state.contradiction.step(&self.response, tick.index, heating, readings, applied);
+        let contradiction = state.contradiction.step(&self.response, tick.index, heating, readings, applied);
         let now = Now { tick, heating, y, believed: state.room.rises([t1, t2]), u: applied };
         let undisturbed = undisturbed && contradiction.is_none();
         let by_models = self.watch(state, &now);

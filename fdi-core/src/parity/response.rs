@@ -138,9 +138,8 @@ impl Factors {
     fn new(r: &[[f32; BANDS]; BANDS]) -> Self {
         let mut f = Self { l: [[0.0; BANDS]; BANDS], d: [0.0; BANDS], inv_d: [0.0; BANDS] };
         for j in 0..BANDS {
-            let left = |f: &Self, i: usize| {
-                (0..j).fold(r[i][j], |left, k| left - f.l[i][k] * f.l[j][k] * f.d[k])
-            };
+            let left =
+                |f: &Self, i: usize| (0..j).fold(r[i][j], |left, k| left - f.l[i][k] * f.l[j][k] * f.d[k]);
             f.d[j] = larger(RIDGE, left(&f, j) + RIDGE);
             f.inv_d[j] = 1.0 / f.d[j];
             for i in j + 1..BANDS {

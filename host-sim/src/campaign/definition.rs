@@ -28,8 +28,6 @@ pub struct Campaign {
     pub scale: f64,
     /// Only the cells whose name contains this.
     pub only: String,
-    /// Each run is armed at this time, s: until then the instrument sees the rig cold.
-    pub arm_at: f64,
     /// A fault cell goes on so long after the last thing that happens, s.
     pub rest: f64,
     /// Settings of the instrument that take each of some values in turn: `"diagnosis.sigma_factor" = [2.5, 3.0]`.
@@ -52,7 +50,6 @@ impl Default for Campaign {
         Self {
             seeds_from: 1_000_000,
             scale: 1.0,
-            arm_at: 0.0,
             only: String::new(),
             rest: 30.0,
             sweep: BTreeMap::new(),
@@ -107,6 +104,9 @@ pub struct CellDefinition {
     /// Everything happens later by a time drawn for each run from 0 to this, s.
     #[serde(default)]
     pub phase: f64,
+    /// Each run is armed at this time, s: until then the instrument sees the rig cold.
+    #[serde(default)]
+    pub arm_at: f64,
     /// Length of a run, s; left out: until the last thing that happens, and `rest`.
     pub duration: Option<f64>,
     /// Sizes that the first fault takes, each in a cell of its own.
@@ -201,7 +201,7 @@ impl Campaign {
             ends.chain(definition.actions.iter().map(|a| a.at + a.over.unwrap_or(0.0))).fold(0.0, f64::max);
         let scenario = Scenario {
             duration: definition.duration.unwrap_or(last + self.rest),
-            arm_at: self.arm_at,
+            arm_at: definition.arm_at,
             wander: definition.wander,
             rig: variant.plant.noisy_rig(),
             faults: variant.faults.clone(),

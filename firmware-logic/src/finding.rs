@@ -120,13 +120,23 @@ impl Told<'_> {
             FaultClass::T1Detached => self.detached(f, Channel::T1, None),
             FaultClass::T2Detached => self.detached(f, Channel::T2, None),
             FaultClass::Swapped(pair) => f.write_str(match pair {
-                Pair::T1T2 => "T2 answers to the heater before T1, T1 expected first: are their wires swapped?",
-                Pair::T0T1 => "T0 answers to the heater and T1 does not, the reverse expected: are their wires swapped?",
-                Pair::T0T2 => "T0 answers to the heater and T2 does not, the reverse expected: are their wires swapped?",
+                Pair::T1T2 => {
+                    "T2 answers to the heater before T1, T1 expected first: are their wires swapped?"
+                }
+                Pair::T0T1 => {
+                    "T0 answers to the heater and T1 does not, the reverse expected: are their wires swapped?"
+                }
+                Pair::T0T2 => {
+                    "T0 answers to the heater and T2 does not, the reverse expected: are their wires swapped?"
+                }
             }),
             FaultClass::T0Fault => {
-                let [t0, t1, t2] = [Channel::T0, Channel::T1, Channel::T2].map(|c| Fixed(self.measured(c), 1));
-                write!(f, "T0 reads {t0} degC and is no warmer place than T1 and T2: {t1} and {t2} measured, ")?;
+                let [t0, t1, t2] =
+                    [Channel::T0, Channel::T1, Channel::T2].map(|c| Fixed(self.measured(c), 1));
+                write!(
+                    f,
+                    "T0 reads {t0} degC and is no warmer place than T1 and T2: {t1} and {t2} measured, "
+                )?;
                 f.write_str("a colder room expected")
             }
             FaultClass::Unknown => f.write_str(

@@ -24,7 +24,8 @@ const LAGS: [f32; 3] = [0.0, 0.35, 1.0];
 const SOONER: f32 = 0.7;
 
 /// What y1 and y2 are with two wires swapped, as combinations of what they should be: T1 and T2, T0 and T1, T0 and T2.
-const SWAPPED: [[[f32; 2]; 2]; 3] = [[[0.0, 1.0], [1.0, 0.0]], [[-1.0, 0.0], [-1.0, 1.0]], [[1.0, -1.0], [0.0, -1.0]]];
+const SWAPPED: [[[f32; 2]; 2]; 3] =
+    [[[0.0, 1.0], [1.0, 0.0]], [[-1.0, 0.0], [-1.0, 1.0]], [[1.0, -1.0], [0.0, -1.0]]];
 
 /// Constants of the filters.
 #[derive(Clone, Copy, Debug)]

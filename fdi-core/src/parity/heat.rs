@@ -22,10 +22,10 @@ const COOLING: f32 = 0.3;
 const FLOW_TIME: f32 = 2.0;
 const FLOW_MIN_RISE: f32 = 2.0;
 /// A thermistor that sees less than this share of the rise is out of the tube where the other sees all of it, give or take
-/// this share, and the rise is one, degC; what nothing else explains is so from a smaller loss on.
+/// this share of what the one lacks, and the rise is one, degC; what nothing else explains is so from a smaller loss on.
 const DETACHED_SHARE: f32 = 0.6;
 const UNEXPLAINED_SHARE: f32 = 0.85;
-const ATTACHED: f32 = 0.15;
+const ATTACHED: f32 = 0.25;
 const DETACHED_MIN_RISE: f32 = 4.0;
 /// A stuck T1 shows less than this share of the motion from tick to tick that is expected.
 const STUCK_SHARE: f32 = 0.2;
@@ -162,15 +162,16 @@ impl HeatState {
             return None;
         }
         let [t1, t2] = [t1.measured / t1.expected, t2.measured / t2.expected];
-        let attached = |seen: f32| (seen - 1.0).abs() < ATTACHED;
-        let (class, seen) = if t1 < share && attached(t2) && t1 < t2 {
+        let beside = |seen: f32, other: f32| seen < share && (other - 1.0).abs() < ATTACHED * (1.0 - seen);
+        let (class, seen) = if beside(t1, t2) {
             (FaultClass::T1Detached, t1)
-        } else if t2 < share && attached(t1) {
+        } else if beside(t2, t1) {
             (FaultClass::T2Detached, t2)
         } else {
             return None;
         };
-        let magnitude = Magnitude { value: 100.0 * (seen - 1.0), half_width: 100.0 * ATTACHED };
+        let lacks = 100.0 * (1.0 - seen);
+        let magnitude = Magnitude { value: -lacks, half_width: ATTACHED * lacks };
         Some(Finding { class, confidence: 1.0, magnitude: Some(magnitude), onset })
     }
 
@@ -183,5 +184,34 @@ impl HeatState {
     /// Whether the rig has been hot without power for too long.
     pub(super) fn heater_stuck_on(&self) -> bool {
         self.stuck_on
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TS: f32 = 0.11;
+
+    /// How long it takes until the heater counts as stuck on, with rises of 20 degC that fall by a share a second.
+    fn stuck_after(heating: bool, falling: f32) -> Option<f32> {
+        let (heat, mut s) = (Heat::new(TS), HeatState::new(20.0));
+        (1..3000).map(|k| k as f32 * TS).find(|time| {
+            let rise = Rise { measured: 20.0 * (1.0 - falling * time).max(0.0), expected: 0.0 };
+            heat.step(&mut s, [Some(rise); 2], heating);
+            s.heater_stuck_on()
+        })
+    }
+
+    #[test]
+    fn heat_that_stays_without_power_is_a_heater_stuck_on() {
+        assert!(stuck_after(true, 0.0).is_some_and(|time| time < 2.2));
+        assert!(stuck_after(false, 0.0).is_some_and(|time| (19.0..22.0).contains(&time)));
+    }
+
+    /// The fan goes off with the heater: the tube stays hot for minutes.
+    #[test]
+    fn a_tube_that_cools_without_its_fan_is_none() {
+        assert_eq!(stuck_after(false, 0.003), None);
     }
 }

@@ -130,3 +130,59 @@ impl RoomState {
 fn is_possible(t0: &f32) -> bool {
     *t0 > COLDEST && *t0 < WARMEST
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TS: f32 = 0.11;
+
+    /// What is believed after `time` s, and whether T0 is told to be wrong, if readings and power are so.
+    fn after(time: f32, at: impl Fn(f32) -> ([f32; 3], f32)) -> (f32, bool) {
+        let (room, mut s) = (Room::new(TS), RoomState::default());
+        for tick in 0..(time / TS) as u32 {
+            let (readings, power) = at(tick as f32 * TS);
+            room.step(&mut s, tick, readings.map(Some), power);
+        }
+        (s.believed().expect("T0 was there"), s.finding().is_some())
+    }
+
+    #[test]
+    fn a_t0_that_is_wrong_at_rest_is_told_and_the_others_are_believed() {
+        let (room, wrong) = after(40.0, |_| ([12.5, 22.5, 22.6], 0.0));
+        assert!(wrong && (room - 22.55).abs() < 0.1, "{room}");
+        let (room, wrong) = after(40.0, |_| ([22.0, 22.5, 22.6], 0.0));
+        assert!(!wrong && room == 22.0, "{room}");
+    }
+
+    /// While it heats a jump of T0 is none of the room, and a slow change is followed.
+    #[test]
+    fn only_what_a_room_can_do_is_followed() {
+        let jump = |time| ([if time < 10.0 { 22.5 } else { 2.5 }, 35.0, 34.0], 40.0);
+        assert_eq!(after(600.0, jump), (22.5, true));
+        let drift = |time| ([22.5 + 0.5 / 60.0 * time, 35.0, 34.0], 40.0);
+        let (room, wrong) = after(600.0, drift);
+        assert!((room - 27.5).abs() < 0.1 && !wrong, "{room}");
+    }
+
+    /// A hot tube without its fan loses 10 degC in five minutes, then less.
+    #[test]
+    fn a_hot_tube_that_cools_is_no_room() {
+        let cooling = |time: f32| {
+            ([22.5, 22.5 + 20.0 * libm::expf(-time / 400.0), 22.5 + 19.0 * libm::expf(-time / 400.0)], 0.0)
+        };
+        for time in [30.0, 120.0, 500.0, 800.0] {
+            let (room, wrong) = after(time, cooling);
+            assert!((room - 22.5).abs() < 2.0 && !wrong, "{room} degC after {time} s");
+        }
+    }
+
+    #[test]
+    fn no_trainer_stands_in_such_a_room() {
+        let (room, mut s) = (Room::new(TS), RoomState::default());
+        for tick in 0..60 {
+            room.step(&mut s, tick, [Some(-3.0), Some(35.0), Some(34.0)], 40.0);
+        }
+        assert!(s.believed().is_none() && s.finding().is_some_and(|f| f.magnitude.is_none()));
+    }
+}

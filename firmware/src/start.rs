@@ -46,7 +46,6 @@ fn start(spawner: Spawner) {
     halt::freeze_output_not_guard();
     let board = Board::new(peripherals);
     tick_timer::start(board.tick_timer); // the log's clock, too
-    supply::watch();
 
     let mut store = Store::new(SettingsFlash::new(board.flash));
     let (settings, origin) = block_on(store.load());
@@ -58,6 +57,8 @@ fn start(spawner: Spawner) {
     let (controller, diagnosis) = halves(&config);
 
     let heater = HeaterOutput::new(board.pwm_timer, (board.heater, board.contactor), board.break_input);
+    supply::watch();
+    tick_timer::enable_interrupt();
     let thermistors = Thermistors::new(board.adc, board.thermistors);
     let (orders_in, orders_out) = link::orders();
     let (beats_out, beats_in) = link::beats();

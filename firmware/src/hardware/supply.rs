@@ -13,7 +13,7 @@ const THRESHOLD: u8 = 7;
 /// Line of the external interrupts on which the detector lies; its edge rises when the supply falls.
 const LINE: usize = 16;
 
-/// Begins to watch. A supply that is low already gives no edge: see [`is_low`].
+/// Begins to watch; the heater's output is set up. A supply that is low already gives no edge: see [`is_low`].
 pub(crate) fn watch() {
     PWR.cr1().modify(|w| {
         w.set_pls(THRESHOLD);

@@ -11,9 +11,9 @@ use embassy_stm32::pac::timer::regs::SrGp16;
 use embassy_stm32::pac::timer::vals::Urs;
 use embassy_stm32::{Peri, interrupt, peripherals, rcc};
 use embassy_sync::waitqueue::AtomicWaker;
+use firmware_logic::interlock::Hold;
 
 use super::{halt, heater};
-use firmware_logic::interlock::Hold;
 
 const WAKE: usize = 0;
 const DEAD_MAN: usize = 1;
@@ -23,7 +23,7 @@ static CONTROL: AtomicWaker = AtomicWaker::new();
 static SEEN: AtomicU32 = AtomicU32::new(0);
 static WRAPS: AtomicU32 = AtomicU32::new(0);
 
-/// Starts counting at `first`. The dead man's handle is armed by its first feeding.
+/// Starts counting; nothing interrupts yet.
 pub(crate) fn start(_timer: Peri<'static, peripherals::TIM5>) {
     rcc::enable_and_reset::<peripherals::TIM5>();
     let per_microsecond = rcc::frequency::<peripherals::TIM5>().0 / 1_000_000;
@@ -31,15 +31,20 @@ pub(crate) fn start(_timer: Peri<'static, peripherals::TIM5>) {
     TIM5.arr().write_value(u32::MAX);
     TIM5.cr1().write(|w| w.set_urs(Urs::COUNTER_ONLY));
     TIM5.egr().write(|w| w.set_ug(true)); // takes over the prescaler
+    TIM5.cr1().modify(|w| w.set_cen(true));
+}
+
+/// Begins to wake the control task and to watch it. The dead man's handle is armed by its first feeding. To be called
+/// with the heater's output set up, which the interrupt may cut.
+pub(crate) fn enable_interrupt() {
+    halt::start();
     TIM5.sr().write_value(SrGp16(0));
     TIM5.dier().write(|w| {
         w.set_ccie(WAKE, true);
         w.set_ccie(DEAD_MAN, true);
     });
-    halt::start();
-    // SAFETY: the handler is below and touches only the timer, an atomic waker and the heater's enable.
+    // SAFETY: the handler is below and touches only timers, an atomic waker and the heater's enable.
     unsafe { interrupt::TIM5.enable() };
-    TIM5.cr1().modify(|w| w.set_cen(true));
 }
 
 /// Microseconds; wraps every 71.6 minutes.

@@ -161,6 +161,11 @@ impl Board {
         self.log.iter().any(|line| line.text.contains(text))
     }
 
+    /// Times of the log's lines in s, as the board tells them.
+    pub fn log_times(&self) -> Vec<f64> {
+        self.log.iter().filter_map(|line| line.timestamp.parse().ok()).collect()
+    }
+
     /// Closes or opens the contact between the break input and ground.
     pub fn interlock(&mut self, closed: bool) {
         self.cpu.touch(|chip, now| chip.wire(PORT_A, 6, closed.then_some(false), now));

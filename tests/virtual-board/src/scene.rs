@@ -73,7 +73,7 @@ impl Scene {
         self.rig.0.borrow_mut().overrides[sensor] = Some(code);
     }
 
-    /// Runs until the heater's pin is low for good; the time from now until then.
+    /// Runs until the heater's pin is low for good, and with it the contactor's; the time from now until then.
     ///
     /// # Errors
     /// It is not low within `limit`, or does not stay so for as long again.
@@ -89,6 +89,7 @@ impl Scene {
             time / 1_000_000,
             limit / 1_000_000
         );
+        ensure!(self.board.contactor() == 0.0, "the heater is off, but the contactor is closed");
         Ok(time)
     }
 }

@@ -95,3 +95,15 @@ fn a_line_held_low_is_no_trouble() {
     scene.board.command("").expect("answers");
     assert!(scene.board.command("status").expect("answers").contains("mode off"));
 }
+
+#[test]
+fn an_order_that_nobody_carries_out_is_answered() {
+    let mut scene = Scene::at_rest(load(None).expect("an image")).expect("boots");
+    scene.board.cpu.touch(|chip, _| chip.scs.nvic.enable(84, false)); // the control task's executor
+    scene.board.take_terminal();
+    scene.board.send(b"ack\r");
+    scene.board.run_for(500 * MS).expect("runs on");
+    let answer = scene.board.take_terminal();
+    assert!(answer.contains("not carried out"), "{answer}");
+    assert_eq!(scene.board.resets, [], "before the watchdog bites");
+}

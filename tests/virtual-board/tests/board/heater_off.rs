@@ -28,6 +28,7 @@ fn needs_acknowledgement(scene: &mut Scene) {
     assert!(refusal.contains("ack") || refusal.contains("mode tripped"), "armed without `ack`: {refusal}");
     board.run_for(1000 * MS).expect("runs on");
     assert_eq!(board.heater(), 0.0, "heats without acknowledgement");
+    assert_eq!(board.contactor(), 0.0, "the contactor closes without acknowledgement");
     scene.rig.0.borrow_mut().overrides = [None; 3];
     scene.board.interlock(true);
     scene.board.run_for(2000 * MS).expect("runs on");
@@ -266,7 +267,7 @@ fn resets_while_heating() {
 }
 
 #[test]
-fn a_hold_outlives_the_reset_button_but_not_the_power_switch() {
+fn a_hold_outlives_the_reset_button_and_the_power_switch() {
     let mut scene = heating();
     scene.board.interlock(false);
     scene.board.run_for(300 * MS).expect("runs on");
@@ -277,7 +278,7 @@ fn a_hold_outlives_the_reset_button_but_not_the_power_switch() {
     assert!(answer.contains("ack"), "{answer}");
     scene.board.power_cycle().expect("comes back");
     scene.board.run_for(1000 * MS).expect("starts");
-    scene.arm().expect("arms after a power cycle");
+    needs_acknowledgement(&mut scene);
 }
 
 #[test]

@@ -3,8 +3,11 @@
 mod boot;
 mod brown_out;
 mod console;
+mod contactor;
+mod debug_halt;
 mod endurance;
 mod erase;
+mod flash;
 mod halt;
 mod heater_off;
 mod last_gasp;
@@ -13,6 +16,7 @@ mod paper;
 mod pins;
 mod sampling;
 mod settings;
+mod supply;
 mod wraps;
 
 /// Whether the board says that no tick was missed, and none more than a few microseconds late: what else runs at the same

@@ -24,18 +24,22 @@ pub(crate) struct Bench {
     root: PathBuf,
     copy: PathBuf,
     target: PathBuf,
+    /// The tests of the virtual board as they were at the start: who edits meanwhile does not disturb.
+    tests: PathBuf,
 }
 
 impl Bench {
-    /// Copies the tree as it is, and builds its image.
+    /// Copies the tree as it is, and builds its image and the tests.
     ///
     /// # Errors
     /// It cannot be copied, or does not build.
     pub(crate) fn set_up() -> anyhow::Result<Self> {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize()?;
         let place = root.join("target/mutants");
-        let bench = Self { copy: place.join("tree"), target: place.join("target"), root };
+        let [copy, target, tests] = ["tree", "target", "tests"].map(|name| place.join(name));
+        let bench = Self { root, copy, target, tests };
         mirror(&bench.root, &bench.copy)?;
+        bench.build_tests()?;
         bench.build().context("the image without any mutant")?;
         Ok(bench)
     }
@@ -66,16 +70,28 @@ impl Bench {
         Ok(())
     }
 
+    fn build_tests(&self) -> anyhow::Result<()> {
+        let mut cargo = self.cargo();
+        cargo.current_dir(&self.root).args(["test", "-p", "virtual-board", "--test", "board", "--no-run"]);
+        let output = cargo.output()?;
+        let said = String::from_utf8_lossy(&output.stderr);
+        // cargo says: Executable tests/board/main.rs (target/...)
+        let line = said.lines().find(|line| line.trim_start().starts_with("Executable"));
+        let path = line.and_then(|line| line.split_once('(')?.1.strip_suffix(')'));
+        let path = path.with_context(|| format!("the tests do not build:\n{said}"))?;
+        fs::copy(self.root.join(path), &self.tests)?;
+        Ok(())
+    }
+
     /// Runs tests of this tree, by parts of their names, on the image of the copy.
     ///
     /// # Errors
-    /// They do not build, or there are none of these names.
+    /// There is none of one of these names.
     pub(crate) fn run(&self, tests: &[&str]) -> anyhow::Result<Verdict> {
         let image = self.target.join(TARGET).join("firmware/firmware");
-        let mut cargo = self.cargo();
-        cargo.current_dir(&self.root).env("VIRTUAL_BOARD_ELF", image).env("RUST_BACKTRACE", "0");
-        cargo.args(["test", "-p", "virtual-board", "--test", "board", "--"]).args(tests);
-        let output = cargo.output()?;
+        let mut program = Command::new(&self.tests);
+        program.current_dir(&self.root).env("VIRTUAL_BOARD_ELF", image).env("RUST_BACKTRACE", "0");
+        let output = program.args(tests).output()?;
         let said = String::from_utf8_lossy(&output.stdout);
         let ran = || said.lines().filter_map(|line| line.strip_prefix("test "));
         if let Some(absent) = tests.iter().find(|&&test| !ran().any(|name| name.starts_with(test))) {

@@ -86,4 +86,14 @@ pub(super) const MUTANTS: &[Mutant] = &[
         [" || words[WORDS - 1] != checksum(words)", ""],
         &["last_gasp::ram_full"],
     ),
+    mutant(
+        "stack-above-the-data",
+        "a stack overflow corrupts the controller",
+        "memory.x",
+        [
+            "  STACK : ORIGIN = 0x20000000, LENGTH = 18K\n  RAM   : ORIGIN = 0x20004800, LENGTH = 110K\n",
+            "  STACK : ORIGIN = 0x20010000, LENGTH = 18K\n  RAM   : ORIGIN = 0x20000000, LENGTH = 64K\n",
+        ],
+        &["heater_off::stack_overflow"],
+    ),
 ];

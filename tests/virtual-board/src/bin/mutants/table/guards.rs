@@ -196,4 +196,35 @@ pub(super) const MUTANTS: &[Mutant] = &[
         ["1 << 0 | 1 << 12;", "1 << 0;"],
         &["halt::a_resumed"],
     ),
+    mutant(
+        "control-late-in-the-roll",
+        "a control task that is silent is not missed",
+        "firmware-logic/src/checkin.rs",
+        ["(Task::Control, 250)", "(Task::Control, 25_000)"],
+        &["heater_off::clocks_of_the_tasks_stop", "heater_off::tick_interrupt_disabled"],
+    ),
+    mutant(
+        "order-waits-for-ever",
+        "a console that waits for an answer starves the watchdog",
+        "firmware/src/instrument.rs",
+        [
+            "const PATIENCE: Duration = Duration::from_millis(400);",
+            "const PATIENCE: Duration = Duration::from_secs(400);",
+        ],
+        &["console::an_order"],
+    ),
+    mutant(
+        "slow-bus-too-fast",
+        "100 MHz, 50 are allowed",
+        "firmware/src/hardware/nucleo_f411re.rs",
+        ["APBPrescaler = APBPrescaler::DIV2;", "APBPrescaler = APBPrescaler::DIV1;"],
+        &["boot::boots_to_off"],
+    ),
+    mutant(
+        "log-by-the-frozen-clock",
+        "the log loses the time of an erasure",
+        "firmware/src/hardware/rtt.rs",
+        ["super::tick_timer::uptime_us()", "embassy_time::Instant::now().as_micros()"],
+        &["flash::the_log"],
+    ),
 ];

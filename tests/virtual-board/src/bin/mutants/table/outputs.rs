@@ -108,7 +108,10 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "heater-inverted",
         "off is on",
         FILE,
-        ["            w.set_cce(HEATER, true);\n", "            w.set_cce(HEATER, true);\n            w.set_ccp(HEATER, true);\n"],
+        [
+            "        t.psc().write_value(0);\n",
+            "        t.psc().write_value(0);\n        t.ccer().write(|w| w.set_ccp(HEATER, true));\n",
+        ],
         &["pins::after_the_start", "heater_off::t1_broken"],
     ),
     mutant("pwm-mode-2", "power 0 is full power", FILE, ["Ocm::PWM_MODE1", "Ocm::PWM_MODE2"], &["pins::"]),
@@ -182,5 +185,19 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "firmware-logic/src/duty.rs",
         ["+ 0.5) as u16", "+ 1.5) as u16"],
         &["paper::drives"],
+    ),
+    mutant(
+        "pins-of-another-timer",
+        "pins and break input are not the timer's",
+        "firmware/src/hardware/nucleo_f411re.rs",
+        ["const TIM1_AF: u8 = 1;", "const TIM1_AF: u8 = 2;"],
+        &["pins::after_the_start", "heater_off::break_input"],
+    ),
+    mutant(
+        "armed-with-an-open-interlock",
+        "hardware alone keeps it off",
+        LOOP,
+        ["                if heater.break_is_open() {", "                if heater.break_is_open() && false {"],
+        &["heater_off::an_open_interlock"],
     ),
 ];

@@ -121,4 +121,52 @@ pub(super) const MUTANTS: &[Mutant] = &[
         ["    enable(false);\n", ""],
         &["erase::nothing_stale"],
     ),
+    mutant(
+        "detector-does-not-note",
+        "the next start does not know of the low supply",
+        SUPPLY,
+        ["        retained::note_undervoltage();\n", ""],
+        &["supply::a_sag"],
+    ),
+    mutant(
+        "mark-taken-away-while-held",
+        "the power switch acknowledges",
+        INSTRUMENT,
+        [
+            "if self.marked && !self.instrument.is_held() && !self.may_heat() {",
+            "if self.marked && !self.may_heat() {",
+        ],
+        &["supply::a_trip_outlives"],
+    ),
+    mutant(
+        "mark-never-taken-away",
+        "switching it on needs an acknowledgement",
+        INSTRUMENT,
+        ["if self.marked && !self.instrument.is_held() && !self.may_heat() {", "if false {"],
+        &["supply::a_power_failure"],
+    ),
+    mutant(
+        "brown-out-level-not-told",
+        "nobody knows that the factory leaves it off",
+        SUPPLY,
+        ["    if level == LEVEL_3 { None }", "    if level == LEVEL_3 || true { None }"],
+        &["supply::the_brown_out"],
+    ),
+    mutant(
+        "brown-out-level-set-while-heating",
+        "programming the option bytes stalls the core while it heats",
+        INSTRUMENT,
+        [
+            "    fn set_brown_out_level(&mut self) -> Result<(), SaveError> {\n        if self.may_heat() {",
+            "    fn set_brown_out_level(&mut self) -> Result<(), SaveError> {\n        if false {",
+        ],
+        &["supply::the_brown_out"],
+    ),
+    mutant(
+        "brown-out-level-not-programmed",
+        "the level is written to the register alone",
+        SUPPLY,
+        ["        optcr.modify(|w| w.set_optstrt(true));\n", ""],
+        &["supply::the_brown_out"],
+    ),
 ];

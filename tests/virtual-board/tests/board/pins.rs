@@ -83,7 +83,7 @@ fn the_contactor_is_closed_while_armed_and_opens_with_the_heater() {
 }
 
 #[test]
-fn nothing_is_enabled_before_it_is_armed_or_after_a_stop() {
+fn nothing_is_enabled_before_it_is_armed_or_after_it_was_switched_off() {
     let mut scene = Scene::at_rest(load(None).expect("an image")).expect("boots");
     assert_eq!(tim1(&mut scene.board, BDTR) & MOE, 0, "after the start");
     scene.arm().expect("arms");
@@ -91,6 +91,11 @@ fn nothing_is_enabled_before_it_is_armed_or_after_a_stop() {
     assert_eq!(tim1(&mut scene.board, BDTR) & MOE, MOE, "armed");
     scene.board.command("stop").expect("answers");
     assert_eq!(tim1(&mut scene.board, BDTR) & MOE, 0, "stopped");
+    scene.arm().expect("arms");
+    scene.board.run_for(SECOND).expect("runs on");
+    scene.wire_sensor(1, 4095);
+    scene.board.run_for(200 * MS).expect("trips");
+    assert_eq!(tim1(&mut scene.board, BDTR) & MOE, 0, "tripped");
 }
 
 #[test]

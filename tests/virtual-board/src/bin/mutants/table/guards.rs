@@ -55,7 +55,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "the control task is never woken",
         TICK,
         ["        w.set_ccie(WAKE, true);\n", ""],
-        &["boot::"],
+        &["boot::arms"],
     ),
     mutant(
         "tick-1-percent-slow",
@@ -69,7 +69,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "one interrupt for ever",
         TICK,
         ["    TIM5.sr().write_value(SrGp16(!status.0));", "    // "],
-        &["boot::"],
+        &["boot::arms"],
     ),
     mutant(
         "watchdog-not-started",
@@ -117,21 +117,21 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "saving resets the board",
         WATCHDOG,
         ["    set(Patience::Stalled);\n    let result = stall();", "    let result = stall();"],
-        &["settings::saving_never", "erase::"],
+        &["erase::a_sector"],
     ),
     mutant(
         "watchdog-does-not-wait",
         "a new patience is fed before it is in force",
         WATCHDOG,
         ["fn wait_until_taken() {\n", "fn wait_until_taken() {\n    if true {\n        return;\n    }\n"],
-        &["heater_off::all_interrupts_masked", "boot::any_watchdog", "settings::saving_never", "erase::"],
+        &["heater_off::all_interrupts_masked", "boot::any_watchdog", "erase::after"],
     ),
     mutant(
         "watchdog-fed-by-nobody",
         "it bites a program that is well",
         ROLL,
         ["None => watchdog::feed(),", "None => {}"],
-        &["boot::"],
+        &["boot::arms"],
     ),
     mutant(
         "watchdog-fed-without-roll-call",

@@ -84,8 +84,11 @@ fn the_contactor_is_closed_while_armed_and_opens_with_the_heater() {
 
 #[test]
 fn nothing_is_enabled_before_it_is_armed_or_after_it_was_switched_off() {
-    let mut scene = Scene::at_rest(load(None).expect("an image")).expect("boots");
-    assert_eq!(tim1(&mut scene.board, BDTR) & MOE, 0, "after the start");
+    let mut scene = Scene::powered_up(load(None).expect("an image")).expect("powers up");
+    for ms in 0..400 {
+        scene.board.run_for(MS).expect("boots");
+        assert_eq!(tim1(&mut scene.board, BDTR) & MOE, 0, "{ms} ms after power-up");
+    }
     scene.arm().expect("arms");
     scene.board.run_for(SECOND).expect("runs on");
     assert_eq!(tim1(&mut scene.board, BDTR) & MOE, MOE, "armed");

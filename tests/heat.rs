@@ -3,9 +3,10 @@
 
 use fdi_core::supervisor::Blocker;
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Mode, RawSample, Refusal, Tick, TripReason};
-use host_sim::experiment::{as_written, with_prbs_phase};
+use host_sim::experiment::{as_written, run, with_prbs_phase};
 use host_sim::fault::{Fault, Sensor, Verb};
 use host_sim::rig::{Rig, RigConfig, Wander};
+use host_sim::scenario::Scenario;
 
 /// When the faults begin that come after learning, s.
 const LATE: f64 = 500.0;
@@ -32,7 +33,11 @@ struct Outcome {
 
 impl Bench {
     fn new(gain: f64, setpoint: f32, room: f64, faults: &[Fault], seed: u64) -> Self {
-        let mut config = Config { setpoint: Celsius(setpoint), ..with_prbs_phase(&Config::default(), seed) };
+        Self::with(&Config::default(), gain, setpoint, room, faults, seed)
+    }
+
+    fn with(base: &Config, gain: f64, setpoint: f32, room: f64, faults: &[Fault], seed: u64) -> Self {
+        let mut config = Config { setpoint: Celsius(setpoint), ..with_prbs_phase(base, seed) };
         config.pid.kp *= 0.3 / gain as f32;
         config.prbs.amplitude.0 *= 0.3 / gain as f32;
         let sample_time = as_written(config.sample_time.0);
@@ -133,9 +138,16 @@ fn a_t1_that_slides_out_slowly_overheats_by_less_than_10_degrees() {
     for (gain, setpoint) in RIGS {
         for over in [60.0, 600.0] {
             let slides = out(Sensor::T1, 1.0, over, LATE);
-            let outcome = Bench::armed(gain, setpoint, &[slides], 12).watch(LATE, LATE + over + 60.0);
-            let place = format!("over {over} s, gain {gain}, {setpoint} degC: {outcome:?}");
-            assert!(outcome.off.is_some() && outcome.overshoot < 10.0, "{place}");
+            // Nor is a stand-in for T1 believed against it.
+            for go_on in [false, true] {
+                let mut config = Config::default();
+                config.supervisor.go_on_without_t1 = go_on;
+                let mut bench = Bench::with(&config, gain, setpoint, 22.5, std::slice::from_ref(&slides), 12);
+                bench.instrument.command(Command::Arm).unwrap();
+                let outcome = bench.watch(LATE, LATE + over + 60.0);
+                let place = format!("over {over} s, gain {gain}, {setpoint} degC, {go_on}: {outcome:?}");
+                assert!(outcome.off.is_some() && outcome.overshoot < 10.0, "{place}");
+            }
         }
     }
 }
@@ -160,6 +172,18 @@ fn with_both_out_the_power_itself_is_the_contradiction() {
     let frozen = [out(T1, 1.0, 0.0, LATE), fault(Verb::Freeze, Some(T2), Some(0.0), LATE)];
     let outcome = Bench::armed(0.3, 35.0, &frozen, 14).watch(LATE, LATE + 60.0);
     assert!(outcome.off.expect("off").0 < 5.0, "{outcome:?}");
+}
+
+/// The instrument may be armed before it has seen a sample.
+#[test]
+fn a_heater_that_gives_too_little_trips_once_its_power_is_far_above_what_was_learnt() {
+    let weak = fault(Verb::HeaterStuck, None, Some(20.0), 400.0);
+    let scenario = Scenario { duration: 430.0, faults: vec![weak], ..Scenario::default() };
+    let record = run(&Config::default(), &scenario, 15).unwrap();
+    let Mode::Tripped(trip) = record.rows.last().unwrap().tick.mode else { panic!("still heating") };
+    assert_eq!(trip.reason, TripReason::ExcessPower);
+    let needed = trip.needed.expect("learnt").0;
+    assert!((39.0..45.0).contains(&needed) && trip.power.0 > 1.75 * needed, "{trip:?}");
 }
 
 #[test]

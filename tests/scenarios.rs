@@ -72,6 +72,15 @@ fn faults_of_t1_that_endanger_trip_in_the_same_tick() {
 }
 
 #[test]
+fn nothing_heats_before_it_is_armed() {
+    let scenario = Scenario { duration: 8.0, arm_at: 5.0, faults: vec![], ..Scenario::default() };
+    let record = run(&Config::default(), &scenario, 1).unwrap();
+    for row in &record.rows {
+        assert_eq!(row.tick.mode.is_heating(), record.time(row.tick.index) >= 5.0, "tick {}", row.tick.index);
+    }
+}
+
+#[test]
 fn a_dead_t1_trips_within_the_timeout() {
     let silent = fault(Verb::Missing, Some(Sensor::T1), Some(1.0), 50.0, 20.0);
     let stuck = fault(Verb::Stuck, Some(Sensor::T1), None, 50.0, 20.0);

@@ -89,6 +89,10 @@ impl Normal {
         self.sums = Statistics::default();
     }
 
+    pub(super) fn knows_no_room(&self) -> bool {
+        self.room.is_none()
+    }
+
     /// Follows the room while nothing heats: down at once, up no faster than a room can.
     pub(super) fn follow_room(&mut self, now: &Situation, sample_time: Seconds) {
         let readings = [now.sample.t0, now.sample.t1, now.sample.t2].map(|reading| reading.good());

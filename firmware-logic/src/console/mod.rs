@@ -199,7 +199,8 @@ fn status(board: &impl Board, out: &mut dyn Write) {
     let sample_time = board.config().sample_time.0;
     match &report.parity.finding {
         Some(finding) => {
-            let told = Told { finding, sample: &beat.tick.sample, sample_time };
+            let told =
+                Told { finding, sample: &beat.tick.sample, expected: report.parity.expected, sample_time };
             let _ = writeln!(out, "fault: {told}");
         }
         None if report.parity.alarm => say(out, "fault: something is wrong, too early to say what\n"),

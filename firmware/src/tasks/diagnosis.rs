@@ -36,8 +36,10 @@ pub(crate) async fn diagnosis(
         let beat = beats.next().await;
         link::check_in(Task::Diagnosis);
         if let Some(outcome) = beat.outcome {
+            // Settings that control has refused are not for this half either.
             if outcome.asked == Asked::Settings
                 && let Some(retuned) = instrument.take_retuned()
+                && outcome.result.is_ok()
             {
                 diagnosis = retuned;
             }

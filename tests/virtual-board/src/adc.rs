@@ -51,11 +51,21 @@ pub struct Adc {
     held: f64,
     /// Time for which the capacitor is charged, s.
     charging: f64,
+    /// It hangs: a conversion never ends.
+    pub stuck: bool,
 }
 
 impl Default for Adc {
     fn default() -> Self {
-        Self { file: File::new(&TABLE), on_since: NEVER, done_at: NEVER, result: 0, held: 0.0, charging: 0.0 }
+        Self {
+            file: File::new(&TABLE),
+            on_since: NEVER,
+            done_at: NEVER,
+            result: 0,
+            held: 0.0,
+            charging: 0.0,
+            stuck: false,
+        }
     }
 }
 
@@ -124,7 +134,8 @@ impl Adc {
         let channel = u32::from(channel);
         let (register, place) = if channel < 10 { (SMPR2, channel) } else { (SMPR1, channel - 10) };
         let cycles = SAMPLING[field(self.file.get(register), 3 * place, 3) as usize];
-        self.done_at = now + (cycles + CONVERSION) * SECOND / hz;
+        let ends_at = now + (cycles + CONVERSION) * SECOND / hz;
+        self.done_at = if self.stuck { NEVER } else { ends_at };
         self.charging = (cycles as f64 - 0.5) / hz as f64;
         Ok(now + cycles * SECOND / hz)
     }

@@ -45,7 +45,7 @@ impl Default for Wiring {
         Self {
             heater: Pull::Down,
             contactor: Pull::Down,
-            contactor_fitted: false,
+            contactor_fitted: true,
             stage_shorted: false,
             capacitors: true,
             ripple: 0.0,

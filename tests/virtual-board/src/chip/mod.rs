@@ -40,6 +40,9 @@ const TIM5: u16 = 50;
 /// Pin of port A.
 const BREAK_PIN: usize = 6;
 
+/// Highest clock of the slow bus, Hz.
+const MAX_PCLK1: u64 = 50_000_000;
+
 /// Which bits of DBGMCU's registers at these offsets freeze what while the core is halted.
 const APB1_FZ: u32 = 0x08;
 const APB2_FZ: u32 = 0x0C;
@@ -171,9 +174,13 @@ impl Chip {
     /// The core may run as fast as it does.
     fn check_speed(&self) -> Result<(), Refusal> {
         let Some(f) = self.frequencies else { return Ok(()) };
-        let limits = [(self.flash.max_hz(), "flash wait states"), (self.power.max_hz(), "voltage scale")];
-        match limits.iter().find(|(limit, _)| f.core > *limit) {
-            Some((limit, what)) => Err(format!("core at {} Hz, its {what} allow for {limit} Hz", f.core)),
+        let limits = [
+            (f.core, self.flash.max_hz(), "core, by its wait states"),
+            (f.core, self.power.max_hz(), "core, by its voltage scale"),
+            (f.pclk1, MAX_PCLK1, "slow bus"),
+        ];
+        match limits.iter().find(|(hz, limit, _)| hz > limit) {
+            Some((hz, limit, what)) => Err(format!("{what}: {hz} Hz, at most {limit} Hz allowed")),
             None => Ok(()),
         }
     }

@@ -2,6 +2,7 @@
 
 use virtual_board::board::load;
 use virtual_board::clock::Cause;
+use virtual_board::inject;
 use virtual_board::scene::Scene;
 use virtual_board::time::{MS, Ps, SECOND, US};
 
@@ -46,6 +47,14 @@ fn a_falling_supply_cuts_before_the_chip_gives_up() {
         scene.board.supply(3.3, 10 * MS).expect("runs on");
         stays_off(&mut scene, "the supply is back");
     }
+}
+
+#[test]
+fn a_falling_supply_cuts_though_the_control_task_hangs() {
+    let mut scene = heating(OFF);
+    inject::hang(&mut scene.board, "control").expect("hangs");
+    scene.board.supply(2.95, 10 * MS).expect("runs on");
+    assert_eq!(scene.board.heater(), 0.0);
 }
 
 #[test]

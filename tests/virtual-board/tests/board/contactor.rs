@@ -20,7 +20,8 @@ fn closed_by_arm_and_opened_by_stop() {
 
 #[test]
 fn it_opens_in_the_moment_in_which_the_heater_goes_off() {
-    let ways: [(&str, fn(&mut Scene)); 3] = [
+    type Cut = fn(&mut Scene);
+    let ways: [(&str, Cut); 3] = [
         ("interlock", |scene| scene.board.interlock(false)),
         ("clock", |scene| scene.board.cpu.touch(|chip, now| chip.fail_external_clock(now))),
         ("reset", |scene| scene.board.reset(Cause::Pin).expect("resets")),

@@ -1,6 +1,7 @@
 //! What a debugger's halt leaves behind: a hold with its name, missed ticks, no reset; at rest nothing.
 
 use virtual_board::board::load;
+use virtual_board::clock::Cause;
 use virtual_board::scene::Scene;
 use virtual_board::time::{MS, Ps, SECOND, US};
 
@@ -49,4 +50,15 @@ fn a_halt_at_rest_holds_nothing() {
     scene.arm().expect("arms");
     scene.board.run_for(SECOND).expect("runs on");
     assert!(scene.board.heater() > 0.0);
+}
+
+#[test]
+fn a_halt_beyond_half_a_wrap_of_the_tick_timer_ends_in_a_reset() {
+    let mut scene = heating();
+    scene.board.halt(40 * 60 * SECOND).expect("stands still");
+    scene.board.run_for(3 * SECOND).expect("restarts");
+    assert_eq!(scene.board.resets.last().map(|r| r.1), Some(Cause::Watchdog));
+    assert_eq!((scene.board.heater(), scene.board.contactor()), (0.0, 0.0));
+    let refusal = scene.board.command("arm").expect("answers");
+    assert!(refusal.contains("ack"), "{refusal}");
 }

@@ -2,6 +2,7 @@
 
 use virtual_board::board::{Board, load};
 use virtual_board::flash::SECTOR;
+use virtual_board::inject;
 use virtual_board::scene::Scene;
 use virtual_board::time::{MS, Ps, SECOND};
 
@@ -43,4 +44,15 @@ fn nothing_stale_is_read_after_an_erasure() {
     scene.board.cpu.touch(|chip, _| chip.flash.cache.size = 2 * SECTOR / 16);
     save_over_an_erasure(&mut scene.board);
     assert_eq!(scene.board.chip().flash.cache.stale_reads, 0);
+}
+
+#[test]
+fn after_an_erasure_the_watchdog_is_as_impatient_as_before() {
+    let mut scene = at_rest();
+    save_over_an_erasure(&mut scene.board);
+    scene.arm().expect("arms");
+    scene.board.run_for(5 * SECOND).expect("runs on");
+    assert!(scene.board.heater() > 0.0);
+    inject::hang_masked(&mut scene.board, "panel").expect("hangs");
+    scene.time_until_off(810 * MS).expect("off");
 }

@@ -1,6 +1,7 @@
 //! A debugger that halts the core while it heats: the core can do nothing, so the hardware must.
 
 use virtual_board::board::load;
+use virtual_board::clock::Cause;
 use virtual_board::scene::Scene;
 use virtual_board::time::{MS, Ps, SECOND, US};
 use virtual_board::wiring::Pull;
@@ -45,7 +46,23 @@ fn a_resumed_core_does_not_heat_until_it_is_acknowledged() {
         let late = off.saturating_sub(resumed);
         assert!(late <= limit, "halted for {} ms: off {} us after the resume", halt / MS, late / US);
         assert_eq!(scene.board.contactor(), 0.0);
+        assert_eq!(scene.board.resets, [], "halted for {} ms", halt / MS);
         let answer = scene.board.command("arm").expect("answers");
         assert!(answer.contains("ack"), "halted for {} ms, armed without `ack`: {answer}", halt / MS);
     }
+}
+
+#[test]
+fn what_another_program_froze_is_not_frozen_here() {
+    const APB1_FZ: u32 = 0xE004_2008;
+    let mut scene = heating();
+    // The debug unit keeps this over a reset.
+    scene.board.cpu.touch(|chip, now| chip.write(APB1_FZ, 4, 0xF, now)).expect("modelled");
+    scene.board.reset(Cause::Pin).expect("resets");
+    scene.board.run_for(SECOND).expect("restarts");
+    scene.arm().expect("arms");
+    scene.board.run_for(5 * SECOND).expect("runs on");
+    assert!(scene.board.heater() > 0.0);
+    scene.board.halt(2 * SECOND).expect("stands");
+    scene.time_until_off(10 * US).expect("off");
 }

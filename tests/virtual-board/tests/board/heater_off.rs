@@ -139,12 +139,17 @@ const DEAD_MAN: Ps = 4 * 110 * MS + MS;
 
 #[test]
 fn control_task_hangs() {
-    let mut scene = heating();
-    inject::hang(&mut scene.board, "control").expect("hangs");
-    scene.time_until_off(DEAD_MAN).expect("off");
-    scene.board.run_for(2000 * MS).expect("the watchdog restarts it");
-    assert_eq!(scene.board.resets.last().map(|r| r.1), Some(Cause::Watchdog));
-    needs_acknowledgement(&mut scene);
+    // A watchdog on its slowest oscillator bites after 753 ms: then it is the dead man's handle that cuts.
+    for oscillator in [17_000, 32_000] {
+        let mut scene = heating();
+        scene.board.cpu.touch(|chip, _| chip.watchdog.oscillator = oscillator);
+        scene.board.run_for(200 * MS).expect("runs on");
+        inject::hang(&mut scene.board, "control").expect("hangs");
+        scene.time_until_off(DEAD_MAN).unwrap_or_else(|e| panic!("{oscillator} Hz: {e}"));
+        scene.board.run_for(2000 * MS).expect("the watchdog restarts it");
+        assert_eq!(scene.board.resets.last().map(|r| r.1), Some(Cause::Watchdog));
+        needs_acknowledgement(&mut scene);
+    }
 }
 
 #[test]

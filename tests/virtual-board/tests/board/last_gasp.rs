@@ -69,20 +69,40 @@ fn each_start_sees_its_own_reset_flags() {
 }
 
 #[test]
-fn ram_full_of_noise_is_believed_in_nothing() {
-    // The same flags as after a fault that left words, but what it left is noise.
-    let mut scene = Scene::at_rest(load(None).expect("an image")).expect("boots");
-    let retained = scene.board.image.address("firmware::hardware::retained::MEMORY").expect("the words");
-    for i in 0..40 {
-        let noise = 0x9E37_79B9u32.wrapping_mul(i + 1);
-        scene.board.cpu.set_word(retained + 4 * i, noise).expect("RAM");
+fn a_fault_reset_is_held_over_further_resets() {
+    let mut scene = heating();
+    for cause in [Cause::Watchdog, Cause::Pin, Cause::Pin] {
+        scene.board.reset(cause).expect("resets");
+        scene.board.run_for(SECOND).expect("restarts");
+        let answer = scene.board.command("arm").expect("answers");
+        assert!(answer.contains("ack"), "{cause:?}: armed without `ack`: {answer}");
     }
-    scene.board.log.clear();
-    scene.board.reset(Cause::Pin).expect("resets");
-    scene.board.run_for(SECOND).expect("restarts");
-    assert!(scene.board.logged("reset cause: reset pin"));
-    assert!(!scene.board.logged("last words"));
-    scene.arm().expect("nothing holds it");
+}
+
+/// What the words that outlive a reset begin with, and a panic among them.
+const MAGIC: u32 = 0x5054_3201;
+const PANIC: u32 = 1;
+
+#[test]
+fn ram_full_of_noise_is_believed_in_nothing() {
+    for magic in [None, Some(MAGIC)] {
+        let mut scene = Scene::at_rest(load(None).expect("an image")).expect("boots");
+        let retained = scene.board.image.address("firmware::hardware::retained::MEMORY").expect("the words");
+        for i in 0..64 {
+            let noise = 0x9E37_79B9u32.wrapping_mul(i + 1);
+            scene.board.cpu.set_word(retained + 4 * i, noise).expect("RAM");
+        }
+        if let Some(magic) = magic {
+            scene.board.cpu.set_word(retained, magic).expect("RAM");
+            scene.board.cpu.set_word(retained + 4, PANIC).expect("RAM");
+        }
+        scene.board.log.clear();
+        scene.board.reset(Cause::Pin).expect("resets");
+        scene.board.run_for(SECOND).expect("restarts");
+        assert!(scene.board.logged("reset cause: reset pin"), "{magic:?}");
+        assert!(!scene.board.logged("last words"), "{magic:?}");
+        scene.arm().expect("nothing holds it");
+    }
 }
 
 #[test]

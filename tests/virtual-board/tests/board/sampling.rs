@@ -3,7 +3,7 @@
 use firmware_logic::record::Record;
 use virtual_board::board::load;
 use virtual_board::scene::Scene;
-use virtual_board::time::SECOND;
+use virtual_board::time::{MS, SECOND};
 use virtual_board::wiring::Wiring;
 
 /// Codes of T0, T1, T2 at the inputs: far enough apart for one to show in the other.
@@ -56,4 +56,15 @@ fn the_ripple_of_the_pwm_cancels_within_a_tick() {
 fn noise_is_averaged_over_a_tick() {
     // Even noise of +-20 codes has a deviation of 11.5; the mean of 25 has 2.3, and 27 of these stay within 4.5 of it.
     are_those_at_the_inputs(&codes(Wiring { noise: 20.0, ..Wiring::default() }, false), 10.4);
+}
+
+#[test]
+fn a_converter_that_hangs_trips_and_hangs_nothing_else() {
+    let mut scene = Scene::heating(load(None).expect("an image")).expect("heats");
+    scene.board.cpu.touch(|chip, _| chip.adc.stuck = true);
+    scene.time_until_off(720 * MS).expect("off");
+    scene.board.run_for(2 * SECOND).expect("runs on");
+    assert_eq!(scene.board.resets, []);
+    let status = scene.board.command("status").expect("answers");
+    assert!(status.contains("mode tripped"), "{status}");
 }

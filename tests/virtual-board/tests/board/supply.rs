@@ -94,3 +94,26 @@ fn the_brown_out_level_is_told_and_set() {
     assert_eq!(scene.board.resets.last().map(|r| r.1), Some(Cause::BrownOut));
     held_by(&mut scene, "brown-out");
 }
+
+/// More arms than a sector has room for marks: the one that erases takes its time, with the heater off, and no task is
+/// missed for it.
+#[test]
+#[ignore = "four minutes of computing"]
+fn marks_fill_a_sector_and_arming_goes_on() {
+    let mut scene = Scene::at_rest(load(None).expect("an image")).expect("boots");
+    let (mut longest, mut arms) = (0, 0);
+    while scene.board.chip().flash.erased.is_empty() {
+        let begin = scene.board.now();
+        scene.arm().unwrap_or_else(|e| panic!("arm {arms}: {e}"));
+        longest = longest.max(if scene.board.chip().flash.erased.is_empty() {
+            scene.board.now() - begin
+        } else {
+            0
+        });
+        scene.board.command("stop").expect("answers");
+        scene.board.run_for(250 * MS).expect("runs on");
+        arms += 1;
+    }
+    println!("{arms} arms until a sector was erased, the longest of them {} ms", longest / MS);
+    assert_eq!(scene.board.resets, [], "after {arms} arms");
+}

@@ -26,7 +26,7 @@ fn the_tick_goes_on_when_its_timer_wraps() {
         assert_eq!(scene.board.resets, []);
         let times = scene.board.log_times();
         assert!(times.is_sorted(), "{before} us before the wrap: the log's time goes back");
-        assert!(times.last().is_some_and(|s| *s < 10.0 || *s > 4294.967_296), "it has wrapped");
+        assert!(times.last().is_some_and(|s| *s < 10.0 || *s > 4_294.967_296), "it has wrapped");
     }
 }
 

@@ -112,6 +112,12 @@ impl Bench {
         self.step(raw, None)
     }
 
+    fn pass(&mut self, ticks: u32) {
+        for _ in 0..ticks {
+            self.tick();
+        }
+    }
+
     fn order(&mut self, order: Order) -> Result<(), Denial> {
         let raw = self.codes();
         self.step(raw, Some(order)).outcome.expect("an order has an outcome").result
@@ -143,11 +149,11 @@ fn arms_only_after_a_check_has_passed_and_not_after_one_that_has_not() {
     assert_eq!(bench.arm(), Ok(()));
     assert!(bench.tick().checked);
     assert_eq!(bench.order(Order::Command(Command::Stop)), Ok(()));
-    (0..200).for_each(|_| drop(bench.tick())); // cools
+    bench.pass(200); // cools
     assert_eq!(bench.order(Order::Check), Ok(()));
     assert_eq!(bench.arm(), Err(Denial::Checking));
     assert_eq!(bench.order(Order::Command(Command::Stop)), Ok(()));
-    (0..10).for_each(|_| drop(bench.tick()));
+    bench.pass(10);
     assert_eq!(bench.arm(), Err(Denial::Unchecked), "a check that was stopped has not passed");
 }
 
@@ -216,7 +222,9 @@ const WAYS_OUT: [WayOut; 6] = [
         "T1 broken",
         |bench| {
             let raw = RawSample { t1: AdcCode(4090.0), ..bench.codes() };
-            (0..60).for_each(|_| drop(bench.step(raw, None)));
+            for _ in 0..60 {
+                bench.step(raw, None);
+            }
         },
         Some(Ending::Failed(1)),
     ),
@@ -224,7 +232,9 @@ const WAYS_OUT: [WayOut; 6] = [
         "T2 hot",
         |bench| {
             let raw = RawSample { t2: bench.thermistor.code(Celsius(95.0)), ..bench.codes() };
-            (0..300).for_each(|_| drop(bench.step(raw, None)));
+            for _ in 0..300 {
+                bench.step(raw, None);
+            }
         },
         None, // before it heats a jump and a thermistor that is far off, then a rise
     ),
@@ -236,7 +246,7 @@ fn every_way_out_leaves_output_and_contactor_off_whenever_it_is_taken() {
         for after in (0..700).step_by(13) {
             let mut bench = Bench::new(&Config::default());
             assert_eq!(bench.order(Order::Check), Ok(()));
-            (0..after).for_each(|_| drop(bench.tick()));
+            bench.pass(after);
             if bench.progress.stage.is_none() {
                 continue;
             }
@@ -246,7 +256,7 @@ fn every_way_out_leaves_output_and_contactor_off_whenever_it_is_taken() {
                 continue;
             }
             assert!(bench.output.is_off(), "{name} after {after} ticks: {:?}", bench.output);
-            (0..10).for_each(|_| drop(bench.tick()));
+            bench.pass(10);
             assert!(bench.output.is_off(), "{name} after {after} ticks, later");
             let ending = bench.progress.ending;
             assert!(

@@ -42,7 +42,10 @@ pub(crate) async fn control(
         let raw = thermistors.sample(tick_timer::now()).await;
         let order = match link::STOP.swap(false, Ordering::Relaxed) {
             true => {
-                while orders.dequeue().is_some() {} // what was ordered before a stop must not come after it
+                // What heats and was ordered before a stop must not come after it.
+                while orders.peek().is_some_and(Order::heats) {
+                    orders.dequeue();
+                }
                 Some(Order::Command(Command::Stop))
             }
             false => orders.dequeue(),

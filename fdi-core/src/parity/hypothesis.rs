@@ -2,11 +2,11 @@
 
 use super::bank::{Bank, Match};
 use super::model::{bounded, larger, smaller};
-use super::verdict::{Channel, FaultClass, Magnitude};
+use super::verdict::{Channel, FaultClass, Magnitude, Pair};
 use crate::root::sqrt;
 
 /// The hypotheses.
-pub(super) const ALL: [FaultClass; 12] = [
+pub(super) const ALL: [FaultClass; 16] = [
     FaultClass::T2Offset,
     FaultClass::T1Offset,
     FaultClass::T0Fault,
@@ -19,6 +19,10 @@ pub(super) const ALL: [FaultClass; 12] = [
     DRIFTS[1],
     DRIFTS[2],
     FaultClass::HeaterPower, // the same power whatever is asked for
+    FaultClass::T2Detached,
+    FaultClass::Swapped(Pair::T1T2),
+    FaultClass::Swapped(Pair::T0T1),
+    FaultClass::Swapped(Pair::T0T2),
 ];
 /// Drift of T0, T1, T2.
 const DRIFTS: [FaultClass; 3] = [FaultClass::Drift; 3];
@@ -28,9 +32,12 @@ const CLOGGED: usize = 5;
 /// Places of the two that are told apart last.
 const FLOW: usize = 3;
 const POWER: usize = 4;
+const DRIFT: usize = 8;
 /// The heater that gives the same power whatever is asked for, %.
 const CONSTANT: usize = 11;
 
+/// A thermistor that loses more than this share of the rise is not clogged, but out of the tube.
+const DETACHED: f32 = 0.4;
 /// No slow drift is faster, degC a minute.
 const FASTEST_DRIFT: f32 = 10.0;
 /// Energy of noise that a few samples may have without being called a misfit.
@@ -64,18 +71,24 @@ const BOUNDS: [(f32, f32); COUNT] = [
     (-4.0, 0.7), // 1 - 1/f for f from 0.2 to 3.3
     (-1.0, 1.0),
     (0.0, 1.0),
-    ANYTHING,
-    ANYTHING,
+    NEARBY,
+    NEARBY,
     SLOW_DRIFT,
     SLOW_DRIFT,
     SLOW_DRIFT,
     (0.0, 100.0),
+    (DETACHED, 1.0),
+    ANYTHING,
+    ANYTHING,
+    ANYTHING,
 ];
+/// Where a thermistor is stuck differs by no more from where it was a tick before the onset, degC.
+const NEARBY: (f32, f32) = (-0.5, 0.5);
 const ANYTHING: (f32, f32) = (-200.0, 200.0);
 const SLOW_DRIFT: (f32, f32) = (-FASTEST_DRIFT / 60.0, FASTEST_DRIFT / 60.0);
 
 /// Which hypotheses are of one kind: they are told apart only after the kind is known.
-const KIND: [u8; COUNT] = [0, 1, 2, 3, 3, 4, 5, 6, 7, 7, 7, 3];
+const KIND: [u8; COUNT] = [0, 1, 2, 3, 3, 4, 5, 6, 7, 7, 7, 3, 8, 9, 10, 11];
 
 /// The class of a hypothesis.
 pub(super) fn class(h: usize) -> FaultClass {
@@ -87,7 +100,7 @@ fn at(values: &[f32; COUNT], h: usize) -> f32 {
 }
 
 fn is_drift(h: usize) -> bool {
-    KIND[h] == KIND[COUNT - 2]
+    KIND[h] == KIND[DRIFT]
 }
 
 impl Weighed {
@@ -98,6 +111,7 @@ impl Weighed {
         let young = bank.age.saturating_add(bank.ago) as f32 * sample_time < EARLIEST_DRIFT;
         let (clogged_energy, clogged) = bank.clogged(BOUNDS[CLOGGED]);
         let none = Match::default();
+        let [t1_t2, t0_t1, t0_t2] = bank.swapped().map(|left| (left, none));
         let sums: [(f32, Match); COUNT] = [
             (energy, bank.offset[1]),
             (energy, bank.offset[0]),
@@ -105,12 +119,16 @@ impl Weighed {
             (energy, bank.flow),
             (energy, bank.power),
             (clogged_energy, clogged),
-            (bank.stuck(0), none),
-            (bank.stuck(1), none),
+            (bank.stuck(0), bank.stuck_level[0]),
+            (bank.stuck(1), bank.stuck_level[1]),
             (energy, Match::joined(&bank.ramp, -1.0)),
             (energy, bank.ramp[0]),
             (energy, bank.ramp[1]),
             (bank.constant_energy, bank.constant),
+            (energy, bank.t2_out),
+            t1_t2,
+            t0_t1,
+            t0_t2,
         ];
         let mut all = Self {
             left: [0.0; COUNT],
@@ -189,6 +207,14 @@ impl Weighed {
         bounded(1.5 * self.theta[POWER].abs(), 0.12, 1.0)
     }
 
+    /// The class of a hypothesis with its magnitude: who loses most of the rise is not clogged.
+    pub(super) fn named(&self, h: usize) -> FaultClass {
+        match class(h) {
+            FaultClass::T1Clogged if at(&self.theta, h) > DETACHED => FaultClass::T1Detached,
+            named => named,
+        }
+    }
+
     /// Probability of a hypothesis against the strongest of another class.
     pub(super) fn confidence(&self, h: usize) -> f32 {
         let others = (0..COUNT).filter(|&other| ALL[other] != class(h));
@@ -222,7 +248,9 @@ impl Weighed {
         match class(h) {
             _ if h == CONSTANT => None,
             FaultClass::T1Offset | FaultClass::T2Offset | FaultClass::T0Fault => scaled(1.0, slow),
-            FaultClass::T1Clogged => scaled(100.0, share).map(|m| Magnitude { value: -m.value, ..m }),
+            FaultClass::T1Clogged | FaultClass::T2Detached => {
+                scaled(100.0, share).map(|m| Magnitude { value: -m.value, ..m })
+            }
             FaultClass::HeaterPower => scaled(100.0, share),
             FaultClass::Drift => scaled(60.0 / self.sample_time, slow / bounded(self.age, 10.0, 60.0)),
             FaultClass::AirFlow => {

@@ -161,7 +161,7 @@ impl Digest {
     }
 
     fn parity(&mut self, report: &ParityReport) {
-        let ParityReport { arming, alarm, finding, stand_in, air_flow, heater_stuck_on } = report;
+        let ParityReport { arming, alarm, finding, expected, stand_in, air_flow, heater_stuck_on } = report;
         match *arming {
             Arming::Untrained => self.word(0),
             Arming::Training => self.word(1),
@@ -176,6 +176,7 @@ impl Digest {
             d.option(magnitude, |d, Magnitude { value, half_width }| d.numbers(&[value, half_width]));
             d.word(onset);
         });
+        expected.iter().for_each(|t| self.option(*t, Self::number));
         self.option(*stand_in, Self::number);
         self.option(*air_flow, Self::number);
         self.word(u32::from(*heater_stuck_on));

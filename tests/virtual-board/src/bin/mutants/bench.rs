@@ -17,6 +17,8 @@ const TARGET: &str = "thumbv7em-none-eabihf";
 pub(crate) struct Verdict {
     /// The tests that failed.
     pub(crate) killed_by: Vec<String>,
+    /// Why there is no verdict: the mutant does not build, or its tests do not run.
+    pub(crate) error: Option<anyhow::Error>,
 }
 
 /// The copy.
@@ -103,7 +105,7 @@ impl Bench {
         if killed_by.is_empty() && !output.status.success() {
             bail!("no test failed, but the run did:\n{}", told(&output));
         }
-        Ok(Verdict { killed_by: killed_by.into_iter().collect() })
+        Ok(Verdict { killed_by: killed_by.into_iter().collect(), error: None })
     }
 }
 

@@ -94,6 +94,6 @@ pub(super) const MUTANTS: &[Mutant] = &[
             "  STACK : ORIGIN = 0x20000000, LENGTH = 18K\n  RAM   : ORIGIN = 0x20004800, LENGTH = 110K\n",
             "  STACK : ORIGIN = 0x20010000, LENGTH = 18K\n  RAM   : ORIGIN = 0x20000000, LENGTH = 64K\n",
         ],
-        &["heater_off::stack_overflow"],
+        &["last_gasp::a_stack_overflow"],
     ),
 ];

@@ -40,7 +40,7 @@ const FALLING_SHARE: f32 = 0.05;
 const COLD_SHARE: f32 = 0.1;
 const COLD: f32 = 1.5;
 /// The judgement is made anew every so many ticks, and holds when it is the same twice.
-const EVERY: u32 = 4;
+const EVERY: u32 = 8;
 /// So long after heating has ended its echo is still judged, ticks.
 const ECHO: u32 = 32;
 

@@ -100,11 +100,7 @@ impl Instrument {
     /// # Errors
     /// Why it is refused; nothing has changed then.
     pub fn command(&mut self, command: Command) -> Result<(), Refusal> {
-        self.controller.command(&mut self.control_state, command)?;
-        if command == Command::Relearn {
-            self.diagnosis.forget(&mut self.diagnosis_state);
-        }
-        Ok(())
+        self.controller.command(&mut self.control_state, command)
     }
 
     /// Takes over new settings without a bump: the state stays, the set-point of `config` is not applied (use

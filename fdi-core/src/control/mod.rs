@@ -9,7 +9,9 @@ use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::sense::{RawSample, Sample, Sensing, SensingState, Validity};
-use crate::supervisor::{Blocker, Command, Mode, Refusal, Regulated, Situation, Supervisor, SupervisorState};
+use crate::supervisor::{
+    Blocker, Command, Mode, Refusal, Regulated, Situation, Supervisor, SupervisorState, TripReason,
+};
 use crate::units::{Celsius, Percent};
 use pid::{Pid, PidState};
 use prbs::{Prbs, PrbsState};
@@ -108,6 +110,21 @@ impl Controller {
             excitation: Percent(0.0),
             saturated: false,
         }
+    }
+
+    /// Whether a board must have passed its self-test before it arms.
+    pub fn checks_before_arming(&self) -> bool {
+        self.supervisor.checks_before_arming()
+    }
+
+    /// The mode.
+    pub fn mode<'a>(&self, state: &'a ControllerState) -> &'a Mode {
+        self.supervisor.mode(&state.supervisor)
+    }
+
+    /// What would trip, whatever the mode; as of the last tick.
+    pub fn hazard(&self, state: &ControllerState) -> Option<TripReason> {
+        self.supervisor.hazard_seen(&state.supervisor)
     }
 
     /// Takes in one sample and decides the drive.

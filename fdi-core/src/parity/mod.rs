@@ -33,6 +33,7 @@ mod whitening;
 use crate::config::Config;
 use crate::control::Tick;
 use crate::error::ConfigError;
+use crate::sense::{Reading, Validity};
 use crate::supervisor::Mode;
 use alarm::Rules;
 use bank::Filters;
@@ -134,9 +135,10 @@ impl Parity {
         let readings = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(|reading| reading.good());
         let [t0, t1, t2] = readings;
         let heating = tick.mode.is_heating();
-        self.follow_mode(state, tick.mode);
+        self.follow_mode(state, tick);
         self.room.step(&mut state.room, tick.index, readings, applied);
-        let contradiction = state.contradiction.step(&self.response, tick.index, heating, readings, applied);
+        let read = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(read);
+        let contradiction = state.contradiction.step(&self.response, tick.index, heating, read, applied);
         let now = Now { tick, heating, y, believed: state.room.rises([t1, t2]), u: applied };
         let undisturbed = undisturbed && contradiction.is_none();
         let by_models = self.watch(state, &now);
@@ -152,13 +154,13 @@ impl Parity {
         }
     }
 
-    /// What was trained is out of date: the rig was changed on purpose.
-    pub fn forget(&self, state: &mut ParityState) {
-        (state.training, state.trained, state.current, state.refused) = (None, None, false, None);
-    }
-
-    /// Training starts afresh whenever learning does, and ends with heating.
-    fn follow_mode(&self, state: &mut ParityState, mode: Mode) {
+    /// Training starts afresh whenever learning does, and ends with heating. What was trained outlives both, unless the
+    /// rig was changed on purpose.
+    fn follow_mode(&self, state: &mut ParityState, tick: &Tick) {
+        let mode = tick.mode;
+        if tick.forget {
+            (state.training, state.trained, state.current) = (None, None, false);
+        }
         let learning = matches!(mode, Mode::Learn { .. });
         let begins = learning && !state.was_learning;
         if begins || !mode.is_heating() {
@@ -179,7 +181,8 @@ impl Parity {
         }
         let training = state.training.get_or_insert_with(|| self.trainer.start());
         // A T0 that is known to be wrong must not be learnt.
-        let y = if t0.is_none() || state.room.is_followed(t0) { now.y } else { now.believed };
+        let known_wrong = t0.is_some() && state.room.believed().is_some() && !state.room.is_followed(t0);
+        let y = if known_wrong { now.believed } else { now.y };
         match self.trainer.step(training, y, now.u, fit_to_learn) {
             Ok(None) => {}
             Ok(Some(trained)) => {
@@ -230,6 +233,12 @@ impl Parity {
             ..ParityReport::default()
         }
     }
+}
+
+/// What a thermistor reads, be it as wild as it may: one that trips has often left its range.
+fn read(reading: Reading) -> Option<f32> {
+    let unread = matches!(reading.validity, Validity::Missing | Validity::Open | Validity::Short);
+    (!unread).then_some(reading.celsius.0)
 }
 
 /// Which finding is told. A broken wire needs no second opinion; the models see more than a contradiction does, which in turn

@@ -48,6 +48,8 @@ pub struct SupervisorConfig {
     pub go_on_without_t1: bool,
     /// Air flow surely below this share of normal switches the heater off; 0 never does.
     pub min_air_flow: Percent,
+    /// The board refuses to arm until its self-test has passed since power-on. Only its control loop enforces it.
+    pub check_before_arming: bool,
     /// Lowest set-point that is accepted.
     pub setpoint_min: Celsius,
     /// Highest set-point that is accepted.
@@ -73,6 +75,7 @@ impl Default for SupervisorConfig {
             cooling_time: Seconds(15.0),
             go_on_without_t1: false,
             min_air_flow: Percent(50.0),
+            check_before_arming: true,
             setpoint_min: Celsius(20.0),
             setpoint_max: Celsius(65.0),
         }

@@ -1,6 +1,6 @@
 //! What would make heating dangerous now: every rule asked on every tick, whatever the mode, the most telling answer first.
 
-use super::{POWER_TIME, Situation, Supervisor, SupervisorState, Trip, TripReason};
+use super::{Mode, POWER_TIME, Situation, Supervisor, SupervisorState, Trip, TripReason};
 use crate::sense::{Reading, Validity};
 use crate::units::Percent;
 
@@ -9,7 +9,8 @@ impl Supervisor {
     pub(super) fn hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
         state.lost = if now.regulated.value.is_some() { 0 } else { state.lost.saturating_add(1) };
         state.power += (self.sample_time.0 / POWER_TIME).min(1.0) * (now.pid.0 - state.power);
-        let unasked = self.unasked.step(&mut state.unasked, now, state.power);
+        let by_models = state.mode != Mode::Off && now.feedback.heater_stuck_on;
+        let unasked = self.unasked.step(&mut state.unasked, now, state.power) || by_models;
         let by_sensors = self.sensor_hazard(state.lost > self.lost_ticks, now);
         let by_heat = if state.mode.is_heating() {
             self.heat_hazard(state, now)
@@ -57,13 +58,7 @@ impl Supervisor {
         let response = self.response.step(&mut state.response, now, power, normal);
         let disagreement = self.disagreement.step(&mut state.disagreeing, now, power, normal);
         let no_air = now.feedback.air_flow.is_some_and(|flow| flow < self.config.min_air_flow);
-        if no_air {
-            Some(TripReason::AirFlowLost)
-        } else if now.feedback.heater_stuck_on {
-            Some(TripReason::HeaterStuckOn)
-        } else {
-            disagreement.or(response)
-        }
+        if no_air { Some(TripReason::AirFlowLost) } else { disagreement.or(response) }
     }
 
     /// The record of a trip. Out of line: it is long, and made once.

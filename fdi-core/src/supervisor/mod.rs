@@ -158,6 +158,16 @@ impl Supervisor {
         self.config.go_on_without_t1
     }
 
+    /// Whether a board must have passed its self-test before it arms.
+    pub fn checks_before_arming(&self) -> bool {
+        self.config.check_before_arming
+    }
+
+    /// What would trip, whatever the mode; as of the last tick.
+    pub fn hazard_seen(&self, state: &SupervisorState) -> Option<TripReason> {
+        state.hazard
+    }
+
     /// Decides the mode of this tick, before anything is driven.
     pub fn step(&self, state: &mut SupervisorState, now: &Situation) -> Decision {
         state.hazard = self.hazard(state, now);

@@ -111,6 +111,7 @@ pub const ENTRIES: &[Entry] = entries! {
     Float "supervisor.cooling_time" "s" supervisor.cooling_time.0;
     Switch "supervisor.go_on_without_t1" "" supervisor.go_on_without_t1;
     Float "supervisor.min_air_flow" "%" supervisor.min_air_flow.0;
+    Switch "supervisor.check_before_arming" "" supervisor.check_before_arming;
     Float "supervisor.setpoint_min" "degC" supervisor.setpoint_min.0;
     Float "supervisor.setpoint_max" "degC" supervisor.setpoint_max.0;
 };

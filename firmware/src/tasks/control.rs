@@ -41,7 +41,10 @@ pub(crate) async fn control(
         }
         let raw = thermistors.sample(tick_timer::now()).await;
         let order = match link::STOP.swap(false, Ordering::Relaxed) {
-            true => Some(Order::Command(Command::Stop)),
+            true => {
+                while orders.dequeue().is_some() {} // what was ordered before a stop must not come after it
+                Some(Order::Command(Command::Stop))
+            }
             false => orders.dequeue(),
         };
         let beat = control.tick(raw, arrival, order, link::feedback(), &mut heater);

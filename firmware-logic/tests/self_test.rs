@@ -2,12 +2,13 @@
 //! armed before one has passed.
 
 use fdi_core::control::Controller;
+use fdi_core::parity::Channel;
 use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
 use fdi_core::{AdcCode, Celsius, Command, Config, Feedback, Mode, Percent, RawSample, Refusal};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::control_loop::{Beat, ControlLoop, Denial, Heater, Order};
 use firmware_logic::interlock::{Hold, Interlock};
-use firmware_logic::self_test::{Ending, Finding, LEVELS, LONGEST, News, Progress};
+use firmware_logic::self_test::{Ending, Finding, LEVELS, LONGEST, MAX_RISE, News, Progress};
 use proptest::prelude::*;
 
 /// The output stage, with a break input that acts on the enable.
@@ -64,6 +65,8 @@ struct Bench {
     output: Output,
     progress: Progress,
     thermistor: Thermistor,
+    /// degC per %.
+    gain: f32,
     /// Rises of the air, T1 and T2, degC; ticks so far.
     rises: [f32; 3],
     ticks: u32,
@@ -77,6 +80,7 @@ impl Bench {
             output: Output::default(),
             progress: Progress::default(),
             thermistor: Thermistor::new(&ThermistorConfig::default(), 0).expect("valid"),
+            gain: 0.3,
             rises: [0.0; 3],
             ticks: 0,
         }
@@ -87,7 +91,7 @@ impl Bench {
         self.ticks += 1;
         let power = self.output.given();
         let [air, t1, t2] = &mut self.rises;
-        *air += (0.3 * power - *air) / 4.0;
+        *air += (self.gain * power - *air) / 4.0;
         *t1 += (*air - *t1) / 2.0;
         *t2 += (0.9 * *t1 - *t2) / 4.0;
         let noise = [0.01, -0.02, 0.03, 0.0, -0.03, 0.02, -0.01][self.ticks as usize % 7];
@@ -187,6 +191,14 @@ fn the_contact_of_the_interlock_is_proved_when_it_is_seen_open() {
     bench.output.open = false;
     assert_eq!(bench.check(), Ending::Passed);
     assert_eq!(bench.progress.findings, []);
+}
+
+#[test]
+fn a_rig_that_is_too_strong_is_left_alone_before_it_is_hot() {
+    let mut bench = Bench { gain: 4.0, ..Bench::new(&Config::default()) };
+    assert_eq!(bench.check(), Ending::Failed(1));
+    let found = bench.progress.findings.last();
+    assert!(matches!(found, Some(Finding::TooHot(Channel::T1, by)) if *by < MAX_RISE + 2.0), "{found:?}");
 }
 
 /// What can end a check early, and what it is then said to be.

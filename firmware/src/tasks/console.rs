@@ -45,7 +45,12 @@ async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting) {
                 waiting.clear();
                 came = came.get(key..).unwrap_or_default();
             }
-            let _ = waiting.try_write(came);
+            // It takes what fits before its end, and the rest at its beginning.
+            while let Ok(taken) = waiting.try_write(came)
+                && taken > 0
+            {
+                came = came.get(taken..).unwrap_or_default();
+            }
         }
     }
 }

@@ -157,7 +157,7 @@ impl Told<'_> {
     }
 }
 
-fn name(channel: Channel) -> &'static str {
+pub(crate) fn name(channel: Channel) -> &'static str {
     match channel {
         Channel::T0 => "T0",
         Channel::T1 => "T1",

@@ -15,6 +15,12 @@ pub enum Hold {
     BreakInput,
     /// The control tick was missing for more than three periods.
     MissedDeadline,
+    /// The supply fell below the voltage detector's threshold while the heater was driven.
+    Undervoltage,
+    /// The power went while the heater was driven, or was held off after it had been.
+    PowerFailure,
+    /// A debugger halted the core while the heater was driven.
+    Halted,
 }
 
 impl fmt::Display for Hold {
@@ -23,12 +29,17 @@ impl fmt::Display for Hold {
             Self::Reset(cause) => write!(f, "restarted after: {}", cause.name()),
             Self::BreakInput => f.write_str("the interlock on the break input opened"),
             Self::MissedDeadline => f.write_str("the control tick was missing for more than 3 periods"),
+            Self::Undervoltage => f.write_str("the supply fell below 2.9 V, expected 3.3 V"),
+            Self::PowerFailure => {
+                f.write_str("the power went before the heater was stopped and acknowledged")
+            }
+            Self::Halted => f.write_str("a debugger halted the core"),
         }
     }
 }
 
 /// All holds; the position is the number that [`Hold::number`] gives.
-const ALL: [Hold; 10] = [
+const ALL: [Hold; 13] = [
     Hold::BreakInput,
     Hold::MissedDeadline,
     Hold::Reset(ResetCause::BrownOut),
@@ -39,6 +50,9 @@ const ALL: [Hold; 10] = [
     Hold::Reset(ResetCause::Died(Death::HardFault)),
     Hold::Reset(ResetCause::Died(Death::ClockFailure)),
     Hold::Reset(ResetCause::Died(Death::StrayInterrupt)),
+    Hold::Undervoltage,
+    Hold::PowerFailure,
+    Hold::Halted,
 ];
 
 impl Hold {
@@ -60,10 +74,19 @@ pub struct Interlock {
 }
 
 impl Interlock {
-    /// At start: a fault reset latches, and so does what was latched before the reset and never acknowledged.
+    /// At start: a fault reset latches, and so does what was latched before the reset and never acknowledged. That holds
+    /// for power-on, too, for without a brown-out level a sag of the supply looks like it; memory that really was without
+    /// power holds nothing that is believed.
     pub fn at_boot(cause: ResetCause, left_behind: Option<Hold>) -> Self {
-        let hold = if cause.is_fault() { Some(Hold::Reset(cause)) } else { left_behind };
-        Self { hold: hold.filter(|_| cause != ResetCause::PowerOn) }
+        Self { hold: if cause.is_fault() { Some(Hold::Reset(cause)) } else { left_behind } }
+    }
+
+    /// Hears whether the flash has the mark that is there from arming on until the heater is off and acknowledged. After a
+    /// reset that was none of the supply's the cause of the reset says all that there is to say.
+    pub fn marked(&mut self, cause: ResetCause, marked: bool) {
+        if marked && cause == ResetCause::PowerOn {
+            self.latch(Hold::PowerFailure);
+        }
     }
 
     /// What holds the heater off.
@@ -104,6 +127,9 @@ mod tests {
             let number = hold.map_or(0, Hold::number);
             assert!(number > 0 && Hold::from_number(number) == hold, "{cause:?}: {number}");
         }
+        for hold in ALL {
+            assert_eq!(Hold::from_number(hold.number()), Some(hold));
+        }
         assert_eq!(Hold::from_number(0), None);
         assert_eq!(Hold::from_number(ALL.len() as u8 + 1), None);
     }
@@ -116,8 +142,25 @@ mod tests {
     }
 
     #[test]
-    fn power_on_starts_clean_whatever_the_memory_says() {
-        assert_eq!(Interlock::at_boot(ResetCause::PowerOn, Some(Hold::BreakInput)).hold(), None);
+    fn a_sag_that_looks_like_power_on_is_no_acknowledgement() {
+        let held = Interlock::at_boot(ResetCause::PowerOn, Some(Hold::Undervoltage));
+        assert_eq!(held.hold(), Some(Hold::Undervoltage));
+        assert_eq!(Interlock::at_boot(ResetCause::PowerOn, None).hold(), None);
+    }
+
+    #[test]
+    fn a_mark_in_flash_holds_after_power_on_and_the_first_reason_stays() {
+        let mut interlock = Interlock::at_boot(ResetCause::PowerOn, None);
+        interlock.marked(ResetCause::PowerOn, false);
+        assert_eq!(interlock.hold(), None);
+        interlock.marked(ResetCause::PowerOn, true);
+        assert_eq!(interlock.hold(), Some(Hold::PowerFailure));
+        let mut pressed = Interlock::at_boot(ResetCause::Pin, None);
+        pressed.marked(ResetCause::Pin, true);
+        assert_eq!(pressed.hold(), None, "somebody stands there");
+        let mut sagged = Interlock::at_boot(ResetCause::PowerOn, Some(Hold::Undervoltage));
+        sagged.marked(ResetCause::PowerOn, true);
+        assert_eq!(sagged.hold(), Some(Hold::Undervoltage));
     }
 
     #[test]

@@ -203,6 +203,7 @@ fn state(beat: &Beat, report: &Report) -> u32 {
         Some(Blocker::Unexcited) => 3,
         Some(Blocker::InvalidSample) => 4,
         Some(Blocker::NotSteady) => 5,
+        Some(Blocker::NotIdentified) => 6,
     };
     let sample = &beat.tick.sample;
     mode | validity(sample.t0.validity) << 4

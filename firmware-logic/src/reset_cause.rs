@@ -55,10 +55,12 @@ pub enum ResetCause {
 }
 
 impl ResetCause {
-    /// Judges flags and legacy. A watchdog flag outranks the rest, since a program may well die and then hang.
+    /// Judges flags and legacy. A watchdog flag outranks the rest, since a program may well die and then hang; last words
+    /// outrank power-on, since a sag of the supply looks like it and leaves the memory as it was.
     pub fn new(flags: ResetFlags, death: Option<Death>) -> Self {
         match (flags, death) {
-            (ResetFlags { power_on: true, .. }, _) => Self::PowerOn,
+            (ResetFlags { power_on: true, .. }, None) => Self::PowerOn,
+            (ResetFlags { power_on: true, .. }, Some(death)) => Self::Died(death),
             (ResetFlags { brown_out: true, .. }, _) => Self::BrownOut,
             (ResetFlags { watchdog: true, .. }, None) => Self::Watchdog,
             (ResetFlags { watchdog: true, .. } | ResetFlags { software: true, .. }, Some(death)) => {
@@ -134,9 +136,9 @@ mod tests {
     }
 
     #[test]
-    fn a_message_from_before_the_power_went_is_not_believed() {
+    fn last_words_that_a_sag_has_left_are_believed() {
         let flags = ResetFlags { power_on: true, brown_out: true, ..PIN };
-        assert_eq!(ResetCause::new(flags, Some(Death::Panic)), ResetCause::PowerOn);
+        assert_eq!(ResetCause::new(flags, Some(Death::Panic)), ResetCause::Died(Death::Panic));
     }
 
     #[test]

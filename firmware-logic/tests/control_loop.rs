@@ -4,14 +4,16 @@ use fdi_core::control::Controller;
 use fdi_core::sense::thermistor::ThermistorConfig;
 use fdi_core::{AdcCode, Command, Config, Feedback, Mode, Percent, RawSample, Refusal, TripReason};
 use firmware_logic::cadence::Arrival;
-use firmware_logic::control_loop::{Beat, ControlLoop, Denial, Heater, Order};
+use firmware_logic::control_loop::{Asked, Beat, ControlLoop, Denial, Heater, Order};
 use firmware_logic::interlock::{Hold, Interlock};
 use firmware_logic::reset_cause::ResetCause;
 
-/// The output stage as the chip has it: the break input clears the enable and keeps it from being set.
+/// The output stage as the chip has it: the break input clears the enable and keeps it from being set, and the enable
+/// carries heater and contactor both.
 #[derive(Debug, Default)]
 struct Output {
     power: f32,
+    contactor: bool,
     enabled: bool,
     open: bool,
     dead_man: bool,
@@ -19,13 +21,16 @@ struct Output {
 
 impl Output {
     fn at_the_pin(&self) -> f32 {
-        if self.enabled { self.power } else { 0.0 }
+        if self.enabled && self.contactor { self.power } else { 0.0 }
     }
 }
 
 impl Heater for Output {
     fn drive(&mut self, power: Percent) {
         self.power = power.0;
+    }
+    fn contactor(&mut self, closed: bool) {
+        self.contactor = closed;
     }
     fn enable(&mut self) {
         self.enabled = !self.open;
@@ -42,6 +47,17 @@ impl Heater for Output {
     fn cut_by(&self) -> Hold {
         if self.dead_man { Hold::MissedDeadline } else { Hold::BreakInput }
     }
+    fn test_break(&mut self) -> bool {
+        std::mem::take(&mut self.enabled);
+        !self.open
+    }
+}
+
+/// Settings that arm without a self-test: that has tests of its own.
+fn waived() -> Config {
+    let mut config = Config::default();
+    config.supervisor.check_before_arming = false;
+    config
 }
 
 struct Bench {
@@ -53,7 +69,7 @@ struct Bench {
 
 impl Bench {
     fn new(cause: ResetCause) -> Self {
-        let config = Config::default();
+        let config = waived();
         let controller = Controller::new(&config).expect("the default is valid");
         let interlock = Interlock::at_boot(cause, None);
         let room = room_code();
@@ -207,6 +223,29 @@ fn a_trip_cuts_in_the_same_tick_and_one_acknowledgement_serves() {
 }
 
 #[test]
+fn the_contactor_is_closed_by_arming_and_opened_by_every_way_out() {
+    let ways_out: [(&str, fn(&mut Bench)); 5] = [
+        ("stop", |bench| drop(bench.order(Command::Stop))),
+        ("trip", |bench| bench.codes.t1 = AdcCode(4090.0)),
+        ("break input", |bench| (bench.output.open, bench.output.enabled) = (true, false)),
+        ("dead man", |bench| (bench.output.dead_man, bench.output.enabled) = (true, false)),
+        ("missed ticks", |bench| {
+            (0..10).for_each(|_| drop(bench.control.missed(Arrival::default(), &mut bench.output)));
+        }),
+    ];
+    for (name, leave) in ways_out {
+        let mut bench = Bench::new(ResetCause::PowerOn);
+        bench.tick();
+        assert!(!bench.output.contactor, "{name}: closed before arming");
+        bench.order(Command::Arm);
+        assert!(bench.output.contactor, "{name}: not closed by arming");
+        leave(&mut bench);
+        bench.tick();
+        assert!(!bench.output.contactor, "{name}: still closed");
+    }
+}
+
+#[test]
 fn missed_ticks_keep_the_power_they_really_had_and_trip_when_too_many() {
     let mut bench = Bench::heating();
     let before = bench.tick();
@@ -239,6 +278,6 @@ fn new_settings_take_effect_without_a_restart() {
     };
     let controller = Controller::new(&config).expect("valid");
     let beat = bench.step(Some(Order::Retune(controller)));
-    assert_eq!(beat.outcome.expect("an order").command, None);
+    assert_eq!(beat.outcome.expect("an order").asked, Asked::Settings);
     assert!(beat.tick.mode.is_heating() && beat.tick.drive.0 <= 20.0, "{:?}", beat.tick.drive);
 }

@@ -151,6 +151,79 @@ fn garbage_in_flash_falls_back_and_can_be_saved_over() {
     assert_eq!(load(&store.into_flash()), (unusual(40.0), Origin::Flash));
 }
 
+/// Noise with every combination of the page marks by which the storage tells sectors apart.
+fn garbage() -> impl Iterator<Item = Flash> {
+    (1..=4u32).flat_map(|seed| {
+        (0..=u8::MAX).map(move |marks| {
+            let mut flash = Flash::new();
+            flash.fill_with_garbage(seed + 4 * u32::from(marks));
+            flash.set_page_marks(marks);
+            flash
+        })
+    })
+}
+
+#[test]
+fn the_first_save_over_any_garbage_succeeds() {
+    for (i, flash) in garbage().enumerate() {
+        let mut store = Store::new(flash);
+        now(store.load());
+        assert_eq!(now(store.save(&unusual(40.0))), Ok(()), "pattern {i}");
+        assert_eq!(load(&store.into_flash()), (unusual(40.0), Origin::Flash), "pattern {i}");
+    }
+}
+
+#[test]
+fn a_mark_is_kept_beside_the_settings_and_wears_little() {
+    let mut store = Store::new(Flash::new());
+    assert!(!now(store.is_marked()));
+    assert_eq!(now(store.save(&unusual(40.0))), Ok(()));
+    let arms = 1000;
+    for _ in 0..arms {
+        for stands in [true, false] {
+            assert_eq!(now(store.mark(stands)), Ok(()));
+            assert_eq!(now(store.is_marked()), stands);
+        }
+    }
+    let flash = store.into_flash();
+    assert_eq!(load(&flash), (unusual(40.0), Origin::Flash));
+    // 12 bytes a mark, in sectors of 8 KiB that carry the settings along: docs/safety.md scales it to 128 KiB.
+    assert!((2..=5).contains(&flash.erases), "{} erases for {arms} arms", flash.erases);
+}
+
+/// Wherever the power goes while the mark is set or taken away, it stands or it does not, and the settings are there.
+#[test]
+fn a_power_cut_while_marking_leaves_the_mark_or_not_and_the_settings() {
+    let mut store = Store::new(Flash::new());
+    now(store.save(&unusual(40.0))).expect("no cut");
+    let mut flash = store.into_flash();
+    let (mut cuts, mut in_erase) = (0, 0);
+    for i in 0..1400 {
+        let stands = i % 2 == 0;
+        for step in 0.. {
+            let mut cut = flash.clone();
+            cut.cut_at(step);
+            let mut store = Store::new(cut);
+            let result = now(store.mark(stands));
+            let mut after = store.into_flash();
+            if !after.was_cut() {
+                assert_eq!(result, Ok(()));
+                flash = after;
+                break;
+            }
+            assert_eq!(result, Err(SaveError::Flash));
+            (cuts, in_erase) = (cuts + 1, in_erase + u32::from(after.cut_in_erase));
+            after.power_up();
+            assert_eq!(load(&after), (unusual(40.0), Origin::Flash), "mark {i}, step {step}");
+            let mut store = Store::new(after);
+            now(store.load());
+            assert_eq!(now(store.mark(stands)), Ok(()), "mark {i}, step {step}");
+            assert_eq!(now(store.is_marked()), stands, "mark {i}, step {step}");
+        }
+    }
+    assert!(in_erase > 0, "{cuts} cuts, none in an erase");
+}
+
 /// Saves until both sectors have filled up and been erased; before each save, for every write and every erase of it,
 /// tries what a power cut in the middle of that step leaves behind.
 #[test]

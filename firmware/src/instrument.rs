@@ -5,22 +5,28 @@ use core::sync::atomic::Ordering;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_sync::signal::Signal;
-use embassy_time::Timer;
+use embassy_time::{Duration, Timer, with_timeout};
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::{Command, Config, ConfigError, Report};
-use firmware_logic::console::Board;
+use fdi_core::{Command, Config, Report};
+use firmware_logic::checkin::Task;
+use firmware_logic::console::{ApplyError, Board};
 use firmware_logic::control_loop::{Beat, Denial, Order, Outcome};
 use firmware_logic::history::{Entry, History};
+use firmware_logic::led::Sign;
+use firmware_logic::self_test::Progress;
 use firmware_logic::settings::store::{SaveError, Store};
 use firmware_logic::settings::stored::{Stored, check};
 use firmware_logic::status::{Health, Status};
 use heapless::spsc::Producer;
 
 use crate::hardware::settings_flash::SettingsFlash;
-use crate::hardware::{heater, rtt, stack};
+use crate::hardware::{heater, rtt, stack, supply};
 use crate::{link, log};
+
+/// How long an order may wait for its answer: three ticks, less than the deadline of the console.
+const PATIENCE: Duration = Duration::from_millis(400);
 
 /// Shared by the tasks of thread mode, of which one runs at a time; no borrow lives across an await.
 pub(crate) struct Instrument {
@@ -52,6 +58,9 @@ impl Instrument {
         let punctuality = &mut status.health.punctuality;
         if !beat.missed {
             punctuality.count(&beat.arrival);
+        }
+        if let Some(news) = beat.news {
+            status.check.hear(news);
         }
         status.last = Some((beat, report));
     }
@@ -86,11 +95,19 @@ impl Instrument {
         self.status.borrow().is_heating()
     }
 
+    /// Whether a self-test is under way.
+    pub(crate) fn is_checking(&self) -> bool {
+        self.status.borrow().check.stage.is_some()
+    }
+
     /// Whether something holds the heater off.
     pub(crate) fn is_held(&self) -> bool {
-        let status = self.status.borrow();
-        let tripped = |(beat, _): &(Beat, Report)| matches!(beat.tick.mode, fdi_core::Mode::Tripped(_));
-        status.hold().is_some() || status.last.as_ref().is_some_and(tripped)
+        self.status.borrow().is_held()
+    }
+
+    /// What the LED should say.
+    pub(crate) fn sign(&self) -> Sign {
+        self.status.borrow().sign()
     }
 
     /// How it is, health included.
@@ -111,22 +128,34 @@ impl Instrument {
         self.orders.borrow_mut().enqueue(order).is_ok()
     }
 
-    /// Posts an order and waits for what becomes of it: until the next tick.
+    /// Posts an order and waits for what becomes of it: until the next tick, and not so long that the watchdog takes a
+    /// console that waits for one that hangs.
     async fn order(&self, order: Order) -> Result<(), Denial> {
-        let command = match &order {
-            Order::Command(command) => Some(*command),
-            Order::Retune(_) => None,
-        };
+        link::check_in(Task::Console);
+        let answer = with_timeout(PATIENCE, self.order_and_wait(order)).await;
+        link::check_in(Task::Console);
+        answer.unwrap_or(Err(Denial::NoAnswer))
+    }
+
+    async fn order_and_wait(&self, order: Order) -> Result<(), Denial> {
+        let asked = order.asked();
+        self.outcomes.reset(); // of an order that nobody waits for any more
         while !self.post(order.clone()) {
             Timer::after_millis(10).await; // the button's order is before it
         }
         loop {
             let outcome = self.outcomes.wait().await;
-            if outcome.command == command {
+            if outcome.asked == asked {
                 return outcome.result;
             }
         }
     }
+}
+
+/// Heater off, at once. First said and then done, so that the control task knows whose hand it was.
+pub(crate) fn stop() {
+    link::STOP.store(true, Ordering::Relaxed);
+    heater::cut();
 }
 
 /// What the console works on.
@@ -135,17 +164,56 @@ pub(crate) struct ConsoleBoard {
     pub(crate) instrument: &'static Instrument,
     /// Where settings are kept.
     pub(crate) store: Store<SettingsFlash>,
+    /// The flash has the mark that tells the next start of a power failure.
+    pub(crate) marked: bool,
+}
+
+impl ConsoleBoard {
+    /// Takes the mark away once the heater is off and nothing is held. Called while there is nothing else to do.
+    pub(crate) async fn settle(&mut self) {
+        if self.marked && !self.instrument.is_held() && !self.may_heat() {
+            let _ = self.mark(false).await; // tried again
+        }
+    }
+
+    /// Also in a check, whose next pulse may come while the flash stalls the core.
+    fn may_heat(&self) -> bool {
+        self.instrument.is_heating() || self.instrument.is_checking() || heater::is_enabled()
+    }
+
+    async fn mark(&mut self, stands: bool) -> Result<(), SaveError> {
+        let result = self.store.mark(stands).await;
+        after_stall();
+        if result.is_ok() {
+            self.marked = stands;
+        }
+        result
+    }
+}
+
+/// A stall that was planned is nobody's fault.
+fn after_stall() {
+    link::ROLL.check_all_in(link::now_ms());
 }
 
 impl Board for ConsoleBoard {
     async fn command(&mut self, command: Command) -> Result<(), Denial> {
+        if command == Command::Arm && !self.marked && !self.may_heat() {
+            self.mark(true).await.map_err(|_| Denial::NoMark)?;
+        }
         self.instrument.order(Order::Command(command)).await
     }
 
+    async fn check(&mut self) -> Result<(), Denial> {
+        self.instrument.order(Order::Check).await
+    }
+
+    fn progress(&self) -> Progress {
+        self.instrument.status.borrow().check.clone()
+    }
+
     fn stop(&mut self) {
-        // First said and then done, so that the control task knows whose hand it was.
-        link::STOP.store(true, Ordering::Relaxed);
-        heater::cut();
+        stop();
     }
 
     fn status(&self) -> Status {
@@ -156,14 +224,13 @@ impl Board for ConsoleBoard {
         self.instrument.settings.borrow().config.clone()
     }
 
-    async fn apply(&mut self, config: &Config) -> Result<(), ConfigError> {
+    async fn apply(&mut self, config: &Config) -> Result<(), ApplyError> {
         check(config)?;
         let controller = Controller::new(config)?;
         let diagnosis = Diagnosis::new(config)?;
         *self.instrument.retuned.borrow_mut() = Some(diagnosis);
         log::settings(config); // a replay needs them before the order that puts them in force
-        // New settings are always accepted: they have just been checked.
-        let _ = self.instrument.order(Order::Retune(controller)).await;
+        self.instrument.order(Order::Retune(controller)).await?;
         self.instrument.settings.borrow_mut().config = config.clone();
         Ok(())
     }
@@ -173,14 +240,22 @@ impl Board for ConsoleBoard {
         while self.instrument.is_heating() && !heater::is_enabled() {
             Timer::after_millis(10).await;
         }
-        if self.instrument.is_heating() || heater::is_enabled() {
+        if self.may_heat() {
             return Err(SaveError::Heating);
         }
         let settings = self.instrument.settings.borrow().clone();
         let result = self.store.save(&settings).await;
-        // A stall that was planned is nobody's fault.
-        link::ROLL.check_all_in(link::now_ms());
+        after_stall();
         result
+    }
+
+    fn set_brown_out_level(&mut self) -> Result<(), SaveError> {
+        if self.may_heat() {
+            return Err(SaveError::Heating);
+        }
+        let done = supply::set_brown_out_level();
+        after_stall();
+        done.then_some(()).ok_or(SaveError::Flash)
     }
 
     fn baseline(&self) -> Option<Baseline> {

@@ -18,7 +18,9 @@ use crate::hardware::heater::HeaterOutput;
 use crate::hardware::panel::Panel;
 use crate::hardware::settings_flash::SettingsFlash;
 use crate::hardware::thermistors::Thermistors;
-use crate::hardware::{self, clock, control_executor, reset, retained, serial, tick_timer, watchdog};
+use crate::hardware::{
+    self, clock, control_executor, halt, reset, retained, serial, supply, tick_timer, watchdog,
+};
 use crate::instrument::{ConsoleBoard, Instrument};
 use crate::{link, log, tasks};
 
@@ -35,31 +37,35 @@ fn start(spawner: Spawner) {
     watchdog::start();
     let left = retained::load();
     let cause = ResetCause::new(reset::take_flags(), left.as_ref().and_then(|left| left.death));
-    let interlock = Interlock::at_boot(cause, left.as_ref().and_then(|left| left.hold));
+    let mut interlock = Interlock::at_boot(cause, left.as_ref().and_then(|left| left.hold));
     // The last words are in `left`; a hold must outlive the next reset, too.
     retained::store(&Retained { hold: interlock.hold(), ..Retained::EMPTY });
 
     let (peripherals, clock) = clock::init();
     hardware::set_priorities();
-    hardware::freeze_while_halted();
+    halt::freeze_output_not_guard();
     let board = Board::new(peripherals);
+    tick_timer::start(board.tick_timer); // the log's clock, too
 
     let mut store = Store::new(SettingsFlash::new(board.flash));
     let (settings, origin) = block_on(store.load());
+    let marked = block_on(store.is_marked());
+    interlock.marked(cause, marked);
     let config = settings.config.clone();
     log::banner(clock, cause, left.as_ref(), &origin, &config);
     let baseline = settings.baseline.filter(|baseline| baseline.validate().is_ok());
     let (controller, diagnosis) = halves(&config);
 
-    tick_timer::start(board.tick_timer);
-    let heater = HeaterOutput::new(board.pwm_timer, board.heater, board.break_input);
+    let heater = HeaterOutput::new(board.pwm_timer, (board.heater, board.contactor), board.break_input);
+    supply::watch();
+    tick_timer::enable_interrupt();
     let thermistors = Thermistors::new(board.adc, board.thermistors);
     let (orders_in, orders_out) = link::orders();
     let (beats_out, beats_in) = link::beats();
     let mut control = ControlLoop::new(controller, config.setpoint, interlock);
     if let Some(baseline) = &baseline {
         log::baseline(baseline);
-        control.restored();
+        control.restored(baseline);
     }
 
     static INSTRUMENT: StaticCell<Instrument> = StaticCell::new();
@@ -73,7 +79,7 @@ fn start(spawner: Spawner) {
     spawner.spawn(once(tasks::status::status(instrument)));
     spawner.spawn(once(tasks::panel::panel(panel, instrument)));
     if let Some((tx, rx)) = port {
-        spawner.spawn(once(tasks::console::console(tx, rx, ConsoleBoard { instrument, store })));
+        spawner.spawn(once(tasks::console::console(tx, rx, ConsoleBoard { instrument, store, marked })));
     }
     spawner.spawn(once(tasks::watchdog::watchdog()));
 }

@@ -257,11 +257,6 @@ impl Diagnosis {
         Verdict { symptoms, fdv: self.detection.look_up(&symptoms), fiv: self.isolation.look_up(&symptoms) }
     }
 
-    /// Hears that the rig was changed on purpose ([`crate::Command::Relearn`]): what was trained is no measure of it any more.
-    pub fn forget(&self, state: &mut DiagnosisState) {
-        self.parity.forget(&mut state.parity);
-    }
-
     /// Takes over what was learnt in an earlier life; it has been checked with [`Baseline::validate`].
     pub fn restore(&self, state: &mut DiagnosisState, baseline: &Baseline) {
         state.baseline = Some(*baseline);

@@ -135,7 +135,7 @@ impl Parity {
         let readings = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(|reading| reading.good());
         let [t0, t1, t2] = readings;
         let heating = tick.mode.is_heating();
-        self.follow_mode(state, tick.mode);
+        self.follow_mode(state, tick);
         self.room.step(&mut state.room, tick.index, readings, applied);
         let read = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(read);
         let contradiction = state.contradiction.step(&self.response, tick.index, heating, read, applied);
@@ -154,13 +154,13 @@ impl Parity {
         }
     }
 
-    /// What was trained is out of date: the rig was changed on purpose.
-    pub fn forget(&self, state: &mut ParityState) {
-        (state.training, state.trained, state.current, state.refused) = (None, None, false, None);
-    }
-
-    /// Training starts afresh whenever learning does, and ends with heating.
-    fn follow_mode(&self, state: &mut ParityState, mode: Mode) {
+    /// Training starts afresh whenever learning does, and ends with heating. What was trained outlives both, unless the
+    /// rig was changed on purpose.
+    fn follow_mode(&self, state: &mut ParityState, tick: &Tick) {
+        let mode = tick.mode;
+        if tick.forget {
+            (state.training, state.trained, state.current) = (None, None, false);
+        }
         let learning = matches!(mode, Mode::Learn { .. });
         let begins = learning && !state.was_learning;
         if begins || !mode.is_heating() {

@@ -1,10 +1,11 @@
 //! The line console: bytes in, text out. The firmware runs it on its serial port, the host on a terminal; what they have
 //! in common is [`Board`]. The text of one answer is at most [`ANSWER`] bytes; line feeds end its lines.
 
+pub mod follow;
 pub mod line;
 pub mod request;
 
-use core::fmt::{Display, Write};
+use core::fmt::{self, Display, Write};
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::ALL;
@@ -15,14 +16,46 @@ use crate::decimal::Fixed;
 use crate::explain::Explained;
 use crate::finding::Told;
 use crate::history::{Entry, Shown};
+use crate::self_test::Progress;
 use crate::settings::schema::{Name, SetError};
 use crate::settings::store::SaveError;
 use crate::status::Status;
+use follow::Follow;
 use line::{LineReader, Step};
 use request::{COMMANDS, Request};
 
 /// Names in the console, where the stored name is not the one of a row of residuals.
 const RESIDUAL_NAMES: [&str; ALL.len()] = ["ry1", "ry2", "Pa", "ry12", "sg1", "sg2", "bw1"];
+
+/// Why settings were not put in force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ApplyError {
+    /// A parameter is out of bounds.
+    Config(ConfigError),
+    /// The control half did not take them.
+    Denied(Denial),
+}
+
+impl From<ConfigError> for ApplyError {
+    fn from(error: ConfigError) -> Self {
+        Self::Config(error)
+    }
+}
+
+impl From<Denial> for ApplyError {
+    fn from(denial: Denial) -> Self {
+        Self::Denied(denial)
+    }
+}
+
+impl Display for ApplyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Config(error) => Explained(error).fmt(f),
+            Self::Denied(denial) => denial.fmt(f),
+        }
+    }
+}
 
 /// What a console can ask of an instrument.
 #[expect(
@@ -32,6 +65,10 @@ const RESIDUAL_NAMES: [&str; ALL.len()] = ["ry1", "ry2", "Pa", "ry12", "sg1", "s
 pub trait Board {
     /// Has a command carried out on the next tick.
     async fn command(&mut self, command: Command) -> Result<(), Denial>;
+    /// Has the self-test begin on the next tick.
+    async fn check(&mut self) -> Result<(), Denial>;
+    /// What the self-test has told so far.
+    fn progress(&self) -> Progress;
     /// Heater off, at once.
     fn stop(&mut self);
     /// What the last tick said.
@@ -39,9 +76,11 @@ pub trait Board {
     /// The settings in force.
     fn config(&self) -> Config;
     /// Puts settings in force on the next tick.
-    async fn apply(&mut self, config: &Config) -> Result<(), ConfigError>;
+    async fn apply(&mut self, config: &Config) -> Result<(), ApplyError>;
     /// Writes settings and baseline to flash.
     async fn save(&mut self) -> Result<(), SaveError>;
+    /// Has the chip hold itself in reset below 2.7 V, from the next power-up.
+    fn set_brown_out_level(&mut self) -> Result<(), SaveError>;
     /// What was learnt as normal.
     fn baseline(&self) -> Option<Baseline>;
     /// What went wrong, the oldest first.
@@ -55,6 +94,7 @@ pub const ANSWER: usize = 4096;
 #[derive(Clone, Debug, Default)]
 pub struct Console {
     reader: LineReader,
+    follow: Follow,
 }
 
 impl Console {
@@ -73,9 +113,28 @@ impl Console {
                 fail(out, &error);
                 say(out, "> ");
             }
+            Step::Stop => {
+                stop(board, out);
+                say(out, "> ");
+            }
             Step::Nothing => {}
         }
     }
+
+    /// Shows what a self-test has told since the last call; what was typed of a line meanwhile is shown again.
+    pub fn follow(&mut self, board: &impl Board, out: &mut dyn Write) {
+        if self.follow.is_news(&board.progress()) {
+            say(out, "\n");
+            self.follow.show(&board.progress(), &board.config(), out);
+            let _ = write!(out, "> {}", self.reader.typed());
+        }
+    }
+}
+
+/// Heater off, by a key.
+pub fn stop(board: &mut impl Board, out: &mut dyn Write) {
+    board.stop();
+    say(out, "\nstopped; what was typed of this line is forgotten\n");
 }
 
 /// Writes text; what does not fit is lost.
@@ -107,8 +166,13 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         Request::Get { name } => get(name, &board.config(), out),
         Request::Set { name, value } => set(name, value, board, out).await,
         Request::Save => done(out, board.save().await),
+        Request::BrownOut => done(out, board.set_brown_out_level()),
         Request::Defaults => defaults(board, out).await,
-        Request::Arm => done(out, board.command(Command::Arm).await),
+        Request::Check => match board.check().await {
+            Ok(()) => say(out, "ok, see below for about a minute; it heats a little\n"),
+            Err(denial) => fail(out, &denial),
+        },
+        Request::Arm => arm(board, out).await,
         Request::Stop => {
             board.stop();
             say(out, "stopped\n");
@@ -117,6 +181,14 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         Request::Baseline => baseline(board.baseline(), out),
         Request::Relearn => done(out, board.command(Command::Relearn).await),
         Request::Faults => faults(board, out),
+    }
+}
+
+async fn arm(board: &mut impl Board, out: &mut dyn Write) {
+    let result = board.command(Command::Arm).await;
+    match result {
+        Ok(()) if !board.status().is_checked() => say(out, "ok, armed without a check\n"),
+        result => done(out, result),
     }
 }
 
@@ -160,7 +232,7 @@ async fn set(name: &str, value: &str, board: &mut impl Board, out: &mut dyn Writ
         Err(error) => return fail(out, &error),
     };
     if let Err(error) = board.apply(&config).await {
-        return fail(out, &Explained(&error));
+        return fail(out, &error);
     }
     // Settings leave the set-point of a running loop alone; here it is what the user has just asked for.
     if name == "setpoint"
@@ -174,7 +246,7 @@ async fn set(name: &str, value: &str, board: &mut impl Board, out: &mut dyn Writ
 async fn defaults(board: &mut impl Board, out: &mut dyn Write) {
     let config = Config::default();
     if let Err(error) = board.apply(&config).await {
-        return fail(out, &Explained(&error));
+        return fail(out, &error);
     }
     done(out, board.command(Command::SetPoint(config.setpoint)).await);
 }

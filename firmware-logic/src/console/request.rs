@@ -25,8 +25,12 @@ pub enum Request<'a> {
     },
     /// Write settings and baseline to flash.
     Save,
+    /// Set the brown-out level.
+    BrownOut,
     /// All settings as they were made.
     Defaults,
+    /// The self-test.
+    Check,
     /// Begin to regulate.
     Arm,
     /// Heater off.
@@ -42,17 +46,19 @@ pub enum Request<'a> {
 }
 
 /// All commands: name, what follows it, what it does.
-pub const COMMANDS: [(&str, &str, &str); 11] = [
+pub const COMMANDS: [(&str, &str, &str); 13] = [
     ("help", "", "this list"),
     ("status", "", "mode, temperatures, diagnosis, health"),
     ("get", "[NAME]", "settings, all or those that begin with NAME"),
     ("set", "NAME VALUE", "change a setting at once, until the next start unless saved"),
     ("save", "", "write settings and baseline to flash (heater off only)"),
     ("defaults", "", "all settings as they were made; `save` keeps them"),
+    ("check", "", "self-test of about a minute, which heats a little; `arm` wants it passed"),
     ("arm", "", "begin to regulate"),
-    ("stop", "", "heater off, in every state"),
+    ("stop", "", "heater off, in every state; so do the keys Ctrl-C, ESC and !"),
     ("ack", "", "acknowledge a trip or a hold"),
     ("baseline", "[learn]", "what was learnt as normal; `learn` learns it anew"),
+    ("brownout", "set", "reset below 2.7 V, from the next power-up (heater off only)"),
     ("faults", "", "what went wrong since the start"),
 ];
 
@@ -107,6 +113,7 @@ impl<'a> Request<'a> {
             "status" => alone(Self::Status),
             "save" => alone(Self::Save),
             "defaults" => alone(Self::Defaults),
+            "check" => alone(Self::Check),
             "arm" => alone(Self::Arm),
             // Nobody in a hurry should be refused for what stands behind it.
             "stop" => Ok(Self::Stop),
@@ -125,6 +132,11 @@ impl<'a> Request<'a> {
                 ("learn", "") => Ok(Self::Relearn),
                 ("learn", more) => Err(RequestError::Extra { command, word: split_word(more).0 }),
                 (word, _) => Err(RequestError::Extra { command, word }),
+            },
+            "brownout" => match split_word(rest) {
+                ("set", "") => Ok(Self::BrownOut),
+                ("", _) => Err(RequestError::Missing { command, expected: "set" }),
+                ("set", word) | (word, _) => Err(RequestError::Extra { command, word }),
             },
             unknown => Err(RequestError::Unknown(unknown)),
         }
@@ -151,6 +163,7 @@ mod tests {
         for (name, arguments, _) in COMMANDS {
             let line = match arguments {
                 "NAME VALUE" => format!("{name} pid.kp 2.4"),
+                "set" => format!("{name} set"),
                 _ => name.to_owned(),
             };
             assert!(Request::parse(&line).is_ok(), "{line}");
@@ -179,12 +192,12 @@ mod tests {
         assert_eq!(text("arm now"), "arm: \"now\" is too much");
         assert_eq!(text("set pid.kp"), "set: expected NAME VALUE");
         assert_eq!(text("baseline forget"), "baseline: \"forget\" is too much");
+        assert_eq!(text("brownout"), "brownout: expected set");
         assert!(text("ARM").starts_with("unknown command \"ARM\""), "no guessing what heats");
     }
 
     #[test]
     fn stop_is_never_refused() {
-        assert_eq!(Request::parse("stop!"), Err(RequestError::Unknown("stop!")));
         assert_eq!(Request::parse("stop it now"), Ok(Request::Stop));
     }
 

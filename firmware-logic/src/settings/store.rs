@@ -7,12 +7,13 @@ use embedded_storage_async::nor_flash::NorFlash;
 use sequential_storage::Error;
 use sequential_storage::cache::key_pointers::ArrayKeyPointers;
 use sequential_storage::cache::{Cache, Uncached};
-use sequential_storage::map::{MapConfig, MapStorage};
+use sequential_storage::map::{MapConfig, MapStorage, Value};
 
 use super::stored::{MAX_BYTES, Stored, StoredError};
 
-/// The key of the one record.
-const KEY: u8 = 1;
+/// The key of the record, and of the mark that says since when power must not be lost unnoticed.
+const RECORD: u8 = 1;
+const MARK: u8 = 2;
 /// Room for the record and for what the storage puts around it.
 const BUFFER: usize = MAX_BYTES + 64;
 
@@ -63,9 +64,9 @@ impl fmt::Display for SaveError {
     }
 }
 
-/// Remembers where the newest record is. Without it, changing sectors searches the whole of the full one once for each
-/// of the hundreds of records in it, which takes many seconds and starves the watchdog.
-type Newest = Cache<Uncached, Uncached, ArrayKeyPointers<u8, 1>, u8>;
+/// Remembers where the newest of each key is. Without it, changing sectors searches the whole of the full one once for each
+/// of the thousands of items in it, which takes many seconds and starves the watchdog.
+type Newest = Cache<Uncached, Uncached, ArrayKeyPointers<u8, 2>, u8>;
 
 /// The storage.
 pub struct Store<F: NorFlash> {
@@ -83,7 +84,7 @@ impl<F: NorFlash> Store<F> {
     /// Reads what was saved; the defaults where there is nothing usable, and why.
     pub async fn load(&mut self) -> (Stored, Origin) {
         let mut buffer = [0; BUFFER];
-        match self.map.fetch_item::<&[u8]>(&mut buffer, &KEY).await {
+        match self.map.fetch_item::<&[u8]>(&mut buffer, &RECORD).await {
             Ok(Some(bytes)) => match Stored::decode(bytes) {
                 Ok(stored) => (stored, Origin::Flash),
                 Err(error) => (Stored::default(), Origin::Fallback(error)),
@@ -100,14 +101,33 @@ impl<F: NorFlash> Store<F> {
     pub async fn save(&mut self, stored: &Stored) -> Result<(), SaveError> {
         let mut record = [0; MAX_BYTES];
         let bytes = stored.encode(&mut record).map_err(SaveError::Record)?;
-        let mut buffer = [0; BUFFER];
-        match self.map.store_item(&mut buffer, &KEY, &bytes).await {
+        match self.write(RECORD, &bytes).await {
             Ok(()) => return Ok(()),
-            // What could not even be repaired could not be read either: a new storage is worth more.
-            Err(Error::Corrupted { .. }) => self.map.erase_all().await.map_err(|_| SaveError::Flash)?,
-            Err(_) => return Err(SaveError::Flash),
+            Err(Error::Storage { .. }) => return Err(SaveError::Flash),
+            // What the storage can neither use nor mend, it could not read either: a new one is worth more.
+            Err(_) => self.map.erase_all().await.map_err(|_| SaveError::Flash)?,
         }
-        self.map.store_item(&mut buffer, &KEY, &bytes).await.map_err(|_| SaveError::Flash)
+        self.write(RECORD, &bytes).await.map_err(|_| SaveError::Flash)
+    }
+
+    /// Whether the mark stands; not where it cannot be read, which [`Store::load`] has told.
+    pub async fn is_marked(&mut self) -> bool {
+        let mut buffer = [0; BUFFER];
+        matches!(self.map.fetch_item::<u8>(&mut buffer, &MARK).await, Ok(Some(1)))
+    }
+
+    /// Sets the mark or takes it away. The heater must be off, as for [`Store::save`], which mends what this cannot use: the
+    /// settings are not erased for a mark.
+    ///
+    /// # Errors
+    /// The flash refused, or holds something else.
+    pub async fn mark(&mut self, stands: bool) -> Result<(), SaveError> {
+        self.write(MARK, &u8::from(stands)).await.map_err(|_| SaveError::Flash)
+    }
+
+    async fn write<'a>(&mut self, key: u8, value: &impl Value<'a>) -> Result<(), Error<F::Error>> {
+        let mut buffer = [0; BUFFER];
+        self.map.store_item(&mut buffer, &key, value).await
     }
 
     /// Gives the flash back.

@@ -61,6 +61,18 @@ impl Flash {
         }
     }
 
+    /// The first and last words of the sectors, where the storage keeps its page marks: erased, cleared or as they are, by
+    /// two bits of `marks` each.
+    pub(crate) fn set_page_marks(&mut self, marks: u8) {
+        for (i, at) in [0, SECTOR - WORD, SECTOR, 2 * SECTOR - WORD].into_iter().enumerate() {
+            match marks >> (2 * i) & 3 {
+                0 => self.bytes[at..at + WORD].fill(0xFF),
+                1 => self.bytes[at..at + WORD].fill(0),
+                _ => {} // what was there
+            }
+        }
+    }
+
     fn random(&mut self) -> u32 {
         self.noise ^= self.noise << 13;
         self.noise ^= self.noise >> 17;

@@ -1,38 +1,57 @@
-//! The heater's output: TIM1 channel 1 on PA8, 20 kHz, with the break input on PA6.
+//! The heater's outputs: TIM1 channel 1 on PA8, 20 kHz, and channel 3 on PA10, which holds the contactor in series with
+//! the heater; the break input is on PA6.
 //!
 //! The break is active high and pulled up: closed to ground means "go", an open wire means "stop". Then hardware
-//! clears the main output enable (MOE) and drives the pin low, whatever the program does; only the program can set
-//! MOE again, and only while the input is closed.
+//! clears the main output enable (MOE) and drives both pins low, whatever the program does; only the program can set
+//! MOE again, and only while the input is closed. Whatever cuts the heater therefore opens the contactor in the same
+//! moment, and a power stage that has failed on is switched off by it.
 
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicU8, Ordering};
 
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
 use embassy_stm32::pac;
 use embassy_stm32::pac::timer::vals::{Bkp, CcmrOutputCcs, Lock, Ocm, Ossi, Ossr};
-use embassy_stm32::peripherals::{PA6, PA8, TIM1};
+use embassy_stm32::peripherals::{PA6, PA8, PA10, TIM1};
 use embassy_stm32::rcc;
 use fdi_core::Percent;
 use firmware_logic::control_loop::Heater;
 use firmware_logic::interlock::Hold;
 use firmware_logic::{duty, sampling};
 
-use super::board;
+use super::{board, supply};
 
 const PWM_HZ: u32 = 1_000_000 / sampling::PWM_PERIOD_US;
 
-/// The dead man's handle has cut the output, not the break input.
-static DEAD_MAN: AtomicBool = AtomicBool::new(false);
+/// Channels of the timer, counted from 0 as the register access does.
+const HEATER: usize = 0;
+const CONTACTOR: usize = 2;
+/// Compare values of the contactor: never high, and above any period, high without an edge.
+const OPEN: u16 = 0;
+const CLOSED: u16 = u16::MAX;
 
-/// Switches the output off: one register, no state, safe from any interrupt, panic or fault.
+/// Number of the hold that the program has cut the outputs for; 0 while only the break input can have.
+static CUT_BECAUSE: AtomicU8 = AtomicU8::new(0);
+
+/// Switches both outputs off: one register, no state, safe from any interrupt, panic or fault.
 pub(crate) fn cut() {
     pac::TIM1.bdtr().modify(|w| w.set_moe(false));
 }
 
-/// Switches the output off because the control tick was missing for too long.
-pub(crate) fn cut_by_dead_man() {
+/// Ends a break that was made on purpose, with the output off whether it has worked or not.
+fn cut_and_forget_break() {
     cut();
-    DEAD_MAN.store(true, Ordering::Relaxed);
+    pac::TIM1.sr().modify(|w| w.set_bif(0, false));
+}
+
+/// Switches both outputs off for a reason that the control task will latch on its next tick. `false` if they were off.
+pub(crate) fn cut_because(reason: Hold) -> bool {
+    let was_enabled = is_enabled();
+    cut();
+    if was_enabled {
+        CUT_BECAUSE.store(reason.number(), Ordering::Relaxed);
+    }
+    was_enabled
 }
 
 /// Whether the output is enabled.
@@ -43,7 +62,7 @@ pub(crate) fn is_enabled() -> bool {
 /// The output stage.
 pub(crate) struct HeaterOutput {
     _timer: Peri<'static, TIM1>,
-    _pin: Flex<'static>,
+    _pins: [Flex<'static>; 2],
     break_input: Flex<'static>,
     period: u16,
 }
@@ -52,7 +71,7 @@ impl HeaterOutput {
     /// Configures the timer; the output stays disabled.
     pub(crate) fn new(
         timer: Peri<'static, TIM1>,
-        pin: Peri<'static, PA8>,
+        (heater, contactor): (Peri<'static, PA8>, Peri<'static, PA10>),
         break_pin: Peri<'static, PA6>,
     ) -> Self {
         rcc::enable_and_reset::<TIM1>();
@@ -62,13 +81,15 @@ impl HeaterOutput {
         let t = pac::TIM1;
         t.psc().write_value(0);
         t.arr().write(|w| w.set_arr(period - 1));
-        t.ccr(0).write(|w| w.set_ccr(0));
-        t.ccmr_output(0).write(|w| {
-            w.set_ccs(0, CcmrOutputCcs::OUTPUT);
-            w.set_ocm(0, Ocm::PWM_MODE1);
-            w.set_ocpe(0, true); // a new power takes effect between two periods, never within one
-        });
-        // The idle level of the pin is low by reset; OSSI and OSSR drive it there instead of letting it float. The
+        for channel in [HEATER, CONTACTOR] {
+            t.ccr(channel).write(|w| w.set_ccr(0));
+            t.ccmr_output(channel / 2).write(|w| {
+                w.set_ccs(channel % 2, CcmrOutputCcs::OUTPUT);
+                w.set_ocm(channel % 2, Ocm::PWM_MODE1);
+                w.set_ocpe(channel % 2, true); // takes effect between two periods, never within one
+            });
+        }
+        // The idle level of the pins is low by reset; OSSI and OSSR drive them there instead of letting them float. The
         // lock keeps a stray write from undoing any of this until the next reset.
         t.bdtr().write(|w| {
             w.set_bke(0, true);
@@ -77,27 +98,40 @@ impl HeaterOutput {
             w.set_ossr(Ossr::IDLE_LEVEL);
             w.set_lock(Lock::LEVEL3);
         });
-        t.ccer().write(|w| w.set_cce(0, true));
+        t.ccer().write(|w| {
+            w.set_cce(HEATER, true);
+            w.set_cce(CONTACTOR, true);
+        });
         t.egr().write(|w| w.set_ug(true));
         t.cr1().write(|w| {
             w.set_arpe(true);
             w.set_cen(true);
         });
-        // Only now, with the level defined by the timer, is the pin handed over to it.
-        let mut pin = Flex::new(pin);
-        pin.set_as_af_unchecked(board::TIM1_AF, AfType::output(OutputType::PushPull, Speed::Low));
-        Self { _timer: timer, _pin: pin, break_input, period }
+        // Only now, with the level defined by the timer, are the pins handed over to it.
+        let mut pins = [Flex::new(heater), Flex::new(contactor)];
+        for pin in &mut pins {
+            pin.set_as_af_unchecked(board::TIM1_AF, AfType::output(OutputType::PushPull, Speed::Low));
+        }
+        Self { _timer: timer, _pins: pins, break_input, period }
     }
 }
 
 impl Heater for HeaterOutput {
     fn drive(&mut self, power: Percent) {
-        pac::TIM1.ccr(0).write(|w| w.set_ccr(duty::compare(power, self.period)));
+        pac::TIM1.ccr(HEATER).write(|w| w.set_ccr(duty::compare(power, self.period)));
+    }
+
+    fn contactor(&mut self, closed: bool) {
+        pac::TIM1.ccr(CONTACTOR).write(|w| w.set_ccr(if closed { CLOSED } else { OPEN }));
     }
 
     fn enable(&mut self) {
-        DEAD_MAN.store(false, Ordering::Relaxed);
+        CUT_BECAUSE.store(0, Ordering::Relaxed);
         pac::TIM1.bdtr().modify(|w| w.set_moe(true));
+        // A supply that was low before gives no edge for the interrupt to see.
+        if supply::is_low() {
+            cut_because(Hold::Undervoltage);
+        }
     }
 
     fn disable(&mut self) {
@@ -112,7 +146,16 @@ impl Heater for HeaterOutput {
         self.break_input.is_high()
     }
 
+    fn test_break(&mut self) -> bool {
+        self.enable();
+        let enabled = is_enabled();
+        pac::TIM1.egr().write(|w| w.set_bg(0, true));
+        let cut = !is_enabled();
+        cut_and_forget_break();
+        enabled && cut
+    }
+
     fn cut_by(&self) -> Hold {
-        if DEAD_MAN.load(Ordering::Relaxed) { Hold::MissedDeadline } else { Hold::BreakInput }
+        Hold::from_number(CUT_BECAUSE.load(Ordering::Relaxed)).unwrap_or(Hold::BreakInput)
     }
 }

@@ -4,7 +4,7 @@ use embassy_stm32::Peri;
 /// Registers that the ADCs of the chip share.
 pub(crate) use embassy_stm32::pac::ADC123_COMMON as ADC_COMMON;
 use embassy_stm32::peripherals::{
-    ADC1, FLASH, PA0, PA1, PA2, PA3, PA4, PA5, PA6, PA8, PC13, TIM1, TIM5, USART2,
+    ADC1, FLASH, PA0, PA1, PA2, PA3, PA4, PA5, PA6, PA8, PA10, PC13, TIM1, TIM5, USART2,
 };
 use embassy_stm32::rcc::{APBPrescaler, PllMul};
 
@@ -17,7 +17,7 @@ pub(crate) const APB1: APBPrescaler = APBPrescaler::DIV2;
 
 /// ADC channels of T0 (PA4, A2), T1 (PA0, A0) and T2 (PA1, A1).
 pub(crate) const ADC_CHANNELS: [u8; 3] = [4, 0, 1];
-/// Alternate function that connects PA8 and PA6 to TIM1.
+/// Alternate function that connects PA8, PA10 and PA6 to TIM1.
 pub(crate) const TIM1_AF: u8 = 1;
 
 /// The peripherals and pins, by what they do.
@@ -27,6 +27,8 @@ pub(crate) struct Board {
     pub(crate) adc: Peri<'static, ADC1>,
     /// Heater PWM (D7) and its break input (D12).
     pub(crate) heater: Peri<'static, PA8>,
+    /// The contactor in series with the heater (D2).
+    pub(crate) contactor: Peri<'static, PA10>,
     pub(crate) break_input: Peri<'static, PA6>,
     pub(crate) pwm_timer: Peri<'static, TIM1>,
     pub(crate) tick_timer: Peri<'static, TIM5>,
@@ -47,6 +49,7 @@ impl Board {
             thermistors: (p.PA4, p.PA0, p.PA1),
             adc: p.ADC1,
             heater: p.PA8,
+            contactor: p.PA10,
             break_input: p.PA6,
             pwm_timer: p.TIM1,
             tick_timer: p.TIM5,

@@ -2,7 +2,9 @@
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
+use core::sync::atomic::{AtomicU32, Ordering};
 
+use firmware_logic::interlock::Hold;
 use firmware_logic::retained::{Retained, WORDS, Words};
 
 struct Memory(UnsafeCell<MaybeUninit<Words>>);
@@ -14,8 +16,28 @@ unsafe impl Sync for Memory {}
 #[unsafe(link_section = ".uninit.RETAINED")]
 static MEMORY: Memory = Memory(UnsafeCell::new(MaybeUninit::uninit()));
 
+/// Set by the interrupt of the voltage detector, which may come between the words above; noise after power-up, which is
+/// [`UNDERVOLTAGE`] once in 2^32 times, and then a hold too many.
+#[unsafe(link_section = ".uninit.UNDERVOLTAGE")]
+static SUPPLY: AtomicU32 = AtomicU32::new(0);
+const UNDERVOLTAGE: u32 = 0x5655_3241;
+
+/// The supply has failed while heating, and perhaps nobody will be there to store a hold.
+pub(crate) fn note_undervoltage() {
+    SUPPLY.store(UNDERVOLTAGE, Ordering::Relaxed);
+}
+
 /// What the program before this one left, if it is to be believed. For the start only.
 pub(crate) fn load() -> Option<Retained> {
+    let left = load_words();
+    if SUPPLY.load(Ordering::Relaxed) != UNDERVOLTAGE {
+        return left;
+    }
+    let left = left.unwrap_or(Retained::EMPTY);
+    Some(Retained { hold: left.hold.or(Some(Hold::Undervoltage)), ..left })
+}
+
+fn load_words() -> Option<Retained> {
     let base = MEMORY.0.get().cast::<u32>();
     // SAFETY: the words are within the static and aligned. They are RAM, initialised by whatever was written before
     // the reset or by noise; a volatile read of plain memory gives some number for either.
@@ -23,8 +45,9 @@ pub(crate) fn load() -> Option<Retained> {
     Retained::unpack(&words)
 }
 
-/// Leaves something for the next program.
+/// Leaves something for the next program; a hold by the detector is among it by now.
 pub(crate) fn store(retained: &Retained) {
+    SUPPLY.store(0, Ordering::Relaxed);
     let base = MEMORY.0.get().cast::<u32>();
     for (i, word) in retained.pack().into_iter().enumerate() {
         // SAFETY: within the static and aligned, see `Memory` for why nobody reads meanwhile. Volatile, since what

@@ -144,4 +144,5 @@ fn may_write() -> bool {
     BUSY.load(Ordering::Relaxed) && SCB::vect_active() == VectActive::ThreadMode
 }
 
-defmt::timestamp!("{=u64:us}", embassy_time::Instant::now().as_micros());
+// Not the clock of the tasks: its driver counts overflows by interrupt and loses them while a flash sector is erased.
+defmt::timestamp!("{=u64:us}", super::tick_timer::uptime_us());

@@ -2,6 +2,7 @@
 //! handle (compare 2). It is another timer than the one that runs the rest, so that each can notice the other's death.
 
 use core::future::poll_fn;
+use core::sync::atomic::{AtomicU32, Ordering};
 use core::task::Poll;
 
 use embassy_stm32::interrupt::InterruptExt;
@@ -10,15 +11,19 @@ use embassy_stm32::pac::timer::regs::SrGp16;
 use embassy_stm32::pac::timer::vals::Urs;
 use embassy_stm32::{Peri, interrupt, peripherals, rcc};
 use embassy_sync::waitqueue::AtomicWaker;
+use firmware_logic::interlock::Hold;
 
-use super::heater;
+use super::{halt, heater};
 
 const WAKE: usize = 0;
 const DEAD_MAN: usize = 1;
 
 static CONTROL: AtomicWaker = AtomicWaker::new();
+/// What the log has last seen of the counter, and how often it has wrapped.
+static SEEN: AtomicU32 = AtomicU32::new(0);
+static WRAPS: AtomicU32 = AtomicU32::new(0);
 
-/// Starts counting at `first`. The dead man's handle is armed by its first feeding.
+/// Starts counting; nothing interrupts yet.
 pub(crate) fn start(_timer: Peri<'static, peripherals::TIM5>) {
     rcc::enable_and_reset::<peripherals::TIM5>();
     let per_microsecond = rcc::frequency::<peripherals::TIM5>().0 / 1_000_000;
@@ -26,19 +31,35 @@ pub(crate) fn start(_timer: Peri<'static, peripherals::TIM5>) {
     TIM5.arr().write_value(u32::MAX);
     TIM5.cr1().write(|w| w.set_urs(Urs::COUNTER_ONLY));
     TIM5.egr().write(|w| w.set_ug(true)); // takes over the prescaler
+    TIM5.cr1().modify(|w| w.set_cen(true));
+}
+
+/// Begins to wake the control task and to watch it. The dead man's handle is armed by its first feeding. To be called
+/// with the heater's output set up, which the interrupt may cut.
+pub(crate) fn enable_interrupt() {
+    halt::start();
     TIM5.sr().write_value(SrGp16(0));
     TIM5.dier().write(|w| {
         w.set_ccie(WAKE, true);
         w.set_ccie(DEAD_MAN, true);
     });
-    // SAFETY: the handler is below and touches only the timer, an atomic waker and the heater's enable.
+    // SAFETY: the handler is below and touches only timers, an atomic waker and the heater's enable.
     unsafe { interrupt::TIM5.enable() };
-    TIM5.cr1().modify(|w| w.set_cen(true));
 }
 
 /// Microseconds; wraps every 71.6 minutes.
 pub(crate) fn now() -> u32 {
     TIM5.cnt().read()
+}
+
+/// Microseconds since [`start`], for the log, whose line of each second sees every wrap.
+pub(crate) fn uptime_us() -> u64 {
+    let now = now();
+    let before = SEEN.swap(now, Ordering::Relaxed);
+    if before > now && before - now > u32::MAX / 2 {
+        WRAPS.fetch_add(1, Ordering::Relaxed);
+    }
+    u64::from(WRAPS.load(Ordering::Relaxed)) << 32 | u64::from(now)
 }
 
 /// Waits until the counter has reached `at`, at most half a wrap ahead. For the control task alone.
@@ -66,8 +87,11 @@ pub(crate) fn feed_dead_man(at: u32) {
 fn TIM5() {
     let status = TIM5.sr().read();
     TIM5.sr().write_value(SrGp16(!status.0)); // writing 0 clears, writing 1 leaves alone
+    if halt::was_halted() {
+        heater::cut_because(Hold::Halted);
+    }
     if status.ccif(DEAD_MAN) {
-        heater::cut_by_dead_man();
+        heater::cut_because(Hold::MissedDeadline);
     }
     if status.ccif(WAKE) {
         CONTROL.wake();

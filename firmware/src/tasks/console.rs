@@ -1,41 +1,73 @@
-//! The line console on the serial port.
+//! The line console on the serial port. Stop keys are looked for as the bytes come in, not when their line has its turn:
+//! a long answer, or a command that waits for its tick, delays no stop.
 
+use embassy_futures::join::join;
 use embassy_futures::select::{Either, select};
 use embassy_stm32::usart::{BufferedUartRx, BufferedUartTx};
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use embassy_sync::pipe::Pipe;
 use embassy_time::Timer;
 use embedded_io_async::{Read, Write};
 use firmware_logic::checkin::Task;
-use firmware_logic::console::{ANSWER, Console};
+use firmware_logic::console::{ANSWER, Console, line};
 use static_cell::ConstStaticCell;
 
 use crate::hardware::serial;
-use crate::instrument::ConsoleBoard;
+use crate::instrument::{ConsoleBoard, stop};
 use crate::link::check_in;
 
 /// An answer on its way to the terminal.
 type Answer = heapless::String<ANSWER>;
 
+/// Bytes that wait for their turn. Those that find no room are lost, as on a line error: the line that lacks them is most
+/// likely no command.
+type Waiting = Pipe<NoopRawMutex, 256>;
+
 static ANSWER_TEXT: ConstStaticCell<Answer> = ConstStaticCell::new(Answer::new());
 
 /// Reads bytes, answers lines.
 #[embassy_executor::task]
-pub(crate) async fn console(
-    mut tx: BufferedUartTx<'static>,
-    mut rx: BufferedUartRx<'static>,
-    mut board: ConsoleBoard,
-) {
+pub(crate) async fn console(tx: BufferedUartTx<'static>, rx: BufferedUartRx<'static>, board: ConsoleBoard) {
+    let waiting = Waiting::new();
+    join(listen(rx, &waiting), answer(tx, &waiting, board)).await;
+}
+
+/// Takes bytes in as they come, and stops at once where one is a stop key.
+async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting) {
+    let mut bytes = [0; 16];
+    loop {
+        // A line error (noise, overrun) loses bytes.
+        if let Ok(n) = rx.read(&mut bytes).await {
+            let mut came = bytes.get(..n).unwrap_or_default();
+            if let Some(key) = came.iter().rposition(|byte| line::is_stop_key(*byte)) {
+                stop();
+                // What was typed before a stop must not be carried out after it.
+                waiting.clear();
+                came = came.get(key..).unwrap_or_default();
+            }
+            let _ = waiting.try_write(came);
+        }
+    }
+}
+
+/// Answers the lines.
+async fn answer(mut tx: BufferedUartTx<'static>, waiting: &Waiting, mut board: ConsoleBoard) {
     let mut console = Console::default();
     let answer = ANSWER_TEXT.take();
     let mut bytes = [0; 16];
     loop {
         check_in(Task::Console);
-        // A line error (noise, overrun) loses bytes; the line that lacks them is most likely no command.
-        if let Either::First(Ok(n)) = select(rx.read(&mut bytes), Timer::after_millis(100)).await {
-            for &byte in bytes.iter().take(n) {
-                console.push(byte, &mut board, answer).await;
-                print(&mut tx, answer).await;
+        match select(waiting.read(&mut bytes), Timer::after_millis(100)).await {
+            Either::First(n) => {
+                for &byte in bytes.iter().take(n) {
+                    console.push(byte, &mut board, answer).await;
+                    print(&mut tx, answer).await;
+                }
             }
+            Either::Second(()) => board.settle().await,
         }
+        console.follow(&board, answer);
+        print(&mut tx, answer).await;
     }
 }
 

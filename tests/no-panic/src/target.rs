@@ -32,6 +32,9 @@ impl Heater for Output {
     fn drive(&mut self, power: Percent) {
         black_box(duty::compare(power, black_box(5000)));
     }
+    fn contactor(&mut self, closed: bool) {
+        black_box(closed);
+    }
     fn enable(&mut self) {
         black_box(());
     }
@@ -46,6 +49,9 @@ impl Heater for Output {
     }
     fn cut_by(&self) -> Hold {
         black_box(Hold::BreakInput)
+    }
+    fn test_break(&mut self) -> bool {
+        black_box(true)
     }
 }
 

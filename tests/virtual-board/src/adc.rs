@@ -1,7 +1,8 @@
-//! ADC1: one regular conversion at a time, started by the program. A conversion takes the time that it takes.
+//! ADC1: one regular conversion at a time, started by the program. A conversion takes the time that it takes, and a sample
+//! that is too short keeps some of the one before: the sampling capacitor is charged through the switch and the source.
 
 use crate::registers::{File, Refusal, Register, bit, field, register};
-use crate::time::{NEVER, Ps, US};
+use crate::time::{NEVER, Ps, SECOND, US};
 
 const SR: u32 = 0x00;
 const CR2: u32 = 0x08;
@@ -34,6 +35,9 @@ const SAMPLING: [u64; 8] = [3, 15, 28, 56, 84, 112, 144, 480];
 const CONVERSION: u64 = 12;
 /// Highest clock of the converter, Hz.
 const MAX_HZ: u64 = 36_000_000;
+/// Sampling switch and capacitor at their worst by the data sheet: 6 kohm, 7 pF.
+const SWITCH: f64 = 6_000.0;
+const CAPACITOR: f64 = 7e-12;
 /// What it needs after it has been switched on.
 const STABILISATION: Ps = 3 * US;
 
@@ -43,11 +47,25 @@ pub struct Adc {
     on_since: Ps,
     done_at: Ps,
     result: u32,
+    /// Voltage on the sampling capacitor, in codes.
+    held: f64,
+    /// Time for which the capacitor is charged, s.
+    charging: f64,
+    /// It hangs: a conversion never ends.
+    pub stuck: bool,
 }
 
 impl Default for Adc {
     fn default() -> Self {
-        Self { file: File::new(&TABLE), on_since: NEVER, done_at: NEVER, result: 0 }
+        Self {
+            file: File::new(&TABLE),
+            on_since: NEVER,
+            done_at: NEVER,
+            result: 0,
+            held: 0.0,
+            charging: 0.0,
+            stuck: false,
+        }
     }
 }
 
@@ -104,20 +122,57 @@ impl Adc {
         Ok(self.file.get(SQR3) as u8)
     }
 
-    /// Takes in the code of the channel that is being converted; `pclk2` in Hz.
+    /// Begins to convert a channel; `pclk2` in Hz. When its sample ends.
     ///
     /// # Errors
     /// The clock is too fast.
-    pub fn convert(&mut self, channel: u8, code: u16, pclk2: u64, now: Ps) -> Result<(), Refusal> {
+    pub fn begin(&mut self, channel: u8, pclk2: u64, now: Ps) -> Result<Ps, Refusal> {
         let hz = pclk2 / [2, 4, 6, 8][field(self.file.get(CCR), 16, 2) as usize];
         if hz > MAX_HZ {
             return Err(format!("the converter's clock is {hz} Hz, at most {MAX_HZ} allowed"));
         }
         let channel = u32::from(channel);
         let (register, place) = if channel < 10 { (SMPR2, channel) } else { (SMPR1, channel - 10) };
-        let sampling = SAMPLING[field(self.file.get(register), 3 * place, 3) as usize];
-        self.done_at = now + (sampling + CONVERSION) * crate::time::SECOND / hz;
-        self.result = u32::from(code);
-        Ok(())
+        let cycles = SAMPLING[field(self.file.get(register), 3 * place, 3) as usize];
+        let ends_at = now + (cycles + CONVERSION) * SECOND / hz;
+        self.done_at = if self.stuck { NEVER } else { ends_at };
+        self.charging = (cycles as f64 - 0.5) / hz as f64;
+        Ok(now + cycles * SECOND / hz)
+    }
+
+    /// Takes in the voltage at the pin, in codes, through a source of so many ohm.
+    pub fn sample(&mut self, at_pin: f64, source: f64) {
+        let time_constant = (SWITCH + source) * CAPACITOR;
+        self.held = at_pin + (self.held - at_pin) * (-self.charging / time_constant).exp();
+        self.result = self.held.round().clamp(0.0, 4095.0) as u32;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The code that a channel at 2000 gives after one at 1000, with so many ohm and this SMP.
+    fn after_another(source: f64, smp: u32) -> u32 {
+        let mut adc = Adc::default();
+        adc.write(SMPR2, smp | smp << 3, 0).unwrap();
+        adc.write(CR2, 1, 0).unwrap();
+        for (i, code) in [1000.0, 2000.0].into_iter().enumerate() {
+            let now = (i as Ps + 1) * 10 * US;
+            adc.write(CR2, 1 | SWSTART, now).unwrap();
+            adc.begin(i as u8, 50_000_000, now).unwrap();
+            adc.sample(code, source);
+            adc.settle(now + 10 * US);
+        }
+        adc.result
+    }
+
+    #[test]
+    fn a_sample_settles_through_switch_and_source() {
+        assert_eq!(after_another(0.0, 4), 2000, "84 cycles");
+        assert_eq!(after_another(10_000.0, 4), 2000);
+        // 2.5 cycles of 40 ns against 6 kohm and 7 pF: 9.2 % of each step are missing.
+        assert_eq!(after_another(0.0, 0), 1899);
+        assert!(after_another(5_000.0, 0) < 1800);
     }
 }

@@ -9,9 +9,12 @@ use crate::chip::{Analog, Chip};
 use crate::clock::Cause;
 use crate::cpu::{Cpu, Outcome};
 use crate::image::Image;
+use crate::power::Supply;
 use crate::rtt::{Line, Probe};
 use crate::time::{MS, Ps};
 
+/// The board's supply, V.
+const NOMINAL: f64 = 3.3;
 /// Ports by number.
 const PORT_A: usize = 0;
 const PORT_C: usize = 2;
@@ -158,6 +161,11 @@ impl Board {
         self.log.iter().any(|line| line.text.contains(text))
     }
 
+    /// Times of the log's lines in s, as the board tells them.
+    pub fn log_times(&self) -> Vec<f64> {
+        self.log.iter().filter_map(|line| line.timestamp.parse().ok()).collect()
+    }
+
     /// Closes or opens the contact between the break input and ground.
     pub fn interlock(&mut self, closed: bool) {
         self.cpu.touch(|chip, now| chip.wire(PORT_A, 6, closed.then_some(false), now));
@@ -171,6 +179,11 @@ impl Board {
     /// Share of the time that the heater's pin is high.
     pub fn heater(&self) -> f64 {
         self.chip().heater()
+    }
+
+    /// Share of the time that the contactor's pin is high.
+    pub fn contactor(&self) -> f64 {
+        self.chip().contactor()
     }
 
     /// When the heater's pin has last become low; `None` while it is not.
@@ -189,13 +202,36 @@ impl Board {
         Ok(())
     }
 
+    /// A debugger halts the core for a time, and lets it go on.
+    ///
+    /// # Errors
+    /// A peripheral that runs on did something that is not modelled.
+    pub fn halt(&mut self, time: Ps) -> anyhow::Result<()> {
+        self.cpu.touch(|chip, now| chip.halt(true, now));
+        self.run_for(time)?;
+        self.cpu.touch(|chip, now| chip.halt(false, now));
+        Ok(())
+    }
+
+    /// The supply goes to a voltage within a time, which passes.
+    ///
+    /// # Errors
+    /// The program did something that is not modelled.
+    pub fn supply(&mut self, volts: f64, time: Ps) -> anyhow::Result<()> {
+        self.cpu.touch(|chip, now| chip.power.supply.ramp(volts, time, now));
+        self.run_for(time)
+    }
+
     /// Takes power away and gives it back.
     ///
     /// # Errors
     /// The emulator refuses.
     pub fn power_cycle(&mut self) -> anyhow::Result<()> {
         self.power_is_cut = false;
-        self.cpu.touch(|chip, _| chip.flash.cut = None);
+        self.cpu.touch(|chip, _| {
+            chip.flash.cut = None;
+            chip.power.supply = Supply::steady(NOMINAL);
+        });
         self.cpu.power_cycle()?;
         self.probe.restart();
         Ok(())

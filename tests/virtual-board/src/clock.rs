@@ -1,4 +1,4 @@
-//! Reset and clock control, and the power controller: which clock runs, how fast, who gets it, why the chip was reset.
+//! Reset and clock control: which clock runs, how fast, who gets it, why the chip was reset.
 
 use crate::registers::{File, Refusal, Register, bit, field, register};
 use crate::time::{NEVER, Ps, US};
@@ -32,8 +32,6 @@ static TABLE: [Register; 17] = [
     register(0x60, "APB1LPENR", 0x10E2_C80F, 0x10E2_C80F),
     register(0x64, "APB2LPENR", 0x0007_7930, 0x0007_7930),
 ];
-
-static POWER_TABLE: [Register; 2] = [register(0x00, "CR", 0x8000, 0xC3F0), register(0x04, "CSR", 0, 0x300)];
 
 const HSI: u64 = 16_000_000;
 const HSEON: u32 = 1 << 16;
@@ -105,7 +103,6 @@ impl Frequencies {
 /// Clocks.
 pub struct Clocks {
     file: File,
-    power: File,
     /// Frequency at the OSC_IN pin; the ST-LINK's 8 MHz, or nothing.
     pub external: Option<u64>,
     hse_ready: Ps,
@@ -121,7 +118,6 @@ impl Clocks {
     pub fn new(external: Option<u64>) -> Self {
         Self {
             file: File::new(&TABLE),
-            power: File::new(&POWER_TABLE),
             external,
             hse_ready: NEVER,
             pll_ready: NEVER,
@@ -257,31 +253,5 @@ impl Clocks {
             _ => {}
         }
         self.file.write(CR, value)
-    }
-
-    /// Reads a register of the power controller.
-    ///
-    /// # Errors
-    /// It is not modelled.
-    pub fn read_power(&self, offset: u32) -> Result<u32, Refusal> {
-        let value = self.power.read(offset)?;
-        Ok(if offset == 4 { value | 1 << 14 } else { value })
-    }
-
-    /// Writes a register of the power controller.
-    ///
-    /// # Errors
-    /// It is not modelled.
-    pub fn write_power(&mut self, offset: u32, value: u32) -> Result<(), Refusal> {
-        self.power.write(offset, value)
-    }
-
-    /// Highest core clock that the voltage scale allows for, Hz.
-    pub fn max_hz(&self) -> u64 {
-        match field(self.power.get(0), 14, 2) {
-            3 => 100_000_000,
-            2 => 84_000_000,
-            _ => 64_000_000,
-        }
     }
 }

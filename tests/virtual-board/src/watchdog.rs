@@ -1,4 +1,5 @@
-//! The independent watchdog, on its own slow oscillator.
+//! The independent watchdog, on its own slow oscillator. A new divider acts on the count at hand, a new reload only on the
+//! next feeding (RM0383, registers IWDG_PR and IWDG_RLR).
 
 use crate::registers::Refusal;
 use crate::time::{NEVER, Ps, SECOND};
@@ -39,6 +40,10 @@ pub struct Watchdog {
     unlocked: bool,
     started: bool,
     bites_at: Ps,
+    /// Time for one count with the divider 1, as at the last feeding.
+    period: Ps,
+    /// A debugger has halted the core, and this with it, since then.
+    frozen_since: Option<Ps>,
 }
 
 impl Watchdog {
@@ -52,23 +57,56 @@ impl Watchdog {
             unlocked: false,
             started: false,
             bites_at: NEVER,
+            period: SECOND / oscillator,
+            frozen_since: None,
         }
     }
 
-    /// When it resets the chip.
+    /// When it resets the chip, or its count goes on at another speed.
     pub fn next_event(&self) -> Ps {
-        self.bites_at
+        let changes = if self.started { self.divider.at } else { NEVER };
+        if self.frozen_since.is_some() { NEVER } else { self.bites_at.min(changes) }
+    }
+
+    /// Lets happen what happens until `now`; whether it resets the chip.
+    pub fn advance(&mut self, now: Ps) -> bool {
+        self.settle(now);
+        self.frozen_since.is_none() && self.bites_at <= now
+    }
+
+    /// Stops it while a debugger halts the core, or lets it go on.
+    pub fn freeze(&mut self, frozen: bool, now: Ps) {
+        self.settle(now);
+        match (frozen, self.frozen_since) {
+            (true, None) => self.frozen_since = Some(now),
+            (false, Some(since)) => {
+                self.frozen_since = None;
+                self.bites_at = self.bites_at.saturating_add(now - since);
+            }
+            _ => {}
+        }
+    }
+
+    /// Time for one count.
+    fn count_time(&self) -> Ps {
+        self.period * (4 << self.divider.value.min(6))
     }
 
     fn settle(&mut self, now: Ps) {
+        let (before, at) = (self.count_time(), self.divider.at);
         self.divider.settle(now);
         self.reload.settle(now);
+        let after = self.count_time();
+        if after != before && self.bites_at != NEVER {
+            let left = self.bites_at.saturating_sub(at).div_ceil(before);
+            self.bites_at = at + left * after;
+        }
     }
 
     fn feed(&mut self, now: Ps) {
         if self.started {
-            let periods = u64::from(self.reload.value + 1) * (4 << self.divider.value.min(6));
-            self.bites_at = now + periods * SECOND / self.oscillator;
+            self.period = SECOND / self.oscillator;
+            self.bites_at = now + Ps::from(self.reload.value + 1) * self.count_time();
         }
     }
 
@@ -136,5 +174,29 @@ mod tests {
         assert_eq!(dog.read(RLR, MS).unwrap(), 799, "the write while busy is lost");
         dog.write(KR, 0xAAAA, MS).unwrap();
         assert_eq!(dog.next_event(), 401 * MS);
+    }
+
+    #[test]
+    fn a_new_divider_acts_on_the_count_at_hand() {
+        let mut dog = Watchdog::new(32_000);
+        dog.write(RLR, 0, 0).unwrap();
+        dog.write(KR, 0xCCCC, 0).unwrap(); // 4096 counts of 125 us
+        assert_eq!(dog.next_event(), 512 * MS);
+        dog.write(KR, 0x5555, 256 * MS).unwrap();
+        dog.write(PR, 6, 256 * MS).unwrap(); // from now on 8 ms a count
+        let taken_over = dog.next_event();
+        assert_eq!(taken_over, 256 * MS + 5 * SECOND / 32_000);
+        assert!(!dog.advance(taken_over));
+        assert_eq!(dog.next_event(), taken_over + 2047 * 8 * MS);
+    }
+
+    #[test]
+    fn frozen_it_waits() {
+        let mut dog = Watchdog::new(32_000);
+        dog.write(KR, 0xCCCC, 0).unwrap();
+        dog.freeze(true, 100 * MS);
+        assert!(!dog.advance(SECOND));
+        dog.freeze(false, 1100 * MS);
+        assert_eq!(dog.next_event(), 1512 * MS);
     }
 }

@@ -35,12 +35,12 @@ impl Chip {
             Block::Adc1 => self.adc.read(offset, now),
             Block::Gpio(port) => self.ports[port].read(offset),
             Block::Clocks => self.clocks.read(offset, now),
-            Block::Power => self.clocks.read_power(offset),
+            Block::Power => self.power.read(offset),
             Block::Flash => self.flash.read(offset),
-            Block::FlashMemory => Ok(self.flash_word(offset)),
+            Block::FlashMemory => Ok(self.flash.word(offset)),
             Block::Watchdog => self.watchdog.read(offset, now),
             Block::Exti => self.exti.read(offset),
-            Block::Syscfg => self.syscfg.read(offset),
+            Block::Syscfg => self.exti.syscfg.read(offset),
             Block::Scs => self.scs.read(offset, now),
             Block::Debug => self.debug.read(offset),
         }
@@ -52,27 +52,20 @@ impl Chip {
         Ok(word >> shift & mask)
     }
 
-    fn flash_word(&self, offset: u32) -> u32 {
-        let at = offset as usize;
-        let bytes = self.flash.content.get(at..at + 4).and_then(|b| b.try_into().ok());
-        u32::from_le_bytes(bytes.unwrap_or_default())
-    }
-
-    /// Writes `size` bytes. The core may have to stand still for it, for the time that is returned.
+    /// Writes `size` bytes. The core may have to stand still for it: [`Chip::stands_until`].
     ///
     /// # Errors
     /// It is not modelled.
-    pub fn write(&mut self, address: u32, size: usize, value: u32, now: Ps) -> Result<Ps, Refusal> {
+    pub fn write(&mut self, address: u32, size: usize, value: u32, now: Ps) -> Result<(), Refusal> {
         let (block, offset) = self.find(address)?;
-        let mut stall = 0;
         if size != 4 {
             self.write_part(block, offset, size, value, now)
         } else {
-            self.write_word(block, offset, value, now, &mut stall)
+            self.write_word(block, offset, value, now)
         }
         .map_err(|why| format!("{block:?}: {why}"))?;
         self.settle(now);
-        Ok(stall)
+        Ok(())
     }
 
     /// The few registers that the program writes a byte or a half of.
@@ -95,14 +88,7 @@ impl Chip {
         }
     }
 
-    fn write_word(
-        &mut self,
-        block: Block,
-        offset: u32,
-        value: u32,
-        now: Ps,
-        stall: &mut Ps,
-    ) -> Result<(), Refusal> {
+    fn write_word(&mut self, block: Block, offset: u32, value: u32, now: Ps) -> Result<(), Refusal> {
         match block {
             Block::Tim1 => self.tim1.write(offset, value, now),
             Block::Tim2 => self.tim2.write(offset, value, now),
@@ -116,30 +102,21 @@ impl Chip {
                 self.clocks_changed(now);
                 self.check_speed()
             }
-            Block::Power => self.clocks.write_power(offset, value),
+            Block::Power => self.power.write(offset, value, now),
             Block::Flash => {
-                let effect = self.flash.write(offset, value)?;
-                self.flash_effect(effect, stall);
+                let effect = self.flash.write(offset, value, now)?;
+                self.power_cut |= effect == Effect::PowerCut;
                 self.check_speed()
             }
             Block::FlashMemory => {
-                let effect = self.flash.program(offset, 4, value)?;
-                self.flash_effect(effect, stall);
+                self.power_cut |= self.flash.program(offset, 4, value, now)? == Effect::PowerCut;
                 Ok(())
             }
             Block::Watchdog => self.watchdog.write(offset, value, now),
             Block::Exti => self.exti.write(offset, value),
-            Block::Syscfg => self.syscfg.write(offset, value),
+            Block::Syscfg => self.exti.syscfg.write(offset, value),
             Block::Scs => self.scs.write(offset, value, now),
             Block::Debug => self.debug.write(offset, value),
-        }
-    }
-
-    fn flash_effect(&mut self, effect: Effect, stall: &mut Ps) {
-        match effect {
-            Effect::None => {}
-            Effect::Stall(time) => *stall = time,
-            Effect::PowerCut => self.power_cut = true,
         }
     }
 
@@ -171,8 +148,21 @@ impl Chip {
         if self.ports[port].mode(pin.into()) != Mode::Analog {
             return Err(format!("channel {channel} is converted, but its pin is not analogue"));
         }
-        let code = self.analog.code(channel, now, self.heater());
+        let code = self.analog.code(channel, now, self.power_at_rig());
         let pclk2 = self.frequencies.map_or(0, |f| f.pclk2);
-        self.adc.convert(channel, code, pclk2, now)
+        let ends_at = self.adc.begin(channel, pclk2, now)?;
+        let at_pin = self.at_pin(f64::from(code), ends_at);
+        self.adc.sample(at_pin, self.wiring.source(at_pin));
+        Ok(())
+    }
+
+    /// What is at the pin at the end of a sample, in codes: ripple and noise are added to what the rig gives.
+    fn at_pin(&mut self, code: f64, now: Ps) -> f64 {
+        let ripple = self.wiring.ripple(self.tim1.phase(now), self.heater());
+        self.noise ^= self.noise << 13;
+        self.noise ^= self.noise >> 7;
+        self.noise ^= self.noise << 17;
+        let noise = 2.0 * (self.noise >> 11) as f64 / (1u64 << 53) as f64 - 1.0;
+        (code + ripple + self.wiring.noise * noise).clamp(0.0, 4095.0)
     }
 }

@@ -78,14 +78,3 @@ pub(super) static DEBUG_TABLE: [Register; 4] = [
     register(0x08, "APB1_FZ", 0, 0x00E0_1C0F),
     register(0x0C, "APB2_FZ", 0, 0x0007_0001),
 ];
-
-pub(super) static EXTI_TABLE: [Register; 6] = [
-    register(0x00, "IMR", 0, 0),
-    register(0x04, "EMR", 0, 0),
-    register(0x08, "RTSR", 0, 0),
-    register(0x0C, "FTSR", 0, 0),
-    register(0x10, "SWIER", 0, 0),
-    register(0x14, "PR", 0, 0),
-];
-
-pub(super) static SYSCFG_TABLE: [Register; 1] = [register(0x20, "CMPCR", 0, 0)];

@@ -3,26 +3,29 @@
 
 mod bus;
 mod map;
+mod pins;
 
 use crate::adc::Adc;
-use crate::chip::map::{DEBUG_TABLE, EXTI_TABLE, SYSCFG_TABLE};
+use crate::chip::map::DEBUG_TABLE;
 use crate::clock::{Cause, Clocks, Frequencies};
+use crate::exti::{self, Exti};
 use crate::flash::Flash;
 use crate::gpio::{Mode, Port};
 use crate::nvic::NMI;
-use crate::registers::{File, Refusal};
+use crate::power::{Event, Power};
+use crate::registers::{File, Refusal, bit};
 use crate::scs::Scs;
 use crate::time::{NEVER, Ps, period};
-use crate::timer::{Lines, Output, Timer};
+use crate::timer::{Lines, Timer};
 use crate::usart::Usart;
 use crate::watchdog::Watchdog;
+use crate::wiring::Wiring;
 
 pub use map::PERIPHERALS;
 
 /// What is wired to the converter's inputs, and to the heater's pin.
 pub trait Analog {
-    /// The code that the converter reads from a channel at a time; `power` is the share of the time that the heater's
-    /// pin is high.
+    /// The code of the voltage at a channel's input at a time; `power` is the share of the time that the heater is on.
     fn code(&mut self, channel: u8, now: Ps, power: f64) -> u16;
 }
 
@@ -34,9 +37,19 @@ const TIM2: u16 = 28;
 const USART2: u16 = 38;
 const TIM5: u16 = 50;
 
-/// Pins of port A.
+/// Pin of port A.
 const BREAK_PIN: usize = 6;
-const HEATER_PIN: usize = 8;
+
+/// Highest clock of the slow bus, Hz.
+const MAX_PCLK1: u64 = 50_000_000;
+
+/// Which bits of DBGMCU's registers at these offsets freeze what while the core is halted.
+const APB1_FZ: u32 = 0x08;
+const APB2_FZ: u32 = 0x0C;
+const TIM2_STOP: u32 = 0;
+const TIM5_STOP: u32 = 3;
+const IWDG_STOP: u32 = 12;
+const TIM1_STOP: u32 = 0;
 
 /// The chip.
 pub struct Chip {
@@ -60,9 +73,17 @@ pub struct Chip {
     pub ports: [Port; 5],
     /// Watchdog.
     pub watchdog: Watchdog,
+    /// Power controller and supply.
+    pub power: Power,
+    /// External interrupts.
+    pub exti: Exti,
     debug: File,
-    exti: File,
-    syscfg: File,
+    /// What is soldered to the pins.
+    pub wiring: Wiring,
+    /// State of the noise at the converter.
+    noise: u64,
+    /// A debugger has halted the core.
+    halted: bool,
     /// What is wired to the converter.
     pub analog: Box<dyn Analog>,
     /// Why the chip must be reset.
@@ -72,6 +93,8 @@ pub struct Chip {
     frequencies: Option<Frequencies>,
     /// Every change of the heater's pin: when, and the share of the time that it is high from then on.
     pub heater_log: Vec<(Ps, f64)>,
+    /// The same of the contactor's pin.
+    pub contactor_log: Vec<(Ps, f64)>,
 }
 
 impl Chip {
@@ -89,13 +112,17 @@ impl Chip {
             ports: ['A', 'B', 'C', 'D', 'E'].map(Port::new),
             watchdog: Watchdog::new(32_000),
             debug: File::new(&DEBUG_TABLE),
-            exti: File::new(&EXTI_TABLE),
-            syscfg: File::new(&SYSCFG_TABLE),
+            power: Power::default(),
+            exti: Exti::default(),
+            wiring: Wiring::default(),
+            noise: 0x2545_F491_4F6C_DD1D,
+            halted: false,
             analog,
             reset: None,
             power_cut: false,
             frequencies: None,
             heater_log: vec![(0, 0.0)],
+            contactor_log: vec![(0, 0.0)],
         };
         chip.clocks.reset(Cause::PowerOn);
         chip.clocks_changed(0);
@@ -114,11 +141,13 @@ impl Chip {
         self.adc = Adc::default();
         self.ports.iter_mut().for_each(Port::reset);
         self.watchdog = Watchdog::new(self.watchdog.oscillator);
+        self.power.reset(cause, self.flash.options.brown_out());
+        self.exti = Exti::default();
         // The debug unit keeps its settings but over a power-up.
         if cause == Cause::PowerOn {
             self.debug.reset();
         }
-        (self.reset, self.power_cut) = (None, false);
+        (self.reset, self.power_cut, self.halted) = (None, false, false);
         self.clocks_changed(now);
         self.settle(now);
     }
@@ -145,17 +174,28 @@ impl Chip {
     /// The core may run as fast as it does.
     fn check_speed(&self) -> Result<(), Refusal> {
         let Some(f) = self.frequencies else { return Ok(()) };
-        let limits = [(self.flash.max_hz(), "flash wait states"), (self.clocks.max_hz(), "voltage scale")];
-        match limits.iter().find(|(limit, _)| f.core > *limit) {
-            Some((limit, what)) => Err(format!("core at {} Hz, its {what} allow for {limit} Hz", f.core)),
+        let limits = [
+            (f.core, self.flash.max_hz(), "core, by its wait states"),
+            (f.core, self.power.max_hz(), "core, by its voltage scale"),
+            (f.pclk1, MAX_PCLK1, "slow bus"),
+        ];
+        match limits.iter().find(|(hz, limit, _)| hz > limit) {
+            Some((hz, limit, what)) => Err(format!("{what}: {hz} Hz, at most {limit} Hz allowed")),
             None => Ok(()),
         }
     }
 
-    /// When something next happens by itself.
-    pub fn next_event(&self) -> Ps {
+    /// When something next happens by itself, after `now`.
+    pub fn next_event(&self, now: Ps) -> Ps {
         let timers = [&self.tim1, &self.tim2, &self.tim5].map(Timer::next_event);
-        let others = [self.usart.next_event(), self.watchdog.next_event(), self.scs.next_event()];
+        let busy = self.flash.busy_until();
+        let others = [
+            self.usart.next_event(),
+            self.watchdog.next_event(),
+            self.scs.next_event(),
+            self.power.supply.next_event(now),
+            if busy > now { busy } else { NEVER },
+        ];
         timers.into_iter().chain(others).min().unwrap_or(NEVER)
     }
 
@@ -166,9 +206,39 @@ impl Chip {
         }
         self.usart.advance(now);
         self.scs.advance(now);
-        if self.watchdog.next_event() <= now {
+        if self.watchdog.advance(now) && !self.power.holds() {
             self.reset = Some(Cause::Watchdog);
         }
+        self.follow_supply(now);
+        self.flash.advance(now);
+        self.settle(now);
+    }
+
+    fn follow_supply(&mut self, now: Ps) {
+        self.flash.volts = self.power.supply.volts(now);
+        match self.power.advance(now, self.flash.options.brown_out()) {
+            // From here on everything is as after a reset, and stays so until the supply is back.
+            Some(Event::Down) => self.restart(Cause::BrownOut, now),
+            Some(Event::Up(cause)) => self.reset = Some(cause),
+            None => {}
+        }
+    }
+
+    /// Until when the core cannot run: it is halted or held in reset, or waits for the flash.
+    pub fn stands_until(&self) -> Ps {
+        if self.halted || self.power.holds() { NEVER } else { self.flash.busy_until() }
+    }
+
+    /// A debugger halts the core, or lets it go on: what it has been told to freeze stops meanwhile.
+    pub fn halt(&mut self, halted: bool, now: Ps) {
+        self.halted = halted;
+        let frozen = |register, place| halted && bit(self.debug.get(register), place);
+        let stops = [(APB2_FZ, TIM1_STOP), (APB1_FZ, TIM2_STOP), (APB1_FZ, TIM5_STOP), (APB1_FZ, IWDG_STOP)];
+        let [tim1, tim2, tim5, watchdog] = stops.map(|(register, place)| frozen(register, place));
+        self.tim1.freeze(tim1, now);
+        self.tim2.freeze(tim2, now);
+        self.tim5.freeze(tim5, now);
+        self.watchdog.freeze(watchdog, now);
         self.settle(now);
     }
 
@@ -192,22 +262,30 @@ impl Chip {
             }
         }
         self.scs.nvic.line(USART2, self.usart.level());
+        self.follow_lines();
         if self.scs.reset_request {
             self.reset = Some(Cause::Software);
         }
-        let power = self.heater();
-        if self.heater_log.last().is_none_or(|(_, before)| *before != power) {
-            self.heater_log.push((now, power));
+        let (heater, contactor) = (self.heater(), self.contactor());
+        for (log, level) in [(&mut self.heater_log, heater), (&mut self.contactor_log, contactor)] {
+            if log.last().is_none_or(|(_, before)| *before != level) {
+                log.push((now, level));
+            }
         }
     }
 
-    /// Share of the time that the heater's pin is high; an open pin is low, for the power stage pulls it down.
-    pub fn heater(&self) -> f64 {
-        let port = &self.ports[0];
-        match (port.mode(HEATER_PIN), self.tim1.output()) {
-            (Mode::Output, _) => f64::from(u8::from(port.driven(HEATER_PIN))),
-            (Mode::Alternate(1), Output::Driven(high)) => high,
-            _ => 0.0,
+    /// Levels of pins and voltage detector, and the interrupts that their edges ask for.
+    fn follow_lines(&mut self) {
+        let used = self.exti.used();
+        if used == 0 {
+            return;
+        }
+        let pins = (0..16).filter(|&line| bit(used, line as u32));
+        let high = pins.filter(|&line| self.ports.get(self.exti.port(line)).is_some_and(|p| p.level(line)));
+        let levels = high.fold(0, |levels, line| levels | 1 << line);
+        self.exti.follow(levels | u32::from(self.power.is_low()) << exti::DETECTOR);
+        for (number, lines) in exti::INTERRUPTS {
+            self.scs.nvic.line(number, self.exti.level(lines));
         }
     }
 

@@ -60,9 +60,8 @@ fn map_peripherals(emulator: &mut Emulator<'static>) -> Result<(), uc_error> {
         let write = move |emulator: &mut Emulator<'_>, offset: u64, size: usize, value: u64| {
             let machine = emulator.get_data_mut();
             let address = base + offset as u32;
-            match machine.chip.write(address, size, value as u32, machine.now) {
-                Ok(stall) => machine.now += stall,
-                Err(why) => machine.refuse(format!("write of {value:#x} to {address:#010x}: {why}")),
+            if let Err(why) = machine.chip.write(address, size, value as u32, machine.now) {
+                machine.refuse(format!("write of {value:#x} to {address:#010x}: {why}"));
             }
             machine.reschedule();
         };
@@ -115,7 +114,7 @@ fn block(emulator: &mut Emulator<'_>, address: u64, size: u32) {
     if machine.now >= machine.deadline {
         machine.chip.advance(machine.now);
         let until = machine.until;
-        machine.deadline = machine.chip.next_event().min(until);
+        machine.deadline = machine.chip.next_event(machine.now).min(until);
         let leave = machine.must_stop() || machine.now >= until;
         if leave || interrupted(emulator) {
             emulator.get_data_mut().stop.get_or_insert(Stop::Before(address));
@@ -126,7 +125,7 @@ fn block(emulator: &mut Emulator<'_>, address: u64, size: u32) {
     let machine = emulator.get_data_mut();
     if size == 2 && machine.last == address {
         // One instruction that jumps to itself: nothing but the chip can change anything.
-        machine.now = machine.chip.next_event().min(machine.until).max(machine.now);
+        machine.now = machine.chip.next_event(machine.now).min(machine.until).max(machine.now);
     }
     machine.last = address;
     let count = machine.count(address, size);

@@ -81,7 +81,7 @@ impl Machine {
     }
 
     pub(super) fn reschedule(&mut self) {
-        self.deadline = self.chip.next_event().min(self.until);
+        self.deadline = self.chip.next_event(self.now).min(self.until);
         self.cycle = self.chip.cycle().unwrap_or(NEVER);
         if self.must_stop() || self.chip.scs.nvic.any() {
             self.deadline = self.now;
@@ -90,7 +90,11 @@ impl Machine {
 
     /// The emulator has to be left for something that is no interrupt.
     pub(super) fn must_stop(&self) -> bool {
-        self.refused.is_some() || self.chip.reset.is_some() || self.chip.power_cut || self.cycle == NEVER
+        self.refused.is_some()
+            || self.chip.reset.is_some()
+            || self.chip.power_cut
+            || self.chip.stands_until() > self.now
+            || self.cycle == NEVER
     }
 
     pub(super) fn refuse(&mut self, why: String) {

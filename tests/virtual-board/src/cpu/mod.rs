@@ -160,9 +160,13 @@ impl Cpu {
     /// # Errors
     /// The emulator refuses.
     pub fn reset(&mut self, cause: Cause) -> anyhow::Result<()> {
+        if std::mem::take(&mut self.machine().chip.power.ram_lost) {
+            self.fill_ram()?;
+        }
         let machine = self.machine();
         machine.chip.restart(cause, machine.now);
         machine.event = false;
+        self.state = State::Running;
         self.start()
     }
 
@@ -206,6 +210,10 @@ impl Cpu {
             if self.now() >= until {
                 return Ok(Outcome::Time);
             }
+            if self.chip().stands_until() > self.now() {
+                self.skip();
+                continue;
+            }
             if self.machine().cycle == NEVER {
                 self.state = State::Dead; // no clock
             }
@@ -224,7 +232,7 @@ impl Cpu {
     /// Time passes until something happens on the chip.
     fn skip(&mut self) {
         let machine = self.machine();
-        machine.now = machine.chip.next_event().min(machine.until).max(machine.now);
+        machine.now = machine.chip.next_event(machine.now).min(machine.until).max(machine.now);
         machine.chip.advance(machine.now);
     }
 

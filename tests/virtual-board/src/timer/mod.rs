@@ -1,5 +1,5 @@
 //! TIM1, TIM2 and TIM5: up-counters with compare channels. The counter is not stepped: it follows from the time at which
-//! it was last set. TIM1 also drives the heater's pin, with a break input that no program can overrule.
+//! it was last set. TIM1 also drives the pins of heater and contactor, with a break input that no program can overrule.
 
 mod output;
 
@@ -27,10 +27,13 @@ const BDTR: u32 = 0x44;
 
 const CEN: u32 = 1;
 const URS: u32 = 1 << 2;
-/// CEN, UDIS, URS and ARPE; one-pulse and down- or centre-counting are not modelled.
-const CR1_BITS: u32 = CEN | 1 << 1 | URS | 1 << 7;
+const ARPE: u32 = 1 << 7;
+/// One-pulse, a disabled update, down- and centre-counting are not modelled.
+const CR1_BITS: u32 = CEN | URS | ARPE;
 const UIF: u32 = 1;
 const BIF: u32 = 1 << 7;
+/// BG of EGR: a break made by the program.
+const BREAK: u32 = 1 << 7;
 
 /// Which interrupt lines a timer raises.
 pub struct Lines {
@@ -58,12 +61,17 @@ pub struct Timer {
     ccmr: [u32; 2],
     ccer: u32,
     psc: u32,
-    psc_active: u32,
     arr: u32,
     ccr: [u32; 4],
-    /// Compare value of channel 1 in force, which the preload follows at the next update.
-    ccr1_active: u32,
+    /// What is in force of the prescaler, the reload and the compare values; a preload follows at the next update.
+    psc_active: u32,
+    arr_active: u32,
+    ccr_active: [u32; 4],
     bdtr: u32,
+    /// The lock is written once, with the first write to its register.
+    bdtr_written: bool,
+    /// A debugger has halted the core, and this timer with it.
+    frozen: bool,
     /// The counter was `base` at `origin`.
     base: u32,
     origin: Ps,
@@ -98,11 +106,14 @@ impl Timer {
             ccmr: [0; 2],
             ccer: 0,
             psc: 0,
-            psc_active: 0,
             arr: width,
             ccr: [0; 4],
-            ccr1_active: 0,
+            psc_active: 0,
+            arr_active: width,
+            ccr_active: [0; 4],
             bdtr: 0,
+            bdtr_written: false,
+            frozen: false,
             base: 0,
             origin: 0,
             seen: 0,
@@ -131,16 +142,23 @@ impl Timer {
         self.kernel_period = kernel_period;
     }
 
+    /// Stops it while a debugger halts the core, or lets it go on.
+    pub fn freeze(&mut self, frozen: bool, now: Ps) {
+        self.advance(now);
+        self.rebase(now, self.count(now));
+        self.frozen = frozen;
+    }
+
     fn tick(&self) -> Ps {
         self.kernel_period * Ps::from(self.psc_active + 1)
     }
 
     fn running(&self) -> bool {
-        self.cr1 & CEN != 0
+        self.cr1 & CEN != 0 && !self.frozen
     }
 
     fn span(&self) -> u64 {
-        u64::from(self.arr) + 1
+        u64::from(self.arr_active) + 1
     }
 
     fn rebase(&mut self, now: Ps, count: u32) {
@@ -167,8 +185,28 @@ impl Timer {
         Some(from + if ahead == 0 { span } else { ahead })
     }
 
+    /// Whether the next update changes how fast or how far the counter runs.
+    fn reload_waits(&self) -> bool {
+        self.psc != self.psc_active || self.arr != self.arr_active
+    }
+
+    /// When the counter next becomes 0.
+    fn next_update(&self) -> Ps {
+        let step = self.steps_to(0, self.steps(self.seen));
+        step.map_or(NEVER, |step| self.origin + step * self.tick())
+    }
+
     /// Sets the flags of all that has happened until `now`.
     pub fn advance(&mut self, now: Ps) {
+        while self.running() && self.reload_waits() && self.next_update() <= now {
+            let at = self.next_update();
+            self.pass(at);
+            self.rebase(at, 0);
+        }
+        self.pass(now);
+    }
+
+    fn pass(&mut self, now: Ps) {
         if now <= self.seen || !self.running() {
             self.seen = self.seen.max(now);
             return;
@@ -188,7 +226,8 @@ impl Timer {
     }
 
     fn update(&mut self) {
-        self.ccr1_active = self.ccr[0];
+        (self.psc_active, self.arr_active, self.ccr_active) = (self.psc, self.arr, self.ccr);
+        self.enable_by_itself();
     }
 
     /// When it next has something to say that nobody asks for: an interrupt, or a new duty at the pin.
@@ -199,7 +238,9 @@ impl Timer {
         let from = self.steps(self.seen);
         let at = |value| self.steps_to(value, from).map_or(NEVER, |step| self.origin + step * self.tick());
         let compares = (0..4).filter(|i| self.dier & !self.sr & 2 << i != 0).map(|i| at(self.ccr[i]));
-        let update = self.dier & !self.sr & UIF != 0 || (self.advanced && self.ccr1_active != self.ccr[0]);
+        let drives =
+            self.advanced && (self.ccr_active != self.ccr || self.reload_waits() || self.may_enable());
+        let update = self.dier & !self.sr & UIF != 0 || drives;
         compares.chain(update.then(|| at(0))).min().unwrap_or(NEVER)
     }
 
@@ -247,16 +288,21 @@ impl Timer {
             CR2 => self.cr2 = self.locked(1, 0x7F00, self.cr2, value),
             SMCR | RCR if value == 0 => {}
             DIER => self.write_dier(value)?,
-            SR => self.sr &= value,
+            SR => {
+                self.sr &= value;
+                self.apply_break(); // its flag stays while the input is active
+            }
             EGR => self.generate(value, now)?,
-            CCMR1 => self.ccmr[0] = self.locked(3, 0x7878, self.ccmr[0], value),
-            CCMR2 => self.ccmr[1] = self.locked(3, 0x7878, self.ccmr[1], value),
+            CCMR1 | CCMR2 => self.write_ccmr((offset - CCMR1) as usize / 4, value)?,
             CCER => self.ccer = self.locked(2, 0xAAAA, self.ccer, value),
             CNT => self.rebase(now, value & self.width),
             PSC => self.psc = value & 0xFFFF,
             ARR => {
-                self.rebase(now, self.count(now));
                 self.arr = value & self.width;
+                if self.cr1 & ARPE == 0 {
+                    self.rebase(now, self.count(now));
+                    self.arr_active = self.arr;
+                }
             }
             CCR1..=CCR4 => self.write_ccr((offset - CCR1) as usize / 4, value & self.width),
             BDTR if self.advanced => self.write_bdtr(value),
@@ -283,14 +329,17 @@ impl Timer {
     }
 
     fn generate(&mut self, value: u32, now: Ps) -> Result<(), Refusal> {
-        if value & !0x1F != 0 {
+        let known = if self.advanced { 0x1F | BREAK } else { 0x1F };
+        if value & !known != 0 {
             return Err(format!("EGR: bits {value:#x} are not modelled"));
+        }
+        if value & BREAK != 0 {
+            self.break_now();
         }
         self.sr |= value & 0x1E;
         if value & 1 != 0 {
-            self.psc_active = self.psc;
-            self.rebase(now, self.begins_at);
             self.update();
+            self.rebase(now, self.begins_at);
             if self.cr1 & URS == 0 {
                 self.sr |= UIF;
             }
@@ -300,9 +349,8 @@ impl Timer {
 
     fn write_ccr(&mut self, channel: usize, value: u32) {
         self.ccr[channel] = value;
-        let preloaded = bit(self.ccmr[0], 3);
-        if channel == 0 && !(preloaded && self.running()) {
-            self.ccr1_active = value;
+        if !bit(self.ccmr[channel / 2], 3 + 8 * (channel as u32 % 2)) {
+            self.ccr_active[channel] = value;
         }
     }
 }

@@ -1,10 +1,12 @@
 //! From power-up to the first ticks, on boards as they are sold and on boards that lack something.
 
 use virtual_board::board::load;
+use virtual_board::clock::Cause;
 use virtual_board::gpio::Mode;
+use virtual_board::inject;
 use virtual_board::scene::Scene;
 use virtual_board::scs::CPACR;
-use virtual_board::time::SECOND;
+use virtual_board::time::{MS, SECOND};
 
 fn powered_up() -> Scene {
     Scene::powered_up(load(None).expect("an image")).expect("powers up")
@@ -22,7 +24,9 @@ fn boots_to_off_and_nothing_heats_before_it_is_armed() {
     assert_eq!(board.chip().ports[0].mode(8), Mode::Alternate(1), "and its timer holds it low");
     assert_eq!(board.chip().scs.get(CPACR), 0xF0_0000, "FPU on");
     assert_eq!(board.resets, []);
-    assert!(!board.log.iter().any(|line| line.level == "warn" || line.level == "error"));
+    let complaints: Vec<_> =
+        board.log.iter().filter(|line| line.level == "warn" || line.level == "error").collect();
+    assert!(matches!(complaints[..], [only] if only.text.contains("brown-out level off")), "{complaints:?}");
 }
 
 #[test]
@@ -66,5 +70,19 @@ fn any_watchdog_oscillator_of_the_data_sheet_will_do() {
         scene.board.cpu.touch(|chip, _| chip.watchdog.oscillator = hz);
         scene.board.run_for(30 * SECOND).expect("boots");
         assert_eq!(scene.board.resets, [], "{hz} Hz");
+    }
+}
+
+#[test]
+fn a_start_that_hangs_is_restarted_by_the_watchdog() {
+    // While clocks start, or before the first task runs; 8 s nominal.
+    for at in [5 * MS, 20 * MS] {
+        let mut scene = powered_up();
+        scene.board.run_for(at).expect("boots");
+        inject::spin(&mut scene.board).expect("hangs");
+        scene.board.run_for(8100 * MS).expect("waits");
+        let cause = scene.board.resets.first().map(|r| r.1);
+        assert_eq!(cause, Some(Cause::Watchdog), "hung {} ms after power-up", at / MS);
+        assert!(scene.board.logged("reset cause: watchdog"));
     }
 }

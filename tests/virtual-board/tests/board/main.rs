@@ -1,12 +1,23 @@
 //! What must hold on the virtual board. One program, so that it is linked once and all tests share both cores.
 
 mod boot;
+mod brown_out;
+mod check;
 mod console;
+mod contactor;
+mod debug_halt;
 mod endurance;
+mod erase;
+mod flash;
+mod halt;
 mod heater_off;
+mod last_gasp;
 mod log;
 mod paper;
+mod pins;
+mod sampling;
 mod settings;
+mod supply;
 mod wraps;
 
 /// Whether the board says that no tick was missed, and none more than a few microseconds late: what else runs at the same

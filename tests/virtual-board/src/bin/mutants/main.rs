@@ -1,0 +1,127 @@
+//! `mutants`: takes the firmware's safety mechanisms out one at a time, and says which test of the virtual board fails.
+//!
+//! A test that passes with and without a mechanism says nothing about it. Each mutant is one change of the sources in a
+//! copy of the tree; its image is built there and runs under the tests of this tree that should notice.
+
+mod bench;
+mod table;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use anyhow::{Context, bail, ensure};
+use clap::Parser;
+
+use bench::{Bench, Verdict};
+use table::{Mutant, TABLE};
+
+/// Changes one thing in the firmware, builds it, says which test of the virtual board fails: for each mutant of the
+/// table. Exits with 1 if one survives that should not.
+#[derive(Debug, Parser)]
+#[command(name = "mutants-board", version)]
+struct Cli {
+    /// Only the mutants whose name contains this; may be repeated.
+    #[arg(long, value_name = "NAME")]
+    only: Vec<String>,
+    /// Names the mutants and what each breaks, and does nothing else.
+    #[arg(long)]
+    list: bool,
+    /// Ends with the table as Markdown.
+    #[arg(long)]
+    markdown: bool,
+}
+
+fn main() -> ExitCode {
+    match carry_out(&Cli::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Whether every mutant that should be seen was.
+fn carry_out(cli: &Cli) -> anyhow::Result<bool> {
+    let wanted =
+        |m: &&Mutant| cli.only.is_empty() || cli.only.iter().any(|name| m.name.contains(name.as_str()));
+    let mutants: Vec<&Mutant> = TABLE.iter().copied().flatten().filter(wanted).collect();
+    ensure!(!mutants.is_empty(), "no mutant is called {}; see --list", cli.only.join(" or "));
+    let mut out = std::io::stdout().lock();
+    if cli.list {
+        for m in mutants {
+            writeln!(out, "{:<28} {}", m.name, m.breaks)?;
+        }
+        return Ok(true);
+    }
+    let bench = Bench::set_up()?;
+    whole_image_passes(&bench, &mutants)?;
+    let mut results = Vec::new();
+    for (i, m) in mutants.iter().enumerate() {
+        let verdict =
+            bench.judge(m).unwrap_or_else(|error| Verdict { killed_by: Vec::new(), error: Some(error) });
+        writeln!(out, "{:>3}/{} {:<28} {}", i + 1, mutants.len(), m.name, told(m, &verdict))?;
+        out.flush()?;
+        results.push((*m, verdict));
+    }
+    if cli.markdown {
+        writeln!(out, "\n{}", markdown(&results))?;
+    }
+    let survivors: Vec<&str> = results.iter().filter(|(m, v)| survives(m, v)).map(|(m, _)| m.name).collect();
+    writeln!(
+        out,
+        "{} mutants, {} survived unexpectedly or were not judged: {}",
+        results.len(),
+        survivors.len(),
+        survivors.join(" ")
+    )?;
+    Ok(survivors.is_empty())
+}
+
+/// Whether no test has seen a mutant that one should.
+fn survives(m: &Mutant, verdict: &Verdict) -> bool {
+    verdict.error.is_some() || verdict.killed_by.is_empty() && m.unseen.is_none()
+}
+
+/// A test that fails on the whole image would seem to kill every mutant.
+fn whole_image_passes(bench: &Bench, mutants: &[&Mutant]) -> anyhow::Result<()> {
+    let mut tests: Vec<&str> = mutants.iter().flat_map(|m| m.seen_by).copied().collect();
+    tests.sort_unstable();
+    tests.dedup();
+    let verdict = bench.run(&tests).context("the image without any mutant")?;
+    if !verdict.killed_by.is_empty() {
+        bail!("without any mutant these tests fail: {}", verdict.killed_by.join(", "));
+    }
+    Ok(())
+}
+
+fn told(m: &Mutant, verdict: &Verdict) -> String {
+    if let Some(error) = &verdict.error {
+        return format!("NOT JUDGED: {error:#}");
+    }
+    match (verdict.killed_by.as_slice(), m.unseen) {
+        ([], Some(why)) => format!("survives, as expected: {why}"),
+        ([], None) => "SURVIVED".into(),
+        (killers, _) => format!("killed by {}", killers.join(", ")),
+    }
+}
+
+/// The table as docs/safety.md has it: at most two tests a mutant.
+fn markdown(results: &[(&Mutant, Verdict)]) -> String {
+    let mut text = String::from("| taken out or changed | so that | seen by |\n|---|---|---|\n");
+    for (m, verdict) in results {
+        let killers = &verdict.killed_by;
+        let seen = match (killers.len(), m.unseen) {
+            (0, Some(why)) => format!("not seen: {why}"),
+            (0, None) => "**survives**".into(),
+            (n, _) => {
+                let first: Vec<String> = killers.iter().take(2).map(|test| format!("`{test}`")).collect();
+                let more = if n > 2 { format!(" and {} more", n - 2) } else { String::new() };
+                first.join(", ") + &more
+            }
+        };
+        text += &format!("| {} | {} | {seen} |\n", m.name.replace('-', " "), m.breaks);
+    }
+    text
+}

@@ -1,0 +1,231 @@
+//! Who watches the program: dead man's handle, watchdog, priorities, clocks, debugger.
+
+use super::{Mutant, mutant};
+
+const TICK: &str = "firmware/src/hardware/tick_timer.rs";
+const WATCHDOG: &str = "firmware/src/hardware/watchdog.rs";
+const ROLL: &str = "firmware/src/tasks/watchdog.rs";
+const PRIORITIES: &str = "firmware/src/hardware/mod.rs";
+const HALT: &str = "firmware/src/hardware/halt.rs";
+const CLOCK: &str = "firmware/src/hardware/clock.rs";
+const START: &str = "firmware/src/start.rs";
+
+const HANGS: &[&str] = &["heater_off::control_task_hangs", "heater_off::control_interrupt_disabled"];
+const MASKED: &[&str] = &["heater_off::all_interrupts_masked"];
+
+pub(super) const MUTANTS: &[Mutant] = &[
+    mutant(
+        "dead-man-interrupt-off",
+        "a control task that hangs heats on",
+        TICK,
+        ["        w.set_ccie(DEAD_MAN, true);\n", ""],
+        HANGS,
+    ),
+    mutant(
+        "dead-man-never-armed",
+        "the same",
+        TICK,
+        ["    TIM5.ccr(DEAD_MAN).write_value(at);\n", "    let _ = at;\n"],
+        HANGS,
+    ),
+    mutant(
+        "dead-man-late",
+        "the same, for 880 ms",
+        "firmware/src/tasks/control.rs",
+        ["const DEAD_MAN_US: u32 = 4 * PERIOD_US;", "const DEAD_MAN_US: u32 = 8 * PERIOD_US;"],
+        HANGS,
+    ),
+    mutant(
+        "dead-man-below-control",
+        "a control task that hangs keeps its guard from running",
+        PRIORITIES,
+        ["interrupt::TIM5.set_priority(Priority::P0)", "interrupt::TIM5.set_priority(Priority::P4)"],
+        HANGS,
+    ),
+    mutant("all-priorities-alike", "the same", START, ["    hardware::set_priorities();\n", ""], HANGS),
+    mutant(
+        "detector-below-control",
+        "a control task that hangs keeps the voltage detector from cutting",
+        PRIORITIES,
+        ["interrupt::PVD.set_priority(Priority::P0)", "interrupt::PVD.set_priority(Priority::P4)"],
+        &["brown_out::a_falling_supply_cuts_though"],
+    ),
+    mutant(
+        "tick-interrupt-off",
+        "the control task is never woken",
+        TICK,
+        ["        w.set_ccie(WAKE, true);\n", ""],
+        &["boot::arms"],
+    ),
+    mutant(
+        "tick-1-percent-slow",
+        "all time constants are wrong by 1 %",
+        TICK,
+        ["(per_microsecond - 1) as u16", "per_microsecond as u16"],
+        &["last_gasp::the_tick_is"],
+    ),
+    mutant(
+        "tick-flags-not-cleared",
+        "one interrupt for ever",
+        TICK,
+        ["    TIM5.sr().write_value(SrGp16(!status.0));", "    // "],
+        &["boot::arms"],
+    ),
+    mutant(
+        "watchdog-not-started",
+        "a core that hangs heats on",
+        START,
+        ["    watchdog::start();\n", ""],
+        &["heater_off::all_interrupts_masked", "heater_off::clocks_of_the_tasks_stop"],
+    ),
+    mutant(
+        "watchdog-slow",
+        "a core that hangs heats on for four times as long",
+        WATCHDOG,
+        [
+            "const RUNNING: (Pr, u16) = (Pr::DIVIDE_BY16, 800 - 1);",
+            "const RUNNING: (Pr, u16) = (Pr::DIVIDE_BY64, 800 - 1);",
+        ],
+        MASKED,
+    ),
+    mutant(
+        "watchdog-fast",
+        "it bites a program that is well",
+        WATCHDOG,
+        [
+            "const RUNNING: (Pr, u16) = (Pr::DIVIDE_BY16, 800 - 1);",
+            "const RUNNING: (Pr, u16) = (Pr::DIVIDE_BY4, 300 - 1);",
+        ],
+        &["boot::any_watchdog"],
+    ),
+    mutant(
+        "watchdog-patient-for-ever",
+        "a core that hangs heats on for 8 s",
+        ROLL,
+        ["    watchdog::set(Patience::Running);\n", "    watchdog::set(Patience::Stalled);\n"],
+        MASKED,
+    ),
+    mutant(
+        "watchdog-patient-after-an-erasure",
+        "the same, once settings have been saved",
+        WATCHDOG,
+        ["    if divider_before == RUNNING.0 {", "    if divider_before == RUNNING.0 && false {"],
+        &["erase::after_an_erasure"],
+    ),
+    mutant(
+        "watchdog-impatient-while-erasing",
+        "saving resets the board",
+        WATCHDOG,
+        ["    set(Patience::Stalled);\n    let result = stall();", "    let result = stall();"],
+        &["erase::a_sector"],
+    ),
+    mutant(
+        "watchdog-does-not-wait",
+        "a new patience is fed before it is in force",
+        WATCHDOG,
+        ["fn wait_until_taken() {\n", "fn wait_until_taken() {\n    if true {\n        return;\n    }\n"],
+        &["heater_off::all_interrupts_masked", "boot::any_watchdog", "boot::a_start", "erase::after"],
+    ),
+    mutant(
+        "watchdog-fed-by-nobody",
+        "it bites a program that is well",
+        ROLL,
+        ["None => watchdog::feed(),", "None => {}"],
+        &["boot::arms"],
+    ),
+    mutant(
+        "watchdog-fed-without-roll-call",
+        "a task that is silent is not missed",
+        ROLL,
+        ["ROLL.overdue(now_ms());", "ROLL.overdue(now_ms()).filter(|_| false);"],
+        &["heater_off::other_tasks_fall_silent"],
+    ),
+    mutant(
+        "clock-guard-off",
+        "without its clock the chip stands still with the heater on",
+        CLOCK,
+        ["        RCC.cr().modify(|w| w.set_csson(true));\n", ""],
+        &["heater_off::external_clock_stops"],
+    ),
+    mutant(
+        "clock-tried-for-ever",
+        "without an external clock it never starts",
+        CLOCK,
+        ["const START_POLLS: u32 = 40_000;", "const START_POLLS: u32 = u32::MAX;"],
+        &["boot::without_the_external_clock"],
+    ),
+    mutant(
+        "timer-not-frozen",
+        "a core that a debugger halts heats on",
+        HALT,
+        ["    DBGMCU.apb2fzr().modify(|w| w.0 |= TIM1);\n", "    let _ = TIM1;\n"],
+        &["halt::a_halted"],
+    ),
+    mutant(
+        "guard-frozen",
+        "after a long halt the heater goes on",
+        HALT,
+        ["w.0 & !TIM5 | TIM2_IWDG", "w.0 | TIM5 | TIM2_IWDG"],
+        &["halt::a_resumed"],
+    ),
+    mutant(
+        "guard-left-frozen",
+        "the same, where another program has frozen it",
+        HALT,
+        ["w.0 & !TIM5 | TIM2_IWDG", "w.0 | TIM2_IWDG"],
+        &["halt::"],
+    ),
+    mutant(
+        "other-clock-not-frozen",
+        "a short halt is not seen",
+        HALT,
+        ["1 << 0 | 1 << 12;", "1 << 12;"],
+        &["halt::a_resumed"],
+    ),
+    mutant(
+        "halt-not-looked-for",
+        "the same",
+        TICK,
+        ["    if halt::was_halted() {", "    if halt::was_halted() && false {"],
+        &["halt::a_resumed"],
+    ),
+    mutant(
+        "watchdog-not-frozen",
+        "a debugger that halts resets the board",
+        HALT,
+        ["1 << 0 | 1 << 12;", "1 << 0;"],
+        &["halt::a_resumed"],
+    ),
+    mutant(
+        "control-late-in-the-roll",
+        "a control task that is silent is not missed",
+        "firmware-logic/src/checkin.rs",
+        ["(Task::Control, 250)", "(Task::Control, 25_000)"],
+        &["heater_off::clocks_of_the_tasks_stop", "heater_off::tick_interrupt_disabled"],
+    )
+    .unseen("the diagnosis waits for the ticks of the control task, and is missed with it"),
+    mutant(
+        "order-waits-for-ever",
+        "a console that waits for an answer starves the watchdog",
+        "firmware/src/instrument.rs",
+        [
+            "const PATIENCE: Duration = Duration::from_millis(400);",
+            "const PATIENCE: Duration = Duration::from_secs(400);",
+        ],
+        &["console::an_order"],
+    ),
+    mutant(
+        "slow-bus-too-fast",
+        "100 MHz, 50 are allowed",
+        "firmware/src/hardware/nucleo_f411re.rs",
+        ["APBPrescaler = APBPrescaler::DIV2;", "APBPrescaler = APBPrescaler::DIV1;"],
+        &["boot::boots_to_off"],
+    ),
+    mutant(
+        "log-by-the-frozen-clock",
+        "the log loses the time of an erasure",
+        "firmware/src/hardware/rtt.rs",
+        ["super::tick_timer::uptime_us()", "embassy_time::Instant::now().as_micros()"],
+        &["flash::the_log"],
+    ),
+];

@@ -1,0 +1,72 @@
+//! The converter and the placing of its samples.
+
+use super::{Mutant, mutant};
+
+const FILE: &str = "firmware/src/hardware/thermistors.rs";
+const BOARD: &str = "firmware/src/hardware/nucleo_f411re.rs";
+
+pub(super) const MUTANTS: &[Mutant] = &[
+    mutant(
+        "sampling-3-cycles",
+        "each thermistor shows in the next",
+        FILE,
+        ["SampleTime::CYCLES84", "SampleTime::CYCLES3"],
+        &["sampling::"],
+    ),
+    mutant(
+        "converter-too-fast",
+        "50 MHz, 36 are allowed",
+        FILE,
+        ["Adcpre::DIV4", "Adcpre::DIV2"],
+        &["boot::boots_to_off"],
+    ),
+    mutant(
+        "t1-and-t2-swapped",
+        "control by T2",
+        BOARD,
+        ["[u8; 3] = [4, 0, 1]", "[u8; 3] = [4, 1, 0]"],
+        &["sampling::each"],
+    ),
+    mutant(
+        "t0-and-t1-swapped",
+        "control by the room",
+        BOARD,
+        ["[u8; 3] = [4, 0, 1]", "[u8; 3] = [0, 4, 1]"],
+        &["sampling::each"],
+    ),
+    mutant(
+        "sampling-in-step-with-the-pwm",
+        "the ripple is taken for temperature",
+        FILE,
+        ["round * SPACING_US", "round * (SPACING_US - 2)"],
+        &["sampling::the_ripple"],
+    ),
+    mutant(
+        "one-conversion-a-tick",
+        "no mean",
+        FILE,
+        ["for round in 0..ROUNDS {", "for round in 0..ROUNDS / 25 {"],
+        &["sampling::"],
+    ),
+    mutant(
+        "pins-not-analogue",
+        "the converter reads what a digital input lets through",
+        FILE,
+        ["            pin.set_as_analog();\n", "            let _ = &mut pin;\n"],
+        &["boot::boots_to_off"],
+    ),
+    mutant(
+        "converter-not-on",
+        "no samples",
+        FILE,
+        ["        ADC1.cr2().modify(|w| w.set_adon(true));\n", ""],
+        &["boot::boots_to_off"],
+    ),
+    mutant(
+        "converter-waited-for-for-ever",
+        "a converter that hangs takes the control task along",
+        FILE,
+        ["const MAX_POLLS: u32 = 1000;", "const MAX_POLLS: u32 = u32::MAX;"],
+        &["sampling::a_converter"],
+    ),
+];

@@ -58,6 +58,11 @@ pub enum Asked {
 }
 
 impl Order {
+    /// Whether it switches the heater on.
+    pub fn heats(&self) -> bool {
+        matches!(self, Self::Check | Self::Command(Command::Arm))
+    }
+
     /// What is asked for.
     pub fn asked(&self) -> Asked {
         match self {

@@ -2,12 +2,13 @@
 //! armed before one has passed.
 
 use fdi_core::control::Controller;
+use fdi_core::parity::Channel;
 use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
 use fdi_core::{AdcCode, Celsius, Command, Config, Feedback, Mode, Percent, RawSample, Refusal};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::control_loop::{Beat, ControlLoop, Denial, Heater, Order};
 use firmware_logic::interlock::{Hold, Interlock};
-use firmware_logic::self_test::{Ending, Finding, LEVELS, LONGEST, News, Progress};
+use firmware_logic::self_test::{Ending, Finding, LEVELS, LONGEST, MAX_RISE, News, Progress};
 use proptest::prelude::*;
 
 /// The output stage, with a break input that acts on the enable.
@@ -64,6 +65,8 @@ struct Bench {
     output: Output,
     progress: Progress,
     thermistor: Thermistor,
+    /// degC per %.
+    gain: f32,
     /// Rises of the air, T1 and T2, degC; ticks so far.
     rises: [f32; 3],
     ticks: u32,
@@ -77,6 +80,7 @@ impl Bench {
             output: Output::default(),
             progress: Progress::default(),
             thermistor: Thermistor::new(&ThermistorConfig::default(), 0).expect("valid"),
+            gain: 0.3,
             rises: [0.0; 3],
             ticks: 0,
         }
@@ -87,7 +91,7 @@ impl Bench {
         self.ticks += 1;
         let power = self.output.given();
         let [air, t1, t2] = &mut self.rises;
-        *air += (0.3 * power - *air) / 4.0;
+        *air += (self.gain * power - *air) / 4.0;
         *t1 += (*air - *t1) / 2.0;
         *t2 += (0.9 * *t1 - *t2) / 4.0;
         let noise = [0.01, -0.02, 0.03, 0.0, -0.03, 0.02, -0.01][self.ticks as usize % 7];
@@ -110,6 +114,12 @@ impl Bench {
     fn tick(&mut self) -> Beat {
         let raw = self.codes();
         self.step(raw, None)
+    }
+
+    fn pass(&mut self, ticks: u32) {
+        for _ in 0..ticks {
+            self.tick();
+        }
     }
 
     fn order(&mut self, order: Order) -> Result<(), Denial> {
@@ -143,11 +153,11 @@ fn arms_only_after_a_check_has_passed_and_not_after_one_that_has_not() {
     assert_eq!(bench.arm(), Ok(()));
     assert!(bench.tick().checked);
     assert_eq!(bench.order(Order::Command(Command::Stop)), Ok(()));
-    (0..200).for_each(|_| drop(bench.tick())); // cools
+    bench.pass(200); // cools
     assert_eq!(bench.order(Order::Check), Ok(()));
     assert_eq!(bench.arm(), Err(Denial::Checking));
     assert_eq!(bench.order(Order::Command(Command::Stop)), Ok(()));
-    (0..10).for_each(|_| drop(bench.tick()));
+    bench.pass(10);
     assert_eq!(bench.arm(), Err(Denial::Unchecked), "a check that was stopped has not passed");
 }
 
@@ -183,6 +193,14 @@ fn the_contact_of_the_interlock_is_proved_when_it_is_seen_open() {
     assert_eq!(bench.progress.findings, []);
 }
 
+#[test]
+fn a_rig_that_is_too_strong_is_left_alone_before_it_is_hot() {
+    let mut bench = Bench { gain: 4.0, ..Bench::new(&Config::default()) };
+    assert_eq!(bench.check(), Ending::Failed(1));
+    let found = bench.progress.findings.last();
+    assert!(matches!(found, Some(Finding::TooHot(Channel::T1, by)) if *by < MAX_RISE + 2.0), "{found:?}");
+}
+
 /// What can end a check early, and what it is then said to be.
 type WayOut = (&'static str, fn(&mut Bench), Option<Ending>);
 
@@ -216,7 +234,9 @@ const WAYS_OUT: [WayOut; 6] = [
         "T1 broken",
         |bench| {
             let raw = RawSample { t1: AdcCode(4090.0), ..bench.codes() };
-            (0..60).for_each(|_| drop(bench.step(raw, None)));
+            for _ in 0..60 {
+                bench.step(raw, None);
+            }
         },
         Some(Ending::Failed(1)),
     ),
@@ -224,7 +244,9 @@ const WAYS_OUT: [WayOut; 6] = [
         "T2 hot",
         |bench| {
             let raw = RawSample { t2: bench.thermistor.code(Celsius(95.0)), ..bench.codes() };
-            (0..300).for_each(|_| drop(bench.step(raw, None)));
+            for _ in 0..300 {
+                bench.step(raw, None);
+            }
         },
         None, // before it heats a jump and a thermistor that is far off, then a rise
     ),
@@ -236,7 +258,7 @@ fn every_way_out_leaves_output_and_contactor_off_whenever_it_is_taken() {
         for after in (0..700).step_by(13) {
             let mut bench = Bench::new(&Config::default());
             assert_eq!(bench.order(Order::Check), Ok(()));
-            (0..after).for_each(|_| drop(bench.tick()));
+            bench.pass(after);
             if bench.progress.stage.is_none() {
                 continue;
             }
@@ -246,7 +268,7 @@ fn every_way_out_leaves_output_and_contactor_off_whenever_it_is_taken() {
                 continue;
             }
             assert!(bench.output.is_off(), "{name} after {after} ticks: {:?}", bench.output);
-            (0..10).for_each(|_| drop(bench.tick()));
+            bench.pass(10);
             assert!(bench.output.is_off(), "{name} after {after} ticks, later");
             let ending = bench.progress.ending;
             assert!(

@@ -81,7 +81,7 @@ fn on_all_rigs(wrong: &[&str], expected: &str) -> f64 {
 #[test]
 fn a_right_wiring_passes_everywhere_and_is_warmed_by_a_few_degrees() {
     let rise = on_all_rigs(&[], "check passed");
-    assert!(rise < 3.0 && rise < f64::from(MAX_RISE), "{rise} degC");
+    assert!(rise < 3.1 && rise < f64::from(MAX_RISE), "{rise} degC");
 }
 
 #[test]

@@ -8,29 +8,38 @@
 //! | answers | silent | | T0 and T1 are swapped |
 //! | answers | answers | silent | T0 and T2 are swapped |
 //! | | after T2 | before T1 | T1 and T2 are swapped |
-//! | | less than T2 | much warmer than T1 | T1 is half out of the tube |
+//! | | | stays much warmer than T1 | T1 is half out of the tube |
 //! | silent, warmest | | | T0 reads wrong |
 
+use super::model::{larger, smaller};
 use super::response::{Answer, Response, ResponseState};
 use super::verdict::{Channel, FaultClass, Finding, Pair};
 
 /// A response that is so many standard deviations large is one.
-const ANSWERS: f32 = 8.0;
+const ANSWERS: f32 = 6.0;
 /// One that is surely, by so many standard deviations, below this share of another's is none.
 const SILENT: f32 = 0.2;
 const SURELY: f32 = 4.0;
 /// T0 answers where it does so by more than this share of T1's or T2's response: a tube that warms the room is none.
 const ROOM_SHARE: f32 = 0.3;
-/// T1 comes after T2 by so many bands, and so many standard deviations. Rightly wired it comes 0.8 bands before.
-const AFTER: f32 = 0.3;
+/// One comes after the other by so many ticks, and so many standard deviations.
+const AFTER: f32 = 1.0;
 const AFTER_SURELY: f32 = 6.0;
 /// What differs by more contradicts itself, degC.
 const APART: f32 = 4.0;
+/// The same for T2 above T1 as a share of T2's rise, while T2 does not fall: it lags behind T1. So many ticks of it tell,
+/// the fewer the farther apart, but not fewer than a part of them; so many without it are an end of it.
+const APART_SHARE: f32 = 0.25;
+const APART_TICKS: f32 = 20.0;
+const APART_FASTEST: f32 = 4.0;
+const APART_END: u32 = 100;
+const FALLING: f32 = 0.5;
+const FALLING_SHARE: f32 = 0.05;
 /// A thermistor reads as the room does within this share of the other's rise, and so many degC.
-const COLD_SHARE: f32 = 0.25;
-const COLD: f32 = 1.0;
+const COLD_SHARE: f32 = 0.1;
+const COLD: f32 = 1.5;
 /// The judgement is made anew every so many ticks, and holds when it is the same twice.
-const EVERY: u32 = 8;
+const EVERY: u32 = 4;
 
 /// So long after heating has ended its echo is still judged, ticks.
 const ECHO: u32 = 32;
@@ -56,10 +65,14 @@ pub(super) struct Contradiction {
     cold: u32,
     judgement: Judgement,
     found: Option<Finding>,
+    /// For how many ticks T2 has been much warmer than T1, how many ago it was, and T2's running mean, degC.
+    warmer: f32,
+    since_warmer: u32,
+    t2_mean: Option<f32>,
 }
 
 impl Contradiction {
-    /// Takes in the readings of T0, T1, T2 where good, and the power applied from now on, %.
+    /// Takes in the readings of T0, T1, T2 where there are any, and the power applied from now on, %.
     pub(super) fn step(
         &mut self,
         response: &Response,
@@ -74,14 +87,30 @@ impl Contradiction {
         self.was_heating = heating;
         self.cold = if heating { 0 } else { self.cold.saturating_add(1) };
         response.step(&mut self.response, readings, power);
+        self.compare(readings);
         if tick % EVERY == 0 && self.cold < ECHO {
-            let judgement = judge(&self.response.answers(), readings);
+            let judgement = judge(&self.response.answers(), readings, self.warmer >= APART_TICKS);
             let before = core::mem::replace(&mut self.judgement, judgement);
             if judgement == before {
                 self.conclude(tick, heating);
             }
         }
         self.found
+    }
+
+    /// Is T2 warmer than T1, and not only because it cools later?
+    fn compare(&mut self, [t0, t1, t2]: [Option<f32>; 3]) {
+        let (Some(t0), Some(t1), Some(t2)) = (t0, t1, t2) else { return };
+        let mean = self.t2_mean.get_or_insert(t2);
+        *mean += FALLING_SHARE * (t2 - *mean);
+        let much = larger(APART, APART_SHARE * (t2 - t0));
+        self.since_warmer = self.since_warmer.saturating_add(1);
+        if t2 - t1 > much && t2 > *mean - FALLING {
+            self.warmer = smaller(APART_TICKS, self.warmer + smaller(APART_FASTEST, (t2 - t1) / much));
+            self.since_warmer = 0;
+        } else {
+            self.warmer = 0.0;
+        }
     }
 
     /// Once found it stands until thermistors that are heated are seen to agree.
@@ -91,22 +120,22 @@ impl Contradiction {
                 let onset = tick.saturating_sub(EVERY);
                 self.found = Some(Finding { class, confidence: 1.0, magnitude: None, onset });
             }
-            Judgement::Agree if heating => self.found = None,
+            Judgement::Agree if heating && self.since_warmer > APART_END => self.found = None,
             _ => {}
         }
     }
 }
 
-fn judge(answers: &[Answer; 3], readings: [Option<f32>; 3]) -> Judgement {
+fn judge(answers: &[Answer; 3], readings: [Option<f32>; 3], t2_warmer: bool) -> Judgement {
     let [_, a1, a2] = answers;
-    match contradiction(answers, readings) {
+    match contradiction(answers, readings, t2_warmer) {
         Some(class) => Judgement::Contradict(class),
         None if a1.answers() && a2.answers() && a2.comes_after(a1) => Judgement::Agree,
         None => Judgement::Open,
     }
 }
 
-fn contradiction(answers: &[Answer; 3], readings: [Option<f32>; 3]) -> Option<FaultClass> {
+fn contradiction(answers: &[Answer; 3], readings: [Option<f32>; 3], t2_warmer: bool) -> Option<FaultClass> {
     let [a0, a1, a2] = answers;
     let strongest = if a2.area > a1.area { a2 } else { a1 };
     let [t0, t1, t2] = readings;
@@ -117,9 +146,12 @@ fn contradiction(answers: &[Answer; 3], readings: [Option<f32>; 3]) -> Option<Fa
     if a0.answers() && a0.area > ROOM_SHARE * strongest.area {
         return match (a1.is_silent_beside(a0), a2.is_silent_beside(a0)) {
             (true, _) => Some(FaultClass::Swapped(Pair::T0T1)),
-            (false, true) if a1.answers() => Some(FaultClass::Swapped(Pair::T0T2)),
+            (false, true) => Some(FaultClass::Swapped(Pair::T0T2)),
             _ => None,
         };
+    }
+    if !a0.is_silent_beside(strongest) {
+        return None;
     }
     if a2.answers() && a1.is_silent_beside(a2) {
         let out = cold(t1, t2)?;
@@ -131,12 +163,12 @@ fn contradiction(answers: &[Answer; 3], readings: [Option<f32>; 3]) -> Option<Fa
     if a1.answers() && a2.answers() && a1.comes_after(a2) {
         return Some(FaultClass::Swapped(Pair::T1T2));
     }
-    let (t0, t1, t2) = (t0?, t1?, t2?);
-    if a2.answers() && a1.area + SURELY * a1.area_sd < a2.area && t2 - t1 > APART {
+    if a2.answers() && t2_warmer {
         return Some(FaultClass::T1Detached);
     }
+    let (t0, t1, t2) = (t0?, t1?, t2?);
     let warmest = t0 - t1 > APART && t0 - t2 > APART;
-    (warmest && strongest.answers() && a0.is_silent_beside(strongest)).then_some(FaultClass::T0Fault)
+    (warmest && strongest.answers()).then_some(FaultClass::T0Fault)
 }
 
 impl Answer {

@@ -3,7 +3,7 @@
 //! that is believed (`room.rs`): a wrong T0 neither causes nor prevents anything here.
 
 use super::model::{larger, smaller};
-use super::verdict::{FaultClass, Finding, Magnitude};
+use super::verdict::{Channel, FaultClass, Finding, Magnitude};
 
 /// Memory of the correction of the stand-in, s.
 const STAND_IN_TIME: f32 = 2.0;
@@ -22,10 +22,15 @@ const COOLING: f32 = 0.3;
 const FLOW_TIME: f32 = 2.0;
 const FLOW_MIN_RISE: f32 = 2.0;
 /// A thermistor that sees less than this share of the rise is out of the tube where the other sees all of it, give or take
-/// this share, and the rise is one, degC.
+/// this share of what the one lacks, and the rise is one, degC; what nothing else explains is so from a smaller loss on.
 const DETACHED_SHARE: f32 = 0.6;
-const ATTACHED: f32 = 0.15;
+const UNEXPLAINED_SHARE: f32 = 0.85;
+const ATTACHED: f32 = 0.25;
 const DETACHED_MIN_RISE: f32 = 4.0;
+/// A stuck T1 shows less than this share of the motion from tick to tick that is expected.
+const STUCK_SHARE: f32 = 0.2;
+/// That is told only so long after the onset, in memories of the rises.
+const STUCK_TIME: f32 = 2.5;
 
 /// Ts and the shares of the memories that are renewed in a tick.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +58,10 @@ pub(super) struct HeatState {
     stuck_on: bool,
     /// Low-passed rises of T1 and T2.
     rises: [Rise; 2],
+    /// T1's rise before; low-passed products of its expected motion from tick to tick with the measured and with itself.
+    before: Rise,
+    shared_motion: f32,
+    motion: f32,
 }
 
 impl Heat {
@@ -68,6 +77,12 @@ impl Heat {
                 mean.measured += self.flow * (now.measured - mean.measured);
                 mean.expected += self.flow * (now.expected - mean.expected);
             }
+        }
+        if let [Some(t1), _] = now {
+            let before = core::mem::replace(&mut s.before, t1);
+            let moved = t1.expected - before.expected;
+            s.shared_motion += self.flow * (moved * (t1.measured - before.measured) - s.shared_motion);
+            s.motion += self.flow * (moved * moved - s.motion);
         }
         let unasked = |rise: &Rise| rise.expected < HARDLY_WARM && rise.measured - rise.expected > TOO_HOT;
         if !now.iter().flatten().any(unasked) {
@@ -85,6 +100,20 @@ impl Heat {
         s.stuck_on |= s.too_hot >= if heating { TOO_HOT_TIME } else { TOO_HOT_TIME_OFF };
     }
 
+    /// What the bank says, held against the levels: what slips out slowly fits none of its signatures, and looks stuck
+    /// while the controller holds it.
+    pub(super) fn review(&self, s: &HeatState, told: Finding, tick: u32) -> Option<Finding> {
+        let settled = tick.saturating_sub(told.onset) as f32 * self.flow > STUCK_TIME;
+        let share = match told.class {
+            FaultClass::Drift => DETACHED_SHARE,
+            FaultClass::Unknown => UNEXPLAINED_SHARE,
+            FaultClass::Stuck(Channel::T1) if settled && s.t1_moves() => UNEXPLAINED_SHARE,
+            _ => return Some(told),
+        };
+        let still = told.class != FaultClass::Stuck(Channel::T1);
+        s.detached(share, told.onset).or(still.then_some(told))
+    }
+
     /// Takes in what T2 reads above what the power lets expect, degC; `along` is the share of T1's rise that reaches T2.
     pub(super) fn correct(&self, s: &mut HeatState, e2: f32, along: f32) {
         s.correction += self.stand_in * (e2 / along - s.correction);
@@ -95,7 +124,16 @@ impl HeatState {
     /// Right after training at the rise `trained` of T1.
     pub(super) fn new(trained: f32) -> Self {
         let rise = Rise { measured: trained, expected: trained };
-        Self { correction: 0.0, too_hot: 0.0, coldest: f32::MAX, stuck_on: false, rises: [rise; 2] }
+        Self {
+            correction: 0.0,
+            too_hot: 0.0,
+            coldest: f32::MAX,
+            stuck_on: false,
+            rises: [rise; 2],
+            before: rise,
+            shared_motion: 0.0,
+            motion: 0.0,
+        }
     }
 
     /// T1's rise by T2 and the models, where the models alone expect `expected`, degC; None where the two disagree.
@@ -113,20 +151,27 @@ impl HeatState {
         Some(flow(&self.rises[0])?.max(flow(&self.rises[1])?))
     }
 
-    /// Who sees only a part of a rise that the other sees, by the levels alone: what slips out slowly fits no signature.
-    pub(super) fn detached(&self, onset: u32) -> Option<Finding> {
+    fn t1_moves(&self) -> bool {
+        self.shared_motion > STUCK_SHARE * self.motion
+    }
+
+    /// Who sees less than `share` of a rise that the other sees.
+    fn detached(&self, share: f32, onset: u32) -> Option<Finding> {
         let [t1, t2] = &self.rises;
         if !(t1.expected > DETACHED_MIN_RISE && t2.expected > DETACHED_MIN_RISE) {
             return None;
         }
         let [t1, t2] = [t1.measured / t1.expected, t2.measured / t2.expected];
-        let attached = |share: f32| (share - 1.0).abs() < ATTACHED;
-        let (class, share) = match (t1 < DETACHED_SHARE, t2 < DETACHED_SHARE) {
-            (true, false) if attached(t2) => (FaultClass::T1Detached, t1),
-            (false, true) if attached(t1) => (FaultClass::T2Detached, t2),
-            _ => return None,
+        let beside = |seen: f32, other: f32| seen < share && (other - 1.0).abs() < ATTACHED * (1.0 - seen);
+        let (class, seen) = if beside(t1, t2) {
+            (FaultClass::T1Detached, t1)
+        } else if beside(t2, t1) {
+            (FaultClass::T2Detached, t2)
+        } else {
+            return None;
         };
-        let magnitude = Magnitude { value: 100.0 * (share - 1.0), half_width: 100.0 * ATTACHED };
+        let lacks = 100.0 * (1.0 - seen);
+        let magnitude = Magnitude { value: -lacks, half_width: ATTACHED * lacks };
         Some(Finding { class, confidence: 1.0, magnitude: Some(magnitude), onset })
     }
 
@@ -139,5 +184,34 @@ impl HeatState {
     /// Whether the rig has been hot without power for too long.
     pub(super) fn heater_stuck_on(&self) -> bool {
         self.stuck_on
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TS: f32 = 0.11;
+
+    /// How long it takes until the heater counts as stuck on, with rises of 20 degC that fall by a share a second.
+    fn stuck_after(heating: bool, falling: f32) -> Option<f32> {
+        let (heat, mut s) = (Heat::new(TS), HeatState::new(20.0));
+        (1..3000).map(|k| k as f32 * TS).find(|time| {
+            let rise = Rise { measured: 20.0 * (1.0 - falling * time).max(0.0), expected: 0.0 };
+            heat.step(&mut s, [Some(rise); 2], heating);
+            s.heater_stuck_on()
+        })
+    }
+
+    #[test]
+    fn heat_that_stays_without_power_is_a_heater_stuck_on() {
+        assert!(stuck_after(true, 0.0).is_some_and(|time| time < 2.2));
+        assert!(stuck_after(false, 0.0).is_some_and(|time| (19.0..22.0).contains(&time)));
+    }
+
+    /// The fan goes off with the heater: the tube stays hot for minutes.
+    #[test]
+    fn a_tube_that_cools_without_its_fan_is_none() {
+        assert_eq!(stuck_after(false, 0.003), None);
     }
 }

@@ -33,6 +33,7 @@ mod whitening;
 use crate::config::Config;
 use crate::control::Tick;
 use crate::error::ConfigError;
+use crate::sense::{Reading, Validity};
 use crate::supervisor::Mode;
 use alarm::Rules;
 use bank::Filters;
@@ -136,7 +137,8 @@ impl Parity {
         let heating = tick.mode.is_heating();
         self.follow_mode(state, tick);
         self.room.step(&mut state.room, tick.index, readings, applied);
-        let contradiction = state.contradiction.step(&self.response, tick.index, heating, readings, applied);
+        let read = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(read);
+        let contradiction = state.contradiction.step(&self.response, tick.index, heating, read, applied);
         let now = Now { tick, heating, y, believed: state.room.rises([t1, t2]), u: applied };
         let undisturbed = undisturbed && contradiction.is_none();
         let by_models = self.watch(state, &now);
@@ -179,7 +181,8 @@ impl Parity {
         }
         let training = state.training.get_or_insert_with(|| self.trainer.start());
         // A T0 that is known to be wrong must not be learnt.
-        let y = if t0.is_none() || state.room.is_followed(t0) { now.y } else { now.believed };
+        let known_wrong = t0.is_some() && state.room.believed().is_some() && !state.room.is_followed(t0);
+        let y = if known_wrong { now.believed } else { now.y };
         match self.trainer.step(training, y, now.u, fit_to_learn) {
             Ok(None) => {}
             Ok(Some(trained)) => {
@@ -230,6 +233,12 @@ impl Parity {
             ..ParityReport::default()
         }
     }
+}
+
+/// What a thermistor reads, be it as wild as it may: one that trips has often left its range.
+fn read(reading: Reading) -> Option<f32> {
+    let unread = matches!(reading.validity, Validity::Missing | Validity::Open | Validity::Short);
+    (!unread).then_some(reading.celsius.0)
 }
 
 /// Which finding is told. A broken wire needs no second opinion; the models see more than a contradiction does, which in turn

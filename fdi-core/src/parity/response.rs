@@ -1,21 +1,23 @@
 //! How each thermistor answers to the power: impulse responses without trained models, gains or settings.
 //!
 //! Power and readings are high-passed alike. To each reading least squares with forgetting fits an impulse response that
-//! is constant over bands of [`WIDTH`] ticks:
+//! is constant over bands of lags:
 //!
 //! ```text
 //! y[k] = h1 x1[k] + .. + h4 x4[k] + noise         xb[k]: the power of the lags of band b, summed
 //! ```
 //!
 //! The regressors are the same for all readings, so there is one normal matrix R, and a right-hand side p for each. The
-//! area of a response, `A = 1' R^-1 p`, says whether a thermistor answers; its centroid `(0 1 2 3)' R^-1 p / A` how late.
+//! area of a response, `A = w' R^-1 p`, says whether a thermistor answers; its centroid `(w t)' R^-1 p / A` how late. w is how
+//! many ticks a band has, t where its middle is.
 
 use super::model::{dot, larger, shift};
 use crate::root::sqrt;
 
-/// Bands of lags, and ticks in a band. The first lag is that of the power that acted until now.
+/// Bands of lags: 1, 2 and 3, 4 to 6, 7 to 12 ticks. The first lag is that of the power that acted until now.
 const BANDS: usize = 4;
-const WIDTH: usize = 3;
+const ENDS: [usize; BANDS + 1] = [0, 1, 3, 6, 12];
+const LAGS: usize = ENDS[BANDS];
 /// Memory of the high-pass and of the sums, s.
 const SWING_TIME: f32 = 0.5;
 const MEMORY: f32 = 12.0;
@@ -23,8 +25,9 @@ const MEMORY: f32 = 12.0;
 const MIN_POWER: f32 = 0.2;
 /// Keeps R regular where little has been seen, %^2: 2 % of what the default excitation gathers.
 const RIDGE: f32 = 100.0;
-const AREA: [f32; BANDS] = [1.0; BANDS];
-const MOMENT: [f32; BANDS] = [0.0, 1.0, 2.0, 3.0];
+/// Ticks in a band, and these times the middle of the band.
+const AREA: [f32; BANDS] = [1.0, 2.0, 3.0, 6.0];
+const MOMENT: [f32; BANDS] = [1.0, 5.0, 15.0, 57.0];
 
 /// Shares that are kept from tick to tick.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +40,7 @@ pub(super) struct Response {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ResponseState {
     /// High-passed power, newest first, and the last power, %.
-    power: [f32; BANDS * WIDTH],
+    power: [f32; LAGS],
     power_before: f32,
     /// High-passed readings of T0, T1, T2, and the last good ones, degC.
     swing: [f32; 3],
@@ -55,7 +58,7 @@ pub(super) struct Answer {
     /// Area of the response, degC per %, with its standard deviation.
     pub(super) area: f32,
     pub(super) area_sd: f32,
-    /// Its centroid with its standard deviation, bands.
+    /// Its centroid with its standard deviation, ticks.
     pub(super) late: f32,
     pub(super) late_sd: f32,
 }
@@ -66,12 +69,9 @@ impl Response {
         Self { high_pass: keep(SWING_TIME), keep: keep(MEMORY) }
     }
 
-    /// Takes in the readings where good, and the power applied from now on, %.
+    /// Takes in the readings where there are any, and the power applied from now on, %.
     pub(super) fn step(&self, s: &mut ResponseState, readings: [Option<f32>; 3], power: f32) {
-        let x: [f32; BANDS] = core::array::from_fn(|b| {
-            let [first, second, third] = [WIDTH * b, WIDTH * b + 1, WIDTH * b + 2];
-            s.power[first] + s.power[second] + s.power[third]
-        });
+        let x: [f32; BANDS] = core::array::from_fn(|b| s.power[ENDS[b]..ENDS[b + 1]].iter().sum::<f32>());
         for (m, reading) in readings.into_iter().enumerate() {
             let change = reading.zip(s.before[m]).map_or(0.0, |(now, before)| now - before);
             s.swing[m] = self.high_pass * s.swing[m] + change;
@@ -166,5 +166,41 @@ impl Factors {
             }
         }
         x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// First-order lags of gain 0.3 and 0.2 degC per %, the second two ticks later, and a T0 that does nothing.
+    #[test]
+    fn known_responses_are_found() {
+        let (response, mut s) = (Response::new(0.11), ResponseState::default());
+        let (mut seed, mut power) = (1u32, [0.0f32; 3]);
+        let (mut t1, mut t2) = (0.0, 0.0);
+        for _ in 0..400 {
+            seed = seed.wrapping_mul(1664525).wrapping_add(1013904223);
+            t1 += 0.2 * (0.3 * power[0] - t1);
+            t2 += 0.2 * (0.2 * power[2] - t2);
+            shift(&mut power, 40.0 + if seed >> 31 == 0 { 5.0 } else { -5.0 });
+            response.step(&mut s, [Some(20.0), Some(20.0 + t1), Some(20.0 + t2)], power[0]);
+        }
+        let [a0, a1, a2] = s.answers();
+        assert!(a0.area.abs() < 1e-4 && a0.area_sd < 1e-3, "{a0:?}");
+        // Of the first lag 93 % lie within twelve ticks, of the second 89 %.
+        assert!((a1.area / (0.3 * 0.93) - 1.0).abs() < 0.1, "{a1:?}");
+        assert!((a2.area / (0.2 * 0.89) - 1.0).abs() < 0.1, "{a2:?}");
+        assert!((0.9..2.1).contains(&(a2.late - a1.late)), "{a1:?} {a2:?}");
+    }
+
+    #[test]
+    fn nothing_seen_gives_no_answer_and_wild_input_no_panic() {
+        let (response, mut s) = (Response::new(0.11), ResponseState::default());
+        assert!(s.answers().iter().all(|a| !(a.area > 6.0 * a.area_sd)));
+        for power in [f32::NAN, 1e30, -1e30, 0.0] {
+            response.step(&mut s, [None, Some(f32::MAX), Some(f32::NAN)], power);
+            let _ = s.answers();
+        }
     }
 }

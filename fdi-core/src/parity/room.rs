@@ -14,9 +14,13 @@ const ALIKE: f32 = 2.0;
 const TREND: f32 = 0.1;
 const TREND_TIMES: [f32; 2] = [5.0, 25.0];
 const REST_TIME: f32 = 20.0;
-/// At rest T0 reads wrong from so many degC on, and right again below so many.
+/// T0 reads wrong from so many degC on for so long, s, and right again below so many.
 const WRONG: f32 = 5.0;
+const WRONG_TIME: f32 = 5.0;
 const RIGHT: f32 = 4.0;
+/// Where the trainer stands it is no colder and no warmer, degC.
+const COLDEST: f32 = 3.0;
+const WARMEST: f32 = 40.0;
 
 /// Shares that are renewed in a tick, and steps of a tick.
 #[derive(Clone, Copy, Debug)]
@@ -34,8 +38,10 @@ pub(super) struct RoomState {
     means: Option<[[f32; 2]; 2]>,
     /// For how long the rig has been at rest, s.
     rest: f32,
-    /// By how much T0 was seen to be wrong at rest, degC, and since which tick.
-    wrong: Option<(f32, u32)>,
+    /// For how long T0 has been wrong, s, since which tick, and by how much, degC, where that is known.
+    wrong: f32,
+    since: u32,
+    off: Option<f32>,
 }
 
 impl Room {
@@ -53,12 +59,29 @@ impl Room {
         let outlet = t1.zip(t2).and_then(|(t1, t2)| self.at_rest(s, [t1, t2], power));
         s.rest = if outlet.is_some() { smaller(REST_TIME, s.rest + self.sample_time) } else { 0.0 };
         match (outlet, t0, s.believed) {
-            (Some(outlet), ..) if s.rest >= REST_TIME => s.set_right(tick, t0, outlet),
+            (Some(outlet), ..) if s.rest >= REST_TIME => {
+                let close = t0.filter(|t0| (t0 - outlet).abs() < ALIKE);
+                s.believed = Some(close.unwrap_or(outlet));
+            }
             (_, Some(t0), Some(room)) if (t0 - room).abs() < FOLLOWED => {
                 s.believed = Some(room + bounded(t0 - room, -self.fastest, self.fastest));
             }
-            (_, t0, believed) => s.believed = believed.or(t0),
+            (_, t0, believed) => s.believed = believed.or(t0.filter(is_possible)),
         }
+        if let Some(t0) = t0 {
+            self.doubt(s, tick, t0);
+        }
+    }
+
+    /// For how long has T0 been wrong?
+    fn doubt(&self, s: &mut RoomState, tick: u32, t0: f32) {
+        s.off = s.believed.map(|room| t0 - room);
+        let limit = if s.is_wrong() { RIGHT } else { WRONG };
+        let wrong = s.off.map_or(!is_possible(&t0), |off| off.abs() > limit);
+        if s.wrong == 0.0 {
+            s.since = tick;
+        }
+        s.wrong = if wrong { smaller(WRONG_TIME, s.wrong + self.sample_time) } else { 0.0 };
     }
 
     /// The mean of T1 and T2, where they are at rest.
@@ -77,16 +100,8 @@ impl Room {
 }
 
 impl RoomState {
-    /// At rest, with T1 and T2 at `outlet`.
-    fn set_right(&mut self, tick: u32, t0: Option<f32>, outlet: f32) {
-        let off = t0.map(|t0| t0 - outlet);
-        self.wrong = match (off, self.wrong) {
-            (Some(off), Some((_, since))) if off.abs() > RIGHT => Some((off, since)),
-            (Some(off), None) if off.abs() > WRONG => Some((off, tick)),
-            _ => None,
-        };
-        let close = t0.filter(|t0| (t0 - outlet).abs() < ALIKE);
-        self.believed = Some(close.unwrap_or(outlet));
+    fn is_wrong(&self) -> bool {
+        self.wrong >= WRONG_TIME
     }
 
     /// The room temperature that is believed, degC.
@@ -104,10 +119,70 @@ impl RoomState {
         outlet.map(|t| Some(t? - self.believed?))
     }
 
-    /// A T0 that was wrong when the rig was last at rest.
+    /// A T0 that reads wrong.
     pub(super) fn finding(&self) -> Option<Finding> {
-        let (off, onset) = self.wrong?;
-        let magnitude = Some(Magnitude { value: off, half_width: ALIKE });
-        Some(Finding { class: FaultClass::T0Fault, confidence: 1.0, magnitude, onset })
+        let magnitude = self.off.map(|value| Magnitude { value, half_width: ALIKE });
+        let finding = Finding { class: FaultClass::T0Fault, confidence: 1.0, magnitude, onset: self.since };
+        self.is_wrong().then_some(finding)
+    }
+}
+
+fn is_possible(t0: &f32) -> bool {
+    *t0 > COLDEST && *t0 < WARMEST
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TS: f32 = 0.11;
+
+    /// What is believed after `time` s, and whether T0 is told to be wrong, if readings and power are so.
+    fn after(time: f32, at: impl Fn(f32) -> ([f32; 3], f32)) -> (f32, bool) {
+        let (room, mut s) = (Room::new(TS), RoomState::default());
+        for tick in 0..(time / TS) as u32 {
+            let (readings, power) = at(tick as f32 * TS);
+            room.step(&mut s, tick, readings.map(Some), power);
+        }
+        (s.believed().expect("T0 was there"), s.finding().is_some())
+    }
+
+    #[test]
+    fn a_t0_that_is_wrong_at_rest_is_told_and_the_others_are_believed() {
+        let (room, wrong) = after(40.0, |_| ([12.5, 22.5, 22.6], 0.0));
+        assert!(wrong && (room - 22.55).abs() < 0.1, "{room}");
+        let (room, wrong) = after(40.0, |_| ([22.0, 22.5, 22.6], 0.0));
+        assert!(!wrong && room == 22.0, "{room}");
+    }
+
+    /// While it heats a jump of T0 is none of the room, and a slow change is followed.
+    #[test]
+    fn only_what_a_room_can_do_is_followed() {
+        let jump = |time| ([if time < 10.0 { 22.5 } else { 2.5 }, 35.0, 34.0], 40.0);
+        assert_eq!(after(600.0, jump), (22.5, true));
+        let drift = |time| ([22.5 + 0.5 / 60.0 * time, 35.0, 34.0], 40.0);
+        let (room, wrong) = after(600.0, drift);
+        assert!((room - 27.5).abs() < 0.1 && !wrong, "{room}");
+    }
+
+    /// A hot tube without its fan loses 10 degC in five minutes, then less.
+    #[test]
+    fn a_hot_tube_that_cools_is_no_room() {
+        let cooling = |time: f32| {
+            ([22.5, 22.5 + 20.0 * libm::expf(-time / 400.0), 22.5 + 19.0 * libm::expf(-time / 400.0)], 0.0)
+        };
+        for time in [30.0, 120.0, 500.0, 800.0] {
+            let (room, wrong) = after(time, cooling);
+            assert!((room - 22.5).abs() < 2.0 && !wrong, "{room} degC after {time} s");
+        }
+    }
+
+    #[test]
+    fn no_trainer_stands_in_such_a_room() {
+        let (room, mut s) = (Room::new(TS), RoomState::default());
+        for tick in 0..60 {
+            room.step(&mut s, tick, [Some(-3.0), Some(35.0), Some(34.0)], 40.0);
+        }
+        assert!(s.believed().is_none() && s.finding().is_some_and(|f| f.magnitude.is_none()));
     }
 }

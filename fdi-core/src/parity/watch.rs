@@ -11,7 +11,7 @@ use super::heat::{Heat, HeatState, Rise};
 use super::hypothesis::Weighed;
 use super::model::{bounded, dot, larger, shift};
 use super::training::Trained;
-use super::verdict::{FaultClass, Finding};
+use super::verdict::Finding;
 use super::weakness::{Slack, Weakness, WeaknessState};
 use super::whitening::Past;
 
@@ -153,8 +153,7 @@ impl Watch {
             self.decide(s, &now, &charted);
         }
         let told = self.follow_alarm(s, &now)?;
-        let clear = told.filter(|f| !matches!(f.class, FaultClass::Unknown | FaultClass::Drift));
-        Some(clear.or_else(|| s.heat.detached(told?.onset)).or(told))
+        Some(told.and_then(|told| self.heat.review(&s.heat, told, tick)))
     }
 
     /// Keeps the models going while the instrument does not watch by them: `y1` is the rise of T1 over the room that T0 says.

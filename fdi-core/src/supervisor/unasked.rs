@@ -65,7 +65,7 @@ impl Unasked {
         state.unpowered = if power < NO_POWER { state.unpowered.saturating_add(1) } else { 0 };
         let since = state.unpowered.checked_sub(self.settle_ticks);
         let begins = since == Some(0) || state.unpowered == 0;
-        let window_ends = since.is_some_and(|since| since > 0 && since % self.cooling_ticks == 0);
+        let window_ends = since.is_some_and(|since| since > 0 && since.is_multiple_of(self.cooling_ticks));
         let room = now.sample.t0.good();
         let [t1, t2] = [(&mut state.t1, now.sample.t1), (&mut state.t2, now.sample.t2)].map(|(trace, t)| {
             trace.follow_room(room, self.room_step);

@@ -26,8 +26,19 @@ impl Answers<'_> {
         self.answers.iter().zip(self.noises).any(|(answer, noise)| answer.is_clear(noise))
     }
 
+    fn strongest(&self) -> f32 {
+        self.answers.iter().fold(0.0, |most: f32, answer| most.max(answer.power()))
+    }
+
+    /// Whether those that are silent would have been heard, had they answered half as strongly as the strongest.
+    pub(super) fn is_loud(&self) -> bool {
+        let share = 0.25 * self.strongest();
+        self.any()
+            && self.answers.iter().zip(self.noises).all(|(answer, noise)| answer.would_show(share, noise))
+    }
+
     fn each(&self) -> [bool; 3] {
-        let strongest = self.answers.iter().fold(0.0, |most: f32, answer| most.max(answer.power()));
+        let strongest = self.strongest();
         let mut answered = self.answers.iter().zip(self.noises);
         [(); 3].map(|()| {
             answered.next().is_some_and(|(a, noise)| a.is_clear(noise) && a.power() > STRAY * strongest)

@@ -100,15 +100,20 @@ impl Answer {
         (self.in_phase * self.in_phase + self.quadrature * self.quadrature) / (n * n)
     }
 
-    /// Whether it stands out from the noise, to which what differs from cycle to cycle is added.
+    /// Whether it stands out from the noise.
     pub(super) fn is_clear(&self, noise: &Noise) -> bool {
+        self.would_show(self.power(), noise)
+    }
+
+    /// Whether an answer of this `power` would stand out from the noise, to which what differs from cycle to cycle is added.
+    pub(super) fn would_show(&self, power: f32, noise: &Noise) -> bool {
         let n = self.cycles as f32;
         let mut noise = *noise;
         if self.cycles > 1 {
             noise.squares += (self.squares - n * self.power()).max(0.0) + self.odd_squares;
             noise.freedom += 3 * self.cycles - 2;
         }
-        n * self.power() / 2.0 > noise.limit() * noise.variance()
+        n * power / 2.0 > noise.limit() * noise.variance()
     }
 
     /// Square of the sine of the phase by which `other` comes later; negative where it comes first.

@@ -44,8 +44,9 @@ const WAITING_CYCLES: u32 = 27;
 const CLOSED_TICKS: [u32; 3] = [1, 6, 20];
 /// Powers of the pulses in %, stepped up until one is answered: the rig's gain may be anywhere from 0.05 to 1 degC per %.
 pub const LEVELS: [f32; 4] = [2.5, 5.0, 10.0, 20.0];
-/// Cycles by which order and silence are judged.
+/// Cycles by which order and silence are judged; at the largest power so many more where the noise asks for it.
 const ORDER_CYCLES: u32 = 4;
+const MOST_CYCLES: u32 = 12;
 /// Rise in degC above the beginning at which the check ends: well above the answer of the strongest rig to the smallest
 /// pulse, 2.5 degC, and below the 5 degC that the supervisor takes for a heater that is stuck on.
 pub const MAX_RISE: f32 = 4.5;
@@ -60,10 +61,10 @@ pub const LONGEST: u32 = CYCLE
     * (WAITING_CYCLES
         + CALM_CYCLES
         + CLOSED_TICKS.len() as u32
-        + LEVELS.len() as u32
-        + ORDER_CYCLES
+        + LEVELS.len() as u32 * (1 + ORDER_CYCLES)
+        + MOST_CYCLES
         + 1
-        + ORDER_CYCLES);
+        + MOST_CYCLES);
 
 /// A check that is under way.
 #[derive(Clone, Debug)]
@@ -75,8 +76,9 @@ pub struct SelfTest {
     elapsed: u32,
     /// Cycles without heat, at the beginning.
     waited: u32,
-    /// Index of the pulse's power.
+    /// Index of the pulse's power, and the cycles by which it was judged.
     level: usize,
+    judged_cycles: u32,
     /// The last reading of each that can be believed, in degC, and the ticks since.
     last: [f32; 3],
     lost: [u32; 3],
@@ -122,6 +124,7 @@ impl SelfTest {
             elapsed: 0,
             waited: 0,
             level: 0,
+            judged_cycles: 0,
             last: [f32::NAN; 3],
             lost: [0; 3],
             start: [0.0; 3],
@@ -345,12 +348,23 @@ impl SelfTest {
         if self.cycles < ORDER_CYCLES {
             return;
         }
+        if !self.heard().is_loud() {
+            if self.level + 1 < LEVELS.len() {
+                self.level += 1;
+                self.answers = [Answer::default(); 3];
+                return self.enter(Stage::Order);
+            }
+            if self.cycles < MOST_CYCLES {
+                return;
+            }
+        }
         match self.heard().judge() {
             Some(finding) if !finding.is_note() => self.fail(finding),
             note => {
                 if let Some(note) = note {
                     let _ = self.findings.push(note);
                 }
+                self.judged_cycles = self.cycles;
                 self.answers = [Answer::default(); 3];
                 self.enter(Stage::Settle);
             }
@@ -362,7 +376,7 @@ impl SelfTest {
         if self.heard().any() {
             let _ = self.findings.push(Finding::NoContactor);
             self.end();
-        } else if self.cycles >= ORDER_CYCLES {
+        } else if self.cycles >= self.judged_cycles {
             self.end();
         }
     }

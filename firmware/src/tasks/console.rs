@@ -38,11 +38,19 @@ async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting) {
     loop {
         // A line error (noise, overrun) loses bytes.
         if let Ok(n) = rx.read(&mut bytes).await {
-            let came = bytes.get(..n).unwrap_or_default();
-            if came.iter().any(|byte| line::is_stop_key(*byte)) {
+            let mut came = bytes.get(..n).unwrap_or_default();
+            if let Some(key) = came.iter().rposition(|byte| line::is_stop_key(*byte)) {
                 stop();
+                // What was typed before a stop must not be carried out after it.
+                waiting.clear();
+                came = came.get(key..).unwrap_or_default();
             }
-            let _ = waiting.try_write(came);
+            // It takes what fits before its end, and the rest at its beginning.
+            while let Ok(taken) = waiting.try_write(came)
+                && taken > 0
+            {
+                came = came.get(taken..).unwrap_or_default();
+            }
         }
     }
 }

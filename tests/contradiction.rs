@@ -256,6 +256,24 @@ fn models_outlast_a_trip_until_they_are_forgotten() {
     assert!(heating(&rearmed(told.to_vec())) as f64 * TS > 70.0, "a rig changed on purpose");
 }
 
+/// The models are looked at from the first second of the second start on: to the highest set-point, too.
+#[test]
+fn a_second_start_does_not_trip() {
+    for (seed, gain, setpoint) in
+        [(1, 0.3, 35.0), (2, 0.6, 35.0), (3, 0.6, 65.0), (4, 0.45, 60.0), (5, 0.2, 60.0)]
+    {
+        let config = config(35.0, seed);
+        let mut rig = Misplaced::new(&config, 0, |raw, _, _| raw);
+        let highest = Command::SetPoint(Celsius(setpoint));
+        rig.orders = vec![(4000, Command::Stop), (4200, highest), (4201, Command::Arm)];
+        let record = run_on(&mut rig, &config, &scenario(gain, 520.0, vec![]), seed);
+        assert_eq!(trip(&record), None, "gain {gain}, set-point {setpoint}");
+        assert_eq!(record.rows[4201..].iter().find_map(class), None, "gain {gain}, set-point {setpoint}");
+        let current = record.rows[4100].report.parity.expected[1].is_some();
+        assert!(current || gain < 0.3, "gain {gain}: trained before");
+    }
+}
+
 /// A T1 that reads far too low beside a T2 that does not: neither is regulated by.
 #[test]
 fn a_stand_in_is_none_where_t1_and_t2_contradict_each_other() {
@@ -277,6 +295,8 @@ fn a_heater_stuck_on_is_seen_with_the_instrument_off() {
     let stuck = Fault::new(Verb::HeaterStuck, None, Some(40.0), 460.0, 1e4);
     let record = run_on(&mut rig, &config, &scenario(0.3, 500.0, vec![stuck]), 12);
     let seen = record.rows[4100..].iter().find(|row| row.report.parity.heater_stuck_on).expect("seen");
-    assert_eq!(seen.tick.mode, Mode::Off);
     assert!((460.0..485.0).contains(&record.time(seen.tick.index)));
+    // The supervisor needs no models for it, and has tripped already.
+    assert_eq!(record.rows[4150].tick.mode, Mode::Off);
+    assert!(matches!(seen.tick.mode, Mode::Tripped(trip) if trip.reason == TripReason::HeaterStuckOn));
 }

@@ -27,8 +27,9 @@ const AFTER: f32 = 1.0;
 const AFTER_SURELY: f32 = 6.0;
 /// What differs by more contradicts itself, degC.
 const APART: f32 = 4.0;
-/// The same for T2 above T1 as a share of T2's rise, while T2 does not fall: it lags behind T1. So many ticks of it tell,
-/// the fewer the farther apart, but not fewer than a part of them; so many without it are an end of it.
+/// The same for T2 above T1 as a share of T2's rise. Only while T2 is not so much below its own running mean, degC: when it
+/// cools it lags behind T1. It tells after so many ticks, sooner the farther they are apart, but at most so many times;
+/// it has ended after so many ticks without it.
 const APART_SHARE: f32 = 0.25;
 const APART_TICKS: f32 = 20.0;
 const APART_FASTEST: f32 = 4.0;
@@ -39,8 +40,7 @@ const FALLING_SHARE: f32 = 0.05;
 const COLD_SHARE: f32 = 0.1;
 const COLD: f32 = 1.5;
 /// The judgement is made anew every so many ticks, and holds when it is the same twice.
-const EVERY: u32 = 4;
-
+const EVERY: u32 = 8;
 /// So long after heating has ended its echo is still judged, ticks.
 const ECHO: u32 = 32;
 
@@ -88,7 +88,7 @@ impl Contradiction {
         self.cold = if heating { 0 } else { self.cold.saturating_add(1) };
         response.step(&mut self.response, readings, power);
         self.compare(readings);
-        if tick % EVERY == 0 && self.cold < ECHO {
+        if tick.is_multiple_of(EVERY) && self.cold < ECHO {
             let judgement = judge(&self.response.answers(), readings, self.warmer >= APART_TICKS);
             let before = core::mem::replace(&mut self.judgement, judgement);
             if judgement == before {

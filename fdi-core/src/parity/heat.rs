@@ -56,6 +56,7 @@ pub(super) struct HeatState {
     too_hot: f32,
     coldest: f32,
     stuck_on: bool,
+    was_heating: bool,
     /// Low-passed rises of T1 and T2.
     rises: [Rise; 2],
     /// T1's rise before; low-passed products of its expected motion from tick to tick with the measured and with itself.
@@ -84,6 +85,15 @@ impl Heat {
             s.shared_motion += self.flow * (moved * (t1.measured - before.measured) - s.shared_motion);
             s.motion += self.flow * (moved * moved - s.motion);
         }
+        self.watch_heater(s, now, heating);
+    }
+
+    /// Is the rig hot although hardly any rise is expected?
+    fn watch_heater(&self, s: &mut HeatState, now: [Option<Rise>; 2], heating: bool) {
+        if heating && !s.was_heating {
+            s.too_hot = 0.0; // the fan has just come on
+        }
+        s.was_heating = heating;
         let unasked = |rise: &Rise| rise.expected < HARDLY_WARM && rise.measured - rise.expected > TOO_HOT;
         if !now.iter().flatten().any(unasked) {
             (s.too_hot, s.coldest, s.stuck_on) = (0.0, f32::MAX, false);
@@ -129,6 +139,7 @@ impl HeatState {
             too_hot: 0.0,
             coldest: f32::MAX,
             stuck_on: false,
+            was_heating: true,
             rises: [rise; 2],
             before: rise,
             shared_motion: 0.0,
@@ -192,6 +203,17 @@ mod tests {
     use super::*;
 
     const TS: f32 = 0.11;
+
+    /// The tube is still hot when the instrument is armed: it gets the time to cool.
+    #[test]
+    fn arming_a_hot_tube_is_no_heater_stuck_on() {
+        let (heat, mut s) = (Heat::new(TS), HeatState::new(20.0));
+        for tick in 0..120 {
+            let rise = Rise { measured: 20.0, expected: 0.0 };
+            heat.step(&mut s, [Some(rise); 2], tick >= 110);
+        }
+        assert!(!s.heater_stuck_on());
+    }
 
     /// How long it takes until the heater counts as stuck on, with rises of 20 degC that fall by a share a second.
     fn stuck_after(heating: bool, falling: f32) -> Option<f32> {

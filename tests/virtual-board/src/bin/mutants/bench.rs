@@ -9,8 +9,8 @@ use anyhow::{Context, bail, ensure};
 
 use crate::table::Mutant;
 
-/// What is not copied.
-const LEFT_OUT: [&str; 3] = ["target", ".git", "out"];
+/// What is not copied. The settings of cargo are found in the folders above, and would be merged with themselves.
+const LEFT_OUT: [&str; 4] = ["target", ".git", "out", ".cargo"];
 const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// What the tests said.

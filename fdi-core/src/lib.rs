@@ -2,6 +2,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod bounds;
 pub mod config;
 pub mod control;
 pub mod diagnosis;

@@ -1,10 +1,10 @@
 //! An alarm from its onset to its end: when to name the fault, when to call it unknown, when it is over.
 
 use super::hypothesis::{Weighed, class};
-use super::model::{larger, smaller};
 use super::noise::Normal;
 use super::verdict::{FaultClass, Finding};
 use super::watch::Levels;
+use crate::bounds::{larger, smaller};
 
 /// A fault is named on a clear lead; after so long on a fair one; after so long again on any.
 const FAIR_AFTER: f32 = 8.0;

@@ -12,9 +12,10 @@
 //! (generalised likelihood ratio; Willsky and Jones 1976). Only sums are kept, so cost and memory are constant.
 
 use super::fit::{HA, HB, Models, NA, NB};
-use super::model::{Simulation, bounded, shift};
+use super::model::{Simulation, shift};
 use super::noise::Normal;
 use super::whitening::Past;
+use crate::bounds::bounded;
 
 /// Extra lags of a clogged T1 that are tried, s. The first is none: only the gain has gone.
 const LAGS: [f32; 3] = [0.0, 0.35, 1.0];

@@ -1,6 +1,6 @@
 //! Page's cumulative sum test, two-sided: quick on a lasting shift of a whitened residual, blind to less than its slack.
 
-use super::model::{bounded, larger};
+use crate::bounds::{bounded, larger};
 
 /// A validated chart: `g <- max(0, g +- z - slack)` on either side, alarm above `limit`.
 ///

@@ -11,9 +11,9 @@
 //! | | | stays much warmer than T1 | T1 is half out of the tube |
 //! | silent, warmest | | | T0 reads wrong |
 
-use super::model::{larger, smaller};
 use super::response::{Answer, Response, ResponseState};
 use super::verdict::{Channel, FaultClass, Finding, Pair};
+use crate::bounds::{larger, smaller};
 
 /// A response that is so many standard deviations large is one.
 const ANSWERS: f32 = 6.0;

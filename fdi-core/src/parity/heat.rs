@@ -2,8 +2,8 @@
 //! for T1, the air flow, whether the rig heats unasked, and who sees only a part of the rise. Rises are those over the room
 //! that is believed (`room.rs`): a wrong T0 neither causes nor prevents anything here.
 
-use super::model::{larger, smaller};
 use super::verdict::{Channel, FaultClass, Finding, Magnitude};
+use crate::bounds::{larger, smaller};
 
 /// Memory of the correction of the stand-in, s.
 const STAND_IN_TIME: f32 = 2.0;

@@ -1,8 +1,8 @@
 //! The hypotheses about a fault, compared: which one leaves least unexplained, and by how much.
 
 use super::bank::{Bank, Match};
-use super::model::{bounded, larger, smaller};
 use super::verdict::{Channel, FaultClass, Magnitude, Pair};
+use crate::bounds::{bounded, larger, smaller};
 use crate::root::sqrt;
 
 /// The hypotheses.

@@ -70,21 +70,3 @@ pub(super) fn dot<const N: usize>(a: &[f32; N], b: &[f32; N]) -> f32 {
     }
     sum
 }
-
-/// `x` within bounds; the lower one for what is no number. Unlike `clamp` it has no way to panic.
-#[inline]
-pub(super) fn bounded(x: f32, low: f32, high: f32) -> f32 {
-    smaller(larger(low, x), high)
-}
-
-/// The larger of two; `a` where `b` is no number. `f32::max` is a call into a library on this processor, this is not.
-#[inline]
-pub(super) fn larger(a: f32, b: f32) -> f32 {
-    if b > a { b } else { a }
-}
-
-/// The smaller of two; `a` where `b` is no number.
-#[inline]
-pub(super) fn smaller(a: f32, b: f32) -> f32 {
-    if b < a { b } else { a }
-}

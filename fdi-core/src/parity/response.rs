@@ -11,7 +11,8 @@
 //! area of a response, `A = w' R^-1 p`, says whether a thermistor answers; its centroid `(w t)' R^-1 p / A` how late. w is how
 //! many ticks a band has, t where its middle is.
 
-use super::model::{dot, larger, shift};
+use super::model::{dot, shift};
+use crate::bounds::larger;
 use crate::root::sqrt;
 
 /// Bands of lags: 1, 2 and 3, 4 to 6, 7 to 12 ticks. The first lag is that of the power that acted until now.

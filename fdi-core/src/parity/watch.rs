@@ -9,11 +9,12 @@ use super::chart::{Chart, Sums};
 use super::fit::{NA, NB};
 use super::heat::{Heat, HeatState, Rise};
 use super::hypothesis::Weighed;
-use super::model::{bounded, dot, larger, shift};
+use super::model::{dot, shift};
 use super::training::Trained;
 use super::verdict::Finding;
 use super::weakness::{Slack, Weakness, WeaknessState};
 use super::whitening::Past;
+use crate::bounds::{bounded, larger};
 
 /// Charts and the simulation of y2 from y1 see no more of an innovation than so many standard deviations.
 const CLIP: f32 = 6.0;

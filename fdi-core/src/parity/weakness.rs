@@ -4,8 +4,8 @@
 //! where training took place, and the whole of a jump of the room, which the three thermistors do not follow alike. A
 //! fault that has just ended leaves a fourth: what is still decaying.
 
-use super::model::larger;
 use super::noise::Normal;
+use crate::bounds::larger;
 
 /// Swings of T1 up to this size are part of regulation with excitation, degC.
 const USUAL_SWING: f32 = 1.5;

@@ -1,7 +1,8 @@
 //! Whitening: what is left of a residual when that which follows from its own past is taken away, in units of its
 //! standard deviation. On it, run lengths of sequential tests are what the formulas say.
 
-use super::model::{bounded, dot, shift};
+use super::model::{dot, shift};
+use crate::bounds::bounded;
 use crate::root::sqrt;
 
 /// Order of the autoregressive noise model.

@@ -163,12 +163,8 @@ impl Channel {
         let change = state.last.map_or(0.0, |last| celsius.0 - last.0);
         let limit = self.limits.jump.0;
         let jumped = change.abs() > limit && (change - state.slope).abs() > limit;
-        // A jump that the next sample confirms is fast air, such as at a cold start of a strong heater.
-        let confirmed = jumped && state.withheld && change * state.withheld_change > 0.0;
-        state.jumps = RATE_WINDOW & state.jumps << 1 & if confirmed { !0b10 } else { !0 };
-        state.jumps |= u16::from(jumped && !confirmed);
-        state.withheld_change = change;
-        let validity = if state.jumps == 0 && !confirmed { Validity::Good } else { state.doubt(jumped) };
+        state.jumps = RATE_WINDOW & state.jumps << 1 | u16::from(jumped);
+        let validity = if state.jumps == 0 { Validity::Good } else { state.doubt(jumped, change) };
         if validity != Validity::Spike {
             state.slope = if jumped { 0.0 } else { change };
             state.last = Some(celsius);
@@ -191,8 +187,13 @@ impl Channel {
 impl ChannelState {
     /// What a sample is worth on which, or shortly before which, the reading jumped.
     #[cold]
-    fn doubt(&mut self, jumped: bool) -> Validity {
+    fn doubt(&mut self, jumped: bool, change: f32) -> Validity {
+        if jumped && self.withheld && change * self.withheld_change > 0.0 {
+            // A jump that the next sample confirms is fast air, such as at a cold start of a strong heater.
+            self.jumps &= !0b11;
+        }
         self.withheld = jumped && !self.withheld;
+        self.withheld_change = change;
         if self.withheld {
             Validity::Spike
         } else if self.jumps.count_ones() >= RATE_JUMPS {

@@ -4,6 +4,7 @@
 use super::config::SupervisorConfig;
 use super::normal::Normal;
 use super::{Situation, TripReason};
+use crate::bounds::{larger, smaller};
 use crate::sense::Validity;
 use crate::units::Seconds;
 
@@ -12,34 +13,51 @@ use crate::units::Seconds;
 pub(super) struct Disagreement {
     limit: f32,
     ticks: u32,
+    /// Share of the low-passed T1 that is renewed in a tick.
+    share: f32,
+}
+
+/// Its memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct DisagreementState {
+    /// T1 low-passed: T2 is late, and after a large step of the set-point downwards it is rightly the hotter one, but
+    /// never hotter than T1 was, degC.
+    t1_before: Option<f32>,
+    /// Ticks with power on which T2 was too hot; saturates.
+    lasting: u32,
 }
 
 impl Disagreement {
     pub(super) fn new(c: &SupervisorConfig, ts: Seconds) -> Self {
-        Self { limit: c.max_disagreement.0, ticks: c.disagreement_time.ticks(ts) }
+        Self {
+            limit: c.max_disagreement.0,
+            ticks: c.disagreement_time.ticks(ts),
+            share: smaller(ts.0 / c.disagreement_time.0, 1.0),
+        }
     }
 
-    /// `lasting` counts the ticks with power on which T2 was too hot beside T1. Those without power do not count, as nothing
-    /// grows hotter then: after a large step of the set-point downwards T2 is late and rightly the hotter one.
+    /// `power` is what was asked for up to now, low-passed, %. Without any nothing grows hotter, and the time stands still.
     pub(super) fn step(
         &self,
-        lasting: &mut u32,
+        state: &mut DisagreementState,
         now: &Situation,
         power: f32,
         normal: &Normal,
     ) -> Option<TripReason> {
-        // A T1 that is known to be faulty, and does without, is no reason; one that reads nothing has a rule of its own.
         let (t1, t2) = (now.sample.t1, now.sample.t2);
         let readable = |validity| matches!(validity, Validity::Good | Validity::Spike | Validity::Rate);
         if readable(t1.validity) && readable(t2.validity) {
+            let (t1, t2) = (t1.celsius.0, t2.celsius.0);
+            let before = state.t1_before.unwrap_or(t1);
+            let before = before + self.share * (t1 - before);
+            state.t1_before = Some(before);
             let difference = normal.learnt().map_or(0.0, |learnt| learnt.t1_over_t2());
-            let excess = t2.celsius.0 - t1.celsius.0 + difference;
-            if !(excess > self.limit) {
-                *lasting = 0;
+            if !(t2 - larger(t1, before) + difference > self.limit) {
+                state.lasting = 0;
             } else if power > 0.0 {
-                *lasting = lasting.saturating_add(1);
+                state.lasting = state.lasting.saturating_add(1);
             }
         }
-        (*lasting > self.ticks).then_some(TripReason::SensorsDisagree)
+        (state.lasting > self.ticks).then_some(TripReason::SensorsDisagree)
     }
 }

@@ -1,6 +1,6 @@
 //! What would make heating dangerous now: every rule asked on every tick, whatever the mode, the most telling answer first.
 
-use super::{Mode, POWER_TIME, Situation, Supervisor, SupervisorState, Trip, TripReason};
+use super::{Mode, Situation, Supervisor, SupervisorState, Trip, TripReason};
 use crate::sense::{Reading, Validity};
 use crate::units::Percent;
 
@@ -8,14 +8,14 @@ impl Supervisor {
     /// What trips, or would if the heater were on.
     pub(super) fn hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
         state.lost = if now.regulated.value.is_some() { 0 } else { state.lost.saturating_add(1) };
-        state.power += (self.sample_time.0 / POWER_TIME).min(1.0) * (now.pid.0 - state.power);
+        state.power += self.power_share * (now.pid.0 - state.power);
         let by_models = state.mode != Mode::Off && now.feedback.heater_stuck_on;
         let unasked = self.unasked.step(&mut state.unasked, now, state.power) || by_models;
         let by_sensors = self.sensor_hazard(state.lost > self.lost_ticks, now);
         let by_heat = if state.mode.is_heating() {
             self.heat_hazard(state, now)
         } else {
-            (state.response, state.disagreeing) = Default::default();
+            (state.response, state.disagreement) = Default::default();
             None
         };
         by_sensors.or(unasked.then_some(TripReason::HeaterStuckOn)).or(by_heat)
@@ -56,7 +56,7 @@ impl Supervisor {
     fn heat_hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
         let (power, normal) = (state.power, &state.normal);
         let response = self.response.step(&mut state.response, now, power, normal);
-        let disagreement = self.disagreement.step(&mut state.disagreeing, now, power, normal);
+        let disagreement = self.disagreement.step(&mut state.disagreement, now, power, normal);
         let no_air = now.feedback.air_flow.is_some_and(|flow| flow < self.config.min_air_flow);
         if no_air { Some(TripReason::AirFlowLost) } else { disagreement.or(response) }
     }

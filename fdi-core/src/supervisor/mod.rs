@@ -24,13 +24,14 @@ mod unasked;
 pub use config::SupervisorConfig;
 pub use mode::{Blocker, Command, Mode, Refusal, Trip, TripReason};
 
+use crate::bounds::smaller;
 use crate::config::Config;
 use crate::diagnosis::baseline::Baseline;
 use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::sense::{RawSample, Sample};
 use crate::units::{Celsius, Percent, Seconds};
-use disagreement::Disagreement;
+use disagreement::{Disagreement, DisagreementState};
 use normal::Normal;
 use response::{Response, ResponseState};
 use unasked::{Unasked, UnaskedState};
@@ -98,6 +99,8 @@ pub struct Supervisor {
     steady_ticks: u32,
     lost_ticks: u32,
     regulation_band: f32,
+    /// Share of the averaged power that is renewed in a tick.
+    power_share: f32,
 }
 
 /// The memory of the [`Supervisor`].
@@ -119,8 +122,7 @@ pub struct SupervisorState {
     power: f32,
     normal: Normal,
     response: ResponseState,
-    /// Ticks with power on which T1 and T2 disagreed.
-    disagreeing: u32,
+    disagreement: DisagreementState,
     unasked: UnaskedState,
 }
 
@@ -145,6 +147,7 @@ impl Supervisor {
             steady_ticks: c.regulation_time.ticks(ts),
             lost_ticks: c.signal_timeout.ticks(ts),
             regulation_band: c.regulation_band.0 / 100.0,
+            power_share: smaller(ts.0 / POWER_TIME, 1.0),
         })
     }
 

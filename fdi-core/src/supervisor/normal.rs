@@ -1,6 +1,7 @@
 //! What the supervisor has learnt of the rig: the little by which it judges whether power and temperatures go together.
 
 use super::Situation;
+use crate::bounds::{larger, smaller};
 use crate::diagnosis::baseline::{Baseline, Statistics};
 use crate::diagnosis::residual::Residual;
 use crate::units::{Celsius, Seconds};
@@ -97,9 +98,9 @@ impl Normal {
     pub(super) fn follow_room(&mut self, now: &Situation, sample_time: Seconds) {
         let readings = [now.sample.t0, now.sample.t1, now.sample.t2].map(|reading| reading.good());
         let [Some(t0), Some(t1), Some(t2)] = readings else { return };
-        let median = t0.max(t1).min(t0.min(t1).max(t2));
-        let seen = t0.min(median);
+        let median = smaller(larger(t0, t1), larger(smaller(t0, t1), t2));
+        let seen = smaller(t0, median);
         let highest = self.room.map_or(seen, |room| room + ROOM_RATE * sample_time.0);
-        self.room = Some(seen.min(highest));
+        self.room = Some(smaller(seen, highest));
     }
 }

@@ -8,6 +8,7 @@
 use super::config::SupervisorConfig;
 use super::normal::Normal;
 use super::{Situation, TripReason};
+use crate::bounds::{larger, smaller};
 use crate::units::{Percent, Seconds};
 
 /// Above this share of the highest output the power counts as full.
@@ -63,7 +64,7 @@ impl Response {
         // Without a reading the time goes on: a T1 that comes and goes answers no more than one that is out.
         let t1 = now.sample.t1.good();
         if let Some(t1) = t1 {
-            state.lowest = Some(state.lowest.map_or(t1, |lowest| lowest.min(t1)));
+            state.lowest = Some(state.lowest.map_or(t1, |lowest| smaller(lowest, t1)));
         }
         if self.is_unanswered(state, t1, now.pid.0) {
             return Some(TripReason::NoResponse);
@@ -87,7 +88,7 @@ impl Response {
         power: f32,
         needed: Option<f32>,
     ) -> bool {
-        let limit = needed.map(|needed| (needed * self.max_ratio).max(needed + LEAST_EXCESS));
+        let limit = needed.map(|needed| larger(needed * self.max_ratio, needed + LEAST_EXCESS));
         if !limit.is_some_and(|limit| power > limit) {
             state.excess = 0;
             return false;

@@ -4,6 +4,7 @@
 use super::Situation;
 use super::config::SupervisorConfig;
 use super::normal::ROOM_RATE;
+use crate::bounds::{larger, smaller};
 use crate::sense::Validity;
 use crate::units::Seconds;
 
@@ -89,12 +90,12 @@ impl Trace {
     /// A room that grows warmer is no heater: the coldest rises with it, no faster than a room can and never above T0.
     fn follow_room(&mut self, t0: Option<f32>, step: f32) {
         if let (Some(coldest), Some(t0)) = (&mut self.coldest, t0) {
-            *coldest = coldest.max(t0.min(*coldest + step));
+            *coldest = larger(*coldest, smaller(t0, *coldest + step));
         }
     }
 
     fn step(&mut self, t: f32, begins: bool, unpowered: bool, window_ends: bool) -> bool {
-        let coldest = self.coldest.map_or(t, |coldest| coldest.min(t));
+        let coldest = self.coldest.map_or(t, |coldest| smaller(coldest, t));
         self.coldest = Some(coldest);
         if begins {
             (self.lowest, self.begin, self.heated) = (t, t, false);
@@ -102,11 +103,11 @@ impl Trace {
         if !unpowered {
             return false;
         }
-        self.lowest = self.lowest.min(t);
+        self.lowest = smaller(self.lowest, t);
         let hot = |t: f32| t - coldest > HOT || t > HOTTEST_ROOM;
         if window_ends {
             // Above the coldest, or above a room where it has been hot from the start.
-            let above = (self.begin - coldest).max(self.begin - HOTTEST_ROOM);
+            let above = larger(self.begin - coldest, self.begin - HOTTEST_ROOM);
             self.heated = hot(t) && t > self.begin - LOSS * above;
             self.begin = t;
         }

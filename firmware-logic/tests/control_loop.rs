@@ -224,13 +224,18 @@ fn a_trip_cuts_in_the_same_tick_and_one_acknowledgement_serves() {
 
 #[test]
 fn the_contactor_is_closed_by_arming_and_opened_by_every_way_out() {
-    let ways_out: [(&str, fn(&mut Bench)); 5] = [
-        ("stop", |bench| drop(bench.order(Command::Stop))),
+    type Way = fn(&mut Bench);
+    let ways_out: [(&str, Way); 5] = [
+        ("stop", |bench| {
+            bench.order(Command::Stop);
+        }),
         ("trip", |bench| bench.codes.t1 = AdcCode(4090.0)),
         ("break input", |bench| (bench.output.open, bench.output.enabled) = (true, false)),
         ("dead man", |bench| (bench.output.dead_man, bench.output.enabled) = (true, false)),
         ("missed ticks", |bench| {
-            (0..10).for_each(|_| drop(bench.control.missed(Arrival::default(), &mut bench.output)));
+            for _ in 0..10 {
+                bench.control.missed(Arrival::default(), &mut bench.output);
+            }
         }),
     ];
     for (name, leave) in ways_out {

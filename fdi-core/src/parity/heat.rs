@@ -95,7 +95,9 @@ impl Heat {
         }
         s.was_heating = heating;
         let unasked = |rise: &Rise| rise.expected < HARDLY_WARM && rise.measured - rise.expected > TOO_HOT;
-        if !now.iter().flatten().any(unasked) {
+        // All that read anything: a T1 that stands still while the rig cools is no heater.
+        let known = || now.iter().flatten();
+        if known().count() == 0 || !known().all(unasked) {
             (s.too_hot, s.coldest, s.stuck_on) = (0.0, f32::MAX, false);
             return;
         }

@@ -177,10 +177,9 @@ impl Supervisor {
 
         let due = state.elapsed > self.learn_start || state.restored;
         match (state.mode, state.hazard) {
+            (Mode::Tripped(_), _) => {}
             (mode, Some(reason)) if mode.is_heating() || reason == TripReason::HeaterStuckOn => {
-                if !matches!(mode, Mode::Tripped(_)) {
-                    state.mode = Mode::Tripped(self.trip(reason, state, now));
-                }
+                state.mode = Mode::Tripped(self.trip(reason, state, now));
             }
             (Mode::Settle { steady }, _) => state.mode = self.settle(steady, blocker, due, state.restored),
             (Mode::Learn { accepted }, _) => {

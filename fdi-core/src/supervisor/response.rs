@@ -14,6 +14,8 @@ use crate::units::{Percent, Seconds};
 const FULL: f32 = 0.9;
 /// Power that is this much above what is needed may be noise and excitation, whatever its ratio, %.
 const LEAST_EXCESS: f32 = 8.0;
+/// T1 this much above the set-point is no lack of heat: the power is on its way down, degC.
+const ABOVE: f32 = 1.0;
 /// T1 rises if it has risen by this much within the time that excess power has, degC.
 const RISING: f32 = 2.0;
 
@@ -66,7 +68,9 @@ impl Response {
         if self.is_unanswered(state, t1, now.pid.0) {
             return Some(TripReason::NoResponse);
         }
-        self.is_excessive(state, t1, power, normal.power_for(now.setpoint)).then_some(TripReason::ExcessPower)
+        let needed =
+            normal.power_for(now.setpoint).filter(|_| !t1.is_some_and(|t1| t1 > now.setpoint.0 + ABOVE));
+        self.is_excessive(state, t1, power, needed).then_some(TripReason::ExcessPower)
     }
 
     fn is_unanswered(&self, state: &mut ResponseState, t1: Option<f32>, pid: f32) -> bool {

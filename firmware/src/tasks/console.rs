@@ -32,12 +32,14 @@ pub(crate) async fn console(tx: BufferedUartTx<'static>, rx: BufferedUartRx<'sta
     join(listen(rx, &waiting), answer(tx, &waiting, board)).await;
 }
 
-/// Takes bytes in as they come, and stops at once where one is a stop key.
+/// Takes bytes in as they come, and stops at once where one is a stop key. The driver (embassy-stm32 0.6.0) wakes the reader when
+/// the line falls idle, and misses that when it happens while it reads the byte before: a stop key would wait for the next
+/// key. So the reader also comes by itself.
 async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting) {
     let mut bytes = [0; 16];
     loop {
         // A line error (noise, overrun) loses bytes.
-        if let Ok(n) = rx.read(&mut bytes).await {
+        if let Either::First(Ok(n)) = select(rx.read(&mut bytes), Timer::after_millis(20)).await {
             let mut came = bytes.get(..n).unwrap_or_default();
             if let Some(key) = came.iter().rposition(|byte| line::is_stop_key(*byte)) {
                 stop();
@@ -45,13 +47,16 @@ async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting) {
                 waiting.clear();
                 came = came.get(key..).unwrap_or_default();
             }
-            // It takes what fits before its end, and the rest at its beginning.
-            while let Ok(taken) = waiting.try_write(came)
-                && taken > 0
-            {
-                came = came.get(taken..).unwrap_or_default();
-            }
+            keep(waiting, came);
         }
+    }
+}
+
+/// Keeps bytes for their turn, as far as there is room. One write ends where the ring does.
+fn keep(waiting: &Waiting, mut bytes: &[u8]) {
+    while !bytes.is_empty() {
+        let Ok(n) = waiting.try_write(bytes) else { return };
+        bytes = bytes.get(n..).unwrap_or_default();
     }
 }
 

@@ -74,7 +74,8 @@ fn an_open_interlock_is_proved_to_hold_the_output_off() {
 
 #[test]
 fn the_button_and_the_interlock_end_a_check_at_once() {
-    let ways: [(&str, fn(&mut Scene)); 2] =
+    type Way = fn(&mut Scene);
+    let ways: [(&str, Way); 2] =
         [("button", |scene| scene.board.button(true)), ("interlock", |scene| scene.board.interlock(false))];
     for (name, leave) in ways {
         let mut scene = scene(&[]);

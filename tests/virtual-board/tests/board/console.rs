@@ -112,3 +112,14 @@ fn an_order_that_nobody_carries_out_is_answered() {
     assert!(answer.contains("not carried out"), "{answer}");
     assert_eq!(scene.board.resets, [], "before the watchdog bites");
 }
+
+#[test]
+fn no_line_is_torn_however_many_came_before() {
+    let mut scene = at_rest();
+    for i in 0..100 {
+        // 7 and 13 bytes: many places of both meet the end of a ring of 256.
+        assert_eq!(scene.board.command("faults").expect("answers"), "none", "line {i}");
+        let answer = scene.board.command("get setpoint").expect("answers");
+        assert!(answer.starts_with("setpoint = "), "line {i}: {answer}");
+    }
+}

@@ -13,7 +13,7 @@ use host_sim::summary::Summary;
 const ONSET: f64 = 400.03;
 
 fn fault(verb: Verb, sensor: Option<Sensor>, size: f64, lag: Option<f64>, duration: f64) -> Fault {
-    Fault { name: String::new(), verb, sensor, size: Some(size), lag, at: ONSET, duration }
+    Fault { lag, ..Fault::new(verb, sensor, Some(size), ONSET, duration) }
 }
 
 fn scenario(faults: Vec<Fault>, duration: f64) -> Scenario {

@@ -11,7 +11,7 @@ use host_sim::summary::Summary;
 use indicatif::ProgressBar;
 
 fn fault(verb: Verb, sensor: Option<Sensor>, size: Option<f64>, at: f64, duration: f64) -> Fault {
-    Fault { name: String::new(), verb, sensor, size, lag: None, at, duration }
+    Fault::new(verb, sensor, size, at, duration)
 }
 
 fn run_with(faults: Vec<Fault>, actions: Vec<Action>, duration: f64, seed: u64) -> Record {
@@ -68,6 +68,15 @@ fn faults_of_t1_that_endanger_trip_in_the_same_tick() {
         let after = record.rows.iter().skip_while(|r| r.truth == 0);
         assert!(after.clone().all(|r| r.tick.drive.0 == 0.0), "{verb:?}: the trip latches");
         assert!(after.count() > 200);
+    }
+}
+
+#[test]
+fn nothing_heats_before_it_is_armed() {
+    let scenario = Scenario { duration: 8.0, arm_at: 5.0, faults: vec![], ..Scenario::default() };
+    let record = run(&Config::default(), &scenario, 1).unwrap();
+    for row in &record.rows {
+        assert_eq!(row.tick.mode.is_heating(), record.time(row.tick.index) >= 5.0, "tick {}", row.tick.index);
     }
 }
 

@@ -3,8 +3,8 @@
 use fdi_core::diagnosis::event::{Event, EventRules, EventState};
 use fdi_core::diagnosis::signature::{PAPER_DETECTION, PAPER_ISOLATION, Pattern, Symptom, Symptoms, Table};
 use fdi_core::{
-    AdcCode, Celsius, Command, Config, ConfigError, Instrument, Mode, RawSample, Refusal, TripReason,
-    Validity,
+    AdcCode, Celsius, Command, Config, ConfigError, Instrument, Mode, RawSample, Refusal, RetuneError,
+    TripReason, Validity,
 };
 
 const ROOM: f32 = 2160.0;
@@ -208,4 +208,107 @@ fn the_applied_power_is_what_counts() {
     let (last, applied) = seen.split_last().unwrap();
     assert!(applied.len() > 20 && applied.iter().all(|(power, applied, _)| power == applied));
     assert_eq!(last.0, last.2);
+}
+
+/// Ticks with codes for T1 and T2 until one trips, and what it tripped on; `None` if none of them does.
+fn first_trip(codes: &[(f32, f32)]) -> Option<(usize, TripReason)> {
+    let mut instrument = armed();
+    codes.iter().enumerate().find_map(|(k, &(t1, t2))| {
+        let tick = instrument.control(RawSample { t0: AdcCode(ROOM), t1: AdcCode(t1), t2: AdcCode(t2) });
+        match tick.mode {
+            Mode::Tripped(trip) => Some((k, trip.reason)),
+            _ => None,
+        }
+    })
+}
+
+#[test]
+fn hotter_than_the_limit_trips_in_its_tick_however_odd_the_reading_is() {
+    // 85 degC, and 111 to 200 degC and the rail, which are no longer plausible.
+    for code in [400.0, 200.0, 150.0, 100.0, 41.0, 30.0, 0.0] {
+        let t2 = [(ROOM, ROOM), (ROOM, ROOM), (ROOM, code)];
+        assert_eq!(first_trip(&t2), Some((2, TripReason::T2OverTemperature)), "T2 at {code}");
+        let t1 = first_trip(&[(ROOM, ROOM), (ROOM, ROOM), (code, ROOM)]);
+        assert_eq!(t1.map(|(k, _)| k), Some(2), "T1 at {code}: {t1:?}");
+    }
+    assert_eq!(
+        first_trip(&[(ROOM, ROOM), (ROOM, f32::NAN), (ROOM, 4094.0)]),
+        None,
+        "nothing read is not hot"
+    );
+}
+
+#[test]
+fn a_ramp_or_a_pattern_above_the_limit_trips_in_the_first_tick_above_it() {
+    let config = Config::default();
+    let sensor = fdi_core::sense::thermistor::Thermistor::new(&config.sensors.t1, 1).unwrap();
+    let code = |celsius: f32| sensor.code(Celsius(celsius)).0;
+    for step in [4.5, 6.0, 8.0, 10.0, 12.0, 15.0] {
+        let ramp: Vec<f32> = (0..20).map(|k| 25.0 + step * k as f32).collect();
+        let above = ramp.iter().position(|&t| t > 75.0).unwrap();
+        let codes: Vec<_> = ramp.iter().map(|&t| (code(t), code(25.0))).collect();
+        assert_eq!(first_trip(&codes), Some((above, TripReason::T1OverTemperature)), "{step} degC a tick");
+    }
+    let pattern: Vec<_> = [30.0, 30.0, 95.0, 29.0, 31.0].iter().map(|&t| (code(t), code(30.0))).collect();
+    assert_eq!(first_trip(&pattern), Some((2, TripReason::T1OverTemperature)));
+}
+
+#[test]
+fn a_trip_whose_cause_lasts_can_not_be_acknowledged() {
+    let mut instrument = armed();
+    let hot = RawSample { t0: AdcCode(ROOM), t1: AdcCode(ROOM), t2: AdcCode(10.0) };
+    instrument.control(hot);
+    assert_eq!(
+        instrument.command(Command::Acknowledge),
+        Err(Refusal::CausePersists(TripReason::T2OverTemperature))
+    );
+}
+
+#[test]
+fn no_limit_is_widened_while_the_heater_is_on() {
+    type Change = fn(&mut Config);
+    let widened: [(&str, Change); 8] = [
+        ("supervisor.over_temperature", |c| c.supervisor.over_temperature.0 = 100.0),
+        ("supervisor.min_air_flow", |c| c.supervisor.min_air_flow.0 = 0.0),
+        ("supervisor.max_disagreement", |c| c.supervisor.max_disagreement.0 = 50.0),
+        ("supervisor.response_time", |c| c.supervisor.response_time.0 = 600.0),
+        ("supervisor.go_on_without_t1", |c| c.supervisor.go_on_without_t1 = true),
+        ("plausibility.stuck_time", |c| c.plausibility.stuck_time.0 = 60.0),
+        ("sensors.t1", |c| c.sensors.t1.offset.0 = -15.0),
+        ("pid.output_max", |c| c.pid.output_max.0 = 100.0),
+    ];
+    let mut base = Config::default();
+    base.pid.output_max.0 = 80.0;
+    for (name, change) in widened {
+        let mut instrument = Instrument::new(&base).unwrap();
+        let mut config = base.clone();
+        change(&mut config);
+        instrument.retune(&config).unwrap_or_else(|e| panic!("{name}, off: {e}"));
+        instrument.retune(&base).unwrap();
+        instrument.command(Command::Arm).unwrap();
+        tick(&mut instrument, ROOM, 0);
+        let error = instrument.retune(&config).unwrap_err();
+        assert_eq!(error, RetuneError::Refused(Refusal::WidensLimit(name)));
+        instrument.command(Command::Stop).unwrap();
+        instrument.retune(&config).unwrap();
+        instrument.command(Command::Arm).unwrap();
+        let narrower = instrument.retune(&base);
+        assert!(narrower.is_ok() || name == "sensors.t1", "{name}: {narrower:?}");
+    }
+}
+
+#[test]
+fn settings_that_undo_each_other_are_refused_by_both_names() {
+    let refused = |change: fn(&mut Config)| {
+        let mut config = Config::default();
+        change(&mut config);
+        Instrument::new(&config).unwrap_err().to_string()
+    };
+    for text in [
+        refused(|c| c.plausibility.max.0 = 70.0),
+        refused(|c| c.supervisor.over_temperature.0 = 120.0),
+        refused(|c| c.supervisor.over_temperature.0 = 110.0),
+    ] {
+        assert!(text.contains("plausibility.max") && text.contains("supervisor.over_temperature"), "{text}");
+    }
 }

@@ -1,5 +1,7 @@
 //! The instrument: all that happens between reading the ADC and setting the PWM, in two halves.
 
+use core::fmt;
+
 use crate::config::Config;
 use crate::control::{Controller, ControllerState, Tick};
 use crate::diagnosis::baseline::Baseline;
@@ -33,6 +35,38 @@ pub struct Instrument {
     control_state: ControllerState,
     diagnosis_state: DiagnosisState,
 }
+
+/// Why new settings were not taken over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RetuneError {
+    /// One is out of bounds.
+    Config(ConfigError),
+    /// They are not to be put in force now.
+    Refused(Refusal),
+}
+
+impl From<ConfigError> for RetuneError {
+    fn from(error: ConfigError) -> Self {
+        Self::Config(error)
+    }
+}
+
+impl From<Refusal> for RetuneError {
+    fn from(refusal: Refusal) -> Self {
+        Self::Refused(refusal)
+    }
+}
+
+impl fmt::Display for RetuneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Config(error) => error.fmt(f),
+            Self::Refused(refusal) => refusal.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for RetuneError {}
 
 impl Instrument {
     /// Builds an instrument that is off.
@@ -73,10 +107,12 @@ impl Instrument {
     /// [`Command::SetPoint`]). What was learnt under other settings stays too; [`Command::Relearn`] renews it.
     ///
     /// # Errors
-    /// The first parameter that is out of bounds; nothing has changed then.
-    pub fn retune(&mut self, config: &Config) -> Result<(), ConfigError> {
+    /// The first parameter that is out of bounds, or that widens a limit while the heater is on; nothing has changed
+    /// then.
+    pub fn retune(&mut self, config: &Config) -> Result<(), RetuneError> {
         config.validate_sample_time()?;
         let controller = Controller::new(config)?;
+        self.controller.check_retune(&self.control_state, &controller)?;
         self.diagnosis = Diagnosis::new(config)?;
         self.controller = controller;
         Ok(())
@@ -90,7 +126,7 @@ impl Instrument {
     pub fn restore(&mut self, baseline: &Baseline) -> Result<(), ConfigError> {
         baseline.validate()?;
         self.diagnosis.restore(&mut self.diagnosis_state, baseline);
-        self.controller.restored(&mut self.control_state);
+        self.controller.restored(&mut self.control_state, baseline);
         Ok(())
     }
 

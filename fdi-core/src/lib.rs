@@ -21,7 +21,7 @@ pub use control::Tick;
 pub use diagnosis::Report;
 pub use error::ConfigError;
 pub use feedback::Feedback;
-pub use instrument::Instrument;
+pub use instrument::{Instrument, RetuneError};
 pub use parity::{FaultClass, Finding, ParityReport};
 pub use sense::{RawSample, Reading, Sample, Validity};
 pub use supervisor::{Command, Mode, Refusal, SupervisorConfig, Trip, TripReason};

@@ -4,11 +4,13 @@
 use core::fmt;
 
 use fdi_core::control::{Controller, ControllerState};
-use fdi_core::{AdcCode, Celsius, Command, Feedback, Percent, RawSample, Refusal, Tick};
+use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::{AdcCode, Celsius, Command, Feedback, Mode, Percent, RawSample, Refusal, Tick};
 
 use crate::cadence::Arrival;
 use crate::explain::Explained;
 use crate::interlock::{Hold, Interlock};
+use crate::self_test::{Ending, News, Output, Proof, SelfTest};
 
 /// The power output as the loop sees it.
 pub trait Heater {
@@ -26,6 +28,9 @@ pub trait Heater {
     fn break_is_open(&self) -> bool;
     /// What disabled the output, where the loop did not.
     fn cut_by(&self) -> Hold;
+    /// Enables the output and breaks it by the hardware that the break input acts on; whether that has disabled it. The
+    /// caller has set the power to zero and opened the contactor.
+    fn test_break(&mut self) -> bool;
 }
 
 /// What the other half asks of this one.
@@ -36,6 +41,36 @@ pub enum Order {
     Command(Command),
     /// New settings.
     Retune(Controller),
+    /// Begin the self-test.
+    Check,
+}
+
+/// An order without what it brings along.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Asked {
+    /// [`Order::Command`].
+    Command(Command),
+    /// [`Order::Retune`].
+    Settings,
+    /// [`Order::Check`].
+    Check,
+}
+
+impl Order {
+    /// Whether it switches the heater on.
+    pub fn heats(&self) -> bool {
+        matches!(self, Self::Check | Self::Command(Command::Arm))
+    }
+
+    /// What is asked for.
+    pub fn asked(&self) -> Asked {
+        match self {
+            Self::Command(command) => Asked::Command(*command),
+            Self::Retune(_) => Asked::Settings,
+            Self::Check => Asked::Check,
+        }
+    }
 }
 
 /// Why an order was not carried out.
@@ -48,6 +83,10 @@ pub enum Denial {
     Held(Hold),
     /// The interlock on the break input is open.
     BreakOpen,
+    /// No self-test has passed since the start.
+    Unchecked,
+    /// The self-test is under way.
+    Checking,
     /// The flash did not take the mark that tells of a power failure.
     NoMark,
     /// The control half has not said what became of the order.
@@ -62,6 +101,10 @@ impl fmt::Display for Denial {
             Self::BreakOpen => {
                 f.write_str("the interlock on the break input is open, expected it closed to ground")
             }
+            Self::Unchecked => f.write_str(
+                "no `check` has passed since the start, expected one; `set supervisor.check_before_arming false` waives it",
+            ),
+            Self::Checking => f.write_str("a check is under way, expected its end; `stop` ends it"),
             Self::NoMark => f.write_str(
                 "the flash did not take the mark of a power failure, expected `save` first to mend it",
             ),
@@ -76,8 +119,8 @@ impl fmt::Display for Denial {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Outcome {
-    /// The command; `None` for new settings.
-    pub command: Option<Command>,
+    /// The order.
+    pub asked: Asked,
     /// Whether it was carried out.
     pub result: Result<(), Denial>,
 }
@@ -100,6 +143,10 @@ pub struct Beat {
     pub hold: Option<Hold>,
     /// The order carried out or denied before this tick.
     pub outcome: Option<Outcome>,
+    /// What the self-test has to say.
+    pub news: Option<News>,
+    /// A self-test has passed since the start, and no other has begun.
+    pub checked: bool,
 }
 
 /// The code of "no sample".
@@ -115,18 +162,32 @@ pub struct ControlLoop {
     /// The loop wants the output enabled: if it is not, something cut it.
     driving: bool,
     applied: Percent,
+    /// The self-test, until it has told all.
+    check: Option<SelfTest>,
+    checked: bool,
+    /// The interlock's contact has kept the output off, or cut it.
+    seen_to_cut: bool,
 }
 
 impl ControlLoop {
     /// A loop that is off.
     pub fn new(controller: Controller, setpoint: Celsius, interlock: Interlock) -> Self {
         let state = controller.start(setpoint);
-        Self { controller, state, interlock, driving: false, applied: Percent(0.0) }
+        Self {
+            controller,
+            state,
+            interlock,
+            driving: false,
+            applied: Percent(0.0),
+            check: None,
+            checked: false,
+            seen_to_cut: false,
+        }
     }
 
     /// Hears that the other half has a baseline from an earlier life.
-    pub fn restored(&mut self) {
-        self.controller.restored(&mut self.state);
+    pub fn restored(&mut self, baseline: &Baseline) {
+        self.controller.restored(&mut self.state, baseline);
     }
 
     /// One tick. `feedback` is what the other half last reported.
@@ -142,12 +203,37 @@ impl ControlLoop {
         // Whoever orders a stop may have disabled the output already, rather than wait for this tick.
         let stopping = matches!(order, Some(Order::Command(Command::Stop)));
         if self.driving && !heater.is_enabled() && !stopping {
-            self.interlock.latch(heater.cut_by());
-            self.stop(heater);
+            let hold = heater.cut_by();
+            self.seen_to_cut |= hold == Hold::BreakInput;
+            self.interlock.latch(hold);
+            self.stop(Ending::Cut, heater);
         }
         let outcome = order.map(|order| self.carry_out(order, heater));
         let tick = self.controller.step(&mut self.state, raw);
-        self.actuate(&tick, heater);
+        let output = self.wanted(&tick, raw);
+        self.actuate(output, heater);
+        self.beat(raw, tick, arrival, outcome)
+    }
+
+    /// A tick that never began: the core sees a sample that is missing, so that its time goes on and a T1 missing for
+    /// too long trips. What drove the heater meanwhile is the power of the tick before.
+    pub fn missed(&mut self, arrival: Arrival, heater: &mut impl Heater) -> Beat {
+        let tick = self.controller.step(&mut self.state, NO_SAMPLE);
+        if let Some(check) = &mut self.check {
+            check.abort(Ending::MissedTick);
+        }
+        if !tick.mode.is_heating() {
+            self.actuate(Output::Off, heater);
+        }
+        let applied = if heater.is_enabled() { self.applied } else { Percent(0.0) };
+        Beat { applied, missed: true, ..self.beat(NO_SAMPLE, tick, arrival, None) }
+    }
+
+    fn beat(&mut self, raw: RawSample, tick: Tick, arrival: Arrival, outcome: Option<Outcome>) -> Beat {
+        let news = self.check.as_mut().and_then(SelfTest::news);
+        if self.check.as_ref().is_some_and(SelfTest::is_told) {
+            self.check = None;
+        }
         Beat {
             raw,
             tick,
@@ -156,47 +242,69 @@ impl ControlLoop {
             missed: false,
             hold: self.interlock.hold(),
             outcome,
+            news,
+            checked: self.checked,
         }
     }
 
-    /// A tick that never began: the core sees a sample that is missing, so that its time goes on and a T1 missing for
-    /// too long trips. What drove the heater meanwhile is the power of the tick before.
-    pub fn missed(&mut self, arrival: Arrival, heater: &mut impl Heater) -> Beat {
-        let tick = self.controller.step(&mut self.state, NO_SAMPLE);
-        if !tick.mode.is_heating() {
-            self.actuate(&tick, heater);
+    fn stop(&mut self, ending: Ending, heater: &mut impl Heater) {
+        self.actuate(Output::Off, heater);
+        if let Some(check) = &mut self.check {
+            check.abort(ending);
         }
-        let applied = if heater.is_enabled() { self.applied } else { Percent(0.0) };
-        Beat {
-            raw: NO_SAMPLE,
-            tick,
-            applied,
-            arrival,
-            missed: true,
-            hold: self.interlock.hold(),
-            outcome: None,
-        }
-    }
-
-    fn stop(&mut self, heater: &mut impl Heater) {
-        heater.disable();
-        heater.contactor(false);
-        self.driving = false;
-        self.applied = Percent(0.0);
         // Stop is possible in every mode.
         let _ = self.controller.command(&mut self.state, Command::Stop);
     }
 
     fn carry_out(&mut self, order: Order, heater: &mut impl Heater) -> Outcome {
-        match order {
+        let asked = order.asked();
+        let result = match order {
             Order::Retune(controller) => {
-                self.controller = controller;
-                Outcome { command: None, result: Ok(()) }
+                let result = self.controller.check_retune(&self.state, &controller);
+                if result.is_ok() {
+                    self.controller = controller;
+                    if let Some(check) = &mut self.check {
+                        check.abort(Ending::Settings);
+                    }
+                }
+                result.map_err(Denial::Refused)
             }
-            Order::Command(command) => {
-                Outcome { command: Some(command), result: self.command(command, heater) }
-            }
+            Order::Command(command) => self.command(command, heater),
+            Order::Check => self.begin_check(heater),
+        };
+        Outcome { asked, result }
+    }
+
+    fn is_checking(&self) -> bool {
+        self.check.as_ref().is_some_and(|check| check.ending().is_none())
+    }
+
+    /// Begins the self-test, with the proof that the interlock cuts; neither power nor contactor take part in that.
+    fn begin_check(&mut self, heater: &mut impl Heater) -> Result<(), Denial> {
+        let mode = self.controller.mode(&self.state);
+        if self.check.is_some() {
+            return Err(Denial::Checking);
         }
+        if *mode != Mode::Off {
+            return Err(Denial::Refused(Refusal::NotInMode(mode.name())));
+        }
+        if let Some(hold) = self.interlock.hold() {
+            return Err(Denial::Held(hold));
+        }
+        self.checked = false;
+        self.actuate(Output::Off, heater);
+        let proof = if heater.break_is_open() {
+            heater.enable();
+            if heater.is_enabled() { Proof::OpenButEnabled } else { Proof::OpenHolds }
+        } else if heater.test_break() {
+            Proof::Cuts { seen: self.seen_to_cut }
+        } else {
+            Proof::DoesNotCut
+        };
+        heater.disable();
+        self.seen_to_cut |= proof == Proof::OpenHolds;
+        self.check = Some(SelfTest::new(proof));
+        Ok(())
     }
 
     fn command(&mut self, command: Command, heater: &mut impl Heater) -> Result<(), Denial> {
@@ -208,6 +316,12 @@ impl ControlLoop {
                 if heater.break_is_open() {
                     return Err(Denial::BreakOpen);
                 }
+                if self.is_checking() {
+                    return Err(Denial::Checking);
+                }
+                if self.controller.checks_before_arming() && !self.checked {
+                    return Err(Denial::Unchecked);
+                }
             }
             Command::Acknowledge => {
                 let released = self.interlock.acknowledge();
@@ -216,27 +330,44 @@ impl ControlLoop {
                 let nothing_tripped = matches!(result, Err(Refusal::NotInMode(_)));
                 return if released && nothing_tripped { Ok(()) } else { result.map_err(Denial::Refused) };
             }
-            Command::Stop => self.stop(heater),
+            Command::Stop => self.stop(Ending::Stopped, heater),
             Command::Relearn | Command::SetPoint(_) | Command::Excite(_) => {}
         }
         self.controller.command(&mut self.state, command).map_err(Denial::Refused)
     }
 
-    /// The heater first gets its power and then its enable, so that an old power never shows.
-    fn actuate(&mut self, tick: &Tick, heater: &mut impl Heater) {
-        let heat = tick.mode.is_heating();
-        if heat {
-            heater.drive(tick.drive);
-            if !self.driving {
-                heater.contactor(true);
-                heater.enable();
-            }
-        } else {
+    /// What the output is to be until the next tick: the controller's drive, or the self-test's.
+    fn wanted(&mut self, tick: &Tick, raw: RawSample) -> Output {
+        if tick.mode.is_heating() {
+            return Output::On { power: tick.drive, contactor: true };
+        }
+        let Some(check) = self.check.as_mut().filter(|check| check.ending().is_none()) else {
+            return Output::Off;
+        };
+        let hazard = match tick.mode {
+            Mode::Tripped(trip) => Some(trip.reason),
+            _ => self.controller.hazard(&self.state),
+        };
+        let output = check.step(&tick.sample, &raw, hazard);
+        self.checked = check.ending() == Some(Ending::Passed);
+        output
+    }
+
+    /// The output first gets its power and then its enable, so that an old power never shows.
+    fn actuate(&mut self, output: Output, heater: &mut impl Heater) {
+        let Output::On { power, contactor } = output else {
             heater.disable();
             heater.contactor(false);
             heater.drive(Percent(0.0));
+            (self.driving, self.applied) = (false, Percent(0.0));
+            return;
+        };
+        heater.drive(power);
+        heater.contactor(contactor);
+        if !self.driving {
+            heater.enable();
         }
-        self.driving = heat;
-        self.applied = if heat && heater.is_enabled() { tick.drive } else { Percent(0.0) };
+        self.driving = true;
+        self.applied = if heater.is_enabled() && contactor { power } else { Percent(0.0) };
     }
 }

@@ -35,7 +35,10 @@ impl fmt::Display for Explained<'_, Refusal> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self.0 {
             Refusal::NotInMode(mode) => write!(f, "not possible in mode {mode}"),
-            Refusal::CausePersists(reason) => write!(f, "refused: {reason:?} persists"),
+            Refusal::CausePersists(reason) => write!(f, "refused, for it persists: {}", reason.words()),
+            Refusal::WidensLimit(name) => {
+                write!(f, "{name} can't be widened while the heater is on, expected `stop` first")
+            }
             Refusal::SetPoint { wanted, min, max } => {
                 let [wanted, min, max] = [wanted, min, max].map(Short);
                 write!(f, "set-point {wanted} degC refused, expected {min} to {max} degC")

@@ -3,16 +3,19 @@
 use core::fmt;
 
 use fdi_core::Sample;
-use fdi_core::parity::{Channel, FaultClass, Finding, Magnitude};
+use fdi_core::parity::{Channel, FaultClass, Finding, Magnitude, Pair};
 
 use crate::decimal::Fixed;
 
-/// A finding, to be shown. What should have been measured follows from what was and from the magnitude of the fault.
+/// A finding, to be shown. What should have been measured is what the models expect, or, of an offset, follows from what was
+/// measured and the magnitude of the fault.
 pub struct Told<'a> {
     /// The finding.
     pub finding: &'a Finding,
     /// What the thermistors read on its tick.
     pub sample: &'a Sample,
+    /// What T0, T1, T2 should read on its tick by the models, degC.
+    pub expected: [Option<f32>; 3],
     /// Ts in s.
     pub sample_time: f32,
 }
@@ -45,8 +48,8 @@ impl Told<'_> {
             FaultClass::T1Clogged => {
                 write!(f, "T1 sees {} % of the rise too {}", size(1), if up { "much" } else { "little" })?;
                 let room = self.sample.t0.celsius.0;
-                let rise = self.sample.t1.celsius.0 - room;
-                self.against(f, Channel::T1, room + rise / share.max(0.05))
+                let whole = room + (self.sample.t1.celsius.0 - room) / share;
+                self.against(f, Channel::T1, self.expected[1].unwrap_or(whole))
             }
             FaultClass::AirFlow => {
                 let way = if up { "stronger" } else { "weaker" };
@@ -62,7 +65,28 @@ impl Told<'_> {
                 let way = if up { "upwards" } else { "downwards" };
                 write!(f, "a thermistor drifts {way} by {} degC a minute, 0 expected", size(2))
             }
+            FaultClass::T1Detached => self.detached(f, Channel::T1, Some(m)),
+            FaultClass::T2Detached => self.detached(f, Channel::T2, Some(m)),
             _ => self.unsized_fault(f),
+        }
+    }
+
+    fn detached(&self, f: &mut fmt::Formatter<'_>, channel: Channel, m: Option<Magnitude>) -> fmt::Result {
+        let (name, other) = if channel == Channel::T1 { ("T1", "T2") } else { ("T2", "T1") };
+        match m {
+            Some(m) => {
+                let sees = Fixed((100.0 + m.value).max(0.0), 0);
+                write!(f, "{name} sees {sees} % of the rise: is it out of the tube?")?;
+            }
+            None => write!(f, "{name} does not see the rise that {other} sees: is it out of the tube?")?,
+        }
+        write!(f, " {} degC measured, ", Fixed(self.measured(channel), 1))?;
+        match self.expected[channel as usize] {
+            Some(expected) => write!(f, "{} expected", Fixed(expected, 1)),
+            None => {
+                let beside = if channel == Channel::T1 { Channel::T2 } else { Channel::T1 };
+                write!(f, "about {} expected, as {other} reads", Fixed(self.measured(beside), 1))
+            }
         }
     }
 
@@ -93,6 +117,28 @@ impl Told<'_> {
             FaultClass::Lost(c) => {
                 write!(f, "{} gives nothing that can be true: no temperature measured, one expected", name(c))
             }
+            FaultClass::T1Detached => self.detached(f, Channel::T1, None),
+            FaultClass::T2Detached => self.detached(f, Channel::T2, None),
+            FaultClass::Swapped(pair) => f.write_str(match pair {
+                Pair::T1T2 => {
+                    "T2 answers to the heater before T1, T1 expected first: are their wires swapped?"
+                }
+                Pair::T0T1 => {
+                    "T0 answers to the heater and T1 does not, the reverse expected: are their wires swapped?"
+                }
+                Pair::T0T2 => {
+                    "T0 answers to the heater and T2 does not, the reverse expected: are their wires swapped?"
+                }
+            }),
+            FaultClass::T0Fault => {
+                let [t0, t1, t2] =
+                    [Channel::T0, Channel::T1, Channel::T2].map(|c| Fixed(self.measured(c), 1));
+                write!(
+                    f,
+                    "T0 reads {t0} degC and is no warmer place than T1 and T2: {t1} and {t2} measured, "
+                )?;
+                f.write_str("a colder room expected")
+            }
             FaultClass::Unknown => f.write_str(
                 "temperatures are not as expected, and no single known fault explains what was measured",
             ),
@@ -111,7 +157,7 @@ impl Told<'_> {
     }
 }
 
-fn name(channel: Channel) -> &'static str {
+pub(crate) fn name(channel: Channel) -> &'static str {
     match channel {
         Channel::T0 => "T0",
         Channel::T1 => "T1",
@@ -144,7 +190,8 @@ mod tests {
         let sample = Sample { t0: reading(22.5), t1: reading(33.1), t2: reading(35.1) };
         let magnitude = magnitude.map(|(value, half_width)| Magnitude { value, half_width });
         let finding = Finding { class, confidence: 0.988, magnitude, onset: 3496 };
-        Told { finding: &finding, sample: &sample, sample_time: 0.11 }.to_string()
+        let expected = [Some(22.5), Some(49.6), None];
+        Told { finding: &finding, sample: &sample, expected, sample_time: 0.11 }.to_string()
     }
 
     #[test]
@@ -163,9 +210,19 @@ mod tests {
     #[test]
     fn a_clogged_sensor_is_told_with_the_rise_it_should_see() {
         assert!(told(FaultClass::T1Clogged, Some((-15.0, 0.8))).starts_with(
-            "T1 sees 15.0 (14.2 to 15.8) % of the rise too little: 33.1 degC measured, 35.0 expected;"
+            "T1 sees 15.0 (14.2 to 15.8) % of the rise too little: 33.1 degC measured, 49.6 expected;"
         ));
-        assert!(!told(FaultClass::T1Clogged, Some((-100.0, 1.0))).contains("huge"));
+    }
+
+    /// T1 reads what the room does: no share of it says what it should read.
+    #[test]
+    fn a_detached_sensor_is_held_against_the_models_or_the_other() {
+        assert!(told(FaultClass::T1Detached, Some((-98.7, 1.0))).starts_with(
+            "T1 sees 1 % of the rise: is it out of the tube? 33.1 degC measured, 49.6 expected;"
+        ));
+        assert!(told(FaultClass::T2Detached, None).starts_with(
+            "T2 does not see the rise that T1 sees: is it out of the tube? 35.1 degC measured, about 33.1 expected, as T1 reads;"
+        ));
     }
 
     #[test]
@@ -189,8 +246,13 @@ mod tests {
             told(FaultClass::AirFlow, Some((-10.0, 0.1))),
             told(FaultClass::HeaterPower, Some((10.0, 0.1))),
             told(FaultClass::Drift, Some((-3.0, 0.1))),
+            told(FaultClass::T0Fault, None),
+            told(FaultClass::T1Detached, None),
+            told(FaultClass::T1Detached, Some((-50.0, 0.1))),
+            told(FaultClass::T2Detached, None),
             told(FaultClass::Unknown, None),
         ];
+        all.extend([Pair::T1T2, Pair::T0T1, Pair::T0T2].map(|pair| told(FaultClass::Swapped(pair), None)));
         for channel in [T0, T1, T2] {
             let classes = [FaultClass::Stuck, FaultClass::Open, FaultClass::Short, FaultClass::Lost];
             all.extend(classes.map(|class| told(class(channel), None)));

@@ -115,8 +115,8 @@ impl fmt::Display for Shown<'_> {
                 let (Reading { celsius, validity }, code) = seen(trip);
                 write!(
                     f,
-                    "{tick} s trip: {:?}, {} degC ({validity:?}, code {}) seen, {wanted} degC wanted at T1",
-                    trip.reason,
+                    "{tick} s trip: {}; {} degC ({validity:?}, code {}) seen, {wanted} degC wanted at T1",
+                    trip.reason.words(),
                     Fixed(celsius.0, 1),
                     Fixed(code.0, 0)
                 )?;
@@ -124,11 +124,24 @@ impl fmt::Display for Shown<'_> {
                     TripReason::T1OverTemperature | TripReason::T2OverTemperature => {
                         write!(f, ", limit {} degC", Fixed(trip.limit.0, 1))
                     }
+                    TripReason::SensorsDisagree => {
+                        write!(f, ", T2 {} degC", Fixed(trip.sample.t2.celsius.0, 1))
+                    }
+                    TripReason::NoResponse | TripReason::ExcessPower => power(f, trip),
                     _ => Ok(()),
                 }
             }
             Entry::Hold { hold, tick } => write!(f, "{} s hold: {hold}", seconds(*tick)),
         }
+    }
+}
+
+/// The power, and what was needed.
+fn power(f: &mut fmt::Formatter<'_>, trip: &Trip) -> fmt::Result {
+    write!(f, ", power {} %", Fixed(trip.power.0, 1))?;
+    match trip.needed {
+        Some(needed) => write!(f, ", {} % needed by what was learnt", Fixed(needed.0, 1)),
+        None => Ok(()),
     }
 }
 
@@ -142,7 +155,7 @@ fn seen(trip: &Trip) -> (Reading, AdcCode) {
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::{Celsius, RawSample, Sample, Validity};
+    use fdi_core::{Celsius, Percent, RawSample, Sample, Validity};
 
     use super::*;
 
@@ -193,10 +206,14 @@ mod tests {
             sample: Sample { t0: reading(22.0), t1: reading(35.0), t2: reading(87.25) },
             setpoint: Celsius(35.0),
             limit: Celsius(75.0),
+            power: Percent(99.5),
+            needed: Some(Percent(41.7)),
         };
         let text = |trip| Shown { entry: &Entry::Trip(trip), sample_time: 0.11 }.to_string();
         let seen = "87.3 degC (Good, code 500) seen, 35.0 degC wanted at T1";
-        assert_eq!(text(trip), format!("11.0 s trip: T2OverTemperature, {seen}, limit 75.0 degC"));
+        assert_eq!(text(trip), format!("11.0 s trip: T2 is above the limit; {seen}, limit 75.0 degC"));
+        let excess = text(Trip { reason: TripReason::ExcessPower, ..trip });
+        assert!(excess.ends_with("power 99.5 %, 41.7 % needed by what was learnt"), "{excess}");
         let open = text(Trip { reason: TripReason::T1Open, ..trip });
         assert!(open.ends_with("35.0 degC wanted at T1"), "{open}");
     }

@@ -7,7 +7,7 @@ use core::fmt;
 use fdi_core::diagnosis::Verdict;
 use fdi_core::diagnosis::signature::{Symptom, Symptoms};
 use fdi_core::identify::observer::Observation;
-use fdi_core::parity::{Arming, Channel, Distrust, FaultClass, ParityReport};
+use fdi_core::parity::{Arming, Channel, Distrust, FaultClass, Pair, ParityReport};
 use fdi_core::supervisor::Blocker;
 use fdi_core::{AdcCode, Mode, Percent, RawSample, Report, Validity};
 
@@ -203,6 +203,7 @@ fn state(beat: &Beat, report: &Report) -> u32 {
         Some(Blocker::Unexcited) => 3,
         Some(Blocker::InvalidSample) => 4,
         Some(Blocker::NotSteady) => 5,
+        Some(Blocker::NotIdentified) => 6,
     };
     let sample = &beat.tick.sample;
     mode | validity(sample.t0.validity) << 4
@@ -286,6 +287,11 @@ fn number(class: FaultClass) -> u32 {
         FaultClass::Open(channel) => 10 + of(channel),
         FaultClass::Short(channel) => 11 + of(channel),
         FaultClass::Lost(channel) => 12 + of(channel),
+        FaultClass::T1Detached => 13,
+        FaultClass::T2Detached => 14,
+        FaultClass::Swapped(Pair::T1T2) => 15,
+        FaultClass::Swapped(Pair::T0T1) => 16,
+        FaultClass::Swapped(Pair::T0T2) => 17,
     }
 }
 

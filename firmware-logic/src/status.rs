@@ -9,6 +9,8 @@ use crate::cadence::Punctuality;
 use crate::control_loop::Beat;
 use crate::decimal::Fixed;
 use crate::interlock::Hold;
+use crate::led::Sign;
+use crate::self_test::Progress;
 
 /// Health of the board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,9 +35,34 @@ pub struct Status {
     pub last: Option<(Beat, Report)>,
     /// Health of the board.
     pub health: Health,
+    /// What the self-test has told so far.
+    pub check: Progress,
 }
 
 impl Status {
+    /// Whether a self-test has passed since the start.
+    pub fn is_checked(&self) -> bool {
+        self.last.as_ref().is_some_and(|(beat, _)| beat.checked)
+    }
+
+    /// Whether a trip or a hold keeps the heater off.
+    pub fn is_held(&self) -> bool {
+        let tripped = |(beat, _): &(Beat, Report)| matches!(beat.tick.mode, Mode::Tripped(_));
+        self.hold().is_some() || self.last.as_ref().is_some_and(tripped)
+    }
+
+    /// What the LED should say.
+    pub fn sign(&self) -> Sign {
+        let Some((_, report)) = &self.last else { return Sign::Off };
+        let faulty = report.parity.alarm || report.filtered.is_some_and(|verdict| verdict.fdv != 0);
+        match (self.is_held(), self.is_heating() || self.check.stage.is_some()) {
+            (true, _) => Sign::Held,
+            (false, true) if faulty => Sign::Alarm,
+            (false, true) => Sign::Heating,
+            (false, false) => Sign::Off,
+        }
+    }
+
     /// What holds the heater off.
     pub fn hold(&self) -> Option<Hold> {
         self.last.as_ref().and_then(|(beat, _)| beat.hold)
@@ -53,13 +80,16 @@ impl fmt::Display for Status {
         let tick = &beat.tick;
         write!(f, "mode {}", tick.mode.name())?;
         if let Mode::Tripped(trip) = tick.mode {
-            write!(f, " ({:?}), `ack` when its cause has gone", trip.reason)?;
+            write!(f, " ({}), `ack` when its cause has gone", trip.reason.words())?;
         }
         if let Some(hold) = beat.hold {
             write!(f, ", heater held off: {hold}; `ack` to release")?;
         }
+        if let Some(stage) = self.check.stage {
+            write!(f, ", check under way: {}, {} findings", stage.name(), self.check.findings.len())?;
+        }
         if let Some(blocker) = tick.blocked {
-            write!(f, ", not learning: {blocker:?}")?;
+            write!(f, ", not learning: {}", blocker.words())?;
         }
         let sample = &tick.sample;
         let [t0, t1, t2] = [sample.t0, sample.t1, sample.t2].map(Shown);

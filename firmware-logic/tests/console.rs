@@ -5,11 +5,13 @@ use core::pin::pin;
 use core::task::{Context, Poll, Waker};
 
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::{Command, Config};
+use fdi_core::parity::Channel;
+use fdi_core::{Celsius, Command, Config};
 use firmware_logic::console::{ANSWER, ApplyError, Board, Console, line};
 use firmware_logic::control_loop::Denial;
 use firmware_logic::history::Entry;
 use firmware_logic::interlock::Hold;
+use firmware_logic::self_test::{Ending, Finding, News, Progress, Stage};
 use firmware_logic::settings::store::SaveError;
 use firmware_logic::settings::stored::check;
 use firmware_logic::status::Status;
@@ -22,6 +24,7 @@ struct Mock {
     config: Config,
     held: Option<Hold>,
     heating: bool,
+    progress: Progress,
 }
 
 impl Board for Mock {
@@ -35,6 +38,14 @@ impl Board for Mock {
             }
             _ => Ok(()),
         }
+    }
+    async fn check(&mut self) -> Result<(), Denial> {
+        self.asked.push("check".into());
+        self.progress.hear(News::Stage(Stage::Rest));
+        Ok(())
+    }
+    fn progress(&self) -> Progress {
+        self.progress.clone()
     }
     fn stop(&mut self) {
         self.asked.push("stop".into());
@@ -149,8 +160,47 @@ fn the_longest_answers_fit() {
 #[test]
 fn typing_is_shown_and_can_be_corrected() {
     let mut board = Mock::default();
-    assert_eq!(type_in(&mut board, b"ar\x7frm\n"), "ar\x08 \x08rm\nok\n> ");
+    assert_eq!(type_in(&mut board, b"ar\x7frm\n"), "ar\x08 \x08rm\nok, armed without a check\n> ");
     assert_eq!(board.asked, ["Arm"]);
+}
+
+#[test]
+fn a_stop_key_stops_at_once_and_the_line_it_came_in_does_nothing() {
+    for key in [0x03, 0x1B, b'!'] {
+        let mut board = Mock { heating: true, ..Mock::default() };
+        let shown = type_in(&mut board, &[b'a', b'r', key]);
+        assert_eq!(board.asked, ["stop"], "before any line end");
+        assert!(shown.ends_with("forgotten\n> "), "{shown:?}");
+        type_in(&mut board, b"m\n");
+        assert_eq!(board.asked, ["stop"], "\"m\" is no command");
+    }
+}
+
+#[test]
+fn a_check_is_followed_while_it_is_under_way() {
+    let (mut board, mut console, mut shown) = (Mock::default(), Console::default(), String::new());
+    assert!(answer(&mut board, "check").starts_with("ok"));
+    let mut follow = |board: &Mock, console: &mut Console| {
+        shown.clear();
+        console.follow(board, &mut shown);
+        shown.clone()
+    };
+    assert_eq!(follow(&board, &mut console), "\ncheck: thermistors at rest\n> ");
+    assert_eq!(follow(&board, &mut console), "", "nothing new");
+    board.config.sensors.t2.offset = Celsius(0.5);
+    board.progress.hear(News::Found(Finding::Offset(Channel::T2, 1.25)));
+    board.progress.hear(News::Found(Finding::Unheated));
+    let told = follow(&board, &mut console);
+    assert!(
+        told.contains("T2 reads 1.25 degC from") && told.contains("`set sensors.t2.offset -0.75`"),
+        "{told}"
+    );
+    assert!(told.contains("\nno thermistor answers"), "{told}");
+    board.progress.hear(News::Ended(Ending::Failed(1)));
+    assert_eq!(follow(&board, &mut console), "\ncheck failed: 1 finding\n> ");
+    board.progress.hear(News::Stage(Stage::Rest));
+    assert_eq!(board.progress.findings, [], "another check begins with nothing");
+    assert_eq!(follow(&board, &mut console), "\ncheck: thermistors at rest\n> ");
 }
 
 #[test]
@@ -168,12 +218,13 @@ proptest! {
     fn garbage_never_heats(garbage in proptest::collection::vec(any::<u8>(), 0..300)) {
         prop_assume!(!String::from_utf8_lossy(&garbage).contains("arm"));
         let mut board = Mock::default();
+        let stops = 1 + garbage.iter().filter(|byte| line::is_stop_key(**byte)).count();
         let mut bytes = garbage;
         bytes.extend(b"\nstop\n");
         let shown = type_in(&mut board, &bytes);
         prop_assert!(!board.heating);
         prop_assert!(shown.ends_with("stop\nstopped\n> "), "{:?}", shown);
-        prop_assert_eq!(board.asked, ["stop"]);
+        prop_assert_eq!(board.asked, vec!["stop"; stops]);
     }
 
     /// Words of the console in any order: settings stay valid whatever is typed.

@@ -14,6 +14,8 @@ use firmware_logic::checkin::Task;
 use firmware_logic::console::{ApplyError, Board};
 use firmware_logic::control_loop::{Beat, Denial, Order, Outcome};
 use firmware_logic::history::{Entry, History};
+use firmware_logic::led::Sign;
+use firmware_logic::self_test::Progress;
 use firmware_logic::settings::store::{SaveError, Store};
 use firmware_logic::settings::stored::{Stored, check};
 use firmware_logic::status::{Health, Status};
@@ -57,6 +59,9 @@ impl Instrument {
         if !beat.missed {
             punctuality.count(&beat.arrival);
         }
+        if let Some(news) = beat.news {
+            status.check.hear(news);
+        }
         status.last = Some((beat, report));
     }
 
@@ -90,11 +95,19 @@ impl Instrument {
         self.status.borrow().is_heating()
     }
 
+    /// Whether a self-test is under way.
+    pub(crate) fn is_checking(&self) -> bool {
+        self.status.borrow().check.stage.is_some()
+    }
+
     /// Whether something holds the heater off.
     pub(crate) fn is_held(&self) -> bool {
-        let status = self.status.borrow();
-        let tripped = |(beat, _): &(Beat, Report)| matches!(beat.tick.mode, fdi_core::Mode::Tripped(_));
-        status.hold().is_some() || status.last.as_ref().is_some_and(tripped)
+        self.status.borrow().is_held()
+    }
+
+    /// What the LED should say.
+    pub(crate) fn sign(&self) -> Sign {
+        self.status.borrow().sign()
     }
 
     /// How it is, health included.
@@ -125,21 +138,24 @@ impl Instrument {
     }
 
     async fn order_and_wait(&self, order: Order) -> Result<(), Denial> {
-        let command = match &order {
-            Order::Command(command) => Some(*command),
-            Order::Retune(_) => None,
-        };
+        let asked = order.asked();
         self.outcomes.reset(); // of an order that nobody waits for any more
         while !self.post(order.clone()) {
             Timer::after_millis(10).await; // the button's order is before it
         }
         loop {
             let outcome = self.outcomes.wait().await;
-            if outcome.command == command {
+            if outcome.asked == asked {
                 return outcome.result;
             }
         }
     }
+}
+
+/// Heater off, at once. First said and then done, so that the control task knows whose hand it was.
+pub(crate) fn stop() {
+    link::STOP.store(true, Ordering::Relaxed);
+    heater::cut();
 }
 
 /// What the console works on.
@@ -160,8 +176,9 @@ impl ConsoleBoard {
         }
     }
 
+    /// Also in a check, whose next pulse may come while the flash stalls the core.
     fn may_heat(&self) -> bool {
-        self.instrument.is_heating() || heater::is_enabled()
+        self.instrument.is_heating() || self.instrument.is_checking() || heater::is_enabled()
     }
 
     async fn mark(&mut self, stands: bool) -> Result<(), SaveError> {
@@ -187,10 +204,16 @@ impl Board for ConsoleBoard {
         self.instrument.order(Order::Command(command)).await
     }
 
+    async fn check(&mut self) -> Result<(), Denial> {
+        self.instrument.order(Order::Check).await
+    }
+
+    fn progress(&self) -> Progress {
+        self.instrument.status.borrow().check.clone()
+    }
+
     fn stop(&mut self) {
-        // First said and then done, so that the control task knows whose hand it was.
-        link::STOP.store(true, Ordering::Relaxed);
-        heater::cut();
+        stop();
     }
 
     fn status(&self) -> Status {

@@ -7,10 +7,11 @@ use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::event::Event;
 use fdi_core::{Command, Config};
 use firmware_logic::alarm::Alarm;
-use firmware_logic::control_loop::Outcome;
+use firmware_logic::control_loop::{Asked, Outcome};
 use firmware_logic::history::{Entry, Shown};
 use firmware_logic::reset_cause::ResetCause;
 use firmware_logic::retained::Retained;
+use firmware_logic::self_test::News;
 use firmware_logic::settings::schema::Name;
 use firmware_logic::settings::store::Origin;
 use firmware_logic::status::Status;
@@ -86,18 +87,34 @@ pub(crate) fn baseline(baseline: &Baseline) {
 }
 
 /// What became of an order before a tick.
-pub(crate) fn outcome(tick: u32, outcome: &Outcome) {
+pub(crate) fn outcome(tick: u32, outcome: &Outcome, checked: bool) {
     if let Err(denial) = outcome.result {
         return defmt::warn!("denied {=u32} {=str}", tick, text(format_args!("{denial}")));
     }
-    match outcome.command {
-        None => defmt::info!("order {=u32} settings", tick),
-        Some(Command::Arm) => defmt::info!("order {=u32} arm", tick),
-        Some(Command::Stop) => defmt::info!("order {=u32} stop", tick),
-        Some(Command::Acknowledge) => defmt::info!("order {=u32} ack", tick),
-        Some(Command::Relearn) => defmt::info!("order {=u32} relearn", tick),
-        Some(Command::SetPoint(wanted)) => defmt::info!("order {=u32} setpoint {=f32}", tick, wanted.0),
-        Some(Command::Excite(on)) => defmt::info!("order {=u32} excite {=bool}", tick, on),
+    let command = match outcome.asked {
+        Asked::Command(command) => command,
+        Asked::Settings => return defmt::info!("order {=u32} settings", tick),
+        Asked::Check => return, // its news follow, and it is nothing to the core
+    };
+    match command {
+        Command::Arm => defmt::info!("order {=u32} arm", tick),
+        Command::Stop => defmt::info!("order {=u32} stop", tick),
+        Command::Acknowledge => defmt::info!("order {=u32} ack", tick),
+        Command::Relearn => defmt::info!("order {=u32} relearn", tick),
+        Command::SetPoint(wanted) => defmt::info!("order {=u32} setpoint {=f32}", tick, wanted.0),
+        Command::Excite(on) => defmt::info!("order {=u32} excite {=bool}", tick, on),
+    }
+    if command == Command::Arm && !checked {
+        defmt::warn!("armed without a check");
+    }
+}
+
+/// What the self-test says.
+pub(crate) fn check(news: News) {
+    match news {
+        News::Stage(stage) => defmt::info!("check: {=str}", stage.name()),
+        News::Found(finding) => defmt::warn!("check: {=str}", text(format_args!("{finding}"))),
+        News::Ended(ending) => defmt::info!("{=str}", text(format_args!("{ending}"))),
     }
 }
 

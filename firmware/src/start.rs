@@ -65,7 +65,7 @@ fn start(spawner: Spawner) {
     let mut control = ControlLoop::new(controller, config.setpoint, interlock);
     if let Some(baseline) = &baseline {
         log::baseline(baseline);
-        control.restored();
+        control.restored(baseline);
     }
 
     static INSTRUMENT: StaticCell<Instrument> = StaticCell::new();

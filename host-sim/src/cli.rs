@@ -133,8 +133,10 @@ pub struct RepeatArgs {
 
 /// The board's line console, against the simulated rig.
 ///
-/// On a terminal time passes as on the board. From a pipe it stands still but for the extra command `wait SECONDS`:
-/// printf 'arm\nwait 400\nstatus\nfaults\n' | host-sim console
+/// On a terminal time passes as on the board. From a pipe it stands still but for `wait SECONDS` and for a `check`, which
+/// ends before the next line is read:
+/// printf 'check\narm\nwait 400\nstatus\nfaults\n' | host-sim console
+/// `wire swap t1 t2` and others wire the rig wrongly, `fault offset t2 1.5 25` and others let something happen: see `help`.
 #[derive(Clone, Debug, Args)]
 #[command(verbatim_doc_comment)]
 pub struct ConsoleArgs {

@@ -1,6 +1,6 @@
 //! What the parity diagnosis should say of what happens to the rig.
 
-use fdi_core::parity::{Channel, FaultClass};
+use fdi_core::parity::{Channel, FaultClass, Pair};
 
 use crate::fault::{Fault, Sensor, Verb};
 
@@ -29,12 +29,26 @@ impl Fault {
             (Verb::Clog, Some(T1)) => Some(FaultClass::T1Clogged),
             (Verb::Clog, Some(T2)) => Some(FaultClass::Unknown),
             (Verb::Drift, Some(_)) => Some(FaultClass::Drift),
-            (Verb::Stuck, channel) => channel.map(FaultClass::Stuck),
+            (Verb::Detach, Some(T1)) => Some(FaultClass::T1Detached),
+            (Verb::Detach, _) => Some(FaultClass::T2Detached),
+            (Verb::Swap, _) => self.pair().map(FaultClass::Swapped),
+            (Verb::Stuck | Verb::Freeze, channel) => channel.map(FaultClass::Stuck),
             (Verb::Open, channel) => channel.map(FaultClass::Open),
             (Verb::Short, channel) => channel.map(FaultClass::Short),
             (Verb::Missing, channel) if self.size == Some(1.0) => channel.map(FaultClass::Lost),
             (Verb::Offset | Verb::Clog | Verb::Drift | Verb::Missing, _) => None,
             (Verb::Spike | Verb::Room | Verb::RoomDrift, _) => None,
+        }
+    }
+
+    /// The two that are exchanged.
+    fn pair(&self) -> Option<Pair> {
+        use Sensor::{T0, T1, T2};
+        match (self.sensor?, self.with?) {
+            (T1, T2) | (T2, T1) => Some(Pair::T1T2),
+            (T0, T1) | (T1, T0) => Some(Pair::T0T1),
+            (T0, T2) | (T2, T0) => Some(Pair::T0T2),
+            (T0, T0) | (T1, T1) | (T2, T2) => None,
         }
     }
 
@@ -61,7 +75,7 @@ mod tests {
     use super::*;
 
     fn fault(verb: Verb, sensor: Option<Sensor>, size: Option<f64>) -> Fault {
-        Fault { name: String::new(), verb, sensor, size, lag: None, at: 1.0, duration: 1.0 }
+        Fault::new(verb, sensor, size, 1.0, 1.0)
     }
 
     #[test]
@@ -78,9 +92,23 @@ mod tests {
             (Verb::Drift, Some(T2), Some(3.0), FaultClass::Drift, Some(3.0)),
             (Verb::Stuck, Some(T2), None, FaultClass::Stuck(Channel::T2), None),
             (Verb::Missing, Some(T1), Some(1.0), FaultClass::Lost(Channel::T1), None),
+            (Verb::Detach, Some(T1), Some(0.5), FaultClass::T1Detached, None),
+            (Verb::Detach, Some(T2), Some(1.0), FaultClass::T2Detached, None),
+            (Verb::Freeze, Some(T1), Some(2.0), FaultClass::Stuck(Channel::T1), None),
         ] {
             let fault = fault(verb, sensor, size);
             assert_eq!((fault.expected_class(), fault.true_magnitude()), (Some(class), magnitude));
+        }
+    }
+
+    #[test]
+    fn an_exchange_is_the_same_from_either_side() {
+        use Sensor::{T0, T1, T2};
+        for (a, b, pair) in [(T1, T2, Pair::T1T2), (T0, T1, Pair::T0T1), (T0, T2, Pair::T0T2)] {
+            for (sensor, with) in [(a, b), (b, a)] {
+                let swap = Fault { with: Some(with), ..fault(Verb::Swap, Some(sensor), None) };
+                assert_eq!(swap.expected_class(), Some(FaultClass::Swapped(pair)));
+            }
         }
     }
 

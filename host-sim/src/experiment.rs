@@ -169,24 +169,25 @@ pub fn with_prbs_phase(config: &Config, seed: u64) -> Config {
     config
 }
 
-/// Runs a scenario on any backend: it is armed at the first tick.
+/// Runs a scenario on any backend.
 pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, seed: u64) -> Record {
     let mut rows = Vec::new();
     let started = Instant::now();
-    let refused = drive(backend, config, scenario, seed, |row| rows.push(row));
+    let refused = drive(backend, config, scenario, seed, |row, _| rows.push(row));
     let origin = Origin::Simulated { seed, wander: scenario.wander };
     let record = Record::new(origin, config, &scenario.faults, rows, backend.baseline(), started.elapsed());
     Record { refused, ..record }
 }
 
-/// The same without a record: `see` gets each tick, so that a run may be of any length. Returns the commands that were
+/// The same without a record: `see` gets each tick, so that a run may be of any length, and for scores the rig that gave
+/// it, which moves on only then. Returns the commands that were
 /// refused, with the time and the reason.
 pub fn drive(
     backend: &mut impl Backend,
     config: &Config,
     scenario: &Scenario,
     seed: u64,
-    mut see: impl FnMut(Row),
+    mut see: impl FnMut(Row, &Rig),
 ) -> Vec<(f64, String)> {
     let sample_time = as_written(config.sample_time.0);
     let ticks = (scenario.duration / sample_time).floor() as u32;
@@ -198,17 +199,22 @@ pub fn drive(
             refused.push((t, reason));
         }
     };
-    obey(backend, Command::Arm, 0.0);
+    let mut armed = false;
     for index in 0..ticks {
         let t = f64::from(index) * sample_time;
+        if !armed && t >= scenario.arm_at {
+            armed = true;
+            obey(backend, Command::Arm, t);
+        }
         while let Some((_, command)) = commands.next_if(|(at, _)| *at <= t) {
             obey(backend, command, t);
         }
         let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));
         let tick = backend.control(RawSample { t0, t1, t2 });
-        rig.advance(f64::from(tick.drive.0));
         let report = backend.diagnose(&tick);
-        see(Row { tick, report, truth: truth(&scenario.faults, t) });
+        let drive = f64::from(tick.drive.0);
+        see(Row { tick, report, truth: truth(&scenario.faults, t) }, &rig);
+        rig.advance(drive);
     }
     refused
 }

@@ -15,6 +15,8 @@ use crate::rig::{RigConfig, Wander};
 pub struct Scenario {
     /// Length, s.
     pub duration: f64,
+    /// The instrument is armed at this time, s: until then it sees the rig cold.
+    pub arm_at: f64,
     /// How much the surroundings move.
     pub wander: Wander,
     /// Constants of the rig.
@@ -85,6 +87,7 @@ impl Default for Scenario {
     fn default() -> Self {
         Self {
             duration: 850.0,
+            arm_at: 0.0,
             wander: Wander::default(),
             rig: RigConfig::default(),
             faults: paper_sequence(),
@@ -101,6 +104,8 @@ impl Scenario {
     pub fn validate(&self) -> anyhow::Result<()> {
         let d = self.duration;
         ensure!((1.0..=1e5).contains(&d), "duration is {d}, expected 1 to 100000 s");
+        let at = self.arm_at;
+        ensure!((0.0..=1e5).contains(&at), "arm_at is {at}, expected 0 to 100000 s");
         self.rig.validate()?;
         for (i, fault) in self.faults.iter().enumerate() {
             fault.validate(&format!("fault {}", i + 1))?;
@@ -219,6 +224,21 @@ mod tests {
             ("[[fault]]\ndo = \"offset\"\nsize = 1\nat = 1\nfor = 1", ["sensor", "t0, t1 or t2"]),
             ("[[fault]]\ndo = \"air-flow\"\nat = 1\nfor = 1", ["size", "times the nominal flow"]),
             ("[[fault]]\ndo = \"open\"\nsensor = \"t1\"\nat = 1\nfor = 0", ["for is 0", "more than 0 s"]),
+            (
+                "[[fault]]\ndo = \"detach\"\nsensor = \"t0\"\nsize = 1\nat = 1\nfor = 1",
+                ["sensor is t0", "t1 or t2"],
+            ),
+            (
+                "[[fault]]\ndo = \"detach\"\nsensor = \"t1\"\nsize = 1.5\nat = 1\nfor = 1",
+                ["size is 1.5", "0 to 1"],
+            ),
+            ("[[fault]]\ndo = \"swap\"\nsensor = \"t1\"\nat = 1\nfor = 1", ["`with`", "the other sensor"]),
+            (
+                "[[fault]]\ndo = \"swap\"\nsensor = \"t1\"\nwith = \"t1\"\nat = 1\nfor = 1",
+                ["the same", "two sensors"],
+            ),
+            ("[[fault]]\ndo = \"stuck\"\nsensor = \"t1\"\nover = 3\nat = 1\nfor = 1", ["over = 3", "detach"]),
+            ("arm_at = -1", ["arm_at is -1", "0 to 100000 s"]),
             ("[rig]\ngain = -1", ["rig.gain is -1", "0.001 to 100"]),
             ("[[action]]\nat = 3", ["action 1", "setpoint"]),
             ("[[action]]\nat = 3\nexcite = true\nover = 5", ["action 1", "over is 5"]),

@@ -256,7 +256,8 @@ fn told(record: &Record, fault: &Fault, verdict: Option<&str>) -> Option<String>
 
 /// What a finding says on the tick of `row`.
 pub fn sentence(record: &Record, row: &Row, finding: &Finding) -> String {
-    Told { finding, sample: &row.tick.sample, sample_time: record.sample_time as f32 }.to_string()
+    let (sample, expected) = (&row.tick.sample, row.report.parity.expected);
+    Told { finding, sample, expected, sample_time: record.sample_time as f32 }.to_string()
 }
 
 /// Times that each alarm rises while nothing acts that it should report, nor has shortly before.

@@ -181,7 +181,7 @@ fn why_not_learnt(record: &Record) -> String {
     let last = record.rows.iter().rev().find_map(|row| row.tick.blocked);
     let mode = record.rows.last().map_or("off", |row| row.tick.mode.name());
     match last {
-        Some(blocker) => format!("mode {mode} at the end; learning was refused: {blocker:?}"),
+        Some(blocker) => format!("mode {mode} at the end; learning was refused: {}", blocker.words()),
         None => format!("mode {mode} at the end; the run is shorter than the learning window"),
     }
 }

@@ -125,6 +125,9 @@ fn a_wrong_definition_names_the_cell_and_the_key() {
         (SMALL.replace("phase = 60.0", "config = { pid = { kq = 1 } }"), vec!["fault/afs2", "kq"]),
         (SMALL.replace("phase = 60.0", "config = { pid = { kp = -1 } }"), vec!["fault/afs2", "pid.kp is -1"]),
         (SMALL.replace("first-right", "first"), vec!["line", "first-right"]),
+        (SMALL.replace("phase = 60.0", "room = [30.0, 5.0]"), vec!["fault/afs2", "room is [30, 5]", "lower"]),
+        (SMALL.replace("phase = 60.0", "setpoint = [25.0, 95.0]"), vec!["fault/afs2", "setpoint is 95"]),
+        (SMALL.replace("phase = 60.0", "may_trip = [\"t1_opn\"]"), vec!["line 6", "may_trip", "t1_open"]),
     ];
     for (i, (text, words)) in cases.into_iter().enumerate() {
         let (dir, file) = folder(&format!("wrong-{i}"), &text);
@@ -161,6 +164,61 @@ fn one_run_can_be_looked_at() {
     assert!(summary.contains("\"seed\": 502"), "{summary}");
     let error = fails(&["show", "afs2", &file]);
     assert!(error.contains("fault/afs2 -1.5"), "{error}");
+}
+
+/// Two rigs, a case that trips and one that heats on.
+const RUNAWAY: &str = r#"
+[[plant]]
+name = "weak"
+rig = { gain = 0.25 }
+[[plant]]
+name = "usual"
+[[cell]]
+name = "runaway/t1 open"
+runs = 2
+duration = 20.0
+may_trip = ["t1_open"]
+plants = ["weak", "usual"]
+fault = [{ do = "open", sensor = "t1", at = 10.0, for = 99.0 }]
+[[cell]]
+name = "runaway/t2 open"
+runs = 2
+duration = 20.0
+plants = ["weak", "usual"]
+fault = [{ do = "open", sensor = "t2", at = 10.0, for = 99.0 }]
+[[target]]
+cells = "runaway/t1 open*"
+each = true
+measure = "off-delay-max"
+at_most = 0.25
+[[target]]
+cells = "runaway/t2 open*"
+measure = "off-delay-max"
+at_most = 0.25
+[[target]]
+cells = "runaway/*"
+measure = "tripped-otherwise"
+at_most = 0.0
+[[target]]
+cells = "runaway/*"
+measure = "tripped"
+at_most = 50.0
+"#;
+
+#[test]
+fn runaway_cells_have_a_table_of_their_own() {
+    let (dir, file) = folder("runaway", RUNAWAY);
+    let told = succeeds(&[&file, "--out", dir.to_str().unwrap()]);
+    assert!(told.contains("Targets: 3 of 4 met") && told.contains("runaway.md"), "{told}");
+    let read = |name| std::fs::read_to_string(dir.join(name)).expect(name);
+    let table = read("runaway.md");
+    assert!(table.contains("| case | weak | usual |"), "{table}");
+    let row = table.lines().find(|line| line.starts_with("| t1 open |")).unwrap();
+    assert_eq!(row.matches(" s; t1_open").count(), 2, "{row}");
+    let row = table.lines().find(|line| line.starts_with("| t2 open |")).unwrap();
+    assert_eq!(row.matches("; never off |").count(), 2, "{row}");
+    assert!(!read("tables.md").contains("\n| runaway/"), "told once");
+    assert!(read("runs.csv").lines().next().unwrap().contains("overshoot_max_c,trip,tripped_s,off_delay_s"));
 }
 
 /// One nominal fault, something that must not alarm, and time in which nothing is done.

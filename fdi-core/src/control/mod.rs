@@ -4,11 +4,14 @@ pub mod pid;
 pub mod prbs;
 
 use crate::config::Config;
+use crate::diagnosis::baseline::Baseline;
 use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::sense::{RawSample, Sample, Sensing, SensingState, Validity};
-use crate::supervisor::{Blocker, Command, Mode, Refusal, Regulated, Situation, Supervisor, SupervisorState};
+use crate::supervisor::{
+    Blocker, Command, Mode, Refusal, Regulated, Situation, Supervisor, SupervisorState, TripReason,
+};
 use crate::units::{Celsius, Percent};
 use pid::{Pid, PidState};
 use prbs::{Prbs, PrbsState};
@@ -40,6 +43,8 @@ pub struct Tick {
     pub learn: bool,
     /// Why it does not, while learning is due.
     pub blocked: Option<Blocker>,
+    /// What was learnt before is to be forgotten: [`Command::Relearn`] was carried out.
+    pub forget: bool,
 }
 
 /// The validated first half of a tick.
@@ -67,7 +72,8 @@ pub struct ControllerState {
     feedback: Feedback,
     /// The stand-in for T1 was regulated on the tick before.
     stood_in: bool,
-    /// What the tick before did: its excitation after saturation, and whether the sum was cut.
+    /// What the tick before did: what the PID asked for, its excitation after saturation, and whether the sum was cut.
+    asked: Percent,
     excitation: Percent,
     saturated: bool,
 }
@@ -100,9 +106,25 @@ impl Controller {
             excite: true,
             feedback: Feedback::default(),
             stood_in: false,
+            asked: Percent(0.0),
             excitation: Percent(0.0),
             saturated: false,
         }
+    }
+
+    /// Whether a board must have passed its self-test before it arms.
+    pub fn checks_before_arming(&self) -> bool {
+        self.supervisor.checks_before_arming()
+    }
+
+    /// The mode.
+    pub fn mode<'a>(&self, state: &'a ControllerState) -> &'a Mode {
+        self.supervisor.mode(&state.supervisor)
+    }
+
+    /// What would trip, whatever the mode; as of the last tick.
+    pub fn hazard(&self, state: &ControllerState) -> Option<TripReason> {
+        self.supervisor.hazard_seen(&state.supervisor)
     }
 
     /// Takes in one sample and decides the drive.
@@ -118,6 +140,7 @@ impl Controller {
             regulated,
             mean_error: error,
             setpoint: state.setpoint,
+            pid: state.asked,
             saturated: state.saturated,
             excited,
             feedback: &state.feedback,
@@ -135,7 +158,9 @@ impl Controller {
             mode: *self.supervisor.mode(&state.supervisor),
             learn: decision.learn,
             blocked: decision.blocked,
+            forget: decision.forget,
         };
+        state.asked = pid;
         state.index = state.index.wrapping_add(1);
         tick
     }
@@ -208,8 +233,25 @@ impl Controller {
     }
 
     /// Hears that the second half has a baseline from an earlier life: no need to learn one.
-    pub fn restored(&self, state: &mut ControllerState) {
-        self.supervisor.restored(&mut state.supervisor);
+    pub fn restored(&self, state: &mut ControllerState, baseline: &Baseline) {
+        self.supervisor.restored(&mut state.supervisor, baseline);
+    }
+
+    /// Whether the settings of `new` may be put in force now: while the heater is on, none that widens a limit, nor any
+    /// that changes what a temperature is.
+    ///
+    /// # Errors
+    /// [`Refusal::WidensLimit`] with the name of the setting.
+    pub fn check_retune(&self, state: &ControllerState, new: &Self) -> Result<(), Refusal> {
+        let power = self.pid.is_widened_by(&new.pid).then_some("pid.output_max");
+        let widened =
+            self.supervisor.widened(&new.supervisor).or(power).or_else(|| self.sensing.widened(&new.sensing));
+        match widened {
+            Some(name) if self.supervisor.mode(&state.supervisor).is_heating() => {
+                Err(Refusal::WidensLimit(name))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Hears what the second half has found.

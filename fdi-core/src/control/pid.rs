@@ -129,6 +129,11 @@ impl Pid {
         output.0 <= self.min || output.0 >= self.max
     }
 
+    /// Whether `new` may drive harder.
+    pub(super) fn is_widened_by(&self, new: &Self) -> bool {
+        new.max > self.max
+    }
+
     /// Limits to the output range; the lower limit where the argument is NaN.
     fn clamp(&self, x: f32) -> f32 {
         if x >= self.max {

@@ -5,7 +5,7 @@ use super::arx::{Arx, ArxState};
 use super::rls::{Adaptation, RlsConfig};
 use super::step_response::StepResponse;
 use super::transfer::Transfer;
-use crate::error::{ConfigError, in_ranges};
+use crate::error::{ConfigError, above, in_ranges};
 use crate::units::{Celsius, Percent, Seconds};
 
 /// How the bandwidth is read off the model.
@@ -133,8 +133,12 @@ impl Observer {
             "identification.gain_max": c.gain_max, 1e-3, 1e3;
         }?;
         let rls = RlsConfig { adaptation: c.adaptation, d_initial: c.d_initial, d_max: c.d_max };
+        let arx = Arx::new(&rls, c.y_scale.0, c.u_scale.0)?;
+        // The gain that the scales speak of must be believed, or nothing is ever learnt.
+        let typical = c.y_scale.0 / c.u_scale.0;
+        above("identification.gain_max", c.gain_max, "identification.y_scale / u_scale", typical)?;
         Ok(Self {
-            arx: Arx::new(&rls, c.y_scale.0, c.u_scale.0)?,
+            arx,
             bandwidth,
             sample_time: sample_time.0,
             lag: c.dead_time.0 + 0.5 * sample_time.0,

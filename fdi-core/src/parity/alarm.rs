@@ -75,7 +75,7 @@ impl Rules {
         }
         let h = alarm.named?;
         Some(Finding {
-            class: class(h),
+            class: weighed.named(h),
             confidence: weighed.confidence(h),
             magnitude: weighed.magnitude(h, slow, rise),
             onset: alarm.onset,

@@ -23,6 +23,10 @@ const LAGS: [f32; 3] = [0.0, 0.35, 1.0];
 /// `c ln f / f` with c from 0.8 (time constants) to 1 (dead times): 0.65 at f = 1.5, 1 at f = 0.67.
 const SOONER: f32 = 0.7;
 
+/// What y1 and y2 are with two wires swapped, as combinations of what they should be: T1 and T2, T0 and T1, T0 and T2.
+const SWAPPED: [[[f32; 2]; 2]; 3] =
+    [[[0.0, 1.0], [1.0, 0.0]], [[-1.0, 0.0], [-1.0, 1.0]], [[1.0, -1.0], [0.0, -1.0]]];
+
 /// Constants of the filters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Filters {
@@ -117,6 +121,13 @@ struct Clogged {
     gain: Match,
 }
 
+/// Two thermistors that stand for each other.
+#[derive(Clone, Copy, Debug, Default)]
+struct Swapped {
+    past: [Past; 2],
+    energy: f32,
+}
+
 /// The memory of all filters.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Bank {
@@ -140,9 +151,15 @@ pub(super) struct Bank {
     unit_far: Simulation<HA, HB>,
     past_unit: [Past; 2],
     clogged: [Clogged; LAGS.len()],
-    /// sum (z - f)^2 for a sensor that repeats itself.
+    /// sum (z - f)^2 for a sensor that stays where it was a tick before the onset, and the sums for where it stays besides:
+    /// that tick had noise.
     stuck_energy: [f32; 2],
     stuck_at: [f32; 2],
+    pub(super) stuck_level: [Match; 2],
+    /// The share of the rise that T2 has lost.
+    pub(super) t2_out: Match,
+    past_out: Past,
+    swapped: [Swapped; SWAPPED.len()],
     y1: Simulation<NA, NB>,
     y2: Simulation<HA, HB>,
     loss: Simulation<HA, HB>,
@@ -163,16 +180,19 @@ impl Filters {
     /// Takes in a tick.
     #[inline(never)]
     pub(super) fn step(&self, bank: &mut Bank, now: &Moment) {
+        let mut constant = [0.0; 2];
         for m in 0..2 {
             bank.energy[m] += now.weight * now.z[m] * now.z[m];
             let whitener = &now.normal[m].whitener;
-            bank.offset[m].add(now.z[m], whitener.step(&mut bank.past_offset[m], 1.0), now.weight);
+            constant[m] = whitener.step(&mut bank.past_offset[m], 1.0);
+            bank.offset[m].add(now.z[m], constant[m], now.weight);
             let age = (bank.ago + bank.age) as f32;
             bank.ramp[m].add(now.z[m], whitener.step(&mut bank.past_ramp[m], age), now.weight);
         }
         self.process(bank, now);
         self.clogged(bank, now);
-        self.stuck(bank, now);
+        self.stuck(bank, now, constant);
+        self.misplaced(bank, now);
         bank.age = bank.age.saturating_add(1);
     }
 
@@ -228,8 +248,8 @@ impl Filters {
         }
     }
 
-    /// A sensor that stays where it was a tick before the onset.
-    fn stuck(&self, bank: &mut Bank, now: &Moment) {
+    /// A sensor that stays about where it was a tick before the onset; `constant` is the signature of an offset.
+    fn stuck(&self, bank: &mut Bank, now: &Moment, constant: [f32; 2]) {
         if bank.age == 0 {
             bank.stuck_at = now.measured_before;
         }
@@ -237,6 +257,21 @@ impl Filters {
             let gap = bank.stuck_at[m] - now.expected[m];
             let z = now.z[m] - now.normal[m].whitener.step(&mut bank.past_stuck[m], gap);
             bank.stuck_energy[m] += now.weight * z * z;
+            bank.stuck_level[m].add(z, constant[m], now.weight);
+        }
+    }
+
+    /// A T2 that is out of the tube, and thermistors that stand for each other.
+    fn misplaced(&self, bank: &mut Bank, now: &Moment) {
+        let [w1, w2] = [&now.normal[0].whitener, &now.normal[1].whitener];
+        let [y1, y2] = now.expected;
+        bank.t2_out.add(now.z[1], w2.step(&mut bank.past_out, -y2), now.weight);
+        for (swapped, [row1, row2]) in bank.swapped.iter_mut().zip(&SWAPPED) {
+            let gap1 = row1[0] * y1 + row1[1] * y2 - y1;
+            let gap2 = row2[0] * y1 + row2[1] * y2 - y2;
+            let z1 = now.z[0] - w1.step(&mut swapped.past[0], gap1);
+            let z2 = now.z[1] - w2.step(&mut swapped.past[1], gap2);
+            swapped.energy += now.weight * (z1 * z1 + z2 * z2);
         }
     }
 }
@@ -258,9 +293,14 @@ impl Bank {
         self.energy[0] + self.energy[1]
     }
 
-    /// What a repeating T1 (0) or T2 (1) leaves unexplained.
+    /// What a T1 (0) or T2 (1) that stays where it was leaves unexplained.
     pub(super) fn stuck(&self, m: usize) -> f32 {
         self.stuck_energy[m] + self.energy[1 - m]
+    }
+
+    /// What swapped wires leave unexplained, in the order of [`SWAPPED`].
+    pub(super) fn swapped(&self) -> [f32; SWAPPED.len()] {
+        self.swapped.map(|swapped| swapped.energy)
     }
 
     /// The energy before, and the sums for, the loss of T1's gain with the lag that fits best.

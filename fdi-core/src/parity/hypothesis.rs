@@ -2,11 +2,11 @@
 
 use super::bank::{Bank, Match};
 use super::model::{bounded, larger, smaller};
-use super::verdict::{Channel, FaultClass, Magnitude};
+use super::verdict::{Channel, FaultClass, Magnitude, Pair};
 use crate::root::sqrt;
 
 /// The hypotheses.
-pub(super) const ALL: [FaultClass; 12] = [
+pub(super) const ALL: [FaultClass; 18] = [
     FaultClass::T2Offset,
     FaultClass::T1Offset,
     FaultClass::T0Fault,
@@ -19,6 +19,12 @@ pub(super) const ALL: [FaultClass; 12] = [
     DRIFTS[1],
     DRIFTS[2],
     FaultClass::HeaterPower, // the same power whatever is asked for
+    FaultClass::T2Detached,
+    FaultClass::Swapped(Pair::T1T2),
+    FaultClass::Swapped(Pair::T0T1),
+    FaultClass::Swapped(Pair::T0T2),
+    FaultClass::Stuck(Channel::T1), // near to where it was
+    FaultClass::Stuck(Channel::T2),
 ];
 /// Drift of T0, T1, T2.
 const DRIFTS: [FaultClass; 3] = [FaultClass::Drift; 3];
@@ -28,9 +34,19 @@ const CLOGGED: usize = 5;
 /// Places of the two that are told apart last.
 const FLOW: usize = 3;
 const POWER: usize = 4;
+const DRIFT: usize = 8;
 /// The heater that gives the same power whatever is asked for, %.
 const CONSTANT: usize = 11;
+/// From here on a thermistor is not where it should be, or stuck but noisy. That leaves far less unexplained than anything
+/// else once it is so; until it does, by so much, it is neither best nor a rival of the best.
+const MISPLACED: usize = 12;
+const MISPLACED_LEAD: f32 = 20.0;
 
+/// A thermistor that loses more than this share of the rise is not clogged, but out of the tube: at once, and once it is
+/// known whether it lags, s, which looks like a greater loss at first.
+const SURELY_DETACHED: f32 = 0.8;
+const DETACHED: f32 = 0.4;
+const LAG_KNOWN: f32 = 2.0;
 /// No slow drift is faster, degC a minute.
 const FASTEST_DRIFT: f32 = 10.0;
 /// Energy of noise that a few samples may have without being called a misfit.
@@ -70,12 +86,20 @@ const BOUNDS: [(f32, f32); COUNT] = [
     SLOW_DRIFT,
     SLOW_DRIFT,
     (0.0, 100.0),
+    (DETACHED, 1.0),
+    ANYTHING,
+    ANYTHING,
+    ANYTHING,
+    NEARBY,
+    NEARBY,
 ];
+/// Where a thermistor is stuck differs by no more from where it was a tick before the onset, degC.
+const NEARBY: (f32, f32) = (-0.5, 0.5);
 const ANYTHING: (f32, f32) = (-200.0, 200.0);
 const SLOW_DRIFT: (f32, f32) = (-FASTEST_DRIFT / 60.0, FASTEST_DRIFT / 60.0);
 
 /// Which hypotheses are of one kind: they are told apart only after the kind is known.
-const KIND: [u8; COUNT] = [0, 1, 2, 3, 3, 4, 5, 6, 7, 7, 7, 3];
+const KIND: [u8; COUNT] = [0, 1, 2, 3, 3, 4, 5, 6, 7, 7, 7, 3, 8, 9, 10, 11, 5, 6];
 
 /// The class of a hypothesis.
 pub(super) fn class(h: usize) -> FaultClass {
@@ -87,7 +111,7 @@ fn at(values: &[f32; COUNT], h: usize) -> f32 {
 }
 
 fn is_drift(h: usize) -> bool {
-    KIND[h] == KIND[COUNT - 2]
+    KIND[h] == KIND[DRIFT]
 }
 
 impl Weighed {
@@ -98,6 +122,7 @@ impl Weighed {
         let young = bank.age.saturating_add(bank.ago) as f32 * sample_time < EARLIEST_DRIFT;
         let (clogged_energy, clogged) = bank.clogged(BOUNDS[CLOGGED]);
         let none = Match::default();
+        let [t1_t2, t0_t1, t0_t2] = bank.swapped().map(|left| (left, none));
         let sums: [(f32, Match); COUNT] = [
             (energy, bank.offset[1]),
             (energy, bank.offset[0]),
@@ -111,6 +136,12 @@ impl Weighed {
             (energy, bank.ramp[0]),
             (energy, bank.ramp[1]),
             (bank.constant_energy, bank.constant),
+            (energy, bank.t2_out),
+            t1_t2,
+            t0_t1,
+            t0_t2,
+            (bank.stuck(0), bank.stuck_level[0]),
+            (bank.stuck(1), bank.stuck_level[1]),
         ];
         let mut all = Self {
             left: [0.0; COUNT],
@@ -131,11 +162,13 @@ impl Weighed {
             all.theta[h] = theta;
             all.square[h] = sum.square;
             all.left[h] = before - sum.explained(theta);
-            if all.left[h] < all.best_left && !(young && is_drift(h)) {
+            let lead = if h < MISPLACED { 0.0 } else { MISPLACED_LEAD };
+            if all.left[h] + lead < all.best_left && !(young && is_drift(h)) {
                 (all.best, all.best_left, all.best_kind) = (h, all.left[h], KIND[h]);
             }
         }
-        for h in 0..COUNT {
+        let rivals = if all.best < MISPLACED { MISPLACED } else { COUNT };
+        for h in 0..rivals {
             if KIND[h] != all.best_kind {
                 all.rival = smaller(all.rival, all.left[h]);
             }
@@ -189,9 +222,22 @@ impl Weighed {
         bounded(1.5 * self.theta[POWER].abs(), 0.12, 1.0)
     }
 
+    /// The class of a hypothesis with its magnitude: who loses most of the rise is not clogged.
+    pub(super) fn named(&self, h: usize) -> FaultClass {
+        match class(h) {
+            FaultClass::T1Clogged => {
+                let early = self.age * self.sample_time < LAG_KNOWN;
+                let limit = if early { SURELY_DETACHED } else { DETACHED };
+                if at(&self.theta, h) > limit { FaultClass::T1Detached } else { FaultClass::T1Clogged }
+            }
+            named => named,
+        }
+    }
+
     /// Probability of a hypothesis against the strongest of another class.
     pub(super) fn confidence(&self, h: usize) -> f32 {
-        let others = (0..COUNT).filter(|&other| ALL[other] != class(h));
+        let rivals = if h < MISPLACED { MISPLACED } else { COUNT };
+        let others = (0..rivals).filter(|&other| ALL[other] != class(h));
         let rival = others.map(|other| self.left[other]).fold(f32::MAX, smaller);
         let lead = (rival - at(&self.left, h)) / self.misfit();
         1.0 / (1.0 + libm::expf(bounded(-0.5 * lead, -40.0, 40.0)))
@@ -200,7 +246,7 @@ impl Weighed {
     /// Whether a change of power no larger than `share` explains what is seen about as well as any clear fault.
     pub(super) fn is_sag(&self, bank: &Bank, share: f32) -> bool {
         let left = self.energy - bank.power.explained(bank.power.best((-share, share)));
-        let clear = (0..COUNT).filter(|&h| !matches!(ALL[h], FaultClass::T0Fault | FaultClass::Drift));
+        let clear = (0..MISPLACED).filter(|&h| !matches!(ALL[h], FaultClass::T0Fault | FaultClass::Drift));
         let best = clear.map(|h| self.left[h]).fold(f32::MAX, smaller);
         // A change of the process not much larger than a sag is no emergency: it gets the time to show its size.
         let small = self.is_process() && self.theta[POWER].abs() < 2.0 * share;
@@ -222,7 +268,9 @@ impl Weighed {
         match class(h) {
             _ if h == CONSTANT => None,
             FaultClass::T1Offset | FaultClass::T2Offset | FaultClass::T0Fault => scaled(1.0, slow),
-            FaultClass::T1Clogged => scaled(100.0, share).map(|m| Magnitude { value: -m.value, ..m }),
+            FaultClass::T1Clogged | FaultClass::T2Detached => {
+                scaled(100.0, share).map(|m| Magnitude { value: -m.value, ..m })
+            }
             FaultClass::HeaterPower => scaled(100.0, share),
             FaultClass::Drift => scaled(60.0 / self.sample_time, slow / bounded(self.age, 10.0, 60.0)),
             FaultClass::AirFlow => {

@@ -15,11 +15,14 @@ mod alarm;
 mod bank;
 mod chart;
 mod config;
+mod contradiction;
 mod fit;
 mod heat;
 mod hypothesis;
 mod model;
 mod noise;
+mod response;
+mod room;
 mod sensors;
 mod training;
 pub mod verdict;
@@ -30,16 +33,20 @@ mod whitening;
 use crate::config::Config;
 use crate::control::Tick;
 use crate::error::ConfigError;
+use crate::sense::{Reading, Validity};
 use crate::supervisor::Mode;
 use alarm::Rules;
 use bank::Filters;
 use chart::Chart;
 pub use config::ParityConfig;
+use contradiction::Contradiction;
 use fit::Fit;
 use heat::Heat;
+use response::Response;
+use room::{Room, RoomState};
 use sensors::Sensors;
 use training::{Trainer, Training};
-pub use verdict::{Arming, Channel, Distrust, FaultClass, Finding, Magnitude, ParityReport};
+pub use verdict::{Arming, Channel, Distrust, FaultClass, Finding, Magnitude, Pair, ParityReport};
 use watch::{Watch, WatchState};
 use weakness::Weakness;
 
@@ -48,24 +55,37 @@ use weakness::Weakness;
 pub struct Parity {
     trainer: Trainer,
     watch: Watch,
+    room: Room,
+    response: Response,
 }
 
 /// The memory of the [`Parity`] diagnosis.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ParityState {
-    phase: Phase,
+    training: Option<Training>,
+    /// What was trained last. It stays, for the heat, until it is replaced or forgotten.
+    trained: Option<WatchState>,
+    /// It belongs to the last learning, so that faults may be told by it.
+    current: bool,
+    /// What the models said last: the alarm, and what it is.
+    told: Option<Option<Finding>>,
     sensors: Sensors,
+    room: RoomState,
+    contradiction: Contradiction,
     /// Why the last training was not accepted.
     refused: Option<Distrust>,
     was_learning: bool,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-enum Phase {
-    #[default]
-    Untrained,
-    Training(Training),
-    Watching(WatchState),
+/// One tick, as all parts see it.
+struct Now<'a> {
+    tick: &'a Tick,
+    heating: bool,
+    /// Rises of T1 and T2 over T0, and over the room that is believed, where known, degC.
+    y: [Option<f32>; 2],
+    believed: [Option<f32>; 2],
+    /// What drives the heater from now on, %.
+    u: f32,
 }
 
 const _: () = assert!(size_of::<ParityState>() <= 4096, "more than the board has for it");
@@ -97,6 +117,8 @@ impl Parity {
                 tolerated_sag: c.tolerated_sag,
                 sample_time: ts.0,
             },
+            room: Room::new(ts.0),
+            response: Response::new(ts.0),
         })
     }
 
@@ -110,80 +132,134 @@ impl Parity {
         applied: f32,
         undisturbed: bool,
     ) -> ParityReport {
-        self.follow_mode(state, tick.mode);
-        let by_models = self.run(state, tick, y, applied, undisturbed);
+        let readings = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(|reading| reading.good());
+        let [t0, t1, t2] = readings;
+        let heating = tick.mode.is_heating();
+        self.follow_mode(state, tick);
+        self.room.step(&mut state.room, tick.index, readings, applied);
+        let read = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(read);
+        let contradiction = state.contradiction.step(&self.response, tick.index, heating, read, applied);
+        let now = Now { tick, heating, y, believed: state.room.rises([t1, t2]), u: applied };
+        let undisturbed = undisturbed && contradiction.is_none();
+        let by_models = self.watch(state, &now);
+        self.train(state, &now, t0, undisturbed);
         let by_sensors = state.sensors.step(&tick.sample, tick.index);
-        let watching = match &state.phase {
-            Phase::Watching(watch) if tick.mode == Mode::Monitor => Some(watch),
-            _ => None,
-        };
-        let finding = by_sensors.or(by_models.flatten());
-        // A heater that gives more than it is asked for looks like too little air.
-        let by_heater = finding.is_some_and(|f| f.class == FaultClass::HeaterPower);
+        let without_models = contradiction.or(state.room.finding());
+        let finding = preferred(by_sensors, by_models.flatten(), without_models);
         ParityReport {
             arming: state.arming(),
-            alarm: by_models.is_some() || by_sensors.is_some(),
+            alarm: by_models.is_some() || by_sensors.is_some() || without_models.is_some(),
             finding,
-            stand_in: watching.filter(|_| y[1].is_some()).and_then(WatchState::stand_in),
-            air_flow: watching.filter(|_| !by_heater).and_then(|watch| watch.heat().air_flow()),
-            heater_stuck_on: watching.is_some_and(|watch| watch.heat().heater_stuck_on()),
+            ..self.heat(state, &now, finding)
         }
     }
 
-    /// Training starts afresh whenever learning does; what was trained is of no use once the heater has been off.
-    fn follow_mode(&self, state: &mut ParityState, mode: Mode) {
+    /// Training starts afresh whenever learning does, and ends with heating. What was trained outlives both, unless the
+    /// rig was changed on purpose.
+    fn follow_mode(&self, state: &mut ParityState, tick: &Tick) {
+        let mode = tick.mode;
+        if tick.forget {
+            (state.training, state.trained, state.current) = (None, None, false);
+        }
         let learning = matches!(mode, Mode::Learn { .. });
-        if (learning && !state.was_learning) || !mode.is_heating() {
-            state.phase = Phase::Untrained;
+        let begins = learning && !state.was_learning;
+        if begins || !mode.is_heating() {
+            state.training = None;
             state.refused = None;
         }
+        state.current &= !begins;
         state.was_learning = learning;
     }
 
-    /// An alarm of the models, with what it is where that is known.
-    fn run(
-        &self,
-        state: &mut ParityState,
-        tick: &Tick,
-        y: [Option<f32>; 2],
-        u: f32,
-        undisturbed: bool,
-    ) -> Option<Option<Finding>> {
+    fn train(&self, state: &mut ParityState, now: &Now, t0: Option<f32>, undisturbed: bool) {
+        let tick = now.tick;
         // With a baseline of an earlier life there is no learning; then training takes place while monitoring.
-        let quiet = tick.mode == Mode::Monitor && tick.prbs.0 != 0.0 && undisturbed;
-        let fit_to_learn = tick.learn || quiet;
-        if fit_to_learn && matches!(state.phase, Phase::Untrained) {
-            state.phase = Phase::Training(self.trainer.start());
+        let quiet = tick.mode == Mode::Monitor && tick.prbs.0 != 0.0;
+        let fit_to_learn = undisturbed && (tick.learn || quiet);
+        if state.current || (state.training.is_none() && !fit_to_learn) {
+            return;
         }
-        match &mut state.phase {
-            Phase::Untrained => {}
-            Phase::Training(training) => match self.trainer.step(training, y, u, fit_to_learn) {
-                Ok(None) => {}
-                Ok(Some(trained)) => {
-                    state.refused = None;
-                    state.phase = Phase::Watching(self.watch.start(trained, tick.index));
-                }
-                Err(why) => {
-                    state.refused = Some(why);
-                    state.phase = Phase::Untrained;
-                }
-            },
-            Phase::Watching(watch) if tick.mode == Mode::Monitor => {
-                return self.watch.step(watch, tick.index, y, tick.sample.t0.good(), u);
+        let training = state.training.get_or_insert_with(|| self.trainer.start());
+        // A T0 that is known to be wrong must not be learnt.
+        let known_wrong = t0.is_some() && state.room.believed().is_some() && !state.room.is_followed(t0);
+        let y = if known_wrong { now.believed } else { now.y };
+        match self.trainer.step(training, y, now.u, fit_to_learn) {
+            Ok(None) => {}
+            Ok(Some(trained)) => {
+                state.refused = None;
+                state.training = None;
+                state.trained = Some(self.watch.start(trained, tick.index));
+                state.current = true;
             }
-            Phase::Watching(watch) => watch.idle(y[0], u),
+            Err(why) => {
+                state.refused = Some(why);
+                state.training = None;
+            }
         }
-        None
     }
+
+    /// An alarm of the models, with what it is where that is known.
+    fn watch(&self, state: &mut ParityState, now: &Now) -> Option<Option<Finding>> {
+        let trained = state.trained.as_mut()?;
+        if state.current && now.tick.mode == Mode::Monitor {
+            let t0 = now.tick.sample.t0.good();
+            state.told = self.watch.step(trained, now.tick.index, now.y, t0, now.believed, now.u);
+            return state.told;
+        }
+        self.watch.idle(trained, now.y[0], now.believed, now.u, now.heating);
+        // What is found afterwards is only how the rig cools: what was told before a trip is what can be said of it.
+        state.told = state.told.filter(|_| matches!(now.tick.mode, Mode::Tripped(_)));
+        state.told
+    }
+
+    /// What control and supervision need to know.
+    fn heat(&self, state: &ParityState, now: &Now, finding: Option<Finding>) -> ParityReport {
+        let room = state.room.believed();
+        let Some(trained) = &state.trained else {
+            return ParityReport { expected: [room, None, None], ..ParityReport::default() };
+        };
+        let [y1, y2] = trained.expected().map(|rise| room.map(|room| room + rise));
+        let monitoring = state.current && now.tick.mode == Mode::Monitor;
+        // It is the rise over T0 that is stood in for.
+        let can_stand_in =
+            monitoring && now.y[1].is_some() && state.room.is_followed(now.tick.sample.t0.good());
+        // A heater that gives more than it is asked for looks like too little air.
+        let by_heater = finding.is_some_and(|f| f.class == FaultClass::HeaterPower);
+        ParityReport {
+            expected: [room, y1, y2],
+            stand_in: if can_stand_in { trained.stand_in() } else { None },
+            air_flow: if now.heating && !by_heater { trained.heat().air_flow() } else { None },
+            heater_stuck_on: trained.heat().heater_stuck_on(),
+            ..ParityReport::default()
+        }
+    }
+}
+
+/// What a thermistor reads, be it as wild as it may: one that trips has often left its range.
+fn read(reading: Reading) -> Option<f32> {
+    let unread = matches!(reading.validity, Validity::Missing | Validity::Open | Validity::Short);
+    (!unread).then_some(reading.celsius.0)
+}
+
+/// Which finding is told. A broken wire needs no second opinion; the models see more than a contradiction does, which in turn
+/// says more than that a thermistor is lost, or that nothing fits.
+fn preferred(
+    by_sensors: Option<Finding>,
+    by_models: Option<Finding>,
+    without_models: Option<Finding>,
+) -> Option<Finding> {
+    let broken = by_sensors.filter(|f| !matches!(f.class, FaultClass::Lost(_)));
+    let clear = by_models.filter(|f| !matches!(f.class, FaultClass::Unknown | FaultClass::Drift));
+    broken.or(clear).or(without_models).or(by_sensors).or(by_models)
 }
 
 impl ParityState {
     fn arming(&self) -> Arming {
-        match (&self.phase, self.refused) {
-            (Phase::Watching(_), _) => Arming::Armed,
-            (_, Some(why)) => Arming::Refused(why),
-            (Phase::Training(_), None) => Arming::Training,
-            (Phase::Untrained, None) => Arming::Untrained,
+        match self.refused {
+            _ if self.current => Arming::Armed,
+            Some(why) => Arming::Refused(why),
+            None if self.training.is_some() => Arming::Training,
+            None => Arming::Untrained,
         }
     }
 }

@@ -26,6 +26,12 @@ pub enum FaultClass {
     Short(Channel),
     /// A thermistor gives nothing that can be true: no code, impossible temperatures or jumps.
     Lost(Channel),
+    /// T1 is out of the tube, or half out: it sees little of the rise or none.
+    T1Detached,
+    /// T2 is out of the tube.
+    T2Detached,
+    /// Two thermistors stand for each other, as when their wires are swapped.
+    Swapped(Pair),
     /// None of these explains what is seen, or several at once would be needed.
     Unknown,
 }
@@ -40,6 +46,18 @@ pub enum Channel {
     T1,
     /// Outlet, downstream.
     T2,
+}
+
+/// Two thermistors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Pair {
+    /// Outlet and outlet downstream.
+    T1T2,
+    /// Room and outlet.
+    T0T1,
+    /// Room and outlet downstream.
+    T0T2,
 }
 
 impl FaultClass {
@@ -66,6 +84,11 @@ impl FaultClass {
             Self::Lost(T0) => "t0_lost",
             Self::Lost(T1) => "t1_lost",
             Self::Lost(T2) => "t2_lost",
+            Self::T1Detached => "t1_detached",
+            Self::T2Detached => "t2_detached",
+            Self::Swapped(Pair::T1T2) => "t1_t2_swapped",
+            Self::Swapped(Pair::T0T1) => "t0_t1_swapped",
+            Self::Swapped(Pair::T0T2) => "t0_t2_swapped",
             Self::Unknown => "unknown",
         }
     }
@@ -76,6 +99,7 @@ impl FaultClass {
             self,
             Self::T1Offset
                 | Self::T1Clogged
+                | Self::T1Detached
                 | Self::Stuck(Channel::T1)
                 | Self::Open(Channel::T1)
                 | Self::Short(Channel::T1)
@@ -87,11 +111,12 @@ impl FaultClass {
     pub const fn unit(self) -> &'static str {
         match self {
             Self::T1Offset | Self::T2Offset | Self::T0Fault => "degC",
-            Self::T1Clogged => "% of gain",
+            Self::T1Clogged | Self::T1Detached | Self::T2Detached => "% of gain",
             Self::AirFlow => "% of air flow",
             Self::HeaterPower => "% of power",
             Self::Drift => "degC/min",
-            Self::Stuck(_) | Self::Open(_) | Self::Short(_) | Self::Lost(_) | Self::Unknown => "",
+            Self::Stuck(_) | Self::Open(_) | Self::Short(_) | Self::Lost(_) => "",
+            Self::Swapped(_) | Self::Unknown => "",
         }
     }
 }
@@ -157,6 +182,8 @@ pub struct ParityReport {
     pub alarm: bool,
     /// What it is, once that can be told.
     pub finding: Option<Finding>,
+    /// What T0, T1 and T2 should read, degC: the room that is believed, and by the models what is above it.
+    pub expected: [Option<f32>; 3],
     /// What T1 will be above the room on the next tick by T2 and the models, degC; None where that is not known.
     pub stand_in: Option<f32>,
     /// Air flow by the static gain of both rises over some seconds, % of normal; None where it can't be told, or where the

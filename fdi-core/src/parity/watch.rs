@@ -7,7 +7,7 @@ use super::alarm::{Alarm, Rules};
 use super::bank::{Bank, Briskness, Filters, Moment};
 use super::chart::{Chart, Sums};
 use super::fit::{NA, NB};
-use super::heat::{Heat, HeatState};
+use super::heat::{Heat, HeatState, Rise};
 use super::hypothesis::Weighed;
 use super::model::{bounded, dot, larger, shift};
 use super::training::Trained;
@@ -27,6 +27,8 @@ const OUTSHINES: f32 = 4.0;
 const SAG_TIME: f32 = 3.0;
 /// Share of a level's running mean that is renewed in a tick.
 const LEVEL_SHARE: f32 = 0.4;
+/// A valid T1 and T2 that are so much further apart than learnt contradict each other, degC: neither is regulated by.
+const APART: f32 = 6.0;
 /// How far sags may carry the means from where they were trained: degC, on top of 1.5 tolerated sags.
 const MEAN_REACH: f32 = 0.25;
 
@@ -67,6 +69,10 @@ pub(super) struct WatchState {
     sagging: u32,
     alarm: Option<Alarm>,
     heat: HeatState,
+    /// T1 and T2, both valid, do not belong together.
+    apart: bool,
+    /// What the models say y1 and y2 should be now.
+    expected: [f32; 2],
 }
 
 /// Where the residuals are now: means over a few ticks.
@@ -118,28 +124,59 @@ impl Watch {
             sagging: 0,
             alarm: None,
             heat: HeatState::new(trained.rise),
+            apart: false,
+            expected: [trained.rise; 2],
             trained,
         }
     }
 
-    /// Takes in a tick: rises and room temperature where valid, and the power applied from now on, %.
+    /// Takes in a tick: rises and room temperature where valid, rises over the room that is believed, and the power applied
+    /// from now on, %.
     pub(super) fn step(
         &self,
         s: &mut WatchState,
         tick: u32,
         y: [Option<f32>; 2],
         t0: Option<f32>,
+        believed: [Option<f32>; 2],
         u: f32,
     ) -> Option<Option<Finding>> {
         let mut now = self.residuals(s, tick, y, t0, u);
         let charted = self.chart(s, &mut now);
         self.explain(s, &now, &charted);
-        let along = s.trained.models.along.gain();
-        self.heat.step(&mut s.heat, y, now.expected, [now.e[0], now.e[1]], along);
+        if let Some(e2) = now.e[1] {
+            self.heat.correct(&mut s.heat, e2, s.trained.models.along.gain());
+        }
+        self.warm(s, believed, now.expected, true);
+        s.apart = now.valid && s.heat.apart() > APART;
         if s.alarm.is_none() {
             self.decide(s, &now, &charted);
         }
-        self.follow_alarm(s, &now)
+        let told = self.follow_alarm(s, &now)?;
+        Some(told.and_then(|told| self.heat.review(&s.heat, told, tick)))
+    }
+
+    /// Keeps the models going while the instrument does not watch by them: `y1` is the rise of T1 over the room that T0 says.
+    pub(super) fn idle(
+        &self,
+        s: &mut WatchState,
+        y1: Option<f32>,
+        believed: [Option<f32>; 2],
+        u: f32,
+        heating: bool,
+    ) {
+        s.alarm = None;
+        s.rest();
+        let y1 = y1.unwrap_or(s.trained.simulations.y1.y[0]);
+        let [y1, y2, _] = s.trained.models.step(&mut s.trained.simulations, y1, u);
+        self.warm(s, believed, [y1, y2], heating);
+    }
+
+    /// Tells the heat what is measured and expected now.
+    fn warm(&self, s: &mut WatchState, believed: [Option<f32>; 2], expected: [f32; 2], heating: bool) {
+        let rise = |m: usize| Some(Rise { measured: believed[m]?, expected: expected[m] });
+        self.heat.step(&mut s.heat, [rise(0), rise(1)], heating);
+        s.expected = expected;
     }
 
     /// Simulates, and compares with what was measured.
@@ -303,8 +340,12 @@ impl WatchState {
         self.sagging = 0;
     }
 
-    /// What T1 will be above the room on the next tick, by the models and T2, degC; None where they disagree.
+    /// What T1 will be above the room on the next tick, by the models and T2, degC; None where they disagree, or T1 and
+    /// T2 do.
     pub(super) fn stand_in(&self) -> Option<f32> {
+        if self.apart {
+            return None;
+        }
         self.heat.stand_in(self.trained.simulations.y1.y[0] + self.mean[0])
     }
 
@@ -313,9 +354,8 @@ impl WatchState {
         &self.heat
     }
 
-    /// Keeps the simulations going while the instrument does not watch.
-    pub(super) fn idle(&mut self, y1: Option<f32>, u: f32) {
-        let y1 = y1.unwrap_or(self.trained.simulations.y1.y[0]);
-        self.trained.models.step(&mut self.trained.simulations, y1, u);
+    /// What T1 and T2 should be above the room now, degC.
+    pub(super) fn expected(&self) -> [f32; 2] {
+        [self.expected[0] + self.mean[0], self.expected[1] + self.mean[1]]
     }
 }

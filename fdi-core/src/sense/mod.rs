@@ -40,7 +40,7 @@ pub enum Validity {
     OutOfRange,
     /// A single jump that nothing has confirmed yet.
     Spike,
-    /// Changes again and again at a rate that air cannot have: a loose contact, or a ramp that is none.
+    /// Jumps again and again, and the next sample does not confirm it: a loose contact.
     Rate,
     /// Has not moved although the excitation should have moved it.
     Stuck,
@@ -113,6 +113,14 @@ impl Sensing {
             t1: Channel::new(Thermistor::new(&config.sensors.t1, 1)?, p, air),
             t2: Channel::new(Thermistor::new(&config.sensors.t2, 2)?, p, air),
         })
+    }
+
+    /// The first setting by which `new` would widen a limit, or change what a code means.
+    pub(crate) fn widened(&self, new: &Self) -> Option<&'static str> {
+        self.t0
+            .widened(&new.t0, "sensors.t0")
+            .or_else(|| self.t1.widened(&new.t1, "sensors.t1"))
+            .or_else(|| self.t2.widened(&new.t2, "sensors.t2"))
     }
 
     /// Converts and judges one sample. `excited` says that the heater is being moved, so that a live sensor must move.

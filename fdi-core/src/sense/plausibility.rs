@@ -69,8 +69,27 @@ impl PlausibilityConfig {
     }
 }
 
-/// So many jumps within the last 8 samples fail the rate check.
+impl PlausibilityConfig {
+    /// The first limit that `new` would widen.
+    fn widened(&self, new: &Self) -> Option<&'static str> {
+        let larger = [
+            ("plausibility.open_code", self.open_code.0, new.open_code.0),
+            ("plausibility.max", self.max.0, new.max.0),
+            ("plausibility.jump", self.jump.0, new.jump.0),
+            ("plausibility.stuck_time", self.stuck_time.0, new.stuck_time.0),
+            ("plausibility.room_stuck_time", self.room_stuck_time.0, new.room_stuck_time.0),
+            // Smaller ones are wider.
+            ("plausibility.short_code", new.short_code.0, self.short_code.0),
+            ("plausibility.min", new.min.0, self.min.0),
+            ("plausibility.stuck_band", new.stuck_band.0, self.stuck_band.0),
+        ];
+        larger.iter().find(|(_, now, then)| then > now).map(|(name, ..)| *name)
+    }
+}
+
+/// So many jumps within the last 10 samples, a bit each, fail the rate check.
 const RATE_JUMPS: u32 = 3;
+const RATE_WINDOW: u16 = 0x3FF;
 
 /// One validated channel: conversion and limits.
 #[derive(Clone, Copy, Debug)]
@@ -86,9 +105,11 @@ pub struct ChannelState {
     /// Last temperature taken as true, and its change in a tick.
     last: Option<Celsius>,
     slope: f32,
-    /// One bit a sample, newest lowest: 1 where it jumped.
-    jumps: u8,
+    /// One bit a sample, newest lowest: 1 where it jumped and the next sample did not confirm it.
+    jumps: u16,
     withheld: bool,
+    /// Its change against the last one that was taken, degC.
+    withheld_change: f32,
     /// Code from which a stuck sensor has not moved, and for how many ticks.
     still_code: f32,
     still_ticks: u32,
@@ -97,6 +118,11 @@ pub struct ChannelState {
 impl Channel {
     pub(crate) fn new(thermistor: Thermistor, limits: &PlausibilityConfig, stuck_ticks: u32) -> Self {
         Self { thermistor, limits: *limits, stuck_ticks }
+    }
+
+    /// What a change to `new` would widen: a limit, or what a code means.
+    pub(super) fn widened(&self, new: &Self, sensor: &'static str) -> Option<&'static str> {
+        if self.thermistor != new.thermistor { Some(sensor) } else { self.limits.widened(&new.limits) }
     }
 
     /// Converts and judges one code. Total: any bit pattern gives a finite temperature and a validity.
@@ -137,8 +163,12 @@ impl Channel {
         let change = state.last.map_or(0.0, |last| celsius.0 - last.0);
         let limit = self.limits.jump.0;
         let jumped = change.abs() > limit && (change - state.slope).abs() > limit;
-        state.jumps = (state.jumps << 1) | u8::from(jumped);
-        let validity = if state.jumps == 0 { Validity::Good } else { state.doubt(jumped) };
+        // A jump that the next sample confirms is fast air, such as at a cold start of a strong heater.
+        let confirmed = jumped && state.withheld && change * state.withheld_change > 0.0;
+        state.jumps = RATE_WINDOW & state.jumps << 1 & if confirmed { !0b10 } else { !0 };
+        state.jumps |= u16::from(jumped && !confirmed);
+        state.withheld_change = change;
+        let validity = if state.jumps == 0 && !confirmed { Validity::Good } else { state.doubt(jumped) };
         if validity != Validity::Spike {
             state.slope = if jumped { 0.0 } else { change };
             state.last = Some(celsius);

@@ -63,7 +63,7 @@ macro_rules! bounds {
 const BOUNDS: [Bounds; 3] = [bounds!("t0"), bounds!("t1"), bounds!("t2")];
 
 /// A thermistor ready to convert.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thermistor {
     /// 1/T25 + ln(Rp/R25)/B, in 1/K: the constant part of the beta equation.
     inv_t_at_half_scale: f32,

@@ -6,74 +6,39 @@
 //!    ▲ ▲             ▲                               │                           │
 //!    │ │             └── saturated, out of regulation, unexcited, new set-point ─┘ Relearn
 //!    │ └── Stop, from any heating mode
-//!    └──── Acknowledge ── Tripped ◀── T1 lost, over-temperature: from any heating mode, in the same tick
+//!    └──── Acknowledge ── Tripped ◀── a hazard: from any heating mode, in the same tick
+//!                                 ◀── a heater that is stuck on: from Off as well
 //! ```
 //!
 //! With a baseline from an earlier life (see `restored`), settling ends in Monitor, without Learn and without its clock.
 //! A trip latches with its reason and the values seen, and is left only by an acknowledgement after its cause has gone.
 
+mod config;
+mod disagreement;
+mod hazard;
 mod mode;
+mod normal;
+mod response;
+mod unasked;
 
+pub use config::SupervisorConfig;
 pub use mode::{Blocker, Command, Mode, Refusal, Trip, TripReason};
 
 use crate::config::Config;
-use crate::diagnosis::baseline::MIN_SAMPLES;
-use crate::error::{ConfigError, above, in_range, in_ranges};
+use crate::diagnosis::baseline::Baseline;
+use crate::error::ConfigError;
 use crate::feedback::Feedback;
-use crate::sense::{RawSample, Sample, Validity};
+use crate::sense::{RawSample, Sample};
 use crate::units::{Celsius, Percent, Seconds};
+use disagreement::Disagreement;
+use normal::Normal;
+use response::{Response, ResponseState};
+use unasked::{Unasked, UnaskedState};
 
-/// Settings of the supervisor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct SupervisorConfig {
-    /// Learning begins no earlier than this after arming.
-    pub learn_start: Seconds,
-    /// Learning ends no earlier than this; it takes `learn_end - learn_start` of accepted samples.
-    pub learn_end: Seconds,
-    /// "In regulation": the low-passed control error is within this share of the set-point.
-    pub regulation_band: Percent,
-    /// In regulation, unsaturated and excited for so long before learning begins.
-    pub regulation_time: Seconds,
-    /// Smallest excitation, after saturation, that counts as one.
-    pub min_excitation: Percent,
-    /// T1 or T2 above this switches the heater off.
-    pub over_temperature: Celsius,
-    /// T1 without a valid sample for longer than this switches the heater off, whatever the reason.
-    pub signal_timeout: Seconds,
-    /// Once T1 is named faulty, or breaks, go on with T2 through the models of the parity diagnosis; else what is broken
-    /// trips and what reads wrong is only told. Set-point limits and over-temperature hold all the same.
-    pub go_on_without_t1: bool,
-    /// Air flow surely below this share of normal switches the heater off; 0 never does.
-    pub min_air_flow: Percent,
-    /// Lowest set-point that is accepted.
-    pub setpoint_min: Celsius,
-    /// Highest set-point that is accepted.
-    pub setpoint_max: Celsius,
-}
-
-impl Default for SupervisorConfig {
-    fn default() -> Self {
-        Self {
-            learn_start: Seconds(180.0),
-            learn_end: Seconds(360.0),
-            regulation_band: Percent(5.0),
-            regulation_time: Seconds(20.0),
-            min_excitation: Percent(0.5),
-            over_temperature: Celsius(75.0),
-            signal_timeout: Seconds(0.5),
-            go_on_without_t1: false,
-            min_air_flow: Percent(50.0),
-            setpoint_min: Celsius(20.0),
-            setpoint_max: Celsius(65.0),
-        }
-    }
-}
+/// So many samples behind, the baseline is not merely late: the models need fewer to settle.
+const UNIDENTIFIED: u32 = 300;
+/// Time over which the power is averaged before it is judged, s.
+const POWER_TIME: f32 = 1.0;
 
 /// What the supervisor looks at.
 #[derive(Clone, Copy, Debug)]
@@ -90,6 +55,8 @@ pub struct Situation<'a> {
     pub mean_error: Option<f32>,
     /// The temperature wanted.
     pub setpoint: Celsius,
+    /// What the PID asked for on the tick before: the drive without the excitation.
+    pub pid: Percent,
     /// The drive was at a limit on the tick before.
     pub saturated: bool,
     /// The tick before was really excited.
@@ -114,22 +81,23 @@ pub struct Decision {
     pub learn: bool,
     /// Why it does not, while learning is due.
     pub blocked: Option<Blocker>,
+    /// What was learnt before is to be forgotten.
+    pub forget: bool,
 }
 
 /// The validated supervisor.
 #[derive(Clone, Copy, Debug)]
 pub struct Supervisor {
+    config: SupervisorConfig,
+    sample_time: Seconds,
+    response: Response,
+    disagreement: Disagreement,
+    unasked: Unasked,
     learn_start: u32,
     learn_samples: u32,
     steady_ticks: u32,
     lost_ticks: u32,
     regulation_band: f32,
-    min_excitation: f32,
-    over_temperature: Celsius,
-    go_on_without_t1: bool,
-    min_air_flow: f32,
-    setpoint_min: f32,
-    setpoint_max: f32,
 }
 
 /// The memory of the [`Supervisor`].
@@ -145,6 +113,15 @@ pub struct SupervisorState {
     hazard: Option<TripReason>,
     /// A baseline from an earlier life is there.
     restored: bool,
+    /// What was learnt is to be forgotten, from the next tick on.
+    forget: bool,
+    /// Power asked for up to now, without the excitation, averaged, %.
+    power: f32,
+    normal: Normal,
+    response: ResponseState,
+    /// Ticks with power on which T1 and T2 disagreed.
+    disagreeing: u32,
+    unasked: UnaskedState,
 }
 
 impl Supervisor {
@@ -153,83 +130,87 @@ impl Supervisor {
     /// # Errors
     /// The parameter that is out of bounds.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        let c = &config.supervisor;
-        in_range("supervisor.learn_start", c.learn_start.0, 0.0, 86400.0)?;
-        in_range("supervisor.learn_end", c.learn_end.0, 0.0, 86400.0)?;
-        let shortest = c.learn_start.0 + MIN_SAMPLES * config.sample_time.0;
-        above("supervisor.learn_end", c.learn_end.0, "supervisor.learn_start + 100 samples", shortest)?;
-        in_ranges! {
-            "supervisor.regulation_band": c.regulation_band.0, 0.1, 100.0;
-            "supervisor.regulation_time": c.regulation_time.0, 0.0, 3600.0;
-            "supervisor.min_excitation": c.min_excitation.0, 0.01, 50.0;
-            "supervisor.over_temperature": c.over_temperature.0, 30.0, 250.0;
-            "supervisor.signal_timeout": c.signal_timeout.0, 0.0, 5.0;
-            "supervisor.min_air_flow": c.min_air_flow.0, 0.0, 95.0;
-            "supervisor.setpoint_min": c.setpoint_min.0, 0.0, 200.0;
-            "supervisor.setpoint_max": c.setpoint_max.0, 0.0, 200.0;
-        }?;
-        above("supervisor.setpoint_max", c.setpoint_max.0, "supervisor.setpoint_min", c.setpoint_min.0)?;
-        above(
-            "supervisor.over_temperature",
-            c.over_temperature.0,
-            "supervisor.setpoint_max",
-            c.setpoint_max.0,
-        )?;
-        in_range("setpoint", config.setpoint.0, c.setpoint_min.0, c.setpoint_max.0)?;
+        SupervisorConfig::validate(config)?;
+        let c = config.supervisor;
         let ts = config.sample_time;
         let learn_start = c.learn_start.ticks(ts);
         Ok(Self {
+            config: c,
+            sample_time: ts,
+            response: Response::new(&c, config.pid.output_max, ts),
+            disagreement: Disagreement::new(&c, ts),
+            unasked: Unasked::new(&c, ts),
             learn_start,
             learn_samples: c.learn_end.ticks(ts).saturating_sub(learn_start),
             steady_ticks: c.regulation_time.ticks(ts),
             lost_ticks: c.signal_timeout.ticks(ts),
             regulation_band: c.regulation_band.0 / 100.0,
-            min_excitation: c.min_excitation.0,
-            over_temperature: c.over_temperature,
-            go_on_without_t1: c.go_on_without_t1,
-            min_air_flow: c.min_air_flow.0,
-            setpoint_min: c.setpoint_min.0,
-            setpoint_max: c.setpoint_max.0,
         })
     }
 
     /// Smallest excitation that counts as one, in %.
     pub fn min_excitation(&self) -> f32 {
-        self.min_excitation
+        self.config.min_excitation.0
     }
 
     /// Whether a faulty T1 is stood in for.
     pub fn goes_on_without_t1(&self) -> bool {
-        self.go_on_without_t1
+        self.config.go_on_without_t1
+    }
+
+    /// Whether a board must have passed its self-test before it arms.
+    pub fn checks_before_arming(&self) -> bool {
+        self.config.check_before_arming
+    }
+
+    /// What would trip, whatever the mode; as of the last tick.
+    pub fn hazard_seen(&self, state: &SupervisorState) -> Option<TripReason> {
+        state.hazard
     }
 
     /// Decides the mode of this tick, before anything is driven.
     pub fn step(&self, state: &mut SupervisorState, now: &Situation) -> Decision {
-        state.lost = if now.regulated.value.is_some() { 0 } else { state.lost.saturating_add(1) };
         state.hazard = self.hazard(state, now);
         state.elapsed = if state.mode.is_heating() { state.elapsed.saturating_add(1) } else { 0 };
         let moved = core::mem::replace(&mut state.setpoint, now.setpoint) != now.setpoint;
         let blocker = self.blocker(now, moved);
 
         let due = state.elapsed > self.learn_start || state.restored;
-        match (&mut state.mode, state.hazard) {
-            (mode, Some(reason)) if mode.is_heating() => {
-                *mode = Mode::Tripped(trip(reason, now, self.over_temperature));
+        match (state.mode, state.hazard) {
+            (Mode::Tripped(_), _) => {}
+            (mode, Some(reason)) if mode.is_heating() || reason == TripReason::HeaterStuckOn => {
+                state.mode = Mode::Tripped(self.trip(reason, state, now));
             }
-            (mode @ &mut Mode::Settle { steady }, _) => {
-                *mode = self.settle(steady, blocker, due, state.restored)
-            }
-            (mode @ &mut Mode::Learn { accepted }, _) => {
-                *mode = self.learn(accepted, now.feedback.learned, blocker)
+            (Mode::Settle { steady }, _) => state.mode = self.settle(steady, blocker, due, state.restored),
+            (Mode::Learn { accepted }, _) => {
+                state.mode = self.learn(accepted, now.feedback.learned, blocker);
             }
             _ => {}
         }
         let blocked = match state.mode {
             Mode::Settle { .. } if due => Some(blocker.unwrap_or(Blocker::NotSteady)),
-            Mode::Learn { .. } => blocker,
+            Mode::Learn { accepted } => blocker.or(self.unidentified(accepted, now.feedback.learned)),
             _ => None,
         };
-        Decision { learn: matches!(state.mode, Mode::Learn { .. }) && blocker.is_none(), blocked }
+        let learn = matches!(state.mode, Mode::Learn { .. }) && blocker.is_none();
+        self.learn_normal(state, now, learn);
+        Decision { learn, blocked, forget: core::mem::take(&mut state.forget) }
+    }
+
+    /// Learns what power and temperatures go together, beside the diagnosis and from the same samples.
+    fn learn_normal(&self, state: &mut SupervisorState, now: &Situation, learn: bool) {
+        // An instrument that is armed before its first tick has that one only.
+        if !state.mode.is_heating() || state.normal.knows_no_room() {
+            state.normal.follow_room(now, self.sample_time);
+        }
+        match state.mode {
+            Mode::Learn { accepted: 1 } => state.normal.begin(),
+            Mode::Monitor => state.normal.end(),
+            _ => {}
+        }
+        if learn {
+            state.normal.push(now);
+        }
     }
 
     /// The mode as last decided.
@@ -247,6 +228,11 @@ impl Supervisor {
         }
     }
 
+    /// The baseline stays behind the samples that were fit for it: then the models give nothing to learn.
+    fn unidentified(&self, accepted: u32, learned: u32) -> Option<Blocker> {
+        (accepted > learned.saturating_add(UNIDENTIFIED)).then_some(Blocker::NotIdentified)
+    }
+
     /// A missing sample is skipped; anything else that disturbs the rig makes what was learnt doubtful.
     fn learn(&self, accepted: u32, learned: u32, blocker: Option<Blocker>) -> Mode {
         let enough = accepted.min(learned) >= self.learn_samples;
@@ -255,38 +241,6 @@ impl Supervisor {
             None => Mode::Learn { accepted: accepted.saturating_add(1) },
             Some(Blocker::InvalidSample) => Mode::Learn { accepted },
             Some(_) => Mode::Settle { steady: 0 },
-        }
-    }
-
-    /// What would make heating dangerous.
-    fn hazard(&self, state: &SupervisorState, now: &Situation) -> Option<TripReason> {
-        let sample = now.sample;
-        let hot = |reading: Option<f32>| reading.is_some_and(|t| t > self.over_temperature.0);
-        let lost_too_long = state.lost > self.lost_ticks;
-        let flow = now.feedback.air_flow.filter(|flow| flow.0 < self.min_air_flow);
-        if state.mode.is_heating() && flow.is_some() {
-            return Some(TripReason::AirFlowLost);
-        }
-        if state.mode.is_heating() && now.feedback.heater_stuck_on {
-            return Some(TripReason::HeaterStuckOn);
-        }
-        if now.regulated.is_stand_in {
-            return match now.regulated.value {
-                None if lost_too_long => Some(TripReason::T1Lost),
-                stand_in if hot(stand_in.map(|t| t.0)) => Some(TripReason::T1OverTemperature),
-                _ if hot(sample.t2.good()) => Some(TripReason::T2OverTemperature),
-                _ => None,
-            };
-        }
-        match sample.t1.validity {
-            Validity::Open => Some(TripReason::T1Open),
-            Validity::Short => Some(TripReason::T1Short),
-            Validity::OutOfRange => Some(TripReason::T1OutOfRange),
-            Validity::Stuck if lost_too_long => Some(TripReason::T1Stuck),
-            Validity::Missing | Validity::Spike | Validity::Rate if lost_too_long => Some(TripReason::T1Lost),
-            _ if hot(sample.t1.good()) => Some(TripReason::T1OverTemperature),
-            _ if hot(sample.t2.good()) => Some(TripReason::T2OverTemperature),
-            _ => None,
         }
     }
 
@@ -312,7 +266,7 @@ impl Supervisor {
     /// # Errors
     /// [`Refusal::SetPoint`] with the limits.
     pub fn check_setpoint(&self, wanted: Celsius) -> Result<Celsius, Refusal> {
-        let (min, max) = (self.setpoint_min, self.setpoint_max);
+        let (min, max) = (self.config.setpoint_min.0, self.config.setpoint_max.0);
         if wanted.0 >= min && wanted.0 <= max {
             Ok(wanted)
         } else {
@@ -321,8 +275,14 @@ impl Supervisor {
     }
 
     /// Hears that the diagnosis has a baseline from an earlier life.
-    pub fn restored(&self, state: &mut SupervisorState) {
+    pub fn restored(&self, state: &mut SupervisorState, baseline: &Baseline) {
         state.restored = true;
+        state.normal.restore(baseline);
+    }
+
+    /// The first limit that the settings of `new` widen.
+    pub(crate) fn widened(&self, new: &Self) -> Option<&'static str> {
+        self.config.widened(&new.config)
     }
 
     /// Carries out a command on the mode.
@@ -337,9 +297,15 @@ impl Supervisor {
             | (Command::Acknowledge, Mode::Tripped(_), Some(reason)) => {
                 return Err(Refusal::CausePersists(reason));
             }
-            (Command::Relearn, Mode::Settle { .. } | Mode::Learn { .. } | Mode::Monitor, _) => {
+            (
+                Command::Relearn,
+                mode @ (Mode::Off | Mode::Settle { .. } | Mode::Learn { .. } | Mode::Monitor),
+                _,
+            ) => {
                 state.restored = false;
-                Mode::Settle { steady: 0 }
+                state.forget = true;
+                state.normal.forget();
+                if mode.is_heating() { Mode::Settle { steady: 0 } } else { mode }
             }
             (Command::Stop, Mode::Tripped(trip), _) => Mode::Tripped(trip),
             (Command::Stop, ..) => Mode::Off,
@@ -350,10 +316,4 @@ impl Supervisor {
         };
         Ok(())
     }
-}
-
-/// The record of a trip. Out of line: it is long, and made once.
-#[cold]
-fn trip(reason: TripReason, now: &Situation, limit: Celsius) -> Trip {
-    Trip { reason, tick: now.tick, raw: now.raw, sample: *now.sample, setpoint: now.setpoint, limit }
 }

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crate::sense::{RawSample, Sample};
-use crate::units::Celsius;
+use crate::units::{Celsius, Percent};
 
 /// Why the heater was switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +28,36 @@ pub enum TripReason {
     AirFlowLost,
     /// The heater heats although it is not asked to.
     HeaterStuckOn,
+    /// T2 is far hotter than T1.
+    SensorsDisagree,
+    /// Full power, and T1 has not risen since arming.
+    NoResponse,
+    /// Far more power than was learnt for this set-point, and T1 does not rise.
+    ExcessPower,
+}
+
+impl TripReason {
+    /// The reason in words, for people.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::T1Open => "T1 reads as a broken wire",
+            Self::T1Short => "T1 reads as a short circuit",
+            Self::T1OutOfRange => "T1 reads a temperature that the rig cannot have",
+            Self::T1Lost => "T1 gave no valid sample for too long",
+            Self::T1Stuck => "T1 did not move although the heater did",
+            Self::T1OverTemperature => "T1 is above the limit",
+            Self::T2OverTemperature => "T2 is above the limit",
+            Self::AirFlowLost => "too little air to heat",
+            Self::HeaterStuckOn => "the rig heats although the heater is off",
+            Self::SensorsDisagree => {
+                "T2 is far hotter than T1: T1 is out of the tube or stands still, or wires are swapped"
+            }
+            Self::NoResponse => "full power, and T1 has not risen: T1 out of the tube, or nothing heats",
+            Self::ExcessPower => {
+                "far more power than was learnt for this set-point: T1 out of the tube, or the rig changed"
+            }
+        }
+    }
 }
 
 /// The record of a trip: what was seen on the tick that tripped.
@@ -46,6 +76,10 @@ pub struct Trip {
     pub setpoint: Celsius,
     /// The temperature above which T1 or T2 trips.
     pub limit: Celsius,
+    /// What had been asked of the heater up to then, without the excitation: its mean over about a second.
+    pub power: Percent,
+    /// The power that this set-point needed by what was learnt, where that is known.
+    pub needed: Option<Percent>,
 }
 
 /// Mode of the instrument; the diagram is in the module's documentation.
@@ -104,6 +138,24 @@ pub enum Blocker {
     InvalidSample,
     /// All is well, but not yet for long enough.
     NotSteady,
+    /// The models have given no gain or bandwidth that may be believed for many samples: see `identification.gain_max`.
+    NotIdentified,
+}
+
+impl Blocker {
+    /// The reason in words, for people.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Saturated => "the power is at a limit",
+            Self::OutOfRegulation => "T1 is too far from the set-point",
+            Self::Unexcited => "the excitation is off or cut away",
+            Self::InvalidSample => "a thermistor gives no valid sample",
+            Self::NotSteady => "not steady for long enough yet",
+            Self::NotIdentified => {
+                "the models give no gain or bandwidth to be believed; see identification.gain_max"
+            }
+        }
+    }
 }
 
 /// A command of the user.
@@ -132,6 +184,8 @@ pub enum Refusal {
     NotInMode(&'static str),
     /// The cause of the trip persists, or would trip at once.
     CausePersists(TripReason),
+    /// The settings widen this limit, and the heater is on.
+    WidensLimit(&'static str),
     /// The set-point is not a number within the limits.
     SetPoint {
         /// What was asked for.
@@ -147,7 +201,10 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::NotInMode(mode) => write!(f, "not possible in mode {mode}"),
-            Self::CausePersists(reason) => write!(f, "refused: {reason:?} persists"),
+            Self::CausePersists(reason) => write!(f, "refused, for it persists: {}", reason.words()),
+            Self::WidensLimit(name) => {
+                write!(f, "{name} can't be widened while the heater is on, expected `stop` first")
+            }
             Self::SetPoint { wanted, min, max } => {
                 write!(f, "set-point {wanted} degC refused, expected {min} to {max} degC")
             }

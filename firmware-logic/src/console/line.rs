@@ -5,6 +5,11 @@ use core::fmt;
 /// Longest line in characters.
 pub const LENGTH: usize = 80;
 
+/// Ctrl-C, ESC, `!`: heater off, at once, in the middle of a line, too. No command and no setting needs any of them.
+pub const fn is_stop_key(byte: u8) -> bool {
+    matches!(byte, 0x03 | 0x1B | b'!')
+}
+
 /// Why a line was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineError {
@@ -41,6 +46,8 @@ pub enum Step {
     Line,
     /// It ended a line that is to be ignored.
     Rejected(LineError),
+    /// A stop key, see [`is_stop_key`]: what was typed of the line is forgotten.
+    Stop,
     /// Nothing to do or to show.
     Nothing,
 }
@@ -78,8 +85,13 @@ impl LineReader {
                 Step::Erased
             }
             0x08 | 0x7F => Step::Nothing,
-            0x03 | 0x15 => {
-                // Ctrl-C, Ctrl-U: forget what was typed
+            key if is_stop_key(key) => {
+                self.error = None;
+                self.length = 0;
+                Step::Stop
+            }
+            0x15 => {
+                // Ctrl-U: forget what was typed
                 self.error = None;
                 self.length = 0;
                 Step::Rejected(LineError::Byte { byte, column: 1 })
@@ -120,6 +132,11 @@ impl LineReader {
             }
             None => Step::Line,
         }
+    }
+
+    /// What has been typed of a line that has not ended.
+    pub fn typed(&self) -> &str {
+        if self.done { "" } else { self.line() }
     }
 
     /// The line that [`Step::Line`] ended.
@@ -165,6 +182,21 @@ mod tests {
         bytes.extend(b"\nstop\n");
         let lines = feed(&mut reader, &bytes);
         assert_eq!(lines, [Ok("a".repeat(LENGTH)), Err(LineError::TooLong), Ok("stop".to_owned())]);
+    }
+
+    #[test]
+    fn stop_keys_are_seen_anywhere_and_forget_the_line() {
+        for key in [0x03, 0x1B, b'!'] {
+            let mut reader = LineReader::default();
+            let long = [b'a'; 2 * LENGTH];
+            for before in [&b""[..], b"arm", b"set \xff", &long] {
+                before.iter().for_each(|&byte| {
+                    reader.push(byte);
+                });
+                assert_eq!(reader.push(key), Step::Stop, "{key:#x} after {before:?}");
+                assert_eq!(feed(&mut reader, b"\n"), [Ok(String::new())], "nothing is left of {before:?}");
+            }
+        }
     }
 
     #[test]

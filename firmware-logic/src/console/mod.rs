@@ -1,6 +1,7 @@
 //! The line console: bytes in, text out. The firmware runs it on its serial port, the host on a terminal; what they have
 //! in common is [`Board`]. The text of one answer is at most [`ANSWER`] bytes; line feeds end its lines.
 
+pub mod follow;
 pub mod line;
 pub mod request;
 
@@ -15,9 +16,11 @@ use crate::decimal::Fixed;
 use crate::explain::Explained;
 use crate::finding::Told;
 use crate::history::{Entry, Shown};
+use crate::self_test::Progress;
 use crate::settings::schema::{Name, SetError};
 use crate::settings::store::SaveError;
 use crate::status::Status;
+use follow::Follow;
 use line::{LineReader, Step};
 use request::{COMMANDS, Request};
 
@@ -62,6 +65,10 @@ impl Display for ApplyError {
 pub trait Board {
     /// Has a command carried out on the next tick.
     async fn command(&mut self, command: Command) -> Result<(), Denial>;
+    /// Has the self-test begin on the next tick.
+    async fn check(&mut self) -> Result<(), Denial>;
+    /// What the self-test has told so far.
+    fn progress(&self) -> Progress;
     /// Heater off, at once.
     fn stop(&mut self);
     /// What the last tick said.
@@ -87,6 +94,7 @@ pub const ANSWER: usize = 4096;
 #[derive(Clone, Debug, Default)]
 pub struct Console {
     reader: LineReader,
+    follow: Follow,
 }
 
 impl Console {
@@ -105,9 +113,28 @@ impl Console {
                 fail(out, &error);
                 say(out, "> ");
             }
+            Step::Stop => {
+                stop(board, out);
+                say(out, "> ");
+            }
             Step::Nothing => {}
         }
     }
+
+    /// Shows what a self-test has told since the last call; what was typed of a line meanwhile is shown again.
+    pub fn follow(&mut self, board: &impl Board, out: &mut dyn Write) {
+        if self.follow.is_news(&board.progress()) {
+            say(out, "\n");
+            self.follow.show(&board.progress(), &board.config(), out);
+            let _ = write!(out, "> {}", self.reader.typed());
+        }
+    }
+}
+
+/// Heater off, by a key.
+pub fn stop(board: &mut impl Board, out: &mut dyn Write) {
+    board.stop();
+    say(out, "\nstopped; what was typed of this line is forgotten\n");
 }
 
 /// Writes text; what does not fit is lost.
@@ -141,7 +168,11 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         Request::Save => done(out, board.save().await),
         Request::BrownOut => done(out, board.set_brown_out_level()),
         Request::Defaults => defaults(board, out).await,
-        Request::Arm => done(out, board.command(Command::Arm).await),
+        Request::Check => match board.check().await {
+            Ok(()) => say(out, "ok, see below for about a minute; it heats a little\n"),
+            Err(denial) => fail(out, &denial),
+        },
+        Request::Arm => arm(board, out).await,
         Request::Stop => {
             board.stop();
             say(out, "stopped\n");
@@ -153,6 +184,14 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
     }
 }
 
+async fn arm(board: &mut impl Board, out: &mut dyn Write) {
+    let result = board.command(Command::Arm).await;
+    match result {
+        Ok(()) if !board.status().is_checked() => say(out, "ok, armed without a check\n"),
+        result => done(out, result),
+    }
+}
+
 fn status(board: &impl Board, out: &mut dyn Write) {
     let status = board.status();
     let _ = writeln!(out, "{status}");
@@ -160,7 +199,8 @@ fn status(board: &impl Board, out: &mut dyn Write) {
     let sample_time = board.config().sample_time.0;
     match &report.parity.finding {
         Some(finding) => {
-            let told = Told { finding, sample: &beat.tick.sample, sample_time };
+            let told =
+                Told { finding, sample: &beat.tick.sample, expected: report.parity.expected, sample_time };
             let _ = writeln!(out, "fault: {told}");
         }
         None if report.parity.alarm => say(out, "fault: something is wrong, too early to say what\n"),

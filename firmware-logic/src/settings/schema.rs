@@ -102,8 +102,16 @@ pub const ENTRIES: &[Entry] = entries! {
     Float "supervisor.min_excitation" "%" supervisor.min_excitation.0;
     Float "supervisor.over_temperature" "degC" supervisor.over_temperature.0;
     Float "supervisor.signal_timeout" "s" supervisor.signal_timeout.0;
+    Float "supervisor.response_time" "s" supervisor.response_time.0;
+    Float "supervisor.min_response" "degC" supervisor.min_response.0;
+    Float "supervisor.max_excess_power" "%" supervisor.max_excess_power.0;
+    Float "supervisor.excess_power_time" "s" supervisor.excess_power_time.0;
+    Float "supervisor.max_disagreement" "degC" supervisor.max_disagreement.0;
+    Float "supervisor.disagreement_time" "s" supervisor.disagreement_time.0;
+    Float "supervisor.cooling_time" "s" supervisor.cooling_time.0;
     Switch "supervisor.go_on_without_t1" "" supervisor.go_on_without_t1;
     Float "supervisor.min_air_flow" "%" supervisor.min_air_flow.0;
+    Switch "supervisor.check_before_arming" "" supervisor.check_before_arming;
     Float "supervisor.setpoint_min" "degC" supervisor.setpoint_min.0;
     Float "supervisor.setpoint_max" "degC" supervisor.setpoint_max.0;
 };

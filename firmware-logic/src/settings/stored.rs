@@ -23,7 +23,7 @@ use crate::crc::crc32;
 use crate::explain::Explained;
 
 /// Bytes that the longest record may take.
-pub const MAX_BYTES: usize = 1024;
+pub const MAX_BYTES: usize = 1152;
 /// Changes when the layout does, not when settings come or go.
 pub const VERSION: u8 = 1;
 /// Ts of the board. The timers are set for it, so it is no setting there.

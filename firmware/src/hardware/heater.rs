@@ -38,6 +38,12 @@ pub(crate) fn cut() {
     pac::TIM1.bdtr().modify(|w| w.set_moe(false));
 }
 
+/// Ends a break that was made on purpose, with the output off whether it has worked or not.
+fn cut_and_forget_break() {
+    cut();
+    pac::TIM1.sr().modify(|w| w.set_bif(0, false));
+}
+
 /// Switches both outputs off for a reason that the control task will latch on its next tick. `false` if they were off.
 pub(crate) fn cut_because(reason: Hold) -> bool {
     let was_enabled = is_enabled();
@@ -151,6 +157,15 @@ impl Heater for HeaterOutput {
 
     fn break_is_open(&self) -> bool {
         self.break_input.is_high()
+    }
+
+    fn test_break(&mut self) -> bool {
+        self.enable();
+        let enabled = is_enabled();
+        pac::TIM1.egr().write(|w| w.set_bg(0, true));
+        let cut = !is_enabled();
+        cut_and_forget_break();
+        enabled && cut
     }
 
     fn cut_by(&self) -> Hold {

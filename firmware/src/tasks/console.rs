@@ -1,45 +1,83 @@
-//! The line console on the serial port.
+//! The line console on the serial port. Stop keys are looked for as the bytes come in, not when their line has its turn:
+//! a long answer, or a command that waits for its tick, delays no stop.
 
+use embassy_futures::join::join;
 use embassy_futures::select::{Either, select};
 use embassy_stm32::usart::{BufferedUartRx, BufferedUartTx};
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use embassy_sync::pipe::Pipe;
 use embassy_time::Timer;
 use embedded_io_async::{Read, Write};
 use firmware_logic::checkin::Task;
-use firmware_logic::console::{ANSWER, Console};
+use firmware_logic::console::{ANSWER, Console, line};
 use static_cell::ConstStaticCell;
 
 use crate::hardware::serial;
-use crate::instrument::ConsoleBoard;
+use crate::instrument::{ConsoleBoard, stop};
 use crate::link::check_in;
 
 /// An answer on its way to the terminal.
 type Answer = heapless::String<ANSWER>;
 
+/// Bytes that wait for their turn. Those that find no room are lost, as on a line error: the line that lacks them is most
+/// likely no command.
+type Waiting = Pipe<NoopRawMutex, 256>;
+
 static ANSWER_TEXT: ConstStaticCell<Answer> = ConstStaticCell::new(Answer::new());
 
 /// Reads bytes, answers lines.
 #[embassy_executor::task]
-pub(crate) async fn console(
-    mut tx: BufferedUartTx<'static>,
-    mut rx: BufferedUartRx<'static>,
-    mut board: ConsoleBoard,
-) {
+pub(crate) async fn console(tx: BufferedUartTx<'static>, rx: BufferedUartRx<'static>, board: ConsoleBoard) {
+    let waiting = Waiting::new();
+    join(listen(rx, &waiting), answer(tx, &waiting, board)).await;
+}
+
+/// Takes bytes in as they come, and stops at once where one is a stop key. The driver (embassy-stm32 0.6.0) wakes the reader when
+/// the line falls idle, and misses that when it happens while it reads the byte before: a stop key would wait for the next
+/// key. So the reader also comes by itself.
+async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting) {
+    let mut bytes = [0; 16];
+    loop {
+        // A line error (noise, overrun) loses bytes.
+        if let Either::First(Ok(n)) = select(rx.read(&mut bytes), Timer::after_millis(20)).await {
+            let mut came = bytes.get(..n).unwrap_or_default();
+            if let Some(key) = came.iter().rposition(|byte| line::is_stop_key(*byte)) {
+                stop();
+                // What was typed before a stop must not be carried out after it.
+                waiting.clear();
+                came = came.get(key..).unwrap_or_default();
+            }
+            keep(waiting, came);
+        }
+    }
+}
+
+/// Keeps bytes for their turn, as far as there is room. One write ends where the ring does.
+fn keep(waiting: &Waiting, mut bytes: &[u8]) {
+    while !bytes.is_empty() {
+        let Ok(n) = waiting.try_write(bytes) else { return };
+        bytes = bytes.get(n..).unwrap_or_default();
+    }
+}
+
+/// Answers the lines.
+async fn answer(mut tx: BufferedUartTx<'static>, waiting: &Waiting, mut board: ConsoleBoard) {
     let mut console = Console::default();
     let answer = ANSWER_TEXT.take();
     let mut bytes = [0; 16];
     loop {
         check_in(Task::Console);
-        // A line error (noise, overrun) loses bytes; the line that lacks them is most likely no command.
-        match select(rx.read(&mut bytes), Timer::after_millis(100)).await {
-            Either::First(Ok(n)) => {
+        match select(waiting.read(&mut bytes), Timer::after_millis(100)).await {
+            Either::First(n) => {
                 for &byte in bytes.iter().take(n) {
                     console.push(byte, &mut board, answer).await;
                     print(&mut tx, answer).await;
                 }
             }
-            Either::First(Err(_)) => {}
             Either::Second(()) => board.settle().await,
         }
+        console.follow(&board, answer);
+        print(&mut tx, answer).await;
     }
 }
 

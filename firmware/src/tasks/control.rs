@@ -41,7 +41,13 @@ pub(crate) async fn control(
         }
         let raw = thermistors.sample(tick_timer::now()).await;
         let order = match link::STOP.swap(false, Ordering::Relaxed) {
-            true => Some(Order::Command(Command::Stop)),
+            true => {
+                // What heats and was ordered before a stop must not come after it.
+                while orders.peek().is_some_and(Order::heats) {
+                    orders.dequeue();
+                }
+                Some(Order::Command(Command::Stop))
+            }
             false => orders.dequeue(),
         };
         let beat = control.tick(raw, arrival, order, link::feedback(), &mut heater);

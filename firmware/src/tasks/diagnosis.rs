@@ -6,7 +6,7 @@ use fdi_core::parity::Arming;
 use fdi_core::{Mode, Report};
 use firmware_logic::alarm::Alarms;
 use firmware_logic::checkin::Task;
-use firmware_logic::control_loop::Beat;
+use firmware_logic::control_loop::{Asked, Beat};
 use firmware_logic::history::Entry;
 use firmware_logic::interlock::Hold;
 use firmware_logic::record::Record;
@@ -36,13 +36,18 @@ pub(crate) async fn diagnosis(
         let beat = beats.next().await;
         link::check_in(Task::Diagnosis);
         if let Some(outcome) = beat.outcome {
-            if outcome.command.is_none()
+            // Settings that control has refused are not for this half either.
+            if outcome.asked == Asked::Settings
                 && let Some(retuned) = instrument.take_retuned()
+                && outcome.result.is_ok()
             {
                 diagnosis = retuned;
             }
-            log::outcome(beat.tick.index, &outcome);
+            log::outcome(beat.tick.index, &outcome, beat.checked);
             instrument.answered(outcome);
+        }
+        if let Some(news) = beat.news {
+            log::check(news);
         }
         let report = diagnosis.step(&mut state, &beat.tick, beat.applied);
         link::feed_back(report.feedback());

@@ -1,10 +1,11 @@
 //! A cell: runs that differ in their seeds only.
 
-use fdi_core::Config;
+use fdi_core::{Celsius, Config};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::definition::Expect;
+use super::heat::MayTrip;
 use crate::fault::Fault;
 use crate::scenario::Scenario;
 
@@ -23,6 +24,12 @@ pub struct Cell {
     pub runs: u64,
     /// Seed of the first run; the others follow.
     pub first_seed: u64,
+    /// Which trips are right.
+    pub may_trip: MayTrip,
+    /// The room of each run is drawn from here, degC; else that of the rig.
+    pub room: Option<[f64; 2]>,
+    /// The set-point of each run is drawn from here, degC; else that of the settings.
+    pub setpoint: Option<[f64; 2]>,
     /// Largest shift of all that happens, s.
     pub phase: f64,
     /// The run, not shifted.
@@ -47,8 +54,8 @@ impl Cell {
         self.scenario.faults.first().filter(|_| self.expect == Expect::Fault)
     }
 
-    /// The scenario of a run: all that happens, later by a random time.
-    pub fn scenario(&self, seed: u64) -> Scenario {
+    /// What a run is made of: all that happens, later by a random time, and what else is drawn.
+    pub fn draw(&self, seed: u64) -> (Config, Scenario) {
         // A stream of its own: the rig draws its noise from the seed itself.
         let mut generator = Xoshiro256PlusPlus::seed_from_u64(!seed);
         let shift = if self.phase > 0.0 { generator.random_range(0.0..self.phase) } else { 0.0 };
@@ -57,6 +64,45 @@ impl Cell {
         scenario.duration += shift;
         scenario.faults.iter_mut().for_each(|fault| fault.at += shift);
         scenario.actions.iter_mut().for_each(|action| action.at += shift);
-        scenario
+        let mut draw = |[low, high]: [f64; 2]| (generator.random_range(low..=high) * 10.0).round() / 10.0;
+        if let Some(room) = self.room {
+            scenario.rig.room = draw(room);
+        }
+        let mut config = self.config.clone();
+        if let Some(setpoint) = self.setpoint {
+            config.setpoint = Celsius(draw(setpoint) as f32);
+        }
+        (config, scenario)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::campaign::definition::Campaign;
+
+    fn cell(more: &str) -> Cell {
+        let text = format!(
+            "[[cell]]\nname = \"c\"\nruns = 1\nphase = 60.0\nduration = 500.0\n{more}\n\
+             fault = [{{ do = \"open\", sensor = \"t1\", at = 400.0, for = 9.0 }}]"
+        );
+        let campaign: Campaign = toml::from_str(&text).unwrap();
+        campaign.expand(&Config::default()).unwrap().remove(0)
+    }
+
+    #[test]
+    fn room_and_set_point_are_drawn_for_each_run_and_the_phase_stays() {
+        let (plain, drawn) = (cell(""), cell("room = [5.0, 30.0]\nsetpoint = [25.0, 65.0]"));
+        let mut rooms = Vec::new();
+        for seed in 1..200 {
+            let (config, scenario) = drawn.draw(seed);
+            assert!((5.0..=30.0).contains(&scenario.rig.room) && (25.0..=65.0).contains(&config.setpoint.0));
+            assert_eq!(scenario.faults, plain.draw(seed).1.faults, "seeds of old cells must not move");
+            assert_eq!(drawn.draw(seed), (config, scenario.clone()));
+            rooms.push(scenario.rig.room);
+        }
+        rooms.sort_by(f64::total_cmp);
+        assert!(rooms[0] < 7.0 && rooms[198] > 28.0, "{rooms:?}");
+        assert_eq!(plain.draw(1).0, plain.config);
     }
 }

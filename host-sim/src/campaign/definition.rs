@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, ensure};
-use fdi_core::Config;
+use fdi_core::{Celsius, Config};
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
 use super::cell::Cell;
+use super::heat::MayTrip;
 use super::target::Target;
 use crate::fault::Fault;
 use crate::rig::{RigConfig, Wander};
@@ -103,6 +104,9 @@ pub struct CellDefinition {
     /// Everything happens later by a time drawn for each run from 0 to this, s.
     #[serde(default)]
     pub phase: f64,
+    /// Each run is armed at this time, s: until then the instrument sees the rig cold.
+    #[serde(default)]
+    pub arm_at: f64,
     /// Length of a run, s; left out: until the last thing that happens, and `rest`.
     pub duration: Option<f64>,
     /// Sizes that the first fault takes, each in a cell of its own.
@@ -114,6 +118,13 @@ pub struct CellDefinition {
     /// Names of the plants, each in a cell of its own; none: the reference rig.
     #[serde(default)]
     pub plants: Vec<String>,
+    /// The room of each run is drawn between these, degC.
+    pub room: Option<[f64; 2]>,
+    /// The set-point of each run is drawn between these, degC.
+    pub setpoint: Option<[f64; 2]>,
+    /// Which trips are right; left out: none.
+    #[serde(default)]
+    pub may_trip: MayTrip,
     /// Settings of the instrument that differ, as in a configuration.
     #[serde(default)]
     pub config: Table,
@@ -190,6 +201,7 @@ impl Campaign {
             ends.chain(definition.actions.iter().map(|a| a.at + a.over.unwrap_or(0.0))).fold(0.0, f64::max);
         let scenario = Scenario {
             duration: definition.duration.unwrap_or(last + self.rest),
+            arm_at: definition.arm_at,
             wander: definition.wander,
             rig: variant.plant.noisy_rig(),
             faults: variant.faults.clone(),
@@ -202,6 +214,7 @@ impl Campaign {
         let phase = definition.phase;
         ensure!((0.0..=1e4).contains(&phase), "phase is {phase}, expected 0 to 10000 s");
         ensure!(definition.runs > 0, "runs is 0, expected 1 or more");
+        definition.check_draws(&config)?;
         Ok(Cell {
             name: variant.name.clone(),
             plant: variant.plant.name.clone(),
@@ -209,6 +222,9 @@ impl Campaign {
             expect,
             runs: ((definition.runs as f64 * self.scale).round() as u64).clamp(1, 1_000_000),
             first_seed,
+            may_trip: definition.may_trip.clone(),
+            room: definition.room,
+            setpoint: definition.setpoint,
             phase,
             scenario,
             config,
@@ -248,6 +264,21 @@ struct Variant<'a> {
 }
 
 impl CellDefinition {
+    /// Both ends of what is drawn must be such as could be set.
+    fn check_draws(&self, config: &Config) -> anyhow::Result<()> {
+        for (name, range) in [("room", self.room), ("setpoint", self.setpoint)] {
+            let Some([low, high]) = range else { continue };
+            ensure!(low <= high, "{name} is [{low}, {high}], expected the lower one first");
+        }
+        for room in self.room.into_iter().flatten() {
+            RigConfig { room, ..RigConfig::default() }.validate()?;
+        }
+        for setpoint in self.setpoint.into_iter().flatten() {
+            fdi_core::Instrument::new(&Config { setpoint: Celsius(setpoint as f32), ..config.clone() })?;
+        }
+        Ok(())
+    }
+
     fn variants(&self, plants: &[Plant]) -> anyhow::Result<Vec<Variant<'_>>> {
         ensure!(!self.name.is_empty(), "expected a `name`");
         ensure!(self.sizes.is_empty() || !self.faults.is_empty(), "sizes: expected a `fault`");

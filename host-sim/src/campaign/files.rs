@@ -1,4 +1,4 @@
-//! `campaign.json`, `cells.csv`, `runs.csv` and `tables.md`.
+//! `campaign.json`, `cells.csv`, `runs.csv`, `tables.md` and `runaway.md`.
 
 use std::io::Write;
 use std::path::Path;
@@ -6,9 +6,11 @@ use std::path::Path;
 use anyhow::Context;
 
 use super::cell::Cell;
+use super::heat::{self, Heat, HeatStatistics};
 use super::results::{By, CellResults, Results};
 use super::run::{RunRow, Seen};
 use super::statistics::Quantiles;
+use super::table::counted;
 
 /// A cell of a table with the name of its column.
 type Field = (String, String);
@@ -22,6 +24,9 @@ pub(super) fn write(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Pa
     writeln!(json)?;
     write_file(out, "campaign.json", &json)?;
     write_file(out, "tables.md", super::markdown::of(results).as_bytes())?;
+    if let Some(runaway) = super::runaway::of(results) {
+        write_file(out, "runaway.md", runaway.as_bytes())?;
+    }
     write_file(out, "cells.csv", &csv(results.cells.iter().map(cell_fields))?)?;
     write_file(out, "runs.csv", &csv(rows.iter().map(|row| run_fields(&cells[row.cell], row)))?)
 }
@@ -62,12 +67,39 @@ fn run_fields(cell: &Cell, row: &RunRow) -> Vec<Field> {
         maybe("class", fault.and_then(|f| f.expected_class()).map(|c| c.name())),
         maybe("magnitude_true", fault.and_then(|f| f.true_magnitude())),
         maybe("onset_s", row.onset_s),
-        field("tripped", u8::from(row.tripped)),
     ];
+    fields.extend(heat_fields(&row.heat));
     for by in By::BOTH {
         fields.extend(seen_fields(by, by.of(row)));
     }
     fields
+}
+
+fn heat_fields(heat: &Heat) -> [Field; 8] {
+    [
+        field("air_max_c", heat.air_max_c),
+        field("overshoot_max_c", heat.overshoot_max_c),
+        maybe("trip", heat.trip.map(heat::name)),
+        maybe("tripped_s", heat.tripped_s),
+        maybe("off_delay_s", heat.off_delay_s),
+        maybe("off_after_visible_s", heat.off_after_visible_s),
+        field("saturated_s", heat.saturated_s),
+        maybe("overpower_s", heat.overpower_s),
+    ]
+}
+
+fn heat_statistics(heat: &HeatStatistics) -> [Field; 9] {
+    [
+        field("tripped_pct", heat.tripped_pct),
+        field("tripped_otherwise_pct", heat.tripped_otherwise_pct),
+        field("tripped_early", heat.tripped_early),
+        field("trips", counted(&heat.reasons)),
+        maybe("overshoot_max_c", heat.overshoot_max_c),
+        maybe("off_delay_max_s", heat.off_delay_max_s),
+        maybe("off_after_visible_max_s", heat.off_after_visible_max_s),
+        maybe("saturated_max_s", heat.saturated_max_s),
+        maybe("overpower_max_s", heat.overpower_max_s),
+    ]
 }
 
 fn seen_fields(by: By, seen: &Seen) -> Vec<Field> {
@@ -102,8 +134,8 @@ fn cell_fields(cell: &CellResults) -> Vec<Field> {
         maybe("class", cell.class),
         maybe("magnitude_true", cell.magnitude),
         field("runs", cell.runs),
-        field("tripped", cell.tripped),
     ];
+    fields.extend(heat_statistics(&cell.heat));
     for by in By::BOTH {
         let statistics = cell.by(by);
         let fault = statistics.fault.as_ref();

@@ -1,4 +1,5 @@
-//! The tables of a campaign as Markdown, to be put into a document: those of the cells, or of a sweep the trade.
+//! The tables of a campaign as Markdown, to be put into a document: those of the cells but the runaway ones, or of a
+//! sweep the trade.
 
 use std::fmt::Write;
 
@@ -23,7 +24,8 @@ pub(super) fn of(results: &Results) -> String {
         By::BOTH.iter().for_each(|by| trade(&mut text, *by, &results.trade));
         return text;
     }
-    let (faults, silent): (Vec<_>, Vec<_>) = results.cells.iter().partition(|c| c.expect == Expect::Fault);
+    let (faults, silent): (Vec<_>, Vec<_>) =
+        results.cells.iter().filter(|c| !c.is_runaway()).partition(|c| c.expect == Expect::Fault);
     targets(&mut text, &results.targets);
     if !faults.is_empty() {
         detection(&mut text, &faults);
@@ -62,7 +64,7 @@ fn targets(text: &mut String, outcomes: &[Outcome]) {
         let measured = o.measured.map_or("never".into(), |x| format!("{}", (x * 1e4).round() / 1e4));
         let place = if t.each { format!("{}, worst: {}", t.cells, o.judged) } else { t.cells.clone() };
         let verdict = if o.met { "met" } else { "**missed**" };
-        let measure = format!("{} ({})", t.measure.name(), t.by.name());
+        let measure = format!("{} ({})", t.measure.name(), t.judged());
         row(text, &[verdict.into(), place, measure, bounds.join(", "), measured, o.runs.to_string()]);
     }
 }
@@ -152,12 +154,13 @@ fn silence(text: &mut String, cells: &[&CellResults]) {
     head(
         text,
         "Nothing to be reported: runs with an alarm, and alarms an hour with their exact 95 % interval",
-        &["cell", "runs", "parity", "signatures", "parity not armed"],
+        &["cell", "runs", "parity", "signatures", "parity not armed", "tripped, %"],
     );
     for cell in cells {
         let by = |by| alarms(&cell.by(by).alarms).trim().to_owned();
         let unarmed = cell.parity.unarmed.to_string();
-        row(text, &[label(cell), cell.runs.to_string(), by(By::Parity), by(By::Signature), unarmed]);
+        let tripped = format!("{:.1}", cell.heat.tripped_pct);
+        row(text, &[label(cell), cell.runs.to_string(), by(By::Parity), by(By::Signature), unarmed, tripped]);
     }
 }
 

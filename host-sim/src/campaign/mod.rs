@@ -4,10 +4,12 @@ pub mod cell;
 pub mod confusion;
 pub mod definition;
 mod files;
+pub mod heat;
 mod markdown;
 mod pictures;
 pub mod results;
 pub mod run;
+mod runaway;
 pub mod statistics;
 pub mod store;
 mod table;
@@ -294,8 +296,12 @@ fn tell(files: &[PathBuf], out: &Path) -> anyhow::Result<()> {
     let results = Results::new(&campaign, &cells, &rows);
     print(&table::of(&results))?;
     files::write(&results, &cells, &rows, out)?;
+    let runaway = if results.has_runaway() { ", runaway.md" } else { "" };
     let pictures = pictures::draw(&results, &cells, &rows, out)?;
-    println!("\nWritten to {}: campaign.json, cells.csv, runs.csv, tables.md{pictures}", out.display());
+    println!(
+        "\nWritten to {}: campaign.json, cells.csv, runs.csv, tables.md{runaway}{pictures}",
+        out.display()
+    );
     Ok(())
 }
 
@@ -308,6 +314,7 @@ fn show(args: &ShowArgs) -> anyhow::Result<()> {
         format!("no cell is named {:?}; some that contain it: {:?}", args.cell, near.collect::<Vec<_>>())
     })?;
     let seed = cell.seed(args.run);
-    let record = experiment::run(&cell.config, &cell.scenario(seed), seed)?;
+    let (config, scenario) = cell.draw(seed);
+    let record = experiment::run(&config, &scenario, seed)?;
     crate::run::tell(&record, &args.out)
 }

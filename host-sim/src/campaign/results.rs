@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::cell::Cell;
 use super::confusion::{Confusion, confusion};
 use super::definition::{Campaign, Expect};
+use super::heat::HeatStatistics;
 use super::run::{RunRow, Seen};
+use super::runaway::RUNAWAY;
 use super::statistics::{Quantiles, poisson_interval};
 use super::target::{self, Outcome};
 use super::trade::{self, Trade};
@@ -45,8 +47,10 @@ pub struct CellResults {
     pub magnitude: Option<f64>,
     /// Number of runs.
     pub runs: usize,
-    /// Runs in which the instrument switched the heater off.
-    pub tripped: usize,
+    /// What was done with the heat.
+    pub heat: HeatStatistics,
+    /// Class that the parity diagnosis settled on in most runs; null: it named none in most.
+    pub settled: Option<String>,
     /// By the parity diagnosis.
     pub parity: Statistics,
     /// By the paper's signatures.
@@ -156,6 +160,11 @@ impl By {
 pub type Case<'a> = (&'a Cell, &'a RunRow);
 
 impl Results {
+    /// Whether there is a cell for the runaway tables.
+    pub(super) fn has_runaway(&self) -> bool {
+        self.cells.iter().any(CellResults::is_runaway)
+    }
+
     /// Of all runs.
     pub fn new(campaign: &Campaign, cells: &[Cell], rows: &[RunRow]) -> Self {
         let cases: Vec<Case> = rows.iter().map(|row| (&cells[row.cell], row)).collect();
@@ -175,6 +184,11 @@ impl Results {
 }
 
 impl CellResults {
+    /// It is told in the runaway tables, where the heat counts and not the delay of an alarm.
+    pub(super) fn is_runaway(&self) -> bool {
+        self.name.starts_with(RUNAWAY)
+    }
+
     fn new(cell: &Cell, cases: &[Case]) -> Self {
         Self {
             name: cell.name.clone(),
@@ -185,7 +199,8 @@ impl CellResults {
             class: class(cell),
             magnitude: cell.fault().and_then(|f| f.true_magnitude()),
             runs: cases.len(),
-            tripped: cases.iter().filter(|(_, row)| row.tripped).count(),
+            heat: HeatStatistics::new(cases),
+            settled: most(cases.iter().map(|(_, row)| row.parity.settled.clone())),
             parity: Statistics::new(By::Parity, cases),
             signature: Statistics::new(By::Signature, cases),
         }
@@ -288,6 +303,13 @@ impl AlarmStatistics {
     }
 }
 
+/// What comes most often; of equals, any.
+fn most(all: impl Iterator<Item = Option<String>>) -> Option<String> {
+    let mut counts = std::collections::BTreeMap::new();
+    all.for_each(|x| *counts.entry(x).or_insert(0) += 1);
+    counts.into_iter().max_by_key(|(_, count)| *count).and_then(|(most, _)| most)
+}
+
 /// Variance over mean; none of fewer than two counts, or where all are zero.
 fn dispersion(counts: Vec<f64>) -> Option<f64> {
     let n = counts.len() as f64;
@@ -315,9 +337,8 @@ mod tests {
                 run,
                 seed: run,
                 onset_s: Some(400.0),
-                tripped: false,
-                signature: Seen::default(),
                 parity,
+                ..RunRow::default()
             })
             .collect();
         Results::new(&campaign, &cells, &rows).cells.remove(0).parity

@@ -1,16 +1,17 @@
 //! One run of a campaign, seen by both diagnoses, as the few numbers that are kept of it.
 
+use fdi_core::Instrument;
 use fdi_core::parity::{Arming, FaultClass};
-use fdi_core::{Instrument, Mode};
 use serde::{Deserialize, Serialize};
 
 use super::cell::Cell;
+use super::heat::{Heat, HeatWatch};
 use crate::experiment::{Row, as_written, drive, tick_time, with_prbs_phase};
 use crate::fault::Fault;
 use crate::score::{ParityScore, ParityWatch, Rise, Score, TAIL, Watch, signature_class, signature_sight};
 
 /// One run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunRow {
     /// Number of the cell.
     pub cell: usize,
@@ -20,8 +21,8 @@ pub struct RunRow {
     pub seed: u64,
     /// True onset of the fault; null where there is none to be scored.
     pub onset_s: Option<f64>,
-    /// The instrument switched the heater off.
-    pub tripped: bool,
+    /// What was done with the heat, and whether it was switched off.
+    pub heat: Heat,
     /// By the paper's signatures.
     pub signature: Seen,
     /// By the parity diagnosis.
@@ -31,7 +32,7 @@ pub struct RunRow {
 /// What one diagnosis saw.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Seen {
-    /// It watched when the fault began, or at the end of a run without.
+    /// It watched when the fault began, or at the end of a run without; or the fault was there before arming.
     pub armed: bool,
     /// An alarm stood already when the fault began: then nothing was detected.
     pub early: bool,
@@ -94,6 +95,12 @@ impl Said {
 }
 
 impl Guard {
+    /// What is there from the start can only be found later: nothing is asked of the time before.
+    fn new(fault: Option<&Fault>) -> Self {
+        let armed = fault.is_some_and(|f| f.at == 0.0);
+        Self { seen: Seen { armed, ..Seen::default() }, ..Self::default() }
+    }
+
     fn see(&mut self, t: f64, fault: Option<&Fault>, said: &Said) {
         let alarm = said.alarm == Some(true);
         let rises = self.rise.of(alarm);
@@ -138,17 +145,17 @@ impl Guard {
 /// The parameter of the configuration that is out of bounds.
 pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
     let seed = cell.seed(run);
-    let scenario = cell.scenario(seed);
-    let config = with_prbs_phase(&cell.config, seed);
+    let (config, scenario) = cell.draw(seed);
+    let config = with_prbs_phase(&config, seed);
     let sample_time = as_written(config.sample_time.0);
     let fault = cell.fault().and(scenario.faults.first());
     let mut instrument = Instrument::new(&config)?;
-    let mut guards = [Guard::default(), Guard::default()];
+    let mut guards = [Guard::new(fault), Guard::new(fault)];
     let mut watches = fault.map(|f| (Watch::new(f), ParityWatch::new(f, sample_time)));
-    let mut tripped = false;
-    drive(&mut instrument, &config, &scenario, seed, |row| {
+    let mut heat = HeatWatch::new(&config, &scenario, fault);
+    drive(&mut instrument, &config, &scenario, seed, |row, rig| {
         let t = tick_time(row.tick.index, sample_time);
-        tripped |= matches!(row.tick.mode, Mode::Tripped(_));
+        heat.see(t, &row, rig);
         for (guard, said) in guards.iter_mut().zip([Said::by_signature(&row), Said::by_parity(&row)]) {
             guard.see(t, fault, &said);
         }
@@ -166,7 +173,15 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
         }
         _ => (signature.seen, parity.seen),
     };
-    Ok(RunRow { cell: number, run, seed, onset_s: fault.map(|f| f.at), tripped, signature, parity })
+    Ok(RunRow {
+        cell: number,
+        run,
+        seed,
+        onset_s: fault.map(|f| f.at),
+        heat: heat.finish(),
+        signature,
+        parity,
+    })
 }
 
 fn named_by_signature(seen: Seen, watch: &Watch) -> Seen {
@@ -193,16 +208,8 @@ mod tests {
 
     /// What is kept of a fault from 10 s to 20 s, one tick a second, if the alarm stands when `alarm` says so.
     fn seen(alarm: impl Fn(u32) -> Option<bool>) -> Seen {
-        let fault = Fault {
-            name: String::new(),
-            verb: Verb::Offset,
-            sensor: Some(Sensor::T2),
-            size: Some(1.0),
-            lag: None,
-            at: 10.0,
-            duration: 10.0,
-        };
-        let mut guard = Guard::default();
+        let fault = Fault::new(Verb::Offset, Some(Sensor::T2), Some(1.0), 10.0, 10.0);
+        let mut guard = Guard::new(Some(&fault));
         for t in 0..60 {
             let named = (t == 40).then_some(FaultClass::Drift);
             guard.see(f64::from(t), Some(&fault), &Said { alarm: alarm(t), named });
@@ -223,6 +230,16 @@ mod tests {
     fn an_alarm_that_stood_before_the_fault_has_not_detected_it() {
         let seen = seen(|t| Some((8..20).contains(&t)));
         assert_eq!((seen.early, seen.detection_delay_s, seen.alarms), (true, None, 1));
+    }
+
+    #[test]
+    fn what_is_there_before_arming_can_still_be_found() {
+        let fault = Fault { at: 0.0, ..Fault::new(Verb::Detach, Some(Sensor::T1), Some(1.0), 0.0, 10.0) };
+        let mut guard = Guard::new(Some(&fault));
+        guard.see(0.0, Some(&fault), &Said { alarm: None, named: None });
+        guard.see(5.0, Some(&fault), &Said { alarm: Some(true), named: None });
+        let seen = guard.finish(Score { detection_delay_s: Some(5.0), ..Score::default() });
+        assert_eq!((seen.armed, seen.detection_delay_s, seen.alarms), (true, Some(5.0), 0));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::definition::Expect;
+use super::heat::HeatStatistics;
 use super::results::{AlarmStatistics, By, CellResults, FaultStatistics, Results};
 use super::statistics::Quantiles;
 use super::target::Outcome;
@@ -15,7 +16,9 @@ pub(super) fn of(results: &Results) -> String {
     let _ = writeln!(text, "{runs} runs in {} cells, seeds from {}", results.cells.len(), c.seeds_from);
     let (faults, silent): (Vec<_>, Vec<_>) =
         results.cells.iter().partition(|cell| cell.expect == Expect::Fault);
+    let (runaways, faults): (Vec<_>, Vec<_>) = faults.into_iter().partition(|cell| cell.is_runaway());
     fault_cells(&mut text, &faults);
+    runaway_cells(&mut text, &runaways);
     silent_cells(&mut text, &silent);
     confusion(&mut text, results);
     targets(&mut text, &results.targets);
@@ -85,6 +88,51 @@ fn fault_line(f: &FaultStatistics, runs: usize) -> String {
     )
 }
 
+/// Each name with its count.
+pub(super) fn counted(counts: &[(String, usize)]) -> String {
+    let counts: Vec<String> = counts.iter().map(|(name, count)| format!("{name} {count}")).collect();
+    counts.join(", ")
+}
+
+/// The trips after the onset, and how many runs tripped before.
+fn trips(heat: &HeatStatistics) -> String {
+    match (heat.reasons.as_slice(), heat.tripped_early) {
+        ([], 0) => "none".into(),
+        (reasons, 0) => counted(reasons),
+        (reasons, early) => format!("{} (before the fault {early})", counted(reasons)).trim_start().into(),
+    }
+}
+
+fn runaway_cells(text: &mut String, cells: &[&CellResults]) {
+    if cells.is_empty() {
+        return;
+    }
+    let width = cells.iter().map(|cell| label(cell).chars().count()).max().unwrap_or(0).max(20);
+    let _ = writeln!(
+        text,
+        "\nHeat without effect, the worst of the runs: true air over the set-point, onset and visible to heater off, longest\n\
+         time at full power and above 1.8 times the power needed; why it tripped (runs); what parity settled on\n\n\
+         {:width$}  runs    over    off, s  visible  full, s  above, s  trips",
+        "cell"
+    );
+    for cell in cells {
+        let heat = &cell.heat;
+        let _ = writeln!(
+            text,
+            "{:width$} {:>5} {:>+7.1} {:>9} {:>8} {:>8} {:>9}  {}; {}",
+            label(cell),
+            cell.runs,
+            heat.overshoot_max_c.unwrap_or(f64::NAN),
+            seconds(heat.off_delay_max_s),
+            seconds(heat.off_after_visible_max_s),
+            seconds(heat.saturated_max_s),
+            seconds(heat.overpower_max_s),
+            trips(heat),
+            cell.settled.as_deref().unwrap_or("not named")
+        );
+    }
+}
+
 pub(super) fn delays(q: &Quantiles) -> String {
     if *q == Quantiles::default() {
         return "never".into();
@@ -113,8 +161,10 @@ fn silent_cells(text: &mut String, cells: &[&CellResults]) {
             0 => String::new(),
             n => format!("   parity not armed in {n} runs"),
         };
-        let tripped =
-            if cell.tripped > 0 { format!("   tripped in {} runs", cell.tripped) } else { String::new() };
+        let tripped = match cell.heat.reasons.as_slice() {
+            [] => String::new(),
+            reasons => format!("   tripped: {}", counted(reasons)),
+        };
         let line = format!(
             "{:width$} {:>5}   {:<50}  {}{tripped}{unarmed}",
             label(cell),
@@ -190,9 +240,9 @@ fn targets(text: &mut String, outcomes: &[Outcome]) {
         let setting = if o.setting.is_empty() { String::new() } else { format!(" [{}]", o.setting) };
         let _ = writeln!(
             text,
-            "{}  {:<9} {:<22} {:<15} {measured:>9}  {place}{setting} ({} runs)",
+            "{}  {:<10} {:<22} {:<15} {measured:>9}  {place}{setting} ({} runs)",
             if o.met { "met   " } else { "MISSED" },
-            t.by.name(),
+            t.judged(),
             t.measure.name(),
             bounds.join(", "),
             o.runs

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::heat::HeatStatistics;
 use super::results::{By, Case, FaultStatistics, Statistics};
 
 /// A bound on a measure of some cells.
@@ -58,6 +59,20 @@ pub enum Measure {
     RunsWithAlarm,
     /// Runs in which it did not watch when it should have: silence means nothing then.
     Unarmed,
+    /// Runs that tripped, %.
+    Tripped,
+    /// Runs that tripped for a reason that the cell does not allow, or before the fault, %.
+    TrippedOtherwise,
+    /// Highest true temperature of the air at T1 over the set-point, of any run, degC.
+    OvershootMax,
+    /// Longest time from the onset to heater off; does not exist where a run never did.
+    OffDelayMax,
+    /// The same from when the fault could be seen in a thermistor or in a saturated controller.
+    OffAfterVisibleMax,
+    /// Longest time at full power, s.
+    SaturatedMax,
+    /// Longest time at more than 1.8 times the power that the set-point needed, s; does not exist where a run never learnt.
+    OverpowerMax,
 }
 
 /// A target and what became of it.
@@ -83,7 +98,29 @@ impl Measure {
         serde_json::to_value(self).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
     }
 
-    fn of(self, s: &Statistics) -> Option<f64> {
+    fn of(self, by: By, cases: &[Case]) -> Option<f64> {
+        match self.of_heat(&HeatStatistics::new(cases)) {
+            Some(measured) => measured,
+            None => self.of_diagnosis(&Statistics::new(by, cases)),
+        }
+    }
+
+    /// Those that are measured of the instrument as a whole; none of the others.
+    fn of_heat(self, heat: &HeatStatistics) -> Option<Option<f64>> {
+        match self {
+            Self::Tripped => Some(Some(heat.tripped_pct)),
+            Self::TrippedOtherwise => Some(Some(heat.tripped_otherwise_pct)),
+            Self::OvershootMax => Some(heat.overshoot_max_c),
+            Self::OffDelayMax => Some(heat.off_delay_max_s),
+            Self::OffAfterVisibleMax => Some(heat.off_after_visible_max_s),
+            Self::SaturatedMax => Some(heat.saturated_max_s),
+            Self::OverpowerMax => Some(heat.overpower_max_s),
+            _ => None,
+        }
+    }
+
+    /// Those that are measured of one diagnosis.
+    fn of_diagnosis(self, s: &Statistics) -> Option<f64> {
         let fault = s.fault.as_ref();
         let share = |count: usize| 100.0 * count as f64 / s.runs as f64;
         let percent = |x: f64| 100.0 * x;
@@ -103,11 +140,20 @@ impl Measure {
             Self::Hours => Some(s.alarms.hours),
             Self::RunsWithAlarm => s.alarms.per_hour.map(|_| s.alarms.runs_with as f64),
             Self::Unarmed => Some(s.unarmed as f64),
+            _ => None,
         }
     }
 }
 
 impl Target {
+    /// Who is judged: a diagnosis, or the instrument as a whole.
+    pub(super) fn judged(&self) -> &'static str {
+        match self.measure.of_heat(&HeatStatistics::default()) {
+            Some(_) => "instrument",
+            None => self.by.name(),
+        }
+    }
+
     fn chooses(&self, name: &str) -> bool {
         match self.cells.strip_suffix('*') {
             Some(head) => name.starts_with(head),
@@ -148,7 +194,7 @@ pub fn judge(targets: &[Target], cases: &[Case]) -> Vec<Outcome> {
 
 fn judge_one(target: &Target, setting: &str, cases: &[Case]) -> Option<Outcome> {
     let outcome = |judged: &str, cases: &[Case]| {
-        let measured = target.measure.of(&Statistics::new(target.by, cases));
+        let measured = target.measure.of(target.by, cases);
         let met = target.margin(measured) >= 0.0;
         Outcome {
             target: target.clone(),

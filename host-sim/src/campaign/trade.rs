@@ -57,17 +57,19 @@ pub fn of(cases: &[Case]) -> Vec<Trade> {
 }
 
 fn trade(setting: &str, by: By, cases: &[Case]) -> Trade {
-    let chosen = |is: fn(&Cell) -> bool| -> Vec<Case> {
+    let chosen = |is: &dyn Fn(&Cell) -> bool| -> Vec<Case> {
         cases.iter().copied().filter(|(cell, _)| cell.setting == setting && is(cell)).collect()
     };
-    let disturbed = chosen(|cell| cell.expect == Expect::Silence && !is_undisturbed(cell));
-    let undisturbed = chosen(|cell| is_undisturbed(cell) && cell.scenario.wander == Wander::Lively);
-    let nominal = chosen(|cell| cell.name.starts_with(NOMINAL) && cell.fault().is_some());
+    let silent = |cell: &Cell| cell.expect == Expect::Silence && cell.plant.is_empty();
+    let disturbed = chosen(&|cell| silent(cell) && !is_undisturbed(cell));
+    let undisturbed =
+        chosen(&|cell| silent(cell) && is_undisturbed(cell) && cell.scenario.wander == Wander::Lively);
+    let nominal = chosen(&|cell| cell.name.starts_with(NOMINAL) && cell.fault().is_some());
     let faults = nominal.chunk_by(|a, b| a.1.cell == b.1.cell).map(|cases| NominalFault {
         name: cases[0].0.name.clone(),
         detection_delay_s: Statistics::new(by, cases).fault.map(|f| f.detection_delay_s).unwrap_or_default(),
     });
-    let faulty = chosen(|cell| cell.fault().is_some() && cell.plant.is_empty());
+    let faulty = chosen(&|cell| cell.fault().is_some() && cell.plant.is_empty());
     let any = Statistics::new(by, &faulty).fault;
     Trade {
         setting: setting.into(),
@@ -83,5 +85,5 @@ fn trade(setting: &str, by: By, cases: &[Case]) -> Trade {
 
 /// Nothing is done in it.
 fn is_undisturbed(cell: &Cell) -> bool {
-    cell.expect == Expect::Silence && cell.scenario.faults.is_empty() && cell.scenario.actions.is_empty()
+    cell.scenario.faults.is_empty() && cell.scenario.actions.is_empty()
 }

@@ -15,6 +15,8 @@ enum Line {
     Tick(Box<Record>),
     Order(u32, Option<Command>),
     Setting(String, String),
+    /// An order was not carried out: settings told before it are not in force.
+    Denied,
     /// A part of a baseline that was restored.
     Baseline(String, Vec<u32>),
     /// The interlock stopped the heater before this tick.
@@ -105,6 +107,7 @@ fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
                 let settings = std::mem::take(&mut start.told);
                 start.orders.push((tick, Order::Settings(Box::new(settings))));
             }
+            Line::Denied => start.told = Config::default(),
             Line::Hold(tick) => start.orders.insert(0, (tick, Order::Command(Command::Stop))),
             Line::Setting(name, value) => {
                 let config = if start.records.is_empty() { &mut start.config } else { &mut start.told };
@@ -168,6 +171,9 @@ fn parse(line: &str) -> anyhow::Result<Line> {
     if let Some(rest) = after(line, "order ") {
         return order(rest);
     }
+    if after(line, "denied ").is_some() {
+        return Ok(Line::Denied);
+    }
     if let Some(rest) = after(line, "setting ") {
         let Some((name, value)) = rest.split_once(" = ") else { return Ok(Line::Other) };
         return Ok(Line::Setting(name.trim().into(), value.trim().into()));
@@ -219,6 +225,8 @@ pub(super) fn differences(said: &Record, recorded: &Recorded, tick: &Tick, repor
         missed: said.missed(),
         hold: None,
         outcome: None,
+        news: None,
+        checked: false,
     };
     let ours = Record::new(&beat, report);
     let number = |bits: u32| format!("{bits:#010x} ({})", f32::from_bits(bits));
@@ -243,6 +251,9 @@ pub(super) mod tests {
                 instrument.command(Command::Arm).unwrap();
                 log += "0.33 [INFO ] order 3 arm (firmware log.rs:77)\n";
             }
+            if k == 150 {
+                log += "16.5 [INFO ] setting pid.ti = 9 s\n16.5 [WARN ] denied 150 no (firmware log.rs:77)\n";
+            }
             if k == 200 {
                 let mut config = config.clone();
                 config.pid.kp = 3.0;
@@ -262,6 +273,8 @@ pub(super) mod tests {
                 missed: false,
                 hold: None,
                 outcome: None,
+                news: None,
+                checked: false,
             };
             log += &format!("{}.0 [DEBUG] {} (firmware diagnosis.rs:40)\n", k, Record::new(&beat, &report));
             log += "1.0 [WARN ] tick 5 came after 2 missed\n";

@@ -106,7 +106,7 @@ fn warnings(record: &Record, summary: &Summary) -> String {
         format!(
             "Tripped at {} s: {}. T1 read {}, expected {} °C; T2 read {}; the limit is {} °C. The heater was off until acknowledged.",
             significant(trip.t_s, 5),
-            tables::trip_reason(trip.reason),
+            trip.reason.words(),
             trip.t1,
             significant(trip.setpoint_c.into(), 3),
             trip.t2,
@@ -167,7 +167,7 @@ mod tests {
 
     use super::*;
     use crate::experiment::run;
-    use crate::fault::{Fault, Verb};
+    use crate::fault::{Fault, Sensor, Verb};
     use crate::scenario::Scenario;
 
     fn page(scenario: &Scenario) -> String {
@@ -199,13 +199,7 @@ mod tests {
 
     #[test]
     fn a_trip_is_told() {
-        let open = Fault {
-            verb: Verb::Open,
-            size: None,
-            lag: None,
-            at: 3.0,
-            ..Scenario::default().faults[1].clone()
-        };
+        let open = Fault::new(Verb::Open, Some(Sensor::T1), None, 3.0, 10.0);
         let page = page(&Scenario { duration: 8.0, faults: vec![open], ..Scenario::default() });
         assert!(page.contains("Tripped at 3.") && page.contains("broken wire"), "{page}");
     }

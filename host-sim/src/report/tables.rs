@@ -1,7 +1,5 @@
 //! The tables of the page, and the words for what happened.
 
-use fdi_core::TripReason;
-
 use super::numbers::{NOTHING, escape, maybe, significant, written};
 use crate::experiment::Record;
 use crate::fault::{Fault, Verb};
@@ -213,6 +211,15 @@ pub(super) fn what_happens(fault: &Fault) -> String {
         Verb::HeaterStuck => format!("heater stuck at {size} %"),
         Verb::Room => format!("room {size} °C warmer"),
         Verb::RoomDrift => format!("room warmer by {size} °C a minute"),
+        Verb::Detach => {
+            let over = fault.over.map_or_else(String::new, |over| format!(", over {} s", written(over)));
+            format!("{sensor} out of the tube: it misses {size} of the rise{over}")
+        }
+        Verb::Swap => {
+            let with = fault.with.map_or_else(String::new, |s| format!("{s:?}"));
+            format!("{sensor} and {with} exchanged")
+        }
+        Verb::Freeze => format!("{sensor} frozen, with noise of {size} codes"),
     };
     format!("{what}, from {} s for {} s", written(fault.at), written(fault.duration))
 }
@@ -223,20 +230,5 @@ pub(super) fn surroundings(wander: Wander) -> &'static str {
         Wander::None => "still",
         Wander::Calm => "calm (slow room drift)",
         Wander::Lively => "lively (room drift, wandering air flow and mains)",
-    }
-}
-
-/// Why the instrument switched off, in words.
-pub(super) fn trip_reason(reason: TripReason) -> &'static str {
-    match reason {
-        TripReason::T1Open => "T1 reads as a broken wire",
-        TripReason::T1Short => "T1 reads as a short circuit",
-        TripReason::T1OutOfRange => "T1 reads a temperature that the rig cannot have",
-        TripReason::T1Lost => "T1 gave no valid sample for too long",
-        TripReason::T1Stuck => "T1 did not move although the heater did",
-        TripReason::T1OverTemperature => "T1 above the limit",
-        TripReason::T2OverTemperature => "T2 above the limit",
-        TripReason::AirFlowLost => "too little air to heat",
-        TripReason::HeaterStuckOn => "the rig heats although the heater is off",
     }
 }

@@ -32,10 +32,7 @@ impl HeaterHistory {
 
     /// Adds a stretch towards the rise `target` with the time constant `time`.
     pub(super) fn drive(&mut self, from: f64, to: f64, target: f64, time: f64) {
-        let before = self
-            .stretches
-            .back()
-            .map_or(0.0, |s| if s.rate > 0.0 { s.target + s.distance_at(from) } else { s.target });
+        let before = self.rise_at(from);
         self.stretches.push_back(Stretch {
             start: from,
             end: to,
@@ -43,6 +40,13 @@ impl HeaterHistory {
             distance: before - target,
             rate: 1.0 / time,
         });
+    }
+
+    /// The rise at a time; before what is remembered, the oldest that is.
+    pub(super) fn rise_at(&self, t: f64) -> f64 {
+        let stretch = self.stretches.iter().rev().find(|s| s.start <= t).or(self.stretches.front());
+        stretch
+            .map_or(0.0, |s| if s.rate > 0.0 { s.target + s.distance_at(t.max(s.start)) } else { s.target })
     }
 
     /// Drops what no sensor will see any more.
@@ -66,6 +70,39 @@ impl HeaterHistory {
             }
         }
         value
+    }
+}
+
+/// The air that flows past the three thermistors, over a stretch of time in which it does not change. Arrays are for T0,
+/// T1, T2.
+pub(super) struct AirStream {
+    /// Flow, relative.
+    pub(super) flow: f64,
+    /// Time constants go with the flow by this.
+    pub(super) slowness: f64,
+    /// Temperature before the heater, degC.
+    pub(super) room: f64,
+    /// Time from the heater, s.
+    pub(super) delay: [f64; 3],
+    /// Share of the rise that arrives.
+    pub(super) share: [f64; 3],
+}
+
+impl AirStream {
+    /// The element of thermistor `i` at the end of the stretch, which sees `gain` times the rise with a `lag`.
+    pub(super) fn through(
+        &self,
+        heater: &HeaterHistory,
+        i: usize,
+        (from, to): (f64, f64),
+        (gain, lag): (f64, f64),
+        value: f64,
+    ) -> f64 {
+        if self.share[i] == 0.0 {
+            return self.room + (value - self.room) * libm::exp(-(to - from) / lag);
+        }
+        let delay = self.delay[i];
+        heater.through(from - delay, to - delay, lag, self.room, gain * self.share[i], value)
     }
 }
 

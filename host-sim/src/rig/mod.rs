@@ -10,8 +10,8 @@ mod sensor;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fault::{Conditions, Fault, Sensor};
-use air::HeaterHistory;
+use crate::fault::{Conditions, Fault};
+use air::{AirStream, HeaterHistory};
 use noise::{Noise, OrnsteinUhlenbeck, Turbulence};
 use sensor::Digitizer;
 
@@ -136,10 +136,12 @@ pub struct Rig {
     heater: HeaterHistory,
     turbulence: [Turbulence; 2],
     /// Temperatures of the three sensor elements without turbulence, degC.
-    t0: f64,
-    t1: f64,
-    t2: f64,
+    elements: [f64; 3],
+    /// What they would be if nothing had ever happened to a sensor.
+    unharmed: [f64; 3],
     digitizer: Digitizer,
+    /// The last codes of the three inputs.
+    codes: [f64; 3],
 }
 
 impl Rig {
@@ -162,10 +164,10 @@ impl Rig {
             mains_wander,
             heater: HeaterHistory::cold(),
             turbulence: [Turbulence::new(config.turbulence, config.turbulence_time); 2],
-            t0: config.room,
-            t1: config.room,
-            t2: config.room,
+            elements: [config.room; 3],
+            unharmed: [config.room; 3],
             digitizer: Digitizer::new(config),
+            codes: [f64::NAN; 3],
             config: config.clone(),
             noise,
         }
@@ -180,12 +182,13 @@ impl Rig {
     pub fn sample(&mut self) -> [f64; 3] {
         let conditions = Conditions::at(&self.faults, self.now(), self.sample_time);
         let air = [0.0, self.turbulence[0].at_sensor(), self.turbulence[1].at_sensor()];
-        let elements = [self.t0, self.t1, self.t2];
-        core::array::from_fn(|i| {
+        self.codes = core::array::from_fn(|i| {
             let white = self.config.white_noise * self.noise.normal();
-            let celsius = elements[i] + air[i] + conditions.offset[i] + white;
+            let sensor = conditions.wired[i];
+            let celsius = self.elements[sensor] + air[sensor] + conditions.offset[sensor] + white;
             self.digitizer.code(i, celsius, &conditions.reading[i], &mut self.noise)
-        })
+        });
+        self.codes
     }
 
     /// Drives the heater with `drive` % until the next tick.
@@ -206,28 +209,66 @@ impl Rig {
 
     /// Moves the deterministic part from one time to another under constant conditions.
     fn integrate(&mut self, from: f64, to: f64, drive: f64, now: &Conditions) {
+        let air = self.air_stream(from, now);
+        let power = now.stuck_power.unwrap_or(drive * now.power) * (1.0 + self.mains_wander.value());
+        let time = self.config.heater_time * air.slowness;
+        self.heater.drive(from, to, self.config.gain / air.flow * power, time);
+        let heater = &self.heater;
+        let clean = [self.config.t0_lag, self.config.t1_lag, self.config.t2_lag];
+        for i in 0..3 {
+            let lag = now.lag[i].unwrap_or(clean[i]);
+            let before = self.elements[i];
+            self.elements[i] = air.through(heater, i, (from, to), (now.gain[i], lag), before);
+            let unharmed = (now.gain[i], lag) == (1.0, clean[i]) && self.unharmed[i] == before;
+            self.unharmed[i] = if unharmed {
+                self.elements[i]
+            } else {
+                air.through(heater, i, (from, to), (1.0, clean[i]), self.unharmed[i])
+            };
+            if i > 0 {
+                self.turbulence[i - 1].see_through(lag, now.gain[i], self.sample_time);
+            }
+        }
+        self.heater.forget_before(from - air.delay[2] - 1.0);
+    }
+
+    /// The air as it flows at a time.
+    fn air_stream(&self, t: f64, now: &Conditions) -> AirStream {
         let c = &self.config;
         let flow = now.flow * (1.0 + self.flow_wander.value());
-        let power = now.stuck_power.unwrap_or(drive * now.power) * (1.0 + self.mains_wander.value());
-        let slowness = if flow == 1.0 { 1.0 } else { libm::pow(flow, -c.flow_exponent) };
-        let room = c.room + self.room_ramp * from + self.room_wander.value() + now.room;
-        self.heater.drive(from, to, c.gain / flow * power, c.heater_time * slowness);
-
-        let near = c.dead_time / flow;
-        let far = (c.dead_time + c.t2_delay) / flow;
-        let loss = 1.0 - c.heat_loss / flow;
-        let lag = [
-            now.lag[Sensor::T0 as usize].unwrap_or(c.t0_lag),
-            now.lag[Sensor::T1 as usize].unwrap_or(c.t1_lag),
-            now.lag[Sensor::T2 as usize].unwrap_or(c.t2_lag),
-        ];
-        self.t0 = room + (self.t0 - room) * libm::exp(-(to - from) / lag[0]);
-        self.t1 = self.heater.through(from - near, to - near, lag[1], room, now.gain[1], self.t1);
-        self.t2 = self.heater.through(from - far, to - far, lag[2], room, now.gain[2] * loss, self.t2);
-        self.heater.forget_before(from - far - 1.0);
-        for (turbulence, i) in self.turbulence.iter_mut().zip([1, 2]) {
-            turbulence.see_through(lag[i], now.gain[i], self.sample_time);
+        AirStream {
+            flow,
+            slowness: if flow == 1.0 { 1.0 } else { libm::pow(flow, -c.flow_exponent) },
+            room: c.room + self.room_ramp * t + self.room_wander.value() + now.room,
+            delay: [0.0, c.dead_time / flow, (c.dead_time + c.t2_delay) / flow],
+            share: [0.0, 1.0, 1.0 - c.heat_loss / flow],
         }
+    }
+
+    /// For scores: the true temperature of the air at T1 and at T2 now, without turbulence, degC.
+    pub fn air(&self) -> [f64; 2] {
+        let now = self.now();
+        let air = self.air_stream(now, &Conditions::at(&self.faults, now, 0.0));
+        [1, 2].map(|i| air.room + air.share[i] * self.heater.rise_at(now - air.delay[i]))
+    }
+
+    /// For scores: how far the input that is worst off reads from what it would read at this power without any fault of
+    /// a sensor, degC, by the last codes. Missing ones are passed over; turbulence and noise are in it.
+    pub fn sensor_error(&self) -> f64 {
+        let readings = self.codes.iter().zip(&self.unharmed).filter(|(code, _)| !code.is_nan());
+        let errors = readings.map(|(&code, unharmed)| (self.digitizer.celsius(code) - unharmed).abs());
+        errors.fold(0.0, f64::max)
+    }
+
+    /// Lets something more happen; `fault.at` counts from now. The caller has validated it.
+    pub fn inject(&mut self, fault: Fault) {
+        let at = self.now() + fault.at;
+        self.faults.push(Fault { at, ..fault });
+    }
+
+    /// Ends all that happens, and forgets what was still to come.
+    pub fn clear(&mut self) {
+        self.faults.clear();
     }
 
     /// Moves everything random by one tick.

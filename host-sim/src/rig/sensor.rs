@@ -16,8 +16,8 @@ pub(super) struct Digitizer {
     r25_over_pull_up: f64,
     beta: f64,
     steps: f64,
-    /// Code that each channel gave last: what a stuck one repeats.
-    last: [f64; 3],
+    /// Code that each channel gave last: what a stuck one repeats. None before the first.
+    last: [Option<f64>; 3],
 }
 
 impl Digitizer {
@@ -26,7 +26,7 @@ impl Digitizer {
             r25_over_pull_up: config.r25 / config.pull_up,
             beta: config.beta,
             steps: f64::from((1u32 << config.adc_bits) - 1),
-            last: [FULL_SCALE / 2.0; 3],
+            last: [None; 3],
         }
     }
 
@@ -35,12 +35,27 @@ impl Digitizer {
         let code = match *reading {
             Reading::Open => FULL_SCALE,
             Reading::Short => 0.0,
-            Reading::Stuck => self.last[i],
+            Reading::Stuck { noise: sd } => return self.stuck(i, celsius, sd, noise),
             Reading::Missing { probability } if noise.uniform(0.0, 1.0) < probability => return f64::NAN,
             Reading::Missing { .. } | Reading::True => self.convert(celsius),
         };
-        self.last[i] = code;
+        self.last[i] = Some(code);
         code
+    }
+
+    /// What channel `i` said last, with noise of `sd` codes; the temperature if it has said nothing yet.
+    fn stuck(&mut self, i: usize, celsius: f64, sd: f64, noise: &mut Noise) -> f64 {
+        let held = self.last[i].unwrap_or_else(|| self.convert(celsius));
+        self.last[i] = Some(held);
+        let off = if sd > 0.0 { sd * noise.normal() } else { 0.0 };
+        let step = FULL_SCALE / self.steps;
+        (held + (off / step).round() * step).clamp(0.0, FULL_SCALE)
+    }
+
+    /// The temperature that a code stands for, degC; far below any for a code at either end.
+    pub(super) fn celsius(&self, code: f64) -> f64 {
+        let r = code / (FULL_SCALE - code) / self.r25_over_pull_up;
+        1.0 / (1.0 / T25 + libm::log(r) / self.beta) - KELVIN
     }
 
     /// Beta equation and ratiometric conversion; the thermistor lies to ground.

@@ -108,15 +108,7 @@ mod tests {
 
     /// T2 offset of 1.5 degC from 1 s to 3 s; ticks each 0.1 s.
     fn scored(says: impl Fn(u32) -> (bool, Option<Finding>)) -> ParityScore {
-        let fault = Fault {
-            name: String::new(),
-            verb: Verb::Offset,
-            sensor: Some(Sensor::T2),
-            size: Some(1.5),
-            lag: None,
-            at: 1.0,
-            duration: 2.0,
-        };
+        let fault = Fault::new(Verb::Offset, Some(Sensor::T2), Some(1.5), 1.0, 2.0);
         let mut watch = ParityWatch::new(&fault, 0.1);
         for tick in 0..250 {
             let (alarm, finding) = says(tick);

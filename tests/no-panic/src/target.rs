@@ -50,6 +50,9 @@ impl Heater for Output {
     fn cut_by(&self) -> Hold {
         black_box(Hold::BreakInput)
     }
+    fn test_break(&mut self) -> bool {
+        black_box(true)
+    }
 }
 
 /// Something of type `T` that the compiler knows nothing of.

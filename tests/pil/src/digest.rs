@@ -54,12 +54,14 @@ impl Digest {
 
     /// All of the first half of a tick.
     pub fn tick(&mut self, tick: &Tick) {
-        let Tick { index, sample, setpoint, pid, prbs, drive, mode, learn, blocked, stand_in } = *tick;
+        let Tick { index, sample, setpoint, pid, prbs, drive, mode, learn, blocked, stand_in, forget } =
+            *tick;
         self.word(index);
         self.sample(sample);
         self.numbers(&[setpoint.0, pid.0, prbs.0, drive.0]);
         self.mode(mode);
         self.word(u32::from(learn));
+        self.word(u32::from(forget));
         self.option(blocked, |d, blocker| d.word(blocker as u32));
         self.option(stand_in, |d, celsius| d.number(celsius.0));
     }
@@ -126,10 +128,20 @@ impl Digest {
             Mode::Settle { steady } => self.numbered(1, steady),
             Mode::Learn { accepted } => self.numbered(2, accepted),
             Mode::Monitor => self.word(3),
-            Mode::Tripped(Trip { reason, tick, raw: RawSample { t0, t1, t2 }, sample, setpoint, limit }) => {
+            Mode::Tripped(Trip {
+                reason,
+                tick,
+                raw: RawSample { t0, t1, t2 },
+                sample,
+                setpoint,
+                limit,
+                power,
+                needed,
+            }) => {
                 self.numbered(4, reason as u32);
                 self.word(tick);
-                self.numbers(&[t0.0, t1.0, t2.0, setpoint.0, limit.0]);
+                self.numbers(&[t0.0, t1.0, t2.0, setpoint.0, limit.0, power.0]);
+                self.option(needed, |d, needed| d.number(needed.0));
                 self.sample(sample);
             }
         }
@@ -161,7 +173,7 @@ impl Digest {
     }
 
     fn parity(&mut self, report: &ParityReport) {
-        let ParityReport { arming, alarm, finding, stand_in, air_flow, heater_stuck_on } = report;
+        let ParityReport { arming, alarm, finding, expected, stand_in, air_flow, heater_stuck_on } = report;
         match *arming {
             Arming::Untrained => self.word(0),
             Arming::Training => self.word(1),
@@ -176,6 +188,7 @@ impl Digest {
             d.option(magnitude, |d, Magnitude { value, half_width }| d.numbers(&[value, half_width]));
             d.word(onset);
         });
+        expected.iter().for_each(|t| self.option(*t, Self::number));
         self.option(*stand_in, Self::number);
         self.option(*air_flow, Self::number);
         self.word(u32::from(*heater_stuck_on));

@@ -15,6 +15,7 @@ use crate::clock::Cause;
 use crate::closed_loop::{Shared, TICK};
 use crate::image::Image;
 use crate::recording::{Difference, Recording};
+use crate::scene::WAIVE_CHECK;
 use crate::time::{MS, SECOND};
 
 /// What the three thermistors read before the rig starts: a little above room temperature.
@@ -49,7 +50,7 @@ pub fn run(image: Rc<Image>, scenario: &Scenario, seed: u64) -> anyhow::Result<E
     rig.0.borrow_mut().start(Rig::new(&scenario.rig, scenario.wander, sample_time, seed, &scenario.faults));
     // In the middle between two ticks, so that the order is there when the rig begins.
     let answer = board.command("arm")?;
-    ensure!(answer == "ok", "the board does not arm: {answer}");
+    ensure!(answer.starts_with("ok"), "the board does not arm: {answer}");
     let ticks = (scenario.duration / sample_time).floor() as usize;
     board.run_for(ticks as u64 * TICK)?;
 
@@ -81,6 +82,7 @@ fn prepare(board: &mut Board, seed: u64) -> anyhow::Result<Config> {
         board.reset(Cause::Pin)?;
         board.run_for(SECOND)?;
     }
+    board.command(WAIVE_CHECK)?;
     // The first tick is due 110 ms after the start, a sample takes 1.3 ms; arming takes a few.
     let ticks = board.log.len();
     board.run_until("a tick", 2 * TICK, |board| board.log.len() > ticks)?;

@@ -55,6 +55,14 @@ pub fn hang(board: &mut Board, task: &str) -> anyhow::Result<()> {
 /// There is no such task.
 pub fn hang_masked(board: &mut Board, task: &str) -> anyhow::Result<()> {
     until_polled(board, task)?;
+    spin(board)
+}
+
+/// From now on, the core spins for ever with all interrupts off, whatever it was doing.
+///
+/// # Errors
+/// The emulator refuses.
+pub fn spin(board: &mut Board) -> anyhow::Result<()> {
     run_code(board, &[0xB672, 0xE7FE]) // cpsid i; b .
 }
 

@@ -97,6 +97,8 @@ fn beat(record: &Record, tick: Tick) -> Beat {
         missed: false,
         hold: None,
         outcome: None,
+        news: None,
+        checked: false,
     };
     beat.arrival.late_us = record.late_us();
     beat

@@ -82,6 +82,9 @@ impl Usart {
     pub fn receive(&mut self, bytes: &[u8], now: Ps) {
         let frame = FRAME_BITS * SECOND / TERMINAL_BAUD;
         let mut at = self.incoming.back().map_or(now, |&(at, _)| at.max(now));
+        if at <= self.idle_at {
+            self.idle_at = NEVER; // a start bit is no idle line
+        }
         for &byte in bytes {
             at += frame;
             self.incoming.push_back((at, byte));
@@ -136,7 +139,9 @@ impl Usart {
         if !self.enabled(2) {
             return;
         }
-        self.idle_at = at + self.frame();
+        // The line is idle after a frame without a start bit.
+        let silent = self.incoming.front().is_none_or(|(next, _)| *next > at + 2 * self.frame());
+        self.idle_at = if silent { at + self.frame() } else { NEVER };
         let ours = self.frame().abs_diff(FRAME_BITS * SECOND / TERMINAL_BAUD);
         if ours > self.frame() / 33 {
             self.raise(FE); // more than 3 % off: the stop bit is missed

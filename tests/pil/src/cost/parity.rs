@@ -51,5 +51,6 @@ fn ticks(recording: &Recording) -> impl Iterator<Item = (Tick, Report)> {
 
 #[inline(never)]
 fn step(parity: &Parity, state: &mut ParityState, tick: &Tick, report: &Report) -> ParityReport {
-    parity.step(state, tick, [report.y1, report.y2], tick.drive.0)
+    let undisturbed = report.filtered.is_none_or(|verdict| verdict.fdv == 0);
+    parity.step(state, tick, [report.y1, report.y2], tick.drive.0, undisturbed)
 }

@@ -32,6 +32,8 @@ const ARPE: u32 = 1 << 7;
 const CR1_BITS: u32 = CEN | URS | ARPE;
 const UIF: u32 = 1;
 const BIF: u32 = 1 << 7;
+/// BG of EGR: a break made by the program.
+const BREAK: u32 = 1 << 7;
 
 /// Which interrupt lines a timer raises.
 pub struct Lines {
@@ -327,8 +329,12 @@ impl Timer {
     }
 
     fn generate(&mut self, value: u32, now: Ps) -> Result<(), Refusal> {
-        if value & !0x1F != 0 {
+        let known = if self.advanced { 0x1F | BREAK } else { 0x1F };
+        if value & !known != 0 {
             return Err(format!("EGR: bits {value:#x} are not modelled"));
+        }
+        if value & BREAK != 0 {
+            self.break_now();
         }
         self.sr |= value & 0x1E;
         if value & 1 != 0 {

@@ -1,10 +1,12 @@
 //! From power-up to the first ticks, on boards as they are sold and on boards that lack something.
 
 use virtual_board::board::load;
+use virtual_board::clock::Cause;
 use virtual_board::gpio::Mode;
+use virtual_board::inject;
 use virtual_board::scene::Scene;
 use virtual_board::scs::CPACR;
-use virtual_board::time::SECOND;
+use virtual_board::time::{MS, SECOND};
 
 fn powered_up() -> Scene {
     Scene::powered_up(load(None).expect("an image")).expect("powers up")
@@ -68,5 +70,19 @@ fn any_watchdog_oscillator_of_the_data_sheet_will_do() {
         scene.board.cpu.touch(|chip, _| chip.watchdog.oscillator = hz);
         scene.board.run_for(30 * SECOND).expect("boots");
         assert_eq!(scene.board.resets, [], "{hz} Hz");
+    }
+}
+
+#[test]
+fn a_start_that_hangs_is_restarted_by_the_watchdog() {
+    // While clocks start, or before the first task runs; 8 s nominal.
+    for at in [5 * MS, 20 * MS] {
+        let mut scene = powered_up();
+        scene.board.run_for(at).expect("boots");
+        inject::spin(&mut scene.board).expect("hangs");
+        scene.board.run_for(8100 * MS).expect("waits");
+        let cause = scene.board.resets.first().map(|r| r.1);
+        assert_eq!(cause, Some(Cause::Watchdog), "hung {} ms after power-up", at / MS);
+        assert!(scene.board.logged("reset cause: watchdog"));
     }
 }

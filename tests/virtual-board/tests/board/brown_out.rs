@@ -46,6 +46,7 @@ fn a_falling_supply_cuts_before_the_chip_gives_up() {
         assert_eq!(scene.board.resets, []);
         scene.board.supply(3.3, 10 * MS).expect("runs on");
         stays_off(&mut scene, "the supply is back");
+        assert_eq!(scene.board.resets, [], "it ran on all the time");
     }
 }
 

@@ -56,6 +56,21 @@ fn a_stray_interrupt_cuts_before_it_says_which() {
 }
 
 #[test]
+fn a_stack_overflow_corrupts_nothing() {
+    for task in ["console", "control"] {
+        let mut scene = heating();
+        let board = &mut scene.board;
+        let roll = board.image.address("firmware::link::ROLL").expect("where tasks check in");
+        inject::overflow_stack(board, task).expect(task);
+        let before = board.cpu.bytes(roll, 20).expect("RAM");
+        board.cpu.watch(board.image.address("HardFault").expect("the handler")).expect("watches");
+        let hit = board.run_to(board.now() + MS).expect("runs on");
+        assert!(hit.is_some(), "{task}: no fault");
+        assert_eq!(board.cpu.bytes(roll, 20).expect("RAM"), before, "{task}");
+    }
+}
+
+#[test]
 fn each_start_sees_its_own_reset_flags() {
     let mut scene = heating();
     for (cause, told) in
@@ -73,6 +88,9 @@ fn a_fault_reset_is_held_over_further_resets() {
     let mut scene = heating();
     for cause in [Cause::Watchdog, Cause::Pin, Cause::Pin] {
         scene.board.reset(cause).expect("resets");
+        // Before the first tick, too.
+        scene.board.run_for(30 * MS).expect("starts");
+        scene.board.reset(Cause::Pin).expect("resets");
         scene.board.run_for(SECOND).expect("restarts");
         let answer = scene.board.command("arm").expect("answers");
         assert!(answer.contains("ack"), "{cause:?}: armed without `ack`: {answer}");

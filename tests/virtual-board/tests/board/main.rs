@@ -2,6 +2,7 @@
 
 mod boot;
 mod brown_out;
+mod check;
 mod console;
 mod contactor;
 mod debug_halt;

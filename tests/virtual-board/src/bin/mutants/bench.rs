@@ -9,14 +9,16 @@ use anyhow::{Context, bail, ensure};
 
 use crate::table::Mutant;
 
-/// What is not copied.
-const LEFT_OUT: [&str; 3] = ["target", ".git", "out"];
+/// What is not copied. The settings of cargo are found in the folders above, and would be merged with themselves.
+const LEFT_OUT: [&str; 4] = ["target", ".git", "out", ".cargo"];
 const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// What the tests said.
 pub(crate) struct Verdict {
     /// The tests that failed.
     pub(crate) killed_by: Vec<String>,
+    /// Why there is no verdict: the mutant does not build, or its tests do not run.
+    pub(crate) error: Option<anyhow::Error>,
 }
 
 /// The copy.
@@ -103,7 +105,7 @@ impl Bench {
         if killed_by.is_empty() && !output.status.success() {
             bail!("no test failed, but the run did:\n{}", told(&output));
         }
-        Ok(Verdict { killed_by: killed_by.into_iter().collect() })
+        Ok(Verdict { killed_by: killed_by.into_iter().collect(), error: None })
     }
 }
 

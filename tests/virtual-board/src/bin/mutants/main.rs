@@ -59,7 +59,8 @@ fn carry_out(cli: &Cli) -> anyhow::Result<bool> {
     whole_image_passes(&bench, &mutants)?;
     let mut results = Vec::new();
     for (i, m) in mutants.iter().enumerate() {
-        let verdict = bench.judge(m).with_context(|| format!("mutant {}", m.name))?;
+        let verdict =
+            bench.judge(m).unwrap_or_else(|error| Verdict { killed_by: Vec::new(), error: Some(error) });
         writeln!(out, "{:>3}/{} {:<28} {}", i + 1, mutants.len(), m.name, told(m, &verdict))?;
         out.flush()?;
         results.push((*m, verdict));
@@ -67,19 +68,20 @@ fn carry_out(cli: &Cli) -> anyhow::Result<bool> {
     if cli.markdown {
         writeln!(out, "\n{}", markdown(&results))?;
     }
-    let survivors: Vec<&str> = results
-        .iter()
-        .filter(|(m, v)| v.killed_by.is_empty() && m.unseen.is_none())
-        .map(|(m, _)| m.name)
-        .collect();
+    let survivors: Vec<&str> = results.iter().filter(|(m, v)| survives(m, v)).map(|(m, _)| m.name).collect();
     writeln!(
         out,
-        "{} mutants, {} survived unexpectedly {}",
+        "{} mutants, {} survived unexpectedly or were not judged: {}",
         results.len(),
         survivors.len(),
         survivors.join(" ")
     )?;
     Ok(survivors.is_empty())
+}
+
+/// Whether no test has seen a mutant that one should.
+fn survives(m: &Mutant, verdict: &Verdict) -> bool {
+    verdict.error.is_some() || verdict.killed_by.is_empty() && m.unseen.is_none()
 }
 
 /// A test that fails on the whole image would seem to kill every mutant.
@@ -95,6 +97,9 @@ fn whole_image_passes(bench: &Bench, mutants: &[&Mutant]) -> anyhow::Result<()> 
 }
 
 fn told(m: &Mutant, verdict: &Verdict) -> String {
+    if let Some(error) = &verdict.error {
+        return format!("NOT JUDGED: {error:#}");
+    }
     match (verdict.killed_by.as_slice(), m.unseen) {
         ([], Some(why)) => format!("survives, as expected: {why}"),
         ([], None) => "SURVIVED".into(),

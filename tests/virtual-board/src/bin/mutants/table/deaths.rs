@@ -91,9 +91,9 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "a stack overflow corrupts the controller",
         "memory.x",
         [
-            "  STACK : ORIGIN = 0x20000000, LENGTH = 18K\n  RAM   : ORIGIN = 0x20004800, LENGTH = 110K\n",
-            "  STACK : ORIGIN = 0x20010000, LENGTH = 18K\n  RAM   : ORIGIN = 0x20000000, LENGTH = 64K\n",
+            "  STACK : ORIGIN = 0x20000000, LENGTH = 26K\n  RAM   : ORIGIN = 0x20006800, LENGTH = 102K\n",
+            "  STACK : ORIGIN = 0x20010000, LENGTH = 26K\n  RAM   : ORIGIN = 0x20000000, LENGTH = 64K\n",
         ],
-        &["heater_off::stack_overflow"],
+        &["last_gasp::a_stack_overflow"],
     ),
 ];

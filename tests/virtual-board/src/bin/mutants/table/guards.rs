@@ -124,7 +124,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "a new patience is fed before it is in force",
         WATCHDOG,
         ["fn wait_until_taken() {\n", "fn wait_until_taken() {\n    if true {\n        return;\n    }\n"],
-        &["heater_off::all_interrupts_masked", "boot::any_watchdog", "erase::after"],
+        &["heater_off::all_interrupts_masked", "boot::any_watchdog", "boot::a_start", "erase::after"],
     ),
     mutant(
         "watchdog-fed-by-nobody",
@@ -202,7 +202,8 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "firmware-logic/src/checkin.rs",
         ["(Task::Control, 250)", "(Task::Control, 25_000)"],
         &["heater_off::clocks_of_the_tasks_stop", "heater_off::tick_interrupt_disabled"],
-    ),
+    )
+    .unseen("the diagnosis waits for the ticks of the control task, and is missed with it"),
     mutant(
         "order-waits-for-ever",
         "a console that waits for an answer starves the watchdog",

@@ -169,14 +169,14 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "cut-not-latched",
         "what hardware has cut is switched on again",
         LOOP,
-        ["            self.interlock.latch(heater.cut_by());\n", ""],
+        ["            self.interlock.latch(hold);\n", ""],
         &["heater_off::break_input", "heater_off::control_task_hangs"],
     ),
     mutant(
         "stop-waits-for-the-tick",
         "`stop` takes up to 110 ms",
         "firmware/src/instrument.rs",
-        ["        heater::cut();\n", ""],
+        ["    heater::cut();\n", ""],
         &["heater_off::stop_works"],
     ),
     mutant(

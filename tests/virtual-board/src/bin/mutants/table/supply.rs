@@ -49,7 +49,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "detector-interrupt-off",
         "its interrupt never comes",
         SUPPLY,
-        ["    unsafe { interrupt::PVD.enable() };\n", "    let _ = interrupt::PVD::is_enabled;\n"],
+        ["    unsafe { interrupt::PVD.enable() };\n", "    let _ = interrupt::PVD.is_enabled();\n"],
         FALLING,
     ),
     mutant(

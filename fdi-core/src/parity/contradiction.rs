@@ -1,0 +1,187 @@
+//! Thermistors that contradict each other: which answers to the power, which first, and what each reads. Nothing need have
+//! been learnt; it holds from arming on, and what was found stands until the next arming.
+//!
+//! | T0 | T1 | T2 | then |
+//! |---|---|---|---|
+//! | | silent | answers | T1 is out of the tube where it reads as the room does, else stuck |
+//! | | answers | silent | T2 is out of the tube, where it reads as the room does |
+//! | answers | silent | | T0 and T1 are swapped |
+//! | answers | answers | silent | T0 and T2 are swapped |
+//! | | after T2 | before T1 | T1 and T2 are swapped |
+//! | | | stays much warmer than T1 | T1 is half out of the tube |
+//! | silent, warmest | | | T0 reads wrong |
+
+use super::model::{larger, smaller};
+use super::response::{Answer, Response, ResponseState};
+use super::verdict::{Channel, FaultClass, Finding, Pair};
+
+/// A response that is so many standard deviations large is one.
+const ANSWERS: f32 = 6.0;
+/// One that is surely, by so many standard deviations, below this share of another's is none.
+const SILENT: f32 = 0.2;
+const SURELY: f32 = 4.0;
+/// T0 answers where it does so by more than this share of T1's or T2's response: a tube that warms the room is none.
+const ROOM_SHARE: f32 = 0.3;
+/// One comes after the other by so many ticks, and so many standard deviations.
+const AFTER: f32 = 1.0;
+const AFTER_SURELY: f32 = 6.0;
+/// What differs by more contradicts itself, degC.
+const APART: f32 = 4.0;
+/// The same for T2 above T1 as a share of T2's rise. Only while T2 is not so much below its own running mean, degC: when it
+/// cools it lags behind T1. It tells after so many ticks, sooner the farther they are apart, but at most so many times;
+/// it has ended after so many ticks without it.
+const APART_SHARE: f32 = 0.25;
+const APART_TICKS: f32 = 20.0;
+const APART_FASTEST: f32 = 4.0;
+const APART_END: u32 = 100;
+const FALLING: f32 = 0.5;
+const FALLING_SHARE: f32 = 0.05;
+/// A thermistor reads as the room does within this share of the other's rise, and so many degC.
+const COLD_SHARE: f32 = 0.1;
+const COLD: f32 = 1.5;
+/// The judgement is made anew every so many ticks, and holds when it is the same twice.
+const EVERY: u32 = 8;
+/// So long after heating has ended its echo is still judged, ticks.
+const ECHO: u32 = 32;
+
+/// What a judgement says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Judgement {
+    /// Too little has been seen.
+    #[default]
+    Open,
+    /// T1 and T2 answer, T1 first.
+    Agree,
+    /// They contradict each other.
+    Contradict(FaultClass),
+}
+
+/// The memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Contradiction {
+    response: ResponseState,
+    was_heating: bool,
+    /// Ticks since heating ended; saturates.
+    cold: u32,
+    judgement: Judgement,
+    found: Option<Finding>,
+    /// For how many ticks T2 has been much warmer than T1, how many ago it was, and T2's running mean, degC.
+    warmer: f32,
+    since_warmer: u32,
+    t2_mean: Option<f32>,
+}
+
+impl Contradiction {
+    /// Takes in the readings of T0, T1, T2 where there are any, and the power applied from now on, %.
+    pub(super) fn step(
+        &mut self,
+        response: &Response,
+        tick: u32,
+        heating: bool,
+        readings: [Option<f32>; 3],
+        power: f32,
+    ) -> Option<Finding> {
+        if heating && !self.was_heating {
+            *self = Self::default();
+        }
+        self.was_heating = heating;
+        self.cold = if heating { 0 } else { self.cold.saturating_add(1) };
+        response.step(&mut self.response, readings, power);
+        self.compare(readings);
+        if tick.is_multiple_of(EVERY) && self.cold < ECHO {
+            let judgement = judge(&self.response.answers(), readings, self.warmer >= APART_TICKS);
+            let before = core::mem::replace(&mut self.judgement, judgement);
+            if judgement == before {
+                self.conclude(tick, heating);
+            }
+        }
+        self.found
+    }
+
+    /// Is T2 warmer than T1, and not only because it cools later?
+    fn compare(&mut self, [t0, t1, t2]: [Option<f32>; 3]) {
+        let (Some(t0), Some(t1), Some(t2)) = (t0, t1, t2) else { return };
+        let mean = self.t2_mean.get_or_insert(t2);
+        *mean += FALLING_SHARE * (t2 - *mean);
+        let much = larger(APART, APART_SHARE * (t2 - t0));
+        self.since_warmer = self.since_warmer.saturating_add(1);
+        if t2 - t1 > much && t2 > *mean - FALLING {
+            self.warmer = smaller(APART_TICKS, self.warmer + smaller(APART_FASTEST, (t2 - t1) / much));
+            self.since_warmer = 0;
+        } else {
+            self.warmer = 0.0;
+        }
+    }
+
+    /// Once found it stands until thermistors that are heated are seen to agree.
+    fn conclude(&mut self, tick: u32, heating: bool) {
+        match self.judgement {
+            Judgement::Contradict(class) if self.found.is_none_or(|found| found.class != class) => {
+                let onset = tick.saturating_sub(EVERY);
+                self.found = Some(Finding { class, confidence: 1.0, magnitude: None, onset });
+            }
+            Judgement::Agree if heating && self.since_warmer > APART_END => self.found = None,
+            _ => {}
+        }
+    }
+}
+
+fn judge(answers: &[Answer; 3], readings: [Option<f32>; 3], t2_warmer: bool) -> Judgement {
+    let [_, a1, a2] = answers;
+    match contradiction(answers, readings, t2_warmer) {
+        Some(class) => Judgement::Contradict(class),
+        None if a1.answers() && a2.answers() && a2.comes_after(a1) => Judgement::Agree,
+        None => Judgement::Open,
+    }
+}
+
+fn contradiction(answers: &[Answer; 3], readings: [Option<f32>; 3], t2_warmer: bool) -> Option<FaultClass> {
+    let [a0, a1, a2] = answers;
+    let strongest = if a2.area > a1.area { a2 } else { a1 };
+    let [t0, t1, t2] = readings;
+    let cold = |t: Option<f32>, other: Option<f32>| {
+        let (t, t0, other) = (t?, t0?, other?);
+        Some(t - t0 < COLD_SHARE * (other - t0) + COLD)
+    };
+    if a0.answers() && a0.area > ROOM_SHARE * strongest.area {
+        return match (a1.is_silent_beside(a0), a2.is_silent_beside(a0)) {
+            (true, _) => Some(FaultClass::Swapped(Pair::T0T1)),
+            (false, true) => Some(FaultClass::Swapped(Pair::T0T2)),
+            _ => None,
+        };
+    }
+    if !a0.is_silent_beside(strongest) {
+        return None;
+    }
+    if a2.answers() && a1.is_silent_beside(a2) {
+        let out = cold(t1, t2)?;
+        return Some(if out { FaultClass::T1Detached } else { FaultClass::Stuck(Channel::T1) });
+    }
+    if a1.answers() && a2.is_silent_beside(a1) {
+        return cold(t2, t1)?.then_some(FaultClass::T2Detached);
+    }
+    if a1.answers() && a2.answers() && a1.comes_after(a2) {
+        return Some(FaultClass::Swapped(Pair::T1T2));
+    }
+    if a2.answers() && t2_warmer {
+        return Some(FaultClass::T1Detached);
+    }
+    let (t0, t1, t2) = (t0?, t1?, t2?);
+    let warmest = t0 - t1 > APART && t0 - t2 > APART;
+    (warmest && strongest.answers()).then_some(FaultClass::T0Fault)
+}
+
+impl Answer {
+    fn answers(&self) -> bool {
+        self.area > ANSWERS * self.area_sd
+    }
+
+    fn is_silent_beside(&self, other: &Self) -> bool {
+        self.area.abs() + SURELY * self.area_sd < SILENT * other.area
+    }
+
+    fn comes_after(&self, other: &Self) -> bool {
+        let (gap, sd) = (self.late - other.late, self.late_sd + other.late_sd);
+        gap > AFTER && gap > AFTER_SURELY * sd
+    }
+}

@@ -1,0 +1,188 @@
+//! The room temperature that is believed, when T0 may be wrong: it moves no faster than a room does, and is set right
+//! whenever the rig is at rest, where three thermistors should agree.
+
+use super::model::{bounded, smaller};
+use super::verdict::{FaultClass, Finding, Magnitude};
+
+/// A room changes no faster than this, degC a minute.
+const FASTEST: f32 = 1.0;
+/// Beyond so much from what is believed T0 is not followed, degC: no room moves so far from itself.
+const FOLLOWED: f32 = 3.0;
+/// At rest: no power, T1 and T2 alike to so many degC and without a trend, for so long. The trend is the difference of
+/// means over two memories, s: 0.1 degC is a change of 0.3 degC a minute, slower than a hot tube cools without its fan.
+const ALIKE: f32 = 2.0;
+const TREND: f32 = 0.1;
+const TREND_TIMES: [f32; 2] = [5.0, 25.0];
+const REST_TIME: f32 = 20.0;
+/// T0 reads wrong from so many degC on for so long, s, and right again below so many.
+const WRONG: f32 = 5.0;
+const WRONG_TIME: f32 = 5.0;
+const RIGHT: f32 = 4.0;
+/// Where the trainer stands it is no colder and no warmer, degC.
+const COLDEST: f32 = 3.0;
+const WARMEST: f32 = 40.0;
+
+/// Shares that are renewed in a tick, and steps of a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Room {
+    shares: [f32; 2],
+    fastest: f32,
+    sample_time: f32,
+}
+
+/// The memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RoomState {
+    believed: Option<f32>,
+    /// Means of T1 and T2 over both memories.
+    means: Option<[[f32; 2]; 2]>,
+    /// For how long the rig has been at rest, s.
+    rest: f32,
+    /// For how long T0 has been wrong, s, since which tick, and by how much, degC, where that is known.
+    wrong: f32,
+    since: u32,
+    off: Option<f32>,
+}
+
+impl Room {
+    pub(super) fn new(sample_time: f32) -> Self {
+        Self {
+            shares: TREND_TIMES.map(|time| (sample_time / time).min(1.0)),
+            fastest: FASTEST / 60.0 * sample_time,
+            sample_time,
+        }
+    }
+
+    /// Takes in T0, T1, T2 where good, and the power applied from now on, %.
+    pub(super) fn step(&self, s: &mut RoomState, tick: u32, readings: [Option<f32>; 3], power: f32) {
+        let [t0, t1, t2] = readings;
+        let outlet = t1.zip(t2).and_then(|(t1, t2)| self.at_rest(s, [t1, t2], power));
+        s.rest = if outlet.is_some() { smaller(REST_TIME, s.rest + self.sample_time) } else { 0.0 };
+        match (outlet, t0, s.believed) {
+            (Some(outlet), ..) if s.rest >= REST_TIME => {
+                let close = t0.filter(|t0| (t0 - outlet).abs() < ALIKE);
+                s.believed = Some(close.unwrap_or(outlet));
+            }
+            (_, Some(t0), Some(room)) if (t0 - room).abs() < FOLLOWED => {
+                s.believed = Some(room + bounded(t0 - room, -self.fastest, self.fastest));
+            }
+            (_, t0, believed) => s.believed = believed.or(t0.filter(is_possible)),
+        }
+        if let Some(t0) = t0 {
+            self.doubt(s, tick, t0);
+        }
+    }
+
+    /// For how long has T0 been wrong?
+    fn doubt(&self, s: &mut RoomState, tick: u32, t0: f32) {
+        s.off = s.believed.map(|room| t0 - room);
+        let limit = if s.is_wrong() { RIGHT } else { WRONG };
+        let wrong = s.off.map_or(!is_possible(&t0), |off| off.abs() > limit);
+        if s.wrong == 0.0 {
+            s.since = tick;
+        }
+        s.wrong = if wrong { smaller(WRONG_TIME, s.wrong + self.sample_time) } else { 0.0 };
+    }
+
+    /// The mean of T1 and T2, where they are at rest.
+    fn at_rest(&self, s: &mut RoomState, outlet: [f32; 2], power: f32) -> Option<f32> {
+        let means = s.means.get_or_insert(outlet.map(|t| [t; 2]));
+        let mut still = power <= 0.0;
+        for (means, t) in means.iter_mut().zip(outlet) {
+            for (mean, share) in means.iter_mut().zip(self.shares) {
+                *mean += share * (t - *mean);
+            }
+            still &= (means[0] - means[1]).abs() < TREND;
+        }
+        let [near, far] = [means[0][0], means[1][0]];
+        (still && (near - far).abs() < ALIKE).then_some(0.5 * (near + far))
+    }
+}
+
+impl RoomState {
+    fn is_wrong(&self) -> bool {
+        self.wrong >= WRONG_TIME
+    }
+
+    /// The room temperature that is believed, degC.
+    pub(super) fn believed(&self) -> Option<f32> {
+        self.believed
+    }
+
+    /// Whether T0 may be what the room is.
+    pub(super) fn is_followed(&self, t0: Option<f32>) -> bool {
+        t0.zip(self.believed).is_some_and(|(t0, room)| (t0 - room).abs() < FOLLOWED)
+    }
+
+    /// Rises of T1 and T2, where good, over the room that is believed, degC.
+    pub(super) fn rises(&self, outlet: [Option<f32>; 2]) -> [Option<f32>; 2] {
+        outlet.map(|t| Some(t? - self.believed?))
+    }
+
+    /// A T0 that reads wrong.
+    pub(super) fn finding(&self) -> Option<Finding> {
+        let magnitude = self.off.map(|value| Magnitude { value, half_width: ALIKE });
+        let finding = Finding { class: FaultClass::T0Fault, confidence: 1.0, magnitude, onset: self.since };
+        self.is_wrong().then_some(finding)
+    }
+}
+
+fn is_possible(t0: &f32) -> bool {
+    *t0 > COLDEST && *t0 < WARMEST
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TS: f32 = 0.11;
+
+    /// What is believed after `time` s, and whether T0 is told to be wrong, if readings and power are so.
+    fn after(time: f32, at: impl Fn(f32) -> ([f32; 3], f32)) -> (f32, bool) {
+        let (room, mut s) = (Room::new(TS), RoomState::default());
+        for tick in 0..(time / TS) as u32 {
+            let (readings, power) = at(tick as f32 * TS);
+            room.step(&mut s, tick, readings.map(Some), power);
+        }
+        (s.believed().expect("T0 was there"), s.finding().is_some())
+    }
+
+    #[test]
+    fn a_t0_that_is_wrong_at_rest_is_told_and_the_others_are_believed() {
+        let (room, wrong) = after(40.0, |_| ([12.5, 22.5, 22.6], 0.0));
+        assert!(wrong && (room - 22.55).abs() < 0.1, "{room}");
+        let (room, wrong) = after(40.0, |_| ([22.0, 22.5, 22.6], 0.0));
+        assert!(!wrong && room == 22.0, "{room}");
+    }
+
+    /// While it heats a jump of T0 is none of the room, and a slow change is followed.
+    #[test]
+    fn only_what_a_room_can_do_is_followed() {
+        let jump = |time| ([if time < 10.0 { 22.5 } else { 2.5 }, 35.0, 34.0], 40.0);
+        assert_eq!(after(600.0, jump), (22.5, true));
+        let drift = |time| ([22.5 + 0.5 / 60.0 * time, 35.0, 34.0], 40.0);
+        let (room, wrong) = after(600.0, drift);
+        assert!((room - 27.5).abs() < 0.1 && !wrong, "{room}");
+    }
+
+    /// A hot tube without its fan loses 10 degC in five minutes, then less.
+    #[test]
+    fn a_hot_tube_that_cools_is_no_room() {
+        let cooling = |time: f32| {
+            ([22.5, 22.5 + 20.0 * libm::expf(-time / 400.0), 22.5 + 19.0 * libm::expf(-time / 400.0)], 0.0)
+        };
+        for time in [30.0, 120.0, 500.0, 800.0] {
+            let (room, wrong) = after(time, cooling);
+            assert!((room - 22.5).abs() < 2.0 && !wrong, "{room} degC after {time} s");
+        }
+    }
+
+    #[test]
+    fn no_trainer_stands_in_such_a_room() {
+        let (room, mut s) = (Room::new(TS), RoomState::default());
+        for tick in 0..60 {
+            room.step(&mut s, tick, [Some(-3.0), Some(35.0), Some(34.0)], 40.0);
+        }
+        assert!(s.believed().is_none() && s.finding().is_some_and(|f| f.magnitude.is_none()));
+    }
+}

@@ -1,0 +1,78 @@
+//! What would make heating dangerous now: every rule asked on every tick, whatever the mode, the most telling answer first.
+
+use super::{Mode, POWER_TIME, Situation, Supervisor, SupervisorState, Trip, TripReason};
+use crate::sense::{Reading, Validity};
+use crate::units::Percent;
+
+impl Supervisor {
+    /// What trips, or would if the heater were on.
+    pub(super) fn hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
+        state.lost = if now.regulated.value.is_some() { 0 } else { state.lost.saturating_add(1) };
+        state.power += (self.sample_time.0 / POWER_TIME).min(1.0) * (now.pid.0 - state.power);
+        let by_models = state.mode != Mode::Off && now.feedback.heater_stuck_on;
+        let unasked = self.unasked.step(&mut state.unasked, now, state.power) || by_models;
+        let by_sensors = self.sensor_hazard(state.lost > self.lost_ticks, now);
+        let by_heat = if state.mode.is_heating() {
+            self.heat_hazard(state, now)
+        } else {
+            (state.response, state.disagreeing) = Default::default();
+            None
+        };
+        by_sensors.or(unasked.then_some(TripReason::HeaterStuckOn)).or(by_heat)
+    }
+
+    /// By what the thermistors say, each by itself.
+    fn sensor_hazard(&self, lost_too_long: bool, now: &Situation) -> Option<TripReason> {
+        let (t1, t2) = (now.sample.t1, now.sample.t2);
+        if now.regulated.is_stand_in {
+            return match now.regulated.value {
+                None if lost_too_long => Some(TripReason::T1Lost),
+                Some(stand_in) if stand_in > self.config.over_temperature => {
+                    Some(TripReason::T1OverTemperature)
+                }
+                _ if self.is_hot(t2) => Some(TripReason::T2OverTemperature),
+                _ => None,
+            };
+        }
+        match t1.validity {
+            Validity::Open => Some(TripReason::T1Open),
+            Validity::Short => Some(TripReason::T1Short),
+            Validity::OutOfRange => Some(TripReason::T1OutOfRange),
+            _ if self.is_hot(t1) => Some(TripReason::T1OverTemperature),
+            _ if self.is_hot(t2) => Some(TripReason::T2OverTemperature),
+            Validity::Stuck if lost_too_long => Some(TripReason::T1Stuck),
+            Validity::Missing | Validity::Spike | Validity::Rate if lost_too_long => Some(TripReason::T1Lost),
+            _ => None,
+        }
+    }
+
+    /// Hotter than allowed, whatever else is thought of the reading: a jump, or more than is plausible, is hot all the
+    /// same, and so is a shorted thermistor. Only where no code came there is nothing to judge.
+    fn is_hot(&self, reading: Reading) -> bool {
+        reading.validity != Validity::Missing && reading.celsius > self.config.over_temperature
+    }
+
+    /// By how power and temperatures go together.
+    fn heat_hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
+        let (power, normal) = (state.power, &state.normal);
+        let response = self.response.step(&mut state.response, now, power, normal);
+        let disagreement = self.disagreement.step(&mut state.disagreeing, now, power, normal);
+        let no_air = now.feedback.air_flow.is_some_and(|flow| flow < self.config.min_air_flow);
+        if no_air { Some(TripReason::AirFlowLost) } else { disagreement.or(response) }
+    }
+
+    /// The record of a trip. Out of line: it is long, and made once.
+    #[cold]
+    pub(super) fn trip(&self, reason: TripReason, state: &SupervisorState, now: &Situation) -> Trip {
+        Trip {
+            reason,
+            tick: now.tick,
+            raw: now.raw,
+            sample: *now.sample,
+            setpoint: now.setpoint,
+            limit: self.config.over_temperature,
+            power: Percent(state.power),
+            needed: state.normal.power_for(now.setpoint).map(Percent),
+        }
+    }
+}

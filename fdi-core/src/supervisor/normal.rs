@@ -1,0 +1,105 @@
+//! What the supervisor has learnt of the rig: the little by which it judges whether power and temperatures go together.
+
+use super::Situation;
+use crate::diagnosis::baseline::{Baseline, Statistics};
+use crate::diagnosis::residual::Residual;
+use crate::units::{Celsius, Seconds};
+
+/// A room does not grow warmer faster than this, degC/s: 1 degC a minute.
+pub(super) const ROOM_RATE: f32 = 1.0 / 60.0;
+/// A rig that needs less than this at its set-point says nothing about the power that it needs at another, %.
+const MIN_POWER: f32 = 2.0;
+
+/// The rig in regulation, as it was learnt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct OperatingPoint {
+    /// Rise of T1 over the room for each per cent of power, degC per %.
+    gain: f32,
+    /// T1 above T2, degC.
+    t1_over_t2: f32,
+}
+
+impl OperatingPoint {
+    /// From a baseline of before the restart.
+    pub(super) fn restored(baseline: &Baseline) -> Self {
+        let mean = |residual: Residual| baseline.raw.mean[residual as usize];
+        Self { gain: mean(Residual::Rsg1), t1_over_t2: mean(Residual::Ry12) }
+    }
+
+    /// The power that the set-point needs above the room, %; None where the gain that was learnt says nothing.
+    pub(super) fn power_for(&self, setpoint: Celsius, room: f32) -> Option<f32> {
+        let power = (setpoint.0 - room) / self.gain;
+        (self.gain > 0.0 && power > MIN_POWER).then_some(power)
+    }
+
+    /// T1 above T2 when nothing is wrong, degC.
+    pub(super) fn t1_over_t2(&self) -> f32 {
+        self.t1_over_t2
+    }
+}
+
+/// The room, and what is being learnt.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Normal {
+    /// Room temperature, degC, followed while the heater is off. T0 may read wrong: of T0 and the median of the three the
+    /// lower is taken, for then the power that is thought to be needed errs upwards.
+    room: Option<f32>,
+    /// Power in %, T1 and T2 in degC, over the samples that belong to the baseline.
+    sums: Statistics<3>,
+    learnt: Option<OperatingPoint>,
+}
+
+impl Normal {
+    /// What was learnt.
+    pub(super) fn learnt(&self) -> Option<&OperatingPoint> {
+        self.learnt.as_ref()
+    }
+
+    /// The power that the set-point needs by what was learnt, %.
+    pub(super) fn power_for(&self, setpoint: Celsius) -> Option<f32> {
+        self.learnt?.power_for(setpoint, self.room?)
+    }
+
+    pub(super) fn restore(&mut self, baseline: &Baseline) {
+        self.learnt = Some(OperatingPoint::restored(baseline));
+    }
+
+    pub(super) fn forget(&mut self) {
+        self.learnt = None;
+    }
+
+    /// Learning begins.
+    pub(super) fn begin(&mut self) {
+        self.sums = Statistics::default();
+    }
+
+    /// Learns from a sample of normal operation.
+    pub(super) fn push(&mut self, now: &Situation) {
+        self.sums.push(&[now.pid.0, now.sample.t1.celsius.0, now.sample.t2.celsius.0]);
+    }
+
+    /// Learning has ended well, if there was any.
+    pub(super) fn end(&mut self) {
+        if self.sums.count() == 0 {
+            return;
+        }
+        let [power, t1, t2] = self.sums.mean();
+        let gain = self.room.filter(|_| power > MIN_POWER).map_or(0.0, |room| (t1 - room) / power);
+        self.learnt = Some(OperatingPoint { gain, t1_over_t2: t1 - t2 });
+        self.sums = Statistics::default();
+    }
+
+    pub(super) fn knows_no_room(&self) -> bool {
+        self.room.is_none()
+    }
+
+    /// Follows the room while nothing heats: down at once, up no faster than a room can.
+    pub(super) fn follow_room(&mut self, now: &Situation, sample_time: Seconds) {
+        let readings = [now.sample.t0, now.sample.t1, now.sample.t2].map(|reading| reading.good());
+        let [Some(t0), Some(t1), Some(t2)] = readings else { return };
+        let median = t0.max(t1).min(t0.min(t1).max(t2));
+        let seen = t0.min(median);
+        let highest = self.room.map_or(seen, |room| room + ROOM_RATE * sample_time.0);
+        self.room = Some(seen.min(highest));
+    }
+}

@@ -1,0 +1,74 @@
+//! From which thermistors answer the heater, and in which order, to what is wired wrongly.
+
+use fdi_core::parity::Channel;
+
+use super::CHANNELS;
+use super::finding::Finding;
+use super::lock_in::{Answer, Noise};
+
+/// An answer smaller than this share of the strongest, squared, is none: warmth that strays.
+const STRAY: f32 = 0.25 * 0.25;
+/// Square of the sine of the phase below which two answers come at the same time: 0.05 s of a cycle.
+const SAME_TIME: f32 = 0.005;
+
+/// What the thermistors say to heat that comes and goes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answers<'a> {
+    pub answers: &'a [Answer; 3],
+    pub noises: &'a [Noise; 3],
+    /// Whose codes have moved at all.
+    pub moves: [bool; 3],
+}
+
+impl Answers<'_> {
+    /// Whether anything answers.
+    pub(super) fn any(&self) -> bool {
+        self.answers.iter().zip(self.noises).any(|(answer, noise)| answer.is_clear(noise))
+    }
+
+    fn strongest(&self) -> f32 {
+        self.answers.iter().fold(0.0, |most: f32, answer| most.max(answer.power()))
+    }
+
+    /// Whether those that are silent would have been heard, had they answered half as strongly as the strongest.
+    pub(super) fn is_loud(&self) -> bool {
+        let share = 0.25 * self.strongest();
+        self.any()
+            && self.answers.iter().zip(self.noises).all(|(answer, noise)| answer.would_show(share, noise))
+    }
+
+    fn each(&self) -> [bool; 3] {
+        let strongest = self.strongest();
+        let mut answered = self.answers.iter().zip(self.noises);
+        [(); 3].map(|()| {
+            answered.next().is_some_and(|(a, noise)| a.is_clear(noise) && a.power() > STRAY * strongest)
+        })
+    }
+
+    /// What is wrong; `None` for nothing.
+    pub(super) fn judge(&self) -> Option<Finding> {
+        use Channel::{T0, T1, T2};
+        let [t0, t1, t2] = self.answers;
+        match self.each() {
+            [false, true, true] => match t1.lead_over(t2) {
+                lead if lead > SAME_TIME => None,
+                lead if lead < -SAME_TIME => Some(Finding::Swapped(T1, T2)),
+                _ => Some(Finding::SameTime),
+            },
+            // The first to answer is at T1's place, the next at T2's, the silent one in the room.
+            [true, false, true] if t0.lead_over(t2) > 0.0 => Some(Finding::Swapped(T0, T1)),
+            [true, true, false] if t1.lead_over(t0) > 0.0 => Some(Finding::Swapped(T0, T2)),
+            [true, true, false] | [true, false, true] => Some(Finding::Rotated),
+            [false, true, false] => Some(self.silent(T2)),
+            [false, false, true] => Some(self.silent(T1)),
+            [true, false, false] => Some(Finding::OnlyT0),
+            [true, true, true] => Some(Finding::AllAnswer),
+            [false, false, false] => Some(Finding::Unheated),
+        }
+    }
+
+    fn silent(&self, channel: Channel) -> Finding {
+        let still = CHANNELS.iter().zip(self.moves).any(|(c, moves)| *c == channel && !moves);
+        if still { Finding::Stuck(channel) } else { Finding::Silent(channel) }
+    }
+}

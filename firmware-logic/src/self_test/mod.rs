@@ -1,0 +1,397 @@
+//! `check`: the board's self-test. At rest it looks at the thermistors; then it heats a little, in a way that tells the
+//! contactor from the MOSFET and one thermistor from another, and leaves the heater off.
+//!
+//! ```text
+//!  Rest ──▶ MosfetOff ─────▶ Pulses ───────▶ Order ──────▶ Settle ──▶ ContactorOpen ──▶ over
+//!  no heat  contactor only,  both, stepped   the same for             power, but the
+//!           no power         up until one    4 cycles: who            contactor open
+//!                            answers         answers first
+//! ```
+//!
+//! Whatever is found ends it, but for notes; so do a stop, a hazard, a thermistor that is lost or rises too far, and at the
+//! latest its longest duration. It only says what it wants; the control loop drives the output.
+
+mod answers;
+pub mod finding;
+mod lock_in;
+pub mod progress;
+mod rest;
+pub mod stage;
+
+use fdi_core::parity::Channel;
+use fdi_core::{Percent, RawSample, Reading, Sample, TripReason, Validity};
+use heapless::Vec;
+
+use answers::Answers;
+pub use finding::{Ending, Finding};
+pub use lock_in::CYCLE;
+use lock_in::{Answer, Cycle, Noise};
+pub use progress::{News, Progress};
+use rest::Resting;
+pub use stage::{Output, Proof, Stage};
+
+/// The thermistors in the order of all arrays here.
+const CHANNELS: [Channel; 3] = [Channel::T0, Channel::T1, Channel::T2];
+/// Most that one check can find: three of each thermistor, the interlock, the contactor, what ended it.
+pub const MAX_FINDINGS: usize = 8;
+
+/// Cycles at rest that must be calm, one after the other: they measure the noise, too.
+const CALM_CYCLES: u32 = 3;
+/// Cycles (of 4.4 s) that a rig may take to come to rest: 2 minutes.
+const WAITING_CYCLES: u32 = 27;
+/// Ticks for which the contactor is closed with no power asked for: a shorted MOSFET then gives all of it. 0.11 s shows on a
+/// strong rig and warms it by 22 degC at most; only what has not shown then, on a weaker one, is given 0.66 and 2.2 s.
+const CLOSED_TICKS: [u32; 3] = [1, 6, 20];
+/// Powers of the pulses in %, stepped up until one is answered: the rig's gain may be anywhere from 0.05 to 1 degC per %.
+pub const LEVELS: [f32; 4] = [2.5, 5.0, 10.0, 20.0];
+/// Cycles by which order and silence are judged; at the largest power so many more where the noise asks for it.
+const ORDER_CYCLES: u32 = 4;
+const MOST_CYCLES: u32 = 12;
+/// Rise in degC above the beginning at which the check ends: well above the answer of the strongest rig to the smallest
+/// pulse, 2.5 degC, and below the 5 degC that the supervisor takes for a heater that is stuck on.
+pub const MAX_RISE: f32 = 4.5;
+/// Ticks in a row, while heating, that a thermistor may give nothing to believe.
+const MAX_LOST: u32 = 5;
+/// Ticks of a cycle at rest that may give nothing to believe: a spike now and then is no fault.
+const MAX_DOUBTS: u32 = CYCLE / 10;
+/// Codes this close are no movement: half of the converter's step, on the mean of many.
+const STILL: f32 = 0.5;
+/// Ticks that no check can exceed.
+pub const LONGEST: u32 = CYCLE
+    * (WAITING_CYCLES
+        + CALM_CYCLES
+        + CLOSED_TICKS.len() as u32
+        + LEVELS.len() as u32 * (1 + ORDER_CYCLES)
+        + MOST_CYCLES
+        + 1
+        + MOST_CYCLES);
+
+/// A check that is under way.
+#[derive(Clone, Debug)]
+pub struct SelfTest {
+    stage: Stage,
+    /// Tick of the cycle, cycles of the stage, ticks of all.
+    tick: u32,
+    cycles: u32,
+    elapsed: u32,
+    /// Cycles without heat, at the beginning.
+    waited: u32,
+    /// Index of the pulse's power, and the cycles by which it was judged.
+    level: usize,
+    judged_cycles: u32,
+    /// The last reading of each that can be believed, in degC, and the ticks since.
+    last: [f32; 3],
+    lost: [u32; 3],
+    /// Temperatures at the beginning of the heat; before that, of a cycle.
+    start: [f32; 3],
+    /// Extremes of the codes since the beginning.
+    codes: [(f32, f32); 3],
+    resting: [Resting; 3],
+    cycle: [Cycle; 3],
+    noises: [Noise; 3],
+    answers: [Answer; 3],
+    findings: Vec<Finding, MAX_FINDINGS>,
+    ending: Option<Ending>,
+    told: Told,
+}
+
+/// What the other half has been told.
+#[derive(Clone, Copy, Debug)]
+struct Told {
+    stage: Option<Stage>,
+    findings: usize,
+    ended: bool,
+}
+
+impl SelfTest {
+    /// Begins with what the interlock's proof gave.
+    pub fn new(proof: Proof) -> Self {
+        let mut findings = Vec::new();
+        let found = match proof {
+            Proof::OpenHolds => Some(Finding::InterlockOpen),
+            Proof::OpenButEnabled => Some(Finding::OpenButEnabled),
+            Proof::DoesNotCut => Some(Finding::DoesNotCut),
+            Proof::Cuts { seen: false } => Some(Finding::CutNotSeen),
+            Proof::Cuts { seen: true } => None,
+        };
+        if let Some(found) = found {
+            let _ = findings.push(found);
+        }
+        Self {
+            stage: Stage::Rest,
+            tick: 0,
+            cycles: 0,
+            elapsed: 0,
+            waited: 0,
+            level: 0,
+            judged_cycles: 0,
+            last: [f32::NAN; 3],
+            lost: [0; 3],
+            start: [0.0; 3],
+            codes: [(f32::INFINITY, f32::NEG_INFINITY); 3],
+            resting: [Resting::UNKNOWN; 3],
+            cycle: [Cycle::default(); 3],
+            noises: [Noise::default(); 3],
+            answers: [Answer::default(); 3],
+            findings,
+            ending: None,
+            told: Told { stage: None, findings: 0, ended: false },
+        }
+    }
+
+    /// How it ended; `None` while it has not.
+    pub fn ending(&self) -> Option<Ending> {
+        self.ending
+    }
+
+    /// Ends it early.
+    pub fn abort(&mut self, ending: Ending) {
+        self.ending.get_or_insert(ending);
+        self.stage = Stage::Over;
+    }
+
+    /// What the other half has not heard yet, a piece at a time.
+    pub fn news(&mut self) -> Option<News> {
+        if self.told.stage.is_none() || (self.told.stage != Some(self.stage) && self.stage != Stage::Over) {
+            self.told.stage = Some(self.stage);
+            return Some(News::Stage(self.stage));
+        }
+        if let Some(finding) = self.findings.get(self.told.findings) {
+            self.told.findings += 1;
+            return Some(News::Found(*finding));
+        }
+        let ending = self.ending.filter(|_| !self.told.ended)?;
+        self.told.ended = true;
+        Some(News::Ended(ending))
+    }
+
+    /// Whether all has been told.
+    pub fn is_told(&self) -> bool {
+        self.told.ended
+    }
+
+    /// One tick: takes in what was sampled, says what the output is to be until the next. `hazard` is what would trip.
+    pub fn step(&mut self, sample: &Sample, raw: &RawSample, hazard: Option<TripReason>) -> Output {
+        if self.stage == Stage::Over {
+            return Output::Off;
+        }
+        self.elapsed += 1;
+        self.look(sample, raw);
+        if let Some(finding) = self.danger(sample, hazard) {
+            self.fail(finding);
+        } else if self.elapsed > LONGEST {
+            self.end();
+        } else {
+            self.tick += 1;
+            if self.tick >= CYCLE {
+                self.tick = 0;
+                self.end_cycle(hazard);
+                self.cycle = [Cycle::default(); 3];
+            }
+        }
+        self.output()
+    }
+
+    /// Takes in readings and codes.
+    fn look(&mut self, sample: &Sample, raw: &RawSample) {
+        let readings = [sample.t0, sample.t1, sample.t2];
+        let codes = [raw.t0.0, raw.t1.0, raw.t2.0];
+        let (tick, fresh) = (self.tick, self.elapsed == 1);
+        let seen = readings.iter().zip(codes).zip(&mut self.last).zip(&mut self.lost).zip(&mut self.codes);
+        for ((((reading, code), last), lost), extremes) in seen {
+            if reading.validity == Validity::Good {
+                *last = reading.celsius.0;
+                *lost = 0;
+                *extremes = (extremes.0.min(code), extremes.1.max(code));
+            } else {
+                *lost += 1;
+            }
+        }
+        let at_rest = matches!(self.stage, Stage::Rest | Stage::Cooling);
+        let each = self.cycle.iter_mut().zip(&mut self.resting).zip(&mut self.start).zip(self.last);
+        for ((((cycle, resting), start), last), reading) in each.zip(readings) {
+            if fresh || !start.is_finite() {
+                *start = last;
+            }
+            if at_rest {
+                resting.see(reading.celsius.0, reading.validity);
+            }
+            // Not a number until the first good reading: that cycle counts for nothing, as its doubts are too many.
+            cycle.add(tick, if last.is_finite() { last - *start } else { 0.0 });
+        }
+    }
+
+    /// What makes it dangerous, or pointless, to go on heating.
+    fn danger(&self, sample: &Sample, hazard: Option<TripReason>) -> Option<Finding> {
+        if matches!(self.stage, Stage::Rest | Stage::Cooling) {
+            return None;
+        }
+        let readings: [Reading; 3] = [sample.t0, sample.t1, sample.t2];
+        let each = CHANNELS.into_iter().zip(readings).zip(self.start).zip(self.lost);
+        let found = |(((channel, reading), start), lost): (((Channel, Reading), f32), u32)| {
+            let rise = reading.celsius.0 - start;
+            match reading.validity {
+                Validity::Open | Validity::Short => Some(Finding::Broken(channel, reading.validity)),
+                // A reading that jumped may be true: hot is hot.
+                _ if !(rise <= MAX_RISE) => Some(self.too_hot(channel, rise)),
+                doubt if lost > MAX_LOST => Some(Finding::Broken(channel, doubt)),
+                _ => None,
+            }
+        };
+        each.into_iter().find_map(found).or(hazard.map(Finding::Hazard))
+    }
+
+    fn too_hot(&self, channel: Channel, rise: f32) -> Finding {
+        if self.stage == Stage::MosfetOff { Finding::MosfetShorted } else { Finding::TooHot(channel, rise) }
+    }
+
+    fn fail(&mut self, finding: Finding) {
+        let _ = self.findings.push(finding);
+        self.end();
+    }
+
+    fn end(&mut self) {
+        let failures = self.findings.iter().filter(|finding| !finding.is_note()).count();
+        let passed = failures == 0 && self.elapsed <= LONGEST;
+        self.abort(if passed { Ending::Passed } else { Ending::Failed(failures as u8) });
+    }
+
+    fn enter(&mut self, stage: Stage) {
+        (self.stage, self.cycles) = (stage, 0);
+    }
+
+    /// A cycle is over: what does it say, and what comes next?
+    fn end_cycle(&mut self, hazard: Option<TripReason>) {
+        self.cycles += 1;
+        match self.stage {
+            Stage::Rest | Stage::Cooling => self.end_rest(hazard),
+            Stage::MosfetOff => self.end_mosfet_off(),
+            Stage::Pulses => self.end_pulse(),
+            Stage::Order => self.end_order(),
+            Stage::Settle => self.enter(Stage::ContactorOpen),
+            Stage::ContactorOpen => self.end_contactor_open(),
+            Stage::Over => {}
+        }
+    }
+
+    fn end_rest(&mut self, hazard: Option<TripReason>) {
+        for ((resting, cycle), start) in self.resting.iter_mut().zip(&self.cycle).zip(&mut self.start) {
+            resting.end_cycle(*start + cycle.mean());
+        }
+        if rest::broken(&self.resting, MAX_DOUBTS, &mut self.findings) {
+            return self.end();
+        }
+        self.waited += 1;
+        let wait = self.waited > 1 && rest::is_worth_waiting(&self.resting);
+        if wait && self.waited < WAITING_CYCLES {
+            self.noises = [Noise::default(); 3];
+            self.enter(Stage::Cooling);
+        } else {
+            self.noises.iter_mut().zip(&self.cycle).for_each(|(noise, cycle)| noise.add(cycle));
+            if self.cycles >= CALM_CYCLES {
+                return self.begin_heating(hazard);
+            }
+        }
+        for (resting, start) in self.resting.iter_mut().zip(&mut self.start) {
+            resting.begin_cycle();
+            *start = resting.mean;
+        }
+    }
+
+    fn begin_heating(&mut self, hazard: Option<TripReason>) {
+        rest::judge(&self.resting, &mut self.findings);
+        if let Some(reason) = hazard
+            && self.findings.iter().all(Finding::is_note)
+        {
+            let _ = self.findings.push(Finding::Hazard(reason));
+        }
+        if !self.findings.iter().all(Finding::is_note) {
+            return self.end();
+        }
+        self.start = self.resting.map(|resting| resting.mean);
+        self.enter(Stage::MosfetOff);
+    }
+
+    /// The answers to the cycle that has just ended.
+    fn hear_cycle(&mut self) {
+        self.answers = self.cycle.map(|cycle| Answer::of(&cycle));
+    }
+
+    fn heard(&self) -> Answers<'_> {
+        let moves = self.codes.map(|(low, high)| high - low > STILL);
+        Answers { answers: &self.answers, noises: &self.noises, moves }
+    }
+
+    fn end_mosfet_off(&mut self) {
+        self.hear_cycle();
+        if self.heard().any() {
+            return self.fail(Finding::MosfetShorted);
+        }
+        self.noises.iter_mut().zip(&self.cycle).for_each(|(noise, cycle)| noise.add(cycle));
+        if self.cycles as usize >= CLOSED_TICKS.len() {
+            self.enter(Stage::Pulses);
+        }
+    }
+
+    fn end_pulse(&mut self) {
+        self.hear_cycle();
+        if self.heard().any() || self.level + 1 >= LEVELS.len() {
+            self.answers = [Answer::default(); 3];
+            self.enter(Stage::Order);
+        } else {
+            self.level += 1;
+        }
+    }
+
+    fn end_order(&mut self) {
+        self.answers.iter_mut().zip(&self.cycle).for_each(|(answer, cycle)| answer.add(cycle));
+        if self.cycles < ORDER_CYCLES {
+            return;
+        }
+        if !self.heard().is_loud() {
+            if self.level + 1 < LEVELS.len() {
+                self.level += 1;
+                self.answers = [Answer::default(); 3];
+                return self.enter(Stage::Order);
+            }
+            if self.cycles < MOST_CYCLES {
+                return;
+            }
+        }
+        match self.heard().judge() {
+            Some(finding) if !finding.is_note() => self.fail(finding),
+            note => {
+                if let Some(note) = note {
+                    let _ = self.findings.push(note);
+                }
+                self.judged_cycles = self.cycles;
+                self.answers = [Answer::default(); 3];
+                self.enter(Stage::Settle);
+            }
+        }
+    }
+
+    fn end_contactor_open(&mut self) {
+        self.answers.iter_mut().zip(&self.cycle).for_each(|(answer, cycle)| answer.add(cycle));
+        if self.heard().any() {
+            let _ = self.findings.push(Finding::NoContactor);
+            self.end();
+        } else if self.cycles >= self.judged_cycles {
+            self.end();
+        }
+    }
+
+    /// What the output is to be at this tick of this cycle.
+    fn output(&self) -> Output {
+        let heated = self.tick < CYCLE / 2;
+        let level = LEVELS.get(self.level).copied().unwrap_or(0.0);
+        let power = Percent(if heated { level } else { 0.0 });
+        let closed_ticks = CLOSED_TICKS.get(self.cycles as usize).copied().unwrap_or(0);
+        match self.stage {
+            Stage::Rest | Stage::Cooling | Stage::Settle | Stage::Over => Output::Off,
+            Stage::MosfetOff => Output::On { power: Percent(0.0), contactor: self.tick < closed_ticks },
+            Stage::Pulses | Stage::Order => Output::On { power, contactor: true },
+            Stage::ContactorOpen => Output::On { power, contactor: false },
+        }
+    }
+}

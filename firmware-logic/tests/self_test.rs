@@ -1,0 +1,329 @@
+//! Whatever the thermistors say during a check, it heats little, ends, and leaves output and contactor off; and nothing is
+//! armed before one has passed.
+
+use fdi_core::control::Controller;
+use fdi_core::parity::Channel;
+use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
+use fdi_core::{AdcCode, Celsius, Command, Config, Feedback, Mode, Percent, RawSample, Refusal};
+use firmware_logic::cadence::Arrival;
+use firmware_logic::control_loop::{Beat, ControlLoop, Denial, Heater, Order};
+use firmware_logic::interlock::{Hold, Interlock};
+use firmware_logic::self_test::{Ending, Finding, LEVELS, LONGEST, MAX_RISE, News, Progress};
+use proptest::prelude::*;
+
+/// The output stage, with a break input that acts on the enable.
+#[derive(Debug, Default)]
+struct Output {
+    power: f32,
+    contactor: bool,
+    enabled: bool,
+    open: bool,
+}
+
+impl Output {
+    fn given(&self) -> f32 {
+        if self.enabled && self.contactor { self.power } else { 0.0 }
+    }
+
+    fn is_off(&self) -> bool {
+        !self.enabled && !self.contactor && self.power == 0.0
+    }
+}
+
+impl Heater for Output {
+    fn drive(&mut self, power: Percent) {
+        self.power = power.0;
+    }
+    fn contactor(&mut self, closed: bool) {
+        self.contactor = closed;
+    }
+    fn enable(&mut self) {
+        self.enabled = !self.open;
+    }
+    fn disable(&mut self) {
+        self.enabled = false;
+    }
+    fn is_enabled(&self) -> bool {
+        self.enabled
+    }
+    fn break_is_open(&self) -> bool {
+        self.open
+    }
+    fn cut_by(&self) -> Hold {
+        Hold::BreakInput
+    }
+    fn test_break(&mut self) -> bool {
+        assert!(self.power == 0.0 && !self.contactor, "the proof heats");
+        self.enabled = false;
+        true
+    }
+}
+
+/// A board with a rig of two lags behind it.
+struct Bench {
+    control: ControlLoop,
+    output: Output,
+    progress: Progress,
+    thermistor: Thermistor,
+    /// degC per %.
+    gain: f32,
+    /// Rises of the air, T1 and T2, degC; ticks so far.
+    rises: [f32; 3],
+    ticks: u32,
+}
+
+impl Bench {
+    fn new(config: &Config) -> Self {
+        let controller = Controller::new(config).expect("valid");
+        Self {
+            control: ControlLoop::new(controller, config.setpoint, Interlock::default()),
+            output: Output::default(),
+            progress: Progress::default(),
+            thermistor: Thermistor::new(&ThermistorConfig::default(), 0).expect("valid"),
+            gain: 0.3,
+            rises: [0.0; 3],
+            ticks: 0,
+        }
+    }
+
+    /// The codes of the rig, with a little noise.
+    fn codes(&mut self) -> RawSample {
+        self.ticks += 1;
+        let power = self.output.given();
+        let [air, t1, t2] = &mut self.rises;
+        *air += (self.gain * power - *air) / 4.0;
+        *t1 += (*air - *t1) / 2.0;
+        *t2 += (0.9 * *t1 - *t2) / 4.0;
+        let noise = [0.01, -0.02, 0.03, 0.0, -0.03, 0.02, -0.01][self.ticks as usize % 7];
+        let code = |rise: f32| self.thermistor.code(Celsius(22.5 + rise + noise));
+        RawSample { t0: code(0.0), t1: code(self.rises[1]), t2: code(self.rises[2]) }
+    }
+
+    fn step(&mut self, raw: RawSample, order: Option<Order>) -> Beat {
+        let beat = self.control.tick(raw, Arrival::default(), order, Feedback::default(), &mut self.output);
+        self.hear(&beat);
+        beat
+    }
+
+    fn hear(&mut self, beat: &Beat) {
+        if let Some(news) = beat.news {
+            self.progress.hear(news);
+        }
+    }
+
+    fn tick(&mut self) -> Beat {
+        let raw = self.codes();
+        self.step(raw, None)
+    }
+
+    fn pass(&mut self, ticks: u32) {
+        for _ in 0..ticks {
+            self.tick();
+        }
+    }
+
+    fn order(&mut self, order: Order) -> Result<(), Denial> {
+        let raw = self.codes();
+        self.step(raw, Some(order)).outcome.expect("an order has an outcome").result
+    }
+
+    fn arm(&mut self) -> Result<(), Denial> {
+        self.order(Order::Command(Command::Arm))
+    }
+
+    /// Lets a check run to its end.
+    fn check(&mut self) -> Ending {
+        assert_eq!(self.order(Order::Check), Ok(()));
+        for _ in 0..LONGEST + 20 {
+            if let Some(ending) = self.progress.ending.filter(|_| self.progress.stage.is_none()) {
+                return ending;
+            }
+            self.tick();
+        }
+        panic!("endless: {:?}", self.progress);
+    }
+}
+
+#[test]
+fn arms_only_after_a_check_has_passed_and_not_after_one_that_has_not() {
+    let mut bench = Bench::new(&Config::default());
+    assert_eq!(bench.arm(), Err(Denial::Unchecked));
+    assert!(bench.output.is_off());
+    assert_eq!(bench.check(), Ending::Passed, "{:?}", bench.progress);
+    assert_eq!(bench.arm(), Ok(()));
+    assert!(bench.tick().checked);
+    assert_eq!(bench.order(Order::Command(Command::Stop)), Ok(()));
+    bench.pass(200); // cools
+    assert_eq!(bench.order(Order::Check), Ok(()));
+    assert_eq!(bench.arm(), Err(Denial::Checking));
+    assert_eq!(bench.order(Order::Command(Command::Stop)), Ok(()));
+    bench.pass(10);
+    assert_eq!(bench.arm(), Err(Denial::Unchecked), "a check that was stopped has not passed");
+}
+
+#[test]
+fn the_waiver_arms_without_a_check_and_the_beat_says_so() {
+    let mut config = Config::default();
+    config.supervisor.check_before_arming = false;
+    let mut bench = Bench::new(&config);
+    assert_eq!(bench.arm(), Ok(()));
+    assert!(!bench.tick().checked);
+}
+
+#[test]
+fn a_check_begins_only_at_rest() {
+    let mut config = Config::default();
+    config.supervisor.check_before_arming = false;
+    let mut bench = Bench::new(&config);
+    assert_eq!(bench.arm(), Ok(()));
+    assert_eq!(bench.order(Order::Check), Err(Denial::Refused(Refusal::NotInMode("settle"))));
+    assert!(bench.tick().tick.mode.is_heating(), "a refused order changes nothing");
+}
+
+#[test]
+fn the_contact_of_the_interlock_is_proved_when_it_is_seen_open() {
+    let mut bench = Bench::new(&Config::default());
+    assert_eq!(bench.check(), Ending::Passed);
+    assert_eq!(bench.progress.findings, [Finding::CutNotSeen], "said, as nobody has opened it");
+    bench.output.open = true;
+    assert_eq!(bench.check(), Ending::Failed(1));
+    assert_eq!(bench.progress.findings, [Finding::InterlockOpen]);
+    bench.output.open = false;
+    assert_eq!(bench.check(), Ending::Passed);
+    assert_eq!(bench.progress.findings, []);
+}
+
+#[test]
+fn a_rig_that_is_too_strong_is_left_alone_before_it_is_hot() {
+    let mut bench = Bench { gain: 4.0, ..Bench::new(&Config::default()) };
+    assert_eq!(bench.check(), Ending::Failed(1));
+    let found = bench.progress.findings.last();
+    assert!(matches!(found, Some(Finding::TooHot(Channel::T1, by)) if *by < MAX_RISE + 2.0), "{found:?}");
+}
+
+/// What can end a check early, and what it is then said to be.
+type WayOut = (&'static str, fn(&mut Bench), Option<Ending>);
+
+const WAYS_OUT: [WayOut; 6] = [
+    ("stop", |bench| assert_eq!(bench.order(Order::Command(Command::Stop)), Ok(())), Some(Ending::Stopped)),
+    (
+        "break",
+        |bench| {
+            (bench.output.open, bench.output.enabled) = (true, false);
+            bench.tick();
+        },
+        None, // seen only while the output should be on
+    ),
+    (
+        "missed tick",
+        |bench| {
+            let beat = bench.control.missed(Arrival::default(), &mut bench.output);
+            bench.hear(&beat);
+        },
+        Some(Ending::MissedTick),
+    ),
+    (
+        "settings",
+        |bench| {
+            let controller = Controller::new(&Config::default()).expect("valid");
+            assert_eq!(bench.order(Order::Retune(controller)), Ok(()));
+        },
+        Some(Ending::Settings),
+    ),
+    (
+        "T1 broken",
+        |bench| {
+            let raw = RawSample { t1: AdcCode(4090.0), ..bench.codes() };
+            for _ in 0..60 {
+                bench.step(raw, None);
+            }
+        },
+        Some(Ending::Failed(1)),
+    ),
+    (
+        "T2 hot",
+        |bench| {
+            let raw = RawSample { t2: bench.thermistor.code(Celsius(95.0)), ..bench.codes() };
+            for _ in 0..300 {
+                bench.step(raw, None);
+            }
+        },
+        None, // before it heats a jump and a thermistor that is far off, then a rise
+    ),
+];
+
+#[test]
+fn every_way_out_leaves_output_and_contactor_off_whenever_it_is_taken() {
+    for (name, leave, expected) in WAYS_OUT {
+        for after in (0..700).step_by(13) {
+            let mut bench = Bench::new(&Config::default());
+            assert_eq!(bench.order(Order::Check), Ok(()));
+            bench.pass(after);
+            if bench.progress.stage.is_none() {
+                continue;
+            }
+            let heated = bench.output.enabled;
+            leave(&mut bench);
+            if name == "break" && !heated {
+                continue;
+            }
+            assert!(bench.output.is_off(), "{name} after {after} ticks: {:?}", bench.output);
+            bench.pass(10);
+            assert!(bench.output.is_off(), "{name} after {after} ticks, later");
+            let ending = bench.progress.ending;
+            assert!(
+                ending.is_some() && ending != Some(Ending::Passed),
+                "{name} after {after} ticks: {ending:?}"
+            );
+            assert!(expected.is_none() || ending == expected, "{name} after {after} ticks: {ending:?}");
+            bench.output.open = false;
+            assert!(bench.arm().is_err(), "{name} after {after} ticks: armed");
+        }
+    }
+}
+
+#[test]
+fn an_open_interlock_while_checking_is_a_hold() {
+    let mut bench = Bench::new(&Config::default());
+    assert_eq!(bench.order(Order::Check), Ok(()));
+    while !bench.output.enabled {
+        bench.tick();
+    }
+    (bench.output.open, bench.output.enabled) = (true, false);
+    assert_eq!(bench.tick().hold, Some(Hold::BreakInput));
+    bench.output.open = false;
+    assert_eq!(bench.order(Order::Check), Err(Denial::Held(Hold::BreakInput)));
+}
+
+/// Codes as they should be, a little off, or anything at all.
+fn any_code() -> impl Strategy<Value = f32> {
+    prop_oneof![8 => 2150.0f32..2170.0, 3 => 1500.0f32..2600.0, 1 => any::<f32>(), 1 => Just(f32::NAN), 1 => Just(4095.0f32)]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    /// Any codes: little power, an end in bounded time, and everything off then.
+    #[test]
+    fn any_codes_are_heated_little_and_not_for_long(
+        wild in prop::collection::vec((any_code(), any_code(), any_code()), 1..80),
+        from in 0u32..1200, rarely in 1u32..300,
+    ) {
+        let mut bench = Bench::new(&Config::default());
+        prop_assert_eq!(bench.order(Order::Check), Ok(()));
+        let mut ended = false;
+        for tick in 0..LONGEST + 20 {
+            let calm = bench.codes();
+            let (t0, t1, t2) = wild[tick as usize % wild.len()];
+            let raw = RawSample { t0: AdcCode(t0), t1: AdcCode(t1), t2: AdcCode(t2) };
+            let beat = bench.step(if tick >= from && tick % rarely == 0 { raw } else { calm }, None);
+            let Output { power, enabled, .. } = bench.output;
+            prop_assert!((0.0..=LEVELS[3]).contains(&power), "{} %", power);
+            prop_assert!(beat.applied.0 <= LEVELS[3]);
+            prop_assert!(!ended || (!enabled && bench.output.is_off()), "heats after its end");
+            ended |= matches!(beat.news, Some(News::Ended(_)));
+            prop_assert!(matches!(beat.tick.mode, Mode::Off | Mode::Tripped(_)));
+        }
+        prop_assert!(ended, "{:?}", bench.progress);
+    }
+}

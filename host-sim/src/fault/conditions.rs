@@ -1,0 +1,91 @@
+//! What the faults that act at one time make of the rig.
+
+use super::{Fault, Verb};
+
+/// What the converter of a channel says, instead of the truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Reading {
+    /// The truth.
+    #[default]
+    True,
+    /// Full scale.
+    Open,
+    /// Zero.
+    Short,
+    /// What it said before, with noise.
+    Stuck {
+        /// Standard deviation of the noise, codes.
+        noise: f64,
+    },
+    /// Nothing, now and then.
+    Missing {
+        /// Probability for each sample.
+        probability: f64,
+    },
+}
+
+/// All that acts on the rig at one time. Arrays are for T0, T1, T2.
+#[derive(Clone, Debug)]
+pub struct Conditions {
+    /// Added to what a sensor reads, degC.
+    pub offset: [f64; 3],
+    /// Share of the rise that a sensor sees.
+    pub gain: [f64; 3],
+    /// Time constant that a clogged or detached sensor has, s.
+    pub lag: [Option<f64>; 3],
+    /// Which sensor lies at each input.
+    pub wired: [usize; 3],
+    /// What the converter says.
+    pub reading: [Reading; 3],
+    /// Air flow, relative.
+    pub flow: f64,
+    /// Heater power, relative to what is asked for.
+    pub power: f64,
+    /// Heater power whatever is asked for, %.
+    pub stuck_power: Option<f64>,
+    /// Room temperature above its usual, degC.
+    pub room: f64,
+}
+
+impl Conditions {
+    /// What acts at time `t`; `sample_time` is how long a single sample stands for a spike.
+    pub fn at(faults: &[Fault], t: f64, sample_time: f64) -> Self {
+        let mut now = Self {
+            offset: [0.0; 3],
+            gain: [1.0; 3],
+            lag: [None; 3],
+            wired: [0, 1, 2],
+            reading: [Reading::True; 3],
+            flow: 1.0,
+            power: 1.0,
+            stuck_power: None,
+            room: 0.0,
+        };
+        for fault in faults.iter().filter(|f| f.is_active(t)) {
+            let i = fault.sensor.map_or(0, |s| s as usize);
+            let size = fault.size.unwrap_or_default();
+            match fault.verb {
+                Verb::Offset => now.offset[i] += size,
+                Verb::Drift => now.offset[i] += size * (t - fault.at) / 60.0,
+                Verb::Clog => (now.gain[i], now.lag[i]) = (size, fault.lag),
+                Verb::Detach => {
+                    now.gain[i] *= 1.0 - size * fault.way_out(t);
+                    now.lag[i] = fault.lag.or(now.lag[i]);
+                }
+                Verb::Swap => now.wired.swap(i, fault.with.map_or(i, |s| s as usize)),
+                Verb::Open => now.reading[i] = Reading::Open,
+                Verb::Short => now.reading[i] = Reading::Short,
+                Verb::Stuck | Verb::Freeze => now.reading[i] = Reading::Stuck { noise: size },
+                Verb::Spike if t - fault.at < sample_time => now.offset[i] += size,
+                Verb::Spike => {}
+                Verb::Missing => now.reading[i] = Reading::Missing { probability: size },
+                Verb::AirFlow => now.flow *= size,
+                Verb::HeaterPower => now.power *= size,
+                Verb::HeaterStuck => now.stuck_power = Some(size),
+                Verb::Room => now.room += size,
+                Verb::RoomDrift => now.room += size * (t - fault.at) / 60.0,
+            }
+        }
+        now
+    }
+}

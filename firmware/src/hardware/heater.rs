@@ -112,8 +112,21 @@ impl HeaterOutput {
         for pin in &mut pins {
             pin.set_as_af_unchecked(board::TIM1_AF, AfType::output(OutputType::PushPull, Speed::Low));
         }
+        lock_pins();
         Self { _timer: timer, _pins: pins, break_input, period }
     }
+}
+
+/// Keeps the pins the timer's until the next reset. Hazard: a stray write to the port's mode register would make a pin an
+/// output that no break, no MOE and no dead man's handle switches off.
+fn lock_pins() {
+    const PA6_PA8_PA10: u32 = 1 << 6 | 1 << 8 | 1 << 10;
+    const KEY: u32 = 1 << 16;
+    let lock = pac::GPIOA.lckr();
+    for value in [KEY | PA6_PA8_PA10, PA6_PA8_PA10, KEY | PA6_PA8_PA10] {
+        lock.write(|w| w.0 = value);
+    }
+    let _ = lock.read(); // closes it
 }
 
 impl Heater for HeaterOutput {

@@ -2,6 +2,7 @@
 //! the timer's lock keeps of it when something writes where it should not.
 
 use virtual_board::board::{Board, load};
+use virtual_board::gpio::Mode;
 use virtual_board::scene::Scene;
 use virtual_board::time::{MS, Ps, SECOND};
 use virtual_board::wiring::Pull;
@@ -145,6 +146,28 @@ fn a_stray_write_to_the_timer_undoes_no_protection() {
     board.interlock(true);
     board.run_for(MS).expect("runs on");
     is_driven_low(board, "interlock closed again");
+}
+
+#[test]
+fn a_stray_write_to_the_port_takes_no_pin_from_the_timer() {
+    /// Registers of port A, and values that would make heater, contactor and break input plain pins, the first two high.
+    const MODER: u32 = 0x00;
+    const PUPDR: u32 = 0x0C;
+    const ODR: u32 = 0x14;
+    const AFRL: u32 = 0x20;
+    const AFRH: u32 = 0x24;
+    let mut scene = heating();
+    scene.board.command("stop").expect("answers");
+    scene.board.run_for(SECOND).expect("runs on");
+    scene.board.cpu.touch(|chip, now| {
+        let writes = [(MODER, 1 << 16 | 1 << 20), (PUPDR, 0), (AFRL, 0), (AFRH, 0), (ODR, 1 << 8 | 1 << 10)];
+        for (register, value) in writes {
+            chip.ports[0].write(register, value).expect("modelled");
+        }
+        chip.settle(now);
+    });
+    is_driven_low(&scene.board, "stopped");
+    assert_eq!(scene.board.chip().ports[0].mode(6), Mode::Alternate(1), "the break input");
 }
 
 #[test]

@@ -200,4 +200,5 @@ pub(super) const MUTANTS: &[Mutant] = &[
         ["                if heater.break_is_open() {", "                if heater.break_is_open() && false {"],
         &["heater_off::an_open_interlock"],
     ),
+    mutant("pins-not-locked", "a stray write to the port takes the pins from the timer", FILE, ["        lock_pins();\n", ""], &["pins::a_stray_write_to_the_port"]),
 ];

@@ -79,8 +79,7 @@ impl HeaterOutput {
         let mut break_input = Flex::new(break_pin);
         break_input.set_as_af_unchecked(board::TIM1_AF, AfType::input(Pull::Up));
         let t = pac::TIM1;
-        t.psc().write_value(0);
-        t.arr().write(|w| w.set_arr(period - 1));
+        set_period(period);
         for channel in [HEATER, CONTACTOR] {
             t.ccr(channel).write(|w| w.set_ccr(0));
             t.ccmr_output(channel / 2).write(|w| {
@@ -103,10 +102,7 @@ impl HeaterOutput {
             w.set_cce(CONTACTOR, true);
         });
         t.egr().write(|w| w.set_ug(true));
-        t.cr1().write(|w| {
-            w.set_arpe(true);
-            w.set_cen(true);
-        });
+        run();
         // Only now, with the level defined by the timer, are the pins handed over to it.
         let mut pins = [Flex::new(heater), Flex::new(contactor)];
         for pin in &mut pins {
@@ -115,6 +111,18 @@ impl HeaterOutput {
         lock_pins();
         Self { _timer: timer, _pins: pins, break_input, period }
     }
+}
+
+fn set_period(period: u16) {
+    pac::TIM1.psc().write_value(0);
+    pac::TIM1.arr().write(|w| w.set_arr(period - 1));
+}
+
+fn run() {
+    pac::TIM1.cr1().write(|w| {
+        w.set_arpe(true);
+        w.set_cen(true);
+    });
 }
 
 /// Keeps the pins the timer's until the next reset. Hazard: a stray write to the port's mode register would make a pin an
@@ -130,7 +138,11 @@ fn lock_pins() {
 }
 
 impl Heater for HeaterOutput {
+    /// Period and counter are written anew with each power, for nothing locks them: a counter that a stray write has
+    /// stopped while the pin is high would heat at full power for good.
     fn drive(&mut self, power: Percent) {
+        set_period(self.period);
+        run();
         pac::TIM1.ccr(HEATER).write(|w| w.set_ccr(duty::compare(power, self.period)));
     }
 

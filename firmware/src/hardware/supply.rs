@@ -8,7 +8,7 @@ use firmware_logic::interlock::Hold;
 
 use super::{heater, retained, watchdog};
 
-/// The detector's highest threshold: 2.9 V.
+/// The detector's highest threshold: 2.9 V by the reference manual; the data sheet's typical value is 3.0 V, falling.
 const THRESHOLD: u8 = 7;
 /// Line of the external interrupts on which the detector lies; its edge rises when the supply falls.
 const LINE: usize = 16;

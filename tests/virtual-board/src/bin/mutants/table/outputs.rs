@@ -88,10 +88,17 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "period-preload-off",
         "a new period takes effect within a period",
         FILE,
-        ["            w.set_arpe(true);\n", ""],
+        ["        w.set_arpe(true);\n", ""],
         &["pins::"],
     )
-    .unseen("the period is written once, before the counter runs"),
+    .unseen("the period is written again and again, but always the same one"),
+    mutant(
+        "counter-left-stopped",
+        "a counter that a stray write has stopped stays so",
+        FILE,
+        ["        set_period(self.period);\n        run();\n", ""],
+        &["pins::a_timer_that_a_stray_write_stops"],
+    ),
     mutant(
         "pin-before-timer",
         "the pin is handed over before the timer holds it low",
@@ -109,8 +116,8 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "off is on",
         FILE,
         [
-            "        t.psc().write_value(0);\n",
-            "        t.psc().write_value(0);\n        t.ccer().write(|w| w.set_ccp(HEATER, true));\n",
+            "        set_period(period);\n",
+            "        set_period(period);\n        t.ccer().write(|w| w.set_ccp(HEATER, true));\n",
         ],
         &["pins::after_the_start", "heater_off::t1_broken"],
     ),

@@ -1,57 +1,15 @@
 //! Whatever happens around the control loop, the heater's output must end up disabled, and stay so until acknowledged.
 
+mod output;
+
 use fdi_core::control::Controller;
 use fdi_core::sense::thermistor::ThermistorConfig;
 use fdi_core::{AdcCode, Command, Config, Feedback, Mode, Percent, RawSample, Refusal, TripReason};
 use firmware_logic::cadence::Arrival;
-use firmware_logic::control_loop::{Asked, Beat, ControlLoop, Denial, Heater, Order};
+use firmware_logic::control_loop::{Asked, Beat, ControlLoop, Denial, Order};
 use firmware_logic::interlock::{Hold, Interlock};
 use firmware_logic::reset_cause::ResetCause;
-
-/// The output stage as the chip has it: the break input clears the enable and keeps it from being set, and the enable
-/// carries heater and contactor both.
-#[derive(Debug, Default)]
-struct Output {
-    power: f32,
-    contactor: bool,
-    enabled: bool,
-    open: bool,
-    dead_man: bool,
-}
-
-impl Output {
-    fn at_the_pin(&self) -> f32 {
-        if self.enabled && self.contactor { self.power } else { 0.0 }
-    }
-}
-
-impl Heater for Output {
-    fn drive(&mut self, power: Percent) {
-        self.power = power.0;
-    }
-    fn contactor(&mut self, closed: bool) {
-        self.contactor = closed;
-    }
-    fn enable(&mut self) {
-        self.enabled = !self.open;
-    }
-    fn disable(&mut self) {
-        self.enabled = false;
-    }
-    fn is_enabled(&self) -> bool {
-        self.enabled
-    }
-    fn break_is_open(&self) -> bool {
-        self.open
-    }
-    fn cut_by(&self) -> Hold {
-        if self.dead_man { Hold::MissedDeadline } else { Hold::BreakInput }
-    }
-    fn test_break(&mut self) -> bool {
-        std::mem::take(&mut self.enabled);
-        !self.open
-    }
-}
+use output::Output;
 
 /// Settings that arm without a self-test: that has tests of its own.
 fn waived() -> Config {
@@ -85,7 +43,7 @@ impl Bench {
         let mut bench = Self::new(ResetCause::PowerOn);
         assert_eq!(bench.order(Command::Arm).outcome.expect("an order").result, Ok(()));
         let beat = bench.tick();
-        assert!(beat.tick.mode.is_heating() && bench.output.at_the_pin() > 0.0, "it is cold: heat");
+        assert!(beat.tick.mode.is_heating() && bench.output.given() > 0.0, "it is cold: heat");
         assert_eq!(beat.applied, beat.tick.drive);
         bench
     }
@@ -122,7 +80,7 @@ fn starts_disabled_and_arms_only_on_command() {
     }
     let beat = bench.order(Command::Arm);
     assert_eq!(beat.outcome.expect("an order").result, Ok(()));
-    assert!(bench.output.enabled && bench.output.at_the_pin() > 0.0);
+    assert!(bench.output.enabled && bench.output.given() > 0.0);
 }
 
 #[test]
@@ -163,7 +121,7 @@ fn the_dead_man_is_told_from_the_break_input() {
     bench.output.dead_man = true;
     bench.output.enabled = false;
     assert_eq!(bench.tick().hold, Some(Hold::MissedDeadline));
-    assert_eq!(bench.output.at_the_pin(), 0.0);
+    assert_eq!(bench.output.given(), 0.0);
 }
 
 #[test]
@@ -212,7 +170,7 @@ fn a_trip_cuts_in_the_same_tick_and_one_acknowledgement_serves() {
             "{:?}",
             beat.tick.mode
         );
-        assert_eq!((beat.applied, bench.output.at_the_pin()), (Percent(0.0), 0.0));
+        assert_eq!((beat.applied, bench.output.given()), (Percent(0.0), 0.0));
         bench.codes.t1 = room_code();
         (0..20).for_each(|_| {
             bench.tick();

@@ -1,63 +1,18 @@
 //! Whatever the thermistors say during a check, it heats little, ends, and leaves output and contactor off; and nothing is
 //! armed before one has passed.
 
+mod output;
+
 use fdi_core::control::Controller;
 use fdi_core::parity::Channel;
 use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
-use fdi_core::{AdcCode, Celsius, Command, Config, Feedback, Mode, Percent, RawSample, Refusal};
+use fdi_core::{AdcCode, Celsius, Command, Config, Feedback, Mode, RawSample, Refusal};
 use firmware_logic::cadence::Arrival;
-use firmware_logic::control_loop::{Beat, ControlLoop, Denial, Heater, Order};
+use firmware_logic::control_loop::{Beat, ControlLoop, Denial, Order};
 use firmware_logic::interlock::{Hold, Interlock};
 use firmware_logic::self_test::{Ending, Finding, LEVELS, LONGEST, MAX_RISE, News, Progress};
+use output::Output;
 use proptest::prelude::*;
-
-/// The output stage, with a break input that acts on the enable.
-#[derive(Debug, Default)]
-struct Output {
-    power: f32,
-    contactor: bool,
-    enabled: bool,
-    open: bool,
-}
-
-impl Output {
-    fn given(&self) -> f32 {
-        if self.enabled && self.contactor { self.power } else { 0.0 }
-    }
-
-    fn is_off(&self) -> bool {
-        !self.enabled && !self.contactor && self.power == 0.0
-    }
-}
-
-impl Heater for Output {
-    fn drive(&mut self, power: Percent) {
-        self.power = power.0;
-    }
-    fn contactor(&mut self, closed: bool) {
-        self.contactor = closed;
-    }
-    fn enable(&mut self) {
-        self.enabled = !self.open;
-    }
-    fn disable(&mut self) {
-        self.enabled = false;
-    }
-    fn is_enabled(&self) -> bool {
-        self.enabled
-    }
-    fn break_is_open(&self) -> bool {
-        self.open
-    }
-    fn cut_by(&self) -> Hold {
-        Hold::BreakInput
-    }
-    fn test_break(&mut self) -> bool {
-        assert!(self.power == 0.0 && !self.contactor, "the proof heats");
-        self.enabled = false;
-        true
-    }
-}
 
 /// A board with a rig of two lags behind it.
 struct Bench {

@@ -312,3 +312,14 @@ fn settings_that_undo_each_other_are_refused_by_both_names() {
         assert!(text.contains("plausibility.max") && text.contains("supervisor.over_temperature"), "{text}");
     }
 }
+
+/// When the heat of before has died away, 8 s after the power, the tick may come without a sample.
+#[test]
+fn a_missing_sample_is_no_heater_stuck_on() {
+    let mut instrument = Instrument::new(&Config::default()).unwrap();
+    for k in 0..400 {
+        let code = if (68..78).contains(&k) { f32::NAN } else { ROOM };
+        let raw = RawSample { t0: AdcCode(code), t1: AdcCode(code), t2: AdcCode(code) };
+        assert_eq!(instrument.control(raw).mode, Mode::Off, "tick {k}");
+    }
+}

@@ -48,6 +48,8 @@ struct Trace {
     lowest: f32,
     /// At the beginning of the present `cooling_time`.
     begin: f32,
+    /// Both are known; the tick on which they were due may have had no reading.
+    begun: bool,
     /// It rises, or has not fallen over a whole `cooling_time`, without power.
     heated: bool,
 }
@@ -97,9 +99,10 @@ impl Trace {
     fn step(&mut self, t: f32, begins: bool, unpowered: bool, window_ends: bool) -> bool {
         let coldest = self.coldest.map_or(t, |coldest| smaller(coldest, t));
         self.coldest = Some(coldest);
-        if begins {
+        if begins || !self.begun {
             (self.lowest, self.begin, self.heated) = (t, t, false);
         }
+        self.begun = unpowered;
         if !unpowered {
             return false;
         }

@@ -272,3 +272,19 @@ fn a_gain_that_is_never_believed_is_the_reason_told_for_not_learning() {
     let tick = bench.run(300.0);
     assert_eq!(tick.blocked, Some(Blocker::NotIdentified), "{:?}", tick.mode);
 }
+
+/// What T1 and T2 differ by was learnt with other thermistors, so to speak.
+#[test]
+fn a_calibration_at_rest_leaves_nothing_to_contradict() {
+    let mut bench = Bench::armed(0.3, 35.0, &[], 21);
+    bench.run(400.0);
+    bench.instrument.command(Command::Stop).unwrap();
+    bench.run(30.0);
+    let mut config = with_prbs_phase(&Config { setpoint: Celsius(35.0), ..Config::default() }, 21);
+    config.sensors.t1.offset.0 = -6.2;
+    bench.instrument.retune(&config).unwrap();
+    bench.run(1.0);
+    bench.instrument.command(Command::Arm).unwrap();
+    let outcome = bench.watch(bench.time, bench.time + 60.0);
+    assert!(outcome.off.is_none(), "{outcome:?}");
+}

@@ -323,3 +323,19 @@ fn a_missing_sample_is_no_heater_stuck_on() {
         assert_eq!(instrument.control(raw).mode, Mode::Off, "tick {k}");
     }
 }
+
+/// Thermistors that are calibrated anew read other temperatures of the same rig: nobody has heated it.
+#[test]
+fn a_calibration_at_rest_is_no_heat() {
+    let mut config = Config::default();
+    let mut instrument = Instrument::new(&config).unwrap();
+    for k in 0..1000 {
+        if k == 100 {
+            for sensor in [&mut config.sensors.t0, &mut config.sensors.t1, &mut config.sensors.t2] {
+                sensor.offset.0 = 12.0;
+            }
+            instrument.retune(&config).unwrap();
+        }
+        assert_eq!(tick(&mut instrument, ROOM, k).mode, Mode::Off, "tick {k}");
+    }
+}

@@ -104,7 +104,8 @@ impl Instrument {
     }
 
     /// Takes over new settings without a bump: the state stays, the set-point of `config` is not applied (use
-    /// [`Command::SetPoint`]). What was learnt under other settings stays too; [`Command::Relearn`] renews it.
+    /// [`Command::SetPoint`]). What was learnt under other settings stays too ([`Command::Relearn`] renews it), but for the
+    /// models where a thermistor is calibrated anew.
     ///
     /// # Errors
     /// The first parameter that is out of bounds, or that widens a limit while the heater is on; nothing has changed
@@ -112,9 +113,9 @@ impl Instrument {
     pub fn retune(&mut self, config: &Config) -> Result<(), RetuneError> {
         config.validate_sample_time()?;
         let controller = Controller::new(config)?;
-        self.controller.check_retune(&self.control_state, &controller)?;
-        self.diagnosis = Diagnosis::new(config)?;
-        self.controller = controller;
+        let diagnosis = Diagnosis::new(config)?;
+        self.controller.retune(&mut self.control_state, controller)?;
+        self.diagnosis = diagnosis;
         Ok(())
     }
 

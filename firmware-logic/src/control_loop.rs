@@ -260,12 +260,11 @@ impl ControlLoop {
         let asked = order.asked();
         let result = match order {
             Order::Retune(controller) => {
-                let result = self.controller.check_retune(&self.state, &controller);
-                if result.is_ok() {
-                    self.controller = controller;
-                    if let Some(check) = &mut self.check {
-                        check.abort(Ending::Settings);
-                    }
+                let result = self.controller.retune(&mut self.state, controller);
+                if result.is_ok()
+                    && let Some(check) = &mut self.check
+                {
+                    check.abort(Ending::Settings);
                 }
                 result.map_err(Denial::Refused)
             }

@@ -237,21 +237,27 @@ impl Controller {
         self.supervisor.restored(&mut state.supervisor, baseline);
     }
 
-    /// Whether the settings of `new` may be put in force now: while the heater is on, none that widens a limit, nor any
-    /// that changes what a temperature is.
+    /// Puts the settings of `new` in force. While the heater is on, none may widen a limit or change what a temperature
+    /// is; where the latter happens at rest, what was learnt of temperatures is forgotten.
     ///
     /// # Errors
-    /// [`Refusal::WidensLimit`] with the name of the setting.
-    pub fn check_retune(&self, state: &ControllerState, new: &Self) -> Result<(), Refusal> {
-        let power = self.pid.is_widened_by(&new.pid).then_some("pid.output_max");
-        let widened =
-            self.supervisor.widened(&new.supervisor).or(power).or_else(|| self.sensing.widened(&new.sensing));
-        match widened {
-            Some(name) if self.supervisor.mode(&state.supervisor).is_heating() => {
-                Err(Refusal::WidensLimit(name))
-            }
-            _ => Ok(()),
+    /// [`Refusal::WidensLimit`] with the name of the setting; nothing has changed then.
+    pub fn retune(&mut self, state: &mut ControllerState, new: Self) -> Result<(), Refusal> {
+        if let Some(name) = self.widened(&new)
+            && self.mode(state).is_heating()
+        {
+            return Err(Refusal::WidensLimit(name));
         }
+        if self.sensing.is_recalibrated_by(&new.sensing) {
+            self.supervisor.recalibrated(&mut state.supervisor);
+        }
+        *self = new;
+        Ok(())
+    }
+
+    fn widened(&self, new: &Self) -> Option<&'static str> {
+        let power = self.pid.is_widened_by(&new.pid).then_some("pid.output_max");
+        self.supervisor.widened(&new.supervisor).or(power).or_else(|| self.sensing.widened(&new.sensing))
     }
 
     /// Hears what the second half has found.

@@ -115,6 +115,13 @@ impl Sensing {
         })
     }
 
+    /// Whether a code of any thermistor means another temperature to `new`.
+    pub(crate) fn is_recalibrated_by(&self, new: &Self) -> bool {
+        self.t0.is_recalibrated_by(&new.t0)
+            || self.t1.is_recalibrated_by(&new.t1)
+            || self.t2.is_recalibrated_by(&new.t2)
+    }
+
     /// The first setting by which `new` would widen a limit, or change what a code means.
     pub(crate) fn widened(&self, new: &Self) -> Option<&'static str> {
         self.t0

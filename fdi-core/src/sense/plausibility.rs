@@ -5,6 +5,7 @@
 
 use super::thermistor::Thermistor;
 use super::{Reading, Validity};
+use crate::bounds::first_raised;
 use crate::error::{ConfigError, above, in_ranges};
 use crate::units::{AdcCode, Celsius, Seconds};
 
@@ -72,7 +73,7 @@ impl PlausibilityConfig {
 impl PlausibilityConfig {
     /// The first limit that `new` would widen.
     fn widened(&self, new: &Self) -> Option<&'static str> {
-        let larger = [
+        first_raised(&[
             ("plausibility.open_code", self.open_code.0, new.open_code.0),
             ("plausibility.max", self.max.0, new.max.0),
             ("plausibility.jump", self.jump.0, new.jump.0),
@@ -82,8 +83,7 @@ impl PlausibilityConfig {
             ("plausibility.short_code", new.short_code.0, self.short_code.0),
             ("plausibility.min", new.min.0, self.min.0),
             ("plausibility.stuck_band", new.stuck_band.0, self.stuck_band.0),
-        ];
-        larger.iter().find(|(_, now, then)| then > now).map(|(name, ..)| *name)
+        ])
     }
 }
 
@@ -120,9 +120,14 @@ impl Channel {
         Self { thermistor, limits: *limits, stuck_ticks }
     }
 
+    /// Whether a code means another temperature to `new`.
+    pub(super) fn is_recalibrated_by(&self, new: &Self) -> bool {
+        self.thermistor != new.thermistor
+    }
+
     /// What a change to `new` would widen: a limit, or what a code means.
     pub(super) fn widened(&self, new: &Self, sensor: &'static str) -> Option<&'static str> {
-        if self.thermistor != new.thermistor { Some(sensor) } else { self.limits.widened(&new.limits) }
+        if self.is_recalibrated_by(new) { Some(sensor) } else { self.limits.widened(&new.limits) }
     }
 
     /// Converts and judges one code. Total: any bit pattern gives a finite temperature and a validity.

@@ -1,5 +1,6 @@
 //! Settings of the supervisor, their bounds, and which of them may not be widened while the heater is on.
 
+use crate::bounds::first_raised;
 use crate::config::Config;
 use crate::diagnosis::baseline::MIN_SAMPLES;
 use crate::error::{ConfigError, above, in_range, in_ranges};
@@ -117,7 +118,7 @@ impl SupervisorConfig {
 
     /// The first limit that `new` would widen. While the heater is on, none may be.
     pub(super) fn widened(&self, new: &Self) -> Option<&'static str> {
-        let larger = [
+        let limits = [
             ("supervisor.over_temperature", self.over_temperature.0, new.over_temperature.0),
             ("supervisor.signal_timeout", self.signal_timeout.0, new.signal_timeout.0),
             ("supervisor.response_time", self.response_time.0, new.response_time.0),
@@ -134,6 +135,6 @@ impl SupervisorConfig {
         if new.go_on_without_t1 && !self.go_on_without_t1 {
             return Some("supervisor.go_on_without_t1");
         }
-        larger.iter().find(|(_, now, then)| then > now).map(|(name, ..)| *name)
+        first_raised(&limits)
     }
 }

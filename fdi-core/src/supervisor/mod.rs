@@ -283,6 +283,12 @@ impl Supervisor {
         state.normal.restore(baseline);
     }
 
+    /// The thermistors mean other temperatures from now on: what was learnt of power and heat is to be learnt anew.
+    pub(crate) fn recalibrated(&self, state: &mut SupervisorState) {
+        state.forget = true;
+        (state.normal, state.unasked) = Default::default();
+    }
+
     /// The first limit that the settings of `new` widen.
     pub(crate) fn widened(&self, new: &Self) -> Option<&'static str> {
         self.config.widened(&new.config)

@@ -9,8 +9,8 @@ use std::path::Path;
 
 use fdi_core::Config;
 use host_sim::experiment::run;
-use host_sim::scenario::Scenario;
-use host_sim::trace::write_trace;
+use host_sim::experiment::scenario::Scenario;
+use host_sim::record::trace::write_trace;
 
 const EVERY: usize = 45;
 

@@ -6,9 +6,9 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fdi_core::{AdcCode, Command, Config, Instrument, RawSample};
+use host_sim::experiment::scenario::Scenario;
 use host_sim::experiment::{self, as_written};
-use host_sim::rig::Rig;
-use host_sim::scenario::Scenario;
+use pt326_rig::Rig;
 
 const SEED: u64 = 1;
 

@@ -4,8 +4,9 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
-use host_sim::cli::{Cli, Subcommand};
-use host_sim::{campaign, console, cosim, identify, repeat, replay, run, scenario};
+use host_sim::campaign;
+use host_sim::commands::{Cli, Subcommand, console, cosim, identify, repeat, replay, run};
+use host_sim::experiment::scenario;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();

@@ -3,9 +3,9 @@
 
 use fdi_core::Config;
 use firmware_logic::self_test::{Ending, LEVELS, LONGEST, MAX_RISE};
-use host_sim::console::Bench;
-use host_sim::rig::RigConfig;
-use host_sim::scenario::Scenario;
+use host_sim::commands::console::Bench;
+use host_sim::experiment::scenario::Scenario;
+use pt326_rig::RigConfig;
 
 const SEEDS: u64 = 20;
 const GAINS: [f64; 3] = [0.05, 0.3, 1.0];

@@ -6,8 +6,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::definition::Expect;
 use super::heat::MayTrip;
-use crate::fault::Fault;
-use crate::scenario::Scenario;
+use crate::experiment::scenario::Scenario;
+use pt326_rig::fault::Fault;
 
 /// A cell, ready to run.
 #[derive(Clone, Debug)]

@@ -1,5 +1,6 @@
 //! A campaign as data: what is done how often to which rigs, and what is hoped for.
 
+use crate::score::expectation::Expectation;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -11,9 +12,9 @@ use toml::{Table, Value};
 use super::cell::Cell;
 use super::heat::MayTrip;
 use super::target::Target;
-use crate::fault::Fault;
-use crate::rig::{RigConfig, Wander};
-use crate::scenario::{Action, Scenario};
+use crate::experiment::scenario::{Action, Scenario};
+use pt326_rig::fault::Fault;
+use pt326_rig::{RigConfig, Wander};
 
 /// The default campaign, commented.
 pub const CAMPAIGN_TOML: &str = include_str!("../../defaults/campaign.toml");

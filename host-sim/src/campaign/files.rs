@@ -1,5 +1,6 @@
 //! `campaign.json`, `cells.csv`, `runs.csv`, `tables.md` and `runaway.md`.
 
+use crate::score::expectation::Expectation;
 use std::io::Write;
 use std::path::Path;
 

@@ -25,7 +25,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
 use crate::experiment;
-use crate::scenario::read_config;
+use crate::experiment::scenario::read_config;
 use cell::Cell;
 use definition::{CAMPAIGN_TOML, Campaign};
 use results::Results;
@@ -316,5 +316,5 @@ fn show(args: &ShowArgs) -> anyhow::Result<()> {
     let seed = cell.seed(args.run);
     let (config, scenario) = cell.draw(seed);
     let record = experiment::run(&config, &scenario, seed)?;
-    crate::run::tell(&record, &args.out)
+    crate::commands::run::tell(&record, &args.out)
 }

@@ -1,6 +1,7 @@
 //! The pictures of a campaign, each drawn where there are results for it: delays against fault sizes, what a sweep trades,
 //! and which fault was taken for which.
 
+use crate::score::expectation::Expectation;
 use std::path::Path;
 
 use fdi_core::FaultClass;
@@ -11,11 +12,11 @@ use super::results::{By, Results};
 use super::run::RunRow;
 use super::statistics::{Quantiles, quantile};
 use super::trade::Trade;
-use crate::fault::Sensor;
-use crate::figure::chart::{Axis, Chart, Dot, Log, Panel};
-use crate::figure::matrix::{Group, Matrix};
-use crate::figure::{self, BLUE, VERMILLION};
-use crate::rig::Wander;
+use crate::record::figure::chart::{Axis, Chart, Dot, Log, Panel};
+use crate::record::figure::matrix::{Group, Matrix};
+use crate::record::figure::{self, BLUE, VERMILLION};
+use pt326_rig::Wander;
+use pt326_rig::fault::Sensor;
 
 /// Draws what can be drawn; tells the names of the files.
 ///

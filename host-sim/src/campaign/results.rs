@@ -1,5 +1,6 @@
 //! What the runs of a campaign showed, cell by cell and diagnosis by diagnosis.
 
+use crate::score::expectation::Expectation;
 use serde::{Deserialize, Serialize};
 
 use super::cell::Cell;
@@ -40,7 +41,7 @@ pub struct CellResults {
     /// What should come of it.
     pub expect: Expect,
     /// How much the surroundings moved.
-    pub wander: crate::rig::Wander,
+    pub wander: pt326_rig::Wander,
     /// Class of the fault; null where silence is expected.
     pub class: Option<&'static str>,
     /// Its true magnitude in the unit of the class.

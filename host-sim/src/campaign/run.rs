@@ -1,5 +1,6 @@
 //! One run of a campaign, seen by both diagnoses, as the few numbers that are kept of it.
 
+use crate::score::expectation::Expectation;
 use fdi_core::Instrument;
 use fdi_core::parity::{Arming, FaultClass};
 use serde::{Deserialize, Serialize};
@@ -7,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::cell::Cell;
 use super::heat::{Heat, HeatWatch};
 use crate::experiment::{Row, as_written, drive, tick_time, with_prbs_phase};
-use crate::fault::Fault;
 use crate::score::{ParityScore, ParityWatch, Rise, Score, TAIL, Watch, signature_class, signature_sight};
+use pt326_rig::fault::Fault;
 
 /// One run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -204,7 +205,7 @@ fn named_by_parity(guard: Guard, score: ParityScore) -> Seen {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fault::{Sensor, Verb};
+    use pt326_rig::fault::{Sensor, Verb};
 
     /// What is kept of a fault from 10 s to 20 s, one tick a second, if the alarm stands when `alarm` says so.
     fn seen(alarm: impl Fn(u32) -> Option<bool>) -> Seen {

@@ -27,7 +27,7 @@ pub(super) fn of(results: &Results) -> String {
 
 pub(super) fn label(cell: &CellResults) -> String {
     let calm =
-        if cell.wander == crate::rig::Wander::Lively { String::new() } else { format!(", {}", cell.wander) };
+        if cell.wander == pt326_rig::Wander::Lively { String::new() } else { format!(", {}", cell.wander) };
     let setting = if cell.setting.is_empty() { String::new() } else { format!(" [{}]", cell.setting) };
     format!("{}{calm}{setting}", cell.name)
 }

@@ -6,7 +6,7 @@ use super::cell::Cell;
 use super::definition::Expect;
 use super::results::{AlarmStatistics, By, Case, Statistics};
 use super::statistics::Quantiles;
-use crate::rig::Wander;
+use pt326_rig::Wander;
 
 /// Names of the cells whose delays are told begin so.
 const NOMINAL: &str = "nominal/";

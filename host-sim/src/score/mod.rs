@@ -1,13 +1,15 @@
 //! How well a diagnosis saw a fault, tick by tick, so that a run of many hours needs no memory of its rows.
 
+pub mod expectation;
 mod parity;
 
+use expectation::Expectation;
 use fdi_core::diagnosis::Verdict;
 use fdi_core::parity::FaultClass;
 use serde::Serialize;
 
-use crate::fault::Fault;
 pub use parity::{ParityScore, ParityWatch};
+use pt326_rig::fault::Fault;
 
 /// An alarm so long after a fault's end still belongs to it, s.
 pub const TAIL: f64 = 15.0;

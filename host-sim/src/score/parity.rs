@@ -1,11 +1,12 @@
 //! How well the parity diagnosis saw a fault: when, as what, how large, since when.
 
+use crate::score::expectation::Expectation;
 use fdi_core::parity::{FaultClass, Finding, ParityReport};
 use serde::Serialize;
 
 use super::{Score, Sight, Watch, microseconds};
 use crate::experiment::{as_written, tick_time};
-use crate::fault::Fault;
+use pt326_rig::fault::Fault;
 
 /// A score with the estimates; null for what never happened or has no meaning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -100,7 +101,7 @@ mod tests {
     use fdi_core::parity::Magnitude;
 
     use super::*;
-    use crate::fault::{Sensor, Verb};
+    use pt326_rig::fault::{Sensor, Verb};
 
     fn finding(class: FaultClass, value: f32) -> Finding {
         Finding { class, confidence: 0.5, magnitude: Some(Magnitude { value, half_width: 0.5 }), onset: 11 }

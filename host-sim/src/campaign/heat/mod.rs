@@ -7,11 +7,11 @@ use std::collections::VecDeque;
 use fdi_core::{Mode, TripReason};
 use serde::{Deserialize, Serialize};
 
+use crate::experiment::scenario::Scenario;
 use crate::experiment::{Row, as_written};
-use crate::fault::Fault;
-use crate::rig::Rig;
-use crate::scenario::Scenario;
 use crate::score::microseconds;
+use pt326_rig::Rig;
+use pt326_rig::fault::Fault;
 pub use statistics::{HeatStatistics, MayTrip, name};
 
 /// An error of a thermistor above this is a contradiction that can be seen, degC: far above noise and turbulence.
@@ -169,8 +169,8 @@ mod tests {
     use fdi_core::{AdcCode, Command, Config, Instrument, Percent, RawSample, Trip};
 
     use super::*;
-    use crate::fault::{Sensor, Verb};
-    use crate::rig::{RigConfig, Wander};
+    use pt326_rig::fault::{Sensor, Verb};
+    use pt326_rig::{RigConfig, Wander};
 
     /// A tick on which nothing happens.
     fn quiet() -> Row {

@@ -1,0 +1,8 @@
+//! The core alone: against independent f64 references, over random inputs, over millions of samples, mode by mode.
+
+mod endurance;
+mod estimator;
+mod oracle;
+mod properties;
+mod reference;
+mod supervision;

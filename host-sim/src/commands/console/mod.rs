@@ -1,0 +1,183 @@
+//! `host-sim console`: the board's line console, run against the simulated rig instead of a board.
+//!
+//! On a terminal time passes as on the board (or `--speed` times faster). From a pipe it stands still but for `wait
+//! SECONDS`, and for a `check`, which ends before the next line is read, so that a script always sees the same.
+
+mod bench;
+mod output;
+mod play;
+
+use std::io::{BufRead, IsTerminal, Write};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+
+use crate::commands::ConsoleArgs;
+pub use bench::Bench;
+pub use output::Output;
+
+/// Runs the console until its input ends.
+///
+/// # Errors
+/// A bad file or value.
+pub fn run(args: &ConsoleArgs) -> anyhow::Result<()> {
+    let (config, scenario) = args.experiment.load()?;
+    let mut bench = Bench::new(&config, &scenario, args.seed)?;
+    if std::io::stdin().is_terminal() {
+        println!("The board's console on the simulated rig. Type help; wait SECONDS skips time; quit ends.");
+        interactive(&mut bench, args.speed)
+    } else {
+        scripted(&mut bench, std::io::stdin().lock(), std::io::stdout().lock())
+    }
+}
+
+/// Time passes; lines come when they come.
+fn interactive(bench: &mut Bench, speed: f64) -> anyhow::Result<()> {
+    let (lines_in, lines) = mpsc::channel();
+    std::thread::spawn(move || {
+        for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+            if lines_in.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    let period = Duration::from_secs_f64(bench.sample_time() / speed);
+    let mut due = Instant::now() + period;
+    prompt()?;
+    loop {
+        match lines.recv_timeout(due.saturating_duration_since(Instant::now())) {
+            Ok(line) if line.trim() == "quit" => return Ok(()),
+            Ok(line) => {
+                print!("{}", bench.answer(&line));
+                prompt()?;
+            }
+            Err(RecvTimeoutError::Timeout) => {
+                bench.pass();
+                due += period;
+                let news = bench.news();
+                if !news.is_empty() {
+                    print!("\n{news}");
+                    prompt()?;
+                }
+            }
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+        }
+    }
+}
+
+fn prompt() -> anyhow::Result<()> {
+    print!("> ");
+    Ok(std::io::stdout().flush()?)
+}
+
+/// Answers each line; time passes by `wait` and `check` alone.
+fn scripted(bench: &mut Bench, input: impl BufRead, mut output: impl Write) -> anyhow::Result<()> {
+    for line in input.lines() {
+        let line = line.context("the input can't be read")?;
+        if line.trim() == "quit" {
+            break;
+        }
+        writeln!(output, "> {line}")?;
+        output.write_all(bench.answer(&line).as_bytes())?;
+        output.write_all(bench.news().as_bytes())?;
+        while bench.is_checking() {
+            bench.pass();
+            output.write_all(bench.news().as_bytes())?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::Config;
+
+    use super::*;
+    use crate::experiment::scenario::Scenario;
+
+    fn session(script: &str) -> String {
+        let mut bench = Bench::new(&Config::default(), &Scenario::default(), 1).unwrap();
+        let mut output = Vec::new();
+        scripted(&mut bench, script.as_bytes(), &mut output).unwrap();
+        String::from_utf8(output).unwrap()
+    }
+
+    #[test]
+    fn a_session_arms_heats_sets_and_stops() {
+        let said = session(
+            "wait 1\nstatus\narm\ncheck\narm\nwait 60\nstatus\nset setpoint 38\nwait 30\nstatus\nsave\nstop\nsave\nstatus\n",
+        );
+        for word in [
+            "mode off",
+            "error: no `check` has passed since the start",
+            "check: which thermistor answers first\n",
+            "check passed\n> arm\nok\n",
+            "mode settle",
+            "of 35.0 degC",
+            "setpoint = 38",
+            "of 38.0 degC",
+            "not while heating",
+            "stopped",
+        ] {
+            assert!(said.contains(word), "{word} in:\n{said}");
+        }
+        assert!(said.trim_end().rsplit("status").next().unwrap().contains("mode off"), "{said}");
+    }
+
+    #[test]
+    fn the_papers_first_fault_is_listed() {
+        let said =
+            session("set supervisor.check_before_arming false\narm\nwait 400\nstatus\nfaults\nbaseline\n");
+        assert!(said.contains("armed without a check"), "{said}");
+        assert!(said.contains("\nfault: T2 reads 1.") && said.contains(" degC measured, "), "{said}");
+        assert!(said.contains("learnt from 1636 samples"), "{said}");
+        assert!(said.contains("fdv 1") || said.contains("isolated"), "{said}");
+    }
+
+    #[test]
+    fn a_wrong_wire_is_told_mended_and_told_no_more() {
+        let said = session("wire swap t1 t2\ncheck\narm\nwire ok\ncheck\narm\n!\nstatus\n");
+        let (wrong, mended) = said.split_once("> wire ok\n").unwrap();
+        assert!(
+            wrong.contains("T1 and T2 are swapped") && wrong.contains("check failed: 1 finding"),
+            "{said}"
+        );
+        assert!(wrong.ends_with("waives it\n"), "{said}");
+        assert!(mended.contains("check passed\n> arm\nok\n> !\n"), "{said}");
+        assert!(mended.contains("stopped") && mended.contains("mode off"), "{said}");
+    }
+
+    #[test]
+    fn a_fault_while_heating_trips_and_ends_after_its_time() {
+        let said = session(
+            "check\narm\nwait 20\nfault open t1 2\nwait 1\nstatus\nwait 3\nack\narm\nfault offset t2 1.5 25\n",
+        );
+        assert!(
+            said.contains("mode tripped (") && said.trim_end().ends_with("fault offset t2 1.5 25"),
+            "{said}"
+        );
+        assert!(said.contains("> ack\nok\n> arm\nok\n"), "{said}");
+    }
+
+    #[test]
+    fn errors_name_what_was_wrong() {
+        let said = session(
+            "sett x 1\nset pid.kq 1\nset pid.kp -1\nwait forever\nwire upside down\nwire swap t1 t3\nwire detached t0\n\
+             fault explode\nfault offset t1\n",
+        );
+        for word in [
+            "unknown command \"sett\"",
+            "pid.kq",
+            "expected",
+            "\"forever\"",
+            "\"upside down\"",
+            "\"t3\"",
+            "sensor is t0",
+            "no verb \"explode\"",
+            "key `size` is missing",
+        ] {
+            assert!(said.contains(word), "{word} in:\n{said}");
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! `host-sim repeat`: the same experiment over many seeds, in numbers that one run cannot give.
+
+use std::io::Write;
+
+use anyhow::Context;
+use fdi_core::Config;
+use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::commands::RepeatArgs;
+use crate::experiment;
+use crate::experiment::scenario::Scenario;
+use crate::record::summary::{FaultSummary, Summary};
+use crate::score::Score;
+
+/// What many runs showed.
+#[derive(Clone, Debug, Serialize)]
+pub struct Repeated {
+    /// First seed.
+    pub from: u64,
+    /// Number of runs.
+    pub runs: u64,
+    /// Largest control error of a run, % of the set-point.
+    pub control_error_max_pct: Spread,
+    /// One entry a fault.
+    pub faults: Vec<RepeatedFault>,
+    /// False alarms of fdv in all runs, low-passed.
+    pub false_alarms_fdv: u32,
+    /// False alarms of fiv in all runs, low-passed.
+    pub false_alarms_fiv: u32,
+    /// False alarms of the parity diagnosis in all runs.
+    pub false_alarms_parity: u32,
+}
+
+/// One fault over many runs.
+#[derive(Clone, Debug, Serialize)]
+pub struct RepeatedFault {
+    /// Name.
+    pub name: String,
+    /// By the low-passed residuals.
+    pub signature: RepeatedScore,
+    /// By the raw residuals.
+    pub signature_raw: RepeatedScore,
+    /// By the parity diagnosis.
+    pub parity: RepeatedScore,
+    /// Runs in which the parity diagnosis first named the right class.
+    pub parity_first_verdict_right: usize,
+}
+
+/// A score over many runs; what never happened in a run is counted as missed and left out of the spread.
+#[derive(Clone, Debug, Serialize)]
+pub struct RepeatedScore {
+    /// Delay of the detection, s.
+    pub detection_delay_s: Spread,
+    /// Delay of the isolation, s.
+    pub isolation_delay_s: Spread,
+    /// Indicated duration, s.
+    pub indicated_duration_s: Spread,
+    /// Share of the fault's time that it was isolated.
+    pub isolated_share: Spread,
+}
+
+/// Median and 5th and 95th percentile over the runs in which the value exists; null if in none.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Spread {
+    /// 5th percentile.
+    pub p5: Option<f64>,
+    /// Median.
+    pub median: Option<f64>,
+    /// 95th percentile.
+    pub p95: Option<f64>,
+    /// Runs in which it does not exist.
+    pub missed: usize,
+}
+
+impl Spread {
+    /// Of the values that exist.
+    pub fn of(values: impl Iterator<Item = Option<f64>>) -> Self {
+        let all: Vec<Option<f64>> = values.collect();
+        let mut known: Vec<f64> = all.iter().flatten().copied().collect();
+        known.sort_by(f64::total_cmp);
+        let at =
+            |share: f64| known.get((share * known.len().saturating_sub(1) as f64).round() as usize).copied();
+        Self { p5: at(0.05), median: at(0.5), p95: at(0.95), missed: all.len() - known.len() }
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A bad file or value.
+pub fn run(args: &RepeatArgs) -> anyhow::Result<()> {
+    let (config, scenario) = args.experiment.load()?;
+    let bar = ProgressBar::new(args.seeds);
+    bar.set_style(
+        ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {eta} left").context("progress bar")?,
+    );
+    let repeated = repeat(&config, &scenario, args.from, args.seeds, &bar)?;
+    bar.finish_and_clear();
+    let text =
+        if args.json { serde_json::to_string_pretty(&repeated)? + "\n" } else { table(&repeated, &scenario) };
+    Ok(std::io::stdout().write_all(text.as_bytes())?)
+}
+
+/// Runs the seeds `from..from + runs` on all cores; the result does not depend on their number.
+///
+/// # Errors
+/// The parameter of `config` that is out of bounds.
+pub fn repeat(
+    config: &Config,
+    scenario: &Scenario,
+    from: u64,
+    runs: u64,
+    bar: &ProgressBar,
+) -> anyhow::Result<Repeated> {
+    let summaries: Vec<Summary> = (0..runs)
+        .into_par_iter()
+        .progress_with(bar.clone())
+        .map(|i| Ok(Summary::new(&experiment::run(config, scenario, from.wrapping_add(i))?)))
+        .collect::<anyhow::Result<_>>()?;
+    let fault = |i: usize| {
+        let score = |form: fn(&FaultSummary) -> &Score| {
+            let spread = |value: fn(&Score) -> Option<f64>| {
+                Spread::of(summaries.iter().map(|s| value(form(&s.faults[i]))))
+            };
+            RepeatedScore {
+                detection_delay_s: spread(|s| s.detection_delay_s),
+                isolation_delay_s: spread(|s| s.isolation_delay_s),
+                indicated_duration_s: spread(|s| s.indicated_duration_s),
+                isolated_share: spread(|s| s.isolated_share),
+            }
+        };
+        RepeatedFault {
+            name: scenario.faults[i].label(),
+            signature: score(|f| &f.signature),
+            signature_raw: score(|f| &f.signature_raw),
+            parity: score(|f| &f.parity.score),
+            parity_first_verdict_right: summaries
+                .iter()
+                .filter(|s| s.faults[i].parity.first_verdict_right == Some(true))
+                .count(),
+        }
+    };
+    Ok(Repeated {
+        from,
+        runs,
+        control_error_max_pct: Spread::of(summaries.iter().map(|s| Some(s.control_error_max_pct))),
+        faults: (0..scenario.faults.len()).map(fault).collect(),
+        false_alarms_fdv: summaries.iter().map(|s| s.false_alarms.fdv).sum(),
+        false_alarms_fiv: summaries.iter().map(|s| s.false_alarms.fiv).sum(),
+        false_alarms_parity: summaries.iter().map(|s| s.false_alarms.parity).sum(),
+    })
+}
+
+fn table(r: &Repeated, scenario: &Scenario) -> String {
+    let last = r.from.wrapping_add(r.runs - 1);
+    let mut text = format!(
+        "{} runs of {:.0} s, seeds {} to {last}, wander {}; median [5 %, 95 %], and how many runs missed it\n\n",
+        r.runs, scenario.duration, r.from, scenario.wander
+    );
+    let columns = [
+        "Fault",
+        "detection delay, s",
+        "missed",
+        "isolation delay, s",
+        "missed",
+        "indicated, s",
+        "isolated share",
+    ];
+    text += &line(columns.map(String::from));
+    for fault in &r.faults {
+        for (name, score) in [
+            (fault.name.as_str(), &fault.signature),
+            ("  raw residuals", &fault.signature_raw),
+            ("  parity", &fault.parity),
+        ] {
+            let missed = |s: &Spread| format!("{:.1} %", 100.0 * s.missed as f64 / r.runs as f64);
+            text += &line([
+                name.to_string(),
+                score.detection_delay_s.to_string(),
+                missed(&score.detection_delay_s),
+                score.isolation_delay_s.to_string(),
+                missed(&score.isolation_delay_s),
+                score.indicated_duration_s.to_string(),
+                score.isolated_share.to_string(),
+            ]);
+        }
+    }
+    let named = r.faults.iter().map(|f| format!("{} {}", f.name, f.parity_first_verdict_right));
+    text + &format!(
+        "\nParity names it first  {} of {} runs\nLargest control error  {} % of the set-point\n\
+         False alarms           fdv {}, fiv {} (low-passed), parity {} in all runs\n",
+        named.collect::<Vec<_>>().join(", "),
+        r.runs,
+        r.control_error_max_pct,
+        r.false_alarms_fdv,
+        r.false_alarms_fiv,
+        r.false_alarms_parity
+    )
+}
+
+fn line([name, detection, missed, isolation, not_isolated, indicated, share]: [String; 7]) -> String {
+    format!(
+        "{name:<15}  {detection:<18} {missed:<7}  {isolation:<19} {not_isolated:<7}  {indicated:<20}  {share}\n"
+    )
+}
+
+impl std::fmt::Display for Spread {
+    /// `median [p5, p95]`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match (self.p5, self.median, self.p95) {
+            (Some(p5), Some(median), Some(p95)) => f.pad(&format!("{median:.2} [{p5:.2}, {p95:.2}]")),
+            _ => f.pad("never"),
+        }
+    }
+}

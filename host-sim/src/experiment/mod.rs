@@ -1,0 +1,230 @@
+//! One run of an instrument against the rig.
+
+mod fault_size;
+pub mod scenario;
+
+use std::time::{Duration, Instant};
+
+use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::{AdcCode, Command, Config, Instrument, RawSample, Report, Tick};
+
+pub use fault_size::{FaultSize, paper_sequence};
+use pt326_rig::fault::Fault;
+use pt326_rig::{Rig, Wander};
+use scenario::{Scenario, commands};
+
+/// Something that can stand in for the board: it takes codes and gives a drive and a report.
+pub trait Backend {
+    /// First half of a tick.
+    fn control(&mut self, raw: RawSample) -> Tick;
+    /// Second half of a tick; `tick` is what the first half gave.
+    fn diagnose(&mut self, tick: &Tick) -> Report;
+    /// A command of the user; what is refused is returned as text.
+    fn command(&mut self, command: Command) -> Result<(), String>;
+    /// What has been learnt.
+    fn baseline(&self) -> Option<Baseline>;
+}
+
+impl Backend for Instrument {
+    fn control(&mut self, raw: RawSample) -> Tick {
+        Instrument::control(self, raw)
+    }
+
+    fn diagnose(&mut self, tick: &Tick) -> Report {
+        Instrument::diagnose(self, tick, tick.drive)
+    }
+
+    fn command(&mut self, command: Command) -> Result<(), String> {
+        Instrument::command(self, command).map_err(|refusal| refusal.to_string())
+    }
+
+    fn baseline(&self) -> Option<Baseline> {
+        Instrument::baseline(self).copied()
+    }
+}
+
+/// One tick of a run.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// First half.
+    pub tick: Tick,
+    /// Second half.
+    pub report: Report,
+    /// Number of the fault that acts at this tick, 0 for none; the latest onset if several do.
+    pub truth: u8,
+}
+
+/// Where a run comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Origin {
+    /// The simulated rig.
+    Simulated {
+        /// Seed of the rig's noise.
+        seed: u64,
+        /// How the surroundings moved.
+        wander: Wander,
+    },
+    /// A recording, run through the core again.
+    Recorded {
+        /// Its file.
+        file: String,
+    },
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Simulated { seed, wander } => {
+                write!(f, "on the simulated rig, seed {seed}, wander {wander}")
+            }
+            Self::Recorded { file } => write!(f, "recorded in {file}, replayed"),
+        }
+    }
+}
+
+/// A run, whole.
+#[derive(Clone, Debug)]
+pub struct Record {
+    /// Where it comes from.
+    pub origin: Origin,
+    /// Ts in s.
+    pub sample_time: f64,
+    /// Set-point of the configuration, degC.
+    pub setpoint: f64,
+    /// Set-point bounds of the nominal window in which the control error is judged, s.
+    pub nominal_window: (f64, f64),
+    /// Thresholds lie this many standard deviations from the mean.
+    pub sigma_factor: f64,
+    /// What happened to the rig.
+    pub faults: Vec<Fault>,
+    /// Every tick.
+    pub rows: Vec<Row>,
+    /// What was learnt.
+    pub baseline: Option<Baseline>,
+    /// Commands that were refused, with the time and the reason.
+    pub refused: Vec<(f64, String)>,
+    /// How long the simulation took.
+    pub elapsed: Duration,
+}
+
+impl Record {
+    /// Rows with what is needed to judge them.
+    pub fn new(
+        origin: Origin,
+        config: &Config,
+        faults: &[Fault],
+        rows: Vec<Row>,
+        baseline: Option<Baseline>,
+        elapsed: Duration,
+    ) -> Self {
+        let window = [config.supervisor.learn_start, config.supervisor.learn_end].map(|t| as_written(t.0));
+        Self {
+            origin,
+            sample_time: as_written(config.sample_time.0),
+            setpoint: as_written(config.setpoint.0),
+            nominal_window: window.into(),
+            sigma_factor: f64::from(config.diagnosis.sigma_factor),
+            faults: faults.to_vec(),
+            rows,
+            baseline,
+            refused: Vec::new(),
+            elapsed,
+        }
+    }
+
+    /// Time of a tick, s.
+    pub fn time(&self, tick: u32) -> f64 {
+        tick_time(tick, self.sample_time)
+    }
+
+    /// Simulated time over the time it took.
+    pub fn realtime_factor(&self) -> f64 {
+        self.rows.len() as f64 * self.sample_time / self.elapsed.as_secs_f64().max(1e-9)
+    }
+}
+
+/// Time of a tick in s, free of the rounding of a long product: to the microsecond.
+pub fn tick_time(tick: u32, sample_time: f64) -> f64 {
+    (f64::from(tick) * sample_time * 1e6).round() / 1e6
+}
+
+/// The number that the user wrote: 0.11 and not the 0.10999999940 that an `f32` holds.
+pub fn as_written(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or(f64::from(x))
+}
+
+/// Runs a scenario on an instrument of our own, its excitation begun where the seed says.
+///
+/// # Errors
+/// The parameter of `config` that is out of bounds.
+pub fn run(config: &Config, scenario: &Scenario, seed: u64) -> anyhow::Result<Record> {
+    let config = with_prbs_phase(config, seed);
+    let mut instrument = Instrument::new(&config)?;
+    Ok(run_on(&mut instrument, &config, scenario, seed))
+}
+
+/// The faults come at fixed times, so a fixed PRBS would meet each at the same phase in every run. The seed moves it;
+/// seed 1 leaves the configured start, which is the board's.
+pub fn with_prbs_phase(config: &Config, seed: u64) -> Config {
+    let mut config = config.clone();
+    let period = (1u64 << config.prbs.bits.min(16)) - 1;
+    let shift = seed.wrapping_sub(1).wrapping_mul(0x9E37_79B9) % period;
+    config.prbs.start = ((u64::from(config.prbs.start) + shift - 1) % period + 1) as u16;
+    config
+}
+
+/// Runs a scenario on any backend.
+pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, seed: u64) -> Record {
+    let mut rows = Vec::new();
+    let started = Instant::now();
+    let refused = drive(backend, config, scenario, seed, |row, _| rows.push(row));
+    let origin = Origin::Simulated { seed, wander: scenario.wander };
+    let record = Record::new(origin, config, &scenario.faults, rows, backend.baseline(), started.elapsed());
+    Record { refused, ..record }
+}
+
+/// The same without a record: `see` gets each tick, so that a run may be of any length, and for scores the rig that gave
+/// it, which moves on only then. Returns the commands that were
+/// refused, with the time and the reason.
+pub fn drive(
+    backend: &mut impl Backend,
+    config: &Config,
+    scenario: &Scenario,
+    seed: u64,
+    mut see: impl FnMut(Row, &Rig),
+) -> Vec<(f64, String)> {
+    let sample_time = as_written(config.sample_time.0);
+    let ticks = (scenario.duration / sample_time).floor() as u32;
+    let mut rig = Rig::new(&scenario.rig, scenario.wander, sample_time, seed, &scenario.faults);
+    let mut refused = Vec::new();
+    let mut commands = commands(&scenario.actions, config.setpoint.0).into_iter().peekable();
+    let mut obey = |backend: &mut _, command, t| {
+        if let Err(reason) = Backend::command(backend, command) {
+            refused.push((t, reason));
+        }
+    };
+    let mut armed = false;
+    for index in 0..ticks {
+        let t = f64::from(index) * sample_time;
+        if !armed && t >= scenario.arm_at {
+            armed = true;
+            obey(backend, Command::Arm, t);
+        }
+        while let Some((_, command)) = commands.next_if(|(at, _)| *at <= t) {
+            obey(backend, command, t);
+        }
+        let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));
+        let tick = backend.control(RawSample { t0, t1, t2 });
+        let report = backend.diagnose(&tick);
+        let drive = f64::from(tick.drive.0);
+        see(Row { tick, report, truth: truth(&scenario.faults, t) }, &rig);
+        rig.advance(drive);
+    }
+    refused
+}
+
+/// The true fault at a time.
+pub fn truth(faults: &[Fault], t: f64) -> u8 {
+    let active = faults.iter().filter(|f| f.is_active(t));
+    active.max_by(|a, b| a.at.total_cmp(&b.at)).map_or(0, Fault::truth)
+}

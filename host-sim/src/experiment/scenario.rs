@@ -1,0 +1,261 @@
+//! What is done in a run: the rig, how long, what happens to it, what the user does meanwhile. Data, from TOML.
+
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+use fdi_core::{Celsius, Command, Config};
+use serde::{Deserialize, Serialize};
+
+use pt326_rig::fault::Fault;
+
+use super::paper_sequence;
+use pt326_rig::{RigConfig, Wander};
+
+/// A run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Scenario {
+    /// Length, s.
+    pub duration: f64,
+    /// The instrument is armed at this time, s: until then it sees the rig cold.
+    pub arm_at: f64,
+    /// How much the surroundings move.
+    pub wander: Wander,
+    /// Constants of the rig.
+    pub rig: RigConfig,
+    /// What happens to the rig.
+    #[serde(rename = "fault")]
+    pub faults: Vec<Fault>,
+    /// What the user does.
+    #[serde(rename = "action")]
+    pub actions: Vec<Action>,
+}
+
+/// Something that the user does at a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Action {
+    /// When, s.
+    pub at: f64,
+    /// New set-point, degC.
+    pub setpoint: Option<f32>,
+    /// With `setpoint`: it is reached in a ramp of so many s, from the set-point before.
+    pub over: Option<f64>,
+    /// Excitation on or off.
+    pub excite: Option<bool>,
+    /// Learn anew what is normal, as after an announced change of the rig.
+    #[serde(default)]
+    pub relearn: bool,
+}
+
+impl Action {
+    /// The commands that it stands for, with their times, if the set-point is `before` until then.
+    fn commands(&self, before: f32) -> Vec<(f64, Command)> {
+        let mut commands = Vec::new();
+        if let Some(setpoint) = self.setpoint {
+            let steps = (self.over.unwrap_or(0.0) / RAMP_STEP).ceil().max(1.0) as u32;
+            let wait = if self.over.is_some() { RAMP_STEP } else { 0.0 };
+            commands.extend((1..=steps).map(|i| {
+                let share = i as f32 / steps as f32;
+                let now = if i == steps { setpoint } else { before + share * (setpoint - before) };
+                (self.at + f64::from(i) * wait, Command::SetPoint(Celsius(now)))
+            }));
+        }
+        commands.extend(self.excite.map(|on| (self.at, Command::Excite(on))));
+        commands.extend(self.relearn.then_some((self.at, Command::Relearn)));
+        commands
+    }
+}
+
+/// A ramp is made of steps of so many s.
+const RAMP_STEP: f64 = 1.0;
+
+/// All commands of some actions, in the order of time; `setpoint` is the one at the start.
+pub fn commands(actions: &[Action], setpoint: f32) -> Vec<(f64, Command)> {
+    let mut sorted: Vec<&Action> = actions.iter().collect();
+    sorted.sort_by(|a, b| a.at.total_cmp(&b.at));
+    let mut before = setpoint;
+    let mut commands = Vec::new();
+    for action in sorted {
+        commands.extend(action.commands(before));
+        before = action.setpoint.unwrap_or(before);
+    }
+    commands.sort_by(|a, b| a.0.total_cmp(&b.0));
+    commands
+}
+
+impl Default for Scenario {
+    /// The paper's experiment (section 4, figures 4 to 6).
+    fn default() -> Self {
+        Self {
+            duration: 850.0,
+            arm_at: 0.0,
+            wander: Wander::default(),
+            rig: RigConfig::default(),
+            faults: paper_sequence(),
+            actions: Vec::new(),
+        }
+    }
+}
+
+impl Scenario {
+    /// Checks everything.
+    ///
+    /// # Errors
+    /// The key that is out of bounds.
+    pub fn validate(&self) -> anyhow::Result<()> {
+        let d = self.duration;
+        ensure!((1.0..=1e5).contains(&d), "duration is {d}, expected 1 to 100000 s");
+        let at = self.arm_at;
+        ensure!((0.0..=1e5).contains(&at), "arm_at is {at}, expected 0 to 100000 s");
+        self.rig.validate()?;
+        for (i, fault) in self.faults.iter().enumerate() {
+            fault.validate(&format!("fault {}", i + 1))?;
+        }
+        for (i, action) in self.actions.iter().enumerate() {
+            ensure!(action.at >= 0.0, "action {}: at is {}, expected 0 s or more", i + 1, action.at);
+            ensure!(
+                action.setpoint.is_some() || action.excite.is_some() || action.relearn,
+                "action {}: expected `setpoint`, `excite` or `relearn`",
+                i + 1
+            );
+            let over = action.over.unwrap_or(1.0);
+            ensure!(
+                (0.0..=1e5).contains(&over) && (action.over.is_none() || action.setpoint.is_some()),
+                "action {}: over is {over}, expected 0 to 100000 s, and a `setpoint`",
+                i + 1
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Defaults of the instrument, commented.
+pub const CONFIG_TOML: &str = include_str!("../../defaults/config.toml");
+/// Defaults of rig and faults, commented.
+pub const SCENARIO_TOML: &str = include_str!("../../defaults/scenario.toml");
+
+/// Reads the instrument's configuration; keys that the file leaves out have their defaults.
+///
+/// # Errors
+/// The file, and the line and key that are wrong.
+pub fn read_config(path: Option<&Path>) -> anyhow::Result<Config> {
+    let config: Config = path.map_or_else(|| Ok(Config::default()), read_toml)?;
+    fdi_core::Instrument::new(&config)
+        .with_context(|| path.map_or(String::new(), |p| p.display().to_string()))?;
+    Ok(config)
+}
+
+/// Reads a scenario; keys that the file leaves out have their defaults.
+///
+/// # Errors
+/// The file, and the line and key that are wrong.
+pub fn read_scenario(path: Option<&Path>) -> anyhow::Result<Scenario> {
+    let scenario: Scenario = path.map_or_else(|| Ok(Scenario::default()), read_toml)?;
+    scenario.validate().with_context(|| path.map_or(String::new(), |p| p.display().to_string()))?;
+    Ok(scenario)
+}
+
+fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> anyhow::Result<T> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
+    toml::from_str(&text).with_context(|| path.display().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use firmware_logic::settings::schema::Name;
+    use toml::Table;
+
+    use super::*;
+
+    /// Every key of `all` stands in `some`, at any depth.
+    fn covers(some: &Table, all: &Table, path: &str) {
+        for (key, value) in all {
+            let place = format!("{path}{key}");
+            let Some(other) = some.get(key) else { panic!("{place} is missing from the commented defaults") };
+            if let (Some(other), Some(value)) = (other.as_table(), value.as_table()) {
+                covers(other, value, &format!("{place}."));
+            }
+        }
+    }
+
+    #[test]
+    fn commented_defaults_are_the_defaults_and_complete() {
+        let config: Config = toml::from_str(CONFIG_TOML).unwrap();
+        assert_eq!(config, Config::default());
+        covers(&toml::from_str(CONFIG_TOML).unwrap(), &Table::try_from(Config::default()).unwrap(), "");
+
+        let mut scenario: Scenario = toml::from_str(SCENARIO_TOML).unwrap();
+        assert_eq!(scenario, Scenario::default());
+        scenario.actions.clear();
+        let mut all = Table::try_from(Scenario::default()).unwrap();
+        all.remove("action");
+        covers(&toml::from_str(SCENARIO_TOML).unwrap(), &all, "");
+    }
+
+    /// Names of all keys that have a value of their own, as the board's console writes them.
+    fn names(table: &Table, path: &str, all: &mut Vec<String>) {
+        for (key, value) in table {
+            match value.as_table() {
+                Some(inner) if key != "adaptation" => names(inner, &format!("{path}{key}."), all),
+                _ if value.is_array() => {} // rows of a signature table
+                _ => all.push(format!("{path}{key}")),
+            }
+        }
+    }
+
+    #[test]
+    fn every_setting_can_be_changed_on_the_board() {
+        let mut all = Vec::new();
+        names(&Table::try_from(Config::default()).unwrap(), "", &mut all);
+        assert!(all.len() > 60);
+        for name in all {
+            assert!(Name::find(&name).is_ok(), "{name} is no setting of the board");
+        }
+    }
+
+    #[test]
+    fn wrong_keys_and_values_are_named_with_their_line() {
+        let error = toml::from_str::<Config>("setpoint = 30\n[pid]\nkq = 1\n").unwrap_err().to_string();
+        assert!(error.contains("line 3") && error.contains("kq") && error.contains("kp"), "{error}");
+        let error = toml::from_str::<Scenario>("[[fault]]\ndo = \"ofset\"\nat = 1\nfor = 1\n")
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("line 2") && error.contains("ofset") && error.contains("offset"), "{error}");
+        for (text, words) in [
+            ("[[fault]]\ndo = \"offset\"\nsize = 1\nat = 1\nfor = 1", ["sensor", "t0, t1 or t2"]),
+            ("[[fault]]\ndo = \"air-flow\"\nat = 1\nfor = 1", ["size", "times the nominal flow"]),
+            ("[[fault]]\ndo = \"open\"\nsensor = \"t1\"\nat = 1\nfor = 0", ["for is 0", "more than 0 s"]),
+            (
+                "[[fault]]\ndo = \"detach\"\nsensor = \"t0\"\nsize = 1\nat = 1\nfor = 1",
+                ["sensor is t0", "t1 or t2"],
+            ),
+            (
+                "[[fault]]\ndo = \"detach\"\nsensor = \"t1\"\nsize = 1.5\nat = 1\nfor = 1",
+                ["size is 1.5", "0 to 1"],
+            ),
+            ("[[fault]]\ndo = \"swap\"\nsensor = \"t1\"\nat = 1\nfor = 1", ["`with`", "the other sensor"]),
+            (
+                "[[fault]]\ndo = \"swap\"\nsensor = \"t1\"\nwith = \"t1\"\nat = 1\nfor = 1",
+                ["the same", "two sensors"],
+            ),
+            ("[[fault]]\ndo = \"stuck\"\nsensor = \"t1\"\nover = 3\nat = 1\nfor = 1", ["over = 3", "detach"]),
+            ("arm_at = -1", ["arm_at is -1", "0 to 100000 s"]),
+            ("[rig]\ngain = -1", ["rig.gain is -1", "0.001 to 100"]),
+            ("[[action]]\nat = 3", ["action 1", "setpoint"]),
+            ("[[action]]\nat = 3\nexcite = true\nover = 5", ["action 1", "over is 5"]),
+        ] {
+            let error = toml::from_str::<Scenario>(text).unwrap().validate().unwrap_err().to_string();
+            assert!(words.iter().all(|w| error.contains(w)), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_ramp_goes_from_the_set_point_before_to_the_new_one() {
+        let action = |at, setpoint, over| Action { at, setpoint: Some(setpoint), over, ..Action::default() };
+        let commands = commands(&[action(10.0, 40.0, Some(4.0)), action(2.0, 36.0, None)], 35.0);
+        let setpoint = |celsius| Command::SetPoint(Celsius(celsius));
+        let expected = [(2.0, 36.0), (11.0, 37.0), (12.0, 38.0), (13.0, 39.0), (14.0, 40.0)];
+        assert_eq!(commands, expected.map(|(t, celsius)| (t, setpoint(celsius))));
+    }
+}

@@ -1,0 +1,213 @@
+//! `report.html`: a run explained on one page that needs nothing else, neither scripts nor a network.
+
+mod numbers;
+mod tables;
+
+use crate::experiment::{Origin, Record};
+use crate::record::figure::{self, Number};
+use crate::record::summary::Summary;
+use crate::record::table::PAPER_CONTROL_ERROR;
+use crate::score::expectation::Expectation;
+use numbers::{escape, significant, written};
+
+/// The look of the page.
+const STYLE: &str = include_str!("style.css");
+
+/// How the method works, for whoever opens the page first.
+const HOW_TO_READ: &str = include_str!("how_to_read.html");
+
+/// What each figure teaches.
+fn caption(number: Number) -> &'static str {
+    match number {
+        Number::Four => {
+            "Measurements and predictions. The controller brings T1 back to the set-point R whatever happens, so a fault of \
+             T1 or of the process shows in the power Pa instead. An offset of T2 moves T2 alone. The \
+             predictions follow the measurements within a sample even during a fault, because the models adapt: what \
+             gives a fault away is how the models change."
+        }
+        Number::Five => {
+            "Output residuals and model features. The output residuals jump when a fault begins or ends and settle once \
+             the models have adapted, so they are shown but decide nothing. The static gains and the bandwidth stay \
+             changed as long as the fault lasts. The start-up and single extreme samples may lie beyond a panel."
+        }
+        Number::Six => {
+            "The five residuals that decide, and the fault vectors. Dashed: thresholds of the low-passed residual. Read a \
+             signature downwards within a shaded fault: which residuals are above (+1), below (\u{2212}1) or between (0) their \
+             thresholds. Before monitoring began, the residuals are drawn with the baseline that was learnt later. The \
+             raw vectors, behind, show what the same tables say without the low-pass. Last, what the parity diagnosis calls it."
+        }
+    }
+}
+
+/// The page.
+///
+/// # Errors
+/// Those of the drawing library.
+pub fn html(record: &Record, summary: &Summary) -> anyhow::Result<String> {
+    let figures: String =
+        figure::ALL.into_iter().map(|n| figure_of(record, n)).collect::<anyhow::Result<_>>()?;
+    let title = format!("PT-326 fault diagnosis {}", escape(&record.origin.to_string()));
+    let body = [
+        introduction(record, summary),
+        warnings(record, summary),
+        key_numbers(record, summary),
+        tables::faults(record, summary),
+        tables::false_alarms(summary),
+        "<h2>The run</h2>\n".into(),
+        figures,
+        tables::baseline(record, summary),
+        HOW_TO_READ.into(),
+    ];
+    Ok(format!(
+        "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n\
+         <meta name='viewport' content='width=device-width, initial-scale=1'>\n<title>{title}</title>\n\
+         <style>\n{STYLE}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+        body.concat()
+    ))
+}
+
+/// What was run.
+fn introduction(record: &Record, summary: &Summary) -> String {
+    let duration = record.rows.len() as f64 * record.sample_time;
+    let faults: Vec<String> = record
+        .faults
+        .iter()
+        .map(|f| format!("<strong>{}</strong> ({})", escape(&f.label()), tables::what_happens(f)))
+        .collect();
+    let faults = match faults.as_slice() {
+        [] => "Nothing was done to the rig.".into(),
+        some => format!("What was done to the rig: {}.", some.join("; ")),
+    };
+    format!(
+        "<h1>PT-326 fault detection and isolation</h1>\n<p>{} s of the PT-326 process trainer, {}, under the \
+         instrument&rsquo;s control at a set-point of {} °C and diagnosed at every sample, T<sub>s</sub> = {} s. {faults}</p>\n",
+        significant(duration, 3),
+        origin(&record.origin),
+        written(summary.setpoint_c),
+        written(summary.ts_s),
+    )
+}
+
+/// Where it comes from, in words.
+fn origin(origin: &Origin) -> String {
+    match origin {
+        Origin::Simulated { seed, wander } => {
+            format!("simulated with seed {seed} and {} surroundings", tables::surroundings(*wander))
+        }
+        Origin::Recorded { file } => format!("recorded in {} and replayed", escape(file)),
+    }
+}
+
+/// What went otherwise than it should.
+fn warnings(record: &Record, summary: &Summary) -> String {
+    let baseline = summary.baseline.is_none().then(|| {
+        "No baseline was learnt: the run was too short or unfit for learning, so nothing could be diagnosed.".to_owned()
+    });
+    let trips = summary.trips.iter().map(|trip| {
+        format!(
+            "Tripped at {} s: {}. T1 read {}, expected {} °C; T2 read {}; the limit is {} °C. The heater was off until acknowledged.",
+            significant(trip.t_s, 5),
+            trip.reason.words(),
+            trip.t1,
+            significant(trip.setpoint_c.into(), 3),
+            trip.t2,
+            significant(trip.limit_c.into(), 3)
+        )
+    });
+    let refused = record
+        .refused
+        .iter()
+        .map(|(t, reason)| format!("A command was refused at {} s: {}.", significant(*t, 5), escape(reason)));
+    let all = baseline.into_iter().chain(trips).chain(refused);
+    all.map(|text| format!("<p class='warning'>{text}</p>\n")).collect()
+}
+
+/// The outcome at a glance.
+fn key_numbers(record: &Record, summary: &Summary) -> String {
+    let seen = |is_seen: fn(&crate::score::Score) -> bool| {
+        summary.faults.iter().filter(|f| is_seen(&f.signature)).count()
+    };
+    let detected = seen(|score| score.detected_s.is_some());
+    let isolated = seen(|score| score.isolated_s.is_some());
+    let all = summary.faults.len();
+    let expected = record.faults.iter().filter(|f| f.expected_class().is_some()).count();
+    let named = summary.faults.iter().filter(|f| f.parity.score.isolated_s.is_some()).count();
+    let (from, to) = record.nominal_window;
+    let keys = [
+        ("Faults detected", format!("{detected} of {all}"), "by the low-passed residuals".to_owned()),
+        ("Faults isolated", format!("{isolated} of {all}"), "named rightly while they acted".to_owned()),
+        ("Named by parity", format!("{named} of {expected}"), "while they acted".to_owned()),
+        ("False alarms", summary.false_alarms.fdv.to_string(), "of fdv, low-passed".to_owned()),
+        (
+            "Largest control error",
+            format!("{} %", significant(summary.control_error_max_pct, 3)),
+            format!("of the set-point, {from} to {to} s; paper {PAPER_CONTROL_ERROR} %"),
+        ),
+        (
+            "Speed",
+            format!("{} &times;", significant(summary.realtime_factor, 2)),
+            "real time, rig and instrument".to_owned(),
+        ),
+    ];
+    let cards = keys
+        .map(|(name, value, note)| format!("<div><dt>{name}</dt><dd>{value}</dd><dd>{note}</dd></div>\n"));
+    format!("<dl class='keys'>\n{}</dl>\n", cards.concat())
+}
+
+fn figure_of(record: &Record, number: Number) -> anyhow::Result<String> {
+    let svg = figure::svg(number, record)?;
+    let caption = caption(number);
+    Ok(format!(
+        "<figure>\n{svg}<figcaption><strong>Figure {number}.</strong> {caption}</figcaption>\n</figure>\n"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::Config;
+
+    use super::*;
+    use crate::experiment::run;
+    use crate::experiment::scenario::Scenario;
+    use pt326_rig::fault::{Fault, Sensor, Verb};
+
+    fn page(scenario: &Scenario) -> String {
+        let record = run(&Config::default(), scenario, 1).unwrap();
+        html(&record, &Summary::new(&record)).unwrap()
+    }
+
+    #[test]
+    fn a_run_too_short_to_learn_says_so_and_escapes_names() {
+        let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
+        scenario.faults[1] = Fault { name: "<b>&".into(), at: 5.0, ..scenario.faults[1].clone() };
+        let page = page(&scenario);
+        assert!(page.contains("<td>&lt;b&gt;&amp;</td>") && !page.contains("<b>"));
+        assert!(page.contains("No baseline was learnt"));
+        assert!(page.contains("not detected") && page.contains("after the end"));
+        assert!(page.contains("<td>AFS2</td>") && page.contains("<td>MFP</td>"));
+    }
+
+    #[test]
+    fn a_full_run_has_its_tables_and_needs_nothing_else() {
+        let page = page(&Scenario { duration: 415.0, ..Scenario::default() });
+        assert!(page.contains("What is normal") && page.contains("Static gain of MS1"));
+        assert!(page.contains("1 of 3") && !page.contains("class='warning'"));
+        assert_eq!(page.matches("<svg ").count(), 3);
+        for outside in ["<script", "<link", "<img", "src=", "href=", "url(", "@import"] {
+            assert!(!page.contains(outside), "{outside}");
+        }
+    }
+
+    #[test]
+    fn a_trip_is_told() {
+        let open = Fault::new(Verb::Open, Some(Sensor::T1), None, 3.0, 10.0);
+        let page = page(&Scenario { duration: 8.0, faults: vec![open], ..Scenario::default() });
+        assert!(page.contains("Tripped at 3.") && page.contains("broken wire"), "{page}");
+    }
+
+    #[test]
+    fn nothing_done_to_the_rig_is_told() {
+        let page = page(&Scenario { duration: 2.0, faults: vec![], ..Scenario::default() });
+        assert!(page.contains("Nothing was done to the rig") && page.contains("0 of 0"));
+    }
+}

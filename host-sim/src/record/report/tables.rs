@@ -1,0 +1,235 @@
+//! The tables of the page, and the words for what happened.
+
+use super::numbers::{NOTHING, escape, maybe, significant, written};
+use crate::experiment::Record;
+use crate::record::summary::{FaultSummary, Normal, Summary};
+use crate::record::table::PAPER;
+use crate::score::Score;
+use crate::score::expectation::Expectation;
+use pt326_rig::Wander;
+use pt326_rig::fault::{Fault, Verb};
+
+/// How each fault was seen, by the low-passed residuals and by the raw ones.
+pub(super) fn faults(record: &Record, summary: &Summary) -> String {
+    if record.faults.is_empty() {
+        return String::new();
+    }
+    let rows = |score: fn(&FaultSummary) -> &Score| {
+        let pairs = record.faults.iter().zip(&summary.faults);
+        pairs.map(move |(fault, seen)| fault_row(record, fault, seen, score(seen)))
+    };
+    let head = "<th>Fault</th><th>Onset<br>s</th><th>Detected at<br>(delay), s</th><th>Isolated at<br>(delay), s</th>\
+                <th>Lasted<br>s</th><th>Indicated<br>s</th><th>Pieces</th><th>Isolated for<br>% of the fault</th>";
+    let head_with_paper = format!("{head}<th>Paper: delay<br>s</th><th>Paper: indicated<br>s</th>");
+    let beside_paper =
+        rows(|f| &f.signature).zip(&summary.faults).map(|(row, f)| [row, paper_cells(f)].concat());
+    [
+        "<h2>How each fault was seen</h2>\n",
+        &html_table(
+            "By the low-passed residuals, which is what the instrument goes by.",
+            &head_with_paper,
+            beside_paper.collect(),
+        ),
+        &html_table("By the raw residuals, for comparison.", head, rows(|f| &f.signature_raw).collect()),
+        &parity(record, summary),
+    ]
+    .concat()
+}
+
+/// How each fault was seen by the parity diagnosis: when, as what, how large.
+fn parity(record: &Record, summary: &Summary) -> String {
+    let head = "<th>Fault</th><th>Detected at<br>(delay), s</th><th>Isolated at<br>(delay), s</th><th>Indicated<br>s</th>\
+                <th>First named</th><th>Settled on</th><th>Magnitude</th><th>True</th><th>Onset dated<br>off by, s</th>";
+    let pairs = record.faults.iter().zip(&summary.faults);
+    let rows = pairs.map(|(fault, seen)| parity_row(record, fault, seen)).collect();
+    let told = summary.faults.iter().filter_map(|fault| Some((&fault.name, fault.parity_told.as_ref()?)));
+    let told: String =
+        told.map(|(name, told)| format!("<li>{}: {}.</li>\n", escape(name), escape(told))).collect();
+    let caption =
+        "By the parity diagnosis: it names the fault and says how large it is, with a 95 % interval.";
+    let table = html_table(caption, head, rows);
+    if told.is_empty() {
+        table
+    } else {
+        format!("{table}<p>What it said at the end of each fault:</p>\n<ul>\n{told}</ul>\n")
+    }
+}
+
+fn parity_row(record: &Record, fault: &Fault, seen: &FaultSummary) -> Vec<String> {
+    let p = &seen.parity;
+    let expected = fault.expected_class();
+    let class = |name: Option<&str>| match name {
+        None => NOTHING.into(),
+        Some(name) if expected.is_some_and(|class| class.name() == name) => name.to_owned(),
+        Some(name) => format!("<span class='miss'>{name}</span>"),
+    };
+    let unit = expected.map_or("", |class| class.unit());
+    let magnitude = p.magnitude.zip(p.magnitude_half_width).map(|(value, half)| {
+        let unit = p.magnitude_unit.unwrap_or_default();
+        format!("{} &plusmn; {} {unit}", significant(value, 3), significant(half, 2))
+    });
+    let never = |word| never(record, fault, expected.is_some(), word);
+    vec![
+        escape(&seen.name),
+        moment(p.score.detected_s, p.score.detection_delay_s).unwrap_or_else(|| never("detected")),
+        moment(p.score.isolated_s, p.score.isolation_delay_s).unwrap_or_else(|| never("isolated")),
+        maybe(p.score.indicated_duration_s, 3),
+        class(p.first_verdict),
+        class(p.verdict),
+        magnitude.unwrap_or_else(|| NOTHING.into()),
+        p.magnitude_true.map_or_else(|| NOTHING.into(), |x| format!("{} {unit}", written(x))),
+        maybe(p.onset_error_s, 2),
+    ]
+}
+
+/// What the paper reports of a fault of this name.
+fn paper_cells(fault: &FaultSummary) -> Vec<String> {
+    let paper = PAPER.iter().find(|(name, ..)| *name == fault.name);
+    vec![maybe(paper.map(|p| p.1), 1), maybe(paper.map(|p| p.2), 2)]
+}
+
+fn fault_row(record: &Record, fault: &Fault, seen: &FaultSummary, score: &Score) -> Vec<String> {
+    let expected = fault.expected();
+    let never = |answer: Option<u8>, word| never(record, fault, answer.is_some(), word);
+    let detected = moment(score.detected_s, score.detection_delay_s);
+    let isolated = moment(score.isolated_s, score.isolation_delay_s);
+    vec![
+        escape(&seen.name),
+        written(seen.onset_s),
+        detected.unwrap_or_else(|| never(expected.fdv, "detected")),
+        isolated.unwrap_or_else(|| never(expected.fiv, "isolated")),
+        written(seen.duration_s),
+        maybe(score.indicated_duration_s, 3),
+        score.segments.map_or_else(|| NOTHING.into(), |n| n.to_string()),
+        maybe(score.isolated_share.map(|share| 100.0 * share), 2),
+    ]
+}
+
+/// A time and the delay since the onset, s.
+fn moment(at: Option<f64>, delay: Option<f64>) -> Option<String> {
+    Some(format!("{:.2} ({:.2})", at?, delay?))
+}
+
+/// Why there is no such time; `known`: whether the diagnosis has an answer for the fault.
+fn never(record: &Record, fault: &Fault, known: bool, word: &str) -> String {
+    let reached = record.rows.last().is_some_and(|row| record.time(row.tick.index) >= fault.at);
+    let why = match known {
+        _ if !reached => "after the end".to_owned(),
+        false => "not in the tables".to_owned(),
+        true => format!("<span class='miss'>not {word}</span>"),
+    };
+    format!("{NOTHING} {why}")
+}
+
+/// Alarms with no fault behind them.
+pub(super) fn false_alarms(summary: &Summary) -> String {
+    let f = &summary.false_alarms;
+    let row =
+        |name: &str, low_passed: u32, raw: u32| vec![name.into(), low_passed.to_string(), raw.to_string()];
+    let rows = vec![
+        row("Detection, fdv", f.fdv, f.fdv_raw),
+        row("Isolation, fiv", f.fiv, f.fiv_raw),
+        vec!["Parity alarm".into(), f.parity.to_string(), NOTHING.into()],
+    ];
+    let caption =
+        "Times that a vector left zero, or the parity alarm rose, outside every fault and the 15 s after it.";
+    format!(
+        "<h2>False alarms</h2>\n{}",
+        html_table(caption, "<th>Indication</th><th>Low-passed</th><th>Raw</th>", rows)
+    )
+}
+
+/// What is normal, as it was learnt.
+pub(super) fn baseline(record: &Record, summary: &Summary) -> String {
+    let Some(b) = &summary.baseline else { return String::new() };
+    let features = [
+        ("Power Pa (rAP), %", b.rap),
+        ("y1 \u{2212} y2 (ry12), °C", b.ry12),
+        ("Static gain of MS1 (rsg1), °C per %", b.rsg1),
+        ("Static gain of MS2 (rsg2), °C per %", b.rsg2),
+        ("Bandwidth of MS1 (rbw1), rad/s", b.rbw1),
+    ];
+    let k = record.sigma_factor;
+    let rows = features.into_iter().map(|(name, normal)| baseline_row(name, &normal, k)).collect();
+    let samples = record.baseline.map_or(0, |b| b.samples);
+    let caption = format!(
+        "Learnt from {samples} samples ({} s). A threshold lies {} standard deviations from the mean.",
+        significant(f64::from(samples) * record.sample_time, 3),
+        written(k)
+    );
+    let head = "<th>Feature (residual)</th><th>Mean</th><th>&sigma;</th><th>Thresholds</th><th>Low-passed:<br>mean</th>\
+                <th>Low-passed:<br>&sigma;</th><th>Low-passed:<br>thresholds</th>";
+    format!("<h2>What is normal</h2>\n{}", html_table(&caption, head, rows))
+}
+
+fn baseline_row(name: &str, normal: &Normal, sigma_factor: f64) -> Vec<String> {
+    let thresholds = |mean: f64, sigma: f64| {
+        let reach = sigma_factor * sigma;
+        format!("{} to {}", significant(mean - reach, 4), significant(mean + reach, 4))
+    };
+    vec![
+        name.into(),
+        significant(normal.mean, 4),
+        significant(normal.sigma, 3),
+        thresholds(normal.mean, normal.sigma),
+        significant(normal.mean_f, 4),
+        significant(normal.sigma_f, 3),
+        thresholds(normal.mean_f, normal.sigma_f),
+    ]
+}
+
+/// `caption` and `head` are HTML, and so are the cells.
+fn html_table(caption: &str, head: &str, rows: Vec<Vec<String>>) -> String {
+    let row = |cells: Vec<String>| format!("<tr><td>{}</td></tr>\n", cells.join("</td><td>"));
+    let rows: String = rows.into_iter().map(row).collect();
+    format!(
+        "<div class='wide'><table>\n<caption>{caption}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n\
+         </table></div>\n"
+    )
+}
+
+/// What a fault does, in words.
+pub(super) fn what_happens(fault: &Fault) -> String {
+    let sensor = fault.sensor.map_or_else(String::new, |s| format!("{s:?}"));
+    let size = written(fault.size.unwrap_or_default());
+    let what = match fault.verb {
+        Verb::Offset if fault.size.is_some_and(|size| size < 0.0) => {
+            format!("{sensor} reads {} °C too low", size.trim_start_matches(['-', '−']))
+        }
+        Verb::Offset => format!("{sensor} reads {size} °C too high"),
+        Verb::Drift => format!("{sensor} drifts by {size} °C a minute"),
+        Verb::Clog => {
+            let lag = fault.lag.map_or_else(String::new, |lag| format!(" with a lag of {} s", written(lag)));
+            format!("{sensor} clogged: it sees {size} of the rise{lag}")
+        }
+        Verb::Open => format!("wire of {sensor} broken"),
+        Verb::Short => format!("{sensor} shorted"),
+        Verb::Stuck => format!("{sensor} stuck"),
+        Verb::Spike => format!("one sample of {sensor} is {size} °C off"),
+        Verb::Missing => format!("samples of {sensor} missing with probability {size}"),
+        Verb::AirFlow => format!("air flow {size} times the nominal one"),
+        Verb::HeaterPower => format!("heater gives {size} times the power asked for"),
+        Verb::HeaterStuck => format!("heater stuck at {size} %"),
+        Verb::Room => format!("room {size} °C warmer"),
+        Verb::RoomDrift => format!("room warmer by {size} °C a minute"),
+        Verb::Detach => {
+            let over = fault.over.map_or_else(String::new, |over| format!(", over {} s", written(over)));
+            format!("{sensor} out of the tube: it misses {size} of the rise{over}")
+        }
+        Verb::Swap => {
+            let with = fault.with.map_or_else(String::new, |s| format!("{s:?}"));
+            format!("{sensor} and {with} exchanged")
+        }
+        Verb::Freeze => format!("{sensor} frozen, with noise of {size} codes"),
+    };
+    format!("{what}, from {} s for {} s", written(fault.at), written(fault.duration))
+}
+
+/// How the surroundings moved, in words.
+pub(super) fn surroundings(wander: Wander) -> &'static str {
+    match wander {
+        Wander::None => "still",
+        Wander::Calm => "calm (slow room drift)",
+        Wander::Lively => "lively (room drift, wandering air flow and mains)",
+    }
+}

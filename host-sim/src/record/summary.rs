@@ -1,0 +1,326 @@
+//! What a run showed, in numbers: delays and durations of each fault, false alarms, control error, what was learnt.
+
+use crate::score::expectation::Expectation;
+use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::diagnosis::residual::{DECISIVE, Residual};
+use fdi_core::{AdcCode, Finding, Reading, Validity};
+use firmware_logic::finding::Told;
+use serde::Serialize;
+
+use crate::experiment::{Origin, Record, Row};
+use crate::score::{ParityScore, ParityWatch, Rise, Score, TAIL, Watch, signature_sight};
+use pt326_rig::Wander;
+use pt326_rig::fault::Fault;
+
+/// `summary.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Seed of the rig's noise; null for a recording.
+    pub seed: Option<u64>,
+    /// How the surroundings moved; null for a recording.
+    pub wander: Option<Wander>,
+    /// Size of each fault, by name.
+    pub sizes: Vec<FaultSizeEntry>,
+    /// Sample time.
+    pub ts_s: f64,
+    /// Set-point.
+    pub setpoint_c: f64,
+    /// Largest control error in the nominal window (180 to 360 s in the paper).
+    pub control_error_max_c: f64,
+    /// The same in % of the set-point.
+    pub control_error_max_pct: f64,
+    /// What was learnt; null if the run was too short or unfit for learning.
+    pub baseline: Option<BaselineSummary>,
+    /// How each fault was seen.
+    pub faults: Vec<FaultSummary>,
+    /// Times that a vector left zero outside any fault (and its tail of 15 s).
+    pub false_alarms: FalseAlarms,
+    /// Simulated time over the time it took.
+    pub realtime_factor: f64,
+    /// How it went while T1 was stood in for; null where it never was.
+    pub without_t1: Option<WithoutT1>,
+    /// Trips, with time and reason.
+    pub trips: Vec<TripSummary>,
+}
+
+/// Regulation by the stand-in for a faulty T1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct WithoutT1 {
+    /// For how long.
+    pub duration_s: f64,
+    /// Mean of set-point minus stand-in, degC. What the stand-in itself is off by, no instrument can know.
+    pub error_mean_c: f64,
+    /// Largest of it, without sign, degC.
+    pub error_max_c: f64,
+}
+
+/// Name and size of a fault.
+#[derive(Clone, Debug, Serialize)]
+pub struct FaultSizeEntry {
+    /// Name.
+    pub name: String,
+    /// Size in the unit of its verb.
+    pub size: Option<f64>,
+    /// Lag of a clogged sensor, s.
+    pub lag_s: Option<f64>,
+}
+
+/// Learnt values of the five decisive residuals.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct BaselineSummary {
+    /// Applied power, %.
+    pub rap: Normal,
+    /// y1 - y2, degC; its mean is delta12.
+    pub ry12: Normal,
+    /// Static gain of MS1, degC per %.
+    pub rsg1: Normal,
+    /// Static gain of MS2, degC per %.
+    pub rsg2: Normal,
+    /// Bandwidth of MS1, rad/s.
+    pub rbw1: Normal,
+}
+
+/// Learnt values of one feature: a residual is the feature minus `mean`.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Normal {
+    /// Mean of the feature.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub sigma: f64,
+    /// Mean of the low-passed feature.
+    pub mean_f: f64,
+    /// Its standard deviation.
+    pub sigma_f: f64,
+}
+
+/// One fault as the diagnosis saw it.
+#[derive(Clone, Debug, Serialize)]
+pub struct FaultSummary {
+    /// Name.
+    pub name: String,
+    /// True onset.
+    pub onset_s: f64,
+    /// True duration.
+    pub duration_s: f64,
+    /// By the low-passed residuals.
+    pub signature: Score,
+    /// By the raw residuals.
+    pub signature_raw: Score,
+    /// By the parity diagnosis.
+    pub parity: ParityScore,
+    /// What it last said of the fault, in a sentence; null: it never named it.
+    pub parity_told: Option<String>,
+}
+
+/// Rising edges of each vector outside any fault.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct FalseAlarms {
+    /// Detection, low-passed.
+    pub fdv: u32,
+    /// Isolation, low-passed.
+    pub fiv: u32,
+    /// Detection, raw.
+    pub fdv_raw: u32,
+    /// Isolation, raw.
+    pub fiv_raw: u32,
+    /// The parity diagnosis. What is no fault (a warmer room, a spike) excuses none of its alarms.
+    pub parity: u32,
+}
+
+/// One trip.
+#[derive(Clone, Debug, Serialize)]
+pub struct TripSummary {
+    /// When.
+    pub t_s: f64,
+    /// Why.
+    pub reason: fdi_core::TripReason,
+    /// What T1 was to be, degC.
+    pub setpoint_c: f32,
+    /// The temperature above which T1 or T2 trips, degC.
+    pub limit_c: f32,
+    /// What T1 read.
+    pub t1: Seen,
+    /// What T2 read.
+    pub t2: Seen,
+}
+
+/// What a thermistor read on the tick that tripped.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Seen {
+    /// 12-bit code; null where none came.
+    pub code: f32,
+    /// Whether it could be believed.
+    pub validity: fdi_core::Validity,
+    /// The temperature that the code stands for, degC.
+    pub celsius: f32,
+}
+
+impl std::fmt::Display for Seen {
+    /// The temperature, or what was wrong where it means nothing.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.validity {
+            Validity::Missing => f.write_str("no sample"),
+            Validity::Open => write!(f, "open (code {})", self.code),
+            Validity::Short => write!(f, "shorted (code {})", self.code),
+            _ => write!(f, "{:.1} degC", self.celsius),
+        }
+    }
+}
+
+impl Summary {
+    /// Scores a run.
+    pub fn new(record: &Record) -> Self {
+        let error = control_error_max(record);
+        let (seed, wander) = match record.origin {
+            Origin::Simulated { seed, wander } => (Some(seed), Some(wander)),
+            Origin::Recorded { .. } => (None, None),
+        };
+        Self {
+            seed,
+            wander,
+            sizes: record
+                .faults
+                .iter()
+                .map(|f| FaultSizeEntry { name: f.label(), size: f.size, lag_s: f.lag })
+                .collect(),
+            ts_s: record.sample_time,
+            setpoint_c: record.setpoint,
+            control_error_max_c: error,
+            control_error_max_pct: 100.0 * error / record.setpoint,
+            baseline: record.baseline.as_ref().map(baseline),
+            faults: record.faults.iter().map(|f| fault(record, f)).collect(),
+            false_alarms: false_alarms(record),
+            realtime_factor: record.realtime_factor(),
+            without_t1: without_t1(record),
+            trips: trips(record),
+        }
+    }
+}
+
+/// Largest |set-point - T1| over the nominal window, degC.
+fn control_error_max(record: &Record) -> f64 {
+    let (from, to) = record.nominal_window;
+    record
+        .rows
+        .iter()
+        .filter(|row| (from..to).contains(&record.time(row.tick.index)))
+        .filter_map(|row| Some(f64::from((row.tick.setpoint.0 - row.tick.sample.t1.good()?).abs())))
+        .fold(0.0, f64::max)
+}
+
+fn baseline(baseline: &Baseline) -> BaselineSummary {
+    let normal = |residual: Residual| {
+        let i = residual as usize;
+        Normal {
+            mean: baseline.raw.mean[i].into(),
+            sigma: baseline.raw.sigma[i].into(),
+            mean_f: baseline.filtered.mean[i].into(),
+            sigma_f: baseline.filtered.sigma[i].into(),
+        }
+    };
+    let [rap, ry12, rsg1, rsg2, rbw1] = DECISIVE.map(normal);
+    BaselineSummary { rap, ry12, rsg1, rsg2, rbw1 }
+}
+
+/// How the three forms of the diagnosis saw a fault.
+fn fault(record: &Record, fault: &Fault) -> FaultSummary {
+    let mut filtered = Watch::new(fault);
+    let mut raw = Watch::new(fault);
+    let mut parity = ParityWatch::new(fault, record.sample_time);
+    for row in &record.rows {
+        let t = record.time(row.tick.index);
+        filtered.see(t, signature_sight(fault, row.report.filtered));
+        raw.see(t, signature_sight(fault, row.report.raw));
+        parity.see(t, &row.report.parity);
+    }
+    let isolable = fault.expected().fiv.is_some();
+    let parity = parity.score();
+    FaultSummary {
+        name: fault.label(),
+        onset_s: fault.at,
+        duration_s: fault.duration,
+        signature: filtered.score(record.sample_time, isolable),
+        signature_raw: raw.score(record.sample_time, isolable),
+        parity_told: told(record, fault, parity.verdict),
+        parity,
+    }
+}
+
+/// The last sentence about a fault while it acted, under the class that was settled on.
+fn told(record: &Record, fault: &Fault, verdict: Option<&str>) -> Option<String> {
+    let during = record.rows.iter().rev().filter(|row| fault.is_active(record.time(row.tick.index)));
+    let (row, finding) = during
+        .filter_map(|row| Some((row, row.report.parity.finding.as_ref()?)))
+        .find(|(_, finding)| Some(finding.class.name()) == verdict)?;
+    Some(sentence(record, row, finding))
+}
+
+/// What a finding says on the tick of `row`.
+pub fn sentence(record: &Record, row: &Row, finding: &Finding) -> String {
+    let (sample, expected) = (&row.tick.sample, row.report.parity.expected);
+    Told { finding, sample, expected, sample_time: record.sample_time as f32 }.to_string()
+}
+
+/// Times that each alarm rises while nothing acts that it should report, nor has shortly before.
+fn false_alarms(record: &Record) -> FalseAlarms {
+    let mut rises = [Rise::default(); 5];
+    let mut alarms = [0; 5];
+    for row in &record.rows {
+        let t = record.time(row.tick.index);
+        let acting = || record.faults.iter().filter(|f| t >= f.at && t < f.end() + TAIL);
+        let anything = acting().next().is_some();
+        let faulty = acting().any(|f| f.expected_class().is_some());
+        let (filtered, raw) = (row.report.filtered, row.report.raw);
+        let flags = [
+            (filtered.is_some_and(|v| v.fdv != 0), anything),
+            (filtered.is_some_and(|v| v.fiv != 0), anything),
+            (raw.is_some_and(|v| v.fdv != 0), anything),
+            (raw.is_some_and(|v| v.fiv != 0), anything),
+            (row.report.parity.alarm, faulty),
+        ];
+        for ((alarms, rise), (flag, excused)) in alarms.iter_mut().zip(&mut rises).zip(flags) {
+            *alarms += u32::from(rise.of(flag) && !excused);
+        }
+    }
+    let [fdv, fiv, fdv_raw, fiv_raw, parity] = alarms;
+    FalseAlarms { fdv, fiv, fdv_raw, fiv_raw, parity }
+}
+
+fn without_t1(record: &Record) -> Option<WithoutT1> {
+    let errors: Vec<f64> = record
+        .rows
+        .iter()
+        .filter_map(|row| Some(f64::from(row.tick.setpoint.0 - row.tick.stand_in?.0)))
+        .collect();
+    let count = errors.len() as f64;
+    (!errors.is_empty()).then(|| WithoutT1 {
+        duration_s: count * record.sample_time,
+        error_mean_c: errors.iter().sum::<f64>() / count,
+        error_max_c: errors.iter().fold(0.0, |worst: f64, e| worst.max(e.abs())),
+    })
+}
+
+fn trips(record: &Record) -> Vec<TripSummary> {
+    let mut trips: Vec<fdi_core::Trip> = Vec::new();
+    for row in &record.rows {
+        if let fdi_core::Mode::Tripped(trip) = row.tick.mode
+            && trips.last().is_none_or(|last| last.tick != trip.tick)
+        {
+            trips.push(trip);
+        }
+    }
+    let seen = |code: AdcCode, reading: Reading| Seen {
+        code: code.0,
+        validity: reading.validity,
+        celsius: reading.celsius.0,
+    };
+    let summary = |trip: &fdi_core::Trip| TripSummary {
+        t_s: record.time(trip.tick),
+        reason: trip.reason,
+        setpoint_c: trip.setpoint.0,
+        limit_c: trip.limit.0,
+        t1: seen(trip.raw.t1, trip.sample.t1),
+        t2: seen(trip.raw.t2, trip.sample.t2),
+    };
+    trips.iter().map(summary).collect()
+}

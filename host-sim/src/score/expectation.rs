@@ -1,0 +1,158 @@
+//! What the parity diagnosis should say of what happens to the rig.
+
+use fdi_core::parity::{Channel, FaultClass, Pair};
+use pt326_rig::fault::{Fault, Sensor, Verb};
+
+/// What the paper's tables can say of a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Expected {
+    /// Value that fdv should take.
+    pub fdv: Option<u8>,
+    /// Value that fiv should take.
+    pub fiv: Option<u8>,
+}
+
+/// What both diagnoses should say of a fault.
+pub trait Expectation {
+    /// What the paper's tables should answer. They know T2 and T1 or the process apart; nothing for the rest.
+    fn expected(&self) -> Expected;
+    /// The class that should be named; `None` for what is no fault, of which nothing should be said: a room that
+    /// changes, single spikes, samples missing now and then.
+    fn expected_class(&self) -> Option<FaultClass>;
+    /// The true departure in [`FaultClass::unit`] of the expected class, where it has one.
+    fn true_magnitude(&self) -> Option<f64>;
+}
+
+impl Expectation for Fault {
+    fn expected(&self) -> Expected {
+        let (fdv, fiv) = match (self.truth(), self.verb, self.sensor) {
+            (truth @ 1..=3, ..) => (Some(truth.min(2)), Some(truth)),
+            (
+                _,
+                Verb::Offset | Verb::Drift | Verb::Clog | Verb::Stuck | Verb::Detach | Verb::Freeze,
+                Some(Sensor::T2),
+            ) => (Some(1), None),
+            (_, Verb::Offset | Verb::Drift | Verb::Stuck | Verb::Detach | Verb::Freeze, Some(Sensor::T1)) => {
+                (Some(2), None)
+            }
+            (_, Verb::HeaterPower | Verb::HeaterStuck, _) => (Some(2), None),
+            _ => (None, None),
+        };
+        Expected { fdv, fiv }
+    }
+
+    fn expected_class(&self) -> Option<FaultClass> {
+        use Channel::{T0, T1, T2};
+        match (self.verb, self.sensor.map(channel)) {
+            (Verb::AirFlow, _) => Some(FaultClass::AirFlow),
+            (Verb::HeaterPower | Verb::HeaterStuck, _) => Some(FaultClass::HeaterPower),
+            (Verb::Offset, Some(T1)) => Some(FaultClass::T1Offset),
+            (Verb::Offset, Some(T2)) => Some(FaultClass::T2Offset),
+            (Verb::Offset | Verb::Clog, Some(T0)) => Some(FaultClass::T0Fault),
+            (Verb::Clog, Some(T1)) => Some(FaultClass::T1Clogged),
+            (Verb::Clog, Some(T2)) => Some(FaultClass::Unknown),
+            (Verb::Drift, Some(_)) => Some(FaultClass::Drift),
+            (Verb::Detach, Some(T1)) => Some(FaultClass::T1Detached),
+            (Verb::Detach, _) => Some(FaultClass::T2Detached),
+            (Verb::Swap, _) => pair(self).map(FaultClass::Swapped),
+            (Verb::Stuck | Verb::Freeze, channel) => channel.map(FaultClass::Stuck),
+            (Verb::Open, channel) => channel.map(FaultClass::Open),
+            (Verb::Short, channel) => channel.map(FaultClass::Short),
+            (Verb::Missing, channel) if self.size == Some(1.0) => channel.map(FaultClass::Lost),
+            (Verb::Offset | Verb::Clog | Verb::Drift | Verb::Missing, _) => None,
+            (Verb::Spike | Verb::Room | Verb::RoomDrift, _) => None,
+        }
+    }
+
+    fn true_magnitude(&self) -> Option<f64> {
+        self.expected_class()?;
+        let size = self.size?;
+        match self.verb {
+            Verb::Offset | Verb::Drift => Some(size),
+            Verb::Clog if self.sensor == Some(Sensor::T1) => Some(percent(size)),
+            Verb::AirFlow | Verb::HeaterPower => Some(percent(size)),
+            _ => None,
+        }
+    }
+}
+
+/// The same thermistor in the words of the instrument.
+fn channel(sensor: Sensor) -> Channel {
+    match sensor {
+        Sensor::T0 => Channel::T0,
+        Sensor::T1 => Channel::T1,
+        Sensor::T2 => Channel::T2,
+    }
+}
+
+/// The two that are exchanged.
+fn pair(fault: &Fault) -> Option<Pair> {
+    use Sensor::{T0, T1, T2};
+    match (fault.sensor?, fault.with?) {
+        (T1, T2) | (T2, T1) => Some(Pair::T1T2),
+        (T0, T1) | (T1, T0) => Some(Pair::T0T1),
+        (T0, T2) | (T2, T0) => Some(Pair::T0T2),
+        (T0, T0) | (T1, T1) | (T2, T2) => None,
+    }
+}
+
+/// A factor as a departure from 1, %. Rounded to what people write: 26 and not 26.000000000000004.
+fn percent(factor: f64) -> f64 {
+    (1e8 * (factor - 1.0)).round() / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fault(verb: Verb, sensor: Option<Sensor>, size: Option<f64>) -> Fault {
+        Fault::new(verb, sensor, size, 1.0, 1.0)
+    }
+
+    #[test]
+    fn each_fault_has_its_class_and_magnitude_in_the_unit_of_the_class() {
+        use Sensor::{T0, T1, T2};
+        for (verb, sensor, size, class, magnitude) in [
+            (Verb::Offset, Some(T1), Some(-1.5), FaultClass::T1Offset, Some(-1.5)),
+            (Verb::Offset, Some(T2), Some(1.5), FaultClass::T2Offset, Some(1.5)),
+            (Verb::Offset, Some(T0), Some(2.0), FaultClass::T0Fault, Some(2.0)),
+            (Verb::Clog, Some(T1), Some(0.85), FaultClass::T1Clogged, Some(-15.0)),
+            (Verb::AirFlow, None, Some(1.26), FaultClass::AirFlow, Some(26.0)),
+            (Verb::HeaterPower, None, Some(0.8), FaultClass::HeaterPower, Some(-20.0)),
+            (Verb::HeaterStuck, None, Some(60.0), FaultClass::HeaterPower, None),
+            (Verb::Drift, Some(T2), Some(3.0), FaultClass::Drift, Some(3.0)),
+            (Verb::Stuck, Some(T2), None, FaultClass::Stuck(Channel::T2), None),
+            (Verb::Missing, Some(T1), Some(1.0), FaultClass::Lost(Channel::T1), None),
+            (Verb::Detach, Some(T1), Some(0.5), FaultClass::T1Detached, None),
+            (Verb::Detach, Some(T2), Some(1.0), FaultClass::T2Detached, None),
+            (Verb::Freeze, Some(T1), Some(2.0), FaultClass::Stuck(Channel::T1), None),
+        ] {
+            let fault = fault(verb, sensor, size);
+            assert_eq!((fault.expected_class(), fault.true_magnitude()), (Some(class), magnitude));
+        }
+    }
+
+    #[test]
+    fn an_exchange_is_the_same_from_either_side() {
+        use Sensor::{T0, T1, T2};
+        for (a, b, pair) in [(T1, T2, Pair::T1T2), (T0, T1, Pair::T0T1), (T0, T2, Pair::T0T2)] {
+            for (sensor, with) in [(a, b), (b, a)] {
+                let swap = Fault { with: Some(with), ..fault(Verb::Swap, Some(sensor), None) };
+                assert_eq!(swap.expected_class(), Some(FaultClass::Swapped(pair)));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_fault_expects_silence() {
+        for (verb, sensor, size) in [
+            (Verb::Room, None, 2.0),
+            (Verb::RoomDrift, None, 2.0),
+            (Verb::Spike, Some(Sensor::T1), 10.0),
+            (Verb::Missing, Some(Sensor::T1), 0.05),
+        ] {
+            let fault = fault(verb, sensor, Some(size));
+            assert_eq!((fault.expected_class(), fault.true_magnitude()), (None, None), "{verb:?}");
+        }
+    }
+}

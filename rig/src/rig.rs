@@ -1,0 +1,167 @@
+//! The rig in motion: heater, air, sensors and surroundings, from tick to tick.
+
+use crate::air::{AirStream, HeaterHistory};
+use crate::config::{RigConfig, Wander};
+use crate::fault::{Conditions, Fault};
+use crate::noise::{Noise, OrnsteinUhlenbeck, Turbulence};
+use crate::sensor::Digitizer;
+
+/// The rig in motion.
+pub struct Rig {
+    config: RigConfig,
+    sample_time: f64,
+    tick: u64,
+    faults: Vec<Fault>,
+    noise: Noise,
+    room_wander: OrnsteinUhlenbeck,
+    room_ramp: f64,
+    flow_wander: OrnsteinUhlenbeck,
+    mains_wander: OrnsteinUhlenbeck,
+    heater: HeaterHistory,
+    turbulence: [Turbulence; 2],
+    /// Temperatures of the three sensor elements without turbulence, degC.
+    elements: [f64; 3],
+    /// What they would be if nothing had ever happened to a sensor.
+    unharmed: [f64; 3],
+    digitizer: Digitizer,
+    /// The last codes of the three inputs.
+    codes: [f64; 3],
+}
+
+impl Rig {
+    /// A cold rig: everything at room temperature.
+    pub fn new(config: &RigConfig, wander: Wander, sample_time: f64, seed: u64, faults: &[Fault]) -> Self {
+        let mut noise = Noise::new(seed);
+        let (room_sd, ramp) =
+            if wander == Wander::None { (0.0, 0.0) } else { (0.05, noise.uniform(-1.0, 1.0)) };
+        let lively = if wander == Wander::Lively { 0.004 } else { 0.0 };
+        let room_wander = OrnsteinUhlenbeck::new(room_sd, 600.0, sample_time, &mut noise);
+        let flow_wander = OrnsteinUhlenbeck::new(lively, 60.0, sample_time, &mut noise);
+        let mains_wander = OrnsteinUhlenbeck::new(lively, 30.0, sample_time, &mut noise);
+        Self {
+            sample_time,
+            tick: 0,
+            faults: faults.to_vec(),
+            room_wander,
+            room_ramp: ramp / 3600.0,
+            flow_wander,
+            mains_wander,
+            heater: HeaterHistory::cold(),
+            turbulence: [Turbulence::new(config.turbulence, config.turbulence_time); 2],
+            elements: [config.room; 3],
+            unharmed: [config.room; 3],
+            digitizer: Digitizer::new(config),
+            codes: [f64::NAN; 3],
+            config: config.clone(),
+            noise,
+        }
+    }
+
+    /// Time of the present tick, s.
+    fn now(&self) -> f64 {
+        self.tick as f64 * self.sample_time
+    }
+
+    /// Codes of T0, T1, T2 at the present tick, on the 12-bit scale; NaN where a sample went missing.
+    pub fn sample(&mut self) -> [f64; 3] {
+        let conditions = Conditions::at(&self.faults, self.now(), self.sample_time);
+        let air = [0.0, self.turbulence[0].at_sensor(), self.turbulence[1].at_sensor()];
+        self.codes = core::array::from_fn(|i| {
+            let white = self.config.white_noise * self.noise.normal();
+            let sensor = conditions.wired[i];
+            let celsius = self.elements[sensor] + air[sensor] + conditions.offset[sensor] + white;
+            self.digitizer.code(i, celsius, &conditions.reading[i], &mut self.noise)
+        });
+        self.codes
+    }
+
+    /// Drives the heater with `drive` % until the next tick.
+    pub fn advance(&mut self, drive: f64) {
+        let (start, end) = (self.now(), (self.tick + 1) as f64 * self.sample_time);
+        let mut from = start;
+        let mut edges: Vec<f64> = Vec::new();
+        edges.extend(self.faults.iter().flat_map(|f| f.edges()).filter(|&t| t > start && t < end));
+        edges.sort_by(f64::total_cmp);
+        for to in edges.into_iter().chain([end]) {
+            let conditions = Conditions::at(&self.faults, 0.5 * (from + to), 0.0);
+            self.integrate(from, to, drive, &conditions);
+            from = to;
+        }
+        self.wander();
+        self.tick += 1;
+    }
+
+    /// Moves the deterministic part from one time to another under constant conditions.
+    fn integrate(&mut self, from: f64, to: f64, drive: f64, now: &Conditions) {
+        let air = self.air_stream(from, now);
+        let power = now.stuck_power.unwrap_or(drive * now.power) * (1.0 + self.mains_wander.value());
+        let time = self.config.heater_time * air.slowness;
+        self.heater.drive(from, to, self.config.gain / air.flow * power, time);
+        let heater = &self.heater;
+        let clean = [self.config.t0_lag, self.config.t1_lag, self.config.t2_lag];
+        for i in 0..3 {
+            let lag = now.lag[i].unwrap_or(clean[i]);
+            let before = self.elements[i];
+            self.elements[i] = air.through(heater, i, (from, to), (now.gain[i], lag), before);
+            let unharmed = (now.gain[i], lag) == (1.0, clean[i]) && self.unharmed[i] == before;
+            self.unharmed[i] = if unharmed {
+                self.elements[i]
+            } else {
+                air.through(heater, i, (from, to), (1.0, clean[i]), self.unharmed[i])
+            };
+            if i > 0 {
+                self.turbulence[i - 1].see_through(lag, now.gain[i], self.sample_time);
+            }
+        }
+        self.heater.forget_before(from - air.delay[2] - 1.0);
+    }
+
+    /// The air as it flows at a time.
+    fn air_stream(&self, t: f64, now: &Conditions) -> AirStream {
+        let c = &self.config;
+        let flow = now.flow * (1.0 + self.flow_wander.value());
+        AirStream {
+            flow,
+            slowness: if flow == 1.0 { 1.0 } else { libm::pow(flow, -c.flow_exponent) },
+            room: c.room + self.room_ramp * t + self.room_wander.value() + now.room,
+            delay: [0.0, c.dead_time / flow, (c.dead_time + c.t2_delay) / flow],
+            share: [0.0, 1.0, 1.0 - c.heat_loss / flow],
+        }
+    }
+
+    /// For scores: the true temperature of the air at T1 and at T2 now, without turbulence, degC.
+    pub fn air(&self) -> [f64; 2] {
+        let now = self.now();
+        let air = self.air_stream(now, &Conditions::at(&self.faults, now, 0.0));
+        [1, 2].map(|i| air.room + air.share[i] * self.heater.rise_at(now - air.delay[i]))
+    }
+
+    /// For scores: how far the input that is worst off reads from what it would read at this power without any fault of
+    /// a sensor, degC, by the last codes. Missing ones are passed over; turbulence and noise are in it.
+    pub fn sensor_error(&self) -> f64 {
+        let readings = self.codes.iter().zip(&self.unharmed).filter(|(code, _)| !code.is_nan());
+        let errors = readings.map(|(&code, unharmed)| (self.digitizer.celsius(code) - unharmed).abs());
+        errors.fold(0.0, f64::max)
+    }
+
+    /// Lets something more happen; `fault.at` counts from now. The caller has validated it.
+    pub fn inject(&mut self, fault: Fault) {
+        let at = self.now() + fault.at;
+        self.faults.push(Fault { at, ..fault });
+    }
+
+    /// Ends all that happens, and forgets what was still to come.
+    pub fn clear(&mut self) {
+        self.faults.clear();
+    }
+
+    /// Moves everything random by one tick.
+    fn wander(&mut self) {
+        self.room_wander.step(&mut self.noise);
+        self.flow_wander.step(&mut self.noise);
+        self.mains_wander.step(&mut self.noise);
+        for turbulence in &mut self.turbulence {
+            turbulence.step(&mut self.noise);
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Thermistor, divider and converter: from a temperature to what the ADC says, with what can go wrong on the wire.
+
+use crate::config::RigConfig;
+use crate::fault::Reading;
+use crate::noise::Noise;
+
+/// 0 degC in kelvin.
+const KELVIN: f64 = 273.15;
+/// 25 degC in kelvin.
+const T25: f64 = 298.15;
+/// Largest 12-bit code.
+const FULL_SCALE: f64 = 4095.0;
+
+/// The three converters.
+pub(crate) struct Digitizer {
+    r25_over_pull_up: f64,
+    beta: f64,
+    steps: f64,
+    /// Code that each channel gave last: what a stuck one repeats. None before the first.
+    last: [Option<f64>; 3],
+}
+
+impl Digitizer {
+    pub(crate) fn new(config: &RigConfig) -> Self {
+        Self {
+            r25_over_pull_up: config.r25 / config.pull_up,
+            beta: config.beta,
+            steps: f64::from((1u32 << config.adc_bits) - 1),
+            last: [None; 3],
+        }
+    }
+
+    /// The code of channel `i` at a temperature.
+    pub(crate) fn code(&mut self, i: usize, celsius: f64, reading: &Reading, noise: &mut Noise) -> f64 {
+        let code = match *reading {
+            Reading::Open => FULL_SCALE,
+            Reading::Short => 0.0,
+            Reading::Stuck { noise: sd } => return self.stuck(i, celsius, sd, noise),
+            Reading::Missing { probability } if noise.uniform(0.0, 1.0) < probability => return f64::NAN,
+            Reading::Missing { .. } | Reading::True => self.convert(celsius),
+        };
+        self.last[i] = Some(code);
+        code
+    }
+
+    /// What channel `i` said last, with noise of `sd` codes; the temperature if it has said nothing yet.
+    fn stuck(&mut self, i: usize, celsius: f64, sd: f64, noise: &mut Noise) -> f64 {
+        let held = self.last[i].unwrap_or_else(|| self.convert(celsius));
+        self.last[i] = Some(held);
+        let off = if sd > 0.0 { sd * noise.normal() } else { 0.0 };
+        let step = FULL_SCALE / self.steps;
+        (held + (off / step).round() * step).clamp(0.0, FULL_SCALE)
+    }
+
+    /// The temperature that a code stands for, degC; far below any for a code at either end.
+    pub(crate) fn celsius(&self, code: f64) -> f64 {
+        let r = code / (FULL_SCALE - code) / self.r25_over_pull_up;
+        1.0 / (1.0 / T25 + libm::log(r) / self.beta) - KELVIN
+    }
+
+    /// Beta equation and ratiometric conversion; the thermistor lies to ground.
+    fn convert(&self, celsius: f64) -> f64 {
+        let r = self.r25_over_pull_up * libm::exp(self.beta * (1.0 / (celsius + KELVIN) - 1.0 / T25));
+        let ratio = r / (1.0 + r);
+        (ratio * self.steps + 0.5).floor() * (FULL_SCALE / self.steps)
+    }
+}

@@ -1,0 +1,151 @@
+//! The rig's physics and faults against what they are said to be. No turbulence, no noise, so that tolerances are small.
+
+use fdi_core::AdcCode;
+use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
+use pt326_rig::fault::{Fault, Sensor, Verb};
+use pt326_rig::{Rig, RigConfig, Wander};
+
+use Sensor::{T0, T1, T2};
+
+const TS: f64 = 0.11;
+const ROOM: f64 = 22.5;
+
+fn still(gain: f64) -> RigConfig {
+    RigConfig { gain, turbulence: 0.0, white_noise: 0.0, ..RigConfig::default() }
+}
+
+fn rig(gain: f64, faults: &[Fault]) -> Rig {
+    Rig::new(&still(gain), Wander::None, TS, 1, faults)
+}
+
+/// Drives the rig for `seconds` and gives the codes then.
+fn codes(rig: &mut Rig, drive: f64, seconds: f64) -> [f64; 3] {
+    for _ in 0..(seconds / TS).round() as u32 {
+        rig.sample();
+        rig.advance(drive);
+    }
+    rig.sample()
+}
+
+/// The same as temperatures.
+fn celsius(rig: &mut Rig, drive: f64, seconds: f64) -> [f64; 3] {
+    let thermistor = Thermistor::new(&ThermistorConfig::default(), 0).unwrap();
+    codes(rig, drive, seconds).map(|code| f64::from(thermistor.celsius(AdcCode(code as f32)).0))
+}
+
+fn close(actual: [f64; 3], expected: [f64; 3]) {
+    let near = actual.iter().zip(expected).all(|(a, e)| (a - e).abs() < 0.1);
+    assert!(near, "{actual:?}, expected {expected:?}");
+}
+
+fn on(verb: Verb, sensor: Sensor, size: f64, at: f64) -> Fault {
+    Fault::new(verb, Some(sensor), Some(size), at, 1e6)
+}
+
+fn swapped(sensor: Sensor, with: Sensor, at: f64) -> Fault {
+    Fault { with: Some(with), ..Fault::new(Verb::Swap, Some(sensor), None, at, 1e6) }
+}
+
+#[test]
+fn full_power_makes_the_air_as_hot_as_the_gain_says() {
+    for (gain, hottest) in [(0.3, 52.5), (0.6, 82.5), (1.0, 122.5)] {
+        let mut rig = rig(gain, &[on(Verb::Detach, T1, 1.0, 0.0), on(Verb::Offset, T2, 9.0, 0.0)]);
+        codes(&mut rig, 100.0, 20.0);
+        let [t1, t2] = rig.air();
+        assert!((t1 - hottest).abs() < 1e-6, "{t1}");
+        assert!((t2 - ROOM - 0.92 * (hottest - ROOM)).abs() < 1e-6, "{t2}");
+    }
+}
+
+#[test]
+fn the_air_at_a_sensor_is_that_of_the_heater_a_dead_time_ago() {
+    let mut rig = rig(0.3, &[]);
+    codes(&mut rig, 50.0, 2.0 * TS);
+    let rise = |t: f64| 15.0 * (1.0 - (-t.max(0.0) / 0.45).exp());
+    let [t1, t2] = rig.air();
+    assert!(
+        (t1 - ROOM - rise(0.22 - 0.1)).abs() < 1e-9 && (t2 - ROOM - 0.92 * rise(0.22 - 0.2)).abs() < 1e-9
+    );
+}
+
+#[test]
+fn a_detached_sensor_misses_its_share_of_the_rise_and_slides_out() {
+    let out = |size, over| {
+        let slides = Fault { over, ..on(Verb::Detach, T1, size, 10.1) };
+        let mut rig = rig(0.3, &[slides]);
+        [10.0, 1.0, 29.0, 60.0].map(|more| celsius(&mut rig, 50.0, more)[1])
+    };
+    let near = |actual: [f64; 4], expected: [f64; 4]| {
+        assert!(
+            actual.iter().zip(expected).all(|(a, e)| (a - e).abs() < 0.15),
+            "{actual:?}, expected {expected:?}"
+        );
+    };
+    near(out(1.0, None), [37.5, 22.5, 22.5, 22.5]);
+    near(out(0.5, None), [37.5, 30.0, 30.0, 30.0]);
+    near(out(1.0, Some(60.0)), [37.5, 37.25, 30.0, 22.5]);
+    let slow = Fault { lag: Some(10.0), ..on(Verb::Detach, T2, 1.0, 10.1) };
+    let mut rig = rig(0.3, &[slow]);
+    let before = celsius(&mut rig, 50.0, 10.0);
+    close(celsius(&mut rig, 50.0, 10.0), [ROOM, 37.5, ROOM + (before[2] - ROOM) * (-1.0_f64).exp()]);
+}
+
+#[test]
+fn swapped_sensors_are_exchanged_with_their_own_faults_until_cleared() {
+    let mut rig = rig(0.3, &[on(Verb::Offset, T1, 2.0, 0.0), swapped(T0, T1, 0.0)]);
+    close(celsius(&mut rig, 50.0, 10.0), [39.5, 22.5, 36.3]);
+    rig.clear();
+    close(celsius(&mut rig, 50.0, 1.0), [22.5, 37.5, 36.3]);
+}
+
+#[test]
+fn a_frozen_sensor_goes_on_from_its_last_code_with_noise() {
+    let mut rig = rig(0.3, &[on(Verb::Freeze, T1, 2.0, 20.0)]);
+    codes(&mut rig, 50.0, 19.9);
+    let held = rig.sample()[1];
+    codes(&mut rig, 90.0, TS);
+    let off: Vec<f64> = (0..500).map(|_| codes(&mut rig, 90.0, TS)[1] - held).collect();
+    let mean = off.iter().sum::<f64>() / 500.0;
+    let sd = (off.iter().map(|x| x * x).sum::<f64>() / 500.0).sqrt();
+    assert!(mean.abs() < 0.4 && (1.8..2.2).contains(&sd), "mean {mean}, standard deviation {sd}");
+}
+
+#[test]
+fn what_is_stuck_from_the_start_repeats_the_first_temperature() {
+    let stuck = Fault::new(Verb::Stuck, Some(T1), None, 0.0, 1e6);
+    let frozen = on(Verb::Freeze, T2, 0.0, 0.0);
+    let mut rig = rig(0.3, &[stuck, frozen, on(Verb::Offset, T0, -20.0, 0.0)]);
+    close(celsius(&mut rig, 50.0, 10.0), [2.5, 22.5, 22.5]);
+}
+
+#[test]
+fn what_is_injected_counts_from_now() {
+    let mut rig = rig(0.3, &[]);
+    close(celsius(&mut rig, 50.0, 10.0), [22.5, 37.5, 36.3]);
+    rig.inject(on(Verb::Offset, T2, 5.0, 1.0));
+    close(celsius(&mut rig, 50.0, 0.9), [22.5, 37.5, 36.3]);
+    close(celsius(&mut rig, 50.0, 0.22), [22.5, 37.5, 41.3]);
+}
+
+/// What is done to heater or air is no error of a sensor.
+#[test]
+fn the_error_of_the_sensors_is_what_their_faults_make() {
+    let error = |faults: &[Fault]| {
+        let mut rig = rig(0.3, faults);
+        codes(&mut rig, 50.0, 20.0);
+        rig.sensor_error()
+    };
+    let near = |faults: &[Fault], expected: f64| {
+        let error = error(faults);
+        assert!((error - expected).abs() < 0.1, "{error} of {faults:?}, expected {expected}");
+    };
+    near(&[], 0.0);
+    near(&[Fault::new(Verb::AirFlow, None, Some(0.5), 10.0, 5.0), on(Verb::Spike, T1, 50.0, 3.0)], 0.0);
+    near(&[on(Verb::Detach, T1, 0.5, 15.0)], 7.5);
+    near(&[on(Verb::Detach, T2, 1.0, 0.0)], 13.8);
+    near(&[on(Verb::Offset, T0, -20.0, 0.0)], 20.0);
+    near(&[swapped(T1, T0, 5.0)], 15.0);
+    near(&[Fault { duration: 5.0, ..on(Verb::Detach, T1, 1.0, 5.0) }], 0.0);
+    assert!(error(&[Fault::new(Verb::Open, Some(T2), None, 10.0, 1e6)]) > 100.0);
+    assert!(error(&[on(Verb::Freeze, T1, 0.0, 0.05)]) > 14.0);
+}

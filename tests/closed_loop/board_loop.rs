@@ -1,0 +1,79 @@
+//! The control loop of the board and the instrument in process are the same thing: same codes, same orders, same bits.
+
+use fdi_core::control::Controller;
+use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
+use fdi_core::{Command, Config, Feedback, RawSample, Report, Tick};
+use firmware_logic::cadence::Arrival;
+use firmware_logic::control_loop::{Beat, ControlLoop, Order};
+use firmware_logic::interlock::Interlock;
+use host_sim::commands::console::Output;
+use host_sim::experiment::scenario::Scenario;
+use host_sim::experiment::{Backend, run, run_on};
+
+/// The two halves as the firmware runs them: orders wait for the next tick, what was learnt comes back one tick later.
+struct Board {
+    control: ControlLoop,
+    diagnosis: Diagnosis,
+    state: DiagnosisState,
+    output: Output,
+    order: Option<Order>,
+    feedback: Feedback,
+    beat: Option<Beat>,
+}
+
+impl Board {
+    fn new(config: &Config) -> Self {
+        let controller = Controller::new(config).expect("valid");
+        let diagnosis = Diagnosis::new(config).expect("valid");
+        Self {
+            control: ControlLoop::new(controller, config.setpoint, Interlock::default()),
+            state: diagnosis.start(),
+            diagnosis,
+            output: Output::default(),
+            order: None,
+            feedback: Feedback::default(),
+            beat: None,
+        }
+    }
+}
+
+impl Backend for Board {
+    fn control(&mut self, raw: RawSample) -> Tick {
+        let order = self.order.take();
+        let beat = self.control.tick(raw, Arrival::default(), order, self.feedback, &mut self.output);
+        let tick = beat.tick;
+        self.beat = Some(beat);
+        tick
+    }
+
+    fn diagnose(&mut self, tick: &Tick) -> Report {
+        let applied = self.beat.take().expect("control came first").applied;
+        let report = self.diagnosis.step(&mut self.state, tick, applied);
+        self.feedback = report.feedback();
+        report
+    }
+
+    fn command(&mut self, command: Command) -> Result<(), String> {
+        self.order = Some(Order::Command(command));
+        Ok(())
+    }
+
+    fn baseline(&self) -> Option<Baseline> {
+        self.diagnosis.baseline(&self.state).copied()
+    }
+}
+
+#[test]
+fn the_papers_experiment_gives_the_same_bits_on_the_boards_loop() {
+    let (config, scenario) = (Config::default(), Scenario::default());
+    let here = run(&config, &scenario, 1).expect("valid");
+    let mut unchecked = config.clone();
+    unchecked.supervisor.check_before_arming = false;
+    let board = run_on(&mut Board::new(&unchecked), &config, &scenario, 1);
+    assert_eq!(here.rows.len(), board.rows.len());
+    for (here, board) in here.rows.iter().zip(&board.rows) {
+        assert_eq!((here.tick, &here.report), (board.tick, &board.report));
+    }
+    assert!(here.baseline.is_some() && here.baseline == board.baseline);
+}

@@ -1,0 +1,7 @@
+//! The instrument in closed loop with the simulated rig.
+
+mod board_loop;
+mod contradiction;
+mod heat;
+mod parity;
+mod scenarios;

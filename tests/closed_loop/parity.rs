@@ -1,0 +1,271 @@
+//! What the parity diagnosis says of the rig: every class named, nothing said of what is no fault, T1 stood in for.
+
+use std::mem::size_of;
+
+use fdi_core::parity::{Arming, Distrust, FaultClass, ParityState};
+use fdi_core::{Config, Instrument, Mode, TripReason};
+use host_sim::experiment::scenario::{Action, Scenario};
+use host_sim::experiment::{Record, Row, run, run_on};
+use host_sim::record::summary::Summary;
+use pt326_rig::fault::{Fault, Sensor, Verb};
+use pt326_rig::{RigConfig, Wander};
+
+const ONSET: f64 = 400.03;
+
+fn fault(verb: Verb, sensor: Option<Sensor>, size: f64, lag: Option<f64>, duration: f64) -> Fault {
+    Fault { lag, ..Fault::new(verb, sensor, Some(size), ONSET, duration) }
+}
+
+fn scenario(faults: Vec<Fault>, duration: f64) -> Scenario {
+    Scenario { duration, wander: Wander::Lively, faults, ..Scenario::default() }
+}
+
+/// Time since the onset of rows after it.
+fn since_onset(record: &Record) -> impl Iterator<Item = (f64, &Row)> {
+    record.rows.iter().map(|row| (record.time(row.tick.index) - ONSET, row)).filter(|(t, _)| *t >= 0.0)
+}
+
+fn alarms(record: &Record) -> Vec<f64> {
+    let on = |row: &Row| row.report.parity.alarm;
+    record.rows.windows(2).filter(|w| !on(&w[0]) && on(&w[1])).map(|w| record.time(w[1].tick.index)).collect()
+}
+
+#[test]
+fn every_class_is_named_with_its_size() {
+    use Sensor::{T0, T1, T2};
+    use fdi_core::parity::Channel;
+    // What is done, what it must be called, how long that may take, and the magnitude with the error allowed.
+    let cases = [
+        (fault(Verb::Offset, Some(T2), 1.5, None, 25.0), FaultClass::T2Offset, 1.0, Some((1.5, 0.2))),
+        (fault(Verb::Offset, Some(T2), -1.5, None, 25.0), FaultClass::T2Offset, 1.0, Some((-1.5, 0.2))),
+        (fault(Verb::Offset, Some(T1), 1.5, None, 25.0), FaultClass::T1Offset, 1.0, Some((1.5, 0.3))),
+        (fault(Verb::Offset, Some(T1), -1.5, None, 25.0), FaultClass::T1Offset, 16.0, Some((-1.5, 0.3))),
+        (fault(Verb::Offset, Some(T0), 1.5, None, 25.0), FaultClass::T0Fault, 1.0, Some((1.5, 0.3))),
+        (fault(Verb::Clog, Some(T1), 0.85, Some(0.4), 25.0), FaultClass::T1Clogged, 2.5, Some((-15.0, 2.0))),
+        (fault(Verb::Clog, Some(T1), 1.0, Some(0.8), 25.0), FaultClass::T1Clogged, 9.0, None),
+        (fault(Verb::AirFlow, None, 1.26, None, 25.0), FaultClass::AirFlow, 1.5, Some((26.0, 4.0))),
+        (fault(Verb::AirFlow, None, 0.8, None, 25.0), FaultClass::AirFlow, 1.5, Some((-20.0, 4.0))),
+        (fault(Verb::HeaterPower, None, 0.7, None, 25.0), FaultClass::HeaterPower, 12.0, Some((-30.0, 3.0))),
+        (fault(Verb::HeaterPower, None, 0.0, None, 5.0), FaultClass::HeaterPower, 2.0, Some((-100.0, 3.0))),
+        (fault(Verb::Drift, Some(T2), 3.0, None, 60.0), FaultClass::Drift, 25.0, Some((3.0, 1.0))),
+        (fault(Verb::Stuck, Some(T2), 0.0, None, 25.0), FaultClass::Stuck(Channel::T2), 4.0, None),
+        (fault(Verb::Open, Some(T2), 0.0, None, 25.0), FaultClass::Open(Channel::T2), 0.4, None),
+        (fault(Verb::Short, Some(T0), 0.0, None, 25.0), FaultClass::Short(Channel::T0), 0.4, None),
+        (fault(Verb::Open, Some(T1), 0.0, None, 25.0), FaultClass::Open(Channel::T1), 0.4, None),
+    ];
+    for (fault, class, latest, magnitude) in cases {
+        for seed in [11, 12, 13] {
+            let record = run(&Config::default(), &scenario(vec![fault.clone()], 470.0), seed).unwrap();
+            let told = since_onset(&record)
+                .find(|(_, row)| row.report.parity.finding.is_some_and(|finding| finding.class == class));
+            let (delay, _) = told.unwrap_or_else(|| panic!("{} is never named, seed {seed}", fault.label()));
+            assert!(delay <= latest, "{}: named after {delay} s, seed {seed}", fault.label());
+            // A T1 that only lags shows only when something moves: its alarm may come and go.
+            let during = since_onset(&record).take_while(|(t, _)| *t < fault.duration);
+            let finding =
+                during.filter_map(|(_, row)| row.report.parity.finding).last().expect("named above");
+            assert_eq!(finding.class, class, "{}, seed {seed}", fault.label());
+            if let Some((truth, error)) = magnitude {
+                let value = finding.magnitude.expect("this class has one").value;
+                assert!((value - truth).abs() <= error, "{}: {value}, seed {seed}", fault.label());
+            }
+        }
+    }
+}
+
+#[test]
+fn two_faults_at_once_are_unknown() {
+    let both = vec![
+        fault(Verb::Offset, Some(Sensor::T2), 1.5, None, 25.0),
+        fault(Verb::AirFlow, None, 1.26, None, 25.0),
+    ];
+    let record = run(&Config::default(), &scenario(both, 430.0), 5).unwrap();
+    let after_4s = since_onset(&record).filter(|(t, _)| (4.0..25.0).contains(t));
+    for (t, row) in after_4s {
+        let class = row.report.parity.finding.map(|finding| finding.class);
+        assert_eq!(class, Some(FaultClass::Unknown), "{t} s after the onset");
+    }
+}
+
+#[test]
+fn what_is_no_fault_raises_no_alarm() {
+    let action = |at: f64| Action { at, ..Action::default() };
+    let steps = [(400.0, 45.0), (430.0, 24.0), (460.0, 60.0), (490.0, 35.0)]
+        .map(|(at, t)| Action { setpoint: Some(t), ..action(at) })
+        .to_vec();
+    let no_excitation =
+        [(400.0, false), (450.0, true)].map(|(at, on)| Action { excite: Some(on), ..action(at) });
+    let all =
+        |verb, size| [Sensor::T0, Sensor::T1, Sensor::T2].map(|s| fault(verb, Some(s), size, None, 60.0));
+    let cases: [(&str, Vec<Fault>, Vec<Action>); 9] = [
+        ("nothing", vec![], vec![]),
+        ("set-point steps", vec![], steps),
+        ("no excitation", vec![], no_excitation.to_vec()),
+        ("5 % missing", all(Verb::Missing, 0.05).to_vec(), vec![]),
+        ("spikes of 3 degC", all(Verb::Spike, 3.0).to_vec(), vec![]),
+        ("spikes of 10 degC", all(Verb::Spike, -10.0).to_vec(), vec![]),
+        ("a room that warms", vec![fault(Verb::RoomDrift, None, 2.0, None, 60.0)], vec![]),
+        ("a window opened", vec![fault(Verb::Room, None, -2.0, None, 60.0)], vec![]),
+        ("a sag of the mains", vec![fault(Verb::HeaterPower, None, 0.97, None, 30.0)], vec![]),
+    ];
+    for (name, faults, actions) in cases {
+        for seed in [21, 22, 23] {
+            let scenario = Scenario { actions: actions.clone(), ..scenario(faults.clone(), 520.0) };
+            let record = run(&Config::default(), &scenario, seed).unwrap();
+            assert_eq!(alarms(&record), [0.0; 0], "{name}, seed {seed}");
+            let last = record.rows.last().unwrap();
+            assert_eq!(
+                last.report.parity.arming,
+                Arming::Armed,
+                "{name}: silence of a watch that is not kept"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_damper_moved_after_an_announcement_is_learnt_anew() {
+    let damper = fault(Verb::AirFlow, None, 1.26, None, 1000.0);
+    let actions = vec![Action { at: 399.0, relearn: true, ..Action::default() }];
+    let record = run(&Config::default(), &Scenario { actions, ..scenario(vec![damper], 700.0) }, 3).unwrap();
+    assert_eq!(alarms(&record), [0.0; 0]);
+    assert_eq!(record.rows.last().unwrap().report.parity.arming, Arming::Armed);
+}
+
+#[test]
+fn a_second_fault_is_found_after_the_first_has_gone() {
+    let first = fault(Verb::AirFlow, None, 1.26, None, 10.0);
+    let second = Fault { at: ONSET + 20.0, ..fault(Verb::Offset, Some(Sensor::T2), 1.5, None, 10.0) };
+    let record = run(&Config::default(), &scenario(vec![first, second], 450.0), 9).unwrap();
+    let alarms = alarms(&record);
+    assert_eq!(alarms.len(), 2, "{alarms:?}");
+    assert!((ONSET..ONSET + 1.0).contains(&alarms[0]) && (ONSET + 20.0..ONSET + 20.5).contains(&alarms[1]));
+}
+
+#[test]
+fn models_that_explain_too_little_are_refused() {
+    let rig = RigConfig { turbulence: 1.2, ..RigConfig::default() };
+    let record = run(&Config::default(), &Scenario { rig, ..scenario(vec![], 700.0) }, 2).unwrap();
+    let arming = |row: &Row| row.report.parity.arming;
+    assert!(record.rows.iter().any(|row| arming(row) == Arming::Refused(Distrust::PoorFit)));
+    assert!(record.rows.iter().all(|row| arming(row) != Arming::Armed));
+    assert_eq!(alarms(&record), [0.0; 0]);
+}
+
+fn going_on() -> Config {
+    let mut config = Config::default();
+    config.supervisor.go_on_without_t1 = true;
+    config
+}
+
+/// T1 reads 1.5 degC too high: the air would be as much too cold.
+#[test]
+fn a_t1_that_reads_wrong_is_stood_in_for_without_a_bump() {
+    let offset = 1.5;
+    let scenario = scenario(vec![fault(Verb::Offset, Some(Sensor::T1), offset, None, 60.0)], 520.0);
+    let record = run(&going_on(), &scenario, 31).unwrap();
+    let mean_error = |from: f64, to: f64, offset: f64| {
+        let errors: Vec<f64> = since_onset(&record)
+            .filter(|(t, _)| (from..to).contains(t))
+            .map(|(_, row)| f64::from(row.tick.sample.t1.celsius.0) - offset - record.setpoint)
+            .collect();
+        errors.iter().sum::<f64>() / errors.len() as f64
+    };
+    assert!(mean_error(5.0, 60.0, offset).abs() < 0.25, "{} degC off", mean_error(5.0, 60.0, offset));
+    assert!(mean_error(70.0, 110.0, 0.0).abs() < 0.1, "back on T1");
+    let stood_in = |row: &Row| row.tick.stand_in.is_some();
+    let switches: Vec<_> = record.rows.windows(2).filter(|w| stood_in(&w[0]) != stood_in(&w[1])).collect();
+    assert_eq!(switches.len(), 2, "once there and once back");
+    for w in switches {
+        let bump = w[1].tick.pid.0 - w[0].tick.pid.0;
+        assert!(bump.abs() < 4.0, "a step of {bump} % at {} s", record.time(w[1].tick.index));
+    }
+    let told = Summary::new(&record).without_t1.expect("it was stood in for");
+    assert!((55.0..65.0).contains(&told.duration_s) && told.error_mean_c.abs() < 0.2, "{told:?}");
+    let without = run(&Config::default(), &scenario, 31).unwrap();
+    assert_eq!(Summary::new(&without).without_t1, None);
+    assert!(without.rows.iter().all(|row| !stood_in(row)), "only where it is asked for");
+}
+
+#[test]
+fn a_broken_t1_trips_or_is_stood_in_for() {
+    let scenario = scenario(vec![fault(Verb::Open, Some(Sensor::T1), 0.0, None, 60.0)], 480.0);
+    let record = run(&going_on(), &scenario, 32).unwrap();
+    assert!(record.rows.iter().all(|row| !matches!(row.tick.mode, Mode::Tripped(_))));
+    let stand_in = |row: &Row| row.tick.stand_in.map(|t| t.0);
+    let during: Vec<f32> =
+        since_onset(&record).filter(|(t, _)| *t < 59.0).filter_map(|(_, row)| stand_in(row)).collect();
+    assert!(
+        during.len() > 500 && during[30..].iter().all(|t| (t - 35.0).abs() < 2.5),
+        "regulated all the while"
+    );
+    let tripped = run(&Config::default(), &scenario, 32).unwrap();
+    assert!(
+        matches!(tripped.rows.last().unwrap().tick.mode, Mode::Tripped(trip) if trip.reason == TripReason::T1Open)
+    );
+}
+
+/// Without T1 and without T2 nothing is left to regulate by.
+#[test]
+fn a_stand_in_that_is_lost_trips() {
+    let t1 = fault(Verb::Open, Some(Sensor::T1), 0.0, None, 60.0);
+    let t2 = Fault { at: ONSET + 10.0, ..fault(Verb::Open, Some(Sensor::T2), 0.0, None, 50.0) };
+    let record = run(&going_on(), &scenario(vec![t1, t2], 440.0), 33).unwrap();
+    let (t, row) = since_onset(&record).find(|(_, row)| !row.tick.mode.is_heating()).expect("a trip");
+    assert!(matches!(row.tick.mode, Mode::Tripped(trip) if trip.reason == TripReason::T1Lost));
+    assert!((10.0..11.0).contains(&t), "{t} s");
+}
+
+/// T1 is gone, and T2 reads far too low: regulating by it would overheat the rig.
+#[test]
+fn a_stand_in_that_the_models_contradict_trips() {
+    let t1 = fault(Verb::Open, Some(Sensor::T1), 0.0, None, 60.0);
+    let t2 = Fault { at: ONSET + 10.0, ..fault(Verb::Offset, Some(Sensor::T2), -10.0, None, 50.0) };
+    let record = run(&going_on(), &scenario(vec![t1, t2], 440.0), 34).unwrap();
+    let (t, row) = since_onset(&record).find(|(_, row)| !row.tick.mode.is_heating()).expect("a trip");
+    assert!(matches!(row.tick.mode, Mode::Tripped(trip) if trip.reason == TripReason::T1Lost));
+    assert!((10.0..14.0).contains(&t), "{t} s");
+}
+
+#[test]
+fn a_t1_without_samples_is_stood_in_for() {
+    let faults = vec![fault(Verb::Missing, Some(Sensor::T1), 1.0, None, 30.0)];
+    let record = run(&going_on(), &scenario(faults, 440.0), 35).unwrap();
+    assert!(record.rows.iter().all(|row| !matches!(row.tick.mode, Mode::Tripped(_))));
+    let stood_in = since_onset(&record).filter(|(_, row)| row.tick.stand_in.is_some()).count();
+    assert!((260..280).contains(&stood_in), "{stood_in} ticks of 30 s");
+}
+
+/// With a baseline of an earlier life, training takes place while monitoring, but not while something is wrong.
+#[test]
+fn a_fault_during_training_is_not_learnt() {
+    let config = Config::default();
+    let baseline = run(&config, &scenario(vec![], 400.0), 51).unwrap().baseline.expect("learnt");
+    let mut instrument = Instrument::new(&config).unwrap();
+    instrument.restore(&baseline).unwrap();
+    let fault = Fault { at: 60.0, ..fault(Verb::Offset, Some(Sensor::T2), 3.0, None, 100.0) };
+    let record = run_on(&mut instrument, &config, &scenario(vec![fault], 420.0), 51);
+    let arming = |row: &Row| row.report.parity.arming;
+    let armed = record.rows.iter().position(|row| arming(row) == Arming::Armed).expect("armed in the end");
+    let after = record.time(armed as u32);
+    assert!((270.0..310.0).contains(&after), "178 s of samples, but for 100 s of fault: {after} s");
+    assert_eq!(alarms(&record), [0.0; 0], "what was learnt is the rig without the fault");
+}
+
+#[test]
+fn heat_without_air_or_without_being_asked_for_trips() {
+    for (verb, size, reason) in
+        [(Verb::AirFlow, 0.35, TripReason::AirFlowLost), (Verb::HeaterStuck, 60.0, TripReason::HeaterStuckOn)]
+    {
+        let record =
+            run(&Config::default(), &scenario(vec![fault(verb, None, size, None, 60.0)], 440.0), 41).unwrap();
+        let (t, row) = since_onset(&record).find(|(_, row)| !row.tick.mode.is_heating()).expect("a trip");
+        assert!(matches!(row.tick.mode, Mode::Tripped(trip) if trip.reason == reason), "{:?}", row.tick.mode);
+        assert!(t < 15.0, "{t} s");
+    }
+}
+
+#[test]
+fn the_memory_is_bounded() {
+    assert!(size_of::<ParityState>() <= 4096, "{} bytes", size_of::<ParityState>());
+}

@@ -1,0 +1,76 @@
+//! `virtual-board`: the paper's experiment on the firmware's image.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use host_sim::commands::run;
+use host_sim::experiment::scenario::Scenario;
+use host_sim::record::summary::Summary;
+use host_sim::record::table;
+use virtual_board::{board, experiment};
+
+/// Runs the firmware's image, unmodified, on a modelled NUCLEO-F411RE with the simulated rig on its wires: the paper's
+/// experiment. Prints and writes what `host-sim run` does, from the log that the image gives.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Cli {
+    /// The image; default: what `cargo fw` has built.
+    #[arg(long, value_name = "PATH")]
+    elf: Option<PathBuf>,
+    /// Length of the run in s; the paper's is 850.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    seconds: Option<u32>,
+    /// Seed of the rig's noise and of the phase of the excitation.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Folder for trace.csv, summary.json, the figures, report.html and board.log; made if need be.
+    #[arg(long, value_name = "DIR", default_value = "out/virtual-board")]
+    out: PathBuf,
+}
+
+fn main() -> ExitCode {
+    match carry_out(&Cli::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Runs the experiment; whether board and host agree in every word.
+fn carry_out(cli: &Cli) -> anyhow::Result<bool> {
+    let mut scenario = Scenario::default();
+    if let Some(seconds) = cli.seconds {
+        scenario.duration = seconds.into();
+    }
+    let image = board::load(cli.elf.as_deref())?;
+    let done = experiment::run(image, &scenario, cli.seed)?;
+    let summary = Summary::new(&done.record);
+    let mut out = std::io::stdout().lock();
+    write!(out, "{}", table::of_run(&done.record, &summary))?;
+    writeln!(
+        out,
+        "Image                  {} instructions in {:.0} s; armed at its tick {}",
+        done.board.cpu.instructions(),
+        done.board.now() as f64 / virtual_board::time::SECOND as f64,
+        done.idle_ticks
+    )?;
+    let words = firmware_logic::record::WORDS * (done.idle_ticks + done.record.rows.len());
+    writeln!(
+        out,
+        "Bits                   {} of {words} words of the log differ from the host's",
+        done.differences.len()
+    )?;
+    for d in done.differences.iter().take(10) {
+        writeln!(out, "  tick {} {}: board {:#010x}, host {:#010x}", d.tick, d.name, d.board, d.host)?;
+    }
+    run::write_files(&done.record, &summary, &cli.out)?;
+    let log: String = done.board.log.iter().map(|line| format!("{line}\n")).collect();
+    std::fs::write(cli.out.join("board.log"), log)?;
+    writeln!(out, "\nWritten to {}: what `host-sim run` writes, and board.log", cli.out.display())?;
+    Ok(done.differences.is_empty())
+}

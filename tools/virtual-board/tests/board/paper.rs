@@ -1,0 +1,84 @@
+//! The paper's experiment on the image: it must say what the simulation says.
+
+use std::sync::LazyLock;
+
+use fdi_core::Mode;
+use host_sim::experiment::scenario::Scenario;
+use host_sim::record::summary::Summary;
+use virtual_board::board::load;
+use virtual_board::{experiment, twin};
+
+struct Run {
+    record: host_sim::experiment::Record,
+    differences: Vec<virtual_board::recording::Difference>,
+    power: Vec<f64>,
+    idle_ticks: usize,
+}
+
+/// The run of seed 1, once for all tests.
+static RUN: LazyLock<Run> = LazyLock::new(|| run(1));
+
+fn run(seed: u64) -> Run {
+    let done = experiment::run(load(None).expect("an image"), &Scenario::default(), seed).expect("runs");
+    let power = done.rig.0.borrow().power.clone();
+    Run { record: done.record, differences: done.differences, power, idle_ticks: done.idle_ticks }
+}
+
+/// Ts, and a little for rounding.
+const ONE_TICK: f64 = 0.1101;
+
+#[test]
+fn every_word_of_the_log_comes_out_of_the_core_on_the_host() {
+    assert_eq!(RUN.record.rows.len(), 7727);
+    assert_eq!(RUN.differences, []);
+}
+
+#[test]
+fn drives_and_features_are_those_of_the_simulation_bit_for_bit() {
+    for (run, seed) in [(&*RUN, 1), (&run(7), 7)] {
+        let twin = twin::run(&Scenario::default(), seed, run.idle_ticks).expect("simulates");
+        for (i, (board, twin)) in run.record.rows.iter().zip(&twin.rows).enumerate() {
+            // Debug text of a float is the shortest that gives the same bits.
+            let tick = fdi_core::Tick { drive: board.tick.drive, index: board.tick.index, ..twin.tick };
+            assert_eq!(format!("{:?}", board.tick), format!("{tick:?}"), "tick {i}, seed {seed}");
+            let mut report = twin.report.clone();
+            report.tick = board.report.tick;
+            report.events = board.report.events.clone(); // they carry the number of the tick
+            assert_eq!(format!("{:?}", board.report), format!("{report:?}"), "tick {i}, seed {seed}");
+            if let Some(power) = run.power.get(i) {
+                assert_eq!((100.0 * power) as f32, twin.tick.drive.0, "the pin at tick {i}, seed {seed}");
+            }
+        }
+    }
+}
+
+#[test]
+fn reaches_the_set_point_learns_and_monitors() {
+    let t1 = |i: usize| RUN.record.rows[i].tick.sample.t1.celsius.0;
+    assert!((22.0..24.0).contains(&t1(0)), "cold at first: {}", t1(0));
+    let mean = (200..1600).map(t1).sum::<f32>() / 1400.0;
+    assert!((mean - 35.0).abs() < 0.05, "{mean}");
+    assert!(RUN.record.baseline.is_some());
+    assert_eq!(RUN.record.rows.last().map(|row| row.tick.mode), Some(Mode::Monitor));
+}
+
+#[test]
+fn faults_are_seen_within_one_tick_of_the_simulation() {
+    let scenario = Scenario::default();
+    let simulated = host_sim::experiment::run(&fdi_core::Config::default(), &scenario, 1).expect("simulates");
+    let (board, host) = (Summary::new(&RUN.record), Summary::new(&simulated));
+    assert_eq!(board.false_alarms, host.false_alarms);
+    for (board, host) in board.faults.iter().zip(&host.faults) {
+        let near = |a: Option<f64>, b: Option<f64>| match (a, b) {
+            (Some(a), Some(b)) => (a - b).abs() <= ONE_TICK,
+            (a, b) => a == b,
+        };
+        assert!(near(board.signature.detected_s, host.signature.detected_s), "{}", board.name);
+        assert!(near(board.signature.isolated_s, host.signature.isolated_s), "{}", board.name);
+        assert!(
+            board.signature.detected_s.is_some() && board.signature.isolated_s.is_some(),
+            "{}",
+            board.name
+        );
+    }
+}

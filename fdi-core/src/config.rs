@@ -6,7 +6,7 @@ use crate::control::prbs::PrbsConfig;
 use crate::diagnosis::DiagnosisConfig;
 use crate::error::{ConfigError, in_range};
 use crate::identify::observer::IdentificationConfig;
-use crate::parity::ParityConfig;
+use crate::likelihood::LikelihoodConfig;
 use crate::sense::plausibility::PlausibilityConfig;
 use crate::sense::thermistor::ThermistorConfig;
 use crate::supervisor::SupervisorConfig;
@@ -37,7 +37,7 @@ pub struct Config {
     /// Residuals, thresholds, signatures.
     pub diagnosis: DiagnosisConfig,
     /// The second opinion.
-    pub parity: ParityConfig,
+    pub likelihood: LikelihoodConfig,
     /// Modes and trips.
     pub supervisor: SupervisorConfig,
 }
@@ -70,7 +70,7 @@ impl Default for Config {
             prbs: PrbsConfig::default(),
             identification: IdentificationConfig::default(),
             diagnosis: DiagnosisConfig::default(),
-            parity: ParityConfig::default(),
+            likelihood: LikelihoodConfig::default(),
             supervisor: SupervisorConfig::default(),
         }
     }

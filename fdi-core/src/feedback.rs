@@ -8,7 +8,7 @@ use crate::units::Percent;
 pub struct Feedback {
     /// Samples that the baseline has.
     pub learned: u32,
-    /// What T1 will be above the room on the next tick by T2 and the models, degC. None unless the parity diagnosis watches
+    /// What T1 will be above the room on the next tick by T2 and the models, degC. None unless the likelihood diagnosis watches
     /// and T2 is good.
     pub stand_in: Option<f32>,
     /// T1 reads wrong, by name: offset, clogged, stuck, open, shorted or lost.

@@ -1,4 +1,4 @@
-//! Alarms of the parity diagnosis, from tick to tick: what is worth a line is that one was raised, is called another
+//! Alarms of the likelihood diagnosis, from tick to tick: what is worth a line is that one was raised, is called another
 //! name, or has ended.
 
 use core::fmt;
@@ -28,7 +28,7 @@ pub struct Alarms {
 impl Alarms {
     /// Takes in a tick; gives the alarm if there is news of it.
     pub fn notice(&mut self, report: &Report) -> Option<Alarm> {
-        let (tick, said) = (report.tick, &report.parity);
+        let (tick, said) = (report.tick, &report.likelihood);
         let Some(alarm) = &mut self.lasting else {
             let raised = Alarm { raised: tick, finding: said.finding, ended: None };
             self.lasting = said.alarm.then_some(raised);
@@ -76,7 +76,7 @@ impl fmt::Display for Shown<'_> {
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::parity::{Magnitude, ParityReport};
+    use fdi_core::likelihood::{LikelihoodReport, Magnitude};
     use fdi_core::{FaultClass, Report};
 
     use super::*;
@@ -88,7 +88,11 @@ mod tests {
             magnitude: Some(Magnitude { value, half_width: 0.125 }),
             onset: 98,
         });
-        Report { tick, parity: ParityReport { alarm, finding, ..Default::default() }, ..Report::default() }
+        Report {
+            tick,
+            likelihood: LikelihoodReport { alarm, finding, ..Default::default() },
+            ..Report::default()
+        }
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! A finding of the parity diagnosis as a sentence: what is wrong and by how much, measured against expected, since when.
+//! A finding of the likelihood diagnosis as a sentence: what is wrong and by how much, measured against expected, since when.
 
 use core::fmt;
 
 use fdi_core::Sample;
-use fdi_core::parity::{Channel, FaultClass, Finding, Magnitude, Pair};
+use fdi_core::likelihood::{Channel, FaultClass, Finding, Magnitude, Pair};
 
 use crate::decimal::Fixed;
 
@@ -47,8 +47,8 @@ impl Told<'_> {
             FaultClass::T0Fault => self.offset(f, Channel::T0, m),
             FaultClass::T1Clogged => {
                 write!(f, "T1 sees {} % of the rise too {}", size(1), if up { "much" } else { "little" })?;
-                let room = self.sample.t0.celsius.0;
-                let whole = room + (self.sample.t1.celsius.0 - room) / share;
+                let ambient = self.sample.t0.celsius.0;
+                let whole = ambient + (self.sample.t1.celsius.0 - ambient) / share;
                 self.against(f, Channel::T1, self.expected[1].unwrap_or(whole))
             }
             FaultClass::AirFlow => {

@@ -23,7 +23,7 @@ pub enum Entry {
         /// Whether it has passed.
         ended: bool,
     },
-    /// The parity diagnosis raised an alarm.
+    /// The likelihood diagnosis raised an alarm.
     Alarm(Alarm),
     /// The supervisor tripped.
     Trip(Trip),
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_makes_room() {
+    fn the_oldest_makes_ambient() {
         let mut history = History::default();
         for tick in 0..LENGTH as u32 + 3 {
             history.push(Entry::Hold { hold: Hold::BreakInput, tick });

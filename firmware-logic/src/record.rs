@@ -7,7 +7,7 @@ use core::fmt;
 use fdi_core::diagnosis::Verdict;
 use fdi_core::diagnosis::signature::{Symptom, Symptoms};
 use fdi_core::identify::observer::Observation;
-use fdi_core::parity::{Arming, Channel, Distrust, FaultClass, Pair, ParityReport};
+use fdi_core::likelihood::{Channel, FaultClass, LikelihoodReport, Pair, Readiness, RejectReason};
 use fdi_core::supervisor::Blocker;
 use fdi_core::{AdcCode, Mode, Percent, RawSample, Report, Validity};
 
@@ -21,7 +21,7 @@ pub const WORDS: usize = 31;
 pub const FIELDS: [&str; WORDS] = [
     "tick", "timing", "t0_code", "t1_code", "t2_code", "setpoint", "pid", "prbs", "drive", "applied",
     "state", "learned", "y1m", "y2m", "sg1", "sg2", "bw1", "ry1_f", "ry2_f", "rap_f", "ry12_f", "rsg1_f",
-    "rsg2_f", "rbw1_f", "symptoms", "vectors", "parity", "confidence", "magnitude", "half_width", "onset",
+    "rsg2_f", "rbw1_f", "symptoms", "vectors", "likelihood", "confidence", "magnitude", "half_width", "onset",
 ];
 
 /// "Not defined": a NaN that no arithmetic gives.
@@ -42,7 +42,7 @@ impl Record {
         let numbers = |x: Option<f32>| x.map_or(NONE, f32::to_bits);
         let (raw, filtered) = (&beat.raw, report.residuals_filtered.as_ref());
         let residual = |i: usize| numbers(filtered.and_then(|filtered| filtered.get(i).copied()));
-        let finding = &report.parity.finding;
+        let finding = &report.likelihood.finding;
         let magnitude = finding.and_then(|finding| finding.magnitude);
         Self([
             tick.index,
@@ -71,7 +71,7 @@ impl Record {
             residual(6),
             symptoms(report),
             vectors(report),
-            parity(&report.parity),
+            likelihood(&report.likelihood),
             numbers(finding.map(|finding| finding.confidence)),
             numbers(magnitude.map(|magnitude| magnitude.value)),
             numbers(magnitude.map(|magnitude| magnitude.half_width)),
@@ -232,7 +232,7 @@ fn observer(o: &Observation) -> u32 {
     u32::from(o.held)
         | u32::from(o.gain_held) << 1
         | u32::from(o.bandwidth_held) << 2
-        | u32::from(o.sick) << 3
+        | u32::from(o.diverged) << 3
 }
 
 /// Two bits a symptom: filtered from bit 0, raw from bit 16; 0 normal, 1 high, 2 low. All ones where nothing is judged.
@@ -253,18 +253,18 @@ fn symptoms(report: &Report) -> u32 {
     }
 }
 
-/// Arming of the parity diagnosis in bits 0..4, its alarm in bit 4, the class that it names from bit 8; 0 for none.
-fn parity(report: &ParityReport) -> u32 {
-    let arming = match report.arming {
-        Arming::Untrained => 0,
-        Arming::Training => 1,
-        Arming::Armed => 2,
-        Arming::Refused(Distrust::Unstable) => 3,
-        Arming::Refused(Distrust::Gain) => 4,
-        Arming::Refused(Distrust::PoorFit) => 5,
+/// Readiness of the likelihood diagnosis in bits 0..4, its alarm in bit 4, the class that it names from bit 8; 0 for none.
+fn likelihood(report: &LikelihoodReport) -> u32 {
+    let readiness = match report.readiness {
+        Readiness::Untrained => 0,
+        Readiness::Training => 1,
+        Readiness::Armed => 2,
+        Readiness::Refused(RejectReason::Unstable) => 3,
+        Readiness::Refused(RejectReason::Gain) => 4,
+        Readiness::Refused(RejectReason::PoorFit) => 5,
     };
     let class = report.finding.map_or(0, |finding| number(finding.class));
-    arming | u32::from(report.alarm) << 4 | class << 8
+    readiness | u32::from(report.alarm) << 4 | class << 8
 }
 
 /// A number for a class; where it is a thermistor's, 16 more for T1 and 32 for T2.

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use fdi_core::parity::{Arming, Distrust};
+use fdi_core::likelihood::{Readiness, RejectReason};
 use fdi_core::{Mode, Percent, Reading, Report, Validity};
 
 use crate::cadence::Punctuality;
@@ -54,7 +54,7 @@ impl Status {
     /// What the LED should say.
     pub fn sign(&self) -> Sign {
         let Some((_, report)) = &self.last else { return Sign::Off };
-        let faulty = report.parity.alarm || report.filtered.is_some_and(|verdict| verdict.fdv != 0);
+        let faulty = report.likelihood.alarm || report.filtered.is_some_and(|verdict| verdict.fdv != 0);
         match (self.is_held(), self.is_heating() || self.check.stage.is_some()) {
             (true, _) => Sign::Held,
             (false, true) if faulty => Sign::Alarm,
@@ -109,8 +109,8 @@ impl fmt::Display for Status {
         if let Some(verdict) = &report.filtered {
             write!(f, "\nfdv {} fiv {}", verdict.fdv, verdict.fiv)?;
         }
-        f.write_str("\nparity diagnosis ")?;
-        f.write_str(arming(report.parity.arming))?;
+        f.write_str("\nlikelihood diagnosis ")?;
+        f.write_str(readiness(report.likelihood.readiness))?;
         write!(f, "\n{}", self.health)
     }
 }
@@ -132,15 +132,15 @@ impl fmt::Display for Health {
     }
 }
 
-/// How far the parity diagnosis has come.
-pub const fn arming(arming: Arming) -> &'static str {
-    match arming {
-        Arming::Untrained => "not trained",
-        Arming::Training => "in training",
-        Arming::Refused(Distrust::Unstable) => "refused: a model is unstable",
-        Arming::Refused(Distrust::Gain) => "refused: a gain is not positive",
-        Arming::Refused(Distrust::PoorFit) => "refused: the models fit badly",
-        Arming::Armed => "armed",
+/// How far the likelihood diagnosis has come.
+pub const fn readiness(readiness: Readiness) -> &'static str {
+    match readiness {
+        Readiness::Untrained => "not trained",
+        Readiness::Training => "in training",
+        Readiness::Refused(RejectReason::Unstable) => "refused: a model is unstable",
+        Readiness::Refused(RejectReason::Gain) => "refused: a gain is not positive",
+        Readiness::Refused(RejectReason::PoorFit) => "refused: the models fit badly",
+        Readiness::Armed => "armed",
     }
 }
 

@@ -5,7 +5,7 @@ use core::pin::pin;
 use core::task::{Context, Poll, Waker};
 
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::parity::Channel;
+use fdi_core::likelihood::Channel;
 use fdi_core::{Celsius, Command, Config};
 use firmware_logic::console::{ANSWER, ApplyError, Board, Console, line};
 use firmware_logic::control_loop::Denial;

@@ -30,11 +30,11 @@ impl Bench {
         let config = waived();
         let controller = Controller::new(&config).expect("the default is valid");
         let interlock = Interlock::at_boot(cause, None);
-        let room = room_code();
+        let ambient = ambient_code();
         Self {
             control: ControlLoop::new(controller, config.setpoint, interlock),
             output: Output::default(),
-            codes: RawSample { t0: room, t1: room, t2: room },
+            codes: RawSample { t0: ambient, t1: ambient, t2: ambient },
             noise: 0,
         }
     }
@@ -64,7 +64,7 @@ impl Bench {
     }
 }
 
-fn room_code() -> AdcCode {
+fn ambient_code() -> AdcCode {
     let config = ThermistorConfig::default();
     // 22.5 degC by the beta equation, R25 = pull-up = 10 k: code = 4095 r / (1 + r), r = R / R25.
     let r = (config.beta * (1.0 / 295.65 - 1.0 / 298.15)).exp();
@@ -171,7 +171,7 @@ fn a_trip_cuts_in_the_same_tick_and_one_acknowledgement_serves() {
             beat.tick.mode
         );
         assert_eq!((beat.applied, bench.output.given()), (Percent(0.0), 0.0));
-        bench.codes.t1 = room_code();
+        bench.codes.t1 = ambient_code();
         (0..20).for_each(|_| {
             bench.tick();
         });

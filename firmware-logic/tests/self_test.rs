@@ -4,7 +4,7 @@
 mod output;
 
 use fdi_core::control::Controller;
-use fdi_core::parity::Channel;
+use fdi_core::likelihood::Channel;
 use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
 use fdi_core::{AdcCode, Celsius, Command, Config, Feedback, Mode, RawSample, Refusal};
 use firmware_logic::cadence::Arrival;

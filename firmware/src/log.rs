@@ -137,10 +137,10 @@ pub(crate) fn event(event: &Event, sample_time: f32) {
     defmt::warn!("{=str}: {=str}", what, text(format_args!("{}", Shown { entry: &entry, sample_time })));
 }
 
-/// News of an alarm of the parity diagnosis.
+/// News of an alarm of the likelihood diagnosis.
 pub(crate) fn alarm(alarm: Alarm, sample_time: f32) {
     let entry = Entry::Alarm(alarm);
-    defmt::warn!("parity: {=str}", text(format_args!("{}", Shown { entry: &entry, sample_time })));
+    defmt::warn!("likelihood: {=str}", text(format_args!("{}", Shown { entry: &entry, sample_time })));
 }
 
 /// The line of each second.

@@ -15,7 +15,7 @@ const SEED: u64 = 1;
 fn bench(c: &mut Criterion) {
     let (config, scenario) = (Config::default(), Scenario::default());
     let sample_time = as_written(config.sample_time.0);
-    let new_rig = || Rig::new(&scenario.rig, scenario.wander, sample_time, SEED, &scenario.faults);
+    let new_rig = || Rig::new(&scenario.rig, scenario.disturbance, sample_time, SEED, &scenario.faults);
     let record = experiment::run(&config, &scenario, SEED).expect("the defaults are valid");
     let drives: Vec<f64> = record.rows.iter().map(|row| f64::from(row.tick.drive.0)).collect();
     let mut rig = new_rig();

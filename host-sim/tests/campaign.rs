@@ -125,7 +125,10 @@ fn a_wrong_definition_names_the_cell_and_the_key() {
         (SMALL.replace("phase = 60.0", "config = { pid = { kq = 1 } }"), vec!["fault/afs2", "kq"]),
         (SMALL.replace("phase = 60.0", "config = { pid = { kp = -1 } }"), vec!["fault/afs2", "pid.kp is -1"]),
         (SMALL.replace("first-right", "first"), vec!["line", "first-right"]),
-        (SMALL.replace("phase = 60.0", "room = [30.0, 5.0]"), vec!["fault/afs2", "room is [30, 5]", "lower"]),
+        (
+            SMALL.replace("phase = 60.0", "ambient = [30.0, 5.0]"),
+            vec!["fault/afs2", "ambient is [30, 5]", "lower"],
+        ),
         (SMALL.replace("phase = 60.0", "setpoint = [25.0, 95.0]"), vec!["fault/afs2", "setpoint is 95"]),
         (SMALL.replace("phase = 60.0", "may_trip = [\"t1_opn\"]"), vec!["line 6", "may_trip", "t1_open"]),
     ];
@@ -268,7 +271,7 @@ fn variations_come_each_by_itself_and_their_trade_is_told() {
         tables.contains("| `diagnosis.sigma_factor=50.0` |") && tables.contains("| as delivered |"),
         "{tables}"
     );
-    assert!(!tables.contains("Settings of the parity diagnosis"), "they do not touch it: {tables}");
+    assert!(!tables.contains("Settings of the likelihood diagnosis"), "they do not touch it: {tables}");
 }
 
 fn results_json(dir: &Path) -> Vec<u8> {

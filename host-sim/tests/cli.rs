@@ -167,7 +167,8 @@ fn errors_name_file_line_and_key() {
 #[test]
 fn faults_can_be_negative() {
     let dir = folder("negative");
-    let output = host_sim(&["run", "--fault-size", "-1", "--wander", "none", "--out", dir.to_str().unwrap()]);
+    let output =
+        host_sim(&["run", "--fault-size", "-1", "--disturbance", "none", "--out", dir.to_str().unwrap()]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let summary: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(dir.join("summary.json")).unwrap()).unwrap();

@@ -39,14 +39,14 @@ struct Outcome {
 
 fn check(bench: &mut Bench) -> Outcome {
     bench.pass();
-    let room = bench.rig().air()[0];
+    let ambient = bench.rig().air()[0];
     assert!(bench.answer("check").starts_with("ok"));
     let mut outcome = Outcome { ending: None, said: bench.news(), ticks: 0, rise: 0.0, power: 0.0 };
     while bench.is_checking() {
         bench.pass();
         outcome.said += &bench.news();
         outcome.ticks += 1;
-        outcome.rise = outcome.rise.max(bench.rig().air()[0] - room);
+        outcome.rise = outcome.rise.max(bench.rig().air()[0] - ambient);
         outcome.power = outcome.power.max(bench.output().asked().0);
         assert!(outcome.ticks <= LONGEST + 20, "endless: {}", outcome.said);
     }

@@ -81,7 +81,7 @@ pub(crate) struct AirStream {
     /// Time constants go with the flow by this.
     pub(crate) slowness: f64,
     /// Temperature before the heater, degC.
-    pub(crate) room: f64,
+    pub(crate) ambient: f64,
     /// Time from the heater, s.
     pub(crate) delay: [f64; 3],
     /// Share of the rise that arrives.
@@ -99,10 +99,10 @@ impl AirStream {
         value: f64,
     ) -> f64 {
         if self.share[i] == 0.0 {
-            return self.room + (value - self.room) * libm::exp(-(to - from) / lag);
+            return self.ambient + (value - self.ambient) * libm::exp(-(to - from) / lag);
         }
         let delay = self.delay[i];
-        heater.through(from - delay, to - delay, lag, self.room, gain * self.share[i], value)
+        heater.through(from - delay, to - delay, lag, self.ambient, gain * self.share[i], value)
     }
 }
 
@@ -120,25 +120,25 @@ mod tests {
     #[test]
     fn closed_form_agrees_with_small_steps() {
         for (lag, dead) in [(0.05, 0.1), (0.45, 0.137), (0.40, 0.2)] {
-            let (time, ts, room, gain) = (0.45, 0.11, 22.5, 0.85);
+            let (time, ts, ambient, gain) = (0.45, 0.11, 22.5, 0.85);
             let powers = [12.0, 3.0, 25.0, 25.0, 0.0, 14.0];
             let mut exact = HeaterHistory::cold();
-            let mut sensor = room;
+            let mut sensor = ambient;
             for (k, &power) in powers.iter().enumerate() {
                 let (from, to) = (k as f64 * ts, (k + 1) as f64 * ts);
                 exact.drive(from, to, power, time);
-                sensor = exact.through(from - dead, to - dead, lag, room, gain, sensor);
+                sensor = exact.through(from - dead, to - dead, lag, ambient, gain, sensor);
             }
 
             let h = 2e-5;
             let steps = (powers.len() as f64 * ts / h).round() as usize;
-            let (mut rise, mut small) = (vec![0.0], room);
+            let (mut rise, mut small) = (vec![0.0], ambient);
             for n in 0..steps {
                 let t = n as f64 * h;
                 let power = powers[((t / ts + 1e-9) as usize).min(powers.len() - 1)];
                 let delayed = ((t - dead) / h).round();
                 let input = if delayed < 0.0 { 0.0 } else { rise[delayed as usize] };
-                small += h / lag * (room + gain * input - small);
+                small += h / lag * (ambient + gain * input - small);
                 rise.push(rise[n] + h / time * (power - rise[n]));
             }
             assert!((sensor - small).abs() < 2e-3, "lag {lag}: exact {sensor}, small steps {small}");

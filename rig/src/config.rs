@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RigConfig {
-    /// Room temperature, degC.
-    pub room: f64,
+    /// Ambient temperature, degC.
+    pub ambient: f64,
     /// Static gain K at T1, degC per % of heater power.
     pub gain: f64,
     /// Time constant of the heater node, s.
@@ -25,7 +25,7 @@ pub struct RigConfig {
     pub t2_delay: f64,
     /// Share of the rise lost between T1 and T2.
     pub heat_loss: f64,
-    /// Lag of the room thermistor, s.
+    /// Lag of the ambient thermistor, s.
     pub t0_lag: f64,
     /// Time constants go with air flow to the power of minus this.
     pub flow_exponent: f64,
@@ -48,7 +48,7 @@ pub struct RigConfig {
 impl Default for RigConfig {
     fn default() -> Self {
         Self {
-            room: 22.5,
+            ambient: 22.5,
             gain: 0.3,
             heater_time: 0.45,
             dead_time: 0.1,
@@ -79,7 +79,7 @@ impl RigConfig {
             anyhow::ensure!(value >= min && value <= max, "rig.{name} is {value}, expected {min} to {max}");
             Ok(())
         };
-        check("room", self.room, -20.0, 60.0)?;
+        check("ambient", self.ambient, -20.0, 60.0)?;
         check("gain", self.gain, 0.001, 100.0)?;
         check("heater_time", self.heater_time, 0.01, 1000.0)?;
         check("dead_time", self.dead_time, 0.0, 5.0)?;
@@ -102,17 +102,17 @@ impl RigConfig {
 /// How much the surroundings move during a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Wander {
+pub enum Disturbance {
     /// Nothing moves but the turbulence.
     None,
     /// The room drifts by up to 1 degC an hour and wanders by 0.05 degC.
     #[default]
     Calm,
-    /// Calm, and air flow and mains power wander by 0.4 %.
+    /// Calm, and air flow and mains power disturbance by 0.4 %.
     Lively,
 }
 
-impl FromStr for Wander {
+impl FromStr for Disturbance {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -125,7 +125,7 @@ impl FromStr for Wander {
     }
 }
 
-impl fmt::Display for Wander {
+impl fmt::Display for Disturbance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.serialize(f)
     }

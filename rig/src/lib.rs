@@ -13,5 +13,5 @@ mod noise;
 mod rig;
 mod sensor;
 
-pub use config::{RigConfig, Wander};
+pub use config::{Disturbance, RigConfig};
 pub use rig::Rig;

@@ -1,7 +1,7 @@
 //! The rig in motion: heater, air, sensors and surroundings, from tick to tick.
 
 use crate::air::{AirStream, HeaterHistory};
-use crate::config::{RigConfig, Wander};
+use crate::config::{Disturbance, RigConfig};
 use crate::fault::{Conditions, Fault};
 use crate::noise::{Noise, OrnsteinUhlenbeck, Turbulence};
 use crate::sensor::Digitizer;
@@ -13,10 +13,10 @@ pub struct Rig {
     tick: u64,
     faults: Vec<Fault>,
     noise: Noise,
-    room_wander: OrnsteinUhlenbeck,
-    room_ramp: f64,
-    flow_wander: OrnsteinUhlenbeck,
-    mains_wander: OrnsteinUhlenbeck,
+    ambient_disturbance: OrnsteinUhlenbeck,
+    ambient_ramp: f64,
+    flow_disturbance: OrnsteinUhlenbeck,
+    mains_disturbance: OrnsteinUhlenbeck,
     heater: HeaterHistory,
     turbulence: [Turbulence; 2],
     /// Temperatures of the three sensor elements without turbulence, degC.
@@ -29,27 +29,33 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// A cold rig: everything at room temperature.
-    pub fn new(config: &RigConfig, wander: Wander, sample_time: f64, seed: u64, faults: &[Fault]) -> Self {
+    /// A cold rig: everything at ambient temperature.
+    pub fn new(
+        config: &RigConfig,
+        disturbance: Disturbance,
+        sample_time: f64,
+        seed: u64,
+        faults: &[Fault],
+    ) -> Self {
         let mut noise = Noise::new(seed);
-        let (room_sd, ramp) =
-            if wander == Wander::None { (0.0, 0.0) } else { (0.05, noise.uniform(-1.0, 1.0)) };
-        let lively = if wander == Wander::Lively { 0.004 } else { 0.0 };
-        let room_wander = OrnsteinUhlenbeck::new(room_sd, 600.0, sample_time, &mut noise);
-        let flow_wander = OrnsteinUhlenbeck::new(lively, 60.0, sample_time, &mut noise);
-        let mains_wander = OrnsteinUhlenbeck::new(lively, 30.0, sample_time, &mut noise);
+        let (ambient_sd, ramp) =
+            if disturbance == Disturbance::None { (0.0, 0.0) } else { (0.05, noise.uniform(-1.0, 1.0)) };
+        let lively = if disturbance == Disturbance::Lively { 0.004 } else { 0.0 };
+        let ambient_disturbance = OrnsteinUhlenbeck::new(ambient_sd, 600.0, sample_time, &mut noise);
+        let flow_disturbance = OrnsteinUhlenbeck::new(lively, 60.0, sample_time, &mut noise);
+        let mains_disturbance = OrnsteinUhlenbeck::new(lively, 30.0, sample_time, &mut noise);
         Self {
             sample_time,
             tick: 0,
             faults: faults.to_vec(),
-            room_wander,
-            room_ramp: ramp / 3600.0,
-            flow_wander,
-            mains_wander,
+            ambient_disturbance,
+            ambient_ramp: ramp / 3600.0,
+            flow_disturbance,
+            mains_disturbance,
             heater: HeaterHistory::cold(),
             turbulence: [Turbulence::new(config.turbulence, config.turbulence_time); 2],
-            elements: [config.room; 3],
-            unharmed: [config.room; 3],
+            elements: [config.ambient; 3],
+            unharmed: [config.ambient; 3],
             digitizer: Digitizer::new(config),
             codes: [f64::NAN; 3],
             config: config.clone(),
@@ -87,14 +93,14 @@ impl Rig {
             self.integrate(from, to, drive, &conditions);
             from = to;
         }
-        self.wander();
+        self.disturbance();
         self.tick += 1;
     }
 
     /// Moves the deterministic part from one time to another under constant conditions.
     fn integrate(&mut self, from: f64, to: f64, drive: f64, now: &Conditions) {
         let air = self.air_stream(from, now);
-        let power = now.stuck_power.unwrap_or(drive * now.power) * (1.0 + self.mains_wander.value());
+        let power = now.stuck_power.unwrap_or(drive * now.power) * (1.0 + self.mains_disturbance.value());
         let time = self.config.heater_time * air.slowness;
         self.heater.drive(from, to, self.config.gain / air.flow * power, time);
         let heater = &self.heater;
@@ -119,11 +125,11 @@ impl Rig {
     /// The air as it flows at a time.
     fn air_stream(&self, t: f64, now: &Conditions) -> AirStream {
         let c = &self.config;
-        let flow = now.flow * (1.0 + self.flow_wander.value());
+        let flow = now.flow * (1.0 + self.flow_disturbance.value());
         AirStream {
             flow,
             slowness: if flow == 1.0 { 1.0 } else { libm::pow(flow, -c.flow_exponent) },
-            room: c.room + self.room_ramp * t + self.room_wander.value() + now.room,
+            ambient: c.ambient + self.ambient_ramp * t + self.ambient_disturbance.value() + now.ambient,
             delay: [0.0, c.dead_time / flow, (c.dead_time + c.t2_delay) / flow],
             share: [0.0, 1.0, 1.0 - c.heat_loss / flow],
         }
@@ -133,7 +139,7 @@ impl Rig {
     pub fn air(&self) -> [f64; 2] {
         let now = self.now();
         let air = self.air_stream(now, &Conditions::at(&self.faults, now, 0.0));
-        [1, 2].map(|i| air.room + air.share[i] * self.heater.rise_at(now - air.delay[i]))
+        [1, 2].map(|i| air.ambient + air.share[i] * self.heater.rise_at(now - air.delay[i]))
     }
 
     /// For scores: how far the input that is worst off reads from what it would read at this power without any fault of
@@ -156,10 +162,10 @@ impl Rig {
     }
 
     /// Moves everything random by one tick.
-    fn wander(&mut self) {
-        self.room_wander.step(&mut self.noise);
-        self.flow_wander.step(&mut self.noise);
-        self.mains_wander.step(&mut self.noise);
+    fn disturbance(&mut self) {
+        self.ambient_disturbance.step(&mut self.noise);
+        self.flow_disturbance.step(&mut self.noise);
+        self.mains_disturbance.step(&mut self.noise);
         for turbulence in &mut self.turbulence {
             turbulence.step(&mut self.noise);
         }

@@ -3,19 +3,19 @@
 use fdi_core::AdcCode;
 use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
 use pt326_rig::fault::{Fault, Sensor, Verb};
-use pt326_rig::{Rig, RigConfig, Wander};
+use pt326_rig::{Disturbance, Rig, RigConfig};
 
 use Sensor::{T0, T1, T2};
 
 const TS: f64 = 0.11;
-const ROOM: f64 = 22.5;
+const AMBIENT: f64 = 22.5;
 
 fn still(gain: f64) -> RigConfig {
     RigConfig { gain, turbulence: 0.0, white_noise: 0.0, ..RigConfig::default() }
 }
 
 fn rig(gain: f64, faults: &[Fault]) -> Rig {
-    Rig::new(&still(gain), Wander::None, TS, 1, faults)
+    Rig::new(&still(gain), Disturbance::None, TS, 1, faults)
 }
 
 /// Drives the rig for `seconds` and gives the codes then.
@@ -53,7 +53,7 @@ fn full_power_makes_the_air_as_hot_as_the_gain_says() {
         codes(&mut rig, 100.0, 20.0);
         let [t1, t2] = rig.air();
         assert!((t1 - hottest).abs() < 1e-6, "{t1}");
-        assert!((t2 - ROOM - 0.92 * (hottest - ROOM)).abs() < 1e-6, "{t2}");
+        assert!((t2 - AMBIENT - 0.92 * (hottest - AMBIENT)).abs() < 1e-6, "{t2}");
     }
 }
 
@@ -64,7 +64,8 @@ fn the_air_at_a_sensor_is_that_of_the_heater_a_dead_time_ago() {
     let rise = |t: f64| 15.0 * (1.0 - (-t.max(0.0) / 0.45).exp());
     let [t1, t2] = rig.air();
     assert!(
-        (t1 - ROOM - rise(0.22 - 0.1)).abs() < 1e-9 && (t2 - ROOM - 0.92 * rise(0.22 - 0.2)).abs() < 1e-9
+        (t1 - AMBIENT - rise(0.22 - 0.1)).abs() < 1e-9
+            && (t2 - AMBIENT - 0.92 * rise(0.22 - 0.2)).abs() < 1e-9
     );
 }
 
@@ -87,7 +88,7 @@ fn a_detached_sensor_misses_its_share_of_the_rise_and_slides_out() {
     let slow = Fault { lag: Some(10.0), ..on(Verb::Detach, T2, 1.0, 10.1) };
     let mut rig = rig(0.3, &[slow]);
     let before = celsius(&mut rig, 50.0, 10.0);
-    close(celsius(&mut rig, 50.0, 10.0), [ROOM, 37.5, ROOM + (before[2] - ROOM) * (-1.0_f64).exp()]);
+    close(celsius(&mut rig, 50.0, 10.0), [AMBIENT, 37.5, AMBIENT + (before[2] - AMBIENT) * (-1.0_f64).exp()]);
 }
 
 #[test]

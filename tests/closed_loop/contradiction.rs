@@ -2,19 +2,19 @@
 //! reason. What a rig would need many verbs for is done here to the codes on their way to the instrument.
 
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::parity::{Channel, Pair};
+use fdi_core::likelihood::{Channel, Pair};
 use fdi_core::{
     AdcCode, Celsius, Command, Config, FaultClass, Instrument, Mode, RawSample, Report, Tick, TripReason,
 };
 use host_sim::experiment::scenario::Scenario;
 use host_sim::experiment::{Backend, Record, Row, run, run_on, with_prbs_phase};
 use pt326_rig::fault::{Fault, Sensor, Verb};
-use pt326_rig::{RigConfig, Wander};
+use pt326_rig::{Disturbance, RigConfig};
 
 const TS: f64 = 0.11;
 
 /// What is done to the codes of a sample: it gets this one, and T0's code of the sample before.
-type Deed = fn(RawSample, room: AdcCode, tick: u32) -> RawSample;
+type Deed = fn(RawSample, ambient: AdcCode, tick: u32) -> RawSample;
 
 /// An instrument whose thermistors are not where it thinks, from a tick on; ordered about at some ticks.
 struct Misplaced {
@@ -23,13 +23,13 @@ struct Misplaced {
     from: u32,
     orders: Vec<(u32, Command)>,
     tick: u32,
-    room: AdcCode,
+    ambient: AdcCode,
 }
 
 impl Misplaced {
     fn new(config: &Config, from: u32, deed: Deed) -> Self {
         let instrument = Instrument::new(config).unwrap();
-        Self { instrument, deed, from, orders: Vec::new(), tick: 0, room: AdcCode(2160.0) }
+        Self { instrument, deed, from, orders: Vec::new(), tick: 0, ambient: AdcCode(2160.0) }
     }
 }
 
@@ -38,7 +38,7 @@ impl Backend for Misplaced {
         for (_, command) in self.orders.iter().filter(|(tick, _)| *tick == self.tick) {
             let _ = self.instrument.command(*command); // a refusal shows in what follows
         }
-        let before = std::mem::replace(&mut self.room, raw.t0);
+        let before = std::mem::replace(&mut self.ambient, raw.t0);
         let raw = if self.tick >= self.from { (self.deed)(raw, before, self.tick) } else { raw };
         self.tick += 1;
         self.instrument.control(raw)
@@ -69,17 +69,17 @@ fn swap_t0_t2(raw: RawSample, _: AdcCode, _: u32) -> RawSample {
     RawSample { t0: raw.t2, t2: raw.t0, ..raw }
 }
 
-fn t1_out(raw: RawSample, room: AdcCode, _: u32) -> RawSample {
-    RawSample { t1: room, ..raw }
+fn t1_out(raw: RawSample, ambient: AdcCode, _: u32) -> RawSample {
+    RawSample { t1: ambient, ..raw }
 }
 
-fn t2_out(raw: RawSample, room: AdcCode, _: u32) -> RawSample {
-    RawSample { t2: room, ..raw }
+fn t2_out(raw: RawSample, ambient: AdcCode, _: u32) -> RawSample {
+    RawSample { t2: ambient, ..raw }
 }
 
 /// Codes are not quite linear in the temperature: somewhat less than half.
-fn t1_half_out(raw: RawSample, room: AdcCode, _: u32) -> RawSample {
-    RawSample { t1: AdcCode(0.5 * (raw.t1.0 + room.0)), ..raw }
+fn t1_half_out(raw: RawSample, ambient: AdcCode, _: u32) -> RawSample {
+    RawSample { t1: AdcCode(0.5 * (raw.t1.0 + ambient.0)), ..raw }
 }
 
 /// Two counts either way around what it would read at 35 degC.
@@ -90,7 +90,7 @@ fn t1_frozen(raw: RawSample, _: AdcCode, tick: u32) -> RawSample {
 
 fn scenario(gain: f64, duration: f64, faults: Vec<Fault>) -> Scenario {
     let rig = RigConfig { gain, ..RigConfig::default() };
-    Scenario { duration, wander: Wander::Lively, rig, faults, ..Scenario::default() }
+    Scenario { duration, disturbance: Disturbance::Lively, rig, faults, ..Scenario::default() }
 }
 
 fn offset(sensor: Sensor, size: f64, at: f64) -> Fault {
@@ -102,7 +102,7 @@ fn config(setpoint: f32, seed: u64) -> Config {
 }
 
 fn class(row: &Row) -> Option<FaultClass> {
-    row.report.parity.finding.map(|finding| finding.class)
+    row.report.likelihood.finding.map(|finding| finding.class)
 }
 
 /// When a class was first named after `from` s, and the class named last.
@@ -186,9 +186,9 @@ fn what_is_expected_of_a_detached_t1_is_what_the_models_say() {
     let mut rig = Misplaced::new(&config, 4000, t1_out);
     let record = run_on(&mut rig, &config, &scenario(0.3, 4000.0 * TS + 10.0, vec![]), 1);
     let hot = record.rows.iter().rev().find(|row| row.tick.mode.is_heating()).unwrap();
-    let [room, t1, _] = hot.report.parity.expected.map(|t| t.expect("the models are trained"));
+    let [ambient, t1, _] = hot.report.likelihood.expected.map(|t| t.expect("the models are trained"));
     let beside = hot.tick.sample.t2.celsius.0;
-    assert!((room - 22.5).abs() < 0.5, "{room}");
+    assert!((ambient - 22.5).abs() < 0.5, "{ambient}");
     assert!(t1 > beside && t1 < beside + 6.0, "T2 reads {beside}, T1 should read {t1}");
 }
 
@@ -237,7 +237,7 @@ fn a_wrong_t0_is_named_at_rest() {
     let (first, last) = named(&record, FaultClass::T0Fault, 0.0);
     assert!(first.is_some_and(|delay| delay < 40.0), "{first:?} s");
     assert_eq!(last, Some(FaultClass::T0Fault));
-    let finding = record.rows.last().unwrap().report.parity.finding.unwrap();
+    let finding = record.rows.last().unwrap().report.likelihood.finding.unwrap();
     let off = finding.magnitude.expect("known at rest").value;
     assert!((off + 8.0).abs() < 1.0, "{off} degC");
 }
@@ -287,7 +287,7 @@ fn a_second_start_does_not_trip() {
         let record = run_on(&mut rig, &config, &scenario(gain, 520.0, vec![]), seed);
         assert_eq!(trip(&record), None, "gain {gain}, set-point {setpoint}");
         assert_eq!(record.rows[4201..].iter().find_map(class), None, "gain {gain}, set-point {setpoint}");
-        let current = record.rows[4100].report.parity.expected[1].is_some();
+        let current = record.rows[4100].report.likelihood.expected[1].is_some();
         assert!(current || gain < 0.3, "gain {gain}: trained before");
     }
 }
@@ -300,7 +300,7 @@ fn a_stand_in_is_none_where_t1_and_t2_contradict_each_other() {
     let mut rig = Misplaced::new(&config, 4000, t1_out);
     let record = run_on(&mut rig, &config, &scenario(0.3, 4000.0 * TS + 20.0, vec![]), 11);
     let after = 4000 + (3.0 / TS) as usize;
-    assert!(record.rows[after..].iter().all(|row| row.report.parity.stand_in.is_none()));
+    assert!(record.rows[after..].iter().all(|row| row.report.likelihood.stand_in.is_none()));
     let hottest = record.rows[after..].iter().map(|row| row.tick.sample.t2.celsius.0).fold(0.0, f32::max);
     assert!(hottest < 45.0, "{hottest} degC");
 }
@@ -312,7 +312,7 @@ fn a_heater_stuck_on_is_seen_with_the_instrument_off() {
     rig.orders = vec![(4000, Command::Stop)];
     let stuck = Fault::new(Verb::HeaterStuck, None, Some(40.0), 460.0, 1e4);
     let record = run_on(&mut rig, &config, &scenario(0.3, 500.0, vec![stuck]), 12);
-    let seen = record.rows[4100..].iter().find(|row| row.report.parity.heater_stuck_on).expect("seen");
+    let seen = record.rows[4100..].iter().find(|row| row.report.likelihood.heater_stuck_on).expect("seen");
     assert!((460.0..485.0).contains(&record.time(seen.tick.index)));
     // The supervisor needs no models for it, and has tripped already.
     assert_eq!(record.rows[4150].tick.mode, Mode::Off);

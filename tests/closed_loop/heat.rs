@@ -6,7 +6,7 @@ use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Mode, RawSample, R
 use host_sim::experiment::scenario::Scenario;
 use host_sim::experiment::{as_written, run, with_prbs_phase};
 use pt326_rig::fault::{Fault, Sensor, Verb};
-use pt326_rig::{Rig, RigConfig, Wander};
+use pt326_rig::{Disturbance, Rig, RigConfig};
 
 /// When the faults begin that come after learning, s.
 const LATE: f64 = 500.0;
@@ -32,19 +32,19 @@ struct Outcome {
 }
 
 impl Bench {
-    fn new(gain: f64, setpoint: f32, room: f64, faults: &[Fault], seed: u64) -> Self {
-        Self::with(&Config::default(), gain, setpoint, room, faults, seed)
+    fn new(gain: f64, setpoint: f32, ambient: f64, faults: &[Fault], seed: u64) -> Self {
+        Self::with(&Config::default(), gain, setpoint, ambient, faults, seed)
     }
 
-    fn with(base: &Config, gain: f64, setpoint: f32, room: f64, faults: &[Fault], seed: u64) -> Self {
+    fn with(base: &Config, gain: f64, setpoint: f32, ambient: f64, faults: &[Fault], seed: u64) -> Self {
         let mut config = Config { setpoint: Celsius(setpoint), ..with_prbs_phase(base, seed) };
         config.pid.kp *= 0.3 / gain as f32;
         config.prbs.amplitude.0 *= 0.3 / gain as f32;
         let sample_time = as_written(config.sample_time.0);
-        let rig = RigConfig { gain, room, ..RigConfig::default() };
+        let rig = RigConfig { gain, ambient, ..RigConfig::default() };
         let mut bench = Self {
             instrument: Instrument::new(&config).unwrap(),
-            rig: Rig::new(&rig, Wander::Lively, sample_time, seed, faults),
+            rig: Rig::new(&rig, Disturbance::Lively, sample_time, seed, faults),
             sample_time,
             setpoint: f64::from(setpoint),
             time: 0.0,
@@ -239,11 +239,11 @@ fn cold_starts_steps_and_other_air_do_not_trip() {
     };
     for seed in 0..40 {
         // Rooms of 5 to 30 degC, set-points of 25 to 65 degC, drawn by the seed alone.
-        let (room, setpoint) = (5.0 + (seed * 7 % 26) as f64, 25.0 + (seed * 17 % 41) as f32);
+        let (ambient, setpoint) = (5.0 + (seed * 7 % 26) as f64, 25.0 + (seed * 17 % 41) as f32);
         let gain = [0.3, 0.6, 1.0][seed as usize % 3];
-        let mut bench = Bench::new(gain, setpoint, room, &[], seed);
+        let mut bench = Bench::new(gain, setpoint, ambient, &[], seed);
         bench.instrument.command(Command::Arm).unwrap();
-        quiet(bench, 60.0, format!("room {room}, set-point {setpoint}, gain {gain}"));
+        quiet(bench, 60.0, format!("room {ambient}, set-point {setpoint}, gain {gain}"));
     }
     for flow in [0.67, 1.5] {
         let air = [fault(Verb::AirFlow, None, Some(flow), LATE)];

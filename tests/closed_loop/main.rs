@@ -3,5 +3,5 @@
 mod board_loop;
 mod contradiction;
 mod heat;
-mod parity;
+mod likelihood;
 mod scenarios;

@@ -228,9 +228,9 @@ fn every_verb_acts() {
     assert!((ratio(fault(Verb::Offset, Some(T1), Some(-1.5), 60.0, 30.0)) - 1.12).abs() < 0.02);
     let hot = of(fault(Verb::HeaterStuck, None, Some(80.0), 60.0, 30.0));
     assert!((shift(&hot, T1, 70.0, 90.0) - 46.5).abs() < 0.3 && power(&hot, 70.0, 90.0) < 5.2);
-    let room = of(fault(Verb::Room, None, Some(2.0), 60.0, 30.0));
-    assert!((shift(&room, T0, 70.0, 90.0) - 24.5).abs() < 0.2);
-    let warming = of(fault(Verb::RoomDrift, None, Some(6.0), 60.0, 30.0));
+    let ambient = of(fault(Verb::Ambient, None, Some(2.0), 60.0, 30.0));
+    assert!((shift(&ambient, T0, 70.0, 90.0) - 24.5).abs() < 0.2);
+    let warming = of(fault(Verb::AmbientDrift, None, Some(6.0), 60.0, 30.0));
     assert!((shift(&warming, T0, 80.0, 90.0) - shift(&quiet, T0, 80.0, 90.0) - 2.5).abs() < 0.2);
     for (verb, sensor, truth) in
         [(Verb::Offset, T2, 1), (Verb::Clog, T1, 2), (Verb::Offset, T1, 5), (Verb::Open, T0, 13)]
@@ -312,7 +312,7 @@ fn random_walk_identifies_the_rig() {
     let (gain, bandwidth) = (last.ms1.static_gain.unwrap(), last.ms1.bandwidth.unwrap());
     assert!((gain - 0.3).abs() < 0.006, "gain {gain}");
     assert!((bandwidth - 2.0).abs() < 0.3, "bandwidth {bandwidth}");
-    assert!(!record.rows.iter().any(|row| row.report.ms1.sick || row.report.ms2.sick));
+    assert!(!record.rows.iter().any(|row| row.report.ms1.diverged || row.report.ms2.diverged));
     let mut instrument = Instrument::new(&config).unwrap();
     assert!(instrument.command(Command::Arm).is_ok());
 }

@@ -13,7 +13,7 @@ use crate::error::{ConfigError, in_ranges};
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Observation, Observer, ObserverState};
-use crate::parity::{Parity, ParityReport, ParityState};
+use crate::likelihood::{Likelihood, LikelihoodReport, LikelihoodState};
 use crate::supervisor::Mode;
 use crate::units::{Percent, Seconds};
 use baseline::{Baseline, Learner};
@@ -66,7 +66,7 @@ pub struct Diagnosis {
     detection: Table,
     isolation: Table,
     events: EventRules,
-    parity: Parity,
+    likelihood: Likelihood,
 }
 
 /// The memory of the [`Diagnosis`].
@@ -79,7 +79,7 @@ pub struct DiagnosisState {
     learner: Learner,
     baseline: Option<Baseline>,
     events: EventState,
-    parity: ParityState,
+    likelihood: LikelihoodState,
 }
 
 /// The fault vectors of one form of the residuals.
@@ -125,19 +125,19 @@ pub struct Report {
     /// What happened, by the filtered verdict.
     pub events: Events,
     /// The second opinion.
-    pub parity: ParityReport,
+    pub likelihood: LikelihoodReport,
 }
 
 impl Report {
     /// What of it the first half of the next tick needs.
     pub fn feedback(&self) -> Feedback {
-        let finding = self.parity.finding;
+        let finding = self.likelihood.finding;
         Feedback {
             learned: self.learned,
-            stand_in: self.parity.stand_in,
+            stand_in: self.likelihood.stand_in,
             t1_faulty: finding.is_some_and(|f| f.class.is_of_t1()),
-            air_flow: self.parity.air_flow.map(Percent),
-            heater_stuck_on: self.parity.heater_stuck_on,
+            air_flow: self.likelihood.air_flow.map(Percent),
+            heater_stuck_on: self.likelihood.heater_stuck_on,
         }
     }
 }
@@ -169,7 +169,7 @@ impl Diagnosis {
                 onset_window: c.onset_window.ticks(config.sample_time),
                 clear_ticks: c.clear_time.ticks(config.sample_time),
             },
-            parity: Parity::new(config)?,
+            likelihood: Likelihood::new(config)?,
         })
     }
 
@@ -183,7 +183,7 @@ impl Diagnosis {
             learner: Learner::default(),
             baseline: None,
             events: EventState::default(),
-            parity: ParityState::default(),
+            likelihood: LikelihoodState::default(),
         }
     }
 
@@ -227,7 +227,7 @@ impl Diagnosis {
                 Some(v) => self.events.step(&mut state.events, tick.index, &v.symptoms, v.fdv, v.fiv),
                 None => Events::new(),
             },
-            parity: self.parity.step(&mut state.parity, tick, [y1, y2], applied, undisturbed),
+            likelihood: self.likelihood.step(&mut state.likelihood, tick, [y1, y2], applied, undisturbed),
         }
     }
 

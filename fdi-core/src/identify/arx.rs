@@ -35,8 +35,8 @@ pub struct ArxStep {
     pub prediction: Option<f32>,
     /// Whether the parameters were updated; they are held on a missing sample and until the regressor has no gap.
     pub updated: bool,
-    /// The estimator was reset, see [`super::rls::Update::sick`].
-    pub sick: bool,
+    /// The estimator was reset, see [`super::rls::Update::diverged`].
+    pub diverged: bool,
 }
 
 impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, NB, NK, N> {
@@ -72,8 +72,8 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
                 Some(y) => {
                     let update = self.rls.step(&mut state.rls, &state.phi, y * self.inv_y_scale);
                     step.prediction = Some(update.prediction * self.y_scale);
-                    step.updated = !update.sick;
-                    step.sick = update.sick;
+                    step.updated = !update.diverged;
+                    step.diverged = update.diverged;
                 }
                 None => step.prediction = Some(predict(&state.rls.theta, &state.phi) * self.y_scale),
             }

@@ -113,7 +113,7 @@ pub struct Observation {
     /// The bandwidth is an old one: the model is unstable, or its step response never arrives.
     pub bandwidth_held: bool,
     /// The estimator was reset on this sample.
-    pub sick: bool,
+    pub diverged: bool,
     /// Resets since the start.
     pub resets: u32,
 }
@@ -170,7 +170,7 @@ impl Observer {
                 Some(Bandwidth::ResidenceTime) => state.take_bandwidth(self.by_residence_time(&model, gain)),
                 None => {}
             }
-        } else if step.sick {
+        } else if step.diverged {
             state.response = None;
         }
         Observation {
@@ -180,7 +180,7 @@ impl Observer {
             held: !step.updated,
             gain_held: gain.is_none(),
             bandwidth_held: state.bandwidth_held || !step.updated,
-            sick: step.sick,
+            diverged: step.diverged,
             resets: state.arx.rls.resets,
         }
     }

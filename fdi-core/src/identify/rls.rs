@@ -104,7 +104,7 @@ pub struct RlsState<const N: usize> {
     /// Unit upper triangular factor; only the part above the diagonal is used.
     u: [[f32; N]; N],
     d: [f32; N],
-    /// How often the estimator was found sick and started afresh.
+    /// How often the estimator was found diverged and started afresh.
     pub resets: u32,
 }
 
@@ -116,7 +116,7 @@ pub struct Update {
     /// y minus the prediction.
     pub innovation: f32,
     /// The numbers had become useless and the estimator was reset; not to be confused with a doubtful measurement.
-    pub sick: bool,
+    pub diverged: bool,
 }
 
 impl<const N: usize> Rls<N> {
@@ -144,7 +144,7 @@ impl<const N: usize> Rls<N> {
 
     /// Takes in one sample `y` with its regressor `phi`, both scaled.
     ///
-    /// Total: whatever comes in, the state stays finite; where it would not, it is reset and the update says `sick`.
+    /// Total: whatever comes in, the state stays finite; where it would not, it is reset and the update says `diverged`.
     #[inline]
     pub fn step(&self, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> Update {
         let mut sweep = self.sweep();
@@ -155,7 +155,7 @@ impl<const N: usize> Rls<N> {
         } else if self.r1 > 0.0 {
             self.walk(state, prediction, innovation)
         } else {
-            Update { prediction, innovation, sick: false }
+            Update { prediction, innovation, diverged: false }
         }
     }
 
@@ -171,7 +171,7 @@ impl<const N: usize> Rls<N> {
         if !(sweep.alpha + innovation * innovation < SIZE_LIMIT) {
             self.restart(state, prediction, innovation)
         } else {
-            Update { prediction, innovation, sick: false }
+            Update { prediction, innovation, diverged: false }
         }
     }
 
@@ -207,7 +207,7 @@ impl<const N: usize> Rls<N> {
         for d in &mut state.d {
             *d = bound(*d, self.d_max);
         }
-        Update { prediction, innovation, sick: false }
+        Update { prediction, innovation, diverged: false }
     }
 
     /// Starts afresh from numbers that have become useless.
@@ -216,7 +216,7 @@ impl<const N: usize> Rls<N> {
     fn restart(&self, state: &mut RlsState<N>, prediction: f32, innovation: f32) -> Update {
         *state = RlsState { resets: state.resets.saturating_add(1), ..self.start() };
         let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
-        Update { prediction: finite(prediction), innovation: finite(innovation), sick: true }
+        Update { prediction: finite(prediction), innovation: finite(innovation), diverged: true }
     }
 }
 

@@ -14,7 +14,7 @@ use thermistor::Thermistor;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RawSample {
-    /// Room thermistor.
+    /// Ambient thermistor.
     pub t0: AdcCode,
     /// Outlet thermistor in the control loop.
     pub t1: AdcCode,
@@ -107,9 +107,9 @@ impl Sensing {
         let p = &config.plausibility;
         p.validate()?;
         let air = p.stuck_time.ticks(config.sample_time);
-        let room = p.room_stuck_time.ticks(config.sample_time);
+        let ambient = p.ambient_stuck_time.ticks(config.sample_time);
         Ok(Self {
-            t0: Channel::new(Thermistor::new(&config.sensors.t0, 0)?, p, room),
+            t0: Channel::new(Thermistor::new(&config.sensors.t0, 0)?, p, ambient),
             t1: Channel::new(Thermistor::new(&config.sensors.t1, 1)?, p, air),
             t2: Channel::new(Thermistor::new(&config.sensors.t2, 2)?, p, air),
         })

@@ -31,7 +31,7 @@ pub struct PlausibilityConfig {
     /// T1 or T2 without any change for so long, while the heater is excited, is stuck.
     pub stuck_time: Seconds,
     /// The same for the room sensor, which has every right to be quiet.
-    pub room_stuck_time: Seconds,
+    pub ambient_stuck_time: Seconds,
     /// Codes this close count as no change.
     pub stuck_band: AdcCode,
 }
@@ -45,7 +45,7 @@ impl Default for PlausibilityConfig {
             max: Celsius(110.0),
             jump: Celsius(4.0),
             stuck_time: Seconds(3.0),
-            room_stuck_time: Seconds(600.0),
+            ambient_stuck_time: Seconds(600.0),
             stuck_band: AdcCode(0.25),
         }
     }
@@ -64,7 +64,7 @@ impl PlausibilityConfig {
         in_ranges! {
             "plausibility.jump": self.jump.0, 0.1, 200.0;
             "plausibility.stuck_time": self.stuck_time.0, 0.5, 3600.0;
-            "plausibility.room_stuck_time": self.room_stuck_time.0, 0.5, 86400.0;
+            "plausibility.ambient_stuck_time": self.ambient_stuck_time.0, 0.5, 86400.0;
             "plausibility.stuck_band": self.stuck_band.0, 0.0, 10.0;
         }
     }
@@ -78,7 +78,7 @@ impl PlausibilityConfig {
             ("plausibility.max", self.max.0, new.max.0),
             ("plausibility.jump", self.jump.0, new.jump.0),
             ("plausibility.stuck_time", self.stuck_time.0, new.stuck_time.0),
-            ("plausibility.room_stuck_time", self.room_stuck_time.0, new.room_stuck_time.0),
+            ("plausibility.ambient_stuck_time", self.ambient_stuck_time.0, new.ambient_stuck_time.0),
             // Smaller ones are wider.
             ("plausibility.short_code", new.short_code.0, self.short_code.0),
             ("plausibility.min", new.min.0, self.min.0),

@@ -44,7 +44,7 @@ pub struct SupervisorConfig {
     pub disagreement_time: Seconds,
     /// Without power the rise of T1 and T2 must fall by a tenth in every such time, else the heater counts as stuck on.
     pub cooling_time: Seconds,
-    /// Once T1 is named faulty, or breaks, go on with T2 through the models of the parity diagnosis; else what is broken
+    /// Once T1 is named faulty, or breaks, go on with T2 through the models of the likelihood diagnosis; else what is broken
     /// trips and what reads wrong is only told. Set-point limits and over-temperature hold all the same.
     pub go_on_without_t1: bool,
     /// Air flow surely below this share of normal switches the heater off; 0 never does.

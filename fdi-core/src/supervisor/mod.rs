@@ -203,8 +203,8 @@ impl Supervisor {
     /// Learns what power and temperatures go together, beside the diagnosis and from the same samples.
     fn learn_normal(&self, state: &mut SupervisorState, now: &Situation, learn: bool) {
         // An instrument that is armed before its first tick has that one only.
-        if !state.mode.is_heating() || state.normal.knows_no_room() {
-            state.normal.follow_room(now, self.sample_time);
+        if !state.mode.is_heating() || state.normal.knows_no_ambient() {
+            state.normal.follow_ambient(now, self.sample_time);
         }
         match state.mode {
             Mode::Learn { accepted: 1 } => state.normal.begin(),

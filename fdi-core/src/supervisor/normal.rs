@@ -7,7 +7,7 @@ use crate::diagnosis::residual::Residual;
 use crate::units::{Celsius, Seconds};
 
 /// A room does not grow warmer faster than this, degC/s: 1 degC a minute.
-pub(super) const ROOM_RATE: f32 = 1.0 / 60.0;
+pub(super) const AMBIENT_RATE: f32 = 1.0 / 60.0;
 /// A rig that needs less than this at its set-point says nothing about the power that it needs at another, %.
 const MIN_POWER: f32 = 2.0;
 
@@ -28,8 +28,8 @@ impl OperatingPoint {
     }
 
     /// The power that the set-point needs above the room, %; None where the gain that was learnt says nothing.
-    pub(super) fn power_for(&self, setpoint: Celsius, room: f32) -> Option<f32> {
-        let power = (setpoint.0 - room) / self.gain;
+    pub(super) fn power_for(&self, setpoint: Celsius, ambient: f32) -> Option<f32> {
+        let power = (setpoint.0 - ambient) / self.gain;
         (self.gain > 0.0 && power > MIN_POWER).then_some(power)
     }
 
@@ -42,9 +42,9 @@ impl OperatingPoint {
 /// The room, and what is being learnt.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Normal {
-    /// Room temperature, degC, followed while the heater is off. T0 may read wrong: of T0 and the median of the three the
+    /// Ambient temperature, degC, followed while the heater is off. T0 may read wrong: of T0 and the median of the three the
     /// lower is taken, for then the power that is thought to be needed errs upwards.
-    room: Option<f32>,
+    ambient: Option<f32>,
     /// Power in %, T1 and T2 in degC, over the samples that belong to the baseline.
     sums: Statistics<3>,
     learnt: Option<OperatingPoint>,
@@ -58,7 +58,7 @@ impl Normal {
 
     /// The power that the set-point needs by what was learnt, %.
     pub(super) fn power_for(&self, setpoint: Celsius) -> Option<f32> {
-        self.learnt?.power_for(setpoint, self.room?)
+        self.learnt?.power_for(setpoint, self.ambient?)
     }
 
     pub(super) fn restore(&mut self, baseline: &Baseline) {
@@ -85,22 +85,22 @@ impl Normal {
             return;
         }
         let [power, t1, t2] = self.sums.mean();
-        let gain = self.room.filter(|_| power > MIN_POWER).map_or(0.0, |room| (t1 - room) / power);
+        let gain = self.ambient.filter(|_| power > MIN_POWER).map_or(0.0, |ambient| (t1 - ambient) / power);
         self.learnt = Some(OperatingPoint { gain, t1_over_t2: t1 - t2 });
         self.sums = Statistics::default();
     }
 
-    pub(super) fn knows_no_room(&self) -> bool {
-        self.room.is_none()
+    pub(super) fn knows_no_ambient(&self) -> bool {
+        self.ambient.is_none()
     }
 
     /// Follows the room while nothing heats: down at once, up no faster than a room can.
-    pub(super) fn follow_room(&mut self, now: &Situation, sample_time: Seconds) {
+    pub(super) fn follow_ambient(&mut self, now: &Situation, sample_time: Seconds) {
         let readings = [now.sample.t0, now.sample.t1, now.sample.t2].map(|reading| reading.good());
         let [Some(t0), Some(t1), Some(t2)] = readings else { return };
         let median = smaller(larger(t0, t1), larger(smaller(t0, t1), t2));
         let seen = smaller(t0, median);
-        let highest = self.room.map_or(seen, |room| room + ROOM_RATE * sample_time.0);
-        self.room = Some(smaller(seen, highest));
+        let highest = self.ambient.map_or(seen, |ambient| ambient + AMBIENT_RATE * sample_time.0);
+        self.ambient = Some(smaller(seen, highest));
     }
 }

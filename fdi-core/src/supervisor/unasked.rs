@@ -3,7 +3,7 @@
 
 use super::Situation;
 use super::config::SupervisorConfig;
-use super::normal::ROOM_RATE;
+use super::normal::AMBIENT_RATE;
 use crate::bounds::{larger, smaller};
 use crate::sense::Validity;
 use crate::units::Seconds;
@@ -26,7 +26,7 @@ pub(super) struct Unasked {
     settle_ticks: u32,
     cooling_ticks: u32,
     /// What a room may grow warmer in a tick, degC.
-    room_step: f32,
+    ambient_step: f32,
 }
 
 /// Its memory.
@@ -59,7 +59,7 @@ impl Unasked {
         Self {
             settle_ticks: c.response_time.ticks(ts),
             cooling_ticks: c.cooling_time.ticks(ts).max(1),
-            room_step: ROOM_RATE * ts.0,
+            ambient_step: AMBIENT_RATE * ts.0,
         }
     }
 
@@ -69,9 +69,9 @@ impl Unasked {
         let since = state.unpowered.checked_sub(self.settle_ticks);
         let begins = since == Some(0) || state.unpowered == 0;
         let window_ends = since.is_some_and(|since| since > 0 && since.is_multiple_of(self.cooling_ticks));
-        let room = now.sample.t0.good();
+        let ambient = now.sample.t0.good();
         let [t1, t2] = [(&mut state.t1, now.sample.t1), (&mut state.t2, now.sample.t2)].map(|(trace, t)| {
-            trace.follow_room(room, self.room_step);
+            trace.follow_ambient(ambient, self.ambient_step);
             Some(trace.step(t.good()?, begins, since.is_some(), window_ends))
         });
         // A tick without a reading says nothing new. A broken T2 leaves it to T1.
@@ -90,7 +90,7 @@ fn is_broken(validity: Validity) -> bool {
 
 impl Trace {
     /// A room that grows warmer is no heater: the coldest rises with it, no faster than a room can and never above T0.
-    fn follow_room(&mut self, t0: Option<f32>, step: f32) {
+    fn follow_ambient(&mut self, t0: Option<f32>, step: f32) {
         if let (Some(coldest), Some(t0)) = (&mut self.coldest, t0) {
             *coldest = larger(*coldest, smaller(t0, *coldest + step));
         }

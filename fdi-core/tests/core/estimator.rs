@@ -34,7 +34,7 @@ const SCALES: (f64, f64) = (12.5, 41.7);
 pub(crate) struct Outcome {
     /// First sample at which the estimator said something that is no finite number.
     pub(crate) first_not_finite: Option<u64>,
-    /// Resets of a sick estimator.
+    /// Resets of a diverged estimator.
     pub(crate) resets: u32,
     /// Static gain after the excitation came back.
     pub(crate) static_gain: f32,

@@ -7,7 +7,7 @@ use fdi_core::{
     TripReason, Validity,
 };
 
-const ROOM: f32 = 2160.0;
+const AMBIENT: f32 = 2160.0;
 
 fn armed() -> Instrument {
     let mut instrument = Instrument::new(&Config::default()).unwrap();
@@ -18,8 +18,11 @@ fn armed() -> Instrument {
 /// One tick at the code given for T1, with a count of flicker so that nothing looks stuck.
 fn tick(instrument: &mut Instrument, t1: f32, k: usize) -> fdi_core::Tick {
     let flicker = (k % 2) as f32;
-    let raw =
-        RawSample { t0: AdcCode(ROOM + flicker), t1: AdcCode(t1 + flicker), t2: AdcCode(ROOM + flicker) };
+    let raw = RawSample {
+        t0: AdcCode(AMBIENT + flicker),
+        t1: AdcCode(t1 + flicker),
+        t2: AdcCode(AMBIENT + flicker),
+    };
     let tick = instrument.control(raw);
     instrument.diagnose(&tick, tick.drive);
     tick
@@ -29,18 +32,18 @@ fn tick(instrument: &mut Instrument, t1: f32, k: usize) -> fdi_core::Tick {
 fn nothing_heats_before_it_is_armed() {
     let mut instrument = Instrument::new(&Config::default()).unwrap();
     for k in 0..20 {
-        let tick = tick(&mut instrument, ROOM, k);
+        let tick = tick(&mut instrument, AMBIENT, k);
         assert!(tick.drive.0 == 0.0 && tick.mode == Mode::Off);
     }
     instrument.command(Command::Arm).unwrap();
-    assert!(tick(&mut instrument, ROOM, 0).mode.is_heating());
+    assert!(tick(&mut instrument, AMBIENT, 0).mode.is_heating());
 }
 
 #[test]
 fn a_trip_latches_until_acknowledged_after_its_cause_has_gone() {
     let mut instrument = armed();
     for k in 0..50 {
-        tick(&mut instrument, ROOM, k);
+        tick(&mut instrument, AMBIENT, k);
     }
     let tripped = tick(&mut instrument, 4094.0, 0);
     let Mode::Tripped(trip) = tripped.mode else { panic!("{:?}", tripped.mode) };
@@ -49,18 +52,18 @@ fn a_trip_latches_until_acknowledged_after_its_cause_has_gone() {
 
     let persists = Err(Refusal::CausePersists(TripReason::T1Open));
     assert_eq!(instrument.command(Command::Acknowledge), persists);
-    tick(&mut instrument, ROOM, 0);
+    tick(&mut instrument, AMBIENT, 0);
     assert!(
-        matches!(tick(&mut instrument, ROOM, 1).mode, Mode::Tripped(_)),
+        matches!(tick(&mut instrument, AMBIENT, 1).mode, Mode::Tripped(_)),
         "the cause has gone, the trip has not"
     );
     assert_eq!(instrument.command(Command::Arm), Err(Refusal::NotInMode("tripped")));
     assert_eq!(instrument.command(Command::Stop), Ok(()));
-    assert!(matches!(tick(&mut instrument, ROOM, 0).mode, Mode::Tripped(_)), "stop does not acknowledge");
+    assert!(matches!(tick(&mut instrument, AMBIENT, 0).mode, Mode::Tripped(_)), "stop does not acknowledge");
     instrument.command(Command::Acknowledge).unwrap();
-    assert_eq!(tick(&mut instrument, ROOM, 1).mode, Mode::Off);
+    assert_eq!(tick(&mut instrument, AMBIENT, 1).mode, Mode::Off);
     instrument.command(Command::Arm).unwrap();
-    let again = tick(&mut instrument, ROOM, 0);
+    let again = tick(&mut instrument, AMBIENT, 0);
     assert!(again.mode.is_heating() && again.pid.0 < 10.0, "it begins anew, from nothing: {}", again.pid);
 }
 
@@ -74,9 +77,9 @@ fn arming_onto_a_broken_t1_is_refused() {
 #[test]
 fn stop_works_in_every_mode() {
     let mut instrument = armed();
-    tick(&mut instrument, ROOM, 0);
+    tick(&mut instrument, AMBIENT, 0);
     instrument.command(Command::Stop).unwrap();
-    let stopped = tick(&mut instrument, ROOM, 1);
+    let stopped = tick(&mut instrument, AMBIENT, 1);
     assert!(stopped.mode == Mode::Off && stopped.drive.0 == 0.0);
     instrument.command(Command::Stop).unwrap();
 }
@@ -89,7 +92,7 @@ fn set_points_are_bounded_by_number() {
         assert!(refused.to_string().contains("expected 20 to 65"), "{refused}");
     }
     instrument.command(Command::SetPoint(Celsius(40.0))).unwrap();
-    assert_eq!(tick(&mut instrument, ROOM, 0).setpoint, Celsius(40.0));
+    assert_eq!(tick(&mut instrument, AMBIENT, 0).setpoint, Celsius(40.0));
 }
 
 #[test]
@@ -199,7 +202,7 @@ fn the_applied_power_is_what_counts() {
     for k in 0..60 {
         let flicker = ((k * 7) % 5) as f32;
         let raw =
-            RawSample { t0: AdcCode(ROOM), t1: AdcCode(1620.0 + flicker), t2: AdcCode(1650.0 - flicker) };
+            RawSample { t0: AdcCode(AMBIENT), t1: AdcCode(1620.0 + flicker), t2: AdcCode(1650.0 - flicker) };
         let tick = instrument.control(raw);
         let applied = if k == 59 { f32::NAN } else { 20.0 + flicker };
         let report = instrument.diagnose(&tick, fdi_core::Percent(applied));
@@ -214,7 +217,7 @@ fn the_applied_power_is_what_counts() {
 fn first_trip(codes: &[(f32, f32)]) -> Option<(usize, TripReason)> {
     let mut instrument = armed();
     codes.iter().enumerate().find_map(|(k, &(t1, t2))| {
-        let tick = instrument.control(RawSample { t0: AdcCode(ROOM), t1: AdcCode(t1), t2: AdcCode(t2) });
+        let tick = instrument.control(RawSample { t0: AdcCode(AMBIENT), t1: AdcCode(t1), t2: AdcCode(t2) });
         match tick.mode {
             Mode::Tripped(trip) => Some((k, trip.reason)),
             _ => None,
@@ -226,13 +229,13 @@ fn first_trip(codes: &[(f32, f32)]) -> Option<(usize, TripReason)> {
 fn hotter_than_the_limit_trips_in_its_tick_however_odd_the_reading_is() {
     // 85 degC, and 111 to 200 degC and the rail, which are no longer plausible.
     for code in [400.0, 200.0, 150.0, 100.0, 41.0, 30.0, 0.0] {
-        let t2 = [(ROOM, ROOM), (ROOM, ROOM), (ROOM, code)];
+        let t2 = [(AMBIENT, AMBIENT), (AMBIENT, AMBIENT), (AMBIENT, code)];
         assert_eq!(first_trip(&t2), Some((2, TripReason::T2OverTemperature)), "T2 at {code}");
-        let t1 = first_trip(&[(ROOM, ROOM), (ROOM, ROOM), (code, ROOM)]);
+        let t1 = first_trip(&[(AMBIENT, AMBIENT), (AMBIENT, AMBIENT), (code, AMBIENT)]);
         assert_eq!(t1.map(|(k, _)| k), Some(2), "T1 at {code}: {t1:?}");
     }
     assert_eq!(
-        first_trip(&[(ROOM, ROOM), (ROOM, f32::NAN), (ROOM, 4094.0)]),
+        first_trip(&[(AMBIENT, AMBIENT), (AMBIENT, f32::NAN), (AMBIENT, 4094.0)]),
         None,
         "nothing read is not hot"
     );
@@ -256,7 +259,7 @@ fn a_ramp_or_a_pattern_above_the_limit_trips_in_the_first_tick_above_it() {
 #[test]
 fn a_trip_whose_cause_lasts_can_not_be_acknowledged() {
     let mut instrument = armed();
-    let hot = RawSample { t0: AdcCode(ROOM), t1: AdcCode(ROOM), t2: AdcCode(10.0) };
+    let hot = RawSample { t0: AdcCode(AMBIENT), t1: AdcCode(AMBIENT), t2: AdcCode(10.0) };
     instrument.control(hot);
     assert_eq!(
         instrument.command(Command::Acknowledge),
@@ -286,7 +289,7 @@ fn no_limit_is_widened_while_the_heater_is_on() {
         instrument.retune(&config).unwrap_or_else(|e| panic!("{name}, off: {e}"));
         instrument.retune(&base).unwrap();
         instrument.command(Command::Arm).unwrap();
-        tick(&mut instrument, ROOM, 0);
+        tick(&mut instrument, AMBIENT, 0);
         let error = instrument.retune(&config).unwrap_err();
         assert_eq!(error, RetuneError::Refused(Refusal::WidensLimit(name)));
         instrument.command(Command::Stop).unwrap();
@@ -318,7 +321,7 @@ fn settings_that_undo_each_other_are_refused_by_both_names() {
 fn a_missing_sample_is_no_heater_stuck_on() {
     let mut instrument = Instrument::new(&Config::default()).unwrap();
     for k in 0..400 {
-        let code = if (68..78).contains(&k) { f32::NAN } else { ROOM };
+        let code = if (68..78).contains(&k) { f32::NAN } else { AMBIENT };
         let raw = RawSample { t0: AdcCode(code), t1: AdcCode(code), t2: AdcCode(code) };
         assert_eq!(instrument.control(raw).mode, Mode::Off, "tick {k}");
     }
@@ -336,6 +339,6 @@ fn a_calibration_at_rest_is_no_heat() {
             }
             instrument.retune(&config).unwrap();
         }
-        assert_eq!(tick(&mut instrument, ROOM, k).mode, Mode::Off, "tick {k}");
+        assert_eq!(tick(&mut instrument, AMBIENT, k).mode, Mode::Off, "tick {k}");
     }
 }

@@ -197,13 +197,17 @@ fn status(board: &impl Board, out: &mut dyn Write) {
     let _ = writeln!(out, "{status}");
     let Some((beat, report)) = &status.last else { return };
     let sample_time = board.config().sample_time.0;
-    match &report.parity.finding {
+    match &report.likelihood.finding {
         Some(finding) => {
-            let told =
-                Told { finding, sample: &beat.tick.sample, expected: report.parity.expected, sample_time };
+            let told = Told {
+                finding,
+                sample: &beat.tick.sample,
+                expected: report.likelihood.expected,
+                sample_time,
+            };
             let _ = writeln!(out, "fault: {told}");
         }
-        None if report.parity.alarm => say(out, "fault: something is wrong, too early to say what\n"),
+        None if report.likelihood.alarm => say(out, "fault: something is wrong, too early to say what\n"),
         None => {}
     }
 }

@@ -1,6 +1,6 @@
 //! From which thermistors answer the heater, and in which order, to what is wired wrongly.
 
-use fdi_core::parity::Channel;
+use fdi_core::likelihood::Channel;
 
 use super::CHANNELS;
 use super::finding::Finding;

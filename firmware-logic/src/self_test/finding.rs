@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use fdi_core::parity::Channel;
+use fdi_core::likelihood::Channel;
 use fdi_core::{TripReason, Validity};
 
 use crate::decimal::Fixed;

@@ -1,7 +1,7 @@
 //! Does a thermistor answer the heater, and which one first? Heat comes in cycles, on for half of each. A cycle is cut into
 //! four quarters, whose means `q` give three contrasts: in phase `(q0 + q1 - q2 - q3) / 2`, which is the rise where an
 //! answer comes at once; in quadrature `(q1 + q2 - q3 - q0) / 2`, the larger the later it comes; and
-//! `(q0 - q1 + q2 - q3) / 2`, which a steady answer does not move. Without heat all three are noise, slow wander of the air
+//! `(q0 - q1 + q2 - q3) / 2`, which a steady answer does not move. Without heat all three are noise, slow disturbance of the air
 //! included: that is how each thermistor's own noise is measured, at the very frequency at which the answer is sought.
 
 /// Ticks in a cycle: 4.4 s, so that even with 2 s of dead time the answer falls into its cycle.

@@ -18,7 +18,7 @@ pub mod progress;
 mod rest;
 pub mod stage;
 
-use fdi_core::parity::Channel;
+use fdi_core::likelihood::Channel;
 use fdi_core::{Percent, RawSample, Reading, Sample, TripReason, Validity};
 use heapless::Vec;
 

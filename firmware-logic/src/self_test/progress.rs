@@ -47,7 +47,7 @@ impl Progress {
 
 /// What to type so that a thermistor agrees with the others: name and value of the setting.
 pub fn offset_setting(finding: &Finding, config: &Config) -> Option<(&'static str, f32)> {
-    use fdi_core::parity::Channel::{T0, T1, T2};
+    use fdi_core::likelihood::Channel::{T0, T1, T2};
     let Finding::Offset(channel, by) = *finding else { return None };
     let (name, offset) = match channel {
         T0 => ("sensors.t0.offset", config.sensors.t0.offset),

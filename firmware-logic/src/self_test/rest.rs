@@ -1,7 +1,7 @@
 //! What the thermistors say while nothing is heated: alive, quiet, at one temperature?
 
 use fdi_core::Validity;
-use fdi_core::parity::Channel;
+use fdi_core::likelihood::Channel;
 use heapless::Vec;
 
 use super::finding::Finding;

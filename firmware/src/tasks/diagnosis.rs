@@ -2,7 +2,7 @@
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
-use fdi_core::parity::Arming;
+use fdi_core::likelihood::Readiness;
 use fdi_core::{Mode, Report};
 use firmware_logic::alarm::Alarms;
 use firmware_logic::checkin::Task;
@@ -11,7 +11,7 @@ use firmware_logic::history::Entry;
 use firmware_logic::interlock::Hold;
 use firmware_logic::record::Record;
 use firmware_logic::retained::Retained;
-use firmware_logic::status::arming;
+use firmware_logic::status::readiness;
 
 use crate::hardware::retained;
 use crate::instrument::Instrument;
@@ -31,7 +31,7 @@ pub(crate) async fn diagnosis(
         diagnosis.restore(&mut state, baseline);
     }
     let mut changes =
-        Changes { mode: Mode::Off, hold: None, arming: Arming::Untrained, alarms: Alarms::default() };
+        Changes { mode: Mode::Off, hold: None, readiness: Readiness::Untrained, alarms: Alarms::default() };
     loop {
         let beat = beats.next().await;
         link::check_in(Task::Diagnosis);
@@ -61,7 +61,7 @@ pub(crate) async fn diagnosis(
 struct Changes {
     mode: Mode,
     hold: Option<Hold>,
-    arming: Arming,
+    readiness: Readiness,
     alarms: Alarms,
 }
 
@@ -100,9 +100,9 @@ impl Changes {
             log::event(event, sample_time);
             instrument.note(|history| history.event(*event));
         }
-        if report.parity.arming != self.arming {
-            self.arming = report.parity.arming;
-            defmt::info!("parity {=u32} {=str}", tick.index, arming(self.arming));
+        if report.likelihood.readiness != self.readiness {
+            self.readiness = report.likelihood.readiness;
+            defmt::info!("likelihood {=u32} {=str}", tick.index, readiness(self.readiness));
         }
         if let Some(alarm) = self.alarms.notice(report) {
             log::alarm(alarm, sample_time);

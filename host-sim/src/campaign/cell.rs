@@ -27,7 +27,7 @@ pub struct Cell {
     /// Which trips are right.
     pub may_trip: MayTrip,
     /// The room of each run is drawn from here, degC; else that of the rig.
-    pub room: Option<[f64; 2]>,
+    pub ambient: Option<[f64; 2]>,
     /// The set-point of each run is drawn from here, degC; else that of the settings.
     pub setpoint: Option<[f64; 2]>,
     /// Largest shift of all that happens, s.
@@ -65,8 +65,8 @@ impl Cell {
         scenario.faults.iter_mut().for_each(|fault| fault.at += shift);
         scenario.actions.iter_mut().for_each(|action| action.at += shift);
         let mut draw = |[low, high]: [f64; 2]| (generator.random_range(low..=high) * 10.0).round() / 10.0;
-        if let Some(room) = self.room {
-            scenario.rig.room = draw(room);
+        if let Some(ambient) = self.ambient {
+            scenario.rig.ambient = draw(ambient);
         }
         let mut config = self.config.clone();
         if let Some(setpoint) = self.setpoint {
@@ -91,15 +91,17 @@ mod tests {
     }
 
     #[test]
-    fn room_and_set_point_are_drawn_for_each_run_and_the_phase_stays() {
-        let (plain, drawn) = (cell(""), cell("room = [5.0, 30.0]\nsetpoint = [25.0, 65.0]"));
+    fn ambient_and_set_point_are_drawn_for_each_run_and_the_phase_stays() {
+        let (plain, drawn) = (cell(""), cell("ambient = [5.0, 30.0]\nsetpoint = [25.0, 65.0]"));
         let mut rooms = Vec::new();
         for seed in 1..200 {
             let (config, scenario) = drawn.draw(seed);
-            assert!((5.0..=30.0).contains(&scenario.rig.room) && (25.0..=65.0).contains(&config.setpoint.0));
+            assert!(
+                (5.0..=30.0).contains(&scenario.rig.ambient) && (25.0..=65.0).contains(&config.setpoint.0)
+            );
             assert_eq!(scenario.faults, plain.draw(seed).1.faults, "seeds of old cells must not move");
             assert_eq!(drawn.draw(seed), (config, scenario.clone()));
-            rooms.push(scenario.rig.room);
+            rooms.push(scenario.rig.ambient);
         }
         rooms.sort_by(f64::total_cmp);
         assert!(rooms[0] < 7.0 && rooms[198] > 28.0, "{rooms:?}");

@@ -14,7 +14,7 @@ use super::heat::MayTrip;
 use super::target::Target;
 use crate::experiment::scenario::{Action, Scenario};
 use pt326_rig::fault::Fault;
-use pt326_rig::{RigConfig, Wander};
+use pt326_rig::{Disturbance, RigConfig};
 
 /// The default campaign, commented.
 pub const CAMPAIGN_TOML: &str = include_str!("../../defaults/campaign.toml");
@@ -101,7 +101,7 @@ pub struct CellDefinition {
     pub runs: u64,
     /// How much the surroundings move.
     #[serde(default = "lively")]
-    pub wander: Wander,
+    pub disturbance: Disturbance,
     /// Everything happens later by a time drawn for each run from 0 to this, s.
     #[serde(default)]
     pub phase: f64,
@@ -120,7 +120,7 @@ pub struct CellDefinition {
     #[serde(default)]
     pub plants: Vec<String>,
     /// The room of each run is drawn between these, degC.
-    pub room: Option<[f64; 2]>,
+    pub ambient: Option<[f64; 2]>,
     /// The set-point of each run is drawn between these, degC.
     pub setpoint: Option<[f64; 2]>,
     /// Which trips are right; left out: none.
@@ -141,8 +141,8 @@ fn one() -> f64 {
     1.0
 }
 
-fn lively() -> Wander {
-    Wander::Lively
+fn lively() -> Disturbance {
+    Disturbance::Lively
 }
 
 impl Campaign {
@@ -203,7 +203,7 @@ impl Campaign {
         let scenario = Scenario {
             duration: definition.duration.unwrap_or(last + self.rest),
             arm_at: definition.arm_at,
-            wander: definition.wander,
+            disturbance: definition.disturbance,
             rig: variant.plant.noisy_rig(),
             faults: variant.faults.clone(),
             actions: definition.actions.clone(),
@@ -224,7 +224,7 @@ impl Campaign {
             runs: ((definition.runs as f64 * self.scale).round() as u64).clamp(1, 1_000_000),
             first_seed,
             may_trip: definition.may_trip.clone(),
-            room: definition.room,
+            ambient: definition.ambient,
             setpoint: definition.setpoint,
             phase,
             scenario,
@@ -267,12 +267,12 @@ struct Variant<'a> {
 impl CellDefinition {
     /// Both ends of what is drawn must be such as could be set.
     fn check_draws(&self, config: &Config) -> anyhow::Result<()> {
-        for (name, range) in [("room", self.room), ("setpoint", self.setpoint)] {
+        for (name, range) in [("ambient", self.ambient), ("setpoint", self.setpoint)] {
             let Some([low, high]) = range else { continue };
             ensure!(low <= high, "{name} is [{low}, {high}], expected the lower one first");
         }
-        for room in self.room.into_iter().flatten() {
-            RigConfig { room, ..RigConfig::default() }.validate()?;
+        for ambient in self.ambient.into_iter().flatten() {
+            RigConfig { ambient, ..RigConfig::default() }.validate()?;
         }
         for setpoint in self.setpoint.into_iter().flatten() {
             fdi_core::Instrument::new(&Config { setpoint: Celsius(setpoint as f32), ..config.clone() })?;

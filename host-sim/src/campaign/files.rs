@@ -131,7 +131,7 @@ fn cell_fields(cell: &CellResults) -> Vec<Field> {
         field("cell", &cell.name),
         field("plant", &cell.plant),
         field("setting", &cell.setting),
-        field("wander", cell.wander),
+        field("disturbance", cell.disturbance),
         maybe("class", cell.class),
         maybe("magnitude_true", cell.magnitude),
         field("runs", cell.runs),

@@ -77,7 +77,7 @@ fn detection(text: &mut String, cells: &[&CellResults]) {
         &[
             "cell",
             "runs",
-            "parity: detected",
+            "likelihood: detected",
             "missed %",
             "isolated",
             "signatures: detected",
@@ -106,7 +106,7 @@ fn estimates(text: &mut String, cells: &[&CellResults]) {
         "Names and estimates: right in % of the runs; errors as median / 95 %",
         &[
             "cell",
-            "parity: first right",
+            "likelihood: first right",
             "settled right",
             "duration error, s",
             "magnitude error, %",
@@ -124,7 +124,7 @@ fn estimates(text: &mut String, cells: &[&CellResults]) {
         let names = |f: &FaultStatistics| {
             [format!("{:.1}", f.first_right_pct), format!("{:.1}", f.settled_right_pct)]
         };
-        match &cell.parity.fault {
+        match &cell.likelihood.fault {
             None => line.extend(vec!["-".to_owned(); 6]),
             Some(f) => {
                 line.extend(names(f));
@@ -154,13 +154,16 @@ fn silence(text: &mut String, cells: &[&CellResults]) {
     head(
         text,
         "Nothing to be reported: runs with an alarm, and alarms an hour with their exact 95 % interval",
-        &["cell", "runs", "parity", "signatures", "parity not armed", "tripped, %"],
+        &["cell", "runs", "likelihood", "signatures", "likelihood not armed", "tripped, %"],
     );
     for cell in cells {
         let by = |by| alarms(&cell.by(by).alarms).trim().to_owned();
-        let unarmed = cell.parity.unarmed.to_string();
+        let unarmed = cell.likelihood.unarmed.to_string();
         let tripped = format!("{:.1}", cell.heat.tripped_pct);
-        row(text, &[label(cell), cell.runs.to_string(), by(By::Parity), by(By::Signature), unarmed, tripped]);
+        row(
+            text,
+            &[label(cell), cell.runs.to_string(), by(By::Likelihood), by(By::Signature), unarmed, tripped],
+        );
     }
 }
 
@@ -176,7 +179,7 @@ fn trade(text: &mut String, by: By, all: &[Trade]) {
     let mut columns = vec!["setting", "false alarms an hour, lively", "alarms where none may be, runs"];
     columns.extend(names.iter().map(String::as_str));
     columns.extend(["missed, all classes, %", "first right, all classes, %"]);
-    let who = if by == By::Parity { "parity diagnosis" } else { "signatures" };
+    let who = if by == By::Likelihood { "likelihood diagnosis" } else { "signatures" };
     head(text, &format!("Settings of the {who}: detection as median / 95 % / 99 %"), &columns);
     let (idle, telling): (Vec<&Trade>, Vec<&Trade>) =
         trades.iter().partition(|t| !t.setting.is_empty() && same(t));

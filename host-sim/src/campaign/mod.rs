@@ -42,7 +42,7 @@ use store::{Header, Shard, Store};
   host-sim campaign my.toml
   host-sim campaign --only nominal/ --config tuning.toml --seeds-from 1
   host-sim campaign --quick --sweep diagnosis.sigma_factor=2.5,3,3.5,4
-  host-sim campaign --seeds-from 1 --vary parity.margin=0,4 --vary parity.tolerated_sag=0
+  host-sim campaign --seeds-from 1 --vary likelihood.margin=0,4 --vary likelihood.tolerated_sag=0
   host-sim campaign --shard 2/8 --out part       one of eight jobs of a cluster, then
   host-sim campaign merge part/runs.*.jsonl
   host-sim campaign show \"nominal/mfs1\" --run 17   that run with its trace, figures and report

@@ -15,7 +15,7 @@ use super::trade::Trade;
 use crate::record::figure::chart::{Axis, Chart, Dot, Log, Panel};
 use crate::record::figure::matrix::{Group, Matrix};
 use crate::record::figure::{self, BLUE, VERMILLION};
-use pt326_rig::Wander;
+use pt326_rig::Disturbance;
 use pt326_rig::fault::Sensor;
 
 /// Draws what can be drawn; tells the names of the files.
@@ -41,13 +41,13 @@ pub(super) fn draw(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Pat
 
 fn colour(by: By) -> RGBColor {
     match by {
-        By::Parity => BLUE,
+        By::Likelihood => BLUE,
         By::Signature => VERMILLION,
     }
 }
 
 fn legend() -> Vec<(String, RGBColor)> {
-    vec![("parity diagnosis".into(), BLUE), ("the paper's signatures".into(), VERMILLION)]
+    vec![("likelihood diagnosis".into(), BLUE), ("the paper's signatures".into(), VERMILLION)]
 }
 
 /// Cells of one fault that differ in its size.
@@ -68,7 +68,8 @@ fn families(cells: &[Cell]) -> Vec<Family<'_>> {
     let first_setting = cells.first().map_or("", |cell| cell.setting.as_str());
     for (number, cell) in cells.iter().enumerate() {
         let is_reference = cell.plant.is_empty() && cell.setting == first_setting;
-        let Some(fault) = cell.fault().filter(|_| is_reference && cell.scenario.wander == Wander::Lively)
+        let Some(fault) =
+            cell.fault().filter(|_| is_reference && cell.scenario.disturbance == Disturbance::Lively)
         else {
             continue;
         };
@@ -151,7 +152,7 @@ fn family_panel(family: &Family, rows: &[RunRow]) -> Panel {
         let lag = fault.and_then(|f| f.lag).map_or(String::new(), |lag| format!("\n{lag}"));
         names.push(signed(size) + &lag);
         let of_cell: Vec<&RunRow> = rows.iter().filter(|row| row.cell == *number).collect();
-        for (by, aside) in [(By::Parity, -8.0), (By::Signature, 8.0)] {
+        for (by, aside) in [(By::Likelihood, -8.0), (By::Signature, 8.0)] {
             if by == By::Signature && fault.is_some_and(|f| f.expected().fdv.is_none()) {
                 blind = true;
                 continue;
@@ -296,8 +297,9 @@ fn confusion(results: &Results) -> Option<Matrix> {
         let cells = classes.iter().map(row).collect();
         Group { title: title.into(), columns: columns.iter().map(ToString::to_string).collect(), cells }
     };
-    let groups = vec![group(By::Parity, "parity diagnosis"), group(By::Signature, "signatures")];
-    let rows = classes.iter().map(|class| format!("{class} ({})", runs(By::Parity, class, None))).collect();
+    let groups = vec![group(By::Likelihood, "likelihood diagnosis"), group(By::Signature, "signatures")];
+    let rows =
+        classes.iter().map(|class| format!("{class} ({})", runs(By::Likelihood, class, None))).collect();
     let notes = vec![
         "Share of the runs in %, reference rig, all sizes: the class named on most ticks of the fault. Blue: the right one; \
          orange: another; none: nothing was named."

@@ -41,7 +41,7 @@ pub struct CellResults {
     /// What should come of it.
     pub expect: Expect,
     /// How much the surroundings moved.
-    pub wander: pt326_rig::Wander,
+    pub disturbance: pt326_rig::Disturbance,
     /// Class of the fault; null where silence is expected.
     pub class: Option<&'static str>,
     /// Its true magnitude in the unit of the class.
@@ -50,10 +50,10 @@ pub struct CellResults {
     pub runs: usize,
     /// What was done with the heat.
     pub heat: HeatStatistics,
-    /// Class that the parity diagnosis settled on in most runs; null: it named none in most.
+    /// Class that the likelihood diagnosis settled on in most runs; null: it named none in most.
     pub settled: Option<String>,
-    /// By the parity diagnosis.
-    pub parity: Statistics,
+    /// By the likelihood diagnosis.
+    pub likelihood: Statistics,
     /// By the paper's signatures.
     pub signature: Statistics,
 }
@@ -124,21 +124,21 @@ pub struct AlarmStatistics {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum By {
-    /// The parity diagnosis.
+    /// The likelihood diagnosis.
     #[default]
-    Parity,
+    Likelihood,
     /// The paper's signatures.
     Signature,
 }
 
 impl By {
     /// Both.
-    pub const BOTH: [Self; 2] = [Self::Parity, Self::Signature];
+    pub const BOTH: [Self; 2] = [Self::Likelihood, Self::Signature];
 
     /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Parity => "parity",
+            Self::Likelihood => "likelihood",
             Self::Signature => "signature",
         }
     }
@@ -146,14 +146,14 @@ impl By {
     /// What it saw of a run.
     pub fn of(self, row: &RunRow) -> &Seen {
         match self {
-            Self::Parity => &row.parity,
+            Self::Likelihood => &row.likelihood,
             Self::Signature => &row.signature,
         }
     }
 
     /// Whether it could see the fault of a cell at all.
     fn knows(self, cell: &Cell) -> bool {
-        self == Self::Parity || cell.fault().is_some_and(|f| f.expected().fdv.is_some())
+        self == Self::Likelihood || cell.fault().is_some_and(|f| f.expected().fdv.is_some())
     }
 }
 
@@ -196,13 +196,13 @@ impl CellResults {
             plant: cell.plant.clone(),
             setting: cell.setting.clone(),
             expect: cell.expect,
-            wander: cell.scenario.wander,
+            disturbance: cell.scenario.disturbance,
             class: class(cell),
             magnitude: cell.fault().and_then(|f| f.true_magnitude()),
             runs: cases.len(),
             heat: HeatStatistics::new(cases),
-            settled: most(cases.iter().map(|(_, row)| row.parity.settled.clone())),
-            parity: Statistics::new(By::Parity, cases),
+            settled: most(cases.iter().map(|(_, row)| row.likelihood.settled.clone())),
+            likelihood: Statistics::new(By::Likelihood, cases),
             signature: Statistics::new(By::Signature, cases),
         }
     }
@@ -210,7 +210,7 @@ impl CellResults {
     /// The statistics of one diagnosis.
     pub fn by(&self, by: By) -> &Statistics {
         match by {
-            By::Parity => &self.parity,
+            By::Likelihood => &self.likelihood,
             By::Signature => &self.signature,
         }
     }
@@ -325,7 +325,7 @@ mod tests {
 
     use super::*;
 
-    /// One cell of an air flow of 1.25, and a row for each thing that parity saw.
+    /// One cell of an air flow of 1.25, and a row for each thing that likelihood saw.
     fn statistics(seen: Vec<Seen>) -> Statistics {
         let text = "[[cell]]\nname = \"flow\"\nruns = 1\nfault = [{ do = \"air-flow\", size = 1.25, at = 400.0, for = 25.0 }]";
         let campaign: Campaign = toml::from_str(text).unwrap();
@@ -333,16 +333,16 @@ mod tests {
         let rows: Vec<RunRow> = seen
             .into_iter()
             .zip(0..)
-            .map(|(parity, run)| RunRow {
+            .map(|(likelihood, run)| RunRow {
                 cell: 0,
                 run,
                 seed: run,
                 onset_s: Some(400.0),
-                parity,
+                likelihood,
                 ..RunRow::default()
             })
             .collect();
-        Results::new(&campaign, &cells, &rows).cells.remove(0).parity
+        Results::new(&campaign, &cells, &rows).cells.remove(0).likelihood
     }
 
     fn right(magnitude: f64) -> Seen {

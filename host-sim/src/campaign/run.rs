@@ -2,13 +2,15 @@
 
 use crate::score::expectation::Expectation;
 use fdi_core::Instrument;
-use fdi_core::parity::{Arming, FaultClass};
+use fdi_core::likelihood::{FaultClass, Readiness};
 use serde::{Deserialize, Serialize};
 
 use super::cell::Cell;
 use super::heat::{Heat, HeatWatch};
 use crate::experiment::{Row, as_written, drive, tick_time, with_prbs_phase};
-use crate::score::{ParityScore, ParityWatch, Rise, Score, TAIL, Watch, signature_class, signature_sight};
+use crate::score::{
+    LikelihoodScore, LikelihoodWatch, Rise, Score, TAIL, Watch, signature_class, signature_sight,
+};
 use pt326_rig::fault::Fault;
 
 /// One run.
@@ -26,8 +28,8 @@ pub struct RunRow {
     pub heat: Heat,
     /// By the paper's signatures.
     pub signature: Seen,
-    /// By the parity diagnosis.
-    pub parity: Seen,
+    /// By the likelihood diagnosis.
+    pub likelihood: Seen,
 }
 
 /// What one diagnosis saw.
@@ -88,10 +90,10 @@ impl Said {
         Self { alarm: verdict.map(|v| v.fdv != 0), named: verdict.and_then(|v| signature_class(v.fiv)) }
     }
 
-    fn by_parity(row: &Row) -> Self {
-        let parity = &row.report.parity;
-        let watches = parity.alarm || parity.arming == Arming::Armed;
-        Self { alarm: watches.then_some(parity.alarm), named: parity.finding.map(|f| f.class) }
+    fn by_likelihood(row: &Row) -> Self {
+        let likelihood = &row.report.likelihood;
+        let watches = likelihood.alarm || likelihood.readiness == Readiness::Armed;
+        Self { alarm: watches.then_some(likelihood.alarm), named: likelihood.finding.map(|f| f.class) }
     }
 }
 
@@ -152,27 +154,27 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
     let fault = cell.fault().and(scenario.faults.first());
     let mut instrument = Instrument::new(&config)?;
     let mut guards = [Guard::new(fault), Guard::new(fault)];
-    let mut watches = fault.map(|f| (Watch::new(f), ParityWatch::new(f, sample_time)));
+    let mut watches = fault.map(|f| (Watch::new(f), LikelihoodWatch::new(f, sample_time)));
     let mut heat = HeatWatch::new(&config, &scenario, fault);
     drive(&mut instrument, &config, &scenario, seed, |row, rig| {
         let t = tick_time(row.tick.index, sample_time);
         heat.see(t, &row, rig);
-        for (guard, said) in guards.iter_mut().zip([Said::by_signature(&row), Said::by_parity(&row)]) {
+        for (guard, said) in guards.iter_mut().zip([Said::by_signature(&row), Said::by_likelihood(&row)]) {
             guard.see(t, fault, &said);
         }
-        if let (Some(fault), Some((signature, parity))) = (fault, &mut watches) {
+        if let (Some(fault), Some((signature, likelihood))) = (fault, &mut watches) {
             signature.see(t, signature_sight(fault, row.report.filtered));
-            parity.see(t, &row.report.parity);
+            likelihood.see(t, &row.report.likelihood);
         }
     });
-    let [signature, parity] = guards;
-    let (signature, parity) = match (fault, watches) {
-        (Some(fault), Some((by_signature, by_parity))) => {
+    let [signature, likelihood] = guards;
+    let (signature, likelihood) = match (fault, watches) {
+        (Some(fault), Some((by_signature, by_likelihood))) => {
             let isolable = fault.expected().fiv.is_some();
             let seen = signature.finish(by_signature.score(sample_time, isolable));
-            (named_by_signature(seen, &by_signature), named_by_parity(parity, by_parity.score()))
+            (named_by_signature(seen, &by_signature), named_by_likelihood(likelihood, by_likelihood.score()))
         }
-        _ => (signature.seen, parity.seen),
+        _ => (signature.seen, likelihood.seen),
     };
     Ok(RunRow {
         cell: number,
@@ -181,7 +183,7 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
         onset_s: fault.map(|f| f.at),
         heat: heat.finish(),
         signature,
-        parity,
+        likelihood,
     })
 }
 
@@ -190,7 +192,7 @@ fn named_by_signature(seen: Seen, watch: &Watch) -> Seen {
     Seen { first: watch.first_named().map(name), settled: watch.settled().map(name), ..seen }
 }
 
-fn named_by_parity(guard: Guard, score: ParityScore) -> Seen {
+fn named_by_likelihood(guard: Guard, score: LikelihoodScore) -> Seen {
     Seen {
         first: score.first_verdict.map(str::to_owned),
         settled: score.verdict.map(str::to_owned),

@@ -21,7 +21,7 @@ pub(super) fn of(results: &Results) -> Option<String> {
     table(&mut text, "True air over the set-point, degC; onset to heater off, s; why", &cells, heat);
     table(
         &mut text,
-        "Named by the parity diagnosis: 95 % of the runs, s; what most of them settled on",
+        "Named by the likelihood diagnosis: 95 % of the runs, s; what most of them settled on",
         &cells,
         named,
     );
@@ -73,7 +73,7 @@ fn heat(cell: &CellResults) -> String {
 }
 
 fn named(cell: &CellResults) -> String {
-    let delay = cell.parity.fault.as_ref().and_then(|f| f.isolation_delay_s.p95);
+    let delay = cell.likelihood.fault.as_ref().and_then(|f| f.isolation_delay_s.p95);
     let settled = cell.settled.as_deref().unwrap_or("not named");
     match delay {
         Some(_) => format!("{} s; {settled}", seconds(delay)),

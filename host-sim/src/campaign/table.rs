@@ -26,8 +26,11 @@ pub(super) fn of(results: &Results) -> String {
 }
 
 pub(super) fn label(cell: &CellResults) -> String {
-    let calm =
-        if cell.wander == pt326_rig::Wander::Lively { String::new() } else { format!(", {}", cell.wander) };
+    let calm = if cell.disturbance == pt326_rig::Disturbance::Lively {
+        String::new()
+    } else {
+        format!(", {}", cell.disturbance)
+    };
     let setting = if cell.setting.is_empty() { String::new() } else { format!(" [{}]", cell.setting) };
     format!("{}{calm}{setting}", cell.name)
 }
@@ -39,7 +42,7 @@ fn fault_cells(text: &mut String, cells: &[&CellResults]) {
     let width = cells.iter().map(|cell| label(cell).chars().count()).max().unwrap_or(0).max(20);
     let _ = writeln!(
         text,
-        "\nFaults: delays in s as median / 95 % / 99 %, misses counted as infinitely late; P parity, S signatures\n\n\
+        "\nFaults: delays in s as median / 95 % / 99 %, misses counted as infinitely late; P likelihood, S signatures\n\n\
          {:width$}  runs     detection           missed  isolation           never   first   settled duration      magnitude        interval\n\
          {:width$}                                  %                       %       right % right % error 95 % s  error 50/95 %    holds %",
         "cell", ""
@@ -47,10 +50,10 @@ fn fault_cells(text: &mut String, cells: &[&CellResults]) {
     for cell in cells {
         for by in By::BOTH {
             let (name, runs) = match by {
-                By::Parity => (label(cell), cell.runs.to_string()),
+                By::Likelihood => (label(cell), cell.runs.to_string()),
                 By::Signature => (String::new(), String::new()),
             };
-            let letter = if by == By::Parity { 'P' } else { 'S' };
+            let letter = if by == By::Likelihood { 'P' } else { 'S' };
             let seen = match &cell.by(by).fault {
                 None => "blind".into(),
                 Some(fault) => fault_line(fault, cell.runs),
@@ -111,7 +114,7 @@ fn runaway_cells(text: &mut String, cells: &[&CellResults]) {
     let _ = writeln!(
         text,
         "\nHeat without effect, the worst of the runs: true air over the set-point, onset and visible to heater off, longest\n\
-         time at full power and above 1.8 times the power needed; why it tripped (runs); what parity settled on\n\n\
+         time at full power and above 1.8 times the power needed; why it tripped (runs); what likelihood settled on\n\n\
          {:width$}  runs    over    off, s  visible  full, s  above, s  trips",
         "cell"
     );
@@ -153,13 +156,13 @@ fn silent_cells(text: &mut String, cells: &[&CellResults]) {
         text,
         "\nNothing to be reported: runs with an alarm, alarms an hour [exact 95 % interval] in the hours watched\n\
          (the interval takes alarms to be independent: where they come in bursts it is too narrow)\n\n\
-         {:width$}  runs   parity                                              signatures",
+         {:width$}  runs   likelihood                                              signatures",
         "cell"
     );
     for cell in cells {
-        let unarmed = match cell.parity.unarmed {
+        let unarmed = match cell.likelihood.unarmed {
             0 => String::new(),
-            n => format!("   parity not armed in {n} runs"),
+            n => format!("   likelihood not armed in {n} runs"),
         };
         let tripped = match cell.heat.reasons.as_slice() {
             [] => String::new(),
@@ -169,7 +172,7 @@ fn silent_cells(text: &mut String, cells: &[&CellResults]) {
             "{:width$} {:>5}   {:<50}  {}{tripped}{unarmed}",
             label(cell),
             cell.runs,
-            alarms(&cell.parity.alarms),
+            alarms(&cell.likelihood.alarms),
             alarms(&cell.signature.alarms)
         );
         let _ = writeln!(text, "{}", line.trim_end());
@@ -212,7 +215,7 @@ fn confusion(text: &mut String, results: &Results) {
             let _ = writeln!(
                 text,
                 "\nTrue class, and what {} settled on (reference rig, runs){behind}\n",
-                if by == By::Parity { "parity" } else { "the signatures" }
+                if by == By::Likelihood { "likelihood" } else { "the signatures" }
             );
             for row in entries.chunk_by(|a, b| a.class == b.class) {
                 let mut row = row.to_vec();

@@ -218,7 +218,7 @@ mod tests {
     use super::*;
 
     fn target(cells: &str, at_most: Option<f64>, at_least: Option<f64>) -> Target {
-        let by = By::Parity;
+        let by = By::Likelihood;
         Target { cells: cells.into(), measure: Measure::Missed, by, each: false, at_most, at_least }
     }
 

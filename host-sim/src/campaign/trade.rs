@@ -6,7 +6,7 @@ use super::cell::Cell;
 use super::definition::Expect;
 use super::results::{AlarmStatistics, By, Case, Statistics};
 use super::statistics::Quantiles;
-use pt326_rig::Wander;
+use pt326_rig::Disturbance;
 
 /// Names of the cells whose delays are told begin so.
 const NOMINAL: &str = "nominal/";
@@ -62,8 +62,9 @@ fn trade(setting: &str, by: By, cases: &[Case]) -> Trade {
     };
     let silent = |cell: &Cell| cell.expect == Expect::Silence && cell.plant.is_empty();
     let disturbed = chosen(&|cell| silent(cell) && !is_undisturbed(cell));
-    let undisturbed =
-        chosen(&|cell| silent(cell) && is_undisturbed(cell) && cell.scenario.wander == Wander::Lively);
+    let undisturbed = chosen(&|cell| {
+        silent(cell) && is_undisturbed(cell) && cell.scenario.disturbance == Disturbance::Lively
+    });
     let nominal = chosen(&|cell| cell.name.starts_with(NOMINAL) && cell.fault().is_some());
     let faults = nominal.chunk_by(|a, b| a.1.cell == b.1.cell).map(|cases| NominalFault {
         name: cases[0].0.name.clone(),

@@ -8,7 +8,7 @@ use fdi_core::{AdcCode, Command, Config, Instrument, RawSample};
 use crate::commands::CoreArgs;
 use crate::experiment::as_written;
 use crate::experiment::scenario::read_config;
-use crate::record::trace::{INSTRUMENT_COLUMNS, PARITY_COLUMNS, instrument_row, parity_row};
+use crate::record::trace::{INSTRUMENT_COLUMNS, LIKELIHOOD_COLUMNS, instrument_row, likelihood_row};
 
 /// Runs on the process's standard streams.
 ///
@@ -27,7 +27,7 @@ pub fn serve(config: &Config, input: impl BufRead, mut output: impl Write) -> an
     let mut instrument = Instrument::new(config)?;
     instrument.command(Command::Arm).context("can't begin to regulate")?;
     let sample_time = as_written(config.sample_time.0);
-    writeln!(output, "drive_pct,{INSTRUMENT_COLUMNS},{PARITY_COLUMNS}")?;
+    writeln!(output, "drive_pct,{INSTRUMENT_COLUMNS},{LIKELIHOOD_COLUMNS}")?;
     output.flush()?;
     for (i, line) in input.lines().enumerate() {
         let number = i + 1;
@@ -37,7 +37,7 @@ pub fn serve(config: &Config, input: impl BufRead, mut output: impl Write) -> an
         let report = instrument.diagnose(&tick, tick.drive);
         let mut answer = format!("{},", tick.drive.0);
         instrument_row(&mut answer, &tick, &report, sample_time);
-        parity_row(&mut answer, &report.parity, sample_time);
+        likelihood_row(&mut answer, &report.likelihood, sample_time);
         writeln!(output, "{answer}")?;
         output.flush()?;
     }

@@ -14,7 +14,7 @@ use clap::{Args, Parser};
 use crate::experiment::FaultSize;
 use crate::experiment::scenario::{self, Scenario};
 use fdi_core::Config;
-use pt326_rig::Wander;
+use pt326_rig::Disturbance;
 
 /// The PT-326 fault diagnosis instrument on the host: the code that the board runs, against a simulated rig.
 ///
@@ -24,7 +24,7 @@ use pt326_rig::Wander;
     version,
     after_help = "Examples:
   host-sim                                          the paper's experiment; results in out/
-  host-sim run --seed 7 --wander lively --fault-size small
+  host-sim run --seed 7 --disturbance lively --fault-size small
   host-sim scenario > my.toml; host-sim run --scenario my.toml
   host-sim repeat --seeds 200                       delays and durations over 200 runs
   host-sim campaign --quick                         every fault and disturbance, both diagnoses, in a minute
@@ -74,7 +74,7 @@ pub struct ExperimentArgs {
     /// How much the surroundings move: none, calm (room drift), lively (and air flow and mains). Default: the
     /// scenario's, calm.
     #[arg(long)]
-    pub wander: Option<Wander>,
+    pub disturbance: Option<Disturbance>,
     /// Size of the faults: small, nominal, large, or a factor on the nominal departure (negative: the other way).
     #[arg(long, default_value = "nominal", allow_negative_numbers = true)]
     pub fault_size: FaultSize,
@@ -94,7 +94,7 @@ impl ExperimentArgs {
     pub fn load(&self) -> anyhow::Result<(Config, Scenario)> {
         let config = scenario::read_config(self.config.as_deref())?;
         let mut scenario = scenario::read_scenario(self.scenario.as_deref())?;
-        scenario.wander = self.wander.unwrap_or(scenario.wander);
+        scenario.disturbance = self.disturbance.unwrap_or(scenario.disturbance);
         scenario.faults = scenario.faults.iter().map(|fault| self.fault_size.apply(fault)).collect();
         scenario.validate()?;
         Ok((config, scenario))

@@ -29,8 +29,8 @@ pub struct Repeated {
     pub false_alarms_fdv: u32,
     /// False alarms of fiv in all runs, low-passed.
     pub false_alarms_fiv: u32,
-    /// False alarms of the parity diagnosis in all runs.
-    pub false_alarms_parity: u32,
+    /// False alarms of the likelihood diagnosis in all runs.
+    pub false_alarms_likelihood: u32,
 }
 
 /// One fault over many runs.
@@ -42,10 +42,10 @@ pub struct RepeatedFault {
     pub signature: RepeatedScore,
     /// By the raw residuals.
     pub signature_raw: RepeatedScore,
-    /// By the parity diagnosis.
-    pub parity: RepeatedScore,
-    /// Runs in which the parity diagnosis first named the right class.
-    pub parity_first_verdict_right: usize,
+    /// By the likelihood diagnosis.
+    pub likelihood: RepeatedScore,
+    /// Runs in which the likelihood diagnosis first named the right class.
+    pub likelihood_first_verdict_right: usize,
 }
 
 /// A score over many runs; what never happened in a run is counted as missed and left out of the spread.
@@ -135,10 +135,10 @@ pub fn repeat(
             name: scenario.faults[i].label(),
             signature: score(|f| &f.signature),
             signature_raw: score(|f| &f.signature_raw),
-            parity: score(|f| &f.parity.score),
-            parity_first_verdict_right: summaries
+            likelihood: score(|f| &f.likelihood.score),
+            likelihood_first_verdict_right: summaries
                 .iter()
-                .filter(|s| s.faults[i].parity.first_verdict_right == Some(true))
+                .filter(|s| s.faults[i].likelihood.first_verdict_right == Some(true))
                 .count(),
         }
     };
@@ -149,15 +149,15 @@ pub fn repeat(
         faults: (0..scenario.faults.len()).map(fault).collect(),
         false_alarms_fdv: summaries.iter().map(|s| s.false_alarms.fdv).sum(),
         false_alarms_fiv: summaries.iter().map(|s| s.false_alarms.fiv).sum(),
-        false_alarms_parity: summaries.iter().map(|s| s.false_alarms.parity).sum(),
+        false_alarms_likelihood: summaries.iter().map(|s| s.false_alarms.likelihood).sum(),
     })
 }
 
 fn table(r: &Repeated, scenario: &Scenario) -> String {
     let last = r.from.wrapping_add(r.runs - 1);
     let mut text = format!(
-        "{} runs of {:.0} s, seeds {} to {last}, wander {}; median [5 %, 95 %], and how many runs missed it\n\n",
-        r.runs, scenario.duration, r.from, scenario.wander
+        "{} runs of {:.0} s, seeds {} to {last}, disturbance {}; median [5 %, 95 %], and how many runs missed it\n\n",
+        r.runs, scenario.duration, r.from, scenario.disturbance
     );
     let columns = [
         "Fault",
@@ -173,7 +173,7 @@ fn table(r: &Repeated, scenario: &Scenario) -> String {
         for (name, score) in [
             (fault.name.as_str(), &fault.signature),
             ("  raw residuals", &fault.signature_raw),
-            ("  parity", &fault.parity),
+            ("  likelihood", &fault.likelihood),
         ] {
             let missed = |s: &Spread| format!("{:.1} %", 100.0 * s.missed as f64 / r.runs as f64);
             text += &line([
@@ -187,16 +187,16 @@ fn table(r: &Repeated, scenario: &Scenario) -> String {
             ]);
         }
     }
-    let named = r.faults.iter().map(|f| format!("{} {}", f.name, f.parity_first_verdict_right));
+    let named = r.faults.iter().map(|f| format!("{} {}", f.name, f.likelihood_first_verdict_right));
     text + &format!(
-        "\nParity names it first  {} of {} runs\nLargest control error  {} % of the set-point\n\
-         False alarms           fdv {}, fiv {} (low-passed), parity {} in all runs\n",
+        "\nLikelihood names it first  {} of {} runs\nLargest control error  {} % of the set-point\n\
+         False alarms           fdv {}, fiv {} (low-passed), likelihood {} in all runs\n",
         named.collect::<Vec<_>>().join(", "),
         r.runs,
         r.control_error_max_pct,
         r.false_alarms_fdv,
         r.false_alarms_fiv,
-        r.false_alarms_parity
+        r.false_alarms_likelihood
     )
 }
 

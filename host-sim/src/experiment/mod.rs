@@ -10,7 +10,7 @@ use fdi_core::{AdcCode, Command, Config, Instrument, RawSample, Report, Tick};
 
 pub use fault_size::{FaultSize, paper_sequence};
 use pt326_rig::fault::Fault;
-use pt326_rig::{Rig, Wander};
+use pt326_rig::{Disturbance, Rig};
 use scenario::{Scenario, commands};
 
 /// Something that can stand in for the board: it takes codes and gives a drive and a report.
@@ -62,7 +62,7 @@ pub enum Origin {
         /// Seed of the rig's noise.
         seed: u64,
         /// How the surroundings moved.
-        wander: Wander,
+        disturbance: Disturbance,
     },
     /// A recording, run through the core again.
     Recorded {
@@ -74,8 +74,8 @@ pub enum Origin {
 impl std::fmt::Display for Origin {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Simulated { seed, wander } => {
-                write!(f, "on the simulated rig, seed {seed}, wander {wander}")
+            Self::Simulated { seed, disturbance } => {
+                write!(f, "on the simulated rig, seed {seed}, disturbance {disturbance}")
             }
             Self::Recorded { file } => write!(f, "recorded in {file}, replayed"),
         }
@@ -178,7 +178,7 @@ pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, 
     let mut rows = Vec::new();
     let started = Instant::now();
     let refused = drive(backend, config, scenario, seed, |row, _| rows.push(row));
-    let origin = Origin::Simulated { seed, wander: scenario.wander };
+    let origin = Origin::Simulated { seed, disturbance: scenario.disturbance };
     let record = Record::new(origin, config, &scenario.faults, rows, backend.baseline(), started.elapsed());
     Record { refused, ..record }
 }
@@ -195,7 +195,7 @@ pub fn drive(
 ) -> Vec<(f64, String)> {
     let sample_time = as_written(config.sample_time.0);
     let ticks = (scenario.duration / sample_time).floor() as u32;
-    let mut rig = Rig::new(&scenario.rig, scenario.wander, sample_time, seed, &scenario.faults);
+    let mut rig = Rig::new(&scenario.rig, scenario.disturbance, sample_time, seed, &scenario.faults);
     let mut refused = Vec::new();
     let mut commands = commands(&scenario.actions, config.setpoint.0).into_iter().peekable();
     let mut obey = |backend: &mut _, command, t| {

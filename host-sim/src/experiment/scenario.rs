@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use pt326_rig::fault::Fault;
 
 use super::paper_sequence;
-use pt326_rig::{RigConfig, Wander};
+use pt326_rig::{Disturbance, RigConfig};
 
 /// A run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ pub struct Scenario {
     /// The instrument is armed at this time, s: until then it sees the rig cold.
     pub arm_at: f64,
     /// How much the surroundings move.
-    pub wander: Wander,
+    pub disturbance: Disturbance,
     /// Constants of the rig.
     pub rig: RigConfig,
     /// What happens to the rig.
@@ -90,7 +90,7 @@ impl Default for Scenario {
         Self {
             duration: 850.0,
             arm_at: 0.0,
-            wander: Wander::default(),
+            disturbance: Disturbance::default(),
             rig: RigConfig::default(),
             faults: paper_sequence(),
             actions: Vec::new(),

@@ -8,8 +8,8 @@ use firmware_logic::finding::Told;
 use serde::Serialize;
 
 use crate::experiment::{Origin, Record, Row};
-use crate::score::{ParityScore, ParityWatch, Rise, Score, TAIL, Watch, signature_sight};
-use pt326_rig::Wander;
+use crate::score::{LikelihoodScore, LikelihoodWatch, Rise, Score, TAIL, Watch, signature_sight};
+use pt326_rig::Disturbance;
 use pt326_rig::fault::Fault;
 
 /// `summary.json`.
@@ -18,7 +18,7 @@ pub struct Summary {
     /// Seed of the rig's noise; null for a recording.
     pub seed: Option<u64>,
     /// How the surroundings moved; null for a recording.
-    pub wander: Option<Wander>,
+    pub disturbance: Option<Disturbance>,
     /// Size of each fault, by name.
     pub sizes: Vec<FaultSizeEntry>,
     /// Sample time.
@@ -106,10 +106,10 @@ pub struct FaultSummary {
     pub signature: Score,
     /// By the raw residuals.
     pub signature_raw: Score,
-    /// By the parity diagnosis.
-    pub parity: ParityScore,
+    /// By the likelihood diagnosis.
+    pub likelihood: LikelihoodScore,
     /// What it last said of the fault, in a sentence; null: it never named it.
-    pub parity_told: Option<String>,
+    pub likelihood_told: Option<String>,
 }
 
 /// Rising edges of each vector outside any fault.
@@ -123,8 +123,8 @@ pub struct FalseAlarms {
     pub fdv_raw: u32,
     /// Isolation, raw.
     pub fiv_raw: u32,
-    /// The parity diagnosis. What is no fault (a warmer room, a spike) excuses none of its alarms.
-    pub parity: u32,
+    /// The likelihood diagnosis. What is no fault (a warmer room, a spike) excuses none of its alarms.
+    pub likelihood: u32,
 }
 
 /// One trip.
@@ -171,13 +171,13 @@ impl Summary {
     /// Scores a run.
     pub fn new(record: &Record) -> Self {
         let error = control_error_max(record);
-        let (seed, wander) = match record.origin {
-            Origin::Simulated { seed, wander } => (Some(seed), Some(wander)),
+        let (seed, disturbance) = match record.origin {
+            Origin::Simulated { seed, disturbance } => (Some(seed), Some(disturbance)),
             Origin::Recorded { .. } => (None, None),
         };
         Self {
             seed,
-            wander,
+            disturbance,
             sizes: record
                 .faults
                 .iter()
@@ -226,23 +226,23 @@ fn baseline(baseline: &Baseline) -> BaselineSummary {
 fn fault(record: &Record, fault: &Fault) -> FaultSummary {
     let mut filtered = Watch::new(fault);
     let mut raw = Watch::new(fault);
-    let mut parity = ParityWatch::new(fault, record.sample_time);
+    let mut likelihood = LikelihoodWatch::new(fault, record.sample_time);
     for row in &record.rows {
         let t = record.time(row.tick.index);
         filtered.see(t, signature_sight(fault, row.report.filtered));
         raw.see(t, signature_sight(fault, row.report.raw));
-        parity.see(t, &row.report.parity);
+        likelihood.see(t, &row.report.likelihood);
     }
     let isolable = fault.expected().fiv.is_some();
-    let parity = parity.score();
+    let likelihood = likelihood.score();
     FaultSummary {
         name: fault.label(),
         onset_s: fault.at,
         duration_s: fault.duration,
         signature: filtered.score(record.sample_time, isolable),
         signature_raw: raw.score(record.sample_time, isolable),
-        parity_told: told(record, fault, parity.verdict),
-        parity,
+        likelihood_told: told(record, fault, likelihood.verdict),
+        likelihood,
     }
 }
 
@@ -250,14 +250,14 @@ fn fault(record: &Record, fault: &Fault) -> FaultSummary {
 fn told(record: &Record, fault: &Fault, verdict: Option<&str>) -> Option<String> {
     let during = record.rows.iter().rev().filter(|row| fault.is_active(record.time(row.tick.index)));
     let (row, finding) = during
-        .filter_map(|row| Some((row, row.report.parity.finding.as_ref()?)))
+        .filter_map(|row| Some((row, row.report.likelihood.finding.as_ref()?)))
         .find(|(_, finding)| Some(finding.class.name()) == verdict)?;
     Some(sentence(record, row, finding))
 }
 
 /// What a finding says on the tick of `row`.
 pub fn sentence(record: &Record, row: &Row, finding: &Finding) -> String {
-    let (sample, expected) = (&row.tick.sample, row.report.parity.expected);
+    let (sample, expected) = (&row.tick.sample, row.report.likelihood.expected);
     Told { finding, sample, expected, sample_time: record.sample_time as f32 }.to_string()
 }
 
@@ -276,14 +276,14 @@ fn false_alarms(record: &Record) -> FalseAlarms {
             (filtered.is_some_and(|v| v.fiv != 0), anything),
             (raw.is_some_and(|v| v.fdv != 0), anything),
             (raw.is_some_and(|v| v.fiv != 0), anything),
-            (row.report.parity.alarm, faulty),
+            (row.report.likelihood.alarm, faulty),
         ];
         for ((alarms, rise), (flag, excused)) in alarms.iter_mut().zip(&mut rises).zip(flags) {
             *alarms += u32::from(rise.of(flag) && !excused);
         }
     }
-    let [fdv, fiv, fdv_raw, fiv_raw, parity] = alarms;
-    FalseAlarms { fdv, fiv, fdv_raw, fiv_raw, parity }
+    let [fdv, fiv, fdv_raw, fiv_raw, likelihood] = alarms;
+    FalseAlarms { fdv, fiv, fdv_raw, fiv_raw, likelihood }
 }
 
 fn without_t1(record: &Record) -> Option<WithoutT1> {

@@ -35,7 +35,7 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
     let f = &s.false_alarms;
     let _ = writeln!(
         text,
-        "{:<22} fdv {}, fiv {} (low-passed)   fdv {}, fiv {} (raw)   parity {}",
+        "{:<22} fdv {}, fiv {} (low-passed)   fdv {}, fiv {} (raw)   likelihood {}",
         if matches!(record.origin, Origin::Recorded { .. }) && s.faults.is_empty() {
             "Alarms"
         } else {
@@ -45,7 +45,7 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
         f.fiv,
         f.fdv_raw,
         f.fiv_raw,
-        f.parity
+        f.likelihood
     );
     if s.baseline.is_none() {
         let _ = writeln!(text, "No baseline learnt     {}", why_not_learnt(record));
@@ -80,16 +80,16 @@ fn events(text: &mut String, record: &Record) {
         for event in &row.report.events {
             signature_event(text, record, event);
         }
-        let parity = &row.report.parity;
+        let likelihood = &row.report.likelihood;
         let t = record.time(row.tick.index);
-        if let Some(finding) = parity.finding.filter(|finding| named != Some(finding.class)) {
-            let _ = writeln!(text, "{t:>9.2} s  parity: {}", sentence(record, row, &finding));
+        if let Some(finding) = likelihood.finding.filter(|finding| named != Some(finding.class)) {
+            let _ = writeln!(text, "{t:>9.2} s  likelihood: {}", sentence(record, row, &finding));
         }
-        if alarm && !parity.alarm {
-            let _ = writeln!(text, "{t:>9.2} s  parity: all is as expected again");
+        if alarm && !likelihood.alarm {
+            let _ = writeln!(text, "{t:>9.2} s  likelihood: all is as expected again");
         }
-        named = parity.finding.map(|finding| finding.class);
-        alarm = parity.alarm;
+        named = likelihood.finding.map(|finding| finding.class);
+        alarm = likelihood.alarm;
     }
 }
 
@@ -124,22 +124,22 @@ fn faults(text: &mut String, faults: &[FaultSummary]) {
         let paper = paper.map_or(String::from("-"), |(_, delay, span)| format!("{delay} s, {span} s"));
         line(text, &fault.name, fault, &fault.signature, &paper);
         line(text, "  raw residuals", fault, &fault.signature_raw, "");
-        line(text, "  parity", fault, &fault.parity.score, "");
+        line(text, "  likelihood", fault, &fault.likelihood.score, "");
     }
 }
 
-/// What the parity diagnosis said of each fault, and how far that is from the truth.
+/// What the likelihood diagnosis said of each fault, and how far that is from the truth.
 fn verdicts(text: &mut String, faults: &[FaultSummary]) {
-    if faults.iter().all(|fault| fault.parity.verdict.is_none()) {
+    if faults.iter().all(|fault| fault.likelihood.verdict.is_none()) {
         return;
     }
     let _ = writeln!(
         text,
-        "\nWhat the parity diagnosis said at the end of each fault (with 95 % intervals), and the truth\n"
+        "\nWhat the likelihood diagnosis said at the end of each fault (with 95 % intervals), and the truth\n"
     );
     for fault in faults {
-        let p = &fault.parity;
-        let told = fault.parity_told.as_deref().unwrap_or("it was never named");
+        let p = &fault.likelihood;
+        let told = fault.likelihood_told.as_deref().unwrap_or("it was never named");
         let _ = writeln!(text, "{:<15} {told}", fault.name);
         let mut truth = Vec::new();
         truth.extend(p.magnitude_true.zip(p.magnitude_unit).map(|(x, unit)| format!("true {x} {unit}")));

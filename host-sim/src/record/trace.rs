@@ -6,7 +6,7 @@ use std::io::Write;
 
 use fdi_core::diagnosis::Verdict;
 use fdi_core::diagnosis::residual::{DECISIVE, RESIDUALS};
-use fdi_core::parity::ParityReport;
+use fdi_core::likelihood::LikelihoodReport;
 use fdi_core::{Report, Tick};
 
 use crate::experiment::{Record, tick_time};
@@ -16,21 +16,21 @@ pub const INSTRUMENT_COLUMNS: &str = "t_s,t0_c,t1_c,t2_c,setpoint_c,u_pid_pct,pr
 ry1,ry2,rap,ry12,rsg1,rsg2,rbw1,ry1_f,ry2_f,rap_f,ry12_f,rsg1_f,rsg2_f,rbw1_f,\
 s_rap,s_ry12,s_rsg1,s_rsg2,s_rbw1,fdv,fiv,fdv_raw,fiv_raw,mode";
 
-/// Columns of the parity diagnosis. They come last, so that readers of older traces find every column where it was.
-pub const PARITY_COLUMNS: &str = "alarm,verdict,confidence,magnitude,magnitude_unit,onset_s";
+/// Columns of the likelihood diagnosis. They come last, so that readers of older traces find every column where it was.
+pub const LIKELIHOOD_COLUMNS: &str = "alarm,verdict,confidence,magnitude,magnitude_unit,onset_s";
 
 /// Writes the trace of a run.
 ///
 /// # Errors
 /// Those of the writer.
 pub fn write_trace(record: &Record, out: &mut impl Write) -> std::io::Result<()> {
-    writeln!(out, "{INSTRUMENT_COLUMNS},truth,{PARITY_COLUMNS}")?;
+    writeln!(out, "{INSTRUMENT_COLUMNS},truth,{LIKELIHOOD_COLUMNS}")?;
     let mut line = String::new();
     for row in &record.rows {
         line.clear();
         instrument_row(&mut line, &row.tick, &row.report, record.sample_time);
         let _ = write!(line, ",{}", row.truth);
-        parity_row(&mut line, &row.report.parity, record.sample_time);
+        likelihood_row(&mut line, &row.report.likelihood, record.sample_time);
         writeln!(out, "{line}")?;
     }
     Ok(())
@@ -76,10 +76,10 @@ pub fn instrument_row(line: &mut String, tick: &Tick, report: &Report, sample_ti
     let _ = write!(line, ",{}", tick.mode.name());
 }
 
-/// Appends the columns of [`PARITY_COLUMNS`] to `line`, each behind a comma.
-pub fn parity_row(line: &mut String, parity: &ParityReport, sample_time: f64) {
-    number(line, Some(u8::from(parity.alarm)));
-    let finding = parity.finding;
+/// Appends the columns of [`LIKELIHOOD_COLUMNS`] to `line`, each behind a comma.
+pub fn likelihood_row(line: &mut String, likelihood: &LikelihoodReport, sample_time: f64) {
+    number(line, Some(u8::from(likelihood.alarm)));
+    let finding = likelihood.finding;
     number(line, finding.map(|f| f.class.name()));
     number(line, finding.map(|f| f.confidence));
     let magnitude = finding.and_then(|f| f.magnitude);
@@ -105,28 +105,28 @@ fn number(line: &mut String, x: Option<impl std::fmt::Display>) {
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::parity::{FaultClass, Finding, Magnitude};
+    use fdi_core::likelihood::{FaultClass, Finding, Magnitude};
 
     use super::*;
 
     #[test]
-    fn the_parity_columns_say_what_was_found_or_nothing() {
-        let row = |parity: &ParityReport| {
+    fn the_likelihood_columns_say_what_was_found_or_nothing() {
+        let row = |likelihood: &LikelihoodReport| {
             let mut line = String::new();
-            parity_row(&mut line, parity, 0.11);
+            likelihood_row(&mut line, likelihood, 0.11);
             line
         };
-        assert_eq!(row(&ParityReport::default()), ",0,,,,,");
+        assert_eq!(row(&LikelihoodReport::default()), ",0,,,,,");
         let finding = Finding {
             class: FaultClass::T2Offset,
             confidence: 0.75,
             magnitude: Some(Magnitude { value: -1.5, half_width: 0.25 }),
             onset: 100,
         };
-        let found = ParityReport { alarm: true, finding: Some(finding), ..ParityReport::default() };
+        let found = LikelihoodReport { alarm: true, finding: Some(finding), ..LikelihoodReport::default() };
         assert_eq!(row(&found), ",1,t2_offset,0.75,-1.5,degC,11");
         let unknown = Finding { class: FaultClass::Unknown, magnitude: None, ..finding };
-        let found = ParityReport { finding: Some(unknown), ..found };
+        let found = LikelihoodReport { finding: Some(unknown), ..found };
         assert_eq!(row(&found), ",1,unknown,0.75,,,11");
     }
 }

@@ -1,6 +1,6 @@
-//! What the parity diagnosis should say of what happens to the rig.
+//! What the likelihood diagnosis should say of what happens to the rig.
 
-use fdi_core::parity::{Channel, FaultClass, Pair};
+use fdi_core::likelihood::{Channel, FaultClass, Pair};
 use pt326_rig::fault::{Fault, Sensor, Verb};
 
 /// What the paper's tables can say of a fault.
@@ -60,7 +60,7 @@ impl Expectation for Fault {
             (Verb::Short, channel) => channel.map(FaultClass::Short),
             (Verb::Missing, channel) if self.size == Some(1.0) => channel.map(FaultClass::Lost),
             (Verb::Offset | Verb::Clog | Verb::Drift | Verb::Missing, _) => None,
-            (Verb::Spike | Verb::Room | Verb::RoomDrift, _) => None,
+            (Verb::Spike | Verb::Ambient | Verb::AmbientDrift, _) => None,
         }
     }
 
@@ -146,8 +146,8 @@ mod tests {
     #[test]
     fn what_is_no_fault_expects_silence() {
         for (verb, sensor, size) in [
-            (Verb::Room, None, 2.0),
-            (Verb::RoomDrift, None, 2.0),
+            (Verb::Ambient, None, 2.0),
+            (Verb::AmbientDrift, None, 2.0),
             (Verb::Spike, Some(Sensor::T1), 10.0),
             (Verb::Missing, Some(Sensor::T1), 0.05),
         ] {

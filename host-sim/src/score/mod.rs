@@ -1,14 +1,14 @@
 //! How well a diagnosis saw a fault, tick by tick, so that a run of many hours needs no memory of its rows.
 
 pub mod expectation;
-mod parity;
+mod likelihood;
 
 use expectation::Expectation;
 use fdi_core::diagnosis::Verdict;
-use fdi_core::parity::FaultClass;
+use fdi_core::likelihood::FaultClass;
 use serde::Serialize;
 
-pub use parity::{ParityScore, ParityWatch};
+pub use likelihood::{LikelihoodScore, LikelihoodWatch};
 use pt326_rig::fault::Fault;
 
 /// An alarm so long after a fault's end still belongs to it, s.

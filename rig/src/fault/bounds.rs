@@ -75,14 +75,17 @@ impl Fault {
 impl Verb {
     /// Whether it is done to a sensor, and not to the rig as a whole.
     pub(super) fn needs_sensor(self) -> bool {
-        !matches!(self, Self::AirFlow | Self::HeaterPower | Self::HeaterStuck | Self::Room | Self::RoomDrift)
+        !matches!(
+            self,
+            Self::AirFlow | Self::HeaterPower | Self::HeaterStuck | Self::Ambient | Self::AmbientDrift
+        )
     }
 
     /// Smallest and largest `size` with the unit; `None` for a verb without.
     fn size_bounds(self) -> Option<(f64, f64, &'static str)> {
         match self {
-            Self::Offset | Self::Spike | Self::Room => Some((-100.0, 100.0, "degC")),
-            Self::Drift | Self::RoomDrift => Some((-600.0, 600.0, "degC a minute")),
+            Self::Offset | Self::Spike | Self::Ambient => Some((-100.0, 100.0, "degC")),
+            Self::Drift | Self::AmbientDrift => Some((-600.0, 600.0, "degC a minute")),
             Self::Clog => Some((0.0, 3.0, "times the rise")),
             Self::Missing => Some((0.0, 1.0, "as a probability")),
             Self::AirFlow => Some((0.05, 10.0, "times the nominal flow")),

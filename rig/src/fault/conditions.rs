@@ -43,8 +43,8 @@ pub struct Conditions {
     pub power: f64,
     /// Heater power whatever is asked for, %.
     pub stuck_power: Option<f64>,
-    /// Room temperature above its usual, degC.
-    pub room: f64,
+    /// Ambient temperature above its usual, degC.
+    pub ambient: f64,
 }
 
 impl Conditions {
@@ -59,7 +59,7 @@ impl Conditions {
             flow: 1.0,
             power: 1.0,
             stuck_power: None,
-            room: 0.0,
+            ambient: 0.0,
         };
         for fault in faults.iter().filter(|f| f.is_active(t)) {
             let i = fault.sensor.map_or(0, |s| s as usize);
@@ -82,8 +82,8 @@ impl Conditions {
                 Verb::AirFlow => now.flow *= size,
                 Verb::HeaterPower => now.power *= size,
                 Verb::HeaterStuck => now.stuck_power = Some(size),
-                Verb::Room => now.room += size,
-                Verb::RoomDrift => now.room += size * (t - fault.at) / 60.0,
+                Verb::Ambient => now.ambient += size,
+                Verb::AmbientDrift => now.ambient += size * (t - fault.at) / 60.0,
             }
         }
         now

@@ -59,9 +59,9 @@ pub enum Verb {
     /// The heater gives `size` % whatever is asked for.
     HeaterStuck,
     /// The room is `size` degC warmer.
-    Room,
+    Ambient,
     /// The room grows warmer by `size` degC a minute.
-    RoomDrift,
+    AmbientDrift,
     /// A sensor slides out of the tube in `over` s: it sees 1 - `size` of the rise, with the time constant `lag` s.
     Detach,
     /// Two sensors are exchanged at their inputs: `sensor` and `with`.
@@ -89,8 +89,8 @@ const ALL_VERBS: [Verb; 16] = [
     Verb::AirFlow,
     Verb::HeaterPower,
     Verb::HeaterStuck,
-    Verb::Room,
-    Verb::RoomDrift,
+    Verb::Ambient,
+    Verb::AmbientDrift,
     Verb::Detach,
     Verb::Swap,
     Verb::Freeze,
@@ -233,7 +233,7 @@ mod tests {
         for (fault, number) in [
             (plain(Verb::Offset, Some(T1)), 5),
             (plain(Verb::Stuck, Some(T1)), 20),
-            (plain(Verb::RoomDrift, None), 40),
+            (plain(Verb::AmbientDrift, None), 40),
             (plain(Verb::Detach, Some(T1)), 44),
             (plain(Verb::Freeze, Some(T2)), 51),
             (swap(T1, T2), 46),

@@ -7,7 +7,7 @@ use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::event::{Event, Fault};
 use fdi_core::diagnosis::{Report, Verdict};
 use fdi_core::identify::observer::Observation;
-use fdi_core::parity::{Arming, Finding, Magnitude, ParityReport};
+use fdi_core::likelihood::{Finding, LikelihoodReport, Magnitude, Readiness};
 use fdi_core::supervisor::{Mode, Trip};
 use fdi_core::{RawSample, Reading, Sample, Tick};
 
@@ -82,7 +82,7 @@ impl Digest {
             raw,
             learned,
             events,
-            parity,
+            likelihood,
         } = report;
         self.word(*tick);
         for y in [*y1, *y2] {
@@ -101,7 +101,7 @@ impl Digest {
         for event in events {
             self.event(event);
         }
-        self.parity(parity);
+        self.likelihood(likelihood);
     }
 
     /// All that was learnt.
@@ -153,12 +153,20 @@ impl Digest {
     }
 
     fn observation(&mut self, model: &Observation) {
-        let Observation { prediction, static_gain, bandwidth, held, gain_held, bandwidth_held, sick, resets } =
-            *model;
+        let Observation {
+            prediction,
+            static_gain,
+            bandwidth,
+            held,
+            gain_held,
+            bandwidth_held,
+            diverged,
+            resets,
+        } = *model;
         for number in [prediction, static_gain, bandwidth] {
             self.option(number, Self::number);
         }
-        for flag in [held, gain_held, bandwidth_held, sick] {
+        for flag in [held, gain_held, bandwidth_held, diverged] {
             self.word(u32::from(flag));
         }
         self.word(resets);
@@ -172,13 +180,14 @@ impl Digest {
         self.numbered(u32::from(*fdv), u32::from(*fiv));
     }
 
-    fn parity(&mut self, report: &ParityReport) {
-        let ParityReport { arming, alarm, finding, expected, stand_in, air_flow, heater_stuck_on } = report;
-        match *arming {
-            Arming::Untrained => self.word(0),
-            Arming::Training => self.word(1),
-            Arming::Refused(why) => self.numbered(2, why as u32),
-            Arming::Armed => self.word(3),
+    fn likelihood(&mut self, report: &LikelihoodReport) {
+        let LikelihoodReport { readiness, alarm, finding, expected, stand_in, air_flow, heater_stuck_on } =
+            report;
+        match *readiness {
+            Readiness::Untrained => self.word(0),
+            Readiness::Training => self.word(1),
+            Readiness::Refused(why) => self.numbered(2, why as u32),
+            Readiness::Armed => self.word(3),
         }
         self.word(u32::from(*alarm));
         self.option(finding.as_ref(), |d, finding| {

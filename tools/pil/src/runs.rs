@@ -148,7 +148,7 @@ fn estimators(out: &mut impl Write) -> fmt::Result {
             let phi = core::array::from_fn(|_| number());
             let update = rls.step(&mut state, &phi, number());
             log.digest.numbers(&[update.prediction, update.innovation]);
-            log.digest.word(u32::from(update.sick));
+            log.digest.word(u32::from(update.diverged));
             log.digest.numbers(&state.theta);
             log.digest.numbers(&state.variances());
             log.digest.word(state.resets);

@@ -13,7 +13,7 @@ pub const TICK: Ps = 110 * MS;
 /// Sensor on each channel of the converter: T1 on PA0, T2 on PA1, T0 on PA4.
 const SENSORS: [(u8, usize); 3] = [(0, 1), (1, 2), (4, 0)];
 
-/// The rig, which stands still at room temperature until it is started.
+/// The rig, which stands still at ambient temperature until it is started.
 ///
 /// It moves on a grid of ticks that begins with the first conversion after its start: all conversions of a tick read the
 /// same three codes, and what the pin gave at the end of a tick drove the heater for all of it. So it is the loop of
@@ -31,8 +31,8 @@ pub struct ClosedLoop {
 
 impl ClosedLoop {
     /// A rig in a room that reads `room` on all three sensors.
-    pub fn at_rest(room: u16) -> Self {
-        Self { rig: None, grid: None, codes: [room; 3], overrides: [None; 3], power: Vec::new() }
+    pub fn at_rest(ambient: u16) -> Self {
+        Self { rig: None, grid: None, codes: [ambient; 3], overrides: [None; 3], power: Vec::new() }
     }
 
     /// Lets the rig begin with the next tick.
@@ -71,8 +71,8 @@ pub struct Shared(pub Rc<RefCell<ClosedLoop>>);
 
 impl Shared {
     /// A rig at rest.
-    pub fn at_rest(room: u16) -> Self {
-        Self(Rc::new(RefCell::new(ClosedLoop::at_rest(room))))
+    pub fn at_rest(ambient: u16) -> Self {
+        Self(Rc::new(RefCell::new(ClosedLoop::at_rest(ambient))))
     }
 }
 

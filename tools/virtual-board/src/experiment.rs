@@ -18,7 +18,7 @@ use crate::recording::{Difference, Recording};
 use crate::scene::WAIVE_CHECK;
 use crate::time::{MS, SECOND};
 
-/// What the three thermistors read before the rig starts: a little above room temperature.
+/// What the three thermistors read before the rig starts: a little above ambient temperature.
 pub const AT_REST: u16 = 2160;
 
 /// A run on the board.
@@ -47,7 +47,13 @@ pub fn run(image: Rc<Image>, scenario: &Scenario, seed: u64) -> anyhow::Result<E
     let config = prepare(&mut board, seed)?;
     let first = board.log.len();
     let sample_time = as_written(config.sample_time.0);
-    rig.0.borrow_mut().start(Rig::new(&scenario.rig, scenario.wander, sample_time, seed, &scenario.faults));
+    rig.0.borrow_mut().start(Rig::new(
+        &scenario.rig,
+        scenario.disturbance,
+        sample_time,
+        seed,
+        &scenario.faults,
+    ));
     // In the middle between two ticks, so that the order is there when the rig begins.
     let answer = board.command("arm")?;
     ensure!(answer.starts_with("ok"), "the board does not arm: {answer}");
@@ -62,7 +68,7 @@ pub fn run(image: Rc<Image>, scenario: &Scenario, seed: u64) -> anyhow::Result<E
     let recording = Recording::of(&board.log[start.unwrap_or(0)..], &config)?;
     ensure!(recording.ticks.len() >= idle_ticks + ticks, "the log ends at tick {}", recording.ticks.len());
     let rows = rows(&recording, idle_ticks, ticks, &scenario.faults, sample_time);
-    let origin = Origin::Simulated { seed, wander: scenario.wander };
+    let origin = Origin::Simulated { seed, disturbance: scenario.disturbance };
     let baseline = recording.instrument.baseline().copied();
     let record = Record::new(origin, &config, &scenario.faults, rows, baseline, started.elapsed());
     Ok(Experiment { board, rig, record, differences: recording.differences, idle_ticks })

@@ -27,7 +27,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Powered up two ticks ago, nothing armed, the rig at room temperature.
+    /// Powered up two ticks ago, nothing armed, the rig at ambient temperature.
     ///
     /// # Errors
     /// The program did something that is not modelled.
@@ -74,7 +74,7 @@ impl Scene {
     pub fn connect(&mut self, faults: &[Fault]) {
         let scenario = Scenario::default();
         let sample_time = as_written(Config::default().sample_time.0);
-        let rig = Rig::new(&scenario.rig, scenario.wander, sample_time, 1, faults);
+        let rig = Rig::new(&scenario.rig, scenario.disturbance, sample_time, 1, faults);
         self.rig.0.borrow_mut().start(rig);
     }
 

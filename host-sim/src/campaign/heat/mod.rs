@@ -170,7 +170,7 @@ mod tests {
 
     use super::*;
     use pt326_rig::fault::{Sensor, Verb};
-    use pt326_rig::{RigConfig, Wander};
+    use pt326_rig::{Disturbance, RigConfig};
 
     /// A tick on which nothing happens.
     fn quiet() -> Row {
@@ -184,8 +184,9 @@ mod tests {
     fn tripped(reason: TripReason) -> Mode {
         let mut instrument = Instrument::new(&Config::default()).unwrap();
         instrument.command(Command::Arm).unwrap();
-        let (room, open) = (AdcCode(2160.0), AdcCode(4095.0));
-        let mode = (0..9).map(|_| instrument.control(RawSample { t0: room, t1: open, t2: room }).mode).last();
+        let (ambient, open) = (AdcCode(2160.0), AdcCode(4095.0));
+        let mode =
+            (0..9).map(|_| instrument.control(RawSample { t0: ambient, t1: open, t2: ambient }).mode).last();
         let Some(Mode::Tripped(trip)) = mode else { panic!("{mode:?}, expected a trip") };
         Mode::Tripped(Trip { reason, ..trip })
     }
@@ -194,7 +195,7 @@ mod tests {
     fn heat(off: f64) -> Heat {
         let fault = Fault::new(Verb::Detach, Some(Sensor::T1), Some(1.0), 20.0, 100.0);
         let still = RigConfig { turbulence: 0.0, white_noise: 0.0, ..RigConfig::default() };
-        let mut rig = Rig::new(&still, Wander::None, 0.11, 1, std::slice::from_ref(&fault));
+        let mut rig = Rig::new(&still, Disturbance::None, 0.11, 1, std::slice::from_ref(&fault));
         let mut watch = HeatWatch::new(&Config::default(), &Scenario::default(), Some(&fault));
         for i in 0..400 {
             let t = f64::from(i) * 0.11;

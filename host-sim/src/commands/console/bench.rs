@@ -48,7 +48,7 @@ impl Bench {
             control: ControlLoop::new(Controller::new(config)?, config.setpoint, Interlock::default()),
             state: diagnosis.start(),
             diagnosis,
-            rig: Rig::new(&scenario.rig, scenario.wander, sample_time, seed, &scenario.faults),
+            rig: Rig::new(&scenario.rig, scenario.disturbance, sample_time, seed, &scenario.faults),
             heater: Output::default(),
             config: config.clone(),
             status: Status::default(),

@@ -113,7 +113,7 @@ fn learn(rls: &Estimator, s: &Signals, basis: &Basis) -> anyhow::Result<State> {
     let mut state = rls.start();
     for k in basis.order.memory()..s.y.len() {
         let update = rls.step(&mut state, &basis.regressor(s, k), basis.target(s, k));
-        if update.sick {
+        if update.diverged {
             bail!("the estimator diverged at row {k} of the range: lower --order, or try --detrend mean");
         }
     }

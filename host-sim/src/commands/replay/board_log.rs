@@ -239,12 +239,12 @@ pub(super) fn differences(said: &Record, recorded: &Recorded, tick: &Tick, repor
 pub(super) mod tests {
     use super::*;
     use fdi_core::{AdcCode, Instrument, RawSample};
-    use pt326_rig::{Rig, RigConfig, Wander};
+    use pt326_rig::{Disturbance, Rig, RigConfig};
 
     /// What a board would log of a run on the rig: armed before tick 3, another gain before tick 200.
     pub(crate) fn log_of(config: &Config, seconds: f64) -> String {
         let mut instrument = Instrument::new(config).unwrap();
-        let mut rig = Rig::new(&RigConfig::default(), Wander::Calm, 0.11, 1, &[]);
+        let mut rig = Rig::new(&RigConfig::default(), Disturbance::Calm, 0.11, 1, &[]);
         let mut log = String::from("0.000000 [INFO ] PT-326 FDI 0.1.0 (abc) on NUCLEO-F411RE (start.rs:1)\n");
         for k in 0..(seconds / 0.11) as u32 {
             if k == 3 {

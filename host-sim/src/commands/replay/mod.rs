@@ -170,9 +170,9 @@ impl Agreement {
             Said::Text(text) => trace_file::differences(text, tick, report, sample_time),
         };
         self.differing += usize::from(!differences.is_empty());
-        let room = EXAMPLES.saturating_sub(self.examples.len());
+        let ambient = EXAMPLES.saturating_sub(self.examples.len());
         let told = differences.into_iter().map(|d| format!("tick {}: {d}", tick.index));
-        self.examples.extend(told.take(room));
+        self.examples.extend(told.take(ambient));
     }
 }
 
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn an_older_trace_replays_without_the_parity_columns_and_a_changed_one_is_found() {
+    fn an_older_trace_replays_without_the_likelihood_columns_and_a_changed_one_is_found() {
         let scenario = Scenario { duration: 20.0, ..Scenario::default() };
         let trace = traced(&scenario, 1);
         let older: Vec<String> =

@@ -6,7 +6,7 @@ use fdi_core::{AdcCode, Celsius, Command, Config, RawSample, Report, Tick};
 
 use super::{Order, Recorded, Recording, Said};
 use crate::experiment::as_written;
-use crate::record::trace::{INSTRUMENT_COLUMNS, PARITY_COLUMNS, instrument_row, parity_row};
+use crate::record::trace::{INSTRUMENT_COLUMNS, LIKELIHOOD_COLUMNS, instrument_row, likelihood_row};
 use pt326_rig::fault::Fault;
 
 /// Places of the columns that a replay reads.
@@ -18,7 +18,7 @@ const Y2: usize = 9;
 const MODE: usize = 38;
 const TRUTH: usize = 39;
 
-/// Reads a trace; one from before the parity diagnosis ends with `truth`.
+/// Reads a trace; one from before the likelihood diagnosis ends with `truth`.
 ///
 /// # Errors
 /// Another header, or a bad cell by line and column.
@@ -31,9 +31,9 @@ pub(super) fn read(text: &str, config: &Config) -> anyhow::Result<Recording> {
         "line 1: expected the header of a trace.csv: {}",
         columns.join(",")
     );
-    let parity: Vec<&str> = PARITY_COLUMNS.split(',').collect();
-    if header[columns.len()..].starts_with(&parity) {
-        columns.extend(parity);
+    let likelihood: Vec<&str> = LIKELIHOOD_COLUMNS.split(',').collect();
+    if header[columns.len()..].starts_with(&likelihood) {
+        columns.extend(likelihood);
     }
     let s = &config.sensors;
     let thermistors = [Thermistor::new(&s.t0, 0)?, Thermistor::new(&s.t1, 1)?, Thermistor::new(&s.t2, 2)?];
@@ -138,9 +138,9 @@ fn faults(text: &str, sample_time: f64) -> Vec<Fault> {
 pub(super) fn differences(said: &str, tick: &Tick, report: &Report, sample_time: f64) -> Vec<String> {
     let mut ours = String::new();
     instrument_row(&mut ours, tick, report, sample_time);
-    parity_row(&mut ours, &report.parity, sample_time);
+    likelihood_row(&mut ours, &report.likelihood, sample_time);
     let cells = said.split(',').zip(ours.split(','));
-    let named = INSTRUMENT_COLUMNS.split(',').chain(PARITY_COLUMNS.split(',')).zip(cells);
+    let named = INSTRUMENT_COLUMNS.split(',').chain(LIKELIHOOD_COLUMNS.split(',')).zip(cells);
     named
         .filter(|(_, (a, b))| a != b)
         .map(|(name, (a, b))| format!("{name}: trace {a:?}, core {b:?}"))

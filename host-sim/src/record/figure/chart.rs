@@ -298,8 +298,8 @@ impl Frame {
         }
         canvas.dot(at, RADIUS, dot.colour)?;
         let in_strip = matches!(x, Axis::Log(_)) && dot.x <= 0.0;
-        let room = self.x.1 - at.0 - 9.0 > SMALL.width(&dot.label)?;
-        let (place, look) = match (in_strip, room) {
+        let ambient = self.x.1 - at.0 - 9.0 > SMALL.width(&dot.label)?;
+        let (place, look) = match (in_strip, ambient) {
             (true, _) => ((at.0 - 8.0, at.1), SMALL.right()),
             (false, true) => ((at.0 + 7.0, at.1 - 9.0), SMALL),
             (false, false) => ((at.0 - 7.0, at.1 - 9.0), SMALL.right()),
@@ -313,7 +313,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_scale_ends_on_round_numbers_and_has_room_for_what_is_none() {
+    fn a_scale_ends_on_round_numbers_and_has_ambient_for_what_is_none() {
         let values = [0.17, 3.1, 0.0, f64::INFINITY].into_iter();
         let log = Log { zero: Some("0"), never: Some("never"), ..Log::over("s", values) };
         assert_eq!(log.range, (0.1, 5.0));

@@ -3,7 +3,7 @@
 use fdi_core::Mode;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::{RESIDUALS, Residual};
-use fdi_core::parity::Arming;
+use fdi_core::likelihood::Readiness;
 use plotters::style::RGBColor;
 
 use super::Number;
@@ -75,7 +75,7 @@ fn measurements(record: &Record) -> Vec<Panel> {
     let trace = |label, pen, value: fn(&Row) -> Option<f32>| trace(record, label, pen, value);
     vec![
         panel(
-            "Room temperature T0 (°C)",
+            "Ambient temperature T0 (°C)",
             Scale::AtLeast(1.0),
             vec![trace("T0", Pen::new(NAVY, 1.0), |r| r.tick.sample.t0.good())],
         ),
@@ -169,27 +169,27 @@ fn residuals_and_vectors(record: &Record) -> Vec<Panel> {
                 vector("low-passed", FILTERED, |r| Some(r.report.filtered?.fiv)),
             ],
         ),
-        parity(record),
+        likelihood(record),
     ]
 }
 
-/// What the parity diagnosis says: nothing, an alarm, or one of the classes that it named in this run.
-fn parity(record: &Record) -> Panel {
+/// What the likelihood diagnosis says: nothing, an alarm, or one of the classes that it named in this run.
+fn likelihood(record: &Record) -> Panel {
     let mut names = vec!["quiet", "alarm"];
-    for finding in record.rows.iter().filter_map(|row| row.report.parity.finding) {
+    for finding in record.rows.iter().filter_map(|row| row.report.likelihood.finding) {
         if !names.contains(&finding.class.name()) {
             names.push(finding.class.name());
         }
     }
     let level = |row: &Row| {
-        let parity = &row.report.parity;
-        let named = parity.finding.and_then(|f| names.iter().position(|name| *name == f.class.name()));
-        let armed = parity.arming == Arming::Armed || parity.alarm;
-        named.or(armed.then_some(usize::from(parity.alarm))).map(|level| level as f32)
+        let likelihood = &row.report.likelihood;
+        let named = likelihood.finding.and_then(|f| names.iter().position(|name| *name == f.class.name()));
+        let armed = likelihood.readiness == Readiness::Armed || likelihood.alarm;
+        named.or(armed.then_some(usize::from(likelihood.alarm))).map(|level| level as f32)
     };
     let verdict = trace(record, "verdict", FILTERED.stepped(), level);
     let top = names.len() as f64 - 0.6; // room for the uppermost name above its line
-    Panel { names, ..panel("Parity diagnosis: alarm and verdict", Scale::Levels(top), vec![verdict]) }
+    Panel { names, ..panel("Likelihood diagnosis: alarm and verdict", Scale::Levels(top), vec![verdict]) }
 }
 
 /// A decisive residual as it was judged; before monitoring, what it would have been with the baseline learnt later.

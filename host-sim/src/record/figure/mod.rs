@@ -141,7 +141,7 @@ fn reduce(pixels: &[u8], width: usize) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use fdi_core::Config;
-    use fdi_core::parity::{Arming, FaultClass, Finding, ParityReport};
+    use fdi_core::likelihood::{FaultClass, Finding, LikelihoodReport, Readiness};
 
     use super::*;
     use crate::experiment::run;
@@ -185,8 +185,8 @@ mod tests {
     fn thresholds_and_faults_are_in_figure_6() {
         let mut record = record(400.0);
         for row in record.rows.iter_mut().skip(3500) {
-            row.report.parity = ParityReport {
-                arming: Arming::Armed,
+            row.report.likelihood = LikelihoodReport {
+                readiness: Readiness::Armed,
                 alarm: true,
                 finding: Some(Finding {
                     class: FaultClass::Drift,
@@ -194,7 +194,7 @@ mod tests {
                     magnitude: None,
                     onset: 3500,
                 }),
-                ..ParityReport::default()
+                ..LikelihoodReport::default()
             };
         }
         let svg = svg(Number::Six, &record).unwrap();

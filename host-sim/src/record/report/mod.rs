@@ -34,7 +34,7 @@ fn caption(number: Number) -> &'static str {
             "The five residuals that decide, and the fault vectors. Dashed: thresholds of the low-passed residual. Read a \
              signature downwards within a shaded fault: which residuals are above (+1), below (\u{2212}1) or between (0) their \
              thresholds. Before monitoring began, the residuals are drawn with the baseline that was learnt later. The \
-             raw vectors, behind, show what the same tables say without the low-pass. Last, what the parity diagnosis calls it."
+             raw vectors, behind, show what the same tables say without the low-pass. Last, what the likelihood diagnosis calls it."
         }
     }
 }
@@ -91,8 +91,8 @@ fn introduction(record: &Record, summary: &Summary) -> String {
 /// Where it comes from, in words.
 fn origin(origin: &Origin) -> String {
     match origin {
-        Origin::Simulated { seed, wander } => {
-            format!("simulated with seed {seed} and {} surroundings", tables::surroundings(*wander))
+        Origin::Simulated { seed, disturbance } => {
+            format!("simulated with seed {seed} and {} surroundings", tables::surroundings(*disturbance))
         }
         Origin::Recorded { file } => format!("recorded in {} and replayed", escape(file)),
     }
@@ -131,12 +131,12 @@ fn key_numbers(record: &Record, summary: &Summary) -> String {
     let isolated = seen(|score| score.isolated_s.is_some());
     let all = summary.faults.len();
     let expected = record.faults.iter().filter(|f| f.expected_class().is_some()).count();
-    let named = summary.faults.iter().filter(|f| f.parity.score.isolated_s.is_some()).count();
+    let named = summary.faults.iter().filter(|f| f.likelihood.score.isolated_s.is_some()).count();
     let (from, to) = record.nominal_window;
     let keys = [
         ("Faults detected", format!("{detected} of {all}"), "by the low-passed residuals".to_owned()),
         ("Faults isolated", format!("{isolated} of {all}"), "named rightly while they acted".to_owned()),
-        ("Named by parity", format!("{named} of {expected}"), "while they acted".to_owned()),
+        ("Named by likelihood", format!("{named} of {expected}"), "while they acted".to_owned()),
         ("False alarms", summary.false_alarms.fdv.to_string(), "of fdv, low-passed".to_owned()),
         (
             "Largest control error",

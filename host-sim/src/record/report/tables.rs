@@ -6,7 +6,7 @@ use crate::record::summary::{FaultSummary, Normal, Summary};
 use crate::record::table::PAPER;
 use crate::score::Score;
 use crate::score::expectation::Expectation;
-use pt326_rig::Wander;
+use pt326_rig::Disturbance;
 use pt326_rig::fault::{Fault, Verb};
 
 /// How each fault was seen, by the low-passed residuals and by the raw ones.
@@ -31,22 +31,22 @@ pub(super) fn faults(record: &Record, summary: &Summary) -> String {
             beside_paper.collect(),
         ),
         &html_table("By the raw residuals, for comparison.", head, rows(|f| &f.signature_raw).collect()),
-        &parity(record, summary),
+        &likelihood(record, summary),
     ]
     .concat()
 }
 
-/// How each fault was seen by the parity diagnosis: when, as what, how large.
-fn parity(record: &Record, summary: &Summary) -> String {
+/// How each fault was seen by the likelihood diagnosis: when, as what, how large.
+fn likelihood(record: &Record, summary: &Summary) -> String {
     let head = "<th>Fault</th><th>Detected at<br>(delay), s</th><th>Isolated at<br>(delay), s</th><th>Indicated<br>s</th>\
                 <th>First named</th><th>Settled on</th><th>Magnitude</th><th>True</th><th>Onset dated<br>off by, s</th>";
     let pairs = record.faults.iter().zip(&summary.faults);
-    let rows = pairs.map(|(fault, seen)| parity_row(record, fault, seen)).collect();
-    let told = summary.faults.iter().filter_map(|fault| Some((&fault.name, fault.parity_told.as_ref()?)));
+    let rows = pairs.map(|(fault, seen)| likelihood_row(record, fault, seen)).collect();
+    let told = summary.faults.iter().filter_map(|fault| Some((&fault.name, fault.likelihood_told.as_ref()?)));
     let told: String =
         told.map(|(name, told)| format!("<li>{}: {}.</li>\n", escape(name), escape(told))).collect();
     let caption =
-        "By the parity diagnosis: it names the fault and says how large it is, with a 95 % interval.";
+        "By the likelihood diagnosis: it names the fault and says how large it is, with a 95 % interval.";
     let table = html_table(caption, head, rows);
     if told.is_empty() {
         table
@@ -55,8 +55,8 @@ fn parity(record: &Record, summary: &Summary) -> String {
     }
 }
 
-fn parity_row(record: &Record, fault: &Fault, seen: &FaultSummary) -> Vec<String> {
-    let p = &seen.parity;
+fn likelihood_row(record: &Record, fault: &Fault, seen: &FaultSummary) -> Vec<String> {
+    let p = &seen.likelihood;
     let expected = fault.expected_class();
     let class = |name: Option<&str>| match name {
         None => NOTHING.into(),
@@ -129,10 +129,9 @@ pub(super) fn false_alarms(summary: &Summary) -> String {
     let rows = vec![
         row("Detection, fdv", f.fdv, f.fdv_raw),
         row("Isolation, fiv", f.fiv, f.fiv_raw),
-        vec!["Parity alarm".into(), f.parity.to_string(), NOTHING.into()],
+        vec!["Likelihood alarm".into(), f.likelihood.to_string(), NOTHING.into()],
     ];
-    let caption =
-        "Times that a vector left zero, or the parity alarm rose, outside every fault and the 15 s after it.";
+    let caption = "Times that a vector left zero, or the likelihood alarm rose, outside every fault and the 15 s after it.";
     format!(
         "<h2>False alarms</h2>\n{}",
         html_table(caption, "<th>Indication</th><th>Low-passed</th><th>Raw</th>", rows)
@@ -210,8 +209,8 @@ pub(super) fn what_happens(fault: &Fault) -> String {
         Verb::AirFlow => format!("air flow {size} times the nominal one"),
         Verb::HeaterPower => format!("heater gives {size} times the power asked for"),
         Verb::HeaterStuck => format!("heater stuck at {size} %"),
-        Verb::Room => format!("room {size} °C warmer"),
-        Verb::RoomDrift => format!("room warmer by {size} °C a minute"),
+        Verb::Ambient => format!("room {size} °C warmer"),
+        Verb::AmbientDrift => format!("room warmer by {size} °C a minute"),
         Verb::Detach => {
             let over = fault.over.map_or_else(String::new, |over| format!(", over {} s", written(over)));
             format!("{sensor} out of the tube: it misses {size} of the rise{over}")
@@ -226,10 +225,10 @@ pub(super) fn what_happens(fault: &Fault) -> String {
 }
 
 /// How the surroundings moved, in words.
-pub(super) fn surroundings(wander: Wander) -> &'static str {
-    match wander {
-        Wander::None => "still",
-        Wander::Calm => "calm (slow room drift)",
-        Wander::Lively => "lively (room drift, wandering air flow and mains)",
+pub(super) fn surroundings(disturbance: Disturbance) -> &'static str {
+    match disturbance {
+        Disturbance::None => "still",
+        Disturbance::Calm => "calm (slow room drift)",
+        Disturbance::Lively => "lively (room drift, wandering air flow and mains)",
     }
 }

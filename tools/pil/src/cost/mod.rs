@@ -4,7 +4,7 @@
 //! reads the lines printed here and, in a second emulation that is traced, the instructions themselves.
 
 mod estimators;
-mod parity;
+mod likelihood;
 mod parts;
 mod stack;
 mod stopwatch;
@@ -23,7 +23,7 @@ pub fn count_all(recording: &Recording, out: &mut impl Write) -> fmt::Result {
     let mut watch = Stopwatch::start();
     watch.pass(out, ["nothing"], 16, |watch, _| watch.time(0, || ()))?;
     tick::count(&mut watch, recording, out)?;
-    parity::count(&mut watch, recording, out)?;
+    likelihood::count(&mut watch, recording, out)?;
     parts::count(&mut watch, recording, out)?;
     estimators::count(&mut watch, recording, out)?;
     stack::measure(recording, out)

@@ -254,7 +254,7 @@ impl Weighed {
         left < patience * (5.0 * self.age + 10.0) && left - best < patience * 16.0
     }
 
-    /// The magnitude of a hypothesis in the unit of its class. `slow` is the standard deviation, in degC, of wander
+    /// The magnitude of a hypothesis in the unit of its class. `slow` is the standard deviation, in degC, of disturbance
     /// slower than the noise model's memory, `rise` the rise of T1.
     pub(super) fn magnitude(&self, h: usize, slow: f32, rise: f32) -> Option<Magnitude> {
         let theta = at(&self.theta, h);

@@ -1,8 +1,8 @@
-//! The parity diagnosis alone, by what it is doing on a tick.
+//! The likelihood diagnosis alone, by what it is doing on a tick.
 
 use core::fmt::{self, Write};
 
-use fdi_core::parity::{Arming, Parity, ParityReport, ParityState};
+use fdi_core::likelihood::{Likelihood, LikelihoodReport, LikelihoodState, Readiness};
 use fdi_core::{Config, Report, Tick};
 
 use super::Stopwatch;
@@ -10,29 +10,29 @@ use super::tick::{armed, control, diagnose};
 use crate::codes::sample;
 use crate::recording::Recording;
 
-type Phase = fn(&ParityReport) -> bool;
+type Phase = fn(&LikelihoodReport) -> bool;
 
 /// What it may be doing; on the other ticks it waits.
 const PHASES: [(&str, Phase); 3] = [
-    ("parity: training", |report| report.arming == Arming::Training),
-    ("parity: watching", |report| report.arming == Arming::Armed && !report.alarm),
-    ("parity: alarm", |report| report.alarm),
+    ("likelihood: training", |report| report.readiness == Readiness::Training),
+    ("likelihood: watching", |report| report.readiness == Readiness::Armed && !report.alarm),
+    ("likelihood: alarm", |report| report.alarm),
 ];
 
 /// Counts each phase over its own ticks of the run.
 pub(super) fn count(watch: &mut Stopwatch, recording: &Recording, out: &mut impl Write) -> fmt::Result {
     for (name, phase) in PHASES {
-        let samples = ticks(recording).filter(|(_, report)| phase(&report.parity)).count();
+        let samples = ticks(recording).filter(|(_, report)| phase(&report.likelihood)).count();
         let mut ticks = ticks(recording);
-        let parity = Parity::new(&Config::default()).expect("valid");
-        let mut state = ParityState::default();
+        let likelihood = Likelihood::new(&Config::default()).expect("valid");
+        let mut state = LikelihoodState::default();
         watch.pass(out, [name], samples, |watch, _| {
             for (tick, report) in ticks.by_ref() {
-                if phase(&report.parity) {
-                    watch.time(0, || step(&parity, &mut state, &tick, &report));
+                if phase(&report.likelihood) {
+                    watch.time(0, || step(&likelihood, &mut state, &tick, &report));
                     break;
                 }
-                step(&parity, &mut state, &tick, &report);
+                step(&likelihood, &mut state, &tick, &report);
             }
         })?;
     }
@@ -50,7 +50,12 @@ fn ticks(recording: &Recording) -> impl Iterator<Item = (Tick, Report)> {
 }
 
 #[inline(never)]
-fn step(parity: &Parity, state: &mut ParityState, tick: &Tick, report: &Report) -> ParityReport {
+fn step(
+    likelihood: &Likelihood,
+    state: &mut LikelihoodState,
+    tick: &Tick,
+    report: &Report,
+) -> LikelihoodReport {
     let undisturbed = report.filtered.is_none_or(|verdict| verdict.fdv == 0);
-    parity.step(state, tick, [report.y1, report.y2], tick.drive.0, undisturbed)
+    likelihood.step(state, tick, [report.y1, report.y2], tick.drive.0, undisturbed)
 }

@@ -2,7 +2,7 @@
 
 use super::fit::{Fit, FitState, Models, Simulations};
 use super::noise::{Gather, Normal};
-use super::verdict::Distrust;
+use super::verdict::RejectReason;
 
 /// How far training has come.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +60,7 @@ impl Trainer {
         y: [Option<f32>; 2],
         u: f32,
         fit_to_learn: bool,
-    ) -> Result<Option<Trained>, Distrust> {
+    ) -> Result<Option<Trained>, RejectReason> {
         let y = y.map(|y| y.filter(|_| fit_to_learn));
         match training {
             Training::Fitting { fit, count } => {

@@ -10,10 +10,10 @@ use crate::bounds::larger;
 /// Swings of T1 up to this size are part of regulation with excitation, degC.
 const USUAL_SWING: f32 = 1.5;
 /// T0 may depart by so much from its own mean before it counts as moving, degC.
-const ROOM_NOISE: f32 = 0.15;
+const AMBIENT_NOISE: f32 = 0.15;
 /// Memory of swings, of the room's mean, and of what a past fault left, s.
 const SWING_TIME: f32 = 2.0;
-const ROOM_TIME: f32 = 1.0;
+const AMBIENT_TIME: f32 = 1.0;
 const AFTERMATH_TIME: f32 = 0.6;
 
 /// The shares of the memories that are renewed in a tick.
@@ -21,7 +21,7 @@ const AFTERMATH_TIME: f32 = 0.6;
 pub(super) struct Weakness {
     uncertainty: f32,
     swing: f32,
-    room: f32,
+    ambient: f32,
     aftermath: f32,
 }
 
@@ -32,7 +32,7 @@ pub(super) struct WeaknessState {
     trained: f32,
     mean_rise: f32,
     swing: f32,
-    room: Option<f32>,
+    ambient: Option<f32>,
     aftermath: [f32; 3],
 }
 
@@ -51,12 +51,12 @@ impl Weakness {
         Self {
             uncertainty,
             swing: share(SWING_TIME),
-            room: share(ROOM_TIME),
+            ambient: share(AMBIENT_TIME),
             aftermath: share(AFTERMATH_TIME),
         }
     }
 
-    /// `expected` is what y1 should be; `t0` the room temperature, if it may be used.
+    /// `expected` is what y1 should be; `t0` the ambient temperature, if it may be used.
     pub(super) fn step(
         &self,
         s: &mut WeaknessState,
@@ -68,7 +68,7 @@ impl Weakness {
         s.swing = larger(s.swing * (1.0 - self.swing), (expected - s.mean_rise).abs());
         let moved = self.uncertainty * larger(0.0, s.swing - USUAL_SWING);
         let away = self.uncertainty * (expected - s.trained).abs();
-        let room = self.room_jump(s, t0);
+        let ambient = self.ambient_jump(s, t0);
         let model = core::array::from_fn(|m| {
             let whitener = &normal[m].whitener;
             (moved + away * whitener.rest() + s.aftermath[m]) * whitener.inv_sigma()
@@ -78,24 +78,24 @@ impl Weakness {
         }
         // T2 answers to the room as slowly as T0 does, T1 faster: only what T1 is part of sees the room jump.
         let all = core::array::from_fn(|m| {
-            model[m] + if m == 1 { 0.0 } else { room * normal[m].whitener.inv_sigma() }
+            model[m] + if m == 1 { 0.0 } else { ambient * normal[m].whitener.inv_sigma() }
         });
         Slack { model, all }
     }
 
-    fn room_jump(&self, s: &mut WeaknessState, t0: Option<f32>) -> f32 {
+    fn ambient_jump(&self, s: &mut WeaknessState, t0: Option<f32>) -> f32 {
         let Some(t0) = t0 else { return 0.0 };
-        let mean = s.room.get_or_insert(t0);
+        let mean = s.ambient.get_or_insert(t0);
         let jump = (t0 - *mean).abs();
-        *mean += self.room * (t0 - *mean);
-        larger(0.0, jump - ROOM_NOISE)
+        *mean += self.ambient * (t0 - *mean);
+        larger(0.0, jump - AMBIENT_NOISE)
     }
 }
 
 impl WeaknessState {
     /// Right after training at the rise `trained` of T1.
     pub(super) fn new(trained: f32) -> Self {
-        Self { trained, mean_rise: trained, swing: 0.0, room: None, aftermath: [0.0; 3] }
+        Self { trained, mean_rise: trained, swing: 0.0, ambient: None, aftermath: [0.0; 3] }
     }
 
     /// A fault has ended and left residuals at these levels.

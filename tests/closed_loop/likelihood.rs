@@ -1,14 +1,14 @@
-//! What the parity diagnosis says of the rig: every class named, nothing said of what is no fault, T1 stood in for.
+//! What the likelihood diagnosis says of the rig: every class named, nothing said of what is no fault, T1 stood in for.
 
 use std::mem::size_of;
 
-use fdi_core::parity::{Arming, Distrust, FaultClass, ParityState};
+use fdi_core::likelihood::{FaultClass, LikelihoodState, Readiness, RejectReason};
 use fdi_core::{Config, Instrument, Mode, TripReason};
 use host_sim::experiment::scenario::{Action, Scenario};
 use host_sim::experiment::{Record, Row, run, run_on};
 use host_sim::record::summary::Summary;
 use pt326_rig::fault::{Fault, Sensor, Verb};
-use pt326_rig::{RigConfig, Wander};
+use pt326_rig::{Disturbance, RigConfig};
 
 const ONSET: f64 = 400.03;
 
@@ -17,7 +17,7 @@ fn fault(verb: Verb, sensor: Option<Sensor>, size: f64, lag: Option<f64>, durati
 }
 
 fn scenario(faults: Vec<Fault>, duration: f64) -> Scenario {
-    Scenario { duration, wander: Wander::Lively, faults, ..Scenario::default() }
+    Scenario { duration, disturbance: Disturbance::Lively, faults, ..Scenario::default() }
 }
 
 /// Time since the onset of rows after it.
@@ -26,14 +26,14 @@ fn since_onset(record: &Record) -> impl Iterator<Item = (f64, &Row)> {
 }
 
 fn alarms(record: &Record) -> Vec<f64> {
-    let on = |row: &Row| row.report.parity.alarm;
+    let on = |row: &Row| row.report.likelihood.alarm;
     record.rows.windows(2).filter(|w| !on(&w[0]) && on(&w[1])).map(|w| record.time(w[1].tick.index)).collect()
 }
 
 #[test]
 fn every_class_is_named_with_its_size() {
     use Sensor::{T0, T1, T2};
-    use fdi_core::parity::Channel;
+    use fdi_core::likelihood::Channel;
     // What is done, what it must be called, how long that may take, and the magnitude with the error allowed.
     let cases = [
         (fault(Verb::Offset, Some(T2), 1.5, None, 25.0), FaultClass::T2Offset, 1.0, Some((1.5, 0.2))),
@@ -57,13 +57,13 @@ fn every_class_is_named_with_its_size() {
         for seed in [11, 12, 13] {
             let record = run(&Config::default(), &scenario(vec![fault.clone()], 470.0), seed).unwrap();
             let told = since_onset(&record)
-                .find(|(_, row)| row.report.parity.finding.is_some_and(|finding| finding.class == class));
+                .find(|(_, row)| row.report.likelihood.finding.is_some_and(|finding| finding.class == class));
             let (delay, _) = told.unwrap_or_else(|| panic!("{} is never named, seed {seed}", fault.label()));
             assert!(delay <= latest, "{}: named after {delay} s, seed {seed}", fault.label());
             // A T1 that only lags shows only when something moves: its alarm may come and go.
             let during = since_onset(&record).take_while(|(t, _)| *t < fault.duration);
             let finding =
-                during.filter_map(|(_, row)| row.report.parity.finding).last().expect("named above");
+                during.filter_map(|(_, row)| row.report.likelihood.finding).last().expect("named above");
             assert_eq!(finding.class, class, "{}, seed {seed}", fault.label());
             if let Some((truth, error)) = magnitude {
                 let value = finding.magnitude.expect("this class has one").value;
@@ -82,7 +82,7 @@ fn two_faults_at_once_are_unknown() {
     let record = run(&Config::default(), &scenario(both, 430.0), 5).unwrap();
     let after_4s = since_onset(&record).filter(|(t, _)| (4.0..25.0).contains(t));
     for (t, row) in after_4s {
-        let class = row.report.parity.finding.map(|finding| finding.class);
+        let class = row.report.likelihood.finding.map(|finding| finding.class);
         assert_eq!(class, Some(FaultClass::Unknown), "{t} s after the onset");
     }
 }
@@ -104,8 +104,8 @@ fn what_is_no_fault_raises_no_alarm() {
         ("5 % missing", all(Verb::Missing, 0.05).to_vec(), vec![]),
         ("spikes of 3 degC", all(Verb::Spike, 3.0).to_vec(), vec![]),
         ("spikes of 10 degC", all(Verb::Spike, -10.0).to_vec(), vec![]),
-        ("a room that warms", vec![fault(Verb::RoomDrift, None, 2.0, None, 60.0)], vec![]),
-        ("a window opened", vec![fault(Verb::Room, None, -2.0, None, 60.0)], vec![]),
+        ("a room that warms", vec![fault(Verb::AmbientDrift, None, 2.0, None, 60.0)], vec![]),
+        ("a window opened", vec![fault(Verb::Ambient, None, -2.0, None, 60.0)], vec![]),
         ("a sag of the mains", vec![fault(Verb::HeaterPower, None, 0.97, None, 30.0)], vec![]),
     ];
     for (name, faults, actions) in cases {
@@ -115,8 +115,8 @@ fn what_is_no_fault_raises_no_alarm() {
             assert_eq!(alarms(&record), [0.0; 0], "{name}, seed {seed}");
             let last = record.rows.last().unwrap();
             assert_eq!(
-                last.report.parity.arming,
-                Arming::Armed,
+                last.report.likelihood.readiness,
+                Readiness::Armed,
                 "{name}: silence of a watch that is not kept"
             );
         }
@@ -129,7 +129,7 @@ fn a_damper_moved_after_an_announcement_is_learnt_anew() {
     let actions = vec![Action { at: 399.0, relearn: true, ..Action::default() }];
     let record = run(&Config::default(), &Scenario { actions, ..scenario(vec![damper], 700.0) }, 3).unwrap();
     assert_eq!(alarms(&record), [0.0; 0]);
-    assert_eq!(record.rows.last().unwrap().report.parity.arming, Arming::Armed);
+    assert_eq!(record.rows.last().unwrap().report.likelihood.readiness, Readiness::Armed);
 }
 
 #[test]
@@ -146,9 +146,9 @@ fn a_second_fault_is_found_after_the_first_has_gone() {
 fn models_that_explain_too_little_are_refused() {
     let rig = RigConfig { turbulence: 1.2, ..RigConfig::default() };
     let record = run(&Config::default(), &Scenario { rig, ..scenario(vec![], 700.0) }, 2).unwrap();
-    let arming = |row: &Row| row.report.parity.arming;
-    assert!(record.rows.iter().any(|row| arming(row) == Arming::Refused(Distrust::PoorFit)));
-    assert!(record.rows.iter().all(|row| arming(row) != Arming::Armed));
+    let readiness = |row: &Row| row.report.likelihood.readiness;
+    assert!(record.rows.iter().any(|row| readiness(row) == Readiness::Refused(RejectReason::PoorFit)));
+    assert!(record.rows.iter().all(|row| readiness(row) != Readiness::Armed));
     assert_eq!(alarms(&record), [0.0; 0]);
 }
 
@@ -245,8 +245,9 @@ fn a_fault_during_training_is_not_learnt() {
     instrument.restore(&baseline).unwrap();
     let fault = Fault { at: 60.0, ..fault(Verb::Offset, Some(Sensor::T2), 3.0, None, 100.0) };
     let record = run_on(&mut instrument, &config, &scenario(vec![fault], 420.0), 51);
-    let arming = |row: &Row| row.report.parity.arming;
-    let armed = record.rows.iter().position(|row| arming(row) == Arming::Armed).expect("armed in the end");
+    let readiness = |row: &Row| row.report.likelihood.readiness;
+    let armed =
+        record.rows.iter().position(|row| readiness(row) == Readiness::Armed).expect("armed in the end");
     let after = record.time(armed as u32);
     assert!((270.0..310.0).contains(&after), "178 s of samples, but for 100 s of fault: {after} s");
     assert_eq!(alarms(&record), [0.0; 0], "what was learnt is the rig without the fault");
@@ -267,5 +268,5 @@ fn heat_without_air_or_without_being_asked_for_trips() {
 
 #[test]
 fn the_memory_is_bounded() {
-    assert!(size_of::<ParityState>() <= 4096, "{} bytes", size_of::<ParityState>());
+    assert!(size_of::<LikelihoodState>() <= 4096, "{} bytes", size_of::<LikelihoodState>());
 }

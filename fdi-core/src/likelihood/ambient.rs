@@ -1,4 +1,4 @@
-//! The room temperature that is believed, when T0 may be wrong: it moves no faster than a room does, and is set right
+//! The ambient temperature that is believed, when T0 may be wrong: it moves no faster than a room does, and is set right
 //! whenever the rig is at rest, where three thermistors should agree.
 
 use super::verdict::{FaultClass, Finding, Magnitude};
@@ -24,7 +24,7 @@ const WARMEST: f32 = 40.0;
 
 /// Shares that are renewed in a tick, and steps of a tick.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Room {
+pub(super) struct Ambient {
     shares: [f32; 2],
     fastest: f32,
     sample_time: f32,
@@ -32,7 +32,7 @@ pub(super) struct Room {
 
 /// The memory.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct RoomState {
+pub(super) struct AmbientState {
     believed: Option<f32>,
     /// Means of T1 and T2 over both memories.
     means: Option<[[f32; 2]; 2]>,
@@ -44,7 +44,7 @@ pub(super) struct RoomState {
     off: Option<f32>,
 }
 
-impl Room {
+impl Ambient {
     pub(super) fn new(sample_time: f32) -> Self {
         Self {
             shares: TREND_TIMES.map(|time| (sample_time / time).min(1.0)),
@@ -54,7 +54,7 @@ impl Room {
     }
 
     /// Takes in T0, T1, T2 where good, and the power applied from now on, %.
-    pub(super) fn step(&self, s: &mut RoomState, tick: u32, readings: [Option<f32>; 3], power: f32) {
+    pub(super) fn step(&self, s: &mut AmbientState, tick: u32, readings: [Option<f32>; 3], power: f32) {
         let [t0, t1, t2] = readings;
         let outlet = t1.zip(t2).and_then(|(t1, t2)| self.at_rest(s, [t1, t2], power));
         s.rest = if outlet.is_some() { smaller(REST_TIME, s.rest + self.sample_time) } else { 0.0 };
@@ -63,8 +63,8 @@ impl Room {
                 let close = t0.filter(|t0| (t0 - outlet).abs() < ALIKE);
                 s.believed = Some(close.unwrap_or(outlet));
             }
-            (_, Some(t0), Some(room)) if (t0 - room).abs() < FOLLOWED => {
-                s.believed = Some(room + bounded(t0 - room, -self.fastest, self.fastest));
+            (_, Some(t0), Some(ambient)) if (t0 - ambient).abs() < FOLLOWED => {
+                s.believed = Some(ambient + bounded(t0 - ambient, -self.fastest, self.fastest));
             }
             (_, t0, believed) => s.believed = believed.or(t0.filter(is_possible)),
         }
@@ -74,8 +74,8 @@ impl Room {
     }
 
     /// For how long has T0 been wrong?
-    fn doubt(&self, s: &mut RoomState, tick: u32, t0: f32) {
-        s.off = s.believed.map(|room| t0 - room);
+    fn doubt(&self, s: &mut AmbientState, tick: u32, t0: f32) {
+        s.off = s.believed.map(|ambient| t0 - ambient);
         let limit = if s.is_wrong() { RIGHT } else { WRONG };
         let wrong = s.off.map_or(!is_possible(&t0), |off| off.abs() > limit);
         if s.wrong == 0.0 {
@@ -85,7 +85,7 @@ impl Room {
     }
 
     /// The mean of T1 and T2, where they are at rest.
-    fn at_rest(&self, s: &mut RoomState, outlet: [f32; 2], power: f32) -> Option<f32> {
+    fn at_rest(&self, s: &mut AmbientState, outlet: [f32; 2], power: f32) -> Option<f32> {
         let means = s.means.get_or_insert(outlet.map(|t| [t; 2]));
         let mut still = power <= 0.0;
         for (means, t) in means.iter_mut().zip(outlet) {
@@ -99,19 +99,19 @@ impl Room {
     }
 }
 
-impl RoomState {
+impl AmbientState {
     fn is_wrong(&self) -> bool {
         self.wrong >= WRONG_TIME
     }
 
-    /// The room temperature that is believed, degC.
+    /// The ambient temperature that is believed, degC.
     pub(super) fn believed(&self) -> Option<f32> {
         self.believed
     }
 
     /// Whether T0 may be what the room is.
     pub(super) fn is_followed(&self, t0: Option<f32>) -> bool {
-        t0.zip(self.believed).is_some_and(|(t0, room)| (t0 - room).abs() < FOLLOWED)
+        t0.zip(self.believed).is_some_and(|(t0, ambient)| (t0 - ambient).abs() < FOLLOWED)
     }
 
     /// Rises of T1 and T2, where good, over the room that is believed, degC.
@@ -139,49 +139,49 @@ mod tests {
 
     /// What is believed after `time` s, and whether T0 is told to be wrong, if readings and power are so.
     fn after(time: f32, at: impl Fn(f32) -> ([f32; 3], f32)) -> (f32, bool) {
-        let (room, mut s) = (Room::new(TS), RoomState::default());
+        let (ambient, mut s) = (Ambient::new(TS), AmbientState::default());
         for tick in 0..(time / TS) as u32 {
             let (readings, power) = at(tick as f32 * TS);
-            room.step(&mut s, tick, readings.map(Some), power);
+            ambient.step(&mut s, tick, readings.map(Some), power);
         }
         (s.believed().expect("T0 was there"), s.finding().is_some())
     }
 
     #[test]
     fn a_t0_that_is_wrong_at_rest_is_told_and_the_others_are_believed() {
-        let (room, wrong) = after(40.0, |_| ([12.5, 22.5, 22.6], 0.0));
-        assert!(wrong && (room - 22.55).abs() < 0.1, "{room}");
-        let (room, wrong) = after(40.0, |_| ([22.0, 22.5, 22.6], 0.0));
-        assert!(!wrong && room == 22.0, "{room}");
+        let (ambient, wrong) = after(40.0, |_| ([12.5, 22.5, 22.6], 0.0));
+        assert!(wrong && (ambient - 22.55).abs() < 0.1, "{ambient}");
+        let (ambient, wrong) = after(40.0, |_| ([22.0, 22.5, 22.6], 0.0));
+        assert!(!wrong && ambient == 22.0, "{ambient}");
     }
 
     /// While it heats a jump of T0 is none of the room, and a slow change is followed.
     #[test]
-    fn only_what_a_room_can_do_is_followed() {
+    fn only_what_a_ambient_can_do_is_followed() {
         let jump = |time| ([if time < 10.0 { 22.5 } else { 2.5 }, 35.0, 34.0], 40.0);
         assert_eq!(after(600.0, jump), (22.5, true));
         let drift = |time| ([22.5 + 0.5 / 60.0 * time, 35.0, 34.0], 40.0);
-        let (room, wrong) = after(600.0, drift);
-        assert!((room - 27.5).abs() < 0.1 && !wrong, "{room}");
+        let (ambient, wrong) = after(600.0, drift);
+        assert!((ambient - 27.5).abs() < 0.1 && !wrong, "{ambient}");
     }
 
     /// A hot tube without its fan loses 10 degC in five minutes, then less.
     #[test]
-    fn a_hot_tube_that_cools_is_no_room() {
+    fn a_hot_tube_that_cools_is_no_ambient() {
         let cooling = |time: f32| {
             ([22.5, 22.5 + 20.0 * libm::expf(-time / 400.0), 22.5 + 19.0 * libm::expf(-time / 400.0)], 0.0)
         };
         for time in [30.0, 120.0, 500.0, 800.0] {
-            let (room, wrong) = after(time, cooling);
-            assert!((room - 22.5).abs() < 2.0 && !wrong, "{room} degC after {time} s");
+            let (ambient, wrong) = after(time, cooling);
+            assert!((ambient - 22.5).abs() < 2.0 && !wrong, "{ambient} degC after {time} s");
         }
     }
 
     #[test]
-    fn no_trainer_stands_in_such_a_room() {
-        let (room, mut s) = (Room::new(TS), RoomState::default());
+    fn no_trainer_stands_in_such_a_ambient() {
+        let (ambient, mut s) = (Ambient::new(TS), AmbientState::default());
         for tick in 0..60 {
-            room.step(&mut s, tick, [Some(-3.0), Some(35.0), Some(34.0)], 40.0);
+            ambient.step(&mut s, tick, [Some(-3.0), Some(35.0), Some(34.0)], 40.0);
         }
         assert!(s.believed().is_none() && s.finding().is_some_and(|f| f.magnitude.is_none()));
     }

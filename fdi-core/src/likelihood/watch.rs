@@ -131,7 +131,7 @@ impl Watch {
         }
     }
 
-    /// Takes in a tick: rises and room temperature where valid, rises over the room that is believed, and the power applied
+    /// Takes in a tick: rises and ambient temperature where valid, rises over the room that is believed, and the power applied
     /// from now on, %.
     pub(super) fn step(
         &self,

@@ -1,7 +1,7 @@
-//! How well the parity diagnosis saw a fault: when, as what, how large, since when.
+//! How well the likelihood diagnosis saw a fault: when, as what, how large, since when.
 
 use crate::score::expectation::Expectation;
-use fdi_core::parity::{FaultClass, Finding, ParityReport};
+use fdi_core::likelihood::{FaultClass, Finding, LikelihoodReport};
 use serde::Serialize;
 
 use super::{Score, Sight, Watch, microseconds};
@@ -10,7 +10,7 @@ use pt326_rig::fault::Fault;
 
 /// A score with the estimates; null for what never happened or has no meaning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct ParityScore {
+pub struct LikelihoodScore {
     /// When it was detected (an alarm) and isolated (the right class), and for how long.
     #[serde(flatten)]
     pub score: Score,
@@ -34,9 +34,9 @@ pub struct ParityScore {
     pub confidence: Option<f64>,
 }
 
-/// Watches the parity diagnosis for the time of one fault.
+/// Watches the likelihood diagnosis for the time of one fault.
 #[derive(Clone, Debug)]
-pub struct ParityWatch {
+pub struct LikelihoodWatch {
     watch: Watch,
     expected: Option<FaultClass>,
     true_magnitude: Option<f64>,
@@ -47,7 +47,7 @@ pub struct ParityWatch {
     findings: Vec<Finding>,
 }
 
-impl ParityWatch {
+impl LikelihoodWatch {
     /// A watch over `fault`.
     pub fn new(fault: &Fault, sample_time: f64) -> Self {
         Self {
@@ -62,7 +62,7 @@ impl ParityWatch {
     }
 
     /// Takes in the tick at `t`.
-    pub fn see(&mut self, t: f64, report: &ParityReport) {
+    pub fn see(&mut self, t: f64, report: &LikelihoodReport) {
         let named = report.finding.map(|finding| finding.class);
         let detected = report.alarm && self.expected.is_some();
         self.watch.see(t, Sight { detected, isolated: named.is_some() && named == self.expected, named });
@@ -75,13 +75,13 @@ impl ParityWatch {
     }
 
     /// The score.
-    pub fn score(&self) -> ParityScore {
+    pub fn score(&self) -> LikelihoodScore {
         let known = self.expected.is_some();
         let first = self.watch.first_named();
         let settled = self.watch.settled();
         let finding = self.findings.iter().find(|f| Some(f.class) == settled);
         let magnitude = finding.and_then(|f| f.magnitude);
-        ParityScore {
+        LikelihoodScore {
             score: self.watch.score(self.sample_time, known),
             verdict: settled.map(FaultClass::name),
             first_verdict: first.map(FaultClass::name),
@@ -98,7 +98,7 @@ impl ParityWatch {
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::parity::Magnitude;
+    use fdi_core::likelihood::Magnitude;
 
     use super::*;
     use pt326_rig::fault::{Sensor, Verb};
@@ -108,12 +108,15 @@ mod tests {
     }
 
     /// T2 offset of 1.5 degC from 1 s to 3 s; ticks each 0.1 s.
-    fn scored(says: impl Fn(u32) -> (bool, Option<Finding>)) -> ParityScore {
+    fn scored(says: impl Fn(u32) -> (bool, Option<Finding>)) -> LikelihoodScore {
         let fault = Fault::new(Verb::Offset, Some(Sensor::T2), Some(1.5), 1.0, 2.0);
-        let mut watch = ParityWatch::new(&fault, 0.1);
+        let mut watch = LikelihoodWatch::new(&fault, 0.1);
         for tick in 0..250 {
             let (alarm, finding) = says(tick);
-            watch.see(tick_time(tick, 0.1), &ParityReport { alarm, finding, ..ParityReport::default() });
+            watch.see(
+                tick_time(tick, 0.1),
+                &LikelihoodReport { alarm, finding, ..LikelihoodReport::default() },
+            );
         }
         watch.score()
     }

@@ -1,4 +1,4 @@
-//! The parity diagnosis: a second opinion beside the paper's signatures, faster, surer, and for more faults.
+//! The likelihood diagnosis: a second opinion beside the paper's signatures, faster, surer, and for more faults.
 //!
 //! Two models are trained while nothing is wrong and then frozen: power -> y1 and y1 -> y2. Run as simulations they give
 //! three residuals, each blind to one place: y1 against the power (T2), y2 against the power (T1), y2 against y1 (the
@@ -12,6 +12,7 @@
 //! Both models are driven by the power that was really applied, so the controller hides nothing. Sources: docs/diagnosis.md.
 
 mod alarm;
+mod ambient;
 mod bank;
 mod chart;
 mod config;
@@ -22,7 +23,6 @@ mod hypothesis;
 mod model;
 mod noise;
 mod response;
-mod room;
 mod sensors;
 mod training;
 pub mod verdict;
@@ -36,32 +36,32 @@ use crate::error::ConfigError;
 use crate::sense::{Reading, Validity};
 use crate::supervisor::Mode;
 use alarm::Rules;
+use ambient::{Ambient, AmbientState};
 use bank::Filters;
 use chart::Chart;
-pub use config::ParityConfig;
+pub use config::LikelihoodConfig;
 use contradiction::Contradiction;
 use fit::Fit;
 use heat::Heat;
 use response::Response;
-use room::{Room, RoomState};
 use sensors::Sensors;
 use training::{Trainer, Training};
-pub use verdict::{Arming, Channel, Distrust, FaultClass, Finding, Magnitude, Pair, ParityReport};
+pub use verdict::{Channel, FaultClass, Finding, LikelihoodReport, Magnitude, Pair, Readiness, RejectReason};
 use watch::{Watch, WatchState};
 use weakness::Weakness;
 
-/// The validated parity diagnosis.
+/// The validated likelihood diagnosis.
 #[derive(Clone, Copy, Debug)]
-pub struct Parity {
+pub struct Likelihood {
     trainer: Trainer,
     watch: Watch,
-    room: Room,
+    ambient: Ambient,
     response: Response,
 }
 
-/// The memory of the [`Parity`] diagnosis.
+/// The memory of the [`Likelihood`] diagnosis.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ParityState {
+pub struct LikelihoodState {
     training: Option<Training>,
     /// What was trained last. It stays, for the heat, until it is replaced or forgotten.
     trained: Option<WatchState>,
@@ -70,10 +70,10 @@ pub struct ParityState {
     /// What the models said last: the alarm, and what it is.
     told: Option<Option<Finding>>,
     sensors: Sensors,
-    room: RoomState,
+    ambient: AmbientState,
     contradiction: Contradiction,
     /// Why the last training was not accepted.
-    refused: Option<Distrust>,
+    refused: Option<RejectReason>,
     was_learning: bool,
 }
 
@@ -88,15 +88,15 @@ struct Now<'a> {
     u: f32,
 }
 
-const _: () = assert!(size_of::<ParityState>() <= 4096, "more than the board has for it");
+const _: () = assert!(size_of::<LikelihoodState>() <= 4096, "more than the board has for it");
 
-impl Parity {
+impl Likelihood {
     /// Builds the diagnosis.
     ///
     /// # Errors
-    /// The parameter of `parity` that is out of bounds.
+    /// The parameter of `likelihood` that is out of bounds.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        let c = &config.parity;
+        let c = &config.likelihood;
         c.validate()?;
         let ts = config.sample_time;
         let rules = Rules { margin: c.margin, power_margin: c.power_margin, sample_time: ts.0 };
@@ -117,7 +117,7 @@ impl Parity {
                 tolerated_sag: c.tolerated_sag,
                 sample_time: ts.0,
             },
-            room: Room::new(ts.0),
+            ambient: Ambient::new(ts.0),
             response: Response::new(ts.0),
         })
     }
@@ -126,28 +126,28 @@ impl Parity {
     /// the heater from this tick to the next, %. `undisturbed` says that the paper's signatures see no fault.
     pub fn step(
         &self,
-        state: &mut ParityState,
+        state: &mut LikelihoodState,
         tick: &Tick,
         y: [Option<f32>; 2],
         applied: f32,
         undisturbed: bool,
-    ) -> ParityReport {
+    ) -> LikelihoodReport {
         let readings = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(|reading| reading.good());
         let [t0, t1, t2] = readings;
         let heating = tick.mode.is_heating();
         self.follow_mode(state, tick);
-        self.room.step(&mut state.room, tick.index, readings, applied);
+        self.ambient.step(&mut state.ambient, tick.index, readings, applied);
         let read = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(read);
         let contradiction = state.contradiction.step(&self.response, tick.index, heating, read, applied);
-        let now = Now { tick, heating, y, believed: state.room.rises([t1, t2]), u: applied };
+        let now = Now { tick, heating, y, believed: state.ambient.rises([t1, t2]), u: applied };
         let undisturbed = undisturbed && contradiction.is_none();
         let by_models = self.watch(state, &now);
         self.train(state, &now, t0, undisturbed);
         let by_sensors = state.sensors.step(&tick.sample, tick.index);
-        let without_models = contradiction.or(state.room.finding());
+        let without_models = contradiction.or(state.ambient.finding());
         let finding = preferred(by_sensors, by_models.flatten(), without_models);
-        ParityReport {
-            arming: state.arming(),
+        LikelihoodReport {
+            readiness: state.readiness(),
             alarm: by_models.is_some() || by_sensors.is_some() || without_models.is_some(),
             finding,
             ..self.heat(state, &now, finding)
@@ -156,7 +156,7 @@ impl Parity {
 
     /// Training starts afresh whenever learning does, and ends with heating. What was trained outlives both, unless the
     /// rig was changed on purpose.
-    fn follow_mode(&self, state: &mut ParityState, tick: &Tick) {
+    fn follow_mode(&self, state: &mut LikelihoodState, tick: &Tick) {
         let mode = tick.mode;
         if tick.forget {
             (state.training, state.trained, state.current) = (None, None, false);
@@ -171,7 +171,7 @@ impl Parity {
         state.was_learning = learning;
     }
 
-    fn train(&self, state: &mut ParityState, now: &Now, t0: Option<f32>, undisturbed: bool) {
+    fn train(&self, state: &mut LikelihoodState, now: &Now, t0: Option<f32>, undisturbed: bool) {
         let tick = now.tick;
         // With a baseline of an earlier life there is no learning; then training takes place while monitoring.
         let quiet = tick.mode == Mode::Monitor && tick.prbs.0 != 0.0;
@@ -181,7 +181,8 @@ impl Parity {
         }
         let training = state.training.get_or_insert_with(|| self.trainer.start());
         // A T0 that is known to be wrong must not be learnt.
-        let known_wrong = t0.is_some() && state.room.believed().is_some() && !state.room.is_followed(t0);
+        let known_wrong =
+            t0.is_some() && state.ambient.believed().is_some() && !state.ambient.is_followed(t0);
         let y = if known_wrong { now.believed } else { now.y };
         match self.trainer.step(training, y, now.u, fit_to_learn) {
             Ok(None) => {}
@@ -199,7 +200,7 @@ impl Parity {
     }
 
     /// An alarm of the models, with what it is where that is known.
-    fn watch(&self, state: &mut ParityState, now: &Now) -> Option<Option<Finding>> {
+    fn watch(&self, state: &mut LikelihoodState, now: &Now) -> Option<Option<Finding>> {
         let trained = state.trained.as_mut()?;
         if state.current && now.tick.mode == Mode::Monitor {
             let t0 = now.tick.sample.t0.good();
@@ -213,24 +214,24 @@ impl Parity {
     }
 
     /// What control and supervision need to know.
-    fn heat(&self, state: &ParityState, now: &Now, finding: Option<Finding>) -> ParityReport {
-        let room = state.room.believed();
+    fn heat(&self, state: &LikelihoodState, now: &Now, finding: Option<Finding>) -> LikelihoodReport {
+        let ambient = state.ambient.believed();
         let Some(trained) = &state.trained else {
-            return ParityReport { expected: [room, None, None], ..ParityReport::default() };
+            return LikelihoodReport { expected: [ambient, None, None], ..LikelihoodReport::default() };
         };
-        let [y1, y2] = trained.expected().map(|rise| room.map(|room| room + rise));
+        let [y1, y2] = trained.expected().map(|rise| ambient.map(|ambient| ambient + rise));
         let monitoring = state.current && now.tick.mode == Mode::Monitor;
         // It is the rise over T0 that is stood in for.
         let can_stand_in =
-            monitoring && now.y[1].is_some() && state.room.is_followed(now.tick.sample.t0.good());
+            monitoring && now.y[1].is_some() && state.ambient.is_followed(now.tick.sample.t0.good());
         // A heater that gives more than it is asked for looks like too little air.
         let by_heater = finding.is_some_and(|f| f.class == FaultClass::HeaterPower);
-        ParityReport {
-            expected: [room, y1, y2],
+        LikelihoodReport {
+            expected: [ambient, y1, y2],
             stand_in: if can_stand_in { trained.stand_in() } else { None },
             air_flow: if now.heating && !by_heater { trained.heat().air_flow() } else { None },
             heater_stuck_on: trained.heat().heater_stuck_on(),
-            ..ParityReport::default()
+            ..LikelihoodReport::default()
         }
     }
 }
@@ -253,13 +254,13 @@ fn preferred(
     broken.or(clear).or(without_models).or(by_sensors).or(by_models)
 }
 
-impl ParityState {
-    fn arming(&self) -> Arming {
+impl LikelihoodState {
+    fn readiness(&self) -> Readiness {
         match self.refused {
-            _ if self.current => Arming::Armed,
-            Some(why) => Arming::Refused(why),
-            None if self.training.is_some() => Arming::Training,
-            None => Arming::Untrained,
+            _ if self.current => Readiness::Armed,
+            Some(why) => Readiness::Refused(why),
+            None if self.training.is_some() => Readiness::Training,
+            None => Readiness::Untrained,
         }
     }
 }

@@ -21,7 +21,7 @@ const ANSWERS: f32 = 6.0;
 const SILENT: f32 = 0.2;
 const SURELY: f32 = 4.0;
 /// T0 answers where it does so by more than this share of T1's or T2's response: a tube that warms the room is none.
-const ROOM_SHARE: f32 = 0.3;
+const AMBIENT_SHARE: f32 = 0.3;
 /// One comes after the other by so many ticks, and so many standard deviations.
 const AFTER: f32 = 1.0;
 const AFTER_SURELY: f32 = 6.0;
@@ -143,7 +143,7 @@ fn contradiction(answers: &[Answer; 3], readings: [Option<f32>; 3], t2_warmer: b
         let (t, t0, other) = (t?, t0?, other?);
         Some(t - t0 < COLD_SHARE * (other - t0) + COLD)
     };
-    if a0.answers() && a0.area > ROOM_SHARE * strongest.area {
+    if a0.answers() && a0.area > AMBIENT_SHARE * strongest.area {
         return match (a1.is_silent_beside(a0), a2.is_silent_beside(a0)) {
             (true, _) => Some(FaultClass::Swapped(Pair::T0T1)),
             (false, true) => Some(FaultClass::Swapped(Pair::T0T2)),

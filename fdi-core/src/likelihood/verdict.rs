@@ -1,4 +1,4 @@
-//! The words of the parity diagnosis: what can be faulty, how surely, how much, since when.
+//! The words of the likelihood diagnosis: what can be faulty, how surely, how much, since when.
 
 /// What is faulty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,7 +14,7 @@ pub enum FaultClass {
     AirFlow,
     /// The heater gives another power than the one asked for.
     HeaterPower,
-    /// The room thermistor reads wrong.
+    /// The ambient thermistor reads wrong.
     T0Fault,
     /// A thermistor's error grows slowly.
     Drift,
@@ -145,17 +145,17 @@ pub struct Finding {
     pub onset: u32,
 }
 
-/// Whether the parity diagnosis can say anything.
+/// Whether the likelihood diagnosis can say anything.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Arming {
+pub enum Readiness {
     /// Its models have not been trained yet.
     #[default]
     Untrained,
     /// Being trained.
     Training,
     /// Training ended in models that cannot be trusted; it begins again.
-    Refused(Distrust),
+    Refused(RejectReason),
     /// Watching.
     Armed,
 }
@@ -163,7 +163,7 @@ pub enum Arming {
 /// Why trained models were not accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Distrust {
+pub enum RejectReason {
     /// A model is unstable.
     Unstable,
     /// The static gain of a model is not positive.
@@ -172,12 +172,12 @@ pub enum Distrust {
     PoorFit,
 }
 
-/// All that the parity diagnosis says on a tick.
+/// All that the likelihood diagnosis says on a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ParityReport {
+pub struct LikelihoodReport {
     /// Whether it watches.
-    pub arming: Arming,
+    pub readiness: Readiness,
     /// Something is wrong.
     pub alarm: bool,
     /// What it is, once that can be told.

@@ -1,16 +1,16 @@
-//! Settings of the parity diagnosis.
+//! Settings of the likelihood diagnosis.
 
 use crate::error::{ConfigError, in_ranges};
 use crate::units::Seconds;
 
-/// Settings of the parity diagnosis. Nothing here belongs to a particular rig: models and noise are learnt.
+/// Settings of the likelihood diagnosis. Nothing here belongs to a particular rig: models and noise are learnt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
-pub struct ParityConfig {
+pub struct LikelihoodConfig {
     /// Models are fitted for so long, of samples fit for learning.
     pub fit_time: Seconds,
     /// Then their residuals are watched for so long, to learn the noise.
@@ -36,7 +36,7 @@ pub struct ParityConfig {
     pub power_margin: f32,
 }
 
-impl Default for ParityConfig {
+impl Default for LikelihoodConfig {
     fn default() -> Self {
         Self {
             fit_time: Seconds(108.0),
@@ -54,21 +54,21 @@ impl Default for ParityConfig {
     }
 }
 
-impl ParityConfig {
+impl LikelihoodConfig {
     /// Checks every setting.
     pub(super) fn validate(&self) -> Result<(), ConfigError> {
         in_ranges! {
-            "parity.fit_time": self.fit_time.0, 10.0, 1e5;
-            "parity.check_time": self.check_time.0, 10.0, 1e5;
-            "parity.fast_slack": self.fast_slack, 0.1, 10.0;
-            "parity.fast_limit": self.fast_limit, 1.0, 100.0;
-            "parity.slow_slack": self.slow_slack, 0.1, 10.0;
-            "parity.slow_limit": self.slow_limit, 1.0, 1000.0;
-            "parity.mean_time": self.mean_time.0, 10.0, 1e5;
-            "parity.model_uncertainty": self.model_uncertainty, 0.0, 1.0;
-            "parity.tolerated_sag": self.tolerated_sag, 0.0, 0.5;
-            "parity.margin": self.margin, 0.0, 1000.0;
-            "parity.power_margin": self.power_margin, 0.0, 1000.0;
+            "likelihood.fit_time": self.fit_time.0, 10.0, 1e5;
+            "likelihood.check_time": self.check_time.0, 10.0, 1e5;
+            "likelihood.fast_slack": self.fast_slack, 0.1, 10.0;
+            "likelihood.fast_limit": self.fast_limit, 1.0, 100.0;
+            "likelihood.slow_slack": self.slow_slack, 0.1, 10.0;
+            "likelihood.slow_limit": self.slow_limit, 1.0, 1000.0;
+            "likelihood.mean_time": self.mean_time.0, 10.0, 1e5;
+            "likelihood.model_uncertainty": self.model_uncertainty, 0.0, 1.0;
+            "likelihood.tolerated_sag": self.tolerated_sag, 0.0, 0.5;
+            "likelihood.margin": self.margin, 0.0, 1000.0;
+            "likelihood.power_margin": self.power_margin, 0.0, 1000.0;
         }
     }
 }

@@ -1,7 +1,7 @@
-//! What is normal for one residual: mean, noise model, slow wander; learnt after the models are frozen.
+//! What is normal for one residual: mean, noise model, slow disturbance; learnt after the models are frozen.
 
 use super::model::shift;
-use super::verdict::Distrust;
+use super::verdict::RejectReason;
 use super::whitening::{ORDER, Whitener};
 use crate::root::sqrt;
 
@@ -12,7 +12,7 @@ pub(super) struct Normal {
     pub(super) mean: f32,
     /// Standard deviation, degC.
     pub(super) sd: f32,
-    /// Standard deviation of the mean over 20 samples, degC: wander that the noise model does not know of.
+    /// Standard deviation of the mean over 20 samples, degC: disturbance that the noise model does not know of.
     pub(super) slow_sd: f32,
     /// Its noise model.
     pub(super) whitener: Whitener,
@@ -65,16 +65,16 @@ impl Gather {
     }
 
     /// What is normal, or why it can't be trusted.
-    pub(super) fn finish(&self) -> Result<Normal, Distrust> {
+    pub(super) fn finish(&self) -> Result<Normal, RejectReason> {
         let n = self.count.max(1.0);
         let mean = self.sum / n;
         let r = self.products.map(|product| product / n - mean * mean);
         let departure = self.departure / n;
         let variance = self.departure_squares / n - departure * departure;
         if !(r[0] < MAX_UNEXPLAINED * variance) {
-            return Err(Distrust::PoorFit);
+            return Err(RejectReason::PoorFit);
         }
-        let whitener = Whitener::from_autocovariance(&r).ok_or(Distrust::PoorFit)?;
+        let whitener = Whitener::from_autocovariance(&r).ok_or(RejectReason::PoorFit)?;
         let slow_sd = sqrt(self.slow_squares / n - mean * mean);
         Ok(Normal { mean, sd: sqrt(r[0]), slow_sd, whitener })
     }

@@ -1,7 +1,7 @@
 //! Models of the rig, fitted in fault-free operation by least squares without forgetting, then frozen.
 
 use super::model::{Model, Simulation, shift};
-use super::verdict::Distrust;
+use super::verdict::RejectReason;
 use crate::error::ConfigError;
 use crate::identify::observer::IdentificationConfig;
 use crate::identify::rls::{Adaptation, Rls, RlsConfig, RlsState};
@@ -17,7 +17,7 @@ pub(super) const HB: usize = 4;
 const HN: usize = HA + HB;
 
 /// power -> y1 and y1 -> y2. In series they make power -> y2, better than a direct fit would: T2 is slow, and a direct
-/// fit takes slow wander for slow dynamics.
+/// fit takes slow disturbance for slow dynamics.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Models {
     pub(super) heat: Model<NA, NB>,
@@ -91,15 +91,15 @@ impl Fit {
     }
 
     /// The models, and simulations that go on from the last sample; or why they can't be used.
-    pub(super) fn finish(&self, s: &FitState) -> Result<(Models, Simulations), Distrust> {
+    pub(super) fn finish(&self, s: &FitState) -> Result<(Models, Simulations), RejectReason> {
         let heat = model(&s.heat.theta, self.y_scale * self.inv_u_scale);
         let along = model(&s.along.theta, 1.0);
         if !(is_stable(heat.a) && is_stable([along.a[0], along.a[1], 0.0])) {
-            return Err(Distrust::Unstable);
+            return Err(RejectReason::Unstable);
         }
         let sound = |gain: f32| gain > 0.0 && gain.is_finite();
         if !(sound(heat.gain()) && sound(along.gain())) {
-            return Err(Distrust::Gain);
+            return Err(RejectReason::Gain);
         }
         let mut simulations = s.past;
         let next = heat.output(&simulations.y1);

@@ -14,6 +14,7 @@ pub mod instrument;
 pub mod likelihood;
 mod root;
 pub mod sense;
+pub mod settings;
 pub mod supervisor;
 pub mod units;
 
@@ -25,5 +26,7 @@ pub use feedback::Feedback;
 pub use instrument::{Instrument, RetuneError};
 pub use likelihood::{FaultClass, Finding, LikelihoodReport};
 pub use sense::{RawSample, Reading, Sample, Validity};
-pub use supervisor::{Command, Mode, Refusal, SupervisorConfig, Trip, TripReason};
+pub use settings::Setting;
+pub use supervisor::config::SupervisorConfig;
+pub use supervisor::{Command, Mode, Refusal, Trip, TripReason};
 pub use units::{AdcCode, Celsius, Ohm, Percent, Seconds};

@@ -60,9 +60,9 @@ pub(crate) fn banner(
 
 /// Each setting that is not at its default.
 pub(crate) fn settings(config: &Config) {
-    let (mut ours, mut usual) = (config.clone(), Config::default());
+    let usual = Config::default();
     for name in Name::all(config) {
-        if !name.same(&mut ours, &mut usual) {
+        if !name.same(config, &usual) {
             defmt::info!("setting {=str}", text(format_args!("{name} = {}", name.value(config))));
         }
     }

@@ -84,13 +84,17 @@ impl Controller {
     /// # Errors
     /// The parameter that is out of bounds.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        Ok(Self {
-            sensing: Sensing::new(config)?,
-            supervisor: Supervisor::new(config)?,
-            pid: Pid::new(&config.pid, config.sample_time)?,
+        config.validate_general()?;
+        let ts = config.sample_time;
+        let controller = Self {
+            sensing: Sensing::new(&config.sensors, &config.plausibility, ts)?,
+            supervisor: Supervisor::new(&config.supervisor, config.pid.output_max, ts)?,
+            pid: Pid::new(&config.pid, ts)?,
             prbs: Prbs::new(&config.prbs)?,
-            error_filter: LowPass::new(REGULATION_CUTOFF, config.sample_time),
-        })
+            error_filter: LowPass::new(REGULATION_CUTOFF, ts),
+        };
+        config.validate_limits()?;
+        Ok(controller)
     }
 
     /// A controller that is off, with the set-point of the configuration.

@@ -3,8 +3,8 @@
 use super::model::{Model, Simulation, shift};
 use super::verdict::RejectReason;
 use crate::error::ConfigError;
-use crate::identify::observer::IdentificationConfig;
-use crate::identify::rls::{Adaptation, Rls, RlsConfig, RlsState};
+use crate::identify::config::{Adaptation, IdentificationConfig, RlsConfig};
+use crate::identify::rls::{Rls, RlsState};
 use crate::identify::transfer::Transfer;
 
 /// Orders of power -> y1: enough for dead times up to five ticks, and for the noise, which shares the denominator.

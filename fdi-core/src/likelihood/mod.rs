@@ -15,7 +15,7 @@ mod alarm;
 mod ambient;
 mod bank;
 mod chart;
-mod config;
+pub mod config;
 mod contradiction;
 mod fit;
 mod heat;
@@ -30,16 +30,18 @@ mod watch;
 mod weakness;
 mod whitening;
 
-use crate::config::Config;
 use crate::control::Tick;
 use crate::error::ConfigError;
+use crate::identify::config::IdentificationConfig;
 use crate::sense::{Reading, Validity};
+use crate::settings::check;
 use crate::supervisor::Mode;
+use crate::units::Seconds;
 use alarm::Rules;
 use ambient::{Ambient, AmbientState};
 use bank::Filters;
 use chart::Chart;
-pub use config::LikelihoodConfig;
+use config::LikelihoodConfig;
 use contradiction::Contradiction;
 use fit::Fit;
 use heat::Heat;
@@ -94,15 +96,18 @@ impl Likelihood {
     /// Builds the diagnosis.
     ///
     /// # Errors
-    /// The parameter of `likelihood` that is out of bounds.
-    pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        let c = &config.likelihood;
-        c.validate()?;
-        let ts = config.sample_time;
+    /// The parameter of `likelihood` or `identification` that is out of bounds.
+    pub fn new(
+        c: &LikelihoodConfig,
+        identification: &IdentificationConfig,
+        sample_time: Seconds,
+    ) -> Result<Self, ConfigError> {
+        check(LikelihoodConfig::SETTINGS[0], c)?;
+        let ts = sample_time;
         let rules = Rules { margin: c.margin, power_margin: c.power_margin, sample_time: ts.0 };
         Ok(Self {
             trainer: Trainer {
-                fit: Fit::new(&config.identification)?,
+                fit: Fit::new(identification)?,
                 fit_samples: c.fit_time.ticks(ts),
                 check_samples: c.check_time.ticks(ts),
             },

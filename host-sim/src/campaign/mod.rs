@@ -25,7 +25,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
 use crate::experiment;
-use crate::experiment::scenario::read_config;
 use cell::Cell;
 use definition::{CAMPAIGN_TOML, Campaign};
 use results::Results;
@@ -162,7 +161,7 @@ impl DefinitionArgs {
     /// # Errors
     /// The file, line, key or value that is wrong.
     pub fn load(&self) -> anyhow::Result<(Campaign, fdi_core::Config)> {
-        let config = read_config(self.config.as_deref())?;
+        let config = crate::settings::read(self.config.as_deref())?;
         let mut campaign = Campaign::read(self.file.as_deref())?;
         let preset = match (self.quick, self.full) {
             (true, _) => QUICK,

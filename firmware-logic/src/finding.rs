@@ -9,7 +9,7 @@ use crate::decimal::Fixed;
 
 /// A finding, to be shown. What should have been measured is what the models expect, or, of an offset, follows from what was
 /// measured and the magnitude of the fault.
-pub struct Told<'a> {
+pub struct Sentence<'a> {
     /// The finding.
     pub finding: &'a Finding,
     /// What the thermistors read on its tick.
@@ -20,7 +20,7 @@ pub struct Told<'a> {
     pub sample_time: f32,
 }
 
-impl fmt::Display for Told<'_> {
+impl fmt::Display for Sentence<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.finding.magnitude {
             Some(magnitude) => self.sized(f, magnitude)?,
@@ -35,7 +35,7 @@ impl fmt::Display for Told<'_> {
     }
 }
 
-impl Told<'_> {
+impl Sentence<'_> {
     /// A fault that has a magnitude.
     fn sized(&self, f: &mut fmt::Formatter<'_>, m: Magnitude) -> fmt::Result {
         let up = m.value >= 0.0;
@@ -191,7 +191,7 @@ mod tests {
         let magnitude = magnitude.map(|(value, half_width)| Magnitude { value, half_width });
         let finding = Finding { class, confidence: 0.988, magnitude, onset: 3496 };
         let expected = [Some(22.5), Some(49.6), None];
-        Told { finding: &finding, sample: &sample, expected, sample_time: 0.11 }.to_string()
+        Sentence { finding: &finding, sample: &sample, expected, sample_time: 0.11 }.to_string()
     }
 
     #[test]

@@ -75,7 +75,7 @@ enum Order {
 /// The outputs, in the form of the recording.
 enum Said {
     /// Bits of the board.
-    Bits(Box<firmware_logic::record::Record>),
+    Bits(Box<firmware_logic::log_line::tick::TickLine>),
     /// A row of a trace, without the truth.
     Text(String),
 }

@@ -215,7 +215,7 @@ impl Diagnosis {
         Verdict { symptoms, fdv: self.detection.look_up(&symptoms), fiv: self.isolation.look_up(&symptoms) }
     }
 
-    /// Takes over what was learnt in an earlier life; it has been checked with [`Baseline::validate`].
+    /// Restores what was learnt in an earlier run; it has been checked with [`Baseline::validate`].
     pub fn restore(&self, state: &mut DiagnosisState, baseline: &Baseline) {
         state.baseline = Some(*baseline);
     }

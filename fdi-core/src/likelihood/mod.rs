@@ -180,7 +180,7 @@ impl Likelihood {
 
     fn train(&self, state: &mut LikelihoodState, now: &Now, t0: Option<f32>, undisturbed: bool) {
         let tick = now.tick;
-        // With a baseline of an earlier life there is no learning; then training takes place while monitoring.
+        // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = tick.mode == Mode::Monitor && tick.prbs.0 != 0.0;
         let fit_to_learn = undisturbed && (tick.learn || quiet);
         if state.current || (state.training.is_none() && !fit_to_learn) {

@@ -4,7 +4,7 @@ use crate::score::expectation::Expectation;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::{DECISIVE, Residual};
 use fdi_core::{AdcCode, Finding, Reading, Validity};
-use firmware_logic::finding::Told;
+use firmware_logic::finding::Sentence;
 use serde::Serialize;
 
 use crate::experiment::{Origin, Record, Row};
@@ -246,7 +246,7 @@ fn told(record: &Record, fault: &Fault, verdict: Option<&str>) -> Option<String>
 /// What a finding says on the tick of `row`.
 pub fn sentence(record: &Record, row: &Row, finding: &Finding) -> String {
     let (sample, expected) = (&row.tick.sample, row.report.likelihood.expected);
-    Told { finding, sample, expected, sample_time: record.sample_time as f32 }.to_string()
+    Sentence { finding, sample, expected, sample_time: record.sample_time as f32 }.to_string()
 }
 
 /// Times that each alarm rises while nothing acts that it should report, nor has shortly before.

@@ -75,7 +75,7 @@ enum Order {
 /// The outputs, in the form of the recording.
 enum Said {
     /// Bits of the board.
-    Bits(Box<firmware_logic::record::Record>),
+    Bits(Box<firmware_logic::log_line::tick::TickLine>),
     /// Cells of a trace by column, without the truth.
     Cells(Vec<(&'static Column, String)>),
 }

@@ -90,7 +90,7 @@ impl Instrument {
     /// the drive of `tick` unless something else has cut it.
     pub fn diagnose(&mut self, tick: &Tick, applied: Percent) -> Report {
         let report = self.diagnosis.step(&mut self.diagnosis_state, tick, applied);
-        self.controller.heard(&mut self.control_state, report.feedback());
+        self.controller.feed_back(&mut self.control_state, report.feedback());
         report
     }
 
@@ -117,7 +117,7 @@ impl Instrument {
         Ok(())
     }
 
-    /// Takes over a baseline that was learnt in an earlier life: once in regulation, monitoring begins without learning.
+    /// Restores a baseline that was learnt in an earlier run: once in regulation, monitoring begins without learning.
     /// [`Command::Relearn`] puts it aside.
     ///
     /// # Errors

@@ -236,7 +236,7 @@ fn a_t1_without_samples_is_stood_in_for() {
     assert!((260..280).contains(&stood_in), "{stood_in} ticks of 30 s");
 }
 
-/// With a baseline of an earlier life, training takes place while monitoring, but not while something is wrong.
+/// With a restored baseline, training takes place while monitoring, but not while something is wrong.
 #[test]
 fn a_fault_during_training_is_not_learnt() {
     let config = Config::default();

@@ -236,7 +236,7 @@ impl Controller {
         }
     }
 
-    /// Hears that the second half has a baseline from an earlier life: no need to learn one.
+    /// The second half has restored a baseline: no need to learn one.
     pub fn restored(&self, state: &mut ControllerState, baseline: &Baseline) {
         self.supervisor.restored(&mut state.supervisor, baseline);
     }
@@ -264,8 +264,8 @@ impl Controller {
         self.supervisor.widened(&new.supervisor).or(power).or_else(|| self.sensing.widened(&new.sensing))
     }
 
-    /// Hears what the second half has found.
-    pub fn heard(&self, state: &mut ControllerState, feedback: Feedback) {
+    /// Feedback from the second half, for the next step.
+    pub fn feed_back(&self, state: &mut ControllerState, feedback: Feedback) {
         state.feedback = feedback;
     }
 }

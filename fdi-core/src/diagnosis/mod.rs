@@ -12,7 +12,7 @@ use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Observation, Observer, ObserverState};
-use crate::likelihood::{Likelihood, LikelihoodReport, LikelihoodState};
+use crate::likelihood::{Channel, Likelihood, LikelihoodReport, LikelihoodState};
 use crate::supervisor::Mode;
 use crate::units::Percent;
 use baseline::{Baseline, Learner};
@@ -99,7 +99,7 @@ impl Report {
         Feedback {
             learned: self.learned,
             stand_in: self.likelihood.stand_in,
-            t1_faulty: finding.is_some_and(|f| f.class.is_of_t1()),
+            t1_faulty: finding.is_some_and(|f| f.class.sensor() == Some(Channel::T1)),
             air_flow: self.likelihood.air_flow.map(Percent),
             heater_stuck_on: self.likelihood.heater_stuck_on,
         }
@@ -215,7 +215,7 @@ impl Diagnosis {
         Verdict { symptoms, fdv: self.detection.look_up(&symptoms), fiv: self.isolation.look_up(&symptoms) }
     }
 
-    /// Takes over what was learnt in an earlier life; it has been checked with [`Baseline::validate`].
+    /// Restores what was learnt in an earlier run; it has been checked with [`Baseline::validate`].
     pub fn restore(&self, state: &mut DiagnosisState, baseline: &Baseline) {
         state.baseline = Some(*baseline);
     }

@@ -1,8 +1,9 @@
 //! An alarm from its onset to its end: when to name the fault, when to call it unknown, when it is over.
 
+use super::class::FaultClass;
 use super::hypothesis::{Weighed, class};
 use super::noise::Normal;
-use super::verdict::{FaultClass, Finding};
+use super::verdict::Finding;
 use super::watch::Levels;
 use crate::bounds::{larger, smaller};
 

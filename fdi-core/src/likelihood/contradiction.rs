@@ -11,8 +11,9 @@
 //! | | | stays much warmer than T1 | T1 is half out of the tube |
 //! | silent, warmest | | | T0 reads wrong |
 
+use super::class::{Channel, FaultClass, Pair};
 use super::response::{Answer, Response, ResponseState};
-use super::verdict::{Channel, FaultClass, Finding, Pair};
+use super::verdict::Finding;
 use crate::bounds::{larger, smaller};
 
 /// A response that is so many standard deviations large is one.

@@ -2,7 +2,8 @@
 //! for T1, the air flow, whether the rig heats unasked, and who sees only a part of the rise. Rises are those over the room
 //! that is believed (`room.rs`): a wrong T0 neither causes nor prevents anything here.
 
-use super::verdict::{Channel, FaultClass, Finding, Magnitude};
+use super::class::{Channel, FaultClass};
+use super::verdict::{Finding, Magnitude};
 use crate::bounds::{larger, smaller};
 
 /// Memory of the correction of the stand-in, s.

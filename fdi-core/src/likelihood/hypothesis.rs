@@ -1,7 +1,8 @@
 //! The hypotheses about a fault, compared: which one leaves least unexplained, and by how much.
 
 use super::bank::{Bank, Match};
-use super::verdict::{Channel, FaultClass, Magnitude, Pair};
+use super::class::{Channel, FaultClass, Pair};
+use super::verdict::Magnitude;
 use crate::bounds::{bounded, larger, smaller};
 use crate::root::sqrt;
 

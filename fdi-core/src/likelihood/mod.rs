@@ -15,6 +15,7 @@ mod alarm;
 mod ambient;
 mod bank;
 mod chart;
+pub mod class;
 pub mod config;
 mod contradiction;
 mod fit;
@@ -41,6 +42,7 @@ use alarm::Rules;
 use ambient::{Ambient, AmbientState};
 use bank::Filters;
 use chart::Chart;
+pub use class::{Channel, FaultClass, Pair};
 use config::LikelihoodConfig;
 use contradiction::Contradiction;
 use fit::Fit;
@@ -48,7 +50,7 @@ use heat::Heat;
 use response::Response;
 use sensors::Sensors;
 use training::{Trainer, Training};
-pub use verdict::{Channel, FaultClass, Finding, LikelihoodReport, Magnitude, Pair, Readiness, RejectReason};
+pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
 use watch::{Watch, WatchState};
 use weakness::Weakness;
 
@@ -178,7 +180,7 @@ impl Likelihood {
 
     fn train(&self, state: &mut LikelihoodState, now: &Now, t0: Option<f32>, undisturbed: bool) {
         let tick = now.tick;
-        // With a baseline of an earlier life there is no learning; then training takes place while monitoring.
+        // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = tick.mode == Mode::Monitor && tick.prbs.0 != 0.0;
         let fit_to_learn = undisturbed && (tick.learn || quiet);
         if state.current || (state.training.is_none() && !fit_to_learn) {

@@ -10,7 +10,7 @@
 //!                                 ◀── a heater that is stuck on: from Off as well
 //! ```
 //!
-//! With a baseline from an earlier life (see `restored`), settling ends in Monitor, without Learn and without its clock.
+//! With a restored baseline (see `restored`), settling ends in Monitor, without Learn and without its clock.
 //! A trip latches with its reason and the values seen, and is left only by an acknowledgement after its cause has gone.
 
 pub mod config;
@@ -113,7 +113,7 @@ pub struct SupervisorState {
     setpoint: Celsius,
     /// What would trip now, whatever the mode.
     hazard: Option<TripReason>,
-    /// A baseline from an earlier life is there.
+    /// A baseline was restored.
     restored: bool,
     /// What was learnt is to be forgotten, from the next tick on.
     forget: bool,
@@ -275,7 +275,7 @@ impl Supervisor {
         }
     }
 
-    /// Hears that the diagnosis has a baseline from an earlier life.
+    /// The diagnosis has restored a baseline.
     pub fn restored(&self, state: &mut SupervisorState, baseline: &Baseline) {
         state.restored = true;
         state.normal.restore(baseline);

@@ -16,6 +16,7 @@ mod root;
 pub mod sense;
 pub mod supervisor;
 pub mod units;
+mod vector;
 
 pub use config::Config;
 pub use control::Tick;

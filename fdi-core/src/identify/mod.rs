@@ -4,5 +4,6 @@ pub mod arx;
 pub mod observer;
 pub mod random_walk;
 pub mod rls;
+pub(crate) mod simulation;
 pub mod step_response;
 pub mod transfer;

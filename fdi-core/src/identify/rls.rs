@@ -27,6 +27,7 @@ macro_rules! unrolled {
 
 use super::random_walk;
 use crate::error::{ConfigError, in_range, in_ranges};
+use crate::vector::dot;
 
 /// How old data lose their weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -223,7 +224,7 @@ impl<const N: usize> Rls<N> {
 /// The parameters' part of the update, once the covariance has had its own: prediction and innovation.
 #[inline(always)]
 fn correct<const N: usize>(sweep: &Sweep<N>, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> (f32, f32) {
-    let prediction = predict(&state.theta, phi);
+    let prediction = dot(&state.theta, phi);
     let innovation = y - prediction;
     let step = innovation * sweep.inv_alpha;
     for i in 0..N {
@@ -247,16 +248,6 @@ impl<const N: usize> RlsState<N> {
             self.d[i] + above
         })
     }
-}
-
-/// One-step prediction phi' theta.
-#[inline]
-pub(crate) fn predict<const N: usize>(theta: &[f32; N], phi: &[f32; N]) -> f32 {
-    let mut sum = theta[0] * phi[0];
-    for i in 1..N {
-        sum += theta[i] * phi[i];
-    }
-    sum
 }
 
 /// Column j of U above its diagonal, times phi; j is at least 1.

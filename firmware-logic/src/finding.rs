@@ -9,7 +9,7 @@ use crate::decimal::Fixed;
 
 /// A finding, to be shown. What should have been measured is what the models expect, or, of an offset, follows from what was
 /// measured and the magnitude of the fault.
-pub struct Told<'a> {
+pub struct Sentence<'a> {
     /// The finding.
     pub finding: &'a Finding,
     /// What the thermistors read on its tick.
@@ -20,7 +20,7 @@ pub struct Told<'a> {
     pub sample_time: f32,
 }
 
-impl fmt::Display for Told<'_> {
+impl fmt::Display for Sentence<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let class = self.finding.class;
         self.fill(f, class.sentence(self.finding.magnitude.is_some()))?;
@@ -33,7 +33,7 @@ impl fmt::Display for Told<'_> {
     }
 }
 
-impl Told<'_> {
+impl Sentence<'_> {
     /// Writes a sentence of [`FaultClass::sentence`] with what stands in braces filled in.
     fn fill(&self, f: &mut fmt::Formatter<'_>, sentence: &str) -> fmt::Result {
         for part in sentence.split('{') {
@@ -118,7 +118,7 @@ mod tests {
         let magnitude = magnitude.map(|(value, half_width)| Magnitude { value, half_width });
         let finding = Finding { class, confidence: 0.988, magnitude, onset: 3496 };
         let expected = [Some(22.5), Some(49.6), None];
-        Told { finding: &finding, sample: &sample, expected, sample_time: 0.11 }.to_string()
+        Sentence { finding: &finding, sample: &sample, expected, sample_time: 0.11 }.to_string()
     }
 
     #[test]

@@ -4,8 +4,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
-use host_sim::campaign;
-use host_sim::commands::{Cli, Subcommand, console, cosim, identify, repeat, replay, run};
+use host_sim::commands::{Cli, Subcommand, campaign, console, cosim, identify, repeat, replay, run};
 use host_sim::experiment::scenario;
 
 fn main() -> ExitCode {

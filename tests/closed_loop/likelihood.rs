@@ -174,7 +174,8 @@ fn a_t1_that_reads_wrong_gives_way_to_the_virtual_t1_without_a_bump() {
     assert!(mean_error(5.0, 60.0, offset).abs() < 0.25, "{} degC off", mean_error(5.0, 60.0, offset));
     assert!(mean_error(70.0, 110.0, 0.0).abs() < 0.1, "back on T1");
     let is_virtual = |row: &Row| row.tick.virtual_t1.is_some();
-    let switches: Vec<_> = record.rows.windows(2).filter(|w| is_virtual(&w[0]) != is_virtual(&w[1])).collect();
+    let switches: Vec<_> =
+        record.rows.windows(2).filter(|w| is_virtual(&w[0]) != is_virtual(&w[1])).collect();
     assert_eq!(switches.len(), 2, "once there and once back");
     for w in switches {
         let bump = w[1].tick.pid.0 - w[0].tick.pid.0;
@@ -236,7 +237,7 @@ fn a_t1_without_samples_gives_way_to_the_virtual_t1() {
     assert!((260..280).contains(&ticks), "{ticks} ticks of 30 s");
 }
 
-/// With a baseline of an earlier life, training takes place while monitoring, but not while something is wrong.
+/// With a restored baseline, training takes place while monitoring, but not while something is wrong.
 #[test]
 fn a_fault_during_training_is_not_learnt() {
     let config = Config::default();

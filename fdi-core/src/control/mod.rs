@@ -84,13 +84,17 @@ impl Controller {
     /// # Errors
     /// The parameter that is out of bounds.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        Ok(Self {
-            sensing: Sensing::new(config)?,
-            supervisor: Supervisor::new(config)?,
-            pid: Pid::new(&config.pid, config.sample_time)?,
+        config.validate_general()?;
+        let ts = config.sample_time;
+        let controller = Self {
+            sensing: Sensing::new(&config.sensors, &config.plausibility, ts)?,
+            supervisor: Supervisor::new(&config.supervisor, config.pid.output_max, ts)?,
+            pid: Pid::new(&config.pid, ts)?,
             prbs: Prbs::new(&config.prbs)?,
-            error_filter: LowPass::new(REGULATION_CUTOFF, config.sample_time),
-        })
+            error_filter: LowPass::new(REGULATION_CUTOFF, ts),
+        };
+        config.validate_limits()?;
+        Ok(controller)
     }
 
     /// A controller that is off, with the set-point of the configuration.
@@ -233,7 +237,7 @@ impl Controller {
         }
     }
 
-    /// Hears that the second half has a baseline from an earlier life: no need to learn one.
+    /// The second half has restored a baseline: no need to learn one.
     pub fn restored(&self, state: &mut ControllerState, baseline: &Baseline) {
         self.supervisor.restored(&mut state.supervisor, baseline);
     }
@@ -261,8 +265,8 @@ impl Controller {
         self.supervisor.widened(&new.supervisor).or(power).or_else(|| self.sensing.widened(&new.sensing))
     }
 
-    /// Hears what the second half has found.
-    pub fn heard(&self, state: &mut ControllerState, feedback: Feedback) {
+    /// Feedback from the second half, for the next step.
+    pub fn feed_back(&self, state: &mut ControllerState, feedback: Feedback) {
         state.feedback = feedback;
     }
 }

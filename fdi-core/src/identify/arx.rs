@@ -1,9 +1,10 @@
 //! ARX(NA, NB, NK) identified by recursive least squares, sample by sample, without intercept and without removal of
 //! means: an offset of a sensor shows only because it changes the gain (specified so; see docs/theory.md).
 
-use super::rls::{Rls, RlsConfig, RlsState};
+use super::config::IdentificationConfig;
+use super::rls::{Rls, RlsState};
 use super::transfer::Transfer;
-use crate::error::{ConfigError, in_ranges};
+use crate::error::ConfigError;
 use crate::vector::{dot, shift};
 
 /// A validated ARX estimator; `N` must be `NA + NB`.
@@ -46,17 +47,15 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
         "N must be NA + NB, each at least 1"
     );
 
-    /// Builds the estimator; `y_scale` and `u_scale` are typical sizes of y and u.
+    /// Builds the estimator.
     ///
     /// # Errors
     /// The parameter that is out of bounds.
-    pub fn new(c: &RlsConfig, y_scale: f32, u_scale: f32) -> Result<Self, ConfigError> {
+    pub fn new(c: &IdentificationConfig) -> Result<Self, ConfigError> {
         let () = Self::ORDERS_FIT;
-        in_ranges! {
-            "identification.y_scale": y_scale, 1e-3, 1e6;
-            "identification.u_scale": u_scale, 1e-3, 1e6;
-        }?;
-        Ok(Self { rls: Rls::new(c)?, inv_y_scale: 1.0 / y_scale, inv_u_scale: 1.0 / u_scale, y_scale })
+        c.validate()?;
+        let (y_scale, u_scale) = (c.y_scale.0, c.u_scale.0);
+        Ok(Self { rls: Rls::new(&c.rls())?, inv_y_scale: 1.0 / y_scale, inv_u_scale: 1.0 / u_scale, y_scale })
     }
 
     /// A model that knows nothing.

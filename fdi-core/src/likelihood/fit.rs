@@ -2,8 +2,8 @@
 
 use super::verdict::RejectReason;
 use crate::error::ConfigError;
-use crate::identify::observer::IdentificationConfig;
-use crate::identify::rls::{Adaptation, Rls, RlsConfig, RlsState};
+use crate::identify::config::{Adaptation, IdentificationConfig, RlsConfig};
+use crate::identify::rls::{Rls, RlsState};
 use crate::identify::simulation::Simulation;
 use crate::identify::transfer::Transfer;
 use crate::vector::shift;

@@ -16,7 +16,7 @@ mod ambient;
 mod bank;
 mod chart;
 pub mod class;
-mod config;
+pub mod config;
 mod contradiction;
 mod fit;
 mod heat;
@@ -32,18 +32,20 @@ pub mod verdict;
 mod watch;
 mod whitening;
 
-use crate::config::Config;
 use crate::control::Tick;
 use crate::error::ConfigError;
 use crate::filter::LowPass;
+use crate::identify::config::IdentificationConfig;
 use crate::sense::{Reading, Validity};
+use crate::settings::check;
 use crate::supervisor::Mode;
+use crate::units::Seconds;
 use alarm::{ModelAlarm, Rules};
 use ambient::{Ambient, AmbientState};
 use bank::Filters;
 use chart::Chart;
 pub use class::{Channel, FaultClass, Pair};
-pub use config::LikelihoodConfig;
+use config::LikelihoodConfig;
 use contradiction::Contradiction;
 use fit::Fit;
 use heat::Heat;
@@ -98,15 +100,18 @@ impl Likelihood {
     /// Builds the diagnosis.
     ///
     /// # Errors
-    /// The parameter of `likelihood` that is out of bounds.
-    pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        let c = &config.likelihood;
-        c.validate()?;
-        let ts = config.sample_time;
+    /// The parameter of `likelihood` or `identification` that is out of bounds.
+    pub fn new(
+        c: &LikelihoodConfig,
+        identification: &IdentificationConfig,
+        sample_time: Seconds,
+    ) -> Result<Self, ConfigError> {
+        check(LikelihoodConfig::SETTINGS[0], c)?;
+        let ts = sample_time;
         let rules = Rules { margin: c.margin, power_margin: c.power_margin, sample_time: ts.0 };
         Ok(Self {
             trainer: Trainer {
-                fit: Fit::new(&config.identification)?,
+                fit: Fit::new(identification)?,
                 fit_samples: c.fit_time.ticks(ts),
                 check_samples: c.check_time.ticks(ts),
             },
@@ -177,7 +182,7 @@ impl Likelihood {
 
     fn train(&self, state: &mut LikelihoodState, now: &Now, t0: Option<f32>, undisturbed: bool) {
         let tick = now.tick;
-        // With a baseline of an earlier life there is no learning; then training takes place while monitoring.
+        // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = tick.mode == Mode::Monitor && tick.prbs.0 != 0.0;
         let fit_to_learn = undisturbed && (tick.learn || quiet);
         if state.current || (state.training.is_none() && !fit_to_learn) {

@@ -1,5 +1,6 @@
 //! The command line.
 
+pub mod campaign;
 pub mod console;
 pub mod cosim;
 pub mod identify;
@@ -47,7 +48,7 @@ pub enum Subcommand {
     /// Run the same experiment over many seeds; print medians and percentiles.
     Repeat(RepeatArgs),
     /// Many runs of many kinds, scored against the truth: delays, verdicts, magnitudes, false alarms of both diagnoses.
-    Campaign(Box<crate::campaign::CampaignArgs>),
+    Campaign(Box<campaign::CampaignArgs>),
     /// The instrument on standard input and output, for co-simulation.
     Core(CoreArgs),
     /// Identify an ARX model from a recorded file.

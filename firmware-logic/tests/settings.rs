@@ -9,7 +9,8 @@ use core::task::{Context, Poll, Waker};
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::signature::{MAX_ROWS, Signature};
 use fdi_core::identify::Adaptation;
-use fdi_core::{Celsius, Config, Seconds};
+use fdi_core::settings::{Kind, Value};
+use fdi_core::{Celsius, Config, Seconds, Setting};
 use firmware_logic::crc::crc32;
 use firmware_logic::settings::SetError;
 use firmware_logic::settings::schema::Name;
@@ -64,6 +65,37 @@ fn comes_back_as_it_was() {
     }
 }
 
+/// A value near the default, so that it does not contradict other settings.
+fn neighbour(setting: &Setting) -> Value {
+    match (setting.kind, Config::default().get(setting)) {
+        (_, Value::Number(0.0)) => Value::Number(0.01),
+        (_, Value::Number(x)) => {
+            let (_, max) = setting.bounds().expect("a number");
+            Value::Number(if 1.01 * x > max { 0.99 * x } else { 1.01 * x })
+        }
+        (_, Value::Whole(x)) => Value::Whole(x + 1),
+        (_, Value::Switch(on)) => Value::Switch(!on),
+        (Kind::Choice(forms), Value::Choice { .. }) => {
+            let mut numbers = [0.0; 2];
+            for (place, number) in numbers.iter_mut().zip(forms[1].numbers) {
+                *place = number.max;
+            }
+            Value::Choice { form: 1, numbers }
+        }
+        (kind, value) => panic!("{}: {value:?} is no {kind:?}", setting.name),
+    }
+}
+
+#[test]
+fn every_setting_is_kept() {
+    for setting in Config::settings().filter(|setting| setting.name != "sample_time") {
+        let mut stored = Stored::default();
+        assert!(stored.config.set(setting, neighbour(setting)));
+        assert_ne!(stored, Stored::default(), "{}", setting.name);
+        assert_eq!(Stored::decode(&encoded(&stored)), Ok(stored), "{}", setting.name);
+    }
+}
+
 #[test]
 fn the_longest_record_fits() {
     let mut stored = unusual(30.0);
@@ -103,6 +135,18 @@ fn what_another_program_saved_is_read_as_far_as_it_is_known() {
     let stored = Stored::decode(&with_crc(content)).expect("readable");
     assert_eq!(stored.config.setpoint, Celsius(50.0));
     assert_eq!(stored.config.pid, Config::default().pid);
+}
+
+/// `likelihood.margin` was saved as `parity.margin`; its id is that of the former name.
+#[test]
+fn what_was_saved_under_a_former_name_is_read() {
+    let mut content = vec![VERSION, 1];
+    content.extend(0x1cb8_u16.to_le_bytes());
+    content.extend(12.5f32.to_le_bytes());
+    content.extend([0xFF; 4]);
+    content.extend([0, 0, 0]); // no rows, no rows, no baseline
+    let stored = Stored::decode(&with_crc(content)).expect("readable");
+    assert_eq!(stored.config.likelihood.margin, 12.5);
 }
 
 #[test]

@@ -65,13 +65,19 @@ macro_rules! settings {
 
         impl $crate::settings::Fields for $Config {
             fn field(&self, index: usize) -> Option<&dyn $crate::settings::Field> {
-                let fields: [&dyn $crate::settings::Field; _] = [$(&self.$field),+];
-                fields.get(index).copied()
+                $crate::settings::settings!(@index $($field)+);
+                match index {
+                    $(index if index == Index::$field as usize => Some(&self.$field),)+
+                    _ => None,
+                }
             }
 
             fn field_mut(&mut self, index: usize) -> Option<&mut dyn $crate::settings::Field> {
-                let fields: [&mut dyn $crate::settings::Field; _] = [$(&mut self.$field),+];
-                fields.into_iter().nth(index)
+                $crate::settings::settings!(@index $($field)+);
+                match index {
+                    $(index if index == Index::$field as usize => Some(&mut self.$field),)+
+                    _ => None,
+                }
             }
         }
     };
@@ -92,8 +98,7 @@ macro_rules! settings {
         { $($(#[doc = $doc:literal])+ $field:ident: $Type:ty = $default:expr
             $(, $min:literal..=$max:literal)? $(, in $unit:literal)? $(, was $was:literal)?;)+ }
     ) => {{
-        #[allow(non_camel_case_types)]
-        enum Index { $($field),+ }
+        $crate::settings::settings!(@index $($field)+);
         &[$($crate::settings::Setting {
             name: concat!($prefix, stringify!($field)),
             id: $crate::settings::id($crate::settings::settings!(@first $($was,)? concat!($prefix, stringify!($field)))),
@@ -114,6 +119,11 @@ macro_rules! settings {
             text: concat!($($doc, "\n"),+),
             was: $crate::settings::settings!(@first $(Some($was),)? None),
         }),+]
+    };
+
+    (@index $($field:ident)+) => {
+        #[allow(non_camel_case_types)]
+        enum Index { $($field),+ }
     };
 
     (@first $first:expr $(, $rest:expr)?) => { $first };

@@ -170,6 +170,7 @@ pub trait Fields {
 }
 
 /// Checks every setting of a group.
+#[inline(never)]
 pub(crate) fn check(settings: &[Setting], fields: &dyn Fields) -> Result<(), ConfigError> {
     settings.iter().try_for_each(|setting| match fields.field(setting.index.into()) {
         Some(field) => setting.check(field.value()),

@@ -30,11 +30,11 @@ settings! {
         min_response: Celsius = 3.0, 0.5..=50.0;
         /// Power above what was learnt for the set-point by more than this, while T1 does not rise, switches the heater off.
         max_excess_power: Percent = 75.0, 10.0..=10000.0;
-        /// For so long it may.
+        /// How long the power may stay above that.
         excess_power_time: Seconds = 3.5, 1.0..=3600.0;
         /// T2 above T1 by more than this, beyond their learnt difference, switches the heater off.
         max_disagreement: Celsius = 5.5, 2.0..=100.0;
-        /// For so long it may; longer than T2 lags behind T1.
+        /// How long T2 may stay above that; longer than T2 lags behind T1.
         disagreement_time: Seconds = 1.2, 0.2..=3600.0;
         /// Without power the rise of T1 and T2 must fall by a tenth in every such time, else the heater counts as stuck on.
         cooling_time: Seconds = 15.0, 5.0..=3600.0;

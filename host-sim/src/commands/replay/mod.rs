@@ -97,7 +97,7 @@ const EXAMPLES: usize = 5;
 /// # Errors
 /// A file that is no recording, by line; outputs that differ from what was recorded.
 pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
-    let config = crate::experiment::scenario::read_config(args.config.as_deref())?;
+    let config = crate::settings::read(args.config.as_deref())?;
     let text =
         std::fs::read_to_string(&args.file).with_context(|| format!("can't read {}", args.file.display()))?;
     let mut recording = read(&text, config, args.seed).with_context(|| args.file.display().to_string())?;

@@ -17,6 +17,7 @@ pub mod sense;
 pub mod settings;
 pub mod supervisor;
 pub mod units;
+mod vector;
 
 pub use config::Config;
 pub use control::Tick;

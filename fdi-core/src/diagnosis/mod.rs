@@ -12,7 +12,7 @@ use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Observation, Observer, ObserverState};
-use crate::likelihood::{Channel, Likelihood, LikelihoodReport, LikelihoodState};
+use crate::likelihood::{Channel, FaultClass, Likelihood, LikelihoodReport, LikelihoodState};
 use crate::supervisor::Mode;
 use crate::units::Percent;
 use baseline::{Baseline, Learner};
@@ -98,8 +98,9 @@ impl Report {
         let finding = self.likelihood.finding;
         Feedback {
             learned: self.learned,
-            stand_in: self.likelihood.stand_in,
+            virtual_rise: self.likelihood.virtual_rise,
             t1_faulty: finding.is_some_and(|f| f.class.sensor() == Some(Channel::T1)),
+            heater_faulty: finding.is_some_and(|f| f.class == FaultClass::HeaterPower),
             air_flow: self.likelihood.air_flow.map(Percent),
             heater_stuck_on: self.likelihood.heater_stuck_on,
         }

@@ -2,9 +2,10 @@
 //! means: an offset of a sensor shows only because it changes the gain (specified so; see docs/theory.md).
 
 use super::config::IdentificationConfig;
-use super::rls::{Rls, RlsState, predict};
+use super::rls::{Rls, RlsState};
 use super::transfer::Transfer;
 use crate::error::ConfigError;
+use crate::vector::{dot, shift};
 
 /// A validated ARX estimator; `N` must be `NA + NB`.
 #[derive(Clone, Copy, Debug)]
@@ -62,7 +63,7 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
         ArxState { rls: self.rls.start(), phi: [0.0; N], delay: [0.0; NK], y_known: 0, u_known: 0 }
     }
 
-    /// Takes in `y[k]` (`None` where it is invalid) and `u[k]`, the input applied from now to the next sample.
+    /// One sample: `y[k]` (`None` where it is invalid) and `u[k]`, the input applied from now to the next sample.
     pub fn step(&self, state: &mut ArxState<NA, NB, NK, N>, y: Option<f32>, u: f32) -> ArxStep {
         let complete = usize::from(state.y_known) >= NA && usize::from(state.u_known) >= NB + NK - 1;
         let mut step = ArxStep::default();
@@ -74,7 +75,7 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
                     step.updated = !update.diverged;
                     step.diverged = update.diverged;
                 }
-                None => step.prediction = Some(predict(&state.rls.theta, &state.phi) * self.y_scale),
+                None => step.prediction = Some(dot(&state.rls.theta, &state.phi) * self.y_scale),
             }
         }
         self.remember(state, y, u);
@@ -83,14 +84,8 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
 
     /// Shifts y[k] and u[k] into the regressor.
     fn remember(&self, state: &mut ArxState<NA, NB, NK, N>, y: Option<f32>, u: f32) {
-        for i in (1..NK).rev() {
-            state.delay[i] = state.delay[i - 1];
-        }
-        state.delay[0] = u * self.inv_u_scale;
-        for i in (1..N).rev() {
-            state.phi[i] = state.phi[i - 1];
-        }
-        state.phi[0] = -y.unwrap_or(0.0) * self.inv_y_scale;
+        shift(&mut state.delay, u * self.inv_u_scale);
+        shift(&mut state.phi, -y.unwrap_or(0.0) * self.inv_y_scale);
         state.phi[NA] = state.delay[NK - 1];
         state.y_known = if y.is_some() { state.y_known.saturating_add(1) } else { 0 };
         state.u_known = state.u_known.saturating_add(1);

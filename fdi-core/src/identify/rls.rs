@@ -28,6 +28,7 @@ macro_rules! unrolled {
 use super::config::{Adaptation, RlsConfig};
 use super::random_walk;
 use crate::error::ConfigError;
+use crate::vector::dot;
 
 /// alpha plus the squared innovation of no scaled sample comes near this.
 const SIZE_LIMIT: f32 = 1e20;
@@ -168,7 +169,7 @@ impl<const N: usize> Rls<N> {
 /// The parameters' part of the update, once the covariance has had its own: prediction and innovation.
 #[inline(always)]
 fn correct<const N: usize>(sweep: &Sweep<N>, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> (f32, f32) {
-    let prediction = predict(&state.theta, phi);
+    let prediction = dot(&state.theta, phi);
     let innovation = y - prediction;
     let step = innovation * sweep.inv_alpha;
     for i in 0..N {
@@ -192,16 +193,6 @@ impl<const N: usize> RlsState<N> {
             self.d[i] + above
         })
     }
-}
-
-/// One-step prediction phi' theta.
-#[inline]
-pub(crate) fn predict<const N: usize>(theta: &[f32; N], phi: &[f32; N]) -> f32 {
-    let mut sum = theta[0] * phi[0];
-    for i in 1..N {
-        sum += theta[i] * phi[i];
-    }
-    sum
 }
 
 /// Column j of U above its diagonal, times phi; j is at least 1.

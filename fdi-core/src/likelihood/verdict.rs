@@ -63,12 +63,12 @@ pub struct LikelihoodReport {
     pub alarm: bool,
     /// What it is, once that can be told.
     pub finding: Option<Finding>,
-    /// What T0, T1 and T2 should read, degC: the room that is believed, and by the models what is above it.
+    /// What T0, T1 and T2 should read, degC: the ambient that is believed, and by the models what is above it.
     pub expected: [Option<f32>; 3],
-    /// What T1 will be above the room on the next tick by T2 and the models, degC; None where that is not known.
-    pub stand_in: Option<f32>,
-    /// Air flow by the static gain of both rises over some seconds, % of normal; None where it can't be told, or where the
-    /// heater is to blame.
+    /// The virtual T1: its rise over T0 on the next tick by T2 and the models, degC; None where that is not known.
+    pub virtual_rise: Option<f32>,
+    /// Air flow by the static gain of both rises over some seconds, % of normal, if the heater gives what it is asked for; None where it
+    /// can't be told.
     pub air_flow: Option<f32>,
     /// The rig has been much hotter than the models say for some seconds in which no heat was asked for.
     pub heater_stuck_on: bool,

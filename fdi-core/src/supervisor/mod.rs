@@ -68,10 +68,10 @@ pub struct Situation<'a> {
 /// The temperature that is regulated, where there is one that may be used.
 #[derive(Clone, Copy, Debug)]
 pub struct Regulated {
-    /// T1, or what stands in for it.
+    /// T1, or the virtual T1.
     pub value: Option<Celsius>,
-    /// It is a stand-in: T1 is known to be wrong.
-    pub is_stand_in: bool,
+    /// It is the virtual T1: T1 itself is known to be wrong.
+    pub is_virtual: bool,
 }
 
 /// What the supervisor decided for this tick, besides the mode.
@@ -154,7 +154,7 @@ impl Supervisor {
         self.config.min_excitation.0
     }
 
-    /// Whether a faulty T1 is stood in for.
+    /// Whether the virtual T1 is regulated where T1 is faulty.
     pub fn goes_on_without_t1(&self) -> bool {
         self.config.go_on_without_t1
     }

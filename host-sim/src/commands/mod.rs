@@ -15,7 +15,6 @@ use clap::{Args, Parser};
 
 use crate::experiment::FaultSize;
 use crate::experiment::scenario::{self, Scenario};
-use crate::settings;
 use fdi_core::Config;
 use pt326_rig::Disturbance;
 
@@ -95,7 +94,7 @@ impl ExperimentArgs {
     /// # Errors
     /// The file, line, key or value that is wrong.
     pub fn load(&self) -> anyhow::Result<(Config, Scenario)> {
-        let config = settings::read(self.config.as_deref())?;
+        let config = crate::settings::read(self.config.as_deref())?;
         let mut scenario = scenario::read_scenario(self.scenario.as_deref())?;
         scenario.disturbance = self.disturbance.unwrap_or(scenario.disturbance);
         scenario.faults = scenario.faults.iter().map(|fault| self.fault_size.apply(fault)).collect();

@@ -26,6 +26,8 @@ mod levels;
 mod model_error;
 mod noise;
 mod ranking;
+#[cfg(test)]
+mod reference;
 mod sensors;
 mod training;
 pub mod verdict;

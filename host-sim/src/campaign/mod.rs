@@ -24,7 +24,6 @@ use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
-use crate::experiment;
 use crate::experiment::scenario::read_config;
 use cell::Cell;
 use definition::{CAMPAIGN_TOML, Campaign};
@@ -315,6 +314,5 @@ fn show(args: &ShowArgs) -> anyhow::Result<()> {
     })?;
     let seed = cell.seed(args.run);
     let (config, scenario) = cell.draw(seed);
-    let record = experiment::run(&config, &scenario, seed)?;
-    crate::commands::run::tell(&record, &args.out)
+    crate::commands::run::carry_out(&config, &scenario, seed, &args.out)
 }

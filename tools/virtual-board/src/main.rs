@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use host_sim::commands::run;
+use host_sim::commands::results::Folder;
 use host_sim::experiment::scenario::Scenario;
 use host_sim::record::summary::Summary;
 use host_sim::record::table;
 use virtual_board::{board, experiment};
 
 /// Runs the firmware's image, unmodified, on a modelled NUCLEO-F411RE with the simulated rig on its wires: the paper's
-/// experiment. Prints and writes what `host-sim run` does, from the log that the image gives.
+/// experiment. Prints and writes what `pt326 run` does, from the log that the image gives.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Cli {
@@ -68,9 +68,9 @@ fn carry_out(cli: &Cli) -> anyhow::Result<bool> {
     for d in done.differences.iter().take(10) {
         writeln!(out, "  tick {} {}: board {:#010x}, host {:#010x}", d.tick, d.name, d.board, d.host)?;
     }
-    run::write_files(&done.record, &summary, &cli.out)?;
+    Folder::open(&cli.out)?.write(&done.record, &summary)?;
     let log: String = done.board.log.iter().map(|line| format!("{line}\n")).collect();
     std::fs::write(cli.out.join("board.log"), log)?;
-    writeln!(out, "\nWritten to {}: what `host-sim run` writes, and board.log", cli.out.display())?;
+    writeln!(out, "\nWritten to {}: what `pt326 run` writes, and board.log", cli.out.display())?;
     Ok(done.differences.is_empty())
 }

@@ -1,4 +1,4 @@
-//! `host-sim identify`: the core's identification on a recorded file.
+//! `pt326 identify`: the core's identification on a recorded file.
 
 pub mod estimate;
 pub mod findings;
@@ -8,7 +8,6 @@ pub mod report;
 pub mod table;
 pub mod warning;
 
-use std::io::Write;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -16,6 +15,7 @@ use anyhow::ensure;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use super::terminal::print;
 use estimate::estimate;
 use findings::{Findings, Fits};
 use model::{Model, Order, Signals, mean};
@@ -26,8 +26,8 @@ use warning::{Warning, warnings};
 /// Arguments of `identify`.
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
-  host-sim identify out/trace.csv --u pa_pct --y y1_c --order 3,3,1 --ts 0.11 --from 1700 --to 3300
-  host-sim identify step.txt --u 2 --y 3 --order 1,1,1 --ts 1 --to 600 --validate 600:1000 --json
+  pt326 identify out/trace.csv --u pa_pct --y y1_c --order 3,3,1 --ts 0.11 --from 1700 --to 3300
+  pt326 identify step.txt --u 2 --y 3 --order 1,1,1 --ts 1 --to 600 --validate 600:1000 --json
 
 The file holds one sample a row, at equal times; commas, semicolons, tabs or blanks separate
 columns, and lines that start with # are skipped. Rows are counted from 0, without the header and
@@ -115,14 +115,14 @@ fn row_range(text: &str) -> Result<Range<usize>, String> {
     range.filter(|r| r.start < r.end).ok_or_else(|| "expected two row numbers N:M with N < M".into())
 }
 
-/// Runs `host-sim identify`: prints the report to standard output.
+/// Runs `pt326 identify`: prints the report to standard output.
 ///
 /// # Errors
 /// What is wrong in the file or the arguments, by name.
 pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
     let report = identify(args, &Table::read(&args.file)?)?;
     let text = if args.json { serde_json::to_string_pretty(&report)? + "\n" } else { report.to_string() };
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
+    print(&text)
 }
 
 /// Identifies a model from `table`, judges it and tests it.

@@ -1,0 +1,1 @@
+//! `pt326 identify`.

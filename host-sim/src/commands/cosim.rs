@@ -7,8 +7,8 @@ use anyhow::{Context, bail, ensure};
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, RawSample};
 
 use crate::experiment::as_written;
-use crate::experiment::scenario::read_config;
-use crate::record::trace::{INSTRUMENT_COLUMNS, LIKELIHOOD_COLUMNS, instrument_row, likelihood_row};
+use crate::record::trace::{OneTick, append_cells, header, instrument_columns};
+use crate::settings;
 
 /// Arguments of `core`.
 #[derive(Clone, Debug, clap::Args)]
@@ -58,7 +58,7 @@ Example, in Python:
 /// # Errors
 /// A bad configuration, a bad line, a stream that fails.
 pub fn run(args: &CoreArgs) -> anyhow::Result<()> {
-    let config = read_config(args.config.as_deref())?;
+    let config = settings::read(args.config.as_deref())?;
     serve(&config, args.keep_going, std::io::stdin().lock(), std::io::stdout().lock())
 }
 
@@ -75,7 +75,7 @@ pub fn serve(
     let mut instrument = Instrument::new(config)?;
     instrument.command(Command::Arm).context("can't begin to regulate")?;
     let sample_time = as_written(config.sample_time.0);
-    writeln!(output, "drive_pct,{INSTRUMENT_COLUMNS},{LIKELIHOOD_COLUMNS}")?;
+    writeln!(output, "drive_pct,{}", header(instrument_columns()))?;
     output.flush()?;
     let mut first = true;
     for (line, number) in input.lines().zip(1..) {
@@ -113,8 +113,8 @@ fn answer(instrument: &mut Instrument, line: &str, sample_time: f64) -> anyhow::
     let tick = instrument.control(sample(line)?);
     let report = instrument.diagnose(&tick, tick.drive);
     let mut row = format!("{},", tick.drive.0);
-    instrument_row(&mut row, &tick, &report, sample_time);
-    likelihood_row(&mut row, &report.likelihood, sample_time);
+    let on = OneTick { tick: &tick, report: &report, truth: 0, sample_time };
+    append_cells(&mut row, instrument_columns(), &on);
     Ok(row)
 }
 

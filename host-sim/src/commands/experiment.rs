@@ -8,6 +8,7 @@ use pt326_rig::Disturbance;
 
 use crate::experiment::FaultSize;
 use crate::experiment::scenario::{self, Scenario};
+use crate::settings;
 
 /// What describes an experiment.
 #[derive(Clone, Debug, Default, Args)]
@@ -33,7 +34,7 @@ impl ExperimentArgs {
     /// # Errors
     /// The file, line, key or value that is wrong.
     pub fn load(&self) -> anyhow::Result<(Config, Scenario)> {
-        let config = scenario::read_config(self.config.as_deref())?;
+        let config = settings::read(self.config.as_deref())?;
         let mut scenario = scenario::read_scenario(self.scenario.as_deref())?;
         scenario.disturbance = self.disturbance.unwrap_or(scenario.disturbance);
         scenario.faults = scenario.faults.iter().map(|fault| self.fault_size.apply(fault)).collect();

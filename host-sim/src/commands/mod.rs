@@ -1,5 +1,7 @@
 //! The command line: what can be asked for. Arguments stand beside the command that takes them.
 
+pub mod campaign;
+pub mod config;
 pub mod console;
 pub mod cosim;
 pub mod experiment;
@@ -13,8 +15,9 @@ pub mod terminal;
 
 use clap::{CommandFactory, Parser};
 
-use crate::campaign::{self, CampaignArgs};
 use crate::experiment::scenario;
+use campaign::CampaignArgs;
+use config::ConfigArgs;
 use console::ConsoleArgs;
 use cosim::CoreArgs;
 use identify::IdentifyArgs;
@@ -67,7 +70,7 @@ enum Subcommand {
     /// Use the board's console, with the simulated rig in place of a board.
     Console(ConsoleArgs),
     /// Print the instrument's settings with their defaults as commented TOML.
-    Config,
+    Config(ConfigArgs),
     /// Print the default rig and faults as commented TOML.
     Scenario,
     /// Print the completions for a shell.
@@ -90,7 +93,7 @@ impl Cli {
             Subcommand::Identify(args) => identify::run(&args),
             Subcommand::Replay(args) => replay::run(&args),
             Subcommand::Console(args) => console::run(&args),
-            Subcommand::Config => terminal::print(scenario::CONFIG_TOML),
+            Subcommand::Config(args) => config::run(&args),
             Subcommand::Scenario => terminal::print(scenario::SCENARIO_TOML),
             Subcommand::Completions(args) => shell::completions(&args, Self::command()),
             Subcommand::Man(args) => shell::man(&args, Self::command()),

@@ -3,15 +3,15 @@
 
 use std::fmt;
 use std::fs::{self, File};
-use std::io::{self, BufRead, BufReader, BufWriter, Write};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
 use crate::experiment::Record;
+use crate::record::files;
 use crate::record::summary::Summary;
 use crate::record::trace::write_trace;
-use crate::record::{figure, report};
 
 /// What is made of a run.
 const FILES: [&str; 9] = [
@@ -54,28 +54,8 @@ impl Folder {
     /// The file that can't be written or moved.
     pub fn write(&self, record: &Record, summary: &Summary) -> anyhow::Result<Written> {
         let moved = self.set_aside_another(record)?;
-        self.file("trace.csv", |out| Ok(write_trace(record, out)?))?;
-        self.file("summary.json", |out| {
-            serde_json::to_writer_pretty(&mut *out, summary)?;
-            Ok(writeln!(out)?)
-        })?;
-        figure::draw_all(record, &self.dir)?;
-        self.file("report.html", |out| Ok(out.write_all(report::html(record, summary)?.as_bytes())?))?;
+        files::write(record, summary, &self.dir)?;
         Ok(Written { dir: self.dir.clone(), moved })
-    }
-
-    fn file(
-        &self,
-        name: &str,
-        content: impl FnOnce(&mut BufWriter<File>) -> anyhow::Result<()>,
-    ) -> anyhow::Result<()> {
-        let path = self.dir.join(name);
-        let attempt = || -> anyhow::Result<()> {
-            let mut out = BufWriter::new(File::create(&path)?);
-            content(&mut out)?;
-            Ok(out.flush()?)
-        };
-        attempt().with_context(|| format!("can't write {}", path.display()))
     }
 
     /// Moves what is there to the first free `earlier-N`, unless it is of the same run.

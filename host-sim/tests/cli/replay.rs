@@ -1,5 +1,7 @@
 //! `pt326 replay`.
 
+use std::path::Path;
+
 use crate::{SHORT, arg, folder, pt326, text};
 
 /// Runs an experiment of a few seconds; the folder with `out/trace.csv`.
@@ -38,4 +40,35 @@ fn a_wrong_seed_or_wrong_settings_are_told_before_any_table() {
         assert!(told.is_some() && told < table, "{printed}");
         assert!(text(&output.stderr).contains("differs from the recording on"));
     }
+}
+
+/// The trace alone knows onsets to a tick only: the summary beside it is used, if it is of the same run.
+#[test]
+fn replay_gives_the_delays_of_the_run() {
+    let dir = folder("delays");
+    let run = |args: &[&str], out: &Path| {
+        let output = pt326(&[args, &["--out", out.to_str().unwrap()]].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let faults = |out: &Path| {
+        let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+        serde_json::from_str::<serde_json::Value>(&summary).unwrap()["faults"].clone()
+    };
+    let [first, replayed, alone, other] = ["first", "replayed", "alone", "other"].map(|name| dir.join(name));
+    run(&["run"], &first);
+    let trace = first.join("trace.csv");
+    run(&["replay", trace.to_str().unwrap()], &replayed);
+    assert_eq!(faults(&replayed), faults(&first));
+
+    std::fs::create_dir_all(&alone).unwrap();
+    std::fs::copy(&trace, alone.join("trace.csv")).unwrap();
+    let copy = alone.join("trace.csv");
+    let printed = run(&["replay", copy.to_str().unwrap()], &dir.join("replayed alone"));
+    assert!(printed.contains("onsets to a tick only"), "{printed}");
+    run(&["run", "--fault-size", "2"], &other);
+    let summary = std::fs::read_to_string(other.join("summary.json")).unwrap();
+    std::fs::write(alone.join("summary.json"), summary.replace("384.5", "383.5")).unwrap();
+    let printed = run(&["replay", copy.to_str().unwrap()], &dir.join("replayed beside another"));
+    assert!(printed.contains("onsets to a tick only"), "{printed}");
 }

@@ -8,7 +8,6 @@ mod trace_file;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use anyhow::{Context, ensure};
 use fdi_core::diagnosis::baseline::Baseline;
@@ -17,8 +16,9 @@ use fdi_core::{Command, Config, Instrument, Percent, RawSample, Report, Tick};
 use super::results::Folder;
 use super::run;
 use super::terminal::{BAD, GOOD, progress, styled};
-use crate::experiment::scenario::read_config;
 use crate::experiment::{Origin, Record, Row, as_written, tick_time, truth, with_prbs_phase};
+use crate::record::trace::Column;
+use crate::settings;
 use pt326_rig::fault::Fault;
 
 /// Arguments of `replay`.
@@ -85,9 +85,9 @@ enum Order {
 /// The outputs, in the form of the recording.
 enum Said {
     /// Bits of the board.
-    Bits(Box<firmware_logic::record::Record>),
-    /// A row of a trace, without the truth.
-    Text(String),
+    Bits(Box<firmware_logic::log_line::tick::TickLine>),
+    /// Cells of a trace by column, without the truth.
+    Cells(Vec<(&'static Column, String)>),
 }
 
 /// What was compared.
@@ -145,10 +145,12 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
 }
 
 fn read(text: &str, args: &ReplayArgs) -> anyhow::Result<Recording> {
-    let config = read_config(args.config.as_deref())?;
+    let config = settings::read(args.config.as_deref())?;
     if text.starts_with("t_s,") {
         let seed = args.seed.or_else(|| seed_beside(&args.file)).unwrap_or(1);
-        trace_file::read(text, &with_prbs_phase(&config, seed))
+        let mut recording = trace_file::read(text, &with_prbs_phase(&config, seed))?;
+        trace_file::use_summary(&mut recording, text, &args.file);
+        Ok(recording)
     } else {
         board_log::read(text, config)
     }
@@ -170,7 +172,6 @@ fn rerun(recording: &Recording, file: &Path) -> anyhow::Result<(Record, Agreemen
     let sample_time = as_written(config.sample_time.0);
     let mut rows = Vec::with_capacity(recording.ticks.len());
     let mut agreement = Agreement::default();
-    let started = Instant::now();
     let bar = progress(recording.ticks.len() as u64, "ticks");
     for recorded in &recording.ticks {
         for order in &recorded.orders {
@@ -189,14 +190,7 @@ fn rerun(recording: &Recording, file: &Path) -> anyhow::Result<(Record, Agreemen
     }
     bar.finish_and_clear();
     let origin = Origin::Recorded { file: file.display().to_string() };
-    let record = Record::new(
-        origin,
-        config,
-        &recording.faults,
-        rows,
-        instrument.baseline().copied(),
-        started.elapsed(),
-    );
+    let record = Record::new(origin, config, &recording.faults, rows, instrument.baseline().copied());
     Ok((record, agreement))
 }
 
@@ -205,7 +199,7 @@ impl Agreement {
         self.ticks += 1;
         let differences = match &recorded.said {
             Said::Bits(bits) => board_log::differences(bits, recorded, tick, report),
-            Said::Text(text) => trace_file::differences(text, tick, report, sample_time),
+            Said::Cells(cells) => trace_file::differences(cells, tick, report, sample_time),
         };
         if differences.is_empty() {
             return;
@@ -264,6 +258,21 @@ mod tests {
     }
 
     #[test]
+    fn columns_are_found_by_name() {
+        let trace = traced(&Scenario { duration: 20.0, ..Scenario::default() }, 1);
+        let turned = |line: &str| {
+            let (first, rest) = line.split_once(',').unwrap();
+            let rest: Vec<&str> = rest.split(',').rev().collect();
+            format!("{first},{},7\n", rest.join(","))
+        };
+        let turned: String = trace.lines().map(turned).collect();
+        let agreement = agreement(&turned, 1);
+        assert_eq!((agreement.ticks, agreement.differing), (181, 0), "{:?}", agreement.examples);
+        let Err(error) = read(&trace.replace("mode", "node"), &args(1)) else { panic!("no mode") };
+        assert!(format!("{error:#}").contains("column mode"), "{error:#}");
+    }
+
+    #[test]
     fn one_changed_number_is_found_and_told() {
         let scenario = Scenario { duration: 60.0, ..Scenario::default() };
         let trace = traced(&scenario, 1);
@@ -283,6 +292,8 @@ mod tests {
             trace.lines().map(|line| line.split(',').take(40).collect::<Vec<_>>().join(",")).collect();
         let replayed = agreement(&older.join("\n"), 1);
         assert_eq!((replayed.ticks, replayed.differing), (181, 0), "{:?}", replayed.examples);
+        let remarks = read(&older.join("\n"), &args(1)).unwrap().remarks;
+        assert!(remarks[0].contains("alarm, verdict") && remarks[0].contains("not compared"), "{remarks:?}");
         let line = trace.lines().nth(100).unwrap();
         let changed = line.strip_suffix(",0,,,,,").map(|head| format!("{head},1,,,,,")).unwrap();
         let replayed = agreement(&trace.replacen(line, &changed, 1), 1);

@@ -1,0 +1,208 @@
+//! How each thermistor answers to the power: impulse responses without trained models, gains or settings.
+//!
+//! Power and readings are high-passed alike. To each reading least squares with forgetting fits an impulse response that
+//! is constant over bands of lags:
+//!
+//! ```text
+//! y[k] = h1 x1[k] + .. + h4 x4[k] + noise         xb[k]: the power of the lags of band b, summed
+//! ```
+//!
+//! The regressors are the same for all readings, so there is one normal matrix R, and a right-hand side p for each. The
+//! area of a response, `A = w' R^-1 p`, says whether a thermistor answers; its centroid `(w t)' R^-1 p / A` how late. w is how
+//! many ticks a band has, t where its middle is.
+
+use crate::bounds::larger;
+use crate::root::sqrt;
+use crate::vector::{dot, shift};
+
+/// Bands of lags: 1, 2 and 3, 4 to 6, 7 to 12 ticks. The first lag is that of the power that acted until now.
+const BANDS: usize = 4;
+const ENDS: [usize; BANDS + 1] = [0, 1, 3, 6, 12];
+const LAGS: usize = ENDS[BANDS];
+/// Time constant of the high-pass, s (docs/diagnosis.md, section 8).
+const SWING_TIME: f32 = 0.5;
+/// Memory of the sums, s (docs/diagnosis.md, section 8).
+const MEMORY: f32 = 12.0;
+/// While the power of no band has moved by so much nothing is learnt or forgotten, %.
+const MIN_POWER: f32 = 0.2;
+/// Ridge of the regression, %^2: it keeps R regular where little has been seen. 2 % of what the default excitation gathers.
+const RIDGE: f32 = 100.0;
+/// Ticks in a band, and these times the middle of the band.
+const AREA: [f32; BANDS] = [1.0, 2.0, 3.0, 6.0];
+const MOMENT: [f32; BANDS] = [1.0, 5.0, 15.0, 57.0];
+
+/// Shares that are kept from tick to tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ImpulseResponse {
+    high_pass: f32,
+    keep: f32,
+}
+
+/// The sums, and what they are made of.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ImpulseResponseState {
+    /// High-passed power, newest first, and the last power, %.
+    power: [f32; LAGS],
+    power_before: f32,
+    /// High-passed readings of T0, T1, T2, and the last good ones, degC.
+    swing: [f32; 3],
+    before: [Option<f32>; 3],
+    r: [[f32; BANDS]; BANDS],
+    p: [[f32; BANDS]; 3],
+    energy: [f32; 3],
+    samples: f32,
+}
+
+/// How one thermistor answers. The standard deviations count every sample in full; forgetting would make them smaller by
+/// the square root of two, which covers what correlation the high-passed noise has left.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Answer {
+    /// Area of the response, degC per %, with its standard deviation.
+    pub(super) area: f32,
+    pub(super) area_sd: f32,
+    /// Its centroid with its standard deviation, ticks.
+    pub(super) late: f32,
+    pub(super) late_sd: f32,
+}
+
+impl ImpulseResponse {
+    pub(super) fn new(sample_time: f32) -> Self {
+        let keep = |time: f32| libm::expf(-sample_time / time);
+        Self { high_pass: keep(SWING_TIME), keep: keep(MEMORY) }
+    }
+
+    /// One tick: the readings where there are any, and the power applied from now on, %.
+    pub(super) fn step(&self, s: &mut ImpulseResponseState, readings: [Option<f32>; 3], power: f32) {
+        let x: [f32; BANDS] = core::array::from_fn(|b| s.power[ENDS[b]..ENDS[b + 1]].iter().sum::<f32>());
+        for (m, reading) in readings.into_iter().enumerate() {
+            let change = reading.zip(s.before[m]).map_or(0.0, |(now, before)| now - before);
+            s.swing[m] = self.high_pass * s.swing[m] + change;
+            s.before[m] = reading.or(s.before[m]);
+        }
+        if dot(&x, &x) > MIN_POWER * MIN_POWER {
+            self.gather(s, &x);
+        }
+        let swing = self.high_pass * s.power[0] + power - s.power_before;
+        s.power_before = power;
+        shift(&mut s.power, swing);
+    }
+
+    #[inline(never)]
+    fn gather(&self, s: &mut ImpulseResponseState, x: &[f32; BANDS]) {
+        for i in 0..BANDS {
+            for j in 0..=i {
+                s.r[i][j] = self.keep * s.r[i][j] + x[i] * x[j];
+            }
+        }
+        for m in 0..3 {
+            let y = s.swing[m];
+            for i in 0..BANDS {
+                s.p[m][i] = self.keep * s.p[m][i] + x[i] * y;
+            }
+            s.energy[m] = self.keep * s.energy[m] + y * y;
+        }
+        s.samples = self.keep * s.samples + 1.0;
+    }
+}
+
+impl ImpulseResponseState {
+    /// How T0, T1 and T2 answer.
+    #[inline(never)]
+    pub(super) fn answers(&self) -> [Answer; 3] {
+        let factors = Factors::new(&self.r);
+        let [area, moment] = [factors.solve(&AREA), factors.solve(&MOMENT)];
+        let [aa, am, mm] = [dot(&area, &AREA), dot(&area, &MOMENT), dot(&moment, &MOMENT)];
+        let freedom = larger(1.0, self.samples - BANDS as f32);
+        core::array::from_fn(|m| {
+            let p = &self.p[m];
+            let explained = dot(&factors.solve(p), p);
+            let variance = larger(0.0, self.energy[m] - explained) / freedom;
+            let (total, moment) = (dot(&area, p), dot(&moment, p));
+            let late = moment / total;
+            Answer {
+                area: total,
+                area_sd: sqrt(variance * aa),
+                late,
+                late_sd: sqrt(variance * (mm - 2.0 * late * am + late * late * aa)) / total.abs(),
+            }
+        })
+    }
+}
+
+/// R = L D L': no square roots, and the diagonal of D cannot come too near to zero.
+struct Factors {
+    l: [[f32; BANDS]; BANDS],
+    d: [f32; BANDS],
+    inv_d: [f32; BANDS],
+}
+
+impl Factors {
+    fn new(r: &[[f32; BANDS]; BANDS]) -> Self {
+        let mut f = Self { l: [[0.0; BANDS]; BANDS], d: [0.0; BANDS], inv_d: [0.0; BANDS] };
+        for j in 0..BANDS {
+            let left =
+                |f: &Self, i: usize| (0..j).fold(r[i][j], |left, k| left - f.l[i][k] * f.l[j][k] * f.d[k]);
+            f.d[j] = larger(RIDGE, left(&f, j) + RIDGE);
+            f.inv_d[j] = 1.0 / f.d[j];
+            for i in j + 1..BANDS {
+                f.l[i][j] = left(&f, i) * f.inv_d[j];
+            }
+        }
+        f
+    }
+
+    /// R^-1 p.
+    fn solve(&self, p: &[f32; BANDS]) -> [f32; BANDS] {
+        let mut x = *p;
+        for i in 1..BANDS {
+            for k in 0..i {
+                x[i] -= self.l[i][k] * x[k];
+            }
+        }
+        for i in 0..BANDS {
+            x[i] *= self.inv_d[i];
+        }
+        for i in (0..BANDS).rev() {
+            for k in i + 1..BANDS {
+                x[i] -= self.l[k][i] * x[k];
+            }
+        }
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// First-order lags of gain 0.3 and 0.2 degC per %, the second two ticks later, and a T0 that does nothing.
+    #[test]
+    fn known_responses_are_found() {
+        let (response, mut s) = (ImpulseResponse::new(0.11), ImpulseResponseState::default());
+        let (mut seed, mut power) = (1u32, [0.0f32; 3]);
+        let (mut t1, mut t2) = (0.0, 0.0);
+        for _ in 0..400 {
+            seed = seed.wrapping_mul(1664525).wrapping_add(1013904223);
+            t1 += 0.2 * (0.3 * power[0] - t1);
+            t2 += 0.2 * (0.2 * power[2] - t2);
+            shift(&mut power, 40.0 + if seed >> 31 == 0 { 5.0 } else { -5.0 });
+            response.step(&mut s, [Some(20.0), Some(20.0 + t1), Some(20.0 + t2)], power[0]);
+        }
+        let [a0, a1, a2] = s.answers();
+        assert!(a0.area.abs() < 1e-4 && a0.area_sd < 1e-3, "{a0:?}");
+        // Of the first lag 93 % lie within twelve ticks, of the second 89 %.
+        assert!((a1.area / (0.3 * 0.93) - 1.0).abs() < 0.1, "{a1:?}");
+        assert!((a2.area / (0.2 * 0.89) - 1.0).abs() < 0.1, "{a2:?}");
+        assert!((0.9..2.1).contains(&(a2.late - a1.late)), "{a1:?} {a2:?}");
+    }
+
+    #[test]
+    fn nothing_seen_gives_no_answer_and_wild_input_no_panic() {
+        let (response, mut s) = (ImpulseResponse::new(0.11), ImpulseResponseState::default());
+        assert!(s.answers().iter().all(|a| !(a.area > 6.0 * a.area_sd)));
+        for power in [f32::NAN, 1e30, -1e30, 0.0] {
+            response.step(&mut s, [None, Some(f32::MAX), Some(f32::NAN)], power);
+            let _ = s.answers();
+        }
+    }
+}

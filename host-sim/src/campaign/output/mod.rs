@@ -1,0 +1,188 @@
+//! What a campaign writes: `campaign.json`, `cells.csv`, `runs.csv`, `tables.md`, `runaway.md` and pictures.
+
+mod markdown;
+mod pictures;
+mod runaway;
+pub mod table;
+
+use std::io::Write;
+use std::path::Path;
+
+use anyhow::Context;
+
+use super::by::By;
+use super::cell::Cell;
+use super::definition::may_trip::reason_name;
+use super::results::{CellResults, Results};
+use super::run::heat::Heat;
+use super::run::{RunRow, Seen};
+use super::statistics::heat::HeatStatistics;
+use super::statistics::quantiles::Quantiles;
+use crate::score::expectation::Expectation;
+use table::counted;
+
+/// A cell of a table with the name of its column.
+type Field = (String, String);
+
+/// Writes them all, and the pictures; gives their names.
+///
+/// # Errors
+/// The file that can't be written.
+pub fn write(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Path) -> anyhow::Result<String> {
+    let mut json = serde_json::to_vec_pretty(results)?;
+    writeln!(json)?;
+    write_file(out, "campaign.json", &json)?;
+    write_file(out, "tables.md", markdown::of(results).as_bytes())?;
+    write_file(out, "cells.csv", &csv(results.cells.iter().map(cell_fields))?)?;
+    write_file(out, "runs.csv", &csv(rows.iter().map(|row| run_fields(&cells[row.cell], row)))?)?;
+    let mut names = String::from("campaign.json, cells.csv, runs.csv, tables.md");
+    if let Some(runaway) = runaway::of(results) {
+        write_file(out, "runaway.md", runaway.as_bytes())?;
+        names += ", runaway.md";
+    }
+    Ok(names + &pictures::draw(results, cells, rows, out)?)
+}
+
+fn write_file(out: &Path, name: &str, bytes: &[u8]) -> anyhow::Result<()> {
+    let path = out.join(name);
+    std::fs::write(&path, bytes).with_context(|| format!("can't write {}", path.display()))
+}
+
+/// A table whose header is made of the names of the first row.
+fn csv(rows: impl Iterator<Item = Vec<Field>>) -> anyhow::Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for (i, row) in rows.enumerate() {
+        if i == 0 {
+            writer.write_record(row.iter().map(|(name, _)| name))?;
+        }
+        writer.write_record(row.iter().map(|(_, value)| value))?;
+    }
+    Ok(writer.into_inner()?)
+}
+
+fn field(name: impl Into<String>, value: impl ToString) -> Field {
+    (name.into(), value.to_string())
+}
+
+/// Empty where there is nothing.
+fn maybe(name: impl Into<String>, value: Option<impl ToString>) -> Field {
+    (name.into(), value.map_or(String::new(), |x| x.to_string()))
+}
+
+fn run_fields(cell: &Cell, row: &RunRow) -> Vec<Field> {
+    let expected = cell.fault().map(Expectation::of);
+    let mut fields = vec![
+        field("cell", &cell.name),
+        field("setting", &cell.setting),
+        field("run", row.run),
+        field("seed", row.seed),
+        maybe("class", expected.and_then(|e| e.class).map(|c| c.name())),
+        maybe("magnitude_true", expected.and_then(|e| e.magnitude)),
+        maybe("onset_s", row.onset_s),
+    ];
+    fields.extend(heat_fields(&row.heat));
+    for by in By::BOTH {
+        fields.extend(seen_fields(by, row.by(by)));
+    }
+    fields
+}
+
+fn heat_fields(heat: &Heat) -> [Field; 8] {
+    [
+        field("air_max_c", heat.air_max_c),
+        field("overshoot_max_c", heat.overshoot_max_c),
+        maybe("trip", heat.trip.map(reason_name)),
+        maybe("tripped_s", heat.tripped_s),
+        maybe("off_delay_s", heat.off_delay_s),
+        maybe("off_after_visible_s", heat.off_after_visible_s),
+        field("saturated_s", heat.saturated_s),
+        maybe("overpower_s", heat.overpower_s),
+    ]
+}
+
+fn heat_statistics(heat: &HeatStatistics) -> [Field; 9] {
+    [
+        field("tripped_pct", heat.tripped_pct),
+        field("tripped_otherwise_pct", heat.tripped_otherwise_pct),
+        field("tripped_early", heat.tripped_early),
+        field("trips", counted(&heat.reasons)),
+        maybe("overshoot_max_c", heat.overshoot_max_c),
+        maybe("off_delay_max_s", heat.off_delay_max_s),
+        maybe("off_after_visible_max_s", heat.off_after_visible_max_s),
+        maybe("saturated_max_s", heat.saturated_max_s),
+        maybe("overpower_max_s", heat.overpower_max_s),
+    ]
+}
+
+fn seen_fields(by: By, seen: &Seen) -> Vec<Field> {
+    let fields = [
+        field("armed", u8::from(seen.armed)),
+        field("early", u8::from(seen.early)),
+        maybe("detection_delay_s", seen.detection_delay_s),
+        maybe("isolation_delay_s", seen.isolation_delay_s),
+        maybe("indicated_duration_s", seen.indicated_duration_s),
+        maybe("isolated_share", seen.isolated_share),
+        maybe("first", seen.first.as_ref()),
+        maybe("settled", seen.settled.as_ref()),
+        maybe("magnitude", seen.magnitude),
+        maybe("half_width", seen.half_width),
+        maybe("onset_error_s", seen.onset_error_s),
+        maybe("confidence", seen.confidence),
+        field("alarms", seen.alarms),
+        field("watched_ticks", seen.watched_ticks),
+        field("alarm_ticks", seen.alarm_ticks),
+        maybe("first_alarm_s", seen.first_alarm_s),
+        maybe("first_alarm_as", seen.first_alarm_as.as_ref()),
+    ];
+    fields.into_iter().map(|(name, value)| (format!("{}_{name}", by.name()), value)).collect()
+}
+
+fn cell_fields(cell: &CellResults) -> Vec<Field> {
+    let mut fields = vec![
+        field("cell", &cell.name),
+        field("plant", &cell.plant),
+        field("setting", &cell.setting),
+        field("disturbance", cell.disturbance),
+        maybe("class", cell.class),
+        maybe("magnitude_true", cell.magnitude),
+        field("runs", cell.runs),
+    ];
+    fields.extend(heat_statistics(&cell.heat));
+    for by in By::BOTH {
+        let statistics = cell.by(by);
+        let fault = statistics.fault.as_ref();
+        let mut these = vec![field("unarmed", statistics.unarmed)];
+        for (name, quantiles) in [
+            ("detection_delay_s", fault.map(|f| f.detection_delay_s)),
+            ("isolation_delay_s", fault.map(|f| f.isolation_delay_s)),
+            ("duration_error_s", fault.map(|f| f.duration_error_s)),
+            ("magnitude_error", fault.map(|f| f.magnitude_error)),
+            ("onset_error_s", fault.map(|f| f.onset_error_s)),
+        ] {
+            let Quantiles { median, p95, p99 } = quantiles.unwrap_or_default();
+            these.extend(
+                [("median", median), ("p95", p95), ("p99", p99)]
+                    .map(|(q, x)| maybe(format!("{name}_{q}"), x)),
+            );
+        }
+        let alarms = &statistics.alarms;
+        these.extend([
+            maybe("missed", fault.map(|f| f.missed)),
+            maybe("early", fault.map(|f| f.early)),
+            maybe("not_isolated", fault.map(|f| f.not_isolated)),
+            maybe("first_right_pct", fault.map(|f| f.first_right_pct)),
+            maybe("settled_right_pct", fault.map(|f| f.settled_right_pct)),
+            maybe("magnitude_coverage_pct", fault.and_then(|f| f.magnitude_coverage_pct)),
+            field("alarms", alarms.alarms),
+            field("runs_with_alarm", alarms.runs_with),
+            field("hours", alarms.hours),
+            maybe("alarms_per_hour", alarms.per_hour),
+            maybe("alarms_per_hour_low", alarms.per_hour_95.map(|i| i[0])),
+            maybe("alarms_per_hour_high", alarms.per_hour_95.map(|i| i[1])),
+            maybe("alarms_dispersion", alarms.dispersion),
+            field("alarm_share_of_time", alarms.share_of_time),
+        ]);
+        fields.extend(these.into_iter().map(|(name, value)| (format!("{}_{name}", by.name()), value)));
+    }
+    fields
+}

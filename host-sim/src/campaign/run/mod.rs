@@ -1,0 +1,266 @@
+//! One run of a campaign, seen by both diagnoses, as the few numbers that are kept of it.
+
+pub mod heat;
+
+use fdi_core::Instrument;
+use fdi_core::likelihood::{FaultClass, Readiness};
+use serde::{Deserialize, Serialize};
+
+use super::by::By;
+use super::cell::Cell;
+use crate::experiment::{Row, as_written, drive, tick_time, with_prbs_phase};
+use crate::score::expectation::Expectation;
+use crate::score::{
+    LikelihoodScore, LikelihoodWatch, Rise, Score, TAIL, Watch, signature_class, signature_sight,
+};
+use heat::{Heat, HeatWatch};
+use pt326_rig::fault::Fault;
+
+/// One run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunRow {
+    /// Number of the cell.
+    pub cell: usize,
+    /// Number of the run in the cell.
+    pub run: u64,
+    /// Its seed.
+    pub seed: u64,
+    /// True onset of the fault; null where there is none to be scored.
+    pub onset_s: Option<f64>,
+    /// What was done with the heat, and whether it was switched off.
+    pub heat: Heat,
+    /// By the paper's signatures.
+    pub signature: Seen,
+    /// By the likelihood diagnosis.
+    pub likelihood: Seen,
+}
+
+impl RunRow {
+    /// By one diagnosis.
+    pub fn by(&self, by: By) -> &Seen {
+        match by {
+            By::Likelihood => &self.likelihood,
+            By::Signature => &self.signature,
+        }
+    }
+}
+
+/// What one diagnosis saw.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Seen {
+    /// It watched when the fault began, or at the end of a run without; or the fault was there before arming.
+    pub armed: bool,
+    /// An alarm stood already when the fault began: then nothing was detected.
+    pub early: bool,
+    /// Delay of the detection, s; null: missed.
+    pub detection_delay_s: Option<f64>,
+    /// Delay of the right isolation, s; null: missed.
+    pub isolation_delay_s: Option<f64>,
+    /// Indicated duration, s.
+    pub indicated_duration_s: Option<f64>,
+    /// Share of the fault's time that it was rightly isolated.
+    pub isolated_share: Option<f64>,
+    /// Class named first during the fault.
+    pub first: Option<String>,
+    /// Class named on most ticks of the fault.
+    pub settled: Option<String>,
+    /// Estimated magnitude, in the unit of the class settled on.
+    pub magnitude: Option<f64>,
+    /// Half of its 95 % interval.
+    pub half_width: Option<f64>,
+    /// Estimated minus true onset, s.
+    pub onset_error_s: Option<f64>,
+    /// Confidence.
+    pub confidence: Option<f64>,
+    /// Alarms that rose outside the fault and its tail.
+    pub alarms: u32,
+    /// Ticks outside of it on which it watched and no alarm stood.
+    pub watched_ticks: u64,
+    /// Ticks outside of it on which an alarm stood.
+    pub alarm_ticks: u64,
+    /// Time of the first false alarm, s.
+    pub first_alarm_s: Option<f64>,
+    /// What it was first named; empty if it was not.
+    pub first_alarm_as: Option<String>,
+}
+
+/// Counts the false alarms of one diagnosis.
+#[derive(Default)]
+struct Guard {
+    rise: Rise,
+    seen: Seen,
+}
+
+/// What a diagnosis says on a tick: `None` while it does not watch.
+struct Said {
+    alarm: Option<bool>,
+    named: Option<FaultClass>,
+}
+
+impl Said {
+    fn by_signature(row: &Row) -> Self {
+        let verdict = row.report.filtered;
+        Self { alarm: verdict.map(|v| v.fdv != 0), named: verdict.and_then(|v| signature_class(v.fiv)) }
+    }
+
+    fn by_likelihood(row: &Row) -> Self {
+        let likelihood = &row.report.likelihood;
+        let watches = likelihood.alarm || likelihood.readiness == Readiness::Armed;
+        Self { alarm: watches.then_some(likelihood.alarm), named: likelihood.finding.map(|f| f.class) }
+    }
+}
+
+impl Guard {
+    /// What is there from the start can only be found later: nothing is asked of the time before.
+    fn new(fault: Option<&Fault>) -> Self {
+        let armed = fault.is_some_and(|f| f.at == 0.0);
+        Self { seen: Seen { armed, ..Seen::default() }, ..Self::default() }
+    }
+
+    fn see(&mut self, t: f64, fault: Option<&Fault>, said: &Said) {
+        let alarm = said.alarm == Some(true);
+        let rises = self.rise.of(alarm);
+        let seen = &mut self.seen;
+        if fault.is_none_or(|f| t < f.at) {
+            seen.armed = said.alarm.is_some();
+            seen.early = alarm && fault.is_some();
+        }
+        if fault.is_some_and(|f| t >= f.at && t < f.end() + TAIL) {
+            return;
+        }
+        match said.alarm {
+            Some(true) => seen.alarm_ticks += 1,
+            Some(false) => seen.watched_ticks += 1,
+            None => {}
+        }
+        if rises {
+            seen.alarms += 1;
+            seen.first_alarm_s.get_or_insert(t);
+        }
+        if let (true, Some(class)) = (seen.first_alarm_s.is_some(), said.named) {
+            seen.first_alarm_as.get_or_insert_with(|| class.name().into());
+        }
+    }
+
+    fn finish(self, score: Score) -> Seen {
+        let Seen { armed, early, .. } = self.seen;
+        let valid = armed && !early;
+        Seen {
+            detection_delay_s: score.detection_delay_s.filter(|_| valid),
+            isolation_delay_s: score.isolation_delay_s.filter(|_| valid),
+            indicated_duration_s: score.indicated_duration_s.filter(|_| valid),
+            isolated_share: score.isolated_share,
+            ..self.seen
+        }
+    }
+}
+
+/// Runs one run of a cell.
+///
+/// # Errors
+/// The parameter of the configuration that is out of bounds.
+pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
+    let seed = cell.seed(run);
+    let (config, scenario) = cell.draw(seed);
+    let config = with_prbs_phase(&config, seed);
+    let sample_time = as_written(config.sample_time.0);
+    let fault = cell.fault().and(scenario.faults.first());
+    let mut instrument = Instrument::new(&config)?;
+    let mut guards = [Guard::new(fault), Guard::new(fault)];
+    let mut watches = fault.map(|f| (Watch::new(f), LikelihoodWatch::new(f, sample_time)));
+    let mut heat = HeatWatch::new(&config, &scenario, fault);
+    drive(&mut instrument, &config, &scenario, seed, |row, rig| {
+        let t = tick_time(row.tick.index, sample_time);
+        heat.see(t, &row, rig);
+        for (guard, said) in guards.iter_mut().zip([Said::by_signature(&row), Said::by_likelihood(&row)]) {
+            guard.see(t, fault, &said);
+        }
+        if let (Some(fault), Some((signature, likelihood))) = (fault, &mut watches) {
+            signature.see(t, signature_sight(fault, row.report.filtered));
+            likelihood.see(t, &row.report.likelihood);
+        }
+    });
+    let [signature, likelihood] = guards;
+    let (signature, likelihood) = match (fault, watches) {
+        (Some(fault), Some((by_signature, by_likelihood))) => {
+            let isolable = Expectation::of(fault).fiv.is_some();
+            let seen = signature.finish(by_signature.score(sample_time, isolable));
+            (named_by_signature(seen, &by_signature), named_by_likelihood(likelihood, by_likelihood.score()))
+        }
+        _ => (signature.seen, likelihood.seen),
+    };
+    Ok(RunRow {
+        cell: number,
+        run,
+        seed,
+        onset_s: fault.map(|f| f.at),
+        heat: heat.finish(),
+        signature,
+        likelihood,
+    })
+}
+
+fn named_by_signature(seen: Seen, watch: &Watch) -> Seen {
+    let name = |class: FaultClass| class.name().to_owned();
+    Seen { first: watch.first_named().map(name), settled: watch.settled().map(name), ..seen }
+}
+
+fn named_by_likelihood(guard: Guard, score: LikelihoodScore) -> Seen {
+    Seen {
+        first: score.first_verdict.map(str::to_owned),
+        settled: score.verdict.map(str::to_owned),
+        magnitude: score.magnitude,
+        half_width: score.magnitude_half_width,
+        onset_error_s: score.onset_error_s,
+        confidence: score.confidence,
+        ..guard.finish(score.score)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pt326_rig::fault::{Sensor, Verb};
+
+    /// What is kept of a fault from 10 s to 20 s, one tick a second, if the alarm stands when `alarm` says so.
+    fn seen(alarm: impl Fn(u32) -> Option<bool>) -> Seen {
+        let fault = Fault::new(Verb::Offset, Some(Sensor::T2), Some(1.0), 10.0, 10.0);
+        let mut guard = Guard::new(Some(&fault));
+        for t in 0..60 {
+            let named = (t == 40).then_some(FaultClass::Drift);
+            guard.see(f64::from(t), Some(&fault), &Said { alarm: alarm(t), named });
+        }
+        guard.finish(Score { detection_delay_s: Some(0.0), ..Score::default() })
+    }
+
+    #[test]
+    fn only_alarms_outside_the_fault_and_its_tail_are_false_and_each_counts_once() {
+        let seen = seen(|t| (t >= 2).then_some(matches!(t, 12..34 | 38..42 | 50)));
+        assert_eq!((seen.alarms, seen.alarm_ticks), (2, 5));
+        assert_eq!(seen.watched_ticks, 8 + 25 - 5, "2 to 9 s, and 35 to 59 s without the alarms");
+        assert_eq!((seen.first_alarm_s, seen.first_alarm_as.as_deref()), (Some(38.0), Some("drift")));
+        assert_eq!((seen.armed, seen.early, seen.detection_delay_s), (true, false, Some(0.0)));
+    }
+
+    #[test]
+    fn an_alarm_that_stood_before_the_fault_has_not_detected_it() {
+        let seen = seen(|t| Some((8..20).contains(&t)));
+        assert_eq!((seen.early, seen.detection_delay_s, seen.alarms), (true, None, 1));
+    }
+
+    #[test]
+    fn what_is_there_before_arming_can_still_be_found() {
+        let fault = Fault { at: 0.0, ..Fault::new(Verb::Detach, Some(Sensor::T1), Some(1.0), 0.0, 10.0) };
+        let mut guard = Guard::new(Some(&fault));
+        guard.see(0.0, Some(&fault), &Said { alarm: None, named: None });
+        guard.see(5.0, Some(&fault), &Said { alarm: Some(true), named: None });
+        let seen = guard.finish(Score { detection_delay_s: Some(5.0), ..Score::default() });
+        assert_eq!((seen.armed, seen.detection_delay_s, seen.alarms), (true, Some(5.0), 0));
+    }
+
+    #[test]
+    fn what_did_not_watch_at_the_onset_is_not_armed() {
+        let seen = seen(|t| (t >= 15).then_some(false));
+        assert_eq!((seen.armed, seen.detection_delay_s), (false, None));
+    }
+}

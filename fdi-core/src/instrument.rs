@@ -74,7 +74,6 @@ impl Instrument {
     /// # Errors
     /// The first parameter that is out of bounds.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        config.validate_sample_time()?;
         let controller = Controller::new(config)?;
         let diagnosis = Diagnosis::new(config)?;
         let control_state = controller.start(config.setpoint);
@@ -91,7 +90,7 @@ impl Instrument {
     /// the drive of `tick` unless something else has cut it.
     pub fn diagnose(&mut self, tick: &Tick, applied: Percent) -> Report {
         let report = self.diagnosis.step(&mut self.diagnosis_state, tick, applied);
-        self.controller.heard(&mut self.control_state, report.feedback());
+        self.controller.feed_back(&mut self.control_state, report.feedback());
         report
     }
 
@@ -111,7 +110,6 @@ impl Instrument {
     /// The first parameter that is out of bounds, or that widens a limit while the heater is on; nothing has changed
     /// then.
     pub fn retune(&mut self, config: &Config) -> Result<(), RetuneError> {
-        config.validate_sample_time()?;
         let controller = Controller::new(config)?;
         let diagnosis = Diagnosis::new(config)?;
         self.controller.retune(&mut self.control_state, controller)?;
@@ -119,7 +117,7 @@ impl Instrument {
         Ok(())
     }
 
-    /// Takes over a baseline that was learnt in an earlier life: once in regulation, monitoring begins without learning.
+    /// Restores a baseline that was learnt in an earlier run: once in regulation, monitoring begins without learning.
     /// [`Command::Relearn`] puts it aside.
     ///
     /// # Errors

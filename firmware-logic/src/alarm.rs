@@ -26,7 +26,7 @@ pub struct Alarms {
 }
 
 impl Alarms {
-    /// Takes in a tick; gives the alarm if there is news of it.
+    /// The alarm, if this tick changes what is to be said of it.
     pub fn notice(&mut self, report: &Report) -> Option<Alarm> {
         let (tick, said) = (report.tick, &report.likelihood);
         let Some(alarm) = &mut self.lasting else {
@@ -46,14 +46,14 @@ impl Alarms {
 }
 
 /// An alarm for people; `sample_time` in s turns ticks into times.
-pub struct Shown<'a> {
+pub struct AlarmText<'a> {
     /// The alarm.
     pub alarm: &'a Alarm,
     /// Ts in s.
     pub sample_time: f32,
 }
 
-impl fmt::Display for Shown<'_> {
+impl fmt::Display for AlarmText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let seconds = |tick: u32| Fixed(tick as f32 * self.sample_time, 1);
         write!(f, "{} s alarm: ", seconds(self.alarm.raised))?;
@@ -101,7 +101,7 @@ mod tests {
         let (clogged, offset) = (FaultClass::T1Clogged, FaultClass::T1Offset);
         let mut text = |tick, alarm, finding| {
             let alarm = alarms.notice(&report(tick, alarm, finding))?;
-            Some(Shown { alarm: &alarm, sample_time: 0.11 }.to_string())
+            Some(AlarmText { alarm: &alarm, sample_time: 0.11 }.to_string())
         };
         assert_eq!(text(99, false, None), None);
         assert_eq!(text(100, true, None).as_deref(), Some("11.0 s alarm: not named, lasting"));

@@ -7,10 +7,10 @@ use core::num::NonZeroU32;
 /// Bins of the jitter histogram: bin i counts ticks that began less than `2^i` µs late (and not less than half of that).
 pub const BINS: usize = 16;
 
-/// How punctual the control tick has been since boot; counters saturate.
+/// The jitter of the control tick since boot; counters saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Punctuality {
+pub struct Jitter {
     /// Ticks that began.
     pub ticks: u32,
     /// Ticks that never began: their time passed while an earlier one was still held up.
@@ -21,8 +21,8 @@ pub struct Punctuality {
     pub histogram: [u32; BINS],
 }
 
-impl Punctuality {
-    /// Takes in how one tick began.
+impl Jitter {
+    /// Counts a tick by when it began.
     pub fn count(&mut self, arrival: &Arrival) {
         self.ticks = self.ticks.saturating_add(1);
         self.missed = self.missed.saturating_add(arrival.missed);
@@ -64,7 +64,7 @@ impl Cadence {
         self.due
     }
 
-    /// Takes in that the tick has begun at `now`. Whole periods that have passed are missed ticks; the grid itself
+    /// The arrival of a tick that begins at `now`. Whole periods that have passed are missed ticks; the grid itself
     /// never moves, so lateness cannot add up to drift.
     pub fn arrive(&mut self, now: u32) -> Arrival {
         let behind = now.wrapping_sub(self.due);
@@ -87,7 +87,7 @@ mod tests {
     fn a_day_of_jitter_moves_the_grid_by_nothing() {
         let first = u32::MAX - 5 * TS; // begins just before the counter wraps
         let mut cadence = Cadence::new(PERIOD, first);
-        let mut p = Punctuality::default();
+        let mut p = Jitter::default();
         let ticks = 24 * 3600 * 1000 / 110;
         for k in 0..ticks {
             let due = cadence.due();
@@ -117,11 +117,11 @@ mod tests {
         let mut cadence = Cadence::new(PERIOD, 1000);
         assert_eq!(cadence.arrive(998).late_us, 0);
         for (late, bin) in [(0, 0), (1, 1), (2, 2), (3, 2), (4, 3), (65_000, BINS - 1)] {
-            let mut p = Punctuality::default();
+            let mut p = Jitter::default();
             p.count(&cadence.arrive(cadence.due() + late));
             assert_eq!((p.histogram[bin], p.worst_us, p.ticks), (1, late, 1), "{late} us");
         }
-        let mut p = Punctuality::default();
+        let mut p = Jitter::default();
         p.count(&Arrival { due: 0, late_us: 7, missed: 3 });
         assert_eq!((p.missed, p.worst_us), (3, 7));
     }

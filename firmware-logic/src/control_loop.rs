@@ -9,7 +9,7 @@ use fdi_core::{AdcCode, Celsius, Command, Feedback, Mode, Percent, RawSample, Re
 
 use crate::cadence::Arrival;
 use crate::explain::Explained;
-use crate::interlock::{Hold, Interlock};
+use crate::interlock::{Interlock, Lockout};
 use crate::self_test::{Ending, News, Output, Proof, SelfTest};
 
 /// The power output as the loop sees it.
@@ -27,13 +27,13 @@ pub trait Heater {
     /// Whether the break input is open, which means "stop".
     fn break_is_open(&self) -> bool;
     /// What disabled the output, where the loop did not.
-    fn cut_by(&self) -> Hold;
+    fn cut_by(&self) -> Lockout;
     /// Enables the output and breaks it by the hardware that the break input acts on; whether that has disabled it. The
     /// caller has set the power to zero and opened the contactor.
     fn test_break(&mut self) -> bool;
 }
 
-/// What the other half asks of this one.
+/// An order to the control half.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "copied once a second at most, into a queue of two")]
 pub enum Order {
@@ -80,7 +80,7 @@ pub enum Denial {
     /// The supervisor refused.
     Refused(Refusal),
     /// Something holds the heater off until it is acknowledged.
-    Held(Hold),
+    LockedOut(Lockout),
     /// The interlock on the break input is open.
     BreakOpen,
     /// No self-test has passed since the start.
@@ -97,7 +97,7 @@ impl fmt::Display for Denial {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Refused(refusal) => Explained(refusal).fmt(f),
-            Self::Held(hold) => write!(f, "held off: {hold}; expected `ack` first"),
+            Self::LockedOut(lockout) => write!(f, "locked out: {lockout}; expected `ack` first"),
             Self::BreakOpen => {
                 f.write_str("the interlock on the break input is open, expected it closed to ground")
             }
@@ -125,10 +125,10 @@ pub struct Outcome {
     pub result: Result<(), Denial>,
 }
 
-/// All that one tick of this half tells the other.
+/// The record of a tick: all that this half gives to the other.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Beat {
+pub struct TickRecord {
     /// Codes as they came.
     pub raw: RawSample,
     /// What the controller decided.
@@ -137,10 +137,10 @@ pub struct Beat {
     pub applied: Percent,
     /// When the tick began; no sample was taken on a tick that was missed.
     pub arrival: Arrival,
-    /// This beat stands for a tick that was missed.
+    /// It stands for a tick that was missed.
     pub missed: bool,
     /// What holds the heater off.
-    pub hold: Option<Hold>,
+    pub lockout: Option<Lockout>,
     /// The order carried out or denied before this tick.
     pub outcome: Option<Outcome>,
     /// What the self-test has to say.
@@ -162,7 +162,7 @@ pub struct ControlLoop {
     /// The loop wants the output enabled: if it is not, something cut it.
     driving: bool,
     applied: Percent,
-    /// The self-test, until it has told all.
+    /// The self-test, until all of it has been reported.
     check: Option<SelfTest>,
     checked: bool,
     /// The interlock's contact has kept the output off, or cut it.
@@ -185,7 +185,7 @@ impl ControlLoop {
         }
     }
 
-    /// Hears that the other half has a baseline from an earlier life.
+    /// A baseline was restored: there is no need to learn one.
     pub fn restored(&mut self, baseline: &Baseline) {
         self.controller.restored(&mut self.state, baseline);
     }
@@ -198,26 +198,26 @@ impl ControlLoop {
         order: Option<Order>,
         feedback: Feedback,
         heater: &mut impl Heater,
-    ) -> Beat {
-        self.controller.heard(&mut self.state, feedback);
+    ) -> TickRecord {
+        self.controller.feed_back(&mut self.state, feedback);
         // Whoever orders a stop may have disabled the output already, rather than wait for this tick.
         let stopping = matches!(order, Some(Order::Command(Command::Stop)));
         if self.driving && !heater.is_enabled() && !stopping {
-            let hold = heater.cut_by();
-            self.seen_to_cut |= hold == Hold::BreakInput;
-            self.interlock.latch(hold);
+            let lockout = heater.cut_by();
+            self.seen_to_cut |= lockout == Lockout::BreakInput;
+            self.interlock.latch(lockout);
             self.stop(Ending::Cut, heater);
         }
         let outcome = order.map(|order| self.carry_out(order, heater));
         let tick = self.controller.step(&mut self.state, raw);
         let output = self.wanted(&tick, raw);
         self.actuate(output, heater);
-        self.beat(raw, tick, arrival, outcome)
+        self.record(raw, tick, arrival, outcome)
     }
 
     /// A tick that never began: the core sees a sample that is missing, so that its time goes on and a T1 missing for
     /// too long trips. What drove the heater meanwhile is the power of the tick before.
-    pub fn missed(&mut self, arrival: Arrival, heater: &mut impl Heater) -> Beat {
+    pub fn missed(&mut self, arrival: Arrival, heater: &mut impl Heater) -> TickRecord {
         let tick = self.controller.step(&mut self.state, NO_SAMPLE);
         if let Some(check) = &mut self.check {
             check.abort(Ending::MissedTick);
@@ -226,21 +226,27 @@ impl ControlLoop {
             self.actuate(Output::Off, heater);
         }
         let applied = if heater.is_enabled() { self.applied } else { Percent(0.0) };
-        Beat { applied, missed: true, ..self.beat(NO_SAMPLE, tick, arrival, None) }
+        TickRecord { applied, missed: true, ..self.record(NO_SAMPLE, tick, arrival, None) }
     }
 
-    fn beat(&mut self, raw: RawSample, tick: Tick, arrival: Arrival, outcome: Option<Outcome>) -> Beat {
+    fn record(
+        &mut self,
+        raw: RawSample,
+        tick: Tick,
+        arrival: Arrival,
+        outcome: Option<Outcome>,
+    ) -> TickRecord {
         let news = self.check.as_mut().and_then(SelfTest::news);
-        if self.check.as_ref().is_some_and(SelfTest::is_told) {
+        if self.check.as_ref().is_some_and(SelfTest::is_reported) {
             self.check = None;
         }
-        Beat {
+        TickRecord {
             raw,
             tick,
             applied: self.applied,
             arrival,
             missed: false,
-            hold: self.interlock.hold(),
+            lockout: self.interlock.lockout(),
             outcome,
             news,
             checked: self.checked,
@@ -287,8 +293,8 @@ impl ControlLoop {
         if *mode != Mode::Off {
             return Err(Denial::Refused(Refusal::NotInMode(mode.name())));
         }
-        if let Some(hold) = self.interlock.hold() {
-            return Err(Denial::Held(hold));
+        if let Some(lockout) = self.interlock.lockout() {
+            return Err(Denial::LockedOut(lockout));
         }
         self.checked = false;
         self.actuate(Output::Off, heater);
@@ -309,8 +315,8 @@ impl ControlLoop {
     fn command(&mut self, command: Command, heater: &mut impl Heater) -> Result<(), Denial> {
         match command {
             Command::Arm => {
-                if let Some(hold) = self.interlock.hold() {
-                    return Err(Denial::Held(hold));
+                if let Some(lockout) = self.interlock.lockout() {
+                    return Err(Denial::LockedOut(lockout));
                 }
                 if heater.break_is_open() {
                     return Err(Denial::BreakOpen);

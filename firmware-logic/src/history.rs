@@ -7,7 +7,7 @@ use fdi_core::{AdcCode, Reading, Trip, TripReason};
 
 use crate::alarm::{self, Alarm};
 use crate::decimal::Fixed;
-use crate::interlock::Hold;
+use crate::interlock::Lockout;
 
 /// Entries kept.
 pub const LENGTH: usize = 8;
@@ -28,9 +28,9 @@ pub enum Entry {
     /// The supervisor tripped.
     Trip(Trip),
     /// Something held the heater off, from this tick on.
-    Hold {
+    Lockout {
         /// What.
-        hold: Hold,
+        lockout: Lockout,
         /// Since when.
         tick: u32,
     },
@@ -51,7 +51,7 @@ impl History {
         let _ = self.entries.push_back(entry);
     }
 
-    /// Takes in an event of the diagnosis. What becomes of a fault replaces its entry.
+    /// Adds an event of the diagnosis; what becomes of a fault replaces its entry.
     pub fn event(&mut self, event: Event) {
         let (fault, ended) = match event {
             Event::Detected(fault) => return self.push(Entry::Fault { fault, ended: false }),
@@ -65,7 +65,7 @@ impl History {
         }
     }
 
-    /// Takes in news of an alarm, which replace its entry.
+    /// Adds an alarm, or replaces its entry.
     pub fn alarm(&mut self, alarm: Alarm) {
         let same = |entry: &&mut Entry| matches!(entry, Entry::Alarm(known) if known.raised == alarm.raised);
         match self.entries.iter_mut().find(same) {
@@ -81,14 +81,14 @@ impl History {
 }
 
 /// An entry for people; `sample_time` in s turns ticks into times.
-pub struct Shown<'a> {
+pub struct EntryText<'a> {
     /// The entry.
     pub entry: &'a Entry,
     /// Ts in s.
     pub sample_time: f32,
 }
 
-impl fmt::Display for Shown<'_> {
+impl fmt::Display for EntryText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let seconds = |tick: u32| Fixed(tick as f32 * self.sample_time, 1);
         match self.entry {
@@ -109,7 +109,7 @@ impl fmt::Display for Shown<'_> {
                     false => f.write_str(", lasting"),
                 }
             }
-            Entry::Alarm(alarm) => alarm::Shown { alarm, sample_time: self.sample_time }.fmt(f),
+            Entry::Alarm(alarm) => alarm::AlarmText { alarm, sample_time: self.sample_time }.fmt(f),
             Entry::Trip(trip) => {
                 let (wanted, tick) = (Fixed(trip.setpoint.0, 1), seconds(trip.tick));
                 let (Reading { celsius, validity }, code) = seen(trip);
@@ -131,7 +131,7 @@ impl fmt::Display for Shown<'_> {
                     _ => Ok(()),
                 }
             }
-            Entry::Hold { hold, tick } => write!(f, "{} s hold: {hold}", seconds(*tick)),
+            Entry::Lockout { lockout, tick } => write!(f, "{} s lockout: {lockout}", seconds(*tick)),
         }
     }
 }
@@ -179,7 +179,7 @@ mod tests {
         history.event(Event::Ended(isolated));
         assert_eq!(history.get(0), Some(&Entry::Fault { fault: isolated, ended: true }));
         assert_eq!(history.get(1), None);
-        let text = Shown { entry: history.get(0).expect("one"), sample_time: 0.11 }.to_string();
+        let text = EntryText { entry: history.get(0).expect("one"), sample_time: 0.11 }.to_string();
         assert_eq!(text, "10.6 s fault: fdv 1 fiv 2, detected 11.0 s, isolated 12.1 s, lasted 22.1 s");
     }
 
@@ -209,7 +209,7 @@ mod tests {
             power: Percent(99.5),
             needed: Some(Percent(41.7)),
         };
-        let text = |trip| Shown { entry: &Entry::Trip(trip), sample_time: 0.11 }.to_string();
+        let text = |trip| EntryText { entry: &Entry::Trip(trip), sample_time: 0.11 }.to_string();
         let seen = "87.3 degC (Good, code 500) seen, 35.0 degC wanted at T1";
         assert_eq!(text(trip), format!("11.0 s trip: T2 is above the limit; {seen}, limit 75.0 degC"));
         let excess = text(Trip { reason: TripReason::ExcessPower, ..trip });
@@ -222,9 +222,9 @@ mod tests {
     fn the_oldest_makes_ambient() {
         let mut history = History::default();
         for tick in 0..LENGTH as u32 + 3 {
-            history.push(Entry::Hold { hold: Hold::BreakInput, tick });
+            history.push(Entry::Lockout { lockout: Lockout::BreakInput, tick });
         }
-        assert_eq!(history.get(0), Some(&Entry::Hold { hold: Hold::BreakInput, tick: 3 }));
+        assert_eq!(history.get(0), Some(&Entry::Lockout { lockout: Lockout::BreakInput, tick: 3 }));
         assert!(history.get(LENGTH - 1).is_some() && history.get(LENGTH).is_none());
     }
 }

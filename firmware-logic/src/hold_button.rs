@@ -26,7 +26,7 @@ impl HoldButton {
         Self { needed, held: SPENT }
     }
 
-    /// Takes in one look. While something heats, a pressed button stops it, even one that was pressed before: a jammed
+    /// What one look at the button asks for. While something heats, a pressed button stops it, even one that was pressed before: a jammed
     /// button lets nothing heat. The press that stopped acknowledges nothing.
     pub fn step(&mut self, pressed: bool, heating: bool) -> Option<Press> {
         if !pressed {

@@ -5,10 +5,10 @@ use core::fmt;
 
 use crate::reset_cause::{Death, ResetCause};
 
-/// Why the heater is held off.
+/// Why the heater is locked out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Hold {
+pub enum Lockout {
     /// The board has restarted for a reason that is a fault.
     Reset(ResetCause),
     /// The break input was open while the heater was driven.
@@ -17,13 +17,13 @@ pub enum Hold {
     MissedDeadline,
     /// The supply fell below the voltage detector's threshold while the heater was driven.
     Undervoltage,
-    /// The power went while the heater was driven, or was held off after it had been.
+    /// The power went while the heater was driven, or was locked out after it had been.
     PowerFailure,
     /// A debugger halted the core while the heater was driven.
     Halted,
 }
 
-impl fmt::Display for Hold {
+impl fmt::Display for Lockout {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Reset(cause) => write!(f, "restarted after: {}", cause.name()),
@@ -38,30 +38,30 @@ impl fmt::Display for Hold {
     }
 }
 
-/// All holds; the position is the number that [`Hold::number`] gives.
-const ALL: [Hold; 13] = [
-    Hold::BreakInput,
-    Hold::MissedDeadline,
-    Hold::Reset(ResetCause::BrownOut),
-    Hold::Reset(ResetCause::Watchdog),
-    Hold::Reset(ResetCause::Software),
-    Hold::Reset(ResetCause::Unexpected),
-    Hold::Reset(ResetCause::Died(Death::Panic)),
-    Hold::Reset(ResetCause::Died(Death::HardFault)),
-    Hold::Reset(ResetCause::Died(Death::ClockFailure)),
-    Hold::Reset(ResetCause::Died(Death::StrayInterrupt)),
-    Hold::Undervoltage,
-    Hold::PowerFailure,
-    Hold::Halted,
+/// All lockouts; the position is the number that [`Lockout::number`] gives.
+const ALL: [Lockout; 13] = [
+    Lockout::BreakInput,
+    Lockout::MissedDeadline,
+    Lockout::Reset(ResetCause::BrownOut),
+    Lockout::Reset(ResetCause::Watchdog),
+    Lockout::Reset(ResetCause::Software),
+    Lockout::Reset(ResetCause::Unexpected),
+    Lockout::Reset(ResetCause::Died(Death::Panic)),
+    Lockout::Reset(ResetCause::Died(Death::HardFault)),
+    Lockout::Reset(ResetCause::Died(Death::ClockFailure)),
+    Lockout::Reset(ResetCause::Died(Death::StrayInterrupt)),
+    Lockout::Undervoltage,
+    Lockout::PowerFailure,
+    Lockout::Halted,
 ];
 
-impl Hold {
+impl Lockout {
     /// A number from 1 on, for memory that outlives a reset.
     pub fn number(self) -> u8 {
-        ALL.iter().position(|hold| *hold == self).map_or(0, |i| i as u8 + 1)
+        ALL.iter().position(|lockout| *lockout == self).map_or(0, |i| i as u8 + 1)
     }
 
-    /// The hold with this number.
+    /// The lockout with this number.
     pub fn from_number(number: u8) -> Option<Self> {
         ALL.get(usize::from(number).checked_sub(1)?).copied()
     }
@@ -70,38 +70,38 @@ impl Hold {
 /// The latch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Interlock {
-    hold: Option<Hold>,
+    lockout: Option<Lockout>,
 }
 
 impl Interlock {
     /// At start: a fault reset latches, and so does what was latched before the reset and never acknowledged. That holds
     /// for power-on, too, for without a brown-out level a sag of the supply looks like it; memory that really was without
     /// power holds nothing that is believed.
-    pub fn at_boot(cause: ResetCause, left_behind: Option<Hold>) -> Self {
-        Self { hold: if cause.is_fault() { Some(Hold::Reset(cause)) } else { left_behind } }
+    pub fn at_boot(cause: ResetCause, left_behind: Option<Lockout>) -> Self {
+        Self { lockout: if cause.is_fault() { Some(Lockout::Reset(cause)) } else { left_behind } }
     }
 
-    /// Hears whether the flash has the mark that is there from arming on until the heater is off and acknowledged. After a
+    /// Latches where the flash has the mark that stands there from arming on until the heater is off and acknowledged. After a
     /// reset that was none of the supply's the cause of the reset says all that there is to say.
     pub fn marked(&mut self, cause: ResetCause, marked: bool) {
         if marked && cause == ResetCause::PowerOn {
-            self.latch(Hold::PowerFailure);
+            self.latch(Lockout::PowerFailure);
         }
     }
 
     /// What holds the heater off.
-    pub fn hold(&self) -> Option<Hold> {
-        self.hold
+    pub fn lockout(&self) -> Option<Lockout> {
+        self.lockout
     }
 
     /// Latches; the first reason stays until it is acknowledged.
-    pub fn latch(&mut self, hold: Hold) {
-        self.hold.get_or_insert(hold);
+    pub fn latch(&mut self, lockout: Lockout) {
+        self.lockout.get_or_insert(lockout);
     }
 
     /// Releases the latch. `false` if nothing was latched.
     pub fn acknowledge(&mut self) -> bool {
-        self.hold.take().is_some()
+        self.lockout.take().is_some()
     }
 }
 
@@ -122,55 +122,55 @@ mod tests {
             ResetCause::Died(Death::StrayInterrupt),
         ];
         for cause in causes {
-            let hold = Interlock::at_boot(cause, None).hold();
-            assert_eq!(hold, Some(Hold::Reset(cause)));
-            let number = hold.map_or(0, Hold::number);
-            assert!(number > 0 && Hold::from_number(number) == hold, "{cause:?}: {number}");
+            let lockout = Interlock::at_boot(cause, None).lockout();
+            assert_eq!(lockout, Some(Lockout::Reset(cause)));
+            let number = lockout.map_or(0, Lockout::number);
+            assert!(number > 0 && Lockout::from_number(number) == lockout, "{cause:?}: {number}");
         }
-        for hold in ALL {
-            assert_eq!(Hold::from_number(hold.number()), Some(hold));
+        for lockout in ALL {
+            assert_eq!(Lockout::from_number(lockout.number()), Some(lockout));
         }
-        assert_eq!(Hold::from_number(0), None);
-        assert_eq!(Hold::from_number(ALL.len() as u8 + 1), None);
+        assert_eq!(Lockout::from_number(0), None);
+        assert_eq!(Lockout::from_number(ALL.len() as u8 + 1), None);
     }
 
     #[test]
     fn the_reset_button_is_no_acknowledgement() {
-        let held = Interlock::at_boot(ResetCause::Pin, Some(Hold::BreakInput));
-        assert_eq!(held.hold(), Some(Hold::BreakInput));
-        assert_eq!(Interlock::at_boot(ResetCause::Pin, None).hold(), None);
+        let held = Interlock::at_boot(ResetCause::Pin, Some(Lockout::BreakInput));
+        assert_eq!(held.lockout(), Some(Lockout::BreakInput));
+        assert_eq!(Interlock::at_boot(ResetCause::Pin, None).lockout(), None);
     }
 
     #[test]
     fn a_sag_that_looks_like_power_on_is_no_acknowledgement() {
-        let held = Interlock::at_boot(ResetCause::PowerOn, Some(Hold::Undervoltage));
-        assert_eq!(held.hold(), Some(Hold::Undervoltage));
-        assert_eq!(Interlock::at_boot(ResetCause::PowerOn, None).hold(), None);
+        let held = Interlock::at_boot(ResetCause::PowerOn, Some(Lockout::Undervoltage));
+        assert_eq!(held.lockout(), Some(Lockout::Undervoltage));
+        assert_eq!(Interlock::at_boot(ResetCause::PowerOn, None).lockout(), None);
     }
 
     #[test]
     fn a_mark_in_flash_holds_after_power_on_and_the_first_reason_stays() {
         let mut interlock = Interlock::at_boot(ResetCause::PowerOn, None);
         interlock.marked(ResetCause::PowerOn, false);
-        assert_eq!(interlock.hold(), None);
+        assert_eq!(interlock.lockout(), None);
         interlock.marked(ResetCause::PowerOn, true);
-        assert_eq!(interlock.hold(), Some(Hold::PowerFailure));
+        assert_eq!(interlock.lockout(), Some(Lockout::PowerFailure));
         let mut pressed = Interlock::at_boot(ResetCause::Pin, None);
         pressed.marked(ResetCause::Pin, true);
-        assert_eq!(pressed.hold(), None, "somebody stands there");
-        let mut sagged = Interlock::at_boot(ResetCause::PowerOn, Some(Hold::Undervoltage));
+        assert_eq!(pressed.lockout(), None, "somebody stands there");
+        let mut sagged = Interlock::at_boot(ResetCause::PowerOn, Some(Lockout::Undervoltage));
         sagged.marked(ResetCause::PowerOn, true);
-        assert_eq!(sagged.hold(), Some(Hold::Undervoltage));
+        assert_eq!(sagged.lockout(), Some(Lockout::Undervoltage));
     }
 
     #[test]
     fn the_first_reason_stays_until_acknowledged() {
         let mut interlock = Interlock::default();
         assert!(!interlock.acknowledge());
-        interlock.latch(Hold::MissedDeadline);
-        interlock.latch(Hold::BreakInput);
-        assert_eq!(interlock.hold(), Some(Hold::MissedDeadline));
+        interlock.latch(Lockout::MissedDeadline);
+        interlock.latch(Lockout::BreakInput);
+        assert_eq!(interlock.lockout(), Some(Lockout::MissedDeadline));
         assert!(interlock.acknowledge());
-        assert_eq!(interlock.hold(), None);
+        assert_eq!(interlock.lockout(), None);
     }
 }

@@ -9,8 +9,8 @@ pub enum Sign {
     Heating,
     /// Heating, and something is wrong: two flashes and a pause.
     Alarm,
-    /// Tripped or held off until acknowledged: fast blinking.
-    Held,
+    /// Tripped or locked out until acknowledged: fast blinking.
+    Latched,
 }
 
 /// Looks at the LED in one round of a pattern: 2 s of 50 ms each.
@@ -23,7 +23,7 @@ impl Sign {
             Self::Off => 0b1,
             Self::Heating => (1 << ROUND) - 1 - 0b11,
             Self::Alarm => 0b11111_00000_11111,
-            Self::Held => 0b00000_11111_00000_11111_00000_11111_00000_11111,
+            Self::Latched => 0b00000_11111_00000_11111_00000_11111_00000_11111,
         }
     }
 
@@ -37,7 +37,7 @@ impl Sign {
 mod tests {
     use super::*;
 
-    const ALL: [Sign; 4] = [Sign::Off, Sign::Heating, Sign::Alarm, Sign::Held];
+    const ALL: [Sign; 4] = [Sign::Off, Sign::Heating, Sign::Alarm, Sign::Latched];
 
     /// Changes in a round, and how long it is lit: what an eye sees, whenever it begins to look.
     fn seen(sign: Sign) -> (usize, usize) {

@@ -4,7 +4,6 @@
 
 pub mod alarm;
 pub mod cadence;
-pub mod checkin;
 pub mod console;
 pub mod control_loop;
 pub mod crc;
@@ -16,10 +15,11 @@ pub mod history;
 pub mod hold_button;
 pub mod interlock;
 pub mod led;
-pub mod record;
+pub mod log_line;
 pub mod reset_cause;
 pub mod retained;
 pub mod sampling;
 pub mod self_test;
 pub mod settings;
 pub mod status;
+pub mod task_watchdog;

@@ -55,7 +55,7 @@ pub enum ResetCause {
 }
 
 impl ResetCause {
-    /// Judges flags and legacy. A watchdog flag outranks the rest, since a program may well die and then hang; last words
+    /// Judges flags and legacy. A watchdog flag outranks the rest, since a program may well die and then hang; a crash record
     /// outrank power-on, since a sag of the supply looks like it and leaves the memory as it was.
     pub fn new(flags: ResetFlags, death: Option<Death>) -> Self {
         match (flags, death) {

@@ -1,16 +1,16 @@
-//! What is kept in RAM over a reset: the last words of a program that died, and what holds the heater off.
+//! What is kept in RAM over a reset: the crash record of a program that died, and what holds the heater off.
 //!
 //! RAM holds noise after power-up and perhaps half a write after a reset, so a magic number, a length and a CRC decide
 //! whether it is believed.
 //!
 //! ```text
-//! word 0 magic and version   word 1 death | hold << 8 | length << 16   words 2.. text   last word CRC-32 of the rest
+//! word 0 magic and version   word 1 death | lockout << 8 | length << 16   words 2.. text   last word CRC-32 of the rest
 //! ```
 
 use core::fmt;
 
 use crate::crc::crc32;
-use crate::interlock::Hold;
+use crate::interlock::Lockout;
 use crate::reset_cause::Death;
 
 /// Size in words.
@@ -25,12 +25,12 @@ pub type Words = [u32; WORDS];
 
 /// A message of bounded length that can be written to with `write!`; what does not fit is cut.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LastWords {
+pub struct CrashMessage {
     text: [u8; TEXT],
     length: usize,
 }
 
-impl LastWords {
+impl CrashMessage {
     /// No words.
     pub const EMPTY: Self = Self { text: [0; TEXT], length: 0 };
 
@@ -46,7 +46,7 @@ impl LastWords {
     }
 }
 
-impl fmt::Write for LastWords {
+impl fmt::Write for CrashMessage {
     fn write_str(&mut self, s: &str) -> fmt::Result {
         let free = self.text.get_mut(self.length..).unwrap_or_default();
         let n = s.len().min(free.len());
@@ -64,22 +64,22 @@ pub struct Retained {
     /// How the program died, if it did.
     pub death: Option<Death>,
     /// What holds the heater off.
-    pub hold: Option<Hold>,
+    pub lockout: Option<Lockout>,
     /// Its message.
-    pub words: LastWords,
+    pub words: CrashMessage,
 }
 
 impl Retained {
     /// Nothing to tell.
-    pub const EMPTY: Self = Self { death: None, hold: None, words: LastWords::EMPTY };
+    pub const EMPTY: Self = Self { death: None, lockout: None, words: CrashMessage::EMPTY };
 
     /// As it lies in RAM.
     pub fn pack(&self) -> Words {
         let mut words = [0; WORDS];
         let death = self.death.map_or(0, death_number);
-        let hold = self.hold.map_or(0, Hold::number);
+        let lockout = self.lockout.map_or(0, Lockout::number);
         words[0] = MAGIC;
-        words[1] = u32::from(death) | u32::from(hold) << 8 | (self.words.length as u32) << 16;
+        words[1] = u32::from(death) | u32::from(lockout) << 8 | (self.words.length as u32) << 16;
         for (word, bytes) in words[2..WORDS - 1].iter_mut().zip(self.words.text.chunks_exact(4)) {
             *word = bytes.iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte));
         }
@@ -99,8 +99,8 @@ impl Retained {
         }
         Some(Self {
             death: death_from(words[1] as u8),
-            hold: Hold::from_number((words[1] >> 8) as u8),
-            words: LastWords { text, length },
+            lockout: Lockout::from_number((words[1] >> 8) as u8),
+            words: CrashMessage { text, length },
         })
     }
 }
@@ -137,9 +137,9 @@ mod tests {
     use crate::reset_cause::ResetCause;
 
     fn example() -> Retained {
-        let mut words = LastWords::EMPTY;
+        let mut words = CrashMessage::EMPTY;
         write!(words, "src/main.rs:42: index 7, length 5 (T1 \u{b0}C)").expect("never fails");
-        Retained { death: Some(Death::Panic), hold: Some(Hold::Reset(ResetCause::Watchdog)), words }
+        Retained { death: Some(Death::Panic), lockout: Some(Lockout::Reset(ResetCause::Watchdog)), words }
     }
 
     #[test]
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn too_long_a_message_is_cut_also_within_a_character() {
-        let mut words = LastWords::EMPTY;
+        let mut words = CrashMessage::EMPTY;
         for _ in 0..TEXT {
             words.write_str("\u{b0}C").expect("never fails");
         }

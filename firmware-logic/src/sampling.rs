@@ -22,7 +22,7 @@ pub struct Mean {
 }
 
 impl Mean {
-    /// Takes in a conversion; `None` is one that never ended.
+    /// Adds a conversion; `None` is one that never ended.
     pub fn push(&mut self, code: Option<u16>) {
         match code {
             Some(code) => {

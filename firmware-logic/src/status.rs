@@ -5,10 +5,10 @@ use core::fmt;
 use fdi_core::likelihood::{Readiness, RejectReason};
 use fdi_core::{Mode, Percent, Reading, Report, Validity};
 
-use crate::cadence::Punctuality;
-use crate::control_loop::Beat;
+use crate::cadence::Jitter;
+use crate::control_loop::TickRecord;
 use crate::decimal::Fixed;
-use crate::interlock::Hold;
+use crate::interlock::Lockout;
 use crate::led::Sign;
 use crate::self_test::Progress;
 
@@ -16,10 +16,10 @@ use crate::self_test::Progress;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Health {
-    /// Punctuality of the control tick.
-    pub punctuality: Punctuality,
+    /// Jitter of the control tick.
+    pub jitter: Jitter,
     /// Ticks that the diagnosis never saw.
-    pub beats_lost: u32,
+    pub records_lost: u32,
     /// Frames of the log that did not fit.
     pub log_dropped: u32,
     /// Most bytes of stack ever used.
@@ -31,8 +31,8 @@ pub struct Health {
 /// What the last tick said.
 #[derive(Clone, Debug, Default)]
 pub struct Status {
-    /// Beat and report of the last tick; `None` before the first.
-    pub last: Option<(Beat, Report)>,
+    /// TickRecord and report of the last tick; `None` before the first.
+    pub last: Option<(TickRecord, Report)>,
     /// Health of the board.
     pub health: Health,
     /// What the self-test has told so far.
@@ -42,21 +42,21 @@ pub struct Status {
 impl Status {
     /// Whether a self-test has passed since the start.
     pub fn is_checked(&self) -> bool {
-        self.last.as_ref().is_some_and(|(beat, _)| beat.checked)
+        self.last.as_ref().is_some_and(|(record, _)| record.checked)
     }
 
-    /// Whether a trip or a hold keeps the heater off.
-    pub fn is_held(&self) -> bool {
-        let tripped = |(beat, _): &(Beat, Report)| matches!(beat.tick.mode, Mode::Tripped(_));
-        self.hold().is_some() || self.last.as_ref().is_some_and(tripped)
+    /// Whether a trip or a lockout keeps the heater off.
+    pub fn is_latched(&self) -> bool {
+        let tripped = |(record, _): &(TickRecord, Report)| matches!(record.tick.mode, Mode::Tripped(_));
+        self.lockout().is_some() || self.last.as_ref().is_some_and(tripped)
     }
 
     /// What the LED should say.
     pub fn sign(&self) -> Sign {
         let Some((_, report)) = &self.last else { return Sign::Off };
         let faulty = report.likelihood.alarm || report.filtered.is_some_and(|verdict| verdict.fdv != 0);
-        match (self.is_held(), self.is_heating() || self.check.stage.is_some()) {
-            (true, _) => Sign::Held,
+        match (self.is_latched(), self.is_heating() || self.check.stage.is_some()) {
+            (true, _) => Sign::Latched,
             (false, true) if faulty => Sign::Alarm,
             (false, true) => Sign::Heating,
             (false, false) => Sign::Off,
@@ -64,26 +64,26 @@ impl Status {
     }
 
     /// What holds the heater off.
-    pub fn hold(&self) -> Option<Hold> {
-        self.last.as_ref().and_then(|(beat, _)| beat.hold)
+    pub fn lockout(&self) -> Option<Lockout> {
+        self.last.as_ref().and_then(|(record, _)| record.lockout)
     }
 
     /// Whether the heater may be on.
     pub fn is_heating(&self) -> bool {
-        self.last.as_ref().is_some_and(|(beat, _)| beat.tick.mode.is_heating())
+        self.last.as_ref().is_some_and(|(record, _)| record.tick.mode.is_heating())
     }
 }
 
 impl fmt::Display for Status {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some((beat, report)) = &self.last else { return f.write_str("no tick yet") };
-        let tick = &beat.tick;
+        let Some((record, report)) = &self.last else { return f.write_str("no tick yet") };
+        let tick = &record.tick;
         write!(f, "mode {}", tick.mode.name())?;
         if let Mode::Tripped(trip) = tick.mode {
             write!(f, " ({}), `ack` when its cause has gone", trip.reason.words())?;
         }
-        if let Some(hold) = beat.hold {
-            write!(f, ", heater held off: {hold}; `ack` to release")?;
+        if let Some(lockout) = record.lockout {
+            write!(f, ", heater locked out: {lockout}; `ack` to release")?;
         }
         if let Some(stage) = self.check.stage {
             write!(f, ", check under way: {}, {} findings", stage.name(), self.check.findings.len())?;
@@ -92,8 +92,8 @@ impl fmt::Display for Status {
             write!(f, ", not learning: {}", blocker.words())?;
         }
         let sample = &tick.sample;
-        let [t0, t1, t2] = [sample.t0, sample.t1, sample.t2].map(Shown);
-        let Percent(drive) = beat.applied;
+        let [t0, t1, t2] = [sample.t0, sample.t1, sample.t2].map(ReadingText);
+        let Percent(drive) = record.applied;
         write!(
             f,
             "\nT0 {t0}, T1 {t1} of {} degC, T2 {t2}, heater {} %",
@@ -117,14 +117,14 @@ impl fmt::Display for Status {
 
 impl fmt::Display for Health {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let p = &self.punctuality;
+        let p = &self.jitter;
         write!(
             f,
             "ticks {} missed {} worst {} us late, diagnosis lost {}, log dropped {}, stack {} of {} bytes",
             p.ticks,
             p.missed,
             p.worst_us,
-            self.beats_lost,
+            self.records_lost,
             self.log_dropped,
             self.stack_used,
             self.stack_size
@@ -152,9 +152,9 @@ fn number(f: &mut fmt::Formatter<'_>, x: Option<f32>, decimals: u8) -> fmt::Resu
 }
 
 /// A reading, with its doubts.
-struct Shown(Reading);
+struct ReadingText(Reading);
 
-impl fmt::Display for Shown {
+impl fmt::Display for ReadingText {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Fixed(self.0.celsius.0, 2).fmt(f)?;
         match self.0.validity {

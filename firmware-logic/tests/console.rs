@@ -10,7 +10,7 @@ use fdi_core::{Celsius, Command, Config};
 use firmware_logic::console::{ANSWER, ApplyError, Board, Console, line};
 use firmware_logic::control_loop::Denial;
 use firmware_logic::history::Entry;
-use firmware_logic::interlock::Hold;
+use firmware_logic::interlock::Lockout;
 use firmware_logic::self_test::{Ending, Finding, News, Progress, Stage};
 use firmware_logic::settings::store::SaveError;
 use firmware_logic::settings::stored::check;
@@ -22,7 +22,7 @@ use proptest::prelude::*;
 struct Mock {
     asked: Vec<String>,
     config: Config,
-    held: Option<Hold>,
+    held: Option<Lockout>,
     heating: bool,
     progress: Progress,
 }
@@ -31,7 +31,7 @@ impl Board for Mock {
     async fn command(&mut self, command: Command) -> Result<(), Denial> {
         self.asked.push(format!("{command:?}"));
         match (command, self.held) {
-            (Command::Arm, Some(hold)) => Err(Denial::Held(hold)),
+            (Command::Arm, Some(lockout)) => Err(Denial::LockedOut(lockout)),
             (Command::Arm, None) => {
                 self.heating = true;
                 Ok(())
@@ -41,7 +41,7 @@ impl Board for Mock {
     }
     async fn check(&mut self) -> Result<(), Denial> {
         self.asked.push("check".into());
-        self.progress.hear(News::Stage(Stage::Rest));
+        self.progress.note(News::Stage(Stage::Rest));
         Ok(())
     }
     fn progress(&self) -> Progress {
@@ -73,7 +73,7 @@ impl Board for Mock {
         Some(Baseline { samples: 1637, ..Baseline::default() })
     }
     fn fault(&self, index: usize) -> Option<Entry> {
-        (index < 2).then_some(Entry::Hold { hold: Hold::BreakInput, tick: 100 * (index as u32 + 1) })
+        (index < 2).then_some(Entry::Lockout { lockout: Lockout::BreakInput, tick: 100 * (index as u32 + 1) })
     }
 }
 
@@ -103,9 +103,9 @@ fn answer(board: &mut Mock, line: &str) -> String {
 
 #[test]
 fn arms_stops_and_acknowledges() {
-    let mut board = Mock { held: Some(Hold::BreakInput), ..Mock::default() };
+    let mut board = Mock { held: Some(Lockout::BreakInput), ..Mock::default() };
     let refused = answer(&mut board, "arm");
-    assert_eq!(refused, "error: held off: the interlock on the break input opened; expected `ack` first\n");
+    assert_eq!(refused, "error: locked out: the interlock on the break input opened; expected `ack` first\n");
     assert_eq!(answer(&mut board, "ack"), "ok\n");
     assert_eq!(answer(&mut board, "stop"), "stopped\n");
     assert_eq!(board.asked, ["Arm", "Acknowledge", "stop"]);
@@ -188,17 +188,17 @@ fn a_check_is_followed_while_it_is_under_way() {
     assert_eq!(follow(&board, &mut console), "\ncheck: thermistors at rest\n> ");
     assert_eq!(follow(&board, &mut console), "", "nothing new");
     board.config.sensors.t2.offset = Celsius(0.5);
-    board.progress.hear(News::Found(Finding::Offset(Channel::T2, 1.25)));
-    board.progress.hear(News::Found(Finding::Unheated));
+    board.progress.note(News::Found(Finding::Offset(Channel::T2, 1.25)));
+    board.progress.note(News::Found(Finding::Unheated));
     let told = follow(&board, &mut console);
     assert!(
         told.contains("T2 reads 1.25 degC from") && told.contains("`set sensors.t2.offset -0.75`"),
         "{told}"
     );
     assert!(told.contains("\nno thermistor answers"), "{told}");
-    board.progress.hear(News::Ended(Ending::Failed(1)));
+    board.progress.note(News::Ended(Ending::Failed(1)));
     assert_eq!(follow(&board, &mut console), "\ncheck failed: 1 finding\n> ");
-    board.progress.hear(News::Stage(Stage::Rest));
+    board.progress.note(News::Stage(Stage::Rest));
     assert_eq!(board.progress.findings, [], "another check begins with nothing");
     assert_eq!(follow(&board, &mut console), "\ncheck: thermistors at rest\n> ");
 }

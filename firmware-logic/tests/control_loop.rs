@@ -6,8 +6,8 @@ use fdi_core::control::Controller;
 use fdi_core::sense::thermistor::ThermistorConfig;
 use fdi_core::{AdcCode, Command, Config, Feedback, Mode, Percent, RawSample, Refusal, TripReason};
 use firmware_logic::cadence::Arrival;
-use firmware_logic::control_loop::{Asked, Beat, ControlLoop, Denial, Order};
-use firmware_logic::interlock::{Hold, Interlock};
+use firmware_logic::control_loop::{Asked, ControlLoop, Denial, Order, TickRecord};
+use firmware_logic::interlock::{Interlock, Lockout};
 use firmware_logic::reset_cause::ResetCause;
 use output::Output;
 
@@ -42,24 +42,24 @@ impl Bench {
     fn heating() -> Self {
         let mut bench = Self::new(ResetCause::PowerOn);
         assert_eq!(bench.order(Command::Arm).outcome.expect("an order").result, Ok(()));
-        let beat = bench.tick();
-        assert!(beat.tick.mode.is_heating() && bench.output.given() > 0.0, "it is cold: heat");
-        assert_eq!(beat.applied, beat.tick.drive);
+        let record = bench.tick();
+        assert!(record.tick.mode.is_heating() && bench.output.given() > 0.0, "it is cold: heat");
+        assert_eq!(record.applied, record.tick.drive);
         bench
     }
 
-    fn step(&mut self, order: Option<Order>) -> Beat {
+    fn step(&mut self, order: Option<Order>) -> TickRecord {
         self.noise = (self.noise + 1) % 3; // a live sensor is never quite still
         let wiggle = |code: AdcCode| AdcCode(code.0 + self.noise as f32);
         let raw = RawSample { t0: self.codes.t0, t1: wiggle(self.codes.t1), t2: wiggle(self.codes.t2) };
         self.control.tick(raw, Arrival::default(), order, Feedback::default(), &mut self.output)
     }
 
-    fn tick(&mut self) -> Beat {
+    fn tick(&mut self) -> TickRecord {
         self.step(None)
     }
 
-    fn order(&mut self, command: Command) -> Beat {
+    fn order(&mut self, command: Command) -> TickRecord {
         self.step(Some(Order::Command(command)))
     }
 }
@@ -78,8 +78,8 @@ fn starts_disabled_and_arms_only_on_command() {
         assert_eq!(bench.tick().applied, Percent(0.0));
         assert!(!bench.output.enabled);
     }
-    let beat = bench.order(Command::Arm);
-    assert_eq!(beat.outcome.expect("an order").result, Ok(()));
+    let record = bench.order(Command::Arm);
+    assert_eq!(record.outcome.expect("an order").result, Ok(()));
     assert!(bench.output.enabled && bench.output.given() > 0.0);
 }
 
@@ -88,9 +88,9 @@ fn an_open_break_input_cuts_at_once_latches_and_survives_being_closed() {
     let mut bench = Bench::heating();
     bench.output.open = true;
     bench.output.enabled = false; // what the chip does by itself
-    let beat = bench.tick();
-    assert_eq!((beat.hold, beat.applied), (Some(Hold::BreakInput), Percent(0.0)));
-    assert_eq!(beat.tick.mode, Mode::Off);
+    let record = bench.tick();
+    assert_eq!((record.lockout, record.applied), (Some(Lockout::BreakInput), Percent(0.0)));
+    assert_eq!(record.tick.mode, Mode::Off);
     bench.output.open = false;
     for _ in 0..10 {
         bench.tick();
@@ -98,7 +98,7 @@ fn an_open_break_input_cuts_at_once_latches_and_survives_being_closed() {
     }
     assert_eq!(
         bench.order(Command::Arm).outcome.expect("an order").result,
-        Err(Denial::Held(Hold::BreakInput))
+        Err(Denial::LockedOut(Lockout::BreakInput))
     );
     assert_eq!(bench.order(Command::Acknowledge).outcome.expect("an order").result, Ok(()));
     assert!(!bench.output.enabled, "acknowledging is not arming");
@@ -110,25 +110,25 @@ fn an_open_break_input_cuts_at_once_latches_and_survives_being_closed() {
 fn does_not_arm_with_the_break_input_open() {
     let mut bench = Bench::new(ResetCause::PowerOn);
     bench.output.open = true;
-    let beat = bench.order(Command::Arm);
-    assert_eq!(beat.outcome.expect("an order").result, Err(Denial::BreakOpen));
-    assert_eq!((beat.tick.mode, bench.output.enabled), (Mode::Off, false));
+    let record = bench.order(Command::Arm);
+    assert_eq!(record.outcome.expect("an order").result, Err(Denial::BreakOpen));
+    assert_eq!((record.tick.mode, bench.output.enabled), (Mode::Off, false));
 }
 
 #[test]
-fn the_dead_man_is_told_from_the_break_input() {
+fn the_deadline_watchdog_is_told_from_the_break_input() {
     let mut bench = Bench::heating();
-    bench.output.dead_man = true;
+    bench.output.missed_deadline = true;
     bench.output.enabled = false;
-    assert_eq!(bench.tick().hold, Some(Hold::MissedDeadline));
+    assert_eq!(bench.tick().lockout, Some(Lockout::MissedDeadline));
     assert_eq!(bench.output.given(), 0.0);
 }
 
 #[test]
 fn a_fault_reset_needs_an_acknowledgement() {
     let mut bench = Bench::new(ResetCause::Watchdog);
-    let held = Hold::Reset(ResetCause::Watchdog);
-    assert_eq!(bench.order(Command::Arm).outcome.expect("an order").result, Err(Denial::Held(held)));
+    let held = Lockout::Reset(ResetCause::Watchdog);
+    assert_eq!(bench.order(Command::Arm).outcome.expect("an order").result, Err(Denial::LockedOut(held)));
     assert!(!bench.output.enabled);
     assert_eq!(bench.order(Command::Acknowledge).outcome.expect("an order").result, Ok(()));
     assert_eq!(bench.order(Command::Arm).outcome.expect("an order").result, Ok(()));
@@ -154,8 +154,8 @@ fn stop_works_in_every_mode() {
 fn a_stop_that_has_cut_the_output_already_is_no_fault() {
     let mut bench = Bench::heating();
     bench.output.enabled = false; // the console cuts first and then says so
-    let beat = bench.order(Command::Stop);
-    assert_eq!((beat.tick.mode, beat.hold), (Mode::Off, None));
+    let record = bench.order(Command::Stop);
+    assert_eq!((record.tick.mode, record.lockout), (Mode::Off, None));
     assert_eq!(bench.order(Command::Arm).outcome.expect("an order").result, Ok(()));
 }
 
@@ -164,13 +164,13 @@ fn a_trip_cuts_in_the_same_tick_and_one_acknowledgement_serves() {
     for (code, reason) in [(4090.0, TripReason::T1Open), (5.0, TripReason::T1Short)] {
         let mut bench = Bench::heating();
         bench.codes.t1 = AdcCode(code);
-        let beat = bench.tick();
+        let record = bench.tick();
         assert!(
-            matches!(beat.tick.mode, Mode::Tripped(trip) if trip.reason == reason),
+            matches!(record.tick.mode, Mode::Tripped(trip) if trip.reason == reason),
             "{:?}",
-            beat.tick.mode
+            record.tick.mode
         );
-        assert_eq!((beat.applied, bench.output.given()), (Percent(0.0), 0.0));
+        assert_eq!((record.applied, bench.output.given()), (Percent(0.0), 0.0));
         bench.codes.t1 = ambient_code();
         (0..20).for_each(|_| {
             bench.tick();
@@ -189,7 +189,7 @@ fn the_contactor_is_closed_by_arming_and_opened_by_every_way_out() {
         }),
         ("trip", |bench| bench.codes.t1 = AdcCode(4090.0)),
         ("break input", |bench| (bench.output.open, bench.output.enabled) = (true, false)),
-        ("dead man", |bench| (bench.output.dead_man, bench.output.enabled) = (true, false)),
+        ("missed deadline", |bench| (bench.output.missed_deadline, bench.output.enabled) = (true, false)),
         ("missed ticks", |bench| {
             for _ in 0..10 {
                 bench.control.missed(Arrival::default(), &mut bench.output);
@@ -240,7 +240,7 @@ fn new_settings_take_effect_without_a_restart() {
         ..Config::default()
     };
     let controller = Controller::new(&config).expect("valid");
-    let beat = bench.step(Some(Order::Retune(controller)));
-    assert_eq!(beat.outcome.expect("an order").asked, Asked::Settings);
-    assert!(beat.tick.mode.is_heating() && beat.tick.drive.0 <= 20.0, "{:?}", beat.tick.drive);
+    let record = bench.step(Some(Order::Retune(controller)));
+    assert_eq!(record.outcome.expect("an order").asked, Asked::Settings);
+    assert!(record.tick.mode.is_heating() && record.tick.drive.0 <= 20.0, "{:?}", record.tick.drive);
 }

@@ -8,8 +8,8 @@ use fdi_core::likelihood::Channel;
 use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
 use fdi_core::{AdcCode, Celsius, Command, Config, Feedback, Mode, RawSample, Refusal};
 use firmware_logic::cadence::Arrival;
-use firmware_logic::control_loop::{Beat, ControlLoop, Denial, Order};
-use firmware_logic::interlock::{Hold, Interlock};
+use firmware_logic::control_loop::{ControlLoop, Denial, Order, TickRecord};
+use firmware_logic::interlock::{Interlock, Lockout};
 use firmware_logic::self_test::{Ending, Finding, LEVELS, LONGEST, MAX_RISE, News, Progress};
 use output::Output;
 use proptest::prelude::*;
@@ -54,19 +54,19 @@ impl Bench {
         RawSample { t0: code(0.0), t1: code(self.rises[1]), t2: code(self.rises[2]) }
     }
 
-    fn step(&mut self, raw: RawSample, order: Option<Order>) -> Beat {
-        let beat = self.control.tick(raw, Arrival::default(), order, Feedback::default(), &mut self.output);
-        self.hear(&beat);
-        beat
+    fn step(&mut self, raw: RawSample, order: Option<Order>) -> TickRecord {
+        let record = self.control.tick(raw, Arrival::default(), order, Feedback::default(), &mut self.output);
+        self.progress_of(&record);
+        record
     }
 
-    fn hear(&mut self, beat: &Beat) {
-        if let Some(news) = beat.news {
-            self.progress.hear(news);
+    fn progress_of(&mut self, record: &TickRecord) {
+        if let Some(news) = record.news {
+            self.progress.note(news);
         }
     }
 
-    fn tick(&mut self) -> Beat {
+    fn tick(&mut self) -> TickRecord {
         let raw = self.codes();
         self.step(raw, None)
     }
@@ -172,8 +172,8 @@ const WAYS_OUT: [WayOut; 6] = [
     (
         "missed tick",
         |bench| {
-            let beat = bench.control.missed(Arrival::default(), &mut bench.output);
-            bench.hear(&beat);
+            let record = bench.control.missed(Arrival::default(), &mut bench.output);
+            bench.progress_of(&record);
         },
         Some(Ending::MissedTick),
     ),
@@ -245,9 +245,9 @@ fn an_open_interlock_while_checking_is_a_hold() {
         bench.tick();
     }
     (bench.output.open, bench.output.enabled) = (true, false);
-    assert_eq!(bench.tick().hold, Some(Hold::BreakInput));
+    assert_eq!(bench.tick().lockout, Some(Lockout::BreakInput));
     bench.output.open = false;
-    assert_eq!(bench.order(Order::Check), Err(Denial::Held(Hold::BreakInput)));
+    assert_eq!(bench.order(Order::Check), Err(Denial::LockedOut(Lockout::BreakInput)));
 }
 
 /// Codes as they should be, a little off, or anything at all.
@@ -271,13 +271,13 @@ proptest! {
             let calm = bench.codes();
             let (t0, t1, t2) = wild[tick as usize % wild.len()];
             let raw = RawSample { t0: AdcCode(t0), t1: AdcCode(t1), t2: AdcCode(t2) };
-            let beat = bench.step(if tick >= from && tick % rarely == 0 { raw } else { calm }, None);
+            let record = bench.step(if tick >= from && tick % rarely == 0 { raw } else { calm }, None);
             let Output { power, enabled, .. } = bench.output;
             prop_assert!((0.0..=LEVELS[3]).contains(&power), "{} %", power);
-            prop_assert!(beat.applied.0 <= LEVELS[3]);
+            prop_assert!(record.applied.0 <= LEVELS[3]);
             prop_assert!(!ended || (!enabled && bench.output.is_off()), "heats after its end");
-            ended |= matches!(beat.news, Some(News::Ended(_)));
-            prop_assert!(matches!(beat.tick.mode, Mode::Off | Mode::Tripped(_)));
+            ended |= matches!(record.news, Some(News::Ended(_)));
+            prop_assert!(matches!(record.tick.mode, Mode::Off | Mode::Tripped(_)));
         }
         prop_assert!(ended, "{:?}", bench.progress);
     }

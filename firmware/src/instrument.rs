@@ -10,15 +10,15 @@ use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Command, Config, Report};
-use firmware_logic::checkin::Task;
 use firmware_logic::console::{ApplyError, Board};
-use firmware_logic::control_loop::{Beat, Denial, Order, Outcome};
+use firmware_logic::control_loop::{Denial, Order, Outcome, TickRecord};
 use firmware_logic::history::{Entry, History};
 use firmware_logic::led::Sign;
 use firmware_logic::self_test::Progress;
 use firmware_logic::settings::store::{SaveError, Store};
 use firmware_logic::settings::stored::{Stored, check};
 use firmware_logic::status::{Health, Status};
+use firmware_logic::task_watchdog::Task;
 use heapless::spsc::Producer;
 
 use crate::hardware::settings_flash::SettingsFlash;
@@ -26,7 +26,7 @@ use crate::hardware::{heater, rtt, stack, supply};
 use crate::{link, log};
 
 /// How long an order may wait for its answer: three ticks, less than the deadline of the console.
-const PATIENCE: Duration = Duration::from_millis(400);
+const ANSWER_DEADLINE: Duration = Duration::from_millis(400);
 
 /// Shared by the tasks of thread mode, of which one runs at a time; no borrow lives across an await.
 pub(crate) struct Instrument {
@@ -53,16 +53,16 @@ impl Instrument {
     }
 
     /// Takes in a tick that has been diagnosed.
-    pub(crate) fn ticked(&self, beat: Beat, report: Report) {
+    pub(crate) fn ticked(&self, record: TickRecord, report: Report) {
         let mut status = self.status.borrow_mut();
-        let punctuality = &mut status.health.punctuality;
-        if !beat.missed {
-            punctuality.count(&beat.arrival);
+        let jitter = &mut status.health.jitter;
+        if !record.missed {
+            jitter.count(&record.arrival);
         }
-        if let Some(news) = beat.news {
-            status.check.hear(news);
+        if let Some(news) = record.news {
+            status.check.note(news);
         }
-        status.last = Some((beat, report));
+        status.last = Some((record, report));
     }
 
     /// Takes in something that went wrong.
@@ -101,8 +101,8 @@ impl Instrument {
     }
 
     /// Whether something holds the heater off.
-    pub(crate) fn is_held(&self) -> bool {
-        self.status.borrow().is_held()
+    pub(crate) fn is_latched(&self) -> bool {
+        self.status.borrow().is_latched()
     }
 
     /// What the LED should say.
@@ -114,7 +114,7 @@ impl Instrument {
     pub(crate) fn status(&self) -> Status {
         let mut status = self.status.borrow().clone();
         status.health = Health {
-            beats_lost: link::BEATS_LOST.load(Ordering::Relaxed),
+            records_lost: link::RECORDS_LOST.load(Ordering::Relaxed),
             log_dropped: rtt::dropped(),
             stack_used: stack::high_water() as u32,
             stack_size: stack::size() as u32,
@@ -132,7 +132,7 @@ impl Instrument {
     /// console that waits for one that hangs.
     async fn order(&self, order: Order) -> Result<(), Denial> {
         link::check_in(Task::Console);
-        let answer = with_timeout(PATIENCE, self.order_and_wait(order)).await;
+        let answer = with_timeout(ANSWER_DEADLINE, self.order_and_wait(order)).await;
         link::check_in(Task::Console);
         answer.unwrap_or(Err(Denial::NoAnswer))
     }
@@ -169,9 +169,9 @@ pub(crate) struct ConsoleBoard {
 }
 
 impl ConsoleBoard {
-    /// Takes the mark away once the heater is off and nothing is held. Called while there is nothing else to do.
+    /// Takes the mark away once the heater is off and nothing is latched. Called while there is nothing else to do.
     pub(crate) async fn settle(&mut self) {
-        if self.marked && !self.instrument.is_held() && !self.may_heat() {
+        if self.marked && !self.instrument.is_latched() && !self.may_heat() {
             let _ = self.mark(false).await; // tried again
         }
     }
@@ -193,7 +193,7 @@ impl ConsoleBoard {
 
 /// A stall that was planned is nobody's fault.
 fn after_stall() {
-    link::ROLL.check_all_in(link::now_ms());
+    link::TASKS.check_all_in(link::now_ms());
 }
 
 impl Board for ConsoleBoard {

@@ -1,5 +1,5 @@
 //! The lines of the log, but for the record of each tick. `host-sim replay` reads those that begin with `order`,
-//! `setting` and `hold`.
+//! `setting` and `lockout`.
 
 use core::fmt::{Arguments, Write};
 
@@ -8,7 +8,7 @@ use fdi_core::diagnosis::event::Event;
 use fdi_core::{Command, Config};
 use firmware_logic::alarm::Alarm;
 use firmware_logic::control_loop::{Asked, Outcome};
-use firmware_logic::history::{Entry, Shown};
+use firmware_logic::history::{Entry, EntryText};
 use firmware_logic::reset_cause::ResetCause;
 use firmware_logic::retained::Retained;
 use firmware_logic::self_test::News;
@@ -46,7 +46,7 @@ pub(crate) fn banner(
         false => defmt::info!("reset cause: {=str}", cause.name()),
     }
     if let Some(left) = left.filter(|left| left.death.is_some()) {
-        defmt::error!("last words: {=str}", left.words.as_str());
+        defmt::error!("crash record: {=str}", left.words.as_str());
     }
     if let Some(level) = supply::low_brown_out_level() {
         defmt::warn!("brown-out level {=str}, expected 3 (2.7 V): `brownout set`", level);
@@ -60,9 +60,9 @@ pub(crate) fn banner(
 
 /// Each setting that is not at its default.
 pub(crate) fn settings(config: &Config) {
-    let (mut ours, mut usual) = (config.clone(), Config::default());
+    let usual = Config::default();
     for name in Name::all(config) {
-        if !name.same(&mut ours, &mut usual) {
+        if !name.same(config, &usual) {
             defmt::info!("setting {=str}", text(format_args!("{name} = {}", name.value(config))));
         }
     }
@@ -118,12 +118,12 @@ pub(crate) fn check(news: News) {
     }
 }
 
-/// A trip or a hold.
+/// A trip or a lockout.
 pub(crate) fn went_wrong(entry: &Entry, sample_time: f32) {
-    if let Entry::Hold { tick, .. } = entry {
-        defmt::info!("hold {=u32}", tick);
+    if let Entry::Lockout { tick, .. } = entry {
+        defmt::info!("lockout {=u32}", tick);
     }
-    defmt::error!("{=str}", text(format_args!("{}", Shown { entry, sample_time })));
+    defmt::error!("{=str}", text(format_args!("{}", EntryText { entry, sample_time })));
 }
 
 /// What the diagnosis says of a fault.
@@ -134,19 +134,19 @@ pub(crate) fn event(event: &Event, sample_time: f32) {
         Event::Ended(fault) => ("ended", fault, true),
     };
     let entry = Entry::Fault { fault: *fault, ended };
-    defmt::warn!("{=str}: {=str}", what, text(format_args!("{}", Shown { entry: &entry, sample_time })));
+    defmt::warn!("{=str}: {=str}", what, text(format_args!("{}", EntryText { entry: &entry, sample_time })));
 }
 
 /// News of an alarm of the likelihood diagnosis.
 pub(crate) fn alarm(alarm: Alarm, sample_time: f32) {
     let entry = Entry::Alarm(alarm);
-    defmt::warn!("likelihood: {=str}", text(format_args!("{}", Shown { entry: &entry, sample_time })));
+    defmt::warn!("likelihood: {=str}", text(format_args!("{}", EntryText { entry: &entry, sample_time })));
 }
 
 /// The line of each second.
 pub(crate) fn status(status: &Status) {
-    let Some((beat, report)) = &status.last else { return };
-    let (tick, vectors) = (&beat.tick, report.filtered.map_or((0, 0), |v| (v.fdv, v.fiv)));
+    let Some((record, report)) = &status.last else { return };
+    let (tick, vectors) = (&record.tick, report.filtered.map_or((0, 0), |v| (v.fdv, v.fiv)));
     defmt::info!(
         "{=str} T0 {=f32} T1 {=f32} T2 {=f32} of {=f32} degC, heater {=f32} %, gain {=f32} bandwidth {=f32}, fdv {=u8} fiv {=u8}",
         tick.mode.name(),
@@ -154,15 +154,15 @@ pub(crate) fn status(status: &Status) {
         hundredths(tick.sample.t1.celsius.0),
         hundredths(tick.sample.t2.celsius.0),
         hundredths(tick.setpoint.0),
-        hundredths(beat.applied.0),
+        hundredths(record.applied.0),
         report.ms1.static_gain.map_or(f32::NAN, |g| (g * 1000.0) as i32 as f32 / 1000.0),
         report.ms1.bandwidth.map_or(f32::NAN, hundredths),
         vectors.0,
         vectors.1,
     );
     let health = &status.health;
-    let p = &health.punctuality;
-    if p.ticks.is_multiple_of(600) || p.missed > 0 || health.beats_lost > 0 || health.log_dropped > 0 {
+    let p = &health.jitter;
+    if p.ticks.is_multiple_of(600) || p.missed > 0 || health.records_lost > 0 || health.log_dropped > 0 {
         defmt::info!("health {=str}", text(format_args!("{health}")));
     }
 }

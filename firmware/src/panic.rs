@@ -1,10 +1,10 @@
-//! A panic: interrupts off, heater off, last words kept over the reset, reset. In this order.
+//! A panic: interrupts off, heater off, crash record kept over the reset, reset. In this order.
 
 use core::fmt::Write;
 use core::panic::PanicInfo;
 
 use firmware_logic::reset_cause::Death;
-use firmware_logic::retained::LastWords;
+use firmware_logic::retained::CrashMessage;
 
 use crate::hardware::{fault, heater};
 
@@ -12,7 +12,7 @@ use crate::hardware::{fault, heater};
 fn panic(info: &PanicInfo) -> ! {
     cortex_m::interrupt::disable();
     heater::cut();
-    let mut words = LastWords::EMPTY;
+    let mut words = CrashMessage::EMPTY;
     if let Some(place) = info.location() {
         let _ = write!(words, "{}:{}: ", place.file(), place.line());
     }

@@ -37,9 +37,9 @@ fn start(spawner: Spawner) {
     watchdog::start();
     let left = retained::load();
     let cause = ResetCause::new(reset::take_flags(), left.as_ref().and_then(|left| left.death));
-    let mut interlock = Interlock::at_boot(cause, left.as_ref().and_then(|left| left.hold));
-    // The last words are in `left`; a hold must outlive the next reset, too.
-    retained::store(&Retained { hold: interlock.hold(), ..Retained::EMPTY });
+    let mut interlock = Interlock::at_boot(cause, left.as_ref().and_then(|left| left.lockout));
+    // The crash record is in `left`; a lockout must outlive the next reset, too.
+    retained::store(&Retained { lockout: interlock.lockout(), ..Retained::EMPTY });
 
     let (peripherals, clock) = clock::init();
     hardware::set_priorities();
@@ -61,7 +61,7 @@ fn start(spawner: Spawner) {
     tick_timer::enable_interrupt();
     let thermistors = Thermistors::new(board.adc, board.thermistors);
     let (orders_in, orders_out) = link::orders();
-    let (beats_out, beats_in) = link::beats();
+    let (records_out, records_in) = link::records();
     let mut control = ControlLoop::new(controller, config.setpoint, interlock);
     if let Some(baseline) = &baseline {
         log::baseline(baseline);
@@ -73,9 +73,9 @@ fn start(spawner: Spawner) {
     let panel = Panel::new(board.led, board.button);
     let port = serial::open(board.usart, board.rx, board.tx);
 
-    let spawned = tasks::control::control(control, heater, thermistors, beats_in, orders_out);
+    let spawned = tasks::control::control(control, heater, thermistors, records_in, orders_out);
     control_executor::start().spawn(once(spawned));
-    spawner.spawn(once(tasks::diagnosis::diagnosis(diagnosis, baseline, beats_out, instrument)));
+    spawner.spawn(once(tasks::diagnosis::diagnosis(diagnosis, baseline, records_out, instrument)));
     spawner.spawn(once(tasks::status::status(instrument)));
     spawner.spawn(once(tasks::panel::panel(panel, instrument)));
     if let Some((tx, rx)) = port {

@@ -5,7 +5,7 @@ use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::{Command, Config, Feedback, RawSample, Report, Tick};
 use firmware_logic::cadence::Arrival;
-use firmware_logic::control_loop::{Beat, ControlLoop, Order};
+use firmware_logic::control_loop::{ControlLoop, Order, TickRecord};
 use firmware_logic::interlock::Interlock;
 use host_sim::commands::console::Output;
 use host_sim::experiment::scenario::Scenario;
@@ -19,7 +19,7 @@ struct Board {
     output: Output,
     order: Option<Order>,
     feedback: Feedback,
-    beat: Option<Beat>,
+    record: Option<TickRecord>,
 }
 
 impl Board {
@@ -33,7 +33,7 @@ impl Board {
             output: Output::default(),
             order: None,
             feedback: Feedback::default(),
-            beat: None,
+            record: None,
         }
     }
 }
@@ -41,14 +41,14 @@ impl Board {
 impl Backend for Board {
     fn control(&mut self, raw: RawSample) -> Tick {
         let order = self.order.take();
-        let beat = self.control.tick(raw, Arrival::default(), order, self.feedback, &mut self.output);
-        let tick = beat.tick;
-        self.beat = Some(beat);
+        let record = self.control.tick(raw, Arrival::default(), order, self.feedback, &mut self.output);
+        let tick = record.tick;
+        self.record = Some(record);
         tick
     }
 
     fn diagnose(&mut self, tick: &Tick) -> Report {
-        let applied = self.beat.take().expect("control came first").applied;
+        let applied = self.record.take().expect("control came first").applied;
         let report = self.diagnosis.step(&mut self.state, tick, applied);
         self.feedback = report.feedback();
         report

@@ -2,7 +2,7 @@
 
 use fdi_core::control::{Controller, ControllerState};
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::identify::rls::Adaptation;
+use fdi_core::identify::Adaptation;
 use fdi_core::{Command, Config, Feedback, Instrument, Mode, RawSample, Report, Tick, TripReason};
 use host_sim::commands::repeat::repeat;
 use host_sim::experiment::scenario::{Action, Scenario};
@@ -250,7 +250,7 @@ fn a_stale_count_does_not_end_learning() {
             self.0.step(&mut self.1, raw)
         }
         fn diagnose(&mut self, _: &Tick) -> Report {
-            self.0.heard(&mut self.1, Feedback { learned: u32::MAX, ..Feedback::default() });
+            self.0.feed_back(&mut self.1, Feedback { learned: u32::MAX, ..Feedback::default() });
             Report::default()
         }
         fn command(&mut self, command: Command) -> Result<(), String> {
@@ -269,7 +269,7 @@ fn a_stale_count_does_not_end_learning() {
     assert!((360.0..361.0).contains(&record.time(monitor.tick.index)));
 }
 
-/// A baseline from an earlier life: monitoring begins once in regulation, with the thresholds as they were.
+/// A restored baseline: monitoring begins once in regulation, with the thresholds as they were.
 #[test]
 fn a_restored_baseline_spares_the_learning() {
     let config = Config::default();

@@ -71,7 +71,7 @@ impl Default for LineReader {
 }
 
 impl LineReader {
-    /// Takes in a byte.
+    /// What a byte does to the line.
     pub fn push(&mut self, byte: u8) -> Step {
         if core::mem::take(&mut self.done) {
             self.length = 0;

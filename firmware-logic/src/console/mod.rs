@@ -14,10 +14,11 @@ use fdi_core::{Command, Config, ConfigError};
 use crate::control_loop::Denial;
 use crate::decimal::Fixed;
 use crate::explain::Explained;
-use crate::finding::Told;
-use crate::history::{Entry, Shown};
+use crate::finding::Sentence;
+use crate::history::{Entry, EntryText};
 use crate::self_test::Progress;
-use crate::settings::schema::{Name, SetError};
+use crate::settings::SetError;
+use crate::settings::schema::Name;
 use crate::settings::store::SaveError;
 use crate::status::Status;
 use follow::Follow;
@@ -98,7 +99,7 @@ pub struct Console {
 }
 
 impl Console {
-    /// Takes in a byte: shows it, and carries out the line that it may have ended. What does not fit into `out` is lost.
+    /// One byte from the terminal: shows it, and carries out the line that it may have ended. What does not fit into `out` is lost.
     pub async fn push(&mut self, byte: u8, board: &mut impl Board, out: &mut dyn Write) {
         match self.reader.push(byte) {
             Step::Typed(byte) => drop(out.write_char(byte.into())),
@@ -195,13 +196,13 @@ async fn arm(board: &mut impl Board, out: &mut dyn Write) {
 fn status(board: &impl Board, out: &mut dyn Write) {
     let status = board.status();
     let _ = writeln!(out, "{status}");
-    let Some((beat, report)) = &status.last else { return };
+    let Some((record, report)) = &status.last else { return };
     let sample_time = board.config().sample_time.0;
     match &report.likelihood.finding {
         Some(finding) => {
-            let told = Told {
+            let told = Sentence {
                 finding,
-                sample: &beat.tick.sample,
+                sample: &record.tick.sample,
                 expected: report.likelihood.expected,
                 sample_time,
             };
@@ -268,7 +269,7 @@ fn baseline(baseline: Option<Baseline>, out: &mut dyn Write) {
 fn faults(board: &impl Board, out: &mut dyn Write) {
     let sample_time = board.config().sample_time.0;
     let entries = (0..).map_while(|index| board.fault(index));
-    let count = entries.map(|entry| writeln!(out, "{}", Shown { entry: &entry, sample_time })).count();
+    let count = entries.map(|entry| writeln!(out, "{}", EntryText { entry: &entry, sample_time })).count();
     if count == 0 {
         say(out, "none\n");
     }

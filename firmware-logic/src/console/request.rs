@@ -35,7 +35,7 @@ pub enum Request<'a> {
     Arm,
     /// Heater off.
     Stop,
-    /// Leave a trip or a hold.
+    /// Leave a trip or a lockout.
     Acknowledge,
     /// Show what was learnt as normal.
     Baseline,
@@ -56,7 +56,7 @@ pub const COMMANDS: [(&str, &str, &str); 13] = [
     ("check", "", "self-test of about a minute, which heats a little; `arm` wants it passed"),
     ("arm", "", "begin to regulate"),
     ("stop", "", "heater off, in every state; so do the keys Ctrl-C, ESC and !"),
-    ("ack", "", "acknowledge a trip or a hold"),
+    ("ack", "", "acknowledge a trip or a lockout"),
     ("baseline", "[learn]", "what was learnt as normal; `learn` learns it anew"),
     ("brownout", "set", "reset below 2.7 V, from the next power-up (heater off only)"),
     ("faults", "", "what went wrong since the start"),

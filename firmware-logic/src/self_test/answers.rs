@@ -30,7 +30,7 @@ impl Answers<'_> {
         self.answers.iter().fold(0.0, |most: f32, answer| most.max(answer.power()))
     }
 
-    /// Whether those that are silent would have been heard, had they answered half as strongly as the strongest.
+    /// Whether those that are silent would have shown, had they answered half as strongly as the strongest.
     pub(super) fn is_loud(&self) -> bool {
         let share = 0.25 * self.strongest();
         self.any()

@@ -18,7 +18,7 @@ pub(super) struct Cycle {
 }
 
 impl Cycle {
-    /// Takes in the reading at a tick of the cycle, in degC above some reference near it.
+    /// Adds the reading at a tick of the cycle, in degC above some reference near it.
     pub(super) fn add(&mut self, tick: u32, rise: f32) {
         if let Some(sum) = self.sums.get_mut((tick / QUARTER) as usize) {
             *sum += rise;
@@ -44,7 +44,7 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    /// Takes in a cycle without heat.
+    /// Adds a cycle without heat.
     pub(super) fn add(&mut self, cycle: &Cycle) {
         self.squares += cycle.contrasts().iter().map(|x| x * x).sum::<f32>();
         self.freedom += 3;

@@ -92,12 +92,12 @@ pub struct SelfTest {
     answers: [Answer; 3],
     findings: Vec<Finding, MAX_FINDINGS>,
     ending: Option<Ending>,
-    told: Told,
+    reported: Reported,
 }
 
-/// What the other half has been told.
+/// What has been reported to the other half.
 #[derive(Clone, Copy, Debug)]
-struct Told {
+struct Reported {
     stage: Option<Stage>,
     findings: usize,
     ended: bool,
@@ -135,7 +135,7 @@ impl SelfTest {
             answers: [Answer::default(); 3],
             findings,
             ending: None,
-            told: Told { stage: None, findings: 0, ended: false },
+            reported: Reported { stage: None, findings: 0, ended: false },
         }
     }
 
@@ -150,27 +150,29 @@ impl SelfTest {
         self.stage = Stage::Over;
     }
 
-    /// What the other half has not heard yet, a piece at a time.
+    /// What has not been reported yet, a piece at a time.
     pub fn news(&mut self) -> Option<News> {
-        if self.told.stage.is_none() || (self.told.stage != Some(self.stage) && self.stage != Stage::Over) {
-            self.told.stage = Some(self.stage);
+        if self.reported.stage.is_none()
+            || (self.reported.stage != Some(self.stage) && self.stage != Stage::Over)
+        {
+            self.reported.stage = Some(self.stage);
             return Some(News::Stage(self.stage));
         }
-        if let Some(finding) = self.findings.get(self.told.findings) {
-            self.told.findings += 1;
+        if let Some(finding) = self.findings.get(self.reported.findings) {
+            self.reported.findings += 1;
             return Some(News::Found(*finding));
         }
-        let ending = self.ending.filter(|_| !self.told.ended)?;
-        self.told.ended = true;
+        let ending = self.ending.filter(|_| !self.reported.ended)?;
+        self.reported.ended = true;
         Some(News::Ended(ending))
     }
 
-    /// Whether all has been told.
-    pub fn is_told(&self) -> bool {
-        self.told.ended
+    /// Whether all has been reported.
+    pub fn is_reported(&self) -> bool {
+        self.reported.ended
     }
 
-    /// One tick: takes in what was sampled, says what the output is to be until the next. `hazard` is what would trip.
+    /// One tick: from what was sampled what the output is to be until the next. `hazard` is what would trip.
     pub fn step(&mut self, sample: &Sample, raw: &RawSample, hazard: Option<TripReason>) -> Output {
         if self.stage == Stage::Over {
             return Output::Off;
@@ -192,7 +194,7 @@ impl SelfTest {
         self.output()
     }
 
-    /// Takes in readings and codes.
+    /// Follows readings and codes.
     fn look(&mut self, sample: &Sample, raw: &RawSample) {
         let readings = [sample.t0, sample.t1, sample.t2];
         let codes = [raw.t0.0, raw.t1.0, raw.t2.0];
@@ -313,18 +315,18 @@ impl SelfTest {
     }
 
     /// The answers to the cycle that has just ended.
-    fn hear_cycle(&mut self) {
+    fn measure_cycle(&mut self) {
         self.answers = self.cycle.map(|cycle| Answer::of(&cycle));
     }
 
-    fn heard(&self) -> Answers<'_> {
+    fn answers(&self) -> Answers<'_> {
         let moves = self.codes.map(|(low, high)| high - low > STILL);
         Answers { answers: &self.answers, noises: &self.noises, moves }
     }
 
     fn end_mosfet_off(&mut self) {
-        self.hear_cycle();
-        if self.heard().any() {
+        self.measure_cycle();
+        if self.answers().any() {
             return self.fail(Finding::MosfetShorted);
         }
         self.noises.iter_mut().zip(&self.cycle).for_each(|(noise, cycle)| noise.add(cycle));
@@ -334,8 +336,8 @@ impl SelfTest {
     }
 
     fn end_pulse(&mut self) {
-        self.hear_cycle();
-        if self.heard().any() || self.level + 1 >= LEVELS.len() {
+        self.measure_cycle();
+        if self.answers().any() || self.level + 1 >= LEVELS.len() {
             self.answers = [Answer::default(); 3];
             self.enter(Stage::Order);
         } else {
@@ -348,7 +350,7 @@ impl SelfTest {
         if self.cycles < ORDER_CYCLES {
             return;
         }
-        if !self.heard().is_loud() {
+        if !self.answers().is_loud() {
             if self.level + 1 < LEVELS.len() {
                 self.level += 1;
                 self.answers = [Answer::default(); 3];
@@ -358,7 +360,7 @@ impl SelfTest {
                 return;
             }
         }
-        match self.heard().judge() {
+        match self.answers().judge() {
             Some(finding) if !finding.is_note() => self.fail(finding),
             note => {
                 if let Some(note) = note {
@@ -373,7 +375,7 @@ impl SelfTest {
 
     fn end_contactor_open(&mut self) {
         self.answers.iter_mut().zip(&self.cycle).for_each(|(answer, cycle)| answer.add(cycle));
-        if self.heard().any() {
+        if self.answers().any() {
             let _ = self.findings.push(Finding::NoContactor);
             self.end();
         } else if self.cycles >= self.judged_cycles {

@@ -30,8 +30,8 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Takes in a piece of news.
-    pub fn hear(&mut self, news: News) {
+    /// Notes a piece of news.
+    pub fn note(&mut self, news: News) {
         match news {
             News::Stage(stage) => {
                 if self.stage.is_none() {

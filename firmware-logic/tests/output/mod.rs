@@ -3,7 +3,7 @@
 
 use fdi_core::Percent;
 use firmware_logic::control_loop::Heater;
-use firmware_logic::interlock::Hold;
+use firmware_logic::interlock::Lockout;
 
 /// The output stage as the chip has it: the break input clears the enable and keeps it from being set, and the enable
 /// carries heater and contactor both.
@@ -13,7 +13,7 @@ pub(crate) struct Output {
     pub(crate) contactor: bool,
     pub(crate) enabled: bool,
     pub(crate) open: bool,
-    pub(crate) dead_man: bool,
+    pub(crate) missed_deadline: bool,
 }
 
 impl Output {
@@ -47,8 +47,8 @@ impl Heater for Output {
     fn break_is_open(&self) -> bool {
         self.open
     }
-    fn cut_by(&self) -> Hold {
-        if self.dead_man { Hold::MissedDeadline } else { Hold::BreakInput }
+    fn cut_by(&self) -> Lockout {
+        if self.missed_deadline { Lockout::MissedDeadline } else { Lockout::BreakInput }
     }
     fn test_break(&mut self) -> bool {
         assert!(self.power == 0.0 && !self.contactor, "the proof heats");

@@ -1,11 +1,11 @@
-//! When the processor gives up: heater off, last words, reset.
+//! When the processor gives up: heater off, crash record, reset.
 
 use core::arch::global_asm;
 use core::fmt::Write;
 
 use embassy_stm32::pac::RCC;
 use firmware_logic::reset_cause::Death;
-use firmware_logic::retained::{LastWords, Retained};
+use firmware_logic::retained::{CrashMessage, Retained};
 
 use super::{heater, reset, retained};
 
@@ -34,7 +34,7 @@ const BFAR: *const u32 = 0xE000_ED38 as *const u32;
 
 extern "C" fn hard_fault(stack: *const u32) -> ! {
     heater::cut();
-    let mut words = LastWords::EMPTY;
+    let mut words = CrashMessage::EMPTY;
     let (bottom, top) = (&raw const _stack_end, &raw const _stack_start);
     // SAFETY: both are registers of the processor that can always be read.
     let (cfsr, bfar) = unsafe { (CFSR.read_volatile(), BFAR.read_volatile()) };
@@ -54,21 +54,21 @@ extern "C" fn hard_fault(stack: *const u32) -> ! {
 unsafe fn NonMaskableInt() -> ! {
     heater::cut();
     RCC.cir().modify(|w| w.set_cssc(true));
-    die(Death::ClockFailure, LastWords::EMPTY)
+    die(Death::ClockFailure, CrashMessage::EMPTY)
 }
 
 /// An interrupt that nothing handles.
 #[cortex_m_rt::exception]
 unsafe fn DefaultHandler(irq: i16) -> ! {
     heater::cut();
-    let mut words = LastWords::EMPTY;
+    let mut words = CrashMessage::EMPTY;
     let _ = write!(words, "interrupt {irq}");
     die(Death::StrayInterrupt, words)
 }
 
-/// Keeps the last words and starts all over. The heater must be off already. What held it off is not repeated: the
+/// Keeps the crash record and starts all over. The heater must be off already. What held it off is not repeated: the
 /// death is a reason of its own.
-pub(crate) fn die(death: Death, words: LastWords) -> ! {
-    retained::store(&Retained { death: Some(death), hold: None, words });
+pub(crate) fn die(death: Death, words: CrashMessage) -> ! {
+    retained::store(&Retained { death: Some(death), lockout: None, words });
     reset::reset()
 }

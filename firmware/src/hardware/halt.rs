@@ -1,5 +1,5 @@
 //! A debugger that halts the core. The output freezes, the guard does not: TIM1 stands still with its outputs off, the
-//! clock of the thread-mode tasks (TIM2) and the watchdog stand still with it, and TIM5 runs on. So the dead man's handle
+//! clock of the thread-mode tasks (TIM2) and the watchdog stand still with it, and TIM5 runs on. So the deadline watchdog
 //! falls during a long halt, the ticks of a halt are missed ticks, and a halt of any length is seen by the clocks, which
 //! both count microseconds of one oscillator and differ afterwards.
 

@@ -16,7 +16,7 @@ use embassy_stm32::peripherals::{PA6, PA8, PA10, TIM1};
 use embassy_stm32::rcc;
 use fdi_core::Percent;
 use firmware_logic::control_loop::Heater;
-use firmware_logic::interlock::Hold;
+use firmware_logic::interlock::Lockout;
 use firmware_logic::{duty, sampling};
 
 use super::{board, supply};
@@ -30,7 +30,7 @@ const CONTACTOR: usize = 2;
 const OPEN: u16 = 0;
 const CLOSED: u16 = u16::MAX;
 
-/// Number of the hold that the program has cut the outputs for; 0 while only the break input can have.
+/// Number of the lockout that the program has cut the outputs for; 0 while only the break input can have.
 static CUT_BECAUSE: AtomicU8 = AtomicU8::new(0);
 
 /// Switches both outputs off: one register, no state, safe from any interrupt, panic or fault.
@@ -45,7 +45,7 @@ fn cut_and_forget_break() {
 }
 
 /// Switches both outputs off for a reason that the control task will latch on its next tick. `false` if they were off.
-pub(crate) fn cut_because(reason: Hold) -> bool {
+pub(crate) fn cut_because(reason: Lockout) -> bool {
     let was_enabled = is_enabled();
     cut();
     if was_enabled {
@@ -126,7 +126,7 @@ fn run() {
 }
 
 /// Keeps the pins the timer's until the next reset. Hazard: a stray write to the port's mode register would make a pin an
-/// output that no break, no MOE and no dead man's handle switches off.
+/// output that no break, no MOE and no deadline watchdog switches off.
 fn lock_pins() {
     const PA6_PA8_PA10: u32 = 1 << 6 | 1 << 8 | 1 << 10;
     const KEY: u32 = 1 << 16;
@@ -155,7 +155,7 @@ impl Heater for HeaterOutput {
         pac::TIM1.bdtr().modify(|w| w.set_moe(true));
         // A supply that was low before gives no edge for the interrupt to see.
         if supply::is_low() {
-            cut_because(Hold::Undervoltage);
+            cut_because(Lockout::Undervoltage);
         }
     }
 
@@ -180,7 +180,7 @@ impl Heater for HeaterOutput {
         enabled && cut
     }
 
-    fn cut_by(&self) -> Hold {
-        Hold::from_number(CUT_BECAUSE.load(Ordering::Relaxed)).unwrap_or(Hold::BreakInput)
+    fn cut_by(&self) -> Lockout {
+        Lockout::from_number(CUT_BECAUSE.load(Ordering::Relaxed)).unwrap_or(Lockout::BreakInput)
     }
 }

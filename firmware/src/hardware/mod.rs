@@ -33,7 +33,7 @@ use embassy_stm32::interrupt::{InterruptExt, Priority};
 /// come last, so that a flood of them delays nothing that heats.
 pub(crate) fn set_priorities() {
     interrupt::PVD.set_priority(Priority::P0); // the supply falls
-    interrupt::TIM5.set_priority(Priority::P0); // control tick and dead man's handle
+    interrupt::TIM5.set_priority(Priority::P0); // control tick and deadline watchdog
     interrupt::SPI4.set_priority(Priority::P2); // executor of the control task; the SPI itself is not used
     interrupt::TIM2.set_priority(Priority::P4); // clock of everything else
     interrupt::USART2.set_priority(Priority::P6); // console

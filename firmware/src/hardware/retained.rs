@@ -4,7 +4,7 @@ use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use firmware_logic::interlock::Hold;
+use firmware_logic::interlock::Lockout;
 use firmware_logic::retained::{Retained, WORDS, Words};
 
 struct Memory(UnsafeCell<MaybeUninit<Words>>);
@@ -17,12 +17,12 @@ unsafe impl Sync for Memory {}
 static MEMORY: Memory = Memory(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// Set by the interrupt of the voltage detector, which may come between the words above; noise after power-up, which is
-/// [`UNDERVOLTAGE`] once in 2^32 times, and then a hold too many.
+/// [`UNDERVOLTAGE`] once in 2^32 times, and then a lockout too many.
 #[unsafe(link_section = ".uninit.UNDERVOLTAGE")]
 static SUPPLY: AtomicU32 = AtomicU32::new(0);
 const UNDERVOLTAGE: u32 = 0x5655_3241;
 
-/// The supply has failed while heating, and perhaps nobody will be there to store a hold.
+/// The supply has failed while heating, and perhaps nobody will be there to store a lockout.
 pub(crate) fn note_undervoltage() {
     SUPPLY.store(UNDERVOLTAGE, Ordering::Relaxed);
 }
@@ -34,7 +34,7 @@ pub(crate) fn load() -> Option<Retained> {
         return left;
     }
     let left = left.unwrap_or(Retained::EMPTY);
-    Some(Retained { hold: left.hold.or(Some(Hold::Undervoltage)), ..left })
+    Some(Retained { lockout: left.lockout.or(Some(Lockout::Undervoltage)), ..left })
 }
 
 fn load_words() -> Option<Retained> {
@@ -45,7 +45,7 @@ fn load_words() -> Option<Retained> {
     Retained::unpack(&words)
 }
 
-/// Leaves something for the next program; a hold by the detector is among it by now.
+/// Leaves something for the next program; a lockout by the detector is among it by now.
 pub(crate) fn store(retained: &Retained) {
     SUPPLY.store(0, Ordering::Relaxed);
     let base = MEMORY.0.get().cast::<u32>();

@@ -60,11 +60,11 @@ impl NorFlash for SettingsFlash {
     const ERASE_SIZE: usize = SECTOR;
 
     /// Hazard: the core stalls for 1 to 2 s a sector, for it runs from the flash that is being erased. The caller has
-    /// made sure that the heater is off; the watchdog, which does not stall, is told to be patient.
+    /// made sure that the heater is off; the watchdog, which does not stall, gets its long deadline.
     async fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         (from..to).step_by(SECTOR).try_for_each(|sector| {
             let sector = BASE + sector;
-            watchdog::patiently(|| {
+            watchdog::with_long_deadline(|| {
                 without_caches(|| {
                     unlock_by_words();
                     self.0.blocking_erase(sector, sector + SECTOR as u32)

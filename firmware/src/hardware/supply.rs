@@ -4,7 +4,7 @@
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::InterruptExt;
 use embassy_stm32::pac::{EXTI, FLASH, PWR};
-use firmware_logic::interlock::Hold;
+use firmware_logic::interlock::Lockout;
 
 use super::{heater, retained, watchdog};
 
@@ -33,7 +33,7 @@ pub(crate) fn is_low() -> bool {
 #[interrupt]
 fn PVD() {
     EXTI.pr(0).write(|w| w.set_line(LINE, true));
-    if heater::cut_because(Hold::Undervoltage) {
+    if heater::cut_because(Lockout::Undervoltage) {
         retained::note_undervoltage();
     }
 }
@@ -56,7 +56,7 @@ pub(crate) fn set_brown_out_level() -> bool {
     FLASH.optkeyr().write_value(0x0819_2A3B);
     FLASH.optkeyr().write_value(0x4C5D_6E7F);
     optcr.modify(|w| w.set_bor_lev(LEVEL_3));
-    watchdog::patiently(|| {
+    watchdog::with_long_deadline(|| {
         optcr.modify(|w| w.set_optstrt(true));
         while FLASH.sr().read().bsy() {} // for ever, if it must be: the watchdog bites
     });

@@ -1,5 +1,5 @@
-//! TIM5, a free-running 32-bit counter of microseconds: the clock of the control tick (compare 1) and the dead man's
-//! handle (compare 2). It is another timer than the one that runs the rest, so that each can notice the other's death.
+//! TIM5, a free-running 32-bit counter of microseconds: the clock of the control tick (compare 1) and the deadline
+//! watchdog (compare 2). It is another timer than the one that runs the rest, so that each can notice the other's death.
 
 use core::future::poll_fn;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -11,12 +11,12 @@ use embassy_stm32::pac::timer::regs::SrGp16;
 use embassy_stm32::pac::timer::vals::Urs;
 use embassy_stm32::{Peri, interrupt, peripherals, rcc};
 use embassy_sync::waitqueue::AtomicWaker;
-use firmware_logic::interlock::Hold;
+use firmware_logic::interlock::Lockout;
 
 use super::{halt, heater};
 
 const WAKE: usize = 0;
-const DEAD_MAN: usize = 1;
+const DEADLINE: usize = 1;
 
 static CONTROL: AtomicWaker = AtomicWaker::new();
 /// What the log has last seen of the counter, and how often it has wrapped.
@@ -34,14 +34,14 @@ pub(crate) fn start(_timer: Peri<'static, peripherals::TIM5>) {
     TIM5.cr1().modify(|w| w.set_cen(true));
 }
 
-/// Begins to wake the control task and to watch it. The dead man's handle is armed by its first feeding. To be called
+/// Begins to wake the control task and to watch it. The deadline watchdog is armed by its first feeding. To be called
 /// with the heater's output set up, which the interrupt may cut.
 pub(crate) fn enable_interrupt() {
     halt::start();
     TIM5.sr().write_value(SrGp16(0));
     TIM5.dier().write(|w| {
         w.set_ccie(WAKE, true);
-        w.set_ccie(DEAD_MAN, true);
+        w.set_ccie(DEADLINE, true);
     });
     // SAFETY: the handler is below and touches only timers, an atomic waker and the heater's enable.
     unsafe { interrupt::TIM5.enable() };
@@ -77,10 +77,10 @@ pub(crate) async fn until(at: u32) {
     .await;
 }
 
-/// Puts off the dead man's handle to `at`. When the counter gets there, the heater is cut by the highest interrupt,
+/// Puts off the deadline watchdog to `at`. When the counter gets there, the heater is cut by the highest interrupt,
 /// though the control task or anything else should spin for ever.
-pub(crate) fn feed_dead_man(at: u32) {
-    TIM5.ccr(DEAD_MAN).write_value(at);
+pub(crate) fn set_deadline(at: u32) {
+    TIM5.ccr(DEADLINE).write_value(at);
 }
 
 #[interrupt]
@@ -88,10 +88,10 @@ fn TIM5() {
     let status = TIM5.sr().read();
     TIM5.sr().write_value(SrGp16(!status.0)); // writing 0 clears, writing 1 leaves alone
     if halt::was_halted() {
-        heater::cut_because(Hold::Halted);
+        heater::cut_because(Lockout::Halted);
     }
-    if status.ccif(DEAD_MAN) {
-        heater::cut_because(Hold::MissedDeadline);
+    if status.ccif(DEADLINE) {
+        heater::cut_because(Lockout::MissedDeadline);
     }
     if status.ccif(WAKE) {
         CONTROL.wake();

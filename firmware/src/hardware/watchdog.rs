@@ -4,9 +4,9 @@
 use embassy_stm32::pac::IWDG;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 
-/// How long it waits for food.
+/// How long it waits to be fed.
 #[derive(Clone, Copy)]
-pub(crate) enum Patience {
+pub(crate) enum Deadline {
     /// 400 ms nominal, 272 to 753 ms: while anything may heat.
     Running,
     /// 8 s nominal, at least 5.4 s: while clocks start, or a flash sector is erased, which stalls the core for up to
@@ -24,25 +24,25 @@ const MAX_POLLS: u32 = 1_000_000;
 /// Starts it.
 pub(crate) fn start() {
     IWDG.kr().write(|w| w.set_key(Key::START));
-    set(Patience::Stalled);
+    set(Deadline::Stalled);
 }
 
-/// Runs what stalls the processor, with patience, and returns to the patience before.
-pub(crate) fn patiently<T>(stall: impl FnOnce() -> T) -> T {
+/// Runs what stalls the processor, with the long deadline, and returns to the deadline before.
+pub(crate) fn with_long_deadline<T>(stall: impl FnOnce() -> T) -> T {
     let divider_before = IWDG.pr().read().pr();
-    set(Patience::Stalled);
+    set(Deadline::Stalled);
     let result = stall();
     if divider_before == RUNNING.0 {
-        set(Patience::Running);
+        set(Deadline::Running);
     }
     result
 }
 
-/// Changes its patience, and feeds it.
-pub(crate) fn set(patience: Patience) {
-    let (divider, reload) = match patience {
-        Patience::Running => RUNNING,
-        Patience::Stalled => STALLED,
+/// Sets its deadline, and feeds it.
+pub(crate) fn set(deadline: Deadline) {
+    let (divider, reload) = match deadline {
+        Deadline::Running => RUNNING,
+        Deadline::Stalled => STALLED,
     };
     IWDG.kr().write(|w| w.set_key(Key::ENABLE));
     // A write while an earlier one is still on its way to the slow clock would be lost.

@@ -8,8 +8,8 @@ use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_time::Timer;
 use embedded_io_async::{Read, Write};
-use firmware_logic::checkin::Task;
 use firmware_logic::console::{ANSWER, Console, line};
+use firmware_logic::task_watchdog::Task;
 use static_cell::ConstStaticCell;
 
 use crate::hardware::serial;

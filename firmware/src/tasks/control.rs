@@ -5,8 +5,8 @@ use core::sync::atomic::Ordering;
 
 use fdi_core::Command;
 use firmware_logic::cadence::Cadence;
-use firmware_logic::checkin::Task;
-use firmware_logic::control_loop::{Beat, ControlLoop, Order};
+use firmware_logic::control_loop::{ControlLoop, Order, TickRecord};
+use firmware_logic::task_watchdog::Task;
 use heapless::spsc::{Consumer, Producer};
 
 use crate::hardware::heater::HeaterOutput;
@@ -19,7 +19,7 @@ const PERIOD: NonZeroU32 = NonZeroU32::new(110_000).expect("not zero");
 const PERIOD_US: u32 = PERIOD.get();
 /// The heater is cut when no tick has been completed for this long after the last was due: three are missed then and
 /// the fourth has not come either.
-const DEAD_MAN_US: u32 = 4 * PERIOD_US;
+const DEADLINE_US: u32 = 4 * PERIOD_US;
 /// Missed ticks that are told to the core one by one. The heater is off before there can be more.
 const MAX_MISSED: u32 = 4;
 
@@ -29,7 +29,7 @@ pub(crate) async fn control(
     mut control: ControlLoop,
     mut heater: HeaterOutput,
     mut thermistors: Thermistors,
-    mut beats: Producer<'static, Beat>,
+    mut records: Producer<'static, TickRecord>,
     mut orders: Consumer<'static, Order>,
 ) {
     let mut cadence = Cadence::new(PERIOD, tick_timer::now().wrapping_add(PERIOD_US));
@@ -37,7 +37,7 @@ pub(crate) async fn control(
         tick_timer::until(cadence.due()).await;
         let arrival = cadence.arrive(tick_timer::now());
         for _ in 0..arrival.missed.min(MAX_MISSED) {
-            link::send(&mut beats, control.missed(arrival, &mut heater));
+            link::send(&mut records, control.missed(arrival, &mut heater));
         }
         let raw = thermistors.sample(tick_timer::now()).await;
         let order = match link::STOP.swap(false, Ordering::Relaxed) {
@@ -50,9 +50,9 @@ pub(crate) async fn control(
             }
             false => orders.dequeue(),
         };
-        let beat = control.tick(raw, arrival, order, link::feedback(), &mut heater);
-        tick_timer::feed_dead_man(arrival.due.wrapping_add(DEAD_MAN_US));
+        let record = control.tick(raw, arrival, order, link::feedback(), &mut heater);
+        tick_timer::set_deadline(arrival.due.wrapping_add(DEADLINE_US));
         link::check_in(Task::Control);
-        link::send(&mut beats, beat);
+        link::send(&mut records, record);
     }
 }

@@ -5,17 +5,17 @@ use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::likelihood::Readiness;
 use fdi_core::{Mode, Report};
 use firmware_logic::alarm::Alarms;
-use firmware_logic::checkin::Task;
-use firmware_logic::control_loop::{Asked, Beat};
+use firmware_logic::control_loop::{Asked, TickRecord};
 use firmware_logic::history::Entry;
-use firmware_logic::interlock::Hold;
-use firmware_logic::record::Record;
+use firmware_logic::interlock::Lockout;
+use firmware_logic::log_line::tick::TickLine;
 use firmware_logic::retained::Retained;
 use firmware_logic::status::readiness;
+use firmware_logic::task_watchdog::Task;
 
 use crate::hardware::retained;
 use crate::instrument::Instrument;
-use crate::link::{self, Beats};
+use crate::link::{self, Records};
 use crate::log;
 
 /// The diagnosis half of the instrument.
@@ -23,19 +23,23 @@ use crate::log;
 pub(crate) async fn diagnosis(
     mut diagnosis: Diagnosis,
     restored: Option<Baseline>,
-    mut beats: Beats,
+    mut records: Records,
     instrument: &'static Instrument,
 ) {
     let mut state = diagnosis.start();
     if let Some(baseline) = &restored {
         diagnosis.restore(&mut state, baseline);
     }
-    let mut changes =
-        Changes { mode: Mode::Off, hold: None, readiness: Readiness::Untrained, alarms: Alarms::default() };
+    let mut changes = Changes {
+        mode: Mode::Off,
+        lockout: None,
+        readiness: Readiness::Untrained,
+        alarms: Alarms::default(),
+    };
     loop {
-        let beat = beats.next().await;
+        let record = records.next().await;
         link::check_in(Task::Diagnosis);
-        if let Some(outcome) = beat.outcome {
+        if let Some(outcome) = record.outcome {
             // Settings that control has refused are not for this half either.
             if outcome.asked == Asked::Settings
                 && let Some(retuned) = instrument.take_retuned()
@@ -43,24 +47,24 @@ pub(crate) async fn diagnosis(
             {
                 diagnosis = retuned;
             }
-            log::outcome(beat.tick.index, &outcome, beat.checked);
+            log::outcome(record.tick.index, &outcome, record.checked);
             instrument.answered(outcome);
         }
-        if let Some(news) = beat.news {
+        if let Some(news) = record.news {
             log::check(news);
         }
-        let report = diagnosis.step(&mut state, &beat.tick, beat.applied);
+        let report = diagnosis.step(&mut state, &record.tick, record.applied);
         link::feed_back(report.feedback());
-        defmt::debug!("{}", Record::new(&beat, &report));
-        changes.notice(&beat, &report, instrument, &diagnosis, &state);
-        instrument.ticked(beat, report);
+        defmt::debug!("{}", TickLine::new(&record, &report));
+        changes.notice(&record, &report, instrument, &diagnosis, &state);
+        instrument.ticked(record, report);
     }
 }
 
 /// What was the case on the tick before, so that a change can be told.
 struct Changes {
     mode: Mode,
-    hold: Option<Hold>,
+    lockout: Option<Lockout>,
     readiness: Readiness,
     alarms: Alarms,
 }
@@ -68,13 +72,13 @@ struct Changes {
 impl Changes {
     fn notice(
         &mut self,
-        beat: &Beat,
+        record: &TickRecord,
         report: &Report,
         instrument: &Instrument,
         diagnosis: &Diagnosis,
         state: &DiagnosisState,
     ) {
-        let tick = &beat.tick;
+        let tick = &record.tick;
         let sample_time = instrument.sample_time();
         let before = core::mem::replace(&mut self.mode, tick.mode);
         if core::mem::discriminant(&before) != core::mem::discriminant(&tick.mode) {
@@ -87,11 +91,11 @@ impl Changes {
                 instrument.learnt(diagnosis.baseline(state));
             }
         }
-        if beat.hold != self.hold {
-            self.hold = beat.hold;
-            retained::store(&Retained { hold: beat.hold, ..Retained::EMPTY });
-            if let Some(hold) = beat.hold {
-                let entry = Entry::Hold { hold, tick: tick.index };
+        if record.lockout != self.lockout {
+            self.lockout = record.lockout;
+            retained::store(&Retained { lockout: record.lockout, ..Retained::EMPTY });
+            if let Some(lockout) = record.lockout {
+                let entry = Entry::Lockout { lockout, tick: tick.index };
                 log::went_wrong(&entry, sample_time);
                 instrument.note(|history| history.push(entry));
             }
@@ -108,8 +112,8 @@ impl Changes {
             log::alarm(alarm, sample_time);
             instrument.note(|history| history.alarm(alarm));
         }
-        if beat.arrival.missed > 0 && !beat.missed {
-            defmt::warn!("tick {=u32} came after {=u32} missed", tick.index, beat.arrival.missed);
+        if record.arrival.missed > 0 && !record.missed {
+            defmt::warn!("tick {=u32} came after {=u32} missed", tick.index, record.arrival.missed);
         }
     }
 }

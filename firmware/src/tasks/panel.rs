@@ -3,9 +3,9 @@
 
 use embassy_time::Timer;
 use fdi_core::Command;
-use firmware_logic::checkin::Task;
 use firmware_logic::control_loop::Order;
 use firmware_logic::hold_button::{HoldButton, Press};
+use firmware_logic::task_watchdog::Task;
 
 use crate::hardware::heater;
 use crate::hardware::panel::Panel;

@@ -1,7 +1,7 @@
 //! A line for people, each second.
 
 use embassy_time::{Duration, Ticker};
-use firmware_logic::checkin::Task;
+use firmware_logic::task_watchdog::Task;
 
 use crate::instrument::Instrument;
 use crate::link::check_in;

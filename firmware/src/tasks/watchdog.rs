@@ -3,20 +3,20 @@
 
 use embassy_time::Timer;
 
-use crate::hardware::watchdog::{self, Patience};
-use crate::link::{ROLL, now_ms};
+use crate::hardware::watchdog::{self, Deadline};
+use crate::link::{TASKS, now_ms};
 
-/// Every 50 ms, an eighth of the watchdog's patience.
+/// Every 50 ms, an eighth of the watchdog's deadline.
 const PERIOD_MS: u64 = 50;
 
-/// Calls the roll.
+/// Feeds the watchdog while all tasks check in.
 #[embassy_executor::task]
 pub(crate) async fn watchdog() {
-    ROLL.check_all_in(now_ms());
-    watchdog::set(Patience::Running);
+    TASKS.check_all_in(now_ms());
+    watchdog::set(Deadline::Running);
     let mut overdue_before = false;
     loop {
-        let overdue = ROLL.overdue(now_ms());
+        let overdue = TASKS.overdue(now_ms());
         match overdue {
             None => watchdog::feed(),
             Some(late) if !overdue_before => {

@@ -51,7 +51,8 @@ impl Campaign {
         for (key, value) in values {
             merge(&mut config, &nested(key, value));
         }
-        let config: Config = config.try_into().with_context(|| format!("its settings {setting}"))?;
+        let config =
+            crate::settings::from_table(config).with_context(|| format!("its settings {setting}"))?;
         fdi_core::Instrument::new(&config).with_context(|| format!("its settings {setting}"))?;
         let ends = variant.faults.iter().map(Fault::end);
         let last =

@@ -16,7 +16,6 @@ use crate::campaign::results::Results;
 use crate::campaign::runner::{Progress, Remaining};
 use crate::campaign::store::{self, Header, Shard, Store};
 use crate::experiment;
-use crate::experiment::scenario::read_config;
 
 /// Arguments of `campaign`.
 #[derive(Clone, Debug, Args)]
@@ -154,7 +153,7 @@ impl DefinitionArgs {
     /// # Errors
     /// The file, line, key or value that is wrong.
     pub fn load(&self) -> anyhow::Result<(Campaign, fdi_core::Config)> {
-        let config = read_config(self.config.as_deref())?;
+        let config = crate::settings::read(self.config.as_deref())?;
         if let Some(file) = &self.file {
             check_is_file(file)?;
         }

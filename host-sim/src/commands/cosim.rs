@@ -7,7 +7,6 @@ use fdi_core::{AdcCode, Command, Config, Instrument, RawSample};
 
 use crate::commands::CoreArgs;
 use crate::experiment::as_written;
-use crate::experiment::scenario::read_config;
 use crate::record::trace::{OneTick, append_cells, header, instrument_columns};
 
 /// Runs on the process's standard streams.
@@ -15,7 +14,7 @@ use crate::record::trace::{OneTick, append_cells, header, instrument_columns};
 /// # Errors
 /// A bad configuration, a bad line, a stream that fails.
 pub fn run(args: &CoreArgs) -> anyhow::Result<()> {
-    let config = read_config(args.config.as_deref())?;
+    let config = crate::settings::read(args.config.as_deref())?;
     serve(&config, std::io::stdin().lock(), std::io::stdout().lock())
 }
 

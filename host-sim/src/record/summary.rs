@@ -4,7 +4,7 @@ use crate::score::expectation::Expectation;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::{DECISIVE, Residual};
 use fdi_core::{AdcCode, Finding, Reading, Validity};
-use firmware_logic::finding::Told;
+use firmware_logic::finding::Sentence;
 use serde::Serialize;
 
 use crate::experiment::{Origin, Record, Row};
@@ -37,18 +37,18 @@ pub struct Summary {
     pub faults: Vec<FaultSummary>,
     /// Times that a vector left zero outside any fault (and its tail of 15 s).
     pub false_alarms: FalseAlarms,
-    /// How it went while T1 was stood in for; null where it never was.
+    /// How it went while the virtual T1 was regulated; null where it never was.
     pub without_t1: Option<WithoutT1>,
     /// Trips, with time and reason.
     pub trips: Vec<TripSummary>,
 }
 
-/// Regulation by the stand-in for a faulty T1.
+/// Regulation by the virtual T1 in place of a faulty one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WithoutT1 {
     /// For how long.
     pub duration_s: f64,
-    /// Mean of set-point minus stand-in, degC. What the stand-in itself is off by, no instrument can know.
+    /// Mean of set-point minus virtual T1, degC. What the virtual T1 itself is off by, no instrument can know.
     pub error_mean_c: f64,
     /// Largest of it, without sign, degC.
     pub error_max_c: f64,
@@ -252,8 +252,8 @@ fn last_sentence(record: &Record, fault: &Fault, verdict: Option<&str>) -> Optio
 /// A finding on the tick of `row`, for people: a board's console has no degree sign.
 pub fn sentence(record: &Record, row: &Row, finding: &Finding) -> String {
     let (sample, expected) = (&row.tick.sample, row.report.likelihood.expected);
-    let told = Told { finding, sample, expected, sample_time: record.sample_time as f32 };
-    with_degree_sign(&told.to_string())
+    let sentence = Sentence { finding, sample, expected, sample_time: record.sample_time as f32 };
+    with_degree_sign(&sentence.to_string())
 }
 
 /// Text of the board, or the unit of a class, as people write it.
@@ -293,7 +293,7 @@ fn without_t1(record: &Record) -> Option<WithoutT1> {
     let errors: Vec<f64> = record
         .rows
         .iter()
-        .filter_map(|row| Some(f64::from(row.tick.setpoint.0 - row.tick.stand_in?.0)))
+        .filter_map(|row| Some(f64::from(row.tick.setpoint.0 - row.tick.virtual_t1?.0)))
         .collect();
     let count = errors.len() as f64;
     (!errors.is_empty()).then(|| WithoutT1 {

@@ -6,13 +6,13 @@ use core::panic::PanicInfo;
 
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::{Percent, RawSample};
-use firmware_logic::cadence::{Arrival, Cadence, Punctuality};
-use firmware_logic::checkin::{Roll, Task};
-use firmware_logic::control_loop::{Beat, ControlLoop, Heater, Order};
+use firmware_logic::cadence::{Arrival, Cadence, Jitter};
+use firmware_logic::control_loop::{ControlLoop, Heater, Order, TickRecord};
 use firmware_logic::duty;
-use firmware_logic::interlock::Hold;
-use firmware_logic::record::Record;
+use firmware_logic::interlock::Lockout;
+use firmware_logic::log_line::tick::TickLine;
 use firmware_logic::sampling::Mean;
+use firmware_logic::task_watchdog::{Task, TaskWatchdog};
 
 unsafe extern "C" {
     /// Exists nowhere.
@@ -47,8 +47,8 @@ impl Heater for Output {
     fn break_is_open(&self) -> bool {
         black_box(false)
     }
-    fn cut_by(&self) -> Hold {
-        black_box(Hold::BreakInput)
+    fn cut_by(&self) -> Lockout {
+        black_box(Lockout::BreakInput)
     }
     fn test_break(&mut self) -> bool {
         black_box(true)
@@ -79,20 +79,20 @@ extern "C" fn every_tick() {
     mean.push(black_box(Some(1)));
     let raw = black_box(RawSample { t0: mean.code(), ..RawSample::default() });
     black_box(control.missed(arrival, &mut Output));
-    let beat: Beat = control.tick(
+    let record: TickRecord = control.tick(
         raw,
         arrival,
         black_box(None::<Order>),
         black_box(fdi_core::Feedback::default()),
         &mut Output,
     );
-    static ROLL: Roll = Roll::new();
-    ROLL.check_in(black_box(Task::Control), black_box(1));
+    static TASKS: TaskWatchdog = TaskWatchdog::new();
+    TASKS.check_in(black_box(Task::Control), black_box(1));
 
-    let report = diagnosis.step(state, black_box(&beat.tick), black_box(beat.applied));
-    black_box(Record::new(&beat, black_box(&report)));
-    black_box(Punctuality::default()).count(&arrival);
-    black_box(ROLL.overdue(black_box(2)));
+    let report = diagnosis.step(state, black_box(&record.tick), black_box(record.applied));
+    black_box(TickLine::new(&record, black_box(&report)));
+    black_box(Jitter::default()).count(&arrival);
+    black_box(TASKS.overdue(black_box(2)));
     #[cfg(feature = "negative-control")]
     black_box([1, 2, 3][black_box(3)]);
 }

@@ -140,7 +140,7 @@ impl Adc {
         Ok(now + cycles * SECOND / hz)
     }
 
-    /// Takes in the voltage at the pin, in codes, through a source of so many ohm.
+    /// Converts the voltage at the pin, in codes, through a source of so many ohm.
     pub fn sample(&mut self, at_pin: f64, source: f64) {
         let time_constant = (SWITCH + source) * CAPACITOR;
         self.held = at_pin + (self.held - at_pin) * (-self.charging / time_constant).exp();

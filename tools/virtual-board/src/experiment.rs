@@ -16,9 +16,7 @@ use crate::image::Image;
 use crate::recording::{Difference, Recording};
 use crate::scene::WAIVE_CHECK;
 use crate::time::{MS, SECOND};
-
-/// What the three thermistors read before the rig starts: a little above ambient temperature.
-pub const AT_REST: u16 = 2160;
+use crate::wiring::AT_REST;
 
 /// A run on the board.
 pub struct Experiment {

@@ -66,7 +66,7 @@ impl Exti {
         field(self.syscfg.get(EXTICR1 + line / 4 * 4), 4 * (line % 4), 4) as usize
     }
 
-    /// Takes in the levels of the lines that are looked at; edges that are asked for become pending.
+    /// The levels of the lines that are looked at: edges that are asked for become pending.
     pub fn follow(&mut self, levels: u32) {
         let used = self.used();
         let (rose, fell) = (levels & !self.levels, self.levels & !levels);

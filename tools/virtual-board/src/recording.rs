@@ -3,15 +3,15 @@
 
 use anyhow::{Context, ensure};
 use fdi_core::{Command, Config, Instrument, Report, Tick};
-use firmware_logic::control_loop::Beat;
-use firmware_logic::record::Record;
+use firmware_logic::control_loop::TickRecord;
+use firmware_logic::log_line::tick::TickLine;
 
 use crate::rtt::Line;
 
 /// What the board said of one tick, and what the core makes of it on the host.
-pub struct Told {
+pub struct RerunTick {
     /// The words of the log.
-    pub record: Record,
+    pub record: TickLine,
     /// First half, on the host.
     pub tick: Tick,
     /// Second half, on the host.
@@ -34,7 +34,7 @@ pub struct Difference {
 /// A log, run again.
 pub struct Recording {
     /// Every tick.
-    pub ticks: Vec<Told>,
+    pub ticks: Vec<RerunTick>,
     /// Where board and host differ.
     pub differences: Vec<Difference>,
     /// The instrument after the last tick.
@@ -51,7 +51,7 @@ impl Recording {
         let orders: Vec<(u32, Command)> = log.iter().filter_map(|line| order(&line.text)).collect();
         let (mut ticks, mut differences) = (Vec::new(), Vec::new());
         for line in log.iter().filter(|line| line.text.starts_with("tick ") && line.level == "debug") {
-            let record: Record = line.text.parse().with_context(|| line.text.clone())?;
+            let record: TickLine = line.text.parse().with_context(|| line.text.clone())?;
             let index = ticks.len() as u32;
             ensure!(record.tick() == index, "the log has tick {} where {index} was due", record.tick());
             ensure!(!record.missed(), "the board missed tick {index}");
@@ -60,14 +60,14 @@ impl Recording {
             }
             let tick = instrument.control(record.raw());
             let report = instrument.diagnose(&tick, record.applied());
-            let again = Record::new(&beat(&record, tick), &report);
+            let again = TickLine::new(&beat(&record, tick), &report);
             differences.extend(record.differences(&again).map(|(name, board, host)| Difference {
                 tick: index,
                 name,
                 board,
                 host,
             }));
-            ticks.push(Told { record, tick, report });
+            ticks.push(RerunTick { record, tick, report });
         }
         Ok(Self { ticks, differences, instrument })
     }
@@ -88,14 +88,14 @@ fn order(text: &str) -> Option<(u32, Command)> {
 }
 
 /// The beat as the board had it: time and power are the board's own.
-fn beat(record: &Record, tick: Tick) -> Beat {
-    let mut beat = Beat {
+fn beat(record: &TickLine, tick: Tick) -> TickRecord {
+    let mut beat = TickRecord {
         raw: record.raw(),
         tick,
         applied: record.applied(),
         arrival: Default::default(),
         missed: false,
-        hold: None,
+        lockout: None,
         outcome: None,
         news: None,
         checked: false,

@@ -161,7 +161,7 @@ mod tests {
     use crate::time::MS;
 
     #[test]
-    fn bites_after_its_patience_unless_fed() {
+    fn bites_after_its_deadline_unless_fed() {
         let mut dog = Watchdog::new(32_000);
         assert_eq!(dog.next_event(), NEVER);
         dog.write(KR, 0xCCCC, 0).unwrap();

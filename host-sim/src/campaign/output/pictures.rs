@@ -95,16 +95,7 @@ fn families(cells: &[Cell]) -> Vec<Family<'_>> {
 }
 
 fn title(class: FaultClass, sensor: Option<Sensor>) -> String {
-    let what = match class {
-        FaultClass::T1Offset | FaultClass::T2Offset | FaultClass::T0Fault => {
-            "reads too high or too low (\u{b0}C)"
-        }
-        FaultClass::T1Clogged => "is clogged: loss of gain (%), lag below (s)",
-        FaultClass::AirFlow => "Air flow changes (%)",
-        FaultClass::HeaterPower => "Heater power changes (%)",
-        FaultClass::Drift => "drifts (\u{b0}C a minute)",
-        other => other.name(),
-    };
+    let what = class.axis();
     sensor.map_or(what.to_owned(), |sensor| format!("{sensor:?} {what}"))
 }
 

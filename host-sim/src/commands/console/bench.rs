@@ -9,7 +9,7 @@ use firmware_logic::cadence::Arrival;
 use firmware_logic::console::follow::Follow;
 use firmware_logic::console::line::is_stop_key;
 use firmware_logic::console::{self, ApplyError, Board};
-use firmware_logic::control_loop::{Beat, ControlLoop, Denial, Heater, Order};
+use firmware_logic::control_loop::{ControlLoop, Denial, Heater, Order, TickRecord};
 use firmware_logic::history::{Entry, History};
 use firmware_logic::interlock::Interlock;
 use firmware_logic::self_test::{Ending, Progress};
@@ -133,24 +133,24 @@ impl Bench {
         let feedback =
             self.status.last.as_ref().map_or_else(Feedback::default, |(_, report)| report.feedback());
         let raw = RawSample { t0, t1, t2 };
-        let beat = self.control.tick(raw, Arrival::default(), order, feedback, &mut self.heater);
+        let record = self.control.tick(raw, Arrival::default(), order, feedback, &mut self.heater);
         self.rig.advance(f64::from(self.heater.given().0));
-        let report = self.diagnosis.step(&mut self.state, &beat.tick, beat.applied);
-        self.note_trip(&beat);
+        let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
+        self.note_trip(&record);
         report.events.iter().for_each(|event| self.history.event(*event));
-        self.status.health.punctuality.count(&beat.arrival);
-        if let Some(news) = beat.news {
-            self.status.check.hear(news);
+        self.status.health.jitter.count(&record.arrival);
+        if let Some(news) = record.news {
+            self.status.check.note(news);
         }
-        let result = beat.outcome.map_or(Ok(()), |outcome| outcome.result);
-        self.status.last = Some((beat, report));
+        let result = record.outcome.map_or(Ok(()), |outcome| outcome.result);
+        self.status.last = Some((record, report));
         result
     }
 
-    fn note_trip(&mut self, beat: &Beat) {
+    fn note_trip(&mut self, record: &TickRecord) {
         let tripped = |mode: &Mode| matches!(mode, Mode::Tripped(_));
         let was_tripped = self.status.last.as_ref().is_some_and(|(before, _)| tripped(&before.tick.mode));
-        if let (Mode::Tripped(trip), false) = (beat.tick.mode, was_tripped) {
+        if let (Mode::Tripped(trip), false) = (record.tick.mode, was_tripped) {
             self.history.push(Entry::Trip(trip));
         }
     }

@@ -2,7 +2,7 @@
 
 use fdi_core::Percent;
 use firmware_logic::control_loop::Heater;
-use firmware_logic::interlock::Hold;
+use firmware_logic::interlock::Lockout;
 
 /// What can be wrong with the way from the timer to the heater.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,8 +99,8 @@ impl Heater for Output {
         self.has(Defect::InterlockOpen)
     }
 
-    fn cut_by(&self) -> Hold {
-        Hold::BreakInput
+    fn cut_by(&self) -> Lockout {
+        Lockout::BreakInput
     }
 
     fn test_break(&mut self) -> bool {

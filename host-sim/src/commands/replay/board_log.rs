@@ -4,15 +4,15 @@ use anyhow::{Context, bail, ensure};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Celsius, Command, Config, Report, Tick};
 use firmware_logic::cadence::Arrival;
-use firmware_logic::control_loop::Beat;
-use firmware_logic::record::{Record, WORDS};
+use firmware_logic::control_loop::TickRecord;
+use firmware_logic::log_line::tick::{TickLine, WORDS};
 use firmware_logic::settings::schema::Name;
 
 use super::{Order, Recorded, Recording, Said};
 
 /// What one line of the log says to a replay.
 enum Line {
-    Tick(Box<Record>),
+    Tick(Box<TickLine>),
     Order(u32, Option<Command>),
     Setting(String, String),
     /// An order was not carried out: settings told before it are not in force.
@@ -20,7 +20,7 @@ enum Line {
     /// A part of a baseline that was restored.
     Baseline(String, Vec<u32>),
     /// The interlock stopped the heater before this tick.
-    Hold(u32),
+    Lockout(u32),
     Boot,
     Other,
 }
@@ -31,7 +31,7 @@ struct Start {
     /// Settings told since the last order for some: all that are not at their default. The order comes after them.
     told: Config,
     baseline: Option<Baseline>,
-    records: Vec<Record>,
+    records: Vec<TickLine>,
     orders: Vec<(u32, Order)>,
 }
 
@@ -108,7 +108,7 @@ fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
                 start.orders.push((tick, Order::Settings(Box::new(settings))));
             }
             Line::Denied => start.told = Config::default(),
-            Line::Hold(tick) => start.orders.insert(0, (tick, Order::Command(Command::Stop))),
+            Line::Lockout(tick) => start.orders.insert(0, (tick, Order::Command(Command::Stop))),
             Line::Setting(name, value) => {
                 let config = if start.records.is_empty() { &mut start.config } else { &mut start.told };
                 set(config, &name, &value).with_context(|| format!("line {number}"))?;
@@ -185,12 +185,12 @@ fn parse(line: &str) -> anyhow::Result<Line> {
         let words = words.map_while(|word| u32::from_str_radix(word, radix).ok()).collect();
         return Ok(Line::Baseline(part.into(), words));
     }
-    if let Some(rest) = after(line, "hold ") {
+    if let Some(rest) = after(line, "lockout ") {
         return Ok(rest
             .split_ascii_whitespace()
             .next()
             .and_then(|w| w.parse().ok())
-            .map_or(Line::Other, Line::Hold));
+            .map_or(Line::Other, Line::Lockout));
     }
     Ok(if line.contains("PT-326 FDI") { Line::Boot } else { Line::Other })
 }
@@ -216,19 +216,19 @@ fn order(text: &str) -> anyhow::Result<Line> {
 }
 
 /// In what the core's bits differ from the board's.
-pub(super) fn differences(said: &Record, recorded: &Recorded, tick: &Tick, report: &Report) -> Vec<String> {
-    let beat = Beat {
+pub(super) fn differences(said: &TickLine, recorded: &Recorded, tick: &Tick, report: &Report) -> Vec<String> {
+    let beat = TickRecord {
         raw: recorded.raw,
         tick: *tick,
         applied: said.applied(),
         arrival: Arrival { late_us: said.late_us(), ..Arrival::default() },
         missed: said.missed(),
-        hold: None,
+        lockout: None,
         outcome: None,
         news: None,
         checked: false,
     };
-    let ours = Record::new(&beat, report);
+    let ours = TickLine::new(&beat, report);
     let number = |bits: u32| format!("{bits:#010x} ({})", f32::from_bits(bits));
     said.differences(&ours)
         .map(|(name, board, core)| format!("{name}: board {}, core {}", number(board), number(core)))
@@ -265,18 +265,18 @@ pub(super) mod tests {
             let tick = instrument.control(raw);
             let report = instrument.diagnose(&tick, tick.drive);
             rig.advance(f64::from(tick.drive.0));
-            let beat = Beat {
+            let beat = TickRecord {
                 raw,
                 tick,
                 applied: tick.drive,
                 arrival: Arrival::default(),
                 missed: false,
-                hold: None,
+                lockout: None,
                 outcome: None,
                 news: None,
                 checked: false,
             };
-            log += &format!("{}.0 [DEBUG] {} (firmware diagnosis.rs:40)\n", k, Record::new(&beat, &report));
+            log += &format!("{}.0 [DEBUG] {} (firmware diagnosis.rs:40)\n", k, TickLine::new(&beat, &report));
             log += "1.0 [WARN ] tick 5 came after 2 missed\n";
         }
         log

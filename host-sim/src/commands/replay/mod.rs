@@ -75,7 +75,7 @@ enum Order {
 /// The outputs, in the form of the recording.
 enum Said {
     /// Bits of the board.
-    Bits(Box<firmware_logic::record::Record>),
+    Bits(Box<firmware_logic::log_line::tick::TickLine>),
     /// Cells of a trace by column, without the truth.
     Cells(Vec<(&'static Column, String)>),
 }
@@ -97,7 +97,7 @@ const EXAMPLES: usize = 5;
 /// # Errors
 /// A file that is no recording, by line; outputs that differ from what was recorded.
 pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
-    let config = crate::experiment::scenario::read_config(args.config.as_deref())?;
+    let config = crate::settings::read(args.config.as_deref())?;
     let text =
         std::fs::read_to_string(&args.file).with_context(|| format!("can't read {}", args.file.display()))?;
     let mut recording = read(&text, config, args.seed).with_context(|| args.file.display().to_string())?;

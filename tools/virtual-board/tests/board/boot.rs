@@ -46,7 +46,7 @@ fn the_first_tick_is_due_a_period_after_the_start_and_the_grid_never_moves() {
     let ticks: Vec<_> = scene.board.log.iter().filter(|line| line.text.starts_with("tick ")).collect();
     assert!((180..=182).contains(&ticks.len()), "{}", ticks.len());
     for line in ticks {
-        let record: firmware_logic::record::Record = line.text.parse().expect("a record");
+        let record: firmware_logic::log_line::tick::TickLine = line.text.parse().expect("a record");
         assert!(!record.missed() && record.late_us() <= 5, "{line}");
     }
 }

@@ -9,7 +9,7 @@ fn heating() -> Scene {
     Scene::heating(load(None).expect("an image")).expect("heats")
 }
 
-/// From a single step to a coffee break; the longest is three times the patience of the watchdog.
+/// From a single step to a coffee break; the longest is three times the deadline of the watchdog.
 const HALTS: [Ps; 6] = [20 * US, MS, 50 * MS, 300 * MS, SECOND, 30 * SECOND];
 
 #[test]

@@ -2,7 +2,7 @@
 //! ten minutes of
 //! computing: `cargo test -p virtual-board -- --ignored --nocapture`.
 
-use firmware_logic::record::Record;
+use firmware_logic::log_line::tick::TickLine;
 use virtual_board::board::load;
 use virtual_board::closed_loop::TICK;
 use virtual_board::rtt::Line;
@@ -21,10 +21,10 @@ struct Grid {
 }
 
 impl Grid {
-    /// Takes in the lines of the log.
+    /// Follows the lines of the log.
     fn check(&mut self, lines: &[Line]) {
         for line in lines {
-            let Ok(record) = line.text.parse::<Record>() else {
+            let Ok(record) = line.text.parse::<TickLine>() else {
                 assert!(
                     line.level == "info" || line.text.contains("isolated") || line.level == "warn",
                     "{line}"

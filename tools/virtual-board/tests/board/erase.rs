@@ -47,7 +47,7 @@ fn nothing_stale_is_read_after_an_erasure() {
 }
 
 #[test]
-fn after_an_erasure_the_watchdog_is_as_impatient_as_before() {
+fn after_an_erasure_the_watchdog_is_as_fast_as_before() {
     let mut scene = at_rest();
     save_over_an_erasure(&mut scene.board);
     scene.arm().expect("arms");

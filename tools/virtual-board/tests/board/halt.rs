@@ -29,7 +29,7 @@ const ONE_TICK: Ps = 112 * MS;
 
 #[test]
 fn a_resumed_core_does_not_heat_until_it_is_acknowledged() {
-    // Within a tick, over a few, beyond the dead man's handle, beyond the watchdog's patience.
+    // Within a tick, over a few, beyond the deadline watchdog, beyond the watchdog's deadline.
     for (halt, limit) in [
         (MS, ONE_TICK),
         (50 * MS, ONE_TICK),

@@ -111,7 +111,7 @@ fn panic_in_each_task() {
         scene.time_until_off(100 * US).unwrap_or_else(|e| panic!("{task}: {e}"));
         scene.board.run_for(500 * MS).expect("restarts");
         assert!(scene.board.resets.iter().any(|(_, cause)| *cause == Cause::Software), "{task}");
-        assert!(scene.board.logged("last words: injected:7"), "{task}");
+        assert!(scene.board.logged("crash record: injected:7"), "{task}");
         assert!(scene.board.logged("reset cause: panic"), "{task}");
         needs_acknowledgement(&mut scene);
     }
@@ -128,7 +128,7 @@ fn hard_fault_in_each_task() {
             scene.time_until_off(100 * US).unwrap_or_else(|e| panic!("{what} in {task}: {e}"));
             scene.board.run_for(500 * MS).expect("restarts");
             assert!(scene.board.logged("reset cause: HardFault"), "{what} in {task}");
-            assert!(scene.board.logged("last words: pc 0x"), "{what} in {task}");
+            assert!(scene.board.logged("crash record: pc 0x"), "{what} in {task}");
             needs_acknowledgement(&mut scene);
         }
     }
@@ -146,18 +146,18 @@ fn stack_overflow_in_thread_and_in_interrupt() {
     }
 }
 
-/// The dead man's handle: 4 periods after the last completed tick was due.
-const DEAD_MAN: Ps = 4 * 110 * MS + MS;
+/// The deadline watchdog: 4 periods after the last completed tick was due.
+const DEADLINE: Ps = 4 * 110 * MS + MS;
 
 #[test]
 fn control_task_hangs() {
-    // A watchdog on its slowest oscillator bites after 753 ms: then it is the dead man's handle that cuts.
+    // A watchdog on its slowest oscillator bites after 753 ms: then it is the deadline watchdog that cuts.
     for oscillator in [17_000, 32_000] {
         let mut scene = heating();
         scene.board.cpu.touch(|chip, _| chip.watchdog.oscillator = oscillator);
         scene.board.run_for(200 * MS).expect("runs on");
         inject::hang(&mut scene.board, "control").expect("hangs");
-        scene.time_until_off(DEAD_MAN).unwrap_or_else(|e| panic!("{oscillator} Hz: {e}"));
+        scene.time_until_off(DEADLINE).unwrap_or_else(|e| panic!("{oscillator} Hz: {e}"));
         scene.board.run_for(2000 * MS).expect("the watchdog restarts it");
         assert_eq!(scene.board.resets.last().map(|r| r.1), Some(Cause::Watchdog));
         needs_acknowledgement(&mut scene);
@@ -170,7 +170,7 @@ fn control_task_is_never_polled() {
     let begin = scene.board.now();
     inject::silence(&mut scene.board, "control", 1200 * MS).expect("runs on");
     let off = scene.board.heater_off_since().expect("off");
-    assert!(off - begin <= DEAD_MAN, "off after {} ms", (off - begin) / MS);
+    assert!(off - begin <= DEADLINE, "off after {} ms", (off - begin) / MS);
     scene.board.run_for(1000 * MS).expect("restarts");
     assert_eq!(scene.board.resets.last().map(|r| r.1), Some(Cause::Watchdog));
     needs_acknowledgement(&mut scene);
@@ -184,7 +184,7 @@ const TIM5: u16 = 50;
 fn control_interrupt_disabled() {
     let mut scene = heating();
     scene.board.cpu.touch(|chip, _| chip.scs.nvic.enable(SPI4, false));
-    scene.time_until_off(DEAD_MAN).expect("off");
+    scene.time_until_off(DEADLINE).expect("off");
 }
 
 #[test]

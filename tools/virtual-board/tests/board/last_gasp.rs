@@ -60,13 +60,13 @@ fn a_stack_overflow_corrupts_nothing() {
     for task in ["console", "control"] {
         let mut scene = heating();
         let board = &mut scene.board;
-        let roll = board.image.address("firmware::link::ROLL").expect("where tasks check in");
+        let tasks = board.image.address("firmware::link::TASKS").expect("where tasks check in");
         inject::overflow_stack(board, task).expect(task);
-        let before = board.cpu.bytes(roll, 20).expect("RAM");
+        let before = board.cpu.bytes(tasks, 20).expect("RAM");
         board.cpu.watch(board.image.address("HardFault").expect("the handler")).expect("watches");
         let hit = board.run_to(board.now() + MS).expect("runs on");
         assert!(hit.is_some(), "{task}: no fault");
-        assert_eq!(board.cpu.bytes(roll, 20).expect("RAM"), before, "{task}");
+        assert_eq!(board.cpu.bytes(tasks, 20).expect("RAM"), before, "{task}");
     }
 }
 
@@ -118,7 +118,7 @@ fn ram_full_of_noise_is_believed_in_nothing() {
         scene.board.reset(Cause::Pin).expect("resets");
         scene.board.run_for(SECOND).expect("restarts");
         assert!(scene.board.logged("reset cause: reset pin"), "{magic:?}");
-        assert!(!scene.board.logged("last words"), "{magic:?}");
+        assert!(!scene.board.logged("crash record"), "{magic:?}");
         scene.arm().expect("nothing holds it");
     }
 }

@@ -1,6 +1,6 @@
 //! The log is nobody's business but the reader's: read, read late or never read, no tick is late for it.
 
-use firmware_logic::record::Record;
+use firmware_logic::log_line::tick::TickLine;
 use virtual_board::board::load;
 use virtual_board::scene::Scene;
 use virtual_board::time::{MS, SECOND};
@@ -29,7 +29,7 @@ fn a_reader_that_comes_back_finds_whole_frames() {
     scene.board.run_for(10 * SECOND).expect("runs on");
     let ticks: Vec<u32> = scene.board.log[before..]
         .iter()
-        .filter_map(|line| line.text.parse::<Record>().ok())
+        .filter_map(|line| line.text.parse::<TickLine>().ok())
         .map(|record| record.tick())
         .collect();
     let gaps = ticks.windows(2).filter(|pair| pair[1] != pair[0] + 1).count();

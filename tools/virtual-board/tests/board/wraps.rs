@@ -13,7 +13,7 @@ fn powered_up() -> Scene {
 
 #[test]
 fn the_tick_goes_on_when_its_timer_wraps() {
-    // Before the first tick, between two, in the middle of a sample, on a due time, while the dead man's handle lies ahead.
+    // Before the first tick, between two, in the middle of a sample, on a due time, while the deadline watchdog lies ahead.
     for before in [1, 55_000, 110_000, 110_600, 111_000, 165_000, 440_000] {
         let mut scene = powered_up();
         scene.board.cpu.touch(|chip, _| chip.tim5.begins_at = u32::MAX - before);
@@ -31,7 +31,7 @@ fn the_tick_goes_on_when_its_timer_wraps() {
 }
 
 #[test]
-fn the_dead_man_cuts_across_a_wrap() {
+fn the_deadline_watchdog_cuts_across_a_wrap() {
     let mut scene = powered_up();
     scene.board.cpu.touch(|chip, _| chip.tim5.begins_at = u32::MAX - 3_000_000);
     scene.board.run_for(600 * MS).expect("boots");

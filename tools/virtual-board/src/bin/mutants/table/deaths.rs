@@ -50,7 +50,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "the next start does not know how the last one ended",
         FAULT,
         [
-            "    retained::store(&Retained { death: Some(death), hold: None, words });\n",
+            "    retained::store(&Retained { death: Some(death), lockout: None, words });\n",
             "    let _ = (death, words);\n",
         ],
         &["heater_off::panic_in_each_task"],
@@ -63,7 +63,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         &["last_gasp::each_start"],
     ),
     mutant(
-        "fault-reset-does-not-hold",
+        "fault-reset-does-not-lock-out",
         "after a fault reset it can be armed at once",
         "firmware-logic/src/reset_cause.rs",
         [
@@ -73,15 +73,15 @@ pub(super) const MUTANTS: &[Mutant] = &[
         &["heater_off::resets_while_heating"],
     ),
     mutant(
-        "hold-not-kept",
+        "lockout-not-kept",
         "the reset button acknowledges",
         START,
-        ["    retained::store(&Retained { hold: interlock.hold(), ..Retained::EMPTY });\n", ""],
+        ["    retained::store(&Retained { lockout: interlock.lockout(), ..Retained::EMPTY });\n", ""],
         &["last_gasp::a_fault_reset"],
     ),
     mutant(
         "retained-words-not-checked",
-        "noise in RAM is taken for last words",
+        "noise in RAM is taken for a crash record",
         "firmware-logic/src/retained.rs",
         [" || words[WORDS - 1] != checksum(words)", ""],
         &["last_gasp::ram_full"],

@@ -1,10 +1,10 @@
-//! Who watches the program: dead man's handle, watchdog, priorities, clocks, debugger.
+//! Who watches the program: deadline watchdog, watchdog, priorities, clocks, debugger.
 
 use super::{Mutant, mutant};
 
 const TICK: &str = "firmware/src/hardware/tick_timer.rs";
 const WATCHDOG: &str = "firmware/src/hardware/watchdog.rs";
-const ROLL: &str = "firmware/src/tasks/watchdog.rs";
+const TASKS: &str = "firmware/src/tasks/watchdog.rs";
 const PRIORITIES: &str = "firmware/src/hardware/mod.rs";
 const HALT: &str = "firmware/src/hardware/halt.rs";
 const CLOCK: &str = "firmware/src/hardware/clock.rs";
@@ -15,28 +15,28 @@ const MASKED: &[&str] = &["heater_off::all_interrupts_masked"];
 
 pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
-        "dead-man-interrupt-off",
+        "deadline-interrupt-off",
         "a control task that hangs heats on",
         TICK,
-        ["        w.set_ccie(DEAD_MAN, true);\n", ""],
+        ["        w.set_ccie(DEADLINE, true);\n", ""],
         HANGS,
     ),
     mutant(
-        "dead-man-never-armed",
+        "deadline-never-armed",
         "the same",
         TICK,
-        ["    TIM5.ccr(DEAD_MAN).write_value(at);\n", "    let _ = at;\n"],
+        ["    TIM5.ccr(DEADLINE).write_value(at);\n", "    let _ = at;\n"],
         HANGS,
     ),
     mutant(
-        "dead-man-late",
+        "deadline-late",
         "the same, for 880 ms",
         "firmware/src/tasks/control.rs",
-        ["const DEAD_MAN_US: u32 = 4 * PERIOD_US;", "const DEAD_MAN_US: u32 = 8 * PERIOD_US;"],
+        ["const DEADLINE_US: u32 = 4 * PERIOD_US;", "const DEADLINE_US: u32 = 8 * PERIOD_US;"],
         HANGS,
     ),
     mutant(
-        "dead-man-below-control",
+        "deadline-below-control",
         "a control task that hangs keeps its guard from running",
         PRIORITIES,
         ["interrupt::TIM5.set_priority(Priority::P0)", "interrupt::TIM5.set_priority(Priority::P4)"],
@@ -99,29 +99,29 @@ pub(super) const MUTANTS: &[Mutant] = &[
         &["boot::any_watchdog"],
     ),
     mutant(
-        "watchdog-patient-for-ever",
+        "watchdog-slow-for-ever",
         "a core that hangs heats on for 8 s",
-        ROLL,
-        ["    watchdog::set(Patience::Running);\n", "    watchdog::set(Patience::Stalled);\n"],
+        TASKS,
+        ["    watchdog::set(Deadline::Running);\n", "    watchdog::set(Deadline::Stalled);\n"],
         MASKED,
     ),
     mutant(
-        "watchdog-patient-after-an-erasure",
+        "watchdog-slow-after-an-erasure",
         "the same, once settings have been saved",
         WATCHDOG,
         ["    if divider_before == RUNNING.0 {", "    if divider_before == RUNNING.0 && false {"],
         &["erase::after_an_erasure"],
     ),
     mutant(
-        "watchdog-impatient-while-erasing",
+        "watchdog-fast-while-erasing",
         "saving resets the board",
         WATCHDOG,
-        ["    set(Patience::Stalled);\n    let result = stall();", "    let result = stall();"],
+        ["    set(Deadline::Stalled);\n    let result = stall();", "    let result = stall();"],
         &["erase::a_sector"],
     ),
     mutant(
         "watchdog-does-not-wait",
-        "a new patience is fed before it is in force",
+        "a new deadline is fed before it is in force",
         WATCHDOG,
         ["fn wait_until_taken() {\n", "fn wait_until_taken() {\n    if true {\n        return;\n    }\n"],
         &["heater_off::all_interrupts_masked", "boot::any_watchdog", "boot::a_start", "erase::after"],
@@ -129,15 +129,15 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "watchdog-fed-by-nobody",
         "it bites a program that is well",
-        ROLL,
+        TASKS,
         ["None => watchdog::feed(),", "None => {}"],
         &["boot::arms"],
     ),
     mutant(
-        "watchdog-fed-without-roll-call",
+        "watchdog-fed-without-check-ins",
         "a task that is silent is not missed",
-        ROLL,
-        ["ROLL.overdue(now_ms());", "ROLL.overdue(now_ms()).filter(|_| false);"],
+        TASKS,
+        ["TASKS.overdue(now_ms());", "TASKS.overdue(now_ms()).filter(|_| false);"],
         &["heater_off::other_tasks_fall_silent"],
     ),
     mutant(
@@ -197,9 +197,9 @@ pub(super) const MUTANTS: &[Mutant] = &[
         &["halt::a_resumed"],
     ),
     mutant(
-        "control-late-in-the-roll",
+        "control-late-to-check-in",
         "a control task that is silent is not missed",
-        "firmware-logic/src/checkin.rs",
+        "firmware-logic/src/task_watchdog.rs",
         ["(Task::Control, 250)", "(Task::Control, 25_000)"],
         &["heater_off::clocks_of_the_tasks_stop", "heater_off::tick_interrupt_disabled"],
     )
@@ -209,8 +209,8 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "a console that waits for an answer starves the watchdog",
         "firmware/src/instrument.rs",
         [
-            "const PATIENCE: Duration = Duration::from_millis(400);",
-            "const PATIENCE: Duration = Duration::from_secs(400);",
+            "const ANSWER_DEADLINE: Duration = Duration::from_millis(400);",
+            "const ANSWER_DEADLINE: Duration = Duration::from_secs(400);",
         ],
         &["console::an_order"],
     ),

@@ -132,7 +132,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     ),
     mutant(
         "cut-with-reason-without-effect",
-        "dead man's handle and voltage detector note a reason and cut nothing",
+        "deadline watchdog and voltage detector note a reason and cut nothing",
         FILE,
         ["    cut();\n    if was_enabled {", "    if was_enabled {"],
         &["heater_off::control_task_hangs", "brown_out::a_falling"],
@@ -176,7 +176,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "cut-not-latched",
         "what hardware has cut is switched on again",
         LOOP,
-        ["            self.interlock.latch(hold);\n", ""],
+        ["            self.interlock.latch(lockout);\n", ""],
         &["heater_off::break_input", "heater_off::control_task_hangs"],
     ),
     mutant(

@@ -129,11 +129,11 @@ pub(super) const MUTANTS: &[Mutant] = &[
         &["supply::a_sag"],
     ),
     mutant(
-        "mark-taken-away-while-held",
+        "mark-taken-away-while-latched",
         "the power switch acknowledges",
         INSTRUMENT,
         [
-            "if self.marked && !self.instrument.is_held() && !self.may_heat() {",
+            "if self.marked && !self.instrument.is_latched() && !self.may_heat() {",
             "if self.marked && !self.may_heat() {",
         ],
         &["supply::a_trip_outlives"],
@@ -142,7 +142,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "mark-never-taken-away",
         "switching it on needs an acknowledgement",
         INSTRUMENT,
-        ["if self.marked && !self.instrument.is_held() && !self.may_heat() {", "if false {"],
+        ["if self.marked && !self.instrument.is_latched() && !self.may_heat() {", "if false {"],
         &["supply::a_power_failure"],
     ),
     mutant(

@@ -7,11 +7,11 @@ use core::fmt;
 use fdi_core::diagnosis::Verdict;
 use fdi_core::diagnosis::signature::{Symptom, Symptoms};
 use fdi_core::identify::observer::Observation;
-use fdi_core::likelihood::{Channel, FaultClass, LikelihoodReport, Pair, Readiness, RejectReason};
+use fdi_core::likelihood::{LikelihoodReport, Readiness, RejectReason};
 use fdi_core::supervisor::Blocker;
 use fdi_core::{AdcCode, Mode, Percent, RawSample, Report, Validity};
 
-use crate::control_loop::Beat;
+use crate::control_loop::TickRecord;
 
 /// Words in a record.
 pub const WORDS: usize = 31;
@@ -32,15 +32,15 @@ const MISSED: u32 = 1 << 31;
 
 /// One tick as words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Record(pub [u32; WORDS]);
+pub struct TickLine(pub [u32; WORDS]);
 
-impl Record {
+impl TickLine {
     /// The record of a tick.
-    pub fn new(beat: &Beat, report: &Report) -> Self {
-        let tick = &beat.tick;
-        let timing = if beat.missed { MISSED } else { beat.arrival.late_us };
+    pub fn new(record: &TickRecord, report: &Report) -> Self {
+        let tick = &record.tick;
+        let timing = if record.missed { MISSED } else { record.arrival.late_us };
         let numbers = |x: Option<f32>| x.map_or(NONE, f32::to_bits);
-        let (raw, filtered) = (&beat.raw, report.residuals_filtered.as_ref());
+        let (raw, filtered) = (&record.raw, report.residuals_filtered.as_ref());
         let residual = |i: usize| numbers(filtered.and_then(|filtered| filtered.get(i).copied()));
         let finding = &report.likelihood.finding;
         let magnitude = finding.and_then(|finding| finding.magnitude);
@@ -54,8 +54,8 @@ impl Record {
             tick.pid.0.to_bits(),
             tick.prbs.0.to_bits(),
             tick.drive.0.to_bits(),
-            beat.applied.0.to_bits(),
-            state(beat, report),
+            record.applied.0.to_bits(),
+            state(record, report),
             report.learned,
             numbers(report.ms1.prediction),
             numbers(report.ms2.prediction),
@@ -112,7 +112,7 @@ impl Record {
     }
 }
 
-impl fmt::Display for Record {
+impl fmt::Display for TickLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("tick")?;
         self.0.iter().try_for_each(|word| write!(f, " {word:x}"))
@@ -121,7 +121,7 @@ impl fmt::Display for Record {
 
 /// The same text, put together where the log is decoded.
 #[cfg(feature = "defmt")]
-impl defmt::Format for Record {
+impl defmt::Format for TickLine {
     #[rustfmt::skip]
     fn format(&self, f: defmt::Formatter<'_>) {
         let w = &self.0;
@@ -139,7 +139,7 @@ impl defmt::Format for Record {
 
 /// Why a text is no record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RecordError {
+pub enum TickLineError {
     /// It does not begin with "tick ".
     NotATick,
     /// It has another number of words.
@@ -154,7 +154,7 @@ pub enum RecordError {
     },
 }
 
-impl fmt::Display for RecordError {
+impl fmt::Display for TickLineError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotATick => f.write_str("expected a record that begins with \"tick \""),
@@ -164,23 +164,23 @@ impl fmt::Display for RecordError {
     }
 }
 
-impl core::error::Error for RecordError {}
+impl core::error::Error for TickLineError {}
 
-impl core::str::FromStr for Record {
-    type Err = RecordError;
+impl core::str::FromStr for TickLine {
+    type Err = TickLineError;
 
     /// Reads the text from "tick " on; what a log puts before it must have been cut off.
-    fn from_str(text: &str) -> Result<Self, RecordError> {
-        let words = text.strip_prefix("tick ").ok_or(RecordError::NotATick)?;
+    fn from_str(text: &str) -> Result<Self, TickLineError> {
+        let words = text.strip_prefix("tick ").ok_or(TickLineError::NotATick)?;
         let found = words.split_ascii_whitespace().count();
         if found != WORDS {
-            return Err(RecordError::Words { found });
+            return Err(TickLineError::Words { found });
         }
         let mut record = Self([0; WORDS]);
         for ((word, name), digits) in record.0.iter_mut().zip(FIELDS).zip(words.split_ascii_whitespace()) {
             let plain = digits.bytes().all(|b| b.is_ascii_hexdigit()); // from_str_radix would also take a sign
             let number = u32::from_str_radix(digits, 16).ok().filter(|_| plain);
-            *word = number.ok_or(RecordError::Word { name })?;
+            *word = number.ok_or(TickLineError::Word { name })?;
         }
         Ok(record)
     }
@@ -188,15 +188,15 @@ impl core::str::FromStr for Record {
 
 /// Mode in bits 0..3, validity of T0, T1, T2 from bits 4, 8 and 12, learning in bit 16, what blocks it from bit 17, flags
 /// of MS1 from bit 20 and of MS2 from bit 24.
-fn state(beat: &Beat, report: &Report) -> u32 {
-    let mode = match beat.tick.mode {
+fn state(record: &TickRecord, report: &Report) -> u32 {
+    let mode = match record.tick.mode {
         Mode::Off => 0,
         Mode::Settle { .. } => 1,
         Mode::Learn { .. } => 2,
         Mode::Monitor => 3,
         Mode::Tripped(_) => 4,
     };
-    let blocked = match beat.tick.blocked {
+    let blocked = match record.tick.blocked {
         None => 0,
         Some(Blocker::Saturated) => 1,
         Some(Blocker::OutOfRegulation) => 2,
@@ -205,11 +205,11 @@ fn state(beat: &Beat, report: &Report) -> u32 {
         Some(Blocker::NotSteady) => 5,
         Some(Blocker::NotIdentified) => 6,
     };
-    let sample = &beat.tick.sample;
+    let sample = &record.tick.sample;
     mode | validity(sample.t0.validity) << 4
         | validity(sample.t1.validity) << 8
         | validity(sample.t2.validity) << 12
-        | u32::from(beat.tick.learn) << 16
+        | u32::from(record.tick.learn) << 16
         | blocked << 17
         | observer(&report.ms1) << 20
         | observer(&report.ms2) << 24
@@ -263,36 +263,8 @@ fn likelihood(report: &LikelihoodReport) -> u32 {
         Readiness::Refused(RejectReason::Gain) => 4,
         Readiness::Refused(RejectReason::PoorFit) => 5,
     };
-    let class = report.finding.map_or(0, |finding| number(finding.class));
+    let class = report.finding.map_or(0, |finding| finding.class.number());
     readiness | u32::from(report.alarm) << 4 | class << 8
-}
-
-/// A number for a class; where it is a thermistor's, 16 more for T1 and 32 for T2.
-fn number(class: FaultClass) -> u32 {
-    let of = |channel: Channel| match channel {
-        Channel::T0 => 0,
-        Channel::T1 => 16,
-        Channel::T2 => 32,
-    };
-    match class {
-        FaultClass::T1Offset => 1,
-        FaultClass::T2Offset => 2,
-        FaultClass::T1Clogged => 3,
-        FaultClass::AirFlow => 4,
-        FaultClass::HeaterPower => 5,
-        FaultClass::T0Fault => 6,
-        FaultClass::Drift => 7,
-        FaultClass::Unknown => 8,
-        FaultClass::Stuck(channel) => 9 + of(channel),
-        FaultClass::Open(channel) => 10 + of(channel),
-        FaultClass::Short(channel) => 11 + of(channel),
-        FaultClass::Lost(channel) => 12 + of(channel),
-        FaultClass::T1Detached => 13,
-        FaultClass::T2Detached => 14,
-        FaultClass::Swapped(Pair::T1T2) => 15,
-        FaultClass::Swapped(Pair::T0T1) => 16,
-        FaultClass::Swapped(Pair::T0T2) => 17,
-    }
 }
 
 /// fdv and fiv of the filtered residuals, then of the raw ones, a byte each.

@@ -1,4 +1,4 @@
-//! The roll that the watchdog calls before it feeds the hardware: every task must have checked in within its deadline.
+//! The software half of the watchdog, asked before the hardware is fed: every task must have checked in within its deadline.
 
 use core::fmt;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -20,7 +20,7 @@ pub enum Task {
 }
 
 /// All tasks with the longest time in ms that each may be silent. Control and diagnosis may each lose one tick; a save
-/// of the settings, which stalls everything, suspends the roll by checking all in afterwards.
+/// of the settings, which stalls everything, is followed by checking all in.
 pub const DEADLINES: [(Task, u32); 5] = [
     (Task::Control, 250),
     (Task::Diagnosis, 250),
@@ -29,14 +29,14 @@ pub const DEADLINES: [(Task, u32); 5] = [
     (Task::Panel, 250),
 ];
 
-/// When each task was last heard of, in ms of a wrapping clock. Any interrupt level may check in: there is no lock.
+/// When each task last checked in, in ms of a wrapping clock. Any interrupt level may check in: there is no lock.
 #[derive(Debug)]
-pub struct Roll {
+pub struct TaskWatchdog {
     last: [AtomicU32; DEADLINES.len()],
 }
 
-impl Roll {
-    /// All tasks count as heard of at time 0.
+impl TaskWatchdog {
+    /// All tasks count as checked in at time 0.
     pub const fn new() -> Self {
         Self { last: [const { AtomicU32::new(0) }; DEADLINES.len()] }
     }
@@ -64,7 +64,7 @@ impl Roll {
     }
 }
 
-impl Default for Roll {
+impl Default for TaskWatchdog {
     fn default() -> Self {
         Self::new()
     }
@@ -103,24 +103,24 @@ mod tests {
     #[test]
     fn each_task_alone_can_stop_the_feeding() {
         for (silent, deadline) in DEADLINES {
-            let roll = Roll::new();
+            let tasks = TaskWatchdog::new();
             let start = u32::MAX - 20; // the clock wraps meanwhile
-            roll.check_all_in(start);
+            tasks.check_all_in(start);
             let late = start.wrapping_add(deadline + 1);
             for (task, _) in DEADLINES.iter().filter(|(task, _)| *task != silent) {
-                roll.check_in(*task, late);
+                tasks.check_in(*task, late);
             }
-            assert_eq!(roll.overdue(start.wrapping_add(deadline)), None, "{silent:?}: on its deadline");
-            let overdue = roll.overdue(late).expect("past its deadline");
+            assert_eq!(tasks.overdue(start.wrapping_add(deadline)), None, "{silent:?}: on its deadline");
+            let overdue = tasks.overdue(late).expect("past its deadline");
             assert_eq!((overdue.task, overdue.silent_ms), (silent, deadline + 1));
         }
     }
 
     #[test]
     fn a_check_in_from_the_future_is_no_silence() {
-        let roll = Roll::new();
-        roll.check_all_in(1001);
-        assert_eq!(roll.overdue(1000), None);
+        let tasks = TaskWatchdog::new();
+        tasks.check_all_in(1001);
+        assert_eq!(tasks.overdue(1000), None);
     }
 
     #[test]

@@ -1,0 +1,3 @@
+//! Lines of the log that a program reads.
+
+pub mod tick;

@@ -94,6 +94,8 @@ pub struct Spread {
     pub p95: Option<f64>,
     /// Runs in which it does not exist.
     pub missed: usize,
+    /// Runs that count: those in which it could exist.
+    pub runs: usize,
 }
 
 impl Spread {
@@ -104,7 +106,13 @@ impl Spread {
         known.sort_by(f64::total_cmp);
         let at =
             |share: f64| known.get((share * known.len().saturating_sub(1) as f64).round() as usize).copied();
-        Self { p5: at(0.05), median: at(0.5), p95: at(0.95), missed: all.len() - known.len() }
+        Self {
+            p5: at(0.05),
+            median: at(0.5),
+            p95: at(0.95),
+            missed: all.len() - known.len(),
+            runs: all.len(),
+        }
     }
 }
 
@@ -144,7 +152,8 @@ pub fn repeat(
     let fault = |i: usize| {
         let score = |form: fn(&FaultSummary) -> &Score| {
             let spread = |value: fn(&Score) -> Option<f64>| {
-                Spread::of(summaries.iter().map(|s| value(form(&s.faults[i]))))
+                let scores = summaries.iter().map(|s| form(&s.faults[i]));
+                Spread::of(scores.filter(|score| score.not_scored.is_none()).map(value))
             };
             RepeatedScore {
                 detection_delay_s: spread(|s| s.detection_delay_s),
@@ -167,11 +176,11 @@ pub fn repeat(
     Ok(Repeated {
         from,
         runs,
-        control_error_max_pct: Spread::of(summaries.iter().map(|s| Some(s.control_error_max_pct))),
+        control_error_max_pct: Spread::of(summaries.iter().map(|s| s.control_error_max_pct)),
         faults: (0..scenario.faults.len()).map(fault).collect(),
-        false_alarms_fdv: summaries.iter().map(|s| s.false_alarms.fdv).sum(),
-        false_alarms_fiv: summaries.iter().map(|s| s.false_alarms.fiv).sum(),
-        false_alarms_likelihood: summaries.iter().map(|s| s.false_alarms.likelihood).sum(),
+        false_alarms_fdv: summaries.iter().filter_map(|s| s.false_alarms.fdv).sum(),
+        false_alarms_fiv: summaries.iter().filter_map(|s| s.false_alarms.fiv).sum(),
+        false_alarms_likelihood: summaries.iter().filter_map(|s| s.false_alarms.likelihood).sum(),
     })
 }
 
@@ -197,7 +206,10 @@ fn table(r: &Repeated, scenario: &Scenario) -> String {
             ("  raw residuals", &fault.signature_raw),
             ("  likelihood", &fault.likelihood),
         ] {
-            let missed = |s: &Spread| format!("{:.1} %", 100.0 * s.missed as f64 / r.runs as f64);
+            let missed = |s: &Spread| match s.runs {
+                0 => "-".to_string(),
+                runs => format!("{:.1} %", 100.0 * s.missed as f64 / runs as f64),
+            };
             text += &line([
                 name.to_string(),
                 score.detection_delay_s.to_string(),
@@ -233,6 +245,7 @@ impl std::fmt::Display for Spread {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match (self.p5, self.median, self.p95) {
             (Some(p5), Some(median), Some(p95)) => f.pad(&format!("{median:.2} [{p5:.2}, {p95:.2}]")),
+            _ if self.runs == 0 => f.pad("-"),
             _ => f.pad("never"),
         }
     }

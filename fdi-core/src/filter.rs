@@ -1,4 +1,15 @@
 //! First-order low-pass.
+//!
+//! ```
+//! use fdi_core::Seconds;
+//! use fdi_core::filter::LowPass;
+//!
+//! let filter = LowPass::new(1.0, Seconds(0.1)); // cut-off at 1 rad/s: a time constant of 1 s
+//! let mut state = None;
+//! filter.step(&mut state, &[0.0]);
+//! let after_a_second = (0..10).map(|_| filter.step(&mut state, &[1.0])[0]).last();
+//! assert!(after_a_second.is_some_and(|x| (x - 0.632).abs() < 0.001));
+//! ```
 
 use crate::units::Seconds;
 

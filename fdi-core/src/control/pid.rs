@@ -7,6 +7,20 @@
 //! At a constant set-point this is the paper's law, for `e[k] - e[k-1] = -(y[k] - y[k-1])`. A change of the set-point
 //! enters by the integral part alone and a change of the gains alters increments only, so neither bumps the output.
 //! The clamped output is the only memory of the integral part: it cannot wind up.
+//!
+//! ```
+//! use fdi_core::control::pid::{Pid, PidConfig, PidState};
+//! use fdi_core::{Celsius, Percent, Seconds};
+//!
+//! let pid = Pid::new(&PidConfig::default(), Seconds(0.11))?;
+//! let (mut state, mut y, mut power) = (PidState::default(), 20.0, Percent(0.0));
+//! for _ in 0..200 {
+//!     y += 0.2 * (20.0 + 0.3 * power.0 - y); // a plant of first order: 0.3 degC per % above 20 degC
+//!     power = pid.step(&mut state, Celsius(35.0), Celsius(y));
+//! }
+//! assert!((y - 35.0).abs() < 0.1);
+//! # Ok::<(), fdi_core::ConfigError>(())
+//! ```
 
 use crate::bounds::bounded;
 use crate::error::{ConfigError, above};

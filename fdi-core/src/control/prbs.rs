@@ -1,5 +1,17 @@
 //! Pseudo-random binary signal of maximal length, added to the PID's output so that the loop stays identifiable
 //! while it is closed (paper, section 2.3).
+//!
+//! ```
+//! use fdi_core::control::prbs::{Prbs, PrbsConfig};
+//! use fdi_core::Percent;
+//!
+//! let prbs = Prbs::new(&PrbsConfig { bits: 3, samples_per_bit: 1, amplitude: Percent(5.0), start: 1 })?;
+//! let mut state = prbs.start();
+//! let period: Vec<f32> = (0..7).map(|_| prbs.step(&mut state).0).collect(); // 2^3 - 1 samples
+//! assert!(period.iter().all(|x| x.abs() == 5.0));
+//! assert_eq!(period.iter().sum::<f32>().abs(), 5.0); // one more of one sign than of the other
+//! # Ok::<(), fdi_core::ConfigError>(())
+//! ```
 
 use crate::error::{ConfigError, in_range};
 use crate::settings::{check, settings};

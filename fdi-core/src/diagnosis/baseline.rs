@@ -1,4 +1,15 @@
 //! What is normal: mean and standard deviation of each feature over fault-free operation, and the thresholds from them.
+//!
+//! ```
+//! use fdi_core::diagnosis::baseline::Statistics;
+//!
+//! let mut statistics = Statistics::default();
+//! for sample in [[1.0, 10.0], [2.0, 10.0], [3.0, 10.0]] {
+//!     statistics.push(&sample);
+//! }
+//! assert_eq!((statistics.count(), statistics.mean()), (3, [2.0, 10.0]));
+//! assert!((statistics.sigma()[0] - (2.0f32 / 3.0).sqrt()).abs() < 1e-6);
+//! ```
 
 use super::residual::RESIDUALS;
 use crate::error::{ConfigError, in_range};

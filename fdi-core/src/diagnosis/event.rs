@@ -1,4 +1,18 @@
 //! From a flickering fault vector to one record of each fault: since when, which, until when.
+//!
+//! ```
+//! use fdi_core::diagnosis::event::{Event, EventRules, EventState};
+//!
+//! let (rules, mut state) = (EventRules { onset_window: 50, clear_ticks: 2 }, EventState::default());
+//! // fdv flickers from tick 10 to 12; fiv names fault 3 at tick 12.
+//! let verdicts = [(10, 2, 0), (11, 0, 0), (12, 2, 3), (13, 0, 0), (14, 0, 0), (15, 0, 0)];
+//! let events: Vec<Event> = verdicts
+//!     .into_iter()
+//!     .flat_map(|(tick, fdv, fiv)| rules.step(&mut state, tick, &Default::default(), fdv, fiv))
+//!     .collect();
+//! let [Event::Detected(_), Event::Isolated(_), Event::Ended(fault)] = events[..] else { panic!("{events:?}") };
+//! assert_eq!((fault.detected, fault.isolated, fault.duration()), (10, Some(12), 3));
+//! ```
 
 use super::residual::DECISIVE;
 use super::signature::{Symptom, Symptoms};

@@ -2,6 +2,18 @@
 //!
 //! The tables are data. The paper's own are constants, checked at compile time; a user's come from the configuration
 //! and are checked when the instrument is built.
+//!
+//! ```
+//! use fdi_core::diagnosis::baseline::Normal;
+//! use fdi_core::diagnosis::signature::{PAPER_ISOLATION, Table, symptoms};
+//!
+//! // Features in the order of `residual::ALL`: T2 reads too high, so that y1 - y2 falls and the gain of MS2 rises.
+//! let normal = Normal { mean: [0.0, 0.0, 40.0, 1.0, 0.3, 0.28, 2.0], sigma: [0.1, 0.1, 1.0, 0.1, 0.01, 0.01, 0.2] };
+//! let features = [0.0, 0.0, 40.5, -0.5, 0.3, 0.35, 2.1];
+//! let symptoms = symptoms(&features, &normal, 3.0);
+//! assert_eq!(symptoms.map(|symptom| symptom.sign()), [0, -1, 0, 1, 0]);
+//! assert_eq!(Table::new(&PAPER_ISOLATION).look_up(&symptoms), 1); // AFS2
+//! ```
 
 use core::fmt;
 

@@ -1,5 +1,23 @@
 //! ARX(NA, NB, NK) identified by recursive least squares, sample by sample, without intercept and without removal of
 //! means: an offset of a sensor shows only because it changes the gain (specified so; see docs/theory.md).
+//!
+//! ```
+//! use fdi_core::identify::IdentificationConfig;
+//! use fdi_core::identify::arx::Arx;
+//!
+//! // y[k] = 0.8 y[k-1] + 0.06 u[k-1], power in %, temperature in degC.
+//! let arx = Arx::<1, 1, 1, 2>::new(&IdentificationConfig::default())?;
+//! let (mut state, mut y) = (arx.start(), 0.0);
+//! for k in 0..500 {
+//!     let u = if (k / 5) % 3 == 0 { 50.0 } else { 30.0 };
+//!     arx.step(&mut state, Some(y), u);
+//!     y = 0.8 * y + 0.06 * u;
+//! }
+//! let model = arx.transfer(&state);
+//! assert!((model.a[0] + 0.8).abs() < 0.01);
+//! assert!(model.static_gain().is_some_and(|gain| (gain - 0.3).abs() < 0.01));
+//! # Ok::<(), fdi_core::ConfigError>(())
+//! ```
 
 use super::config::IdentificationConfig;
 use super::rls::{Rls, RlsState};

@@ -1,5 +1,23 @@
 //! The paper's adaptive observer: an ARX(3,3,1) model of one thermistor's rise against the applied power, with its
 //! static gain and bandwidth as features (paper, sections 2.3 and 3.2).
+//!
+//! ```
+//! use fdi_core::Seconds;
+//! use fdi_core::identify::observer::Observer;
+//! use fdi_core::identify::{Bandwidth, IdentificationConfig};
+//!
+//! let observer = Observer::new(&IdentificationConfig::default(), Some(Bandwidth::ResidenceTime), Seconds(0.11))?;
+//! let (mut state, mut y) = (observer.start(), 0.0);
+//! let mut seen = observer.step(&mut state, Some(y), 0.0);
+//! for k in 0..2000u32 {
+//!     let power = if k.wrapping_mul(0x9E37_79B9) >> 31 == 0 { 50.0 } else { 30.0 };
+//!     seen = observer.step(&mut state, Some(y), power);
+//!     y += 0.2 * (0.3 * power - y); // 0.3 degC per %, a time constant of half a second
+//! }
+//! assert!(seen.static_gain.is_some_and(|gain| (gain - 0.3).abs() < 0.01));
+//! assert!(seen.bandwidth.is_some_and(|rad_per_s| rad_per_s > 0.0));
+//! # Ok::<(), fdi_core::ConfigError>(())
+//! ```
 
 use super::arx::{Arx, ArxState};
 use super::config::{Bandwidth, IdentificationConfig};

@@ -12,6 +12,21 @@
 //!
 //! Source: G. J. Bierman, "Factorization Methods for Discrete Sequential Estimation", 1977, section V.3; the
 //! exponential forgetting is the division of D by lambda.
+//!
+//! ```
+//! use fdi_core::identify::rls::Rls;
+//! use fdi_core::identify::{Adaptation, RlsConfig};
+//!
+//! // A line through points: y = 2 x + 1, with the regressor (x, 1).
+//! let rls = Rls::<2>::new(&RlsConfig { adaptation: Adaptation::Forgetting { lambda: 0.99 }, d_initial: 1e4, d_max: 1e6 })?;
+//! let mut state = rls.start();
+//! for k in 0..100u8 {
+//!     let x = f32::from(k % 7) / 7.0;
+//!     rls.step(&mut state, &[x, 1.0], 2.0 * x + 1.0);
+//! }
+//! assert!((state.theta[0] - 2.0).abs() < 1e-3 && (state.theta[1] - 1.0).abs() < 1e-3);
+//! # Ok::<(), fdi_core::ConfigError>(())
+//! ```
 
 /// Repeats `$body` for `$j` from 0 to below `$n`, at most 17, each time with a constant: the loops inside unroll, and
 /// their indices need no check.

@@ -1,4 +1,17 @@
 //! What a discrete-time model says: static gain, stability, mean residence time.
+//!
+//! ```
+//! use fdi_core::identify::transfer::Transfer;
+//!
+//! // y[k] = 0.8 y[k-1] + 0.06 u[k-2]
+//! let model = Transfer { a: [-0.8], b: [0.06], nk: 2 };
+//! assert!(model.is_stable());
+//! assert!(model.static_gain().is_some_and(|gain| (gain - 0.3).abs() < 1e-6));
+//! assert!(model.residence_time().is_some_and(|samples| (samples - 6.0).abs() < 1e-4)); // 2 of delay, 4 of lag
+//! let rise = model.rise_time(0.95 * 0.3, 100); // 0.8^14 < 5 %, and one sample more of delay
+//! assert_eq!(rise.map(f32::ceil), Some(15.0));
+//! assert!(!Transfer { a: [-1.1], ..model }.is_stable());
+//! ```
 
 /// `y[k] + a1 y[k-1] + .. + aNA y[k-NA] = b1 u[k-NK] + .. + bNB u[k-NK-NB+1]` (paper, equation 2).
 ///

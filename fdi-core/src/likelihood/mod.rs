@@ -10,6 +10,24 @@
 //! ```
 //!
 //! Both models are driven by the power that was really applied, so the controller hides nothing. Sources: docs/diagnosis.md.
+//!
+//! What it says stands in each [`Report`](crate::Report):
+//!
+//! ```
+//! use fdi_core::likelihood::{Channel, Readiness};
+//! use fdi_core::{AdcCode, Config, FaultClass, Instrument, RawSample};
+//!
+//! let mut instrument = Instrument::new(&Config::default())?;
+//! let code = AdcCode(2160.0);
+//! let tick = instrument.control(RawSample { t0: code, t1: code, t2: code });
+//! let report = instrument.diagnose(&tick, tick.drive).likelihood;
+//! assert_eq!(report.readiness, Readiness::Untrained); // nothing learnt, nothing claimed
+//! assert!(report.finding.is_none());
+//! // A finding names a class, which says where it is and in which unit its magnitude is.
+//! let class = FaultClass::T2Offset;
+//! assert_eq!((class.sensor(), class.unit()), (Some(Channel::T2), "degC"));
+//! # Ok::<(), fdi_core::ConfigError>(())
+//! ```
 
 mod alarm;
 mod ambient;

@@ -1,4 +1,18 @@
 //! From ADC codes to temperatures that say whether they can be trusted.
+//!
+//! ```
+//! use fdi_core::sense::plausibility::PlausibilityConfig;
+//! use fdi_core::sense::{Sensing, SensingState, SensorsConfig};
+//! use fdi_core::{AdcCode, RawSample, Seconds, Validity};
+//!
+//! let sensing = Sensing::new(&SensorsConfig::default(), &PlausibilityConfig::default(), Seconds(0.11))?;
+//! let mut state = SensingState::default();
+//! let raw = RawSample { t0: AdcCode(2160.0), t1: AdcCode(1600.0), t2: AdcCode(4095.0) };
+//! let sample = sensing.step(&mut state, raw, false);
+//! assert!(sample.t1.good().is_some_and(|celsius| celsius > 30.0)); // the code falls as it warms
+//! assert_eq!(sample.t2.validity, Validity::Open);
+//! # Ok::<(), fdi_core::ConfigError>(())
+//! ```
 
 mod logarithm;
 pub mod plausibility;

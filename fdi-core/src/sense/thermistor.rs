@@ -7,6 +7,17 @@
 //! code / 4095 = R / (R + Rp)          R = Rp code / (4095 - code)
 //! 1/T = 1/T25 + ln(R / R25) / B       T in kelvin, T25 = 298.15 K
 //! ```
+//!
+//! ```
+//! use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
+//! use fdi_core::{AdcCode, Celsius};
+//!
+//! let thermistor = Thermistor::new(&ThermistorConfig::default(), 0)?;
+//! let half = thermistor.celsius(AdcCode(4095.0 / 2.0)); // as many ohms as the pull-up: those of 25 degC
+//! assert!((half.0 - 25.0).abs() < 0.01);
+//! assert!((thermistor.code(Celsius(25.0)).0 - 4095.0 / 2.0).abs() < 0.1);
+//! # Ok::<(), fdi_core::ConfigError>(())
+//! ```
 
 use super::logarithm::ln;
 use crate::error::ConfigError;

@@ -12,6 +12,19 @@
 //!
 //! With a restored baseline (see `restored`), settling ends in Monitor, without Learn and without its clock.
 //! A trip latches with its reason and the values seen, and is left only by an acknowledgement after its cause has gone.
+//!
+//! ```
+//! use fdi_core::supervisor::{Command, Mode, Supervisor, SupervisorState};
+//! use fdi_core::{Percent, Seconds, SupervisorConfig};
+//!
+//! let supervisor = Supervisor::new(&SupervisorConfig::default(), Percent(100.0), Seconds(0.11))?;
+//! let mut state = SupervisorState::default();
+//! assert_eq!(supervisor.mode(&state), &Mode::Off);
+//! supervisor.command(&mut state, Command::Arm).expect("nothing speaks against it");
+//! assert!(matches!(supervisor.mode(&state), Mode::Settle { .. }));
+//! assert!(supervisor.command(&mut state, Command::Acknowledge).is_err()); // nothing has tripped
+//! # Ok::<(), fdi_core::ConfigError>(())
+//! ```
 
 pub mod config;
 mod disagreement;

@@ -51,11 +51,16 @@ impl Status {
         self.lockout().is_some() || self.last.as_ref().is_some_and(tripped)
     }
 
+    /// Whether the heater may be on, or a self-test be under way, which is off only between its pulses.
+    pub fn may_heat(&self) -> bool {
+        self.is_heating() || self.check.stage.is_some()
+    }
+
     /// What the LED should say.
     pub fn sign(&self) -> Sign {
         let Some((_, report)) = &self.last else { return Sign::Off };
         let faulty = report.likelihood.alarm || report.filtered.is_some_and(|verdict| verdict.fdv != 0);
-        match (self.is_latched(), self.is_heating() || self.check.stage.is_some()) {
+        match (self.is_latched(), self.may_heat()) {
             (true, _) => Sign::Latched,
             (false, true) if faulty => Sign::Alarm,
             (false, true) => Sign::Heating,

@@ -24,7 +24,7 @@ pub(crate) fn freeze_output_not_guard() {
     DBGMCU.apb2fzr().modify(|w| w.0 |= TIM1);
 }
 
-/// Whether the core was halted since this was last asked. Asked by the most urgent interrupt alone, which nothing delays
+/// Whether the core was halted since this was last asked. OrderKind by the most urgent interrupt alone, which nothing delays
 /// between the two readings.
 pub(crate) fn was_halted() -> bool {
     let lag = lag();

@@ -3,9 +3,8 @@
 use core::num::NonZeroU32;
 use core::sync::atomic::Ordering;
 
-use fdi_core::Command;
 use firmware_logic::cadence::Cadence;
-use firmware_logic::control_loop::{ControlLoop, Order, TickRecord};
+use firmware_logic::control_loop::{ControlLoop, Order, TickRecord, next_order};
 use firmware_logic::task_watchdog::Task;
 use heapless::spsc::{Consumer, Producer};
 
@@ -40,16 +39,7 @@ pub(crate) async fn control(
             link::send(&mut records, control.missed(arrival, &mut heater));
         }
         let raw = thermistors.sample(tick_timer::now()).await;
-        let order = match link::STOP.swap(false, Ordering::Relaxed) {
-            true => {
-                // What heats and was ordered before a stop must not come after it.
-                while orders.peek().is_some_and(Order::heats) {
-                    orders.dequeue();
-                }
-                Some(Order::Command(Command::Stop))
-            }
-            false => orders.dequeue(),
-        };
+        let order = next_order(link::STOP.swap(false, Ordering::Relaxed), &mut orders);
         let record = control.tick(raw, arrival, order, link::feedback(), &mut heater);
         tick_timer::set_deadline(arrival.due.wrapping_add(DEADLINE_US));
         link::check_in(Task::Control);

@@ -207,7 +207,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "order-waits-for-ever",
         "a console that waits for an answer starves the watchdog",
-        "firmware/src/instrument.rs",
+        "firmware/src/shared.rs",
         [
             "const ANSWER_DEADLINE: Duration = Duration::from_millis(400);",
             "const ANSWER_DEADLINE: Duration = Duration::from_secs(400);",

@@ -182,7 +182,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "stop-waits-for-the-tick",
         "`stop` takes up to 110 ms",
-        "firmware/src/instrument.rs",
+        "firmware/src/shared.rs",
         ["    heater::cut();\n", ""],
         &["heater_off::stop_works"],
     ),

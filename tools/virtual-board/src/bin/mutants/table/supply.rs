@@ -4,7 +4,7 @@ use super::{Mutant, mutant};
 
 const SUPPLY: &str = "firmware/src/hardware/supply.rs";
 const FLASH: &str = "firmware/src/hardware/settings_flash.rs";
-const INSTRUMENT: &str = "firmware/src/instrument.rs";
+const CONSOLE: &str = "firmware-logic/src/console/board.rs";
 const START: &str = "firmware/src/start.rs";
 
 const FALLING: &[&str] = &["brown_out::a_falling_supply_cuts_before"];
@@ -76,7 +76,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "no-mark-when-armed",
         "a power failure looks like switching it on",
-        INSTRUMENT,
+        CONSOLE,
         [
             "        if command == Command::Arm && !self.marked",
             "        if false && command == Command::Arm && !self.marked",
@@ -93,7 +93,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "saved-while-heating",
         "an erasure stalls the core while it heats",
-        INSTRUMENT,
+        CONSOLE,
         [
             "            return Err(SaveError::Heating);\n        }\n        let settings",
             "        }\n        let settings",
@@ -131,18 +131,15 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "mark-taken-away-while-latched",
         "the power switch acknowledges",
-        INSTRUMENT,
-        [
-            "if self.marked && !self.instrument.is_latched() && !self.may_heat() {",
-            "if self.marked && !self.may_heat() {",
-        ],
+        CONSOLE,
+        ["if self.marked && !latched && !self.may_heat() {", "if self.marked && !self.may_heat() {"],
         &["supply::a_trip_outlives"],
     ),
     mutant(
         "mark-never-taken-away",
         "switching it on needs an acknowledgement",
-        INSTRUMENT,
-        ["if self.marked && !self.instrument.is_latched() && !self.may_heat() {", "if false {"],
+        CONSOLE,
+        ["if self.marked && !latched && !self.may_heat() {", "if false {"],
         &["supply::a_power_failure"],
     ),
     mutant(
@@ -155,7 +152,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "brown-out-level-set-while-heating",
         "programming the option bytes stalls the core while it heats",
-        INSTRUMENT,
+        CONSOLE,
         [
             "    fn set_brown_out_level(&mut self) -> Result<(), SaveError> {\n        if self.may_heat() {",
             "    fn set_brown_out_level(&mut self) -> Result<(), SaveError> {\n        if false {",

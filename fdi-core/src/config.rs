@@ -3,82 +3,179 @@
 
 use crate::control::pid::PidConfig;
 use crate::control::prbs::PrbsConfig;
-use crate::diagnosis::DiagnosisConfig;
-use crate::error::{ConfigError, in_range};
-use crate::identify::observer::IdentificationConfig;
-use crate::likelihood::LikelihoodConfig;
+use crate::diagnosis::config::DiagnosisConfig;
+use crate::error::{ConfigError, above, in_range};
+use crate::identify::config::IdentificationConfig;
+use crate::likelihood::config::LikelihoodConfig;
+use crate::sense::SensorsConfig;
 use crate::sense::plausibility::PlausibilityConfig;
 use crate::sense::thermistor::ThermistorConfig;
-use crate::supervisor::SupervisorConfig;
+use crate::settings::{About, Fields, Group, Setting, Value, check, settings};
+use crate::supervisor::config::SupervisorConfig;
 use crate::units::{Celsius, Seconds};
 
-/// Everything that a user can set.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
-pub struct Config {
-    /// Sample time Ts.
-    pub sample_time: Seconds,
-    /// Set-point of T1.
-    pub setpoint: Celsius,
-    /// Thermistor constants and calibration.
-    pub sensors: SensorsConfig,
-    /// Limits of what a thermistor can truly read.
-    pub plausibility: PlausibilityConfig,
-    /// Temperature controller.
-    pub pid: PidConfig,
-    /// Excitation.
-    pub prbs: PrbsConfig,
-    /// ARX models.
-    pub identification: IdentificationConfig,
-    /// Residuals, thresholds, signatures.
-    pub diagnosis: DiagnosisConfig,
-    /// The second opinion.
-    pub likelihood: LikelihoodConfig,
-    /// Modes and trips.
-    pub supervisor: SupervisorConfig,
-}
-
-/// One entry a thermistor.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct SensorsConfig {
-    /// Room.
-    pub t0: ThermistorConfig,
-    /// Outlet, in the loop.
-    pub t1: ThermistorConfig,
-    /// Outlet, downstream.
-    pub t2: ThermistorConfig,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            sample_time: Seconds(0.11),
-            setpoint: Celsius(35.0),
-            sensors: SensorsConfig::default(),
-            plausibility: PlausibilityConfig::default(),
-            pid: PidConfig::default(),
-            prbs: PrbsConfig::default(),
-            identification: IdentificationConfig::default(),
-            diagnosis: DiagnosisConfig::default(),
-            likelihood: LikelihoodConfig::default(),
-            supervisor: SupervisorConfig::default(),
-        }
+settings! {
+    /// Everything that a user can set.
+    pub struct Config: General "" {
+        /// Sample time Ts. A board has timers for the default, and refuses another.
+        sample_time: Seconds = 0.11, 0.001..=10.0;
+        /// Set-point of T1, from `supervisor.setpoint_min` to `supervisor.setpoint_max`.
+        setpoint: Celsius = 35.0, 0.0..=200.0;
+    } and {
+        /// Thermistor constants and calibration.
+        sensors: SensorsConfig = SensorsConfig::default();
+        /// Limits of what a thermistor can truly read.
+        plausibility: PlausibilityConfig = PlausibilityConfig::default();
+        /// Temperature controller.
+        pid: PidConfig = PidConfig::default();
+        /// Excitation.
+        prbs: PrbsConfig = PrbsConfig::default();
+        /// ARX models.
+        identification: IdentificationConfig = IdentificationConfig::default();
+        /// Residuals, thresholds, signatures.
+        diagnosis: DiagnosisConfig = DiagnosisConfig::default();
+        /// The second opinion.
+        likelihood: LikelihoodConfig = LikelihoodConfig::default();
+        /// Modes and trips.
+        supervisor: SupervisorConfig = SupervisorConfig::default();
     }
+}
+
+/// The settings of all groups, in the order in which they are listed.
+const GROUPS: [&[Setting]; 11] = {
+    let [t0, t1, t2] = ThermistorConfig::SETTINGS;
+    [
+        Config::SETTINGS[0],
+        t0,
+        t1,
+        t2,
+        PlausibilityConfig::SETTINGS[0],
+        PidConfig::SETTINGS[0],
+        PrbsConfig::SETTINGS[0],
+        IdentificationConfig::SETTINGS[0],
+        DiagnosisConfig::SETTINGS[0],
+        LikelihoodConfig::SETTINGS[0],
+        SupervisorConfig::SETTINGS[0],
+    ]
+};
+
+/// What people read of each group: what it is about, and of each of its settings.
+const ABOUT: [(&str, &[About]); GROUPS.len()] = [
+    (Config::GROUP_ABOUT, Config::ABOUT),
+    (ThermistorConfig::GROUP_ABOUT, ThermistorConfig::ABOUT),
+    (ThermistorConfig::GROUP_ABOUT, ThermistorConfig::ABOUT),
+    (ThermistorConfig::GROUP_ABOUT, ThermistorConfig::ABOUT),
+    (PlausibilityConfig::GROUP_ABOUT, PlausibilityConfig::ABOUT),
+    (PidConfig::GROUP_ABOUT, PidConfig::ABOUT),
+    (PrbsConfig::GROUP_ABOUT, PrbsConfig::ABOUT),
+    (IdentificationConfig::GROUP_ABOUT, IdentificationConfig::ABOUT),
+    (DiagnosisConfig::GROUP_ABOUT, DiagnosisConfig::ABOUT),
+    (LikelihoodConfig::GROUP_ABOUT, LikelihoodConfig::ABOUT),
+    (SupervisorConfig::GROUP_ABOUT, SupervisorConfig::ABOUT),
+];
+
+/// A group of settings with what people read of it.
+#[derive(Clone, Copy, Debug)]
+pub struct DocumentedGroup {
+    /// What it is about.
+    pub about: &'static str,
+    /// Its settings.
+    pub settings: &'static [Setting],
+    /// What each of them is.
+    pub settings_about: &'static [About],
 }
 
 impl Config {
-    /// Checks what every part divides by, first.
-    pub(crate) fn validate_sample_time(&self) -> Result<(), ConfigError> {
-        in_range("sample_time", self.sample_time.0, 0.001, 10.0)
+    /// All settings that have one value; the rows of the signature tables come on top.
+    pub fn settings() -> impl Iterator<Item = &'static Setting> + Clone {
+        GROUPS.into_iter().flatten()
     }
+
+    /// All groups of settings with their documentation, in the same order.
+    pub fn documented() -> impl Iterator<Item = DocumentedGroup> {
+        GROUPS.into_iter().zip(ABOUT).map(|(settings, (about, settings_about))| DocumentedGroup {
+            about,
+            settings,
+            settings_about,
+        })
+    }
+
+    /// The value of a setting.
+    pub fn get(&self, setting: &Setting) -> Value {
+        let field = self.group(setting.group).field(setting.index.into());
+        field.map_or(Value::Switch(false), |field| field.value()) // there is one: only `settings!` makes a setting
+    }
+
+    /// Takes over a value, which the constructors check; `false` where it is of another kind.
+    pub fn set(&mut self, setting: &Setting, value: Value) -> bool {
+        let field = self.group_mut(setting.group).field_mut(setting.index.into());
+        field.is_some_and(|field| field.set(value))
+    }
+
+    fn group(&self, group: Group) -> &dyn Fields {
+        match group {
+            Group::General => self,
+            Group::T0 => &self.sensors.t0,
+            Group::T1 => &self.sensors.t1,
+            Group::T2 => &self.sensors.t2,
+            Group::Plausibility => &self.plausibility,
+            Group::Pid => &self.pid,
+            Group::Prbs => &self.prbs,
+            Group::Identification => &self.identification,
+            Group::Diagnosis => &self.diagnosis,
+            Group::Likelihood => &self.likelihood,
+            Group::Supervisor => &self.supervisor,
+        }
+    }
+
+    fn group_mut(&mut self, group: Group) -> &mut dyn Fields {
+        match group {
+            Group::General => self,
+            Group::T0 => &mut self.sensors.t0,
+            Group::T1 => &mut self.sensors.t1,
+            Group::T2 => &mut self.sensors.t2,
+            Group::Plausibility => &mut self.plausibility,
+            Group::Pid => &mut self.pid,
+            Group::Prbs => &mut self.prbs,
+            Group::Identification => &mut self.identification,
+            Group::Diagnosis => &mut self.diagnosis,
+            Group::Likelihood => &mut self.likelihood,
+            Group::Supervisor => &mut self.supervisor,
+        }
+    }
+
+    /// Checks what belongs to no part alone, before any part is built.
+    pub(crate) fn validate_general(&self) -> Result<(), ConfigError> {
+        check(Self::SETTINGS[0], self)
+    }
+
+    /// Checks what one part asks of another, once each has been checked by itself.
+    pub(crate) fn validate_limits(&self) -> Result<(), ConfigError> {
+        let SupervisorConfig { over_temperature, setpoint_min, setpoint_max, .. } = self.supervisor;
+        // A reading beyond what is plausible is no temperature any more: the limit must be reached before.
+        let limit = over_temperature.0;
+        above("plausibility.max", self.plausibility.max.0, "supervisor.over_temperature", limit)?;
+        in_range("setpoint", self.setpoint.0, setpoint_min.0, setpoint_max.0)
+    }
+}
+
+const _: () = assert!(ids_differ(), "two settings have the same id: rename one");
+
+/// Whether no two settings have the same id.
+const fn ids_differ() -> bool {
+    let mut seen = [false; 1 << 16];
+    let mut g = 0;
+    while g < GROUPS.len() {
+        let mut i = 0;
+        while i < GROUPS[g].len() {
+            let id = GROUPS[g][i].id as usize;
+            if seen[id] {
+                return false;
+            }
+            seen[id] = true;
+            i += 1;
+        }
+        g += 1;
+    }
+    true
 }

@@ -76,21 +76,6 @@ pub(crate) fn in_range(name: &'static str, value: f32, min: f32, max: f32) -> Re
     }
 }
 
-/// Checks a list of values, each against its row of name, smallest and largest. The rows are constants, so that a
-/// check takes 24 bytes of flash.
-#[inline(never)]
-pub(crate) fn all_in_range(rows: &[(&'static str, f32, f32)], values: &[f32]) -> Result<(), ConfigError> {
-    rows.iter().zip(values).try_for_each(|(&(name, min, max), &value)| in_range(name, value, min, max))
-}
-
-/// [`all_in_range`] with each value beside its row: `in_ranges! { "name": value, min, max; .. }`.
-macro_rules! in_ranges {
-    ($($name:literal: $value:expr, $min:expr, $max:expr;)*) => {
-        $crate::error::all_in_range(const { &[$(($name, $min, $max)),*] }, &[$($value),*])
-    };
-}
-pub(crate) use in_ranges;
-
 /// Checks that `value` exceeds `limit`, the value of the parameter `other`.
 #[inline(never)]
 pub(crate) fn above(

@@ -8,11 +8,13 @@ use crate::units::Percent;
 pub struct Feedback {
     /// Samples that the baseline has.
     pub learned: u32,
-    /// What T1 will be above the room on the next tick by T2 and the models, degC. None unless the likelihood diagnosis watches
+    /// The virtual T1: its rise over T0 on the next tick by T2 and the models, degC. None unless the likelihood diagnosis watches
     /// and T2 is good.
-    pub stand_in: Option<f32>,
+    pub virtual_rise: Option<f32>,
     /// T1 reads wrong, by name: offset, clogged, stuck, open, shorted or lost.
     pub t1_faulty: bool,
+    /// The heater gives another power than the one asked for, by name. Then the static gain says nothing of the air flow.
+    pub heater_faulty: bool,
     /// Air flow by the static gain, % of normal, where known.
     pub air_flow: Option<Percent>,
     /// The rig heats although no heat is asked for.

@@ -2,7 +2,7 @@
 
 use crate::units::Seconds;
 
-/// First-order low-pass `x_f += (1 - a)(x - x_f)`, `a = exp(-wc Ts)`, that starts at its first input.
+/// First-order low-pass `x_f += share (x - x_f)`.
 #[derive(Clone, Copy, Debug)]
 pub struct LowPass {
     share: f32,
@@ -12,16 +12,67 @@ pub struct LowPass {
 pub type LowPassState<const M: usize> = Option<[f32; M]>;
 
 impl LowPass {
-    /// A filter with the cut-off in rad/s; both arguments must be positive and finite.
+    /// Exact for an input that is held between samples: `share = 1 - exp(-wc Ts)`, with the cut-off in rad/s. Both arguments must be positive
+    /// and finite.
     pub fn new(cutoff: f32, sample_time: Seconds) -> Self {
         Self { share: 1.0 - libm::expf(-cutoff * sample_time.0) }
     }
 
-    /// Filters `M` signals at once.
+    /// Forward Euler: `share = Ts / time`, with the time constant in s. Good for means over many samples; a time shorter than a
+    /// sample gives no filter at all.
+    pub(crate) fn euler(time: f32, sample_time: f32) -> Self {
+        Self { share: (sample_time / time).min(1.0) }
+    }
+
+    /// With a memory of `samples`, whatever their distance.
+    pub(crate) const fn over(samples: f32) -> Self {
+        Self { share: 1.0 / samples }
+    }
+
+    /// The share that is renewed in a sample, 0..=1.
+    pub(crate) fn share(&self) -> f32 {
+        self.share
+    }
+
+    /// Moves `mean` towards `x` by one sample.
+    #[inline]
+    pub(crate) fn follow(&self, mean: &mut f32, x: f32) {
+        *mean += self.share * (x - *mean);
+    }
+
+    /// Filters `M` signals at once, from their first values on.
     pub fn step<const M: usize>(&self, state: &mut LowPassState<M>, input: &[f32; M]) -> [f32; M] {
-        let before = state.unwrap_or(*input);
-        let after = core::array::from_fn(|i| before[i] + self.share * (input[i] - before[i]));
-        *state = Some(after);
-        after
+        let mut mean = state.unwrap_or(*input);
+        for (mean, x) in mean.iter_mut().zip(input) {
+            self.follow(mean, *x);
+        }
+        *state = Some(mean);
+        mean
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The answer to a step, `1 - (1 - share)^k`, and the continuous one, `1 - exp(-t / time)`.
+    #[test]
+    fn both_forms_are_that_of_a_first_order_lag() {
+        let (time, ts) = (2.0, 0.11);
+        let [exact, euler] = [LowPass::new(1.0 / time, Seconds(ts)), LowPass::euler(time, ts)];
+        let (mut x, mut y) = (Some([0.0]), 0.0);
+        for k in 1..100 {
+            let wanted = 1.0 - libm::exp(f64::from(-ts / time * k as f32));
+            assert!((f64::from(exact.step(&mut x, &[1.0])[0]) - wanted).abs() < 1e-5);
+            euler.follow(&mut y, 1.0);
+            let wanted = 1.0 - libm::pow(1.0 - f64::from(ts / time), f64::from(k));
+            assert!((f64::from(y) - wanted).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn a_time_below_a_sample_gives_no_filter() {
+        assert_eq!(LowPass::euler(0.05, 0.11).share(), 1.0);
+        assert_eq!(LowPass::over(20.0).share(), 0.05);
     }
 }

@@ -74,7 +74,6 @@ impl Instrument {
     /// # Errors
     /// The first parameter that is out of bounds.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        config.validate_sample_time()?;
         let controller = Controller::new(config)?;
         let diagnosis = Diagnosis::new(config)?;
         let control_state = controller.start(config.setpoint);
@@ -111,7 +110,6 @@ impl Instrument {
     /// The first parameter that is out of bounds, or that widens a limit while the heater is on; nothing has changed
     /// then.
     pub fn retune(&mut self, config: &Config) -> Result<(), RetuneError> {
-        config.validate_sample_time()?;
         let controller = Controller::new(config)?;
         let diagnosis = Diagnosis::new(config)?;
         self.controller.retune(&mut self.control_state, controller)?;

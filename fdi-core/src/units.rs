@@ -1,5 +1,7 @@
 //! Units as types: a number crosses a boundary of this crate with its unit, and is a raw `f32` only inside a loop.
 
+use crate::settings::{Field, FieldType, Kind, Value};
+
 macro_rules! unit {
     ($(#[$doc:meta])* $name:ident, $symbol:literal) => {
         $(#[$doc])*
@@ -7,6 +9,26 @@ macro_rules! unit {
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         pub struct $name(pub f32);
+
+        impl Field for $name {
+            fn value(&self) -> Value {
+                self.0.value()
+            }
+
+            fn set(&mut self, value: Value) -> bool {
+                self.0.set(value)
+            }
+        }
+
+        impl FieldType for $name {
+            type Plain = f32;
+            const UNIT: &'static str = $symbol;
+            const KIND: Kind = Kind::Number;
+
+            fn new(plain: f32) -> Self {
+                Self(plain)
+            }
+        }
 
         impl core::fmt::Display for $name {
             fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use fdi_core::Sample;
-use fdi_core::likelihood::{Channel, FaultClass, Finding, Magnitude, Pair};
+use fdi_core::likelihood::{Channel, FaultClass, Finding, Magnitude};
 
 use crate::decimal::Fixed;
 
@@ -22,12 +22,10 @@ pub struct Sentence<'a> {
 
 impl fmt::Display for Sentence<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.finding.magnitude {
-            Some(magnitude) => self.sized(f, magnitude)?,
-            None => self.unsized_fault(f)?,
-        }
+        let class = self.finding.class;
+        self.fill(f, class.sentence(self.finding.magnitude.is_some()))?;
         write!(f, "; since {} s", Fixed(self.finding.onset as f32 * self.sample_time, 1))?;
-        match self.finding.class {
+        match class {
             FaultClass::Unknown => Ok(()),
             _ if self.finding.confidence >= 0.995 => f.write_str(", confidence above 0.99"), // never 1.00
             _ => write!(f, ", confidence {}", Fixed(self.finding.confidence, 2)),
@@ -36,113 +34,50 @@ impl fmt::Display for Sentence<'_> {
 }
 
 impl Sentence<'_> {
-    /// A fault that has a magnitude.
-    fn sized(&self, f: &mut fmt::Formatter<'_>, m: Magnitude) -> fmt::Result {
-        let up = m.value >= 0.0;
-        let size = |decimals| Size { m, decimals };
-        let share = 1.0 + m.value / 100.0;
-        match self.finding.class {
-            FaultClass::T1Offset => self.offset(f, Channel::T1, m),
-            FaultClass::T2Offset => self.offset(f, Channel::T2, m),
-            FaultClass::T0Fault => self.offset(f, Channel::T0, m),
-            FaultClass::T1Clogged => {
-                write!(f, "T1 sees {} % of the rise too {}", size(1), if up { "much" } else { "little" })?;
-                let ambient = self.sample.t0.celsius.0;
-                let whole = ambient + (self.sample.t1.celsius.0 - ambient) / share;
-                self.against(f, Channel::T1, self.expected[1].unwrap_or(whole))
-            }
-            FaultClass::AirFlow => {
-                let way = if up { "stronger" } else { "weaker" };
-                write!(f, "the air flow is {} % {way} than learnt: ", size(1))?;
-                write!(f, "{} % of normal estimated, 100 expected", Fixed(100.0 * share, 1))
-            }
-            FaultClass::HeaterPower => {
-                let way = if up { "more" } else { "less" };
-                write!(f, "the heater gives {} % {way} power than asked for: ", size(1))?;
-                write!(f, "{} % of it estimated, 100 expected", Fixed(100.0 * share, 1))
-            }
-            FaultClass::Drift => {
-                let way = if up { "upwards" } else { "downwards" };
-                write!(f, "a thermistor drifts {way} by {} degC a minute, 0 expected", size(2))
-            }
-            FaultClass::T1Detached => self.detached(f, Channel::T1, Some(m)),
-            FaultClass::T2Detached => self.detached(f, Channel::T2, Some(m)),
-            _ => self.unsized_fault(f),
-        }
-    }
-
-    fn detached(&self, f: &mut fmt::Formatter<'_>, channel: Channel, m: Option<Magnitude>) -> fmt::Result {
-        let (name, other) = if channel == Channel::T1 { ("T1", "T2") } else { ("T2", "T1") };
-        match m {
-            Some(m) => {
-                let sees = Fixed((100.0 + m.value).max(0.0), 0);
-                write!(f, "{name} sees {sees} % of the rise: is it out of the tube?")?;
-            }
-            None => write!(f, "{name} does not see the rise that {other} sees: is it out of the tube?")?,
-        }
-        write!(f, " {} degC measured, ", Fixed(self.measured(channel), 1))?;
-        match self.expected[channel as usize] {
-            Some(expected) => write!(f, "{} expected", Fixed(expected, 1)),
-            None => {
-                let beside = if channel == Channel::T1 { Channel::T2 } else { Channel::T1 };
-                write!(f, "about {} expected, as {other} reads", Fixed(self.measured(beside), 1))
+    /// Writes a sentence of [`FaultClass::sentence`] with what stands in braces filled in.
+    fn fill(&self, f: &mut fmt::Formatter<'_>, sentence: &str) -> fmt::Result {
+        for part in sentence.split('{') {
+            match part.split_once('}') {
+                Some((key, text)) => {
+                    self.value(f, key)?;
+                    f.write_str(text)?;
+                }
+                None => f.write_str(part)?,
             }
         }
+        Ok(())
     }
 
-    fn offset(&self, f: &mut fmt::Formatter<'_>, channel: Channel, m: Magnitude) -> fmt::Result {
-        let size = Size { m, decimals: 2 };
-        let way = if m.value >= 0.0 { "high" } else { "low" };
-        write!(f, "{} reads {size} degC too {way}", name(channel))?;
-        self.against(f, channel, self.measured(channel) - m.value)
-    }
-
-    fn against(&self, f: &mut fmt::Formatter<'_>, channel: Channel, expected: f32) -> fmt::Result {
-        write!(f, ": {} degC measured, {} expected", Fixed(self.measured(channel), 1), Fixed(expected, 1))
-    }
-
-    /// A fault that is or is not.
-    fn unsized_fault(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.finding.class {
-            FaultClass::Stuck(c) => {
-                let stands = Fixed(self.measured(c), 1);
-                write!(f, "{} stands still: {stands} degC measured, movement expected", name(c))
+    fn value(&self, f: &mut fmt::Formatter<'_>, key: &str) -> fmt::Result {
+        let class = self.finding.class;
+        let magnitude = self.finding.magnitude.unwrap_or_default();
+        let channel = class.sensor().unwrap_or(Channel::T1);
+        let other = if channel == Channel::T1 { Channel::T2 } else { Channel::T1 };
+        let degrees = |celsius: f32| Fixed(celsius, 1);
+        if let Some((positive, negative)) = key.split_once('|') {
+            return f.write_str(if magnitude.value >= 0.0 { positive } else { negative });
+        }
+        match key {
+            "t" => f.write_str(channel.name()),
+            "other" => f.write_str(other.name()),
+            "size" => {
+                let decimals = if class.unit().starts_with('%') { 1 } else { 2 };
+                write!(f, "{}", Size { m: magnitude, decimals })
             }
-            FaultClass::Open(c) => {
-                write!(f, "wire of {} broken: no temperature measured, one expected", name(c))
-            }
-            FaultClass::Short(c) => {
-                write!(f, "wires of {} touch: no temperature measured, one expected", name(c))
-            }
-            FaultClass::Lost(c) => {
-                write!(f, "{} gives nothing that can be true: no temperature measured, one expected", name(c))
-            }
-            FaultClass::T1Detached => self.detached(f, Channel::T1, None),
-            FaultClass::T2Detached => self.detached(f, Channel::T2, None),
-            FaultClass::Swapped(pair) => f.write_str(match pair {
-                Pair::T1T2 => {
-                    "T2 answers to the heater before T1, T1 expected first: are their wires swapped?"
+            "share" => write!(f, "{}", Fixed(100.0 * (1.0 + magnitude.value / 100.0), 1)),
+            "seen" => write!(f, "{}", Fixed((100.0 + magnitude.value).max(0.0), 0)),
+            "measured" => write!(f, "{}", degrees(self.measured(channel))),
+            "t0" => write!(f, "{}", degrees(self.measured(Channel::T0))),
+            "t1" => write!(f, "{}", degrees(self.measured(Channel::T1))),
+            "t2" => write!(f, "{}", degrees(self.measured(Channel::T2))),
+            "corrected" => write!(f, "{}", degrees(self.measured(channel) - magnitude.value)),
+            "expected" => match self.expected[channel as usize] {
+                Some(expected) => write!(f, "{} expected", degrees(expected)),
+                None => {
+                    write!(f, "about {} expected, as {} reads", degrees(self.measured(other)), other.name())
                 }
-                Pair::T0T1 => {
-                    "T0 answers to the heater and T1 does not, the reverse expected: are their wires swapped?"
-                }
-                Pair::T0T2 => {
-                    "T0 answers to the heater and T2 does not, the reverse expected: are their wires swapped?"
-                }
-            }),
-            FaultClass::T0Fault => {
-                let [t0, t1, t2] =
-                    [Channel::T0, Channel::T1, Channel::T2].map(|c| Fixed(self.measured(c), 1));
-                write!(
-                    f,
-                    "T0 reads {t0} degC and is no warmer place than T1 and T2: {t1} and {t2} measured, "
-                )?;
-                f.write_str("a colder room expected")
-            }
-            FaultClass::Unknown => f.write_str(
-                "temperatures are not as expected, and no single known fault explains what was measured",
-            ),
-            named => f.write_str(named.name()),
+            },
+            unknown => write!(f, "{{{unknown}}}"),
         }
     }
 
@@ -154,14 +89,6 @@ impl Sentence<'_> {
             Channel::T2 => sample.t2,
         };
         reading.celsius.0
-    }
-}
-
-pub(crate) fn name(channel: Channel) -> &'static str {
-    match channel {
-        Channel::T0 => "T0",
-        Channel::T1 => "T1",
-        Channel::T2 => "T2",
     }
 }
 
@@ -236,34 +163,22 @@ mod tests {
     }
 
     #[test]
-    fn every_class_has_a_sentence_of_its_own() {
-        use Channel::{T0, T1, T2};
-        let mut all = vec![
-            told(FaultClass::T1Offset, Some((1.0, 0.1))),
-            told(FaultClass::T2Offset, Some((1.0, 0.1))),
-            told(FaultClass::T0Fault, Some((1.0, 0.1))),
-            told(FaultClass::T1Clogged, Some((-10.0, 0.1))),
-            told(FaultClass::AirFlow, Some((-10.0, 0.1))),
-            told(FaultClass::HeaterPower, Some((10.0, 0.1))),
-            told(FaultClass::Drift, Some((-3.0, 0.1))),
-            told(FaultClass::T0Fault, None),
-            told(FaultClass::T1Detached, None),
-            told(FaultClass::T1Detached, Some((-50.0, 0.1))),
-            told(FaultClass::T2Detached, None),
-            told(FaultClass::Unknown, None),
-        ];
-        all.extend([Pair::T1T2, Pair::T0T1, Pair::T0T2].map(|pair| told(FaultClass::Swapped(pair), None)));
-        for channel in [T0, T1, T2] {
-            let classes = [FaultClass::Stuck, FaultClass::Open, FaultClass::Short, FaultClass::Lost];
-            all.extend(classes.map(|class| told(class(channel), None)));
+    fn every_class_has_a_sentence_of_its_own_without_a_gap() {
+        let mut all = Vec::new();
+        for class in FaultClass::ALL {
+            all.push(told(class, None));
+            if !class.unit().is_empty() {
+                all.push(told(class, Some((12.0, 0.1))));
+                all.push(told(class, Some((-12.0, 0.1))));
+            }
         }
-        assert!(
-            all.iter().all(|told| told.contains("expected") && told.contains("; since 384.6 s")),
-            "{all:?}"
-        );
+        for told in &all {
+            assert!(told.contains("expected") && told.contains("; since 384.6 s"), "{told}");
+            assert!(!told.contains(['{', '}', '|']), "{told}");
+        }
         let count = all.len();
         all.sort();
         all.dedup();
-        assert_eq!(all.len(), count);
+        assert_eq!(all.len(), count, "{all:?}");
     }
 }

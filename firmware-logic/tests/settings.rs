@@ -8,10 +8,12 @@ use core::task::{Context, Poll, Waker};
 
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::signature::{MAX_ROWS, Signature};
-use fdi_core::identify::rls::Adaptation;
-use fdi_core::{Celsius, Config, Seconds};
+use fdi_core::identify::Adaptation;
+use fdi_core::settings::{Kind, Value};
+use fdi_core::{Celsius, Config, Seconds, Setting};
 use firmware_logic::crc::crc32;
-use firmware_logic::settings::schema::{ENTRIES, Name, SetError};
+use firmware_logic::settings::SetError;
+use firmware_logic::settings::schema::Name;
 use firmware_logic::settings::store::{Origin, SaveError, Store};
 use firmware_logic::settings::stored::{MAX_BYTES, Stored, StoredError, VERSION};
 use flash::Flash;
@@ -63,6 +65,37 @@ fn comes_back_as_it_was() {
     }
 }
 
+/// A value near the default, so that it does not contradict other settings.
+fn neighbour(setting: &Setting) -> Value {
+    match (setting.kind, Config::default().get(setting)) {
+        (_, Value::Number(0.0)) => Value::Number(0.01),
+        (_, Value::Number(x)) => {
+            let (_, max) = setting.bounds().expect("a number");
+            Value::Number(if 1.01 * x > max { 0.99 * x } else { 1.01 * x })
+        }
+        (_, Value::Whole(x)) => Value::Whole(x + 1),
+        (_, Value::Switch(on)) => Value::Switch(!on),
+        (Kind::Choice(forms), Value::Choice { .. }) => {
+            let mut numbers = [0.0; 2];
+            for (place, number) in numbers.iter_mut().zip(forms[1].numbers) {
+                *place = number.max;
+            }
+            Value::Choice { form: 1, numbers }
+        }
+        (kind, value) => panic!("{}: {value:?} is no {kind:?}", setting.name),
+    }
+}
+
+#[test]
+fn every_setting_is_kept() {
+    for setting in Config::settings().filter(|setting| setting.name != "sample_time") {
+        let mut stored = Stored::default();
+        assert!(stored.config.set(setting, neighbour(setting)));
+        assert_ne!(stored, Stored::default(), "{}", setting.name);
+        assert_eq!(Stored::decode(&encoded(&stored)), Ok(stored), "{}", setting.name);
+    }
+}
+
 #[test]
 fn the_longest_record_fits() {
     let mut stored = unusual(30.0);
@@ -90,9 +123,8 @@ fn any_flipped_bit_and_any_cut_is_noticed() {
 #[test]
 fn what_another_program_saved_is_read_as_far_as_it_is_known() {
     // A newer program, which knew one setting that this one does not, and not the others.
-    let id = ENTRIES[1].id();
-    assert_eq!(ENTRIES[1].name, "setpoint");
-    let strange = (0..=u16::MAX).find(|id| ENTRIES.iter().all(|e| e.id() != *id)).expect("ids are few");
+    let id = Config::settings().find(|setting| setting.name == "setpoint").expect("a setting").id;
+    let strange = (0..=u16::MAX).find(|id| Config::settings().all(|s| s.id != *id)).expect("ids are few");
     let mut content = vec![VERSION, 2];
     content.extend(strange.to_le_bytes());
     content.extend([9; 8]);
@@ -103,6 +135,18 @@ fn what_another_program_saved_is_read_as_far_as_it_is_known() {
     let stored = Stored::decode(&with_crc(content)).expect("readable");
     assert_eq!(stored.config.setpoint, Celsius(50.0));
     assert_eq!(stored.config.pid, Config::default().pid);
+}
+
+/// `likelihood.margin` was saved as `parity.margin`; its id is that of the former name.
+#[test]
+fn what_was_saved_under_a_former_name_is_read() {
+    let mut content = vec![VERSION, 1];
+    content.extend(0x1cb8_u16.to_le_bytes());
+    content.extend(12.5f32.to_le_bytes());
+    content.extend([0xFF; 4]);
+    content.extend([0, 0, 0]); // no rows, no rows, no baseline
+    let stored = Stored::decode(&with_crc(content)).expect("readable");
+    assert_eq!(stored.config.likelihood.margin, 12.5);
 }
 
 #[test]
@@ -274,7 +318,7 @@ fn every_setting_can_be_set_to_what_it_shows() {
     for name in Name::all(&config) {
         let (text, shown) = (name.to_string(), name.value(&config).to_string());
         let unit = match name {
-            Name::Entry(entry) if !entry.unit.is_empty() => format!(" {}", entry.unit),
+            Name::Entry(setting) if !setting.unit.is_empty() => format!(" {}", setting.unit),
             _ => String::new(),
         };
         let value = shown.strip_suffix(&unit).expect("the unit is behind");
@@ -299,7 +343,9 @@ fn names_and_kinds_are_checked() {
     );
     assert_eq!(text("prbs.bits", "10.5"), "prbs.bits: \"10.5\" given, expected a whole number up to 255");
     assert!(text("identification.bandwidth", "fast").contains("rise-time or residence-time"));
-    assert!(text("identification.adaptation", "forgetting").contains("forgetting LAMBDA"));
+    assert!(
+        text("identification.adaptation", "forgetting").contains("forgetting LAMBDA or random-walk R1 R2")
+    );
     assert!(text("diagnosis.isolation.1", "1 0 0 0").contains("expected five of -1, 0, +1, x"));
     assert!(text("diagnosis.isolation.9", "1 0 0 0 0 0").contains("has 3 rows, expected a row from 1 to 4"));
     assert!(matches!(Name::find("diagnosis.isolation.13"), Err(SetError::Unknown(_))));
@@ -321,8 +367,10 @@ fn rows_are_added_changed_and_taken_away() {
 
 #[test]
 fn the_listing_tells_bounds_that_the_core_enforces() {
-    let lines: Vec<String> = firmware_logic::settings::listing::lines().map(|l| l.to_string()).collect();
-    assert!(lines.contains(&"setpoint = 35 degC   (20 to 65)".to_owned()), "{lines:?}");
+    let config = Config::default();
+    let lines: Vec<String> =
+        firmware_logic::settings::listing::lines(&config).map(|l| l.to_string()).collect();
+    assert!(lines.contains(&"setpoint = 35 degC   (0 to 200)".to_owned()), "{lines:?}");
     assert!(lines.contains(&"prbs.bits = 10   (3 to 16)".to_owned()), "{lines:?}");
     assert!(lines.contains(&"diagnosis.detection.2 = 2 +1 x -1 x x".to_owned()), "{lines:?}");
 }

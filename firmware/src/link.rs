@@ -20,9 +20,10 @@ pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
 /// What the diagnosis has found, for the control half, a word a field: no interrupt is masked for it. Control may come
 /// between two of them and take one from a tick earlier; each means what it says by itself. NaN stands for "not known".
 static LEARNED: AtomicU32 = AtomicU32::new(0);
-static STAND_IN: AtomicU32 = AtomicU32::new(f32::NAN.to_bits());
+static VIRTUAL_RISE: AtomicU32 = AtomicU32::new(f32::NAN.to_bits());
 static AIR_FLOW: AtomicU32 = AtomicU32::new(f32::NAN.to_bits());
 static T1_FAULTY: AtomicBool = AtomicBool::new(false);
+static HEATER_FAULTY: AtomicBool = AtomicBool::new(false);
 static HEATER_STUCK_ON: AtomicBool = AtomicBool::new(false);
 /// Records that found the queue full, since the diagnosis was too slow.
 pub(crate) static RECORDS_LOST: AtomicU32 = AtomicU32::new(0);
@@ -35,7 +36,8 @@ static ORDERS: ConstStaticCell<Queue<Order, 2>> = ConstStaticCell::new(Queue::ne
 pub(crate) fn feed_back(feedback: Feedback) {
     let bits = |x: Option<f32>| x.unwrap_or(f32::NAN).to_bits();
     LEARNED.store(feedback.learned, Ordering::Relaxed);
-    STAND_IN.store(bits(feedback.stand_in), Ordering::Relaxed);
+    VIRTUAL_RISE.store(bits(feedback.virtual_rise), Ordering::Relaxed);
+    HEATER_FAULTY.store(feedback.heater_faulty, Ordering::Relaxed);
     AIR_FLOW.store(bits(feedback.air_flow.map(|flow| flow.0)), Ordering::Relaxed);
     T1_FAULTY.store(feedback.t1_faulty, Ordering::Relaxed);
     HEATER_STUCK_ON.store(feedback.heater_stuck_on, Ordering::Relaxed);
@@ -49,8 +51,9 @@ pub(crate) fn feedback() -> Feedback {
     };
     Feedback {
         learned: LEARNED.load(Ordering::Relaxed),
-        stand_in: known(&STAND_IN),
+        virtual_rise: known(&VIRTUAL_RISE),
         t1_faulty: T1_FAULTY.load(Ordering::Relaxed),
+        heater_faulty: HEATER_FAULTY.load(Ordering::Relaxed),
         air_flow: known(&AIR_FLOW).map(Percent),
         heater_stuck_on: HEATER_STUCK_ON.load(Ordering::Relaxed),
     }

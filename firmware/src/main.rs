@@ -21,7 +21,7 @@ mod tasks;
 fn main() {
     use std::io::Write;
     let mut out = std::io::stdout().lock();
-    for line in firmware_logic::settings::listing::lines() {
+    for line in firmware_logic::settings::listing::lines(&fdi_core::Config::default()) {
         if writeln!(out, "{line}").is_err() {
             break; // whoever reads it has had enough
         }

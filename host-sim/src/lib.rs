@@ -5,3 +5,4 @@ pub mod commands;
 pub mod experiment;
 pub mod record;
 pub mod score;
+pub mod settings;

@@ -4,8 +4,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
-use host_sim::campaign;
-use host_sim::commands::{Cli, Subcommand, console, cosim, identify, repeat, replay, run};
+use host_sim::commands::{Cli, Subcommand, campaign, config, console, cosim, identify, repeat, replay, run};
 use host_sim::experiment::scenario;
 
 fn main() -> ExitCode {
@@ -18,7 +17,7 @@ fn main() -> ExitCode {
         Subcommand::Identify(args) => identify::run(&args),
         Subcommand::Replay(args) => replay::run(&args),
         Subcommand::Console(args) => console::run(&args),
-        Subcommand::Config => print(scenario::CONFIG_TOML),
+        Subcommand::Config(args) => config::run(&args),
         Subcommand::Scenario => print(scenario::SCENARIO_TOML),
     };
     match result {

@@ -79,7 +79,7 @@ fn threads_shards_and_interruptions_change_no_byte() {
     }
     let parts = ["runs.1-of-2.jsonl", "runs.2-of-2.jsonl"].map(|name| path(&part.join(name)));
     let error = fails(&["merge", &parts[0], "--out", &path(&merged)]);
-    assert!(error.contains("of 9 runs are there"), "{error}");
+    assert!(error.contains("part 2 of 2 is missing"), "{error}");
     let again = succeeds(&["merge", &parts[1], &parts[0], "--out", &path(&merged)]);
     let numbers = |text: &str| text.split("\nWritten").next().unwrap().to_owned();
     assert_eq!(numbers(&again), numbers(&table));
@@ -167,6 +167,92 @@ fn one_run_can_be_looked_at() {
     assert!(summary.contains("\"seed\": 502"), "{summary}");
     let error = fails(&["show", "afs2", &file]);
     assert!(error.contains("fault/afs2 -1.5"), "{error}");
+}
+
+#[test]
+fn a_run_beyond_the_cell_is_refused() {
+    let (dir, file) = folder("beyond", SMALL);
+    let show = ["show", "fault/afs2 1.5", &file, "--run", "3", "--out", dir.to_str().unwrap()];
+    let error = fails(&show);
+    assert!(error.contains("--run 3") && error.contains("from 0 to 2"), "{error}");
+}
+
+#[test]
+fn a_mistyped_subcommand_is_no_file() {
+    for (typed, meant) in [("defin", "define"), ("merg", "merge"), ("sow", "show")] {
+        let error = fails(&[typed]);
+        assert!(error.contains(&format!("did you mean `pt326 campaign {meant}`")), "{error}");
+    }
+    let error = fails(&["mine.toml"]);
+    assert!(error.contains("mine.toml") && !error.contains("did you mean"), "{error}");
+}
+
+#[test]
+fn merge_refuses_what_is_missing_unfinished_or_foreign() {
+    let (dir, file) = folder("merge", SMALL);
+    let shard = |shard: &str, out: &Path, more: &[&str]| {
+        let args = [&file, "--only", "silence", "--shard", shard, "--out", out.to_str().unwrap()];
+        succeeds(&[args.as_slice(), more].concat());
+        let name = format!("runs.{}.jsonl", shard.replace('/', "-of-"));
+        out.join(name).to_str().unwrap().to_owned()
+    };
+    let [first, second, third] = ["1/3", "2/3", "3/3"].map(|part| shard(part, &dir.join("part"), &[]));
+    let merge = |parts: &[&str]| {
+        let out = dir.join("merged");
+        fails(&[&["merge", "--out", out.to_str().unwrap()], parts].concat())
+    };
+    let error = merge(&[&second]);
+    assert!(error.contains("part 1 of 3 is missing") && error.contains("part 3 of 3 is missing"), "{error}");
+    let seeds = shard("3/3", &dir.join("seeds"), &["--seeds-from", "7"]);
+    let error = merge(&[&first, &second, &seeds]);
+    assert!(error.contains("seeds_from = 7") && error.contains("does not belong to"), "{error}");
+    let settings = shard("3/3", &dir.join("settings"), &["--sweep", "pid.kp=2.0"]);
+    assert!(merge(&[&first, &second, &settings]).contains("does not belong to"));
+    let halves = shard("1/2", &dir.join("halves"), &[]);
+    assert!(merge(&[&first, &halves]).contains("one of 2 parts, this one of 3"));
+
+    let changed = |name: &str, change: &dyn Fn(String) -> String| {
+        let path = dir.join(name);
+        std::fs::write(&path, change(std::fs::read_to_string(&third).unwrap())).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let build = changed("build", &|text| text.replacen("\"build\":\"", "\"build\":\"0", 1));
+    assert!(merge(&[&first, &second, &build]).contains("another build"));
+    let killed = changed("killed", &|text| text[..text.len() - 9].to_owned());
+    assert!(
+        merge(&[&first, &second, &killed]).contains("has 0 of 1 runs"),
+        "{}",
+        merge(&[&first, &second, &killed])
+    );
+    let strange = changed("strange", &|text| text.replacen("\"run\":2", "\"run\":1", 1));
+    assert!(merge(&[&first, &second, &strange]).contains("not of part 3 of 3"));
+}
+
+/// More runs than anyone waits for.
+const ENDLESS: &str = "[[cell]]\nname = \"quiet\"\nruns = 1000000\nduration = 10.0\n";
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_says_how_to_go_on() {
+    let (dir, file) = folder("interrupted", ENDLESS);
+    let out = dir.join("out");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        .args(["campaign", &file, "--out", out.to_str().unwrap()])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let finished = || std::fs::read_to_string(out.join("runs.jsonl")).map_or(0, |text| text.lines().count());
+    while finished() < 3 {
+        assert!(child.try_wait().unwrap().is_none(), "it has ended by itself");
+        std::thread::yield_now();
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    let kept = finished() - 1;
+    assert!(message.contains(&format!("{kept} of 1000000 runs are finished")), "{message}");
+    assert!(message.contains("The same command goes on"), "{message}");
 }
 
 /// Two rigs, a case that trips and one that heats on.

@@ -294,13 +294,13 @@ fn a_second_start_does_not_trip() {
 
 /// A T1 that reads far too low beside a T2 that does not: neither is regulated by.
 #[test]
-fn a_stand_in_is_none_where_t1_and_t2_contradict_each_other() {
+fn there_is_no_virtual_t1_where_t1_and_t2_contradict_each_other() {
     let mut config = config(35.0, 11);
     config.supervisor.go_on_without_t1 = true;
     let mut rig = Misplaced::new(&config, 4000, t1_out);
     let record = run_on(&mut rig, &config, &scenario(0.3, 4000.0 * TS + 20.0, vec![]), 11);
     let after = 4000 + (3.0 / TS) as usize;
-    assert!(record.rows[after..].iter().all(|row| row.report.likelihood.stand_in.is_none()));
+    assert!(record.rows[after..].iter().all(|row| row.report.likelihood.virtual_rise.is_none()));
     let hottest = record.rows[after..].iter().map(|row| row.tick.sample.t2.celsius.0).fold(0.0, f32::max);
     assert!(hottest < 45.0, "{hottest} degC");
 }

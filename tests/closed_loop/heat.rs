@@ -138,7 +138,7 @@ fn a_t1_that_slides_out_slowly_overheats_by_less_than_10_degrees() {
     for (gain, setpoint) in RIGS {
         for over in [60.0, 600.0] {
             let slides = out(Sensor::T1, 1.0, over, LATE);
-            // Nor is a stand-in for T1 believed against it.
+            // Nor is a virtual T1 believed against it.
             for go_on in [false, true] {
                 let mut config = Config::default();
                 config.supervisor.go_on_without_t1 = go_on;

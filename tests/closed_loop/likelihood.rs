@@ -1,4 +1,4 @@
-//! What the likelihood diagnosis says of the rig: every class named, nothing said of what is no fault, T1 stood in for.
+//! What the likelihood diagnosis says of the rig: every class named, nothing said of what is no fault, a virtual T1 regulated where T1 is faulty.
 
 use std::mem::size_of;
 
@@ -160,7 +160,7 @@ fn going_on() -> Config {
 
 /// T1 reads 1.5 degC too high: the air would be as much too cold.
 #[test]
-fn a_t1_that_reads_wrong_is_stood_in_for_without_a_bump() {
+fn a_t1_that_reads_wrong_gives_way_to_the_virtual_t1_without_a_bump() {
     let offset = 1.5;
     let scenario = scenario(vec![fault(Verb::Offset, Some(Sensor::T1), offset, None, 60.0)], 520.0);
     let record = run(&going_on(), &scenario, 31).unwrap();
@@ -173,28 +173,29 @@ fn a_t1_that_reads_wrong_is_stood_in_for_without_a_bump() {
     };
     assert!(mean_error(5.0, 60.0, offset).abs() < 0.25, "{} degC off", mean_error(5.0, 60.0, offset));
     assert!(mean_error(70.0, 110.0, 0.0).abs() < 0.1, "back on T1");
-    let stood_in = |row: &Row| row.tick.stand_in.is_some();
-    let switches: Vec<_> = record.rows.windows(2).filter(|w| stood_in(&w[0]) != stood_in(&w[1])).collect();
+    let is_virtual = |row: &Row| row.tick.virtual_t1.is_some();
+    let switches: Vec<_> =
+        record.rows.windows(2).filter(|w| is_virtual(&w[0]) != is_virtual(&w[1])).collect();
     assert_eq!(switches.len(), 2, "once there and once back");
     for w in switches {
         let bump = w[1].tick.pid.0 - w[0].tick.pid.0;
         assert!(bump.abs() < 4.0, "a step of {bump} % at {} s", record.time(w[1].tick.index));
     }
-    let told = Summary::new(&record).without_t1.expect("it was stood in for");
+    let told = Summary::new(&record).without_t1.expect("the virtual T1 was regulated");
     assert!((55.0..65.0).contains(&told.duration_s) && told.error_mean_c.abs() < 0.2, "{told:?}");
     let without = run(&Config::default(), &scenario, 31).unwrap();
     assert_eq!(Summary::new(&without).without_t1, None);
-    assert!(without.rows.iter().all(|row| !stood_in(row)), "only where it is asked for");
+    assert!(without.rows.iter().all(|row| !is_virtual(row)), "only where it is asked for");
 }
 
 #[test]
-fn a_broken_t1_trips_or_is_stood_in_for() {
+fn a_broken_t1_trips_or_gives_way_to_the_virtual_t1() {
     let scenario = scenario(vec![fault(Verb::Open, Some(Sensor::T1), 0.0, None, 60.0)], 480.0);
     let record = run(&going_on(), &scenario, 32).unwrap();
     assert!(record.rows.iter().all(|row| !matches!(row.tick.mode, Mode::Tripped(_))));
-    let stand_in = |row: &Row| row.tick.stand_in.map(|t| t.0);
+    let virtual_t1 = |row: &Row| row.tick.virtual_t1.map(|t| t.0);
     let during: Vec<f32> =
-        since_onset(&record).filter(|(t, _)| *t < 59.0).filter_map(|(_, row)| stand_in(row)).collect();
+        since_onset(&record).filter(|(t, _)| *t < 59.0).filter_map(|(_, row)| virtual_t1(row)).collect();
     assert!(
         during.len() > 500 && during[30..].iter().all(|t| (t - 35.0).abs() < 2.5),
         "regulated all the while"
@@ -207,7 +208,7 @@ fn a_broken_t1_trips_or_is_stood_in_for() {
 
 /// Without T1 and without T2 nothing is left to regulate by.
 #[test]
-fn a_stand_in_that_is_lost_trips() {
+fn a_virtual_t1_that_is_lost_trips() {
     let t1 = fault(Verb::Open, Some(Sensor::T1), 0.0, None, 60.0);
     let t2 = Fault { at: ONSET + 10.0, ..fault(Verb::Open, Some(Sensor::T2), 0.0, None, 50.0) };
     let record = run(&going_on(), &scenario(vec![t1, t2], 440.0), 33).unwrap();
@@ -218,7 +219,7 @@ fn a_stand_in_that_is_lost_trips() {
 
 /// T1 is gone, and T2 reads far too low: regulating by it would overheat the rig.
 #[test]
-fn a_stand_in_that_the_models_contradict_trips() {
+fn a_virtual_t1_that_the_models_contradict_trips() {
     let t1 = fault(Verb::Open, Some(Sensor::T1), 0.0, None, 60.0);
     let t2 = Fault { at: ONSET + 10.0, ..fault(Verb::Offset, Some(Sensor::T2), -10.0, None, 50.0) };
     let record = run(&going_on(), &scenario(vec![t1, t2], 440.0), 34).unwrap();
@@ -228,12 +229,12 @@ fn a_stand_in_that_the_models_contradict_trips() {
 }
 
 #[test]
-fn a_t1_without_samples_is_stood_in_for() {
+fn a_t1_without_samples_gives_way_to_the_virtual_t1() {
     let faults = vec![fault(Verb::Missing, Some(Sensor::T1), 1.0, None, 30.0)];
     let record = run(&going_on(), &scenario(faults, 440.0), 35).unwrap();
     assert!(record.rows.iter().all(|row| !matches!(row.tick.mode, Mode::Tripped(_))));
-    let stood_in = since_onset(&record).filter(|(_, row)| row.tick.stand_in.is_some()).count();
-    assert!((260..280).contains(&stood_in), "{stood_in} ticks of 30 s");
+    let ticks = since_onset(&record).filter(|(_, row)| row.tick.virtual_t1.is_some()).count();
+    assert!((260..280).contains(&ticks), "{ticks} ticks of 30 s");
 }
 
 /// With a restored baseline, training takes place while monitoring, but not while something is wrong.

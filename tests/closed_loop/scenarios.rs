@@ -2,7 +2,7 @@
 
 use fdi_core::control::{Controller, ControllerState};
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::identify::rls::Adaptation;
+use fdi_core::identify::Adaptation;
 use fdi_core::{Command, Config, Feedback, Instrument, Mode, RawSample, Report, Tick, TripReason};
 use host_sim::commands::repeat::repeat;
 use host_sim::experiment::scenario::{Action, Scenario};

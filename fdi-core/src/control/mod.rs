@@ -28,7 +28,7 @@ pub struct Tick {
     /// What the thermistors read.
     pub sample: Sample,
     /// What is regulated in place of T1, where T1 is known to be wrong: see [`crate::SupervisorConfig::go_on_without_t1`].
-    pub stand_in: Option<Celsius>,
+    pub virtual_t1: Option<Celsius>,
     /// Temperature wanted at T1.
     pub setpoint: Celsius,
     /// Output of the PID.
@@ -70,8 +70,8 @@ pub struct ControllerState {
     excite: bool,
     /// What the second half said last.
     feedback: Feedback,
-    /// The stand-in for T1 was regulated on the tick before.
-    stood_in: bool,
+    /// The virtual T1 was regulated on the tick before.
+    was_virtual: bool,
     /// What the tick before did: what the PID asked for, its excitation after saturation, and whether the sum was cut.
     asked: Percent,
     excitation: Percent,
@@ -84,13 +84,17 @@ impl Controller {
     /// # Errors
     /// The parameter that is out of bounds.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        Ok(Self {
-            sensing: Sensing::new(config)?,
-            supervisor: Supervisor::new(config)?,
-            pid: Pid::new(&config.pid, config.sample_time)?,
+        config.validate_general()?;
+        let ts = config.sample_time;
+        let controller = Self {
+            sensing: Sensing::new(&config.sensors, &config.plausibility, ts)?,
+            supervisor: Supervisor::new(&config.supervisor, config.pid.output_max, ts)?,
+            pid: Pid::new(&config.pid, ts)?,
             prbs: Prbs::new(&config.prbs)?,
-            error_filter: LowPass::new(REGULATION_CUTOFF, config.sample_time),
-        })
+            error_filter: LowPass::new(REGULATION_CUTOFF, ts),
+        };
+        config.validate_limits()?;
+        Ok(controller)
     }
 
     /// A controller that is off, with the set-point of the configuration.
@@ -105,7 +109,7 @@ impl Controller {
             setpoint,
             excite: true,
             feedback: Feedback::default(),
-            stood_in: false,
+            was_virtual: false,
             asked: Percent(0.0),
             excitation: Percent(0.0),
             saturated: false,
@@ -150,7 +154,7 @@ impl Controller {
         let tick = Tick {
             index: state.index,
             sample,
-            stand_in: regulated.value.filter(|_| regulated.is_stand_in),
+            virtual_t1: regulated.value.filter(|_| regulated.is_virtual),
             setpoint: state.setpoint,
             pid,
             prbs,
@@ -170,12 +174,13 @@ impl Controller {
         // A spike is over on the next tick: the output is held for it.
         let believed =
             matches!(sample.t1.validity, Validity::Good | Validity::Spike) && !state.feedback.t1_faulty;
-        let known = state.feedback.stand_in.is_some() || state.stood_in;
+        let known = state.feedback.virtual_rise.is_some() || state.was_virtual;
         if self.supervisor.goes_on_without_t1() && known && !believed {
-            let stand_in = sample.t0.good().zip(state.feedback.stand_in).map(|(t0, rise)| Celsius(t0 + rise));
-            Regulated { value: stand_in, is_stand_in: true }
+            let virtual_t1 =
+                sample.t0.good().zip(state.feedback.virtual_rise).map(|(t0, rise)| Celsius(t0 + rise));
+            Regulated { value: virtual_t1, is_virtual: true }
         } else {
-            Regulated { value: sample.t1.good().map(Celsius), is_stand_in: false }
+            Regulated { value: sample.t1.good().map(Celsius), is_virtual: false }
         }
     }
 
@@ -186,12 +191,12 @@ impl Controller {
             state.error_filter = None;
             state.excitation = Percent(0.0);
             state.saturated = false;
-            state.stood_in = false;
+            state.was_virtual = false;
             return Default::default();
         }
         let pid = match regulated.value {
             Some(y) => {
-                if core::mem::replace(&mut state.stood_in, regulated.is_stand_in) != regulated.is_stand_in {
+                if core::mem::replace(&mut state.was_virtual, regulated.is_virtual) != regulated.is_virtual {
                     self.pid.change_sensor(&mut state.pid, y);
                 }
                 self.pid.step(&mut state.pid, state.setpoint, y)

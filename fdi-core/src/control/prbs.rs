@@ -1,39 +1,29 @@
 //! Pseudo-random binary signal of maximal length, added to the PID's output so that the loop stays identifiable
 //! while it is closed (paper, section 2.3).
 
-use crate::error::{ConfigError, in_range, in_ranges};
+use crate::error::{ConfigError, in_range};
+use crate::settings::{check, settings};
 use crate::units::Percent;
 
-/// Shape of the excitation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PrbsConfig {
-    /// Length of the shift register; the sequence repeats after `2^bits - 1` bits.
-    pub bits: u8,
-    /// Samples that a bit lasts.
-    pub samples_per_bit: u8,
-    /// Half of the peak-to-peak value.
-    pub amplitude: Percent,
-    /// Content of the register at the start: where in its sequence it begins.
-    pub start: u16,
-}
-
-impl Default for PrbsConfig {
-    fn default() -> Self {
-        Self { bits: 10, samples_per_bit: 2, amplitude: Percent(5.1), start: 1 }
+settings! {
+    /// Excitation, a pseudo-random binary sequence added to the output of the PID.
+    pub struct PrbsConfig: Prbs "prbs." {
+        /// Length of the shift register; the sequence repeats after `2^bits - 1` bits.
+        bits: u8 = 10, 3..=16;
+        /// Samples that a bit lasts.
+        samples_per_bit: u8 = 2, 1..=100;
+        /// Half of the peak-to-peak value.
+        amplitude: Percent = 5.1, 0.0..=50.0;
+        /// Content of the register at the start, of `bits` bits: where in its sequence it begins. A run of the simulation moves
+        /// it with its seed; seed 1 leaves it.
+        start: u16 = 1, 1..=65535;
     }
 }
 
-/// Shortest and longest register that [`TAPS`] covers.
+/// Shortest register that [`TAPS`] covers.
 const MIN_BITS: u8 = 3;
-const MAX_BITS: u8 = 16;
 
-/// Feedback masks of primitive polynomials, from `MIN_BITS` on: bit i - 1 is set where x^i is tapped.
+/// Feedback masks of primitive polynomials, from `MIN_BITS` on, one for each length that is allowed: bit i - 1 is set where x^i is tapped.
 const TAPS: [u16; 14] = [
     tap(&[3, 2]),
     tap(&[4, 3]),
@@ -84,11 +74,7 @@ impl Prbs {
     /// # Errors
     /// The parameter that is out of bounds.
     pub fn new(c: &PrbsConfig) -> Result<Self, ConfigError> {
-        in_range("prbs.bits", f32::from(c.bits), f32::from(MIN_BITS), f32::from(MAX_BITS))?;
-        in_ranges! {
-            "prbs.samples_per_bit": f32::from(c.samples_per_bit), 1.0, 100.0;
-            "prbs.amplitude": c.amplitude.0, 0.0, 50.0;
-        }?;
+        check(PrbsConfig::SETTINGS[0], c)?;
         let mask = u16::MAX >> (u16::BITS - u32::from(c.bits));
         in_range("prbs.start", f32::from(c.start), 1.0, f32::from(mask))?;
         Ok(Self {

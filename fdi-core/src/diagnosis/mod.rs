@@ -1,60 +1,24 @@
 //! The second half of a tick: identify, form residuals, compare them with what is normal, name the fault.
 
 pub mod baseline;
+pub mod config;
 pub mod event;
 pub mod residual;
-
 pub mod signature;
 
 use crate::config::Config;
 use crate::control::Tick;
-
-use crate::error::{ConfigError, in_ranges};
+use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Observation, Observer, ObserverState};
-use crate::likelihood::{Likelihood, LikelihoodReport, LikelihoodState};
+use crate::likelihood::{Channel, FaultClass, Likelihood, LikelihoodReport, LikelihoodState};
 use crate::supervisor::Mode;
-use crate::units::{Percent, Seconds};
+use crate::units::Percent;
 use baseline::{Baseline, Learner};
 use event::{EventRules, EventState, Events};
 use residual::{FIRST_DECISIVE, RESIDUALS, features};
-use signature::{PAPER_DETECTION, PAPER_ISOLATION, Rows, Symptoms, Table, symptoms};
-
-/// Settings of the residuals, their thresholds and the signatures.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
-pub struct DiagnosisConfig {
-    /// Cut-off of the residuals' low-pass filter in rad/s.
-    pub filter_cutoff: f32,
-    /// Thresholds lie this many standard deviations from the mean.
-    pub sigma_factor: f32,
-    /// Symptoms older than this at the detection do not date the fault's onset.
-    pub onset_window: Seconds,
-    /// fdv must be zero for so long before a fault counts as ended.
-    pub clear_time: Seconds,
-    /// Fault detection table, fdv.
-    pub detection: Rows,
-    /// Fault isolation table, fiv.
-    pub isolation: Rows,
-}
-
-impl Default for DiagnosisConfig {
-    fn default() -> Self {
-        Self {
-            filter_cutoff: 0.6,
-            sigma_factor: 3.0,
-            onset_window: Seconds(5.0),
-            clear_time: Seconds(2.0),
-            detection: PAPER_DETECTION.iter().copied().collect(),
-            isolation: PAPER_ISOLATION.iter().copied().collect(),
-        }
-    }
-}
+use signature::{Symptoms, Table, symptoms};
 
 /// The validated diagnosis.
 #[derive(Clone, Debug)]
@@ -134,8 +98,9 @@ impl Report {
         let finding = self.likelihood.finding;
         Feedback {
             learned: self.learned,
-            stand_in: self.likelihood.stand_in,
-            t1_faulty: finding.is_some_and(|f| f.class.is_of_t1()),
+            virtual_rise: self.likelihood.virtual_rise,
+            t1_faulty: finding.is_some_and(|f| f.class.sensor() == Some(Channel::T1)),
+            heater_faulty: finding.is_some_and(|f| f.class == FaultClass::HeaterPower),
             air_flow: self.likelihood.air_flow.map(Percent),
             heater_stuck_on: self.likelihood.heater_stuck_on,
         }
@@ -146,30 +111,24 @@ impl Diagnosis {
     /// Builds the diagnosis.
     ///
     /// # Errors
-    /// The parameter of `identification` or `diagnosis` that is out of bounds.
+    /// The parameter of `identification`, `diagnosis` or `likelihood` that is out of bounds.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        let c = &config.diagnosis;
-        in_ranges! {
-            "diagnosis.filter_cutoff": c.filter_cutoff, 1e-3, 100.0;
-            "diagnosis.sigma_factor": c.sigma_factor, 0.1, 100.0;
-            "diagnosis.onset_window": c.onset_window.0, 0.0, 3600.0;
-            "diagnosis.clear_time": c.clear_time.0, 0.0, 3600.0;
-        }?;
-        signature::validate("diagnosis.detection", &c.detection, false)?;
-        signature::validate("diagnosis.isolation", &c.isolation, true)?;
+        let (c, ts) = (&config.diagnosis, config.sample_time);
+        config.validate_general()?;
+        c.validate()?;
         let identification = &config.identification;
         Ok(Self {
-            ms1: Observer::new(identification, Some(identification.bandwidth), config.sample_time)?,
-            ms2: Observer::new(identification, None, config.sample_time)?,
-            low_pass: LowPass::new(c.filter_cutoff, config.sample_time),
+            ms1: Observer::new(identification, Some(identification.bandwidth), ts)?,
+            ms2: Observer::new(identification, None, ts)?,
+            low_pass: LowPass::new(c.filter_cutoff, ts),
             sigma_factor: c.sigma_factor,
             detection: Table::new(&c.detection),
             isolation: Table::new(&c.isolation),
             events: EventRules {
-                onset_window: c.onset_window.ticks(config.sample_time),
-                clear_ticks: c.clear_time.ticks(config.sample_time),
+                onset_window: c.onset_window.ticks(ts),
+                clear_ticks: c.clear_time.ticks(ts),
             },
-            likelihood: Likelihood::new(config)?,
+            likelihood: Likelihood::new(&config.likelihood, identification, ts)?,
         })
     }
 

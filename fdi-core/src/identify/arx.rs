@@ -1,9 +1,11 @@
 //! ARX(NA, NB, NK) identified by recursive least squares, sample by sample, without intercept and without removal of
 //! means: an offset of a sensor shows only because it changes the gain (specified so; see docs/theory.md).
 
-use super::rls::{Rls, RlsConfig, RlsState, predict};
+use super::config::IdentificationConfig;
+use super::rls::{Rls, RlsState};
 use super::transfer::Transfer;
-use crate::error::{ConfigError, in_ranges};
+use crate::error::ConfigError;
+use crate::vector::{dot, shift};
 
 /// A validated ARX estimator; `N` must be `NA + NB`.
 #[derive(Clone, Copy, Debug)]
@@ -45,17 +47,15 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
         "N must be NA + NB, each at least 1"
     );
 
-    /// Builds the estimator; `y_scale` and `u_scale` are typical sizes of y and u.
+    /// Builds the estimator.
     ///
     /// # Errors
     /// The parameter that is out of bounds.
-    pub fn new(c: &RlsConfig, y_scale: f32, u_scale: f32) -> Result<Self, ConfigError> {
+    pub fn new(c: &IdentificationConfig) -> Result<Self, ConfigError> {
         let () = Self::ORDERS_FIT;
-        in_ranges! {
-            "identification.y_scale": y_scale, 1e-3, 1e6;
-            "identification.u_scale": u_scale, 1e-3, 1e6;
-        }?;
-        Ok(Self { rls: Rls::new(c)?, inv_y_scale: 1.0 / y_scale, inv_u_scale: 1.0 / u_scale, y_scale })
+        c.validate()?;
+        let (y_scale, u_scale) = (c.y_scale.0, c.u_scale.0);
+        Ok(Self { rls: Rls::new(&c.rls())?, inv_y_scale: 1.0 / y_scale, inv_u_scale: 1.0 / u_scale, y_scale })
     }
 
     /// A model that knows nothing.
@@ -63,7 +63,7 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
         ArxState { rls: self.rls.start(), phi: [0.0; N], delay: [0.0; NK], y_known: 0, u_known: 0 }
     }
 
-    /// Takes in `y[k]` (`None` where it is invalid) and `u[k]`, the input applied from now to the next sample.
+    /// One sample: `y[k]` (`None` where it is invalid) and `u[k]`, the input applied from now to the next sample.
     pub fn step(&self, state: &mut ArxState<NA, NB, NK, N>, y: Option<f32>, u: f32) -> ArxStep {
         let complete = usize::from(state.y_known) >= NA && usize::from(state.u_known) >= NB + NK - 1;
         let mut step = ArxStep::default();
@@ -75,7 +75,7 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
                     step.updated = !update.diverged;
                     step.diverged = update.diverged;
                 }
-                None => step.prediction = Some(predict(&state.rls.theta, &state.phi) * self.y_scale),
+                None => step.prediction = Some(dot(&state.rls.theta, &state.phi) * self.y_scale),
             }
         }
         self.remember(state, y, u);
@@ -84,14 +84,8 @@ impl<const NA: usize, const NB: usize, const NK: usize, const N: usize> Arx<NA, 
 
     /// Shifts y[k] and u[k] into the regressor.
     fn remember(&self, state: &mut ArxState<NA, NB, NK, N>, y: Option<f32>, u: f32) {
-        for i in (1..NK).rev() {
-            state.delay[i] = state.delay[i - 1];
-        }
-        state.delay[0] = u * self.inv_u_scale;
-        for i in (1..N).rev() {
-            state.phi[i] = state.phi[i - 1];
-        }
-        state.phi[0] = -y.unwrap_or(0.0) * self.inv_y_scale;
+        shift(&mut state.delay, u * self.inv_u_scale);
+        shift(&mut state.phi, -y.unwrap_or(0.0) * self.inv_y_scale);
         state.phi[NA] = state.delay[NK - 1];
         state.y_known = if y.is_some() { state.y_known.saturating_add(1) } else { 0 };
         state.u_known = state.u_known.saturating_add(1);

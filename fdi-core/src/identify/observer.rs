@@ -2,64 +2,11 @@
 //! static gain and bandwidth as features (paper, sections 2.3 and 3.2).
 
 use super::arx::{Arx, ArxState};
-use super::rls::{Adaptation, RlsConfig};
+use super::config::{Bandwidth, IdentificationConfig};
 use super::step_response::StepResponse;
 use super::transfer::Transfer;
-use crate::error::{ConfigError, above, in_ranges};
-use crate::units::{Celsius, Percent, Seconds};
-
-/// How the bandwidth is read off the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Bandwidth {
-    /// 3 / tr with the rise time to 95 % (paper, equation 11).
-    RiseTime,
-    /// 1 / tau with tau = Tres - L - Ts/2 from the mean residence time; a closed form.
-    ResidenceTime,
-}
-
-/// Settings of the two observers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct IdentificationConfig {
-    /// How old data lose their weight.
-    pub adaptation: Adaptation,
-    /// D of the factored covariance at the start.
-    pub d_initial: f32,
-    /// Cap on D: how vague a parameter may become while nothing excites it.
-    pub d_max: f32,
-    /// Typical rise of the temperature; scales the regressor.
-    pub y_scale: Celsius,
-    /// Typical heater power; scales the regressor.
-    pub u_scale: Percent,
-    /// How the bandwidth is read off the model.
-    pub bandwidth: Bandwidth,
-    /// Dead time of the rig; used by the residence time only.
-    pub dead_time: Seconds,
-    /// A static gain beyond this size, in degC per %, is not believed.
-    pub gain_max: f32,
-}
-
-impl Default for IdentificationConfig {
-    fn default() -> Self {
-        Self {
-            adaptation: Adaptation::Forgetting { lambda: 0.95 },
-            d_initial: 1e4,
-            d_max: 1e5,
-            y_scale: Celsius(12.5),
-            u_scale: Percent(41.7),
-            bandwidth: Bandwidth::RiseTime,
-            dead_time: Seconds(0.1),
-            gain_max: 2.0,
-        }
-    }
-}
+use crate::error::ConfigError;
+use crate::units::Seconds;
 
 /// Samples of the step response looked at for the rise time.
 const MAX_STEPS: u16 = 64;
@@ -128,17 +75,8 @@ impl Observer {
         bandwidth: Option<Bandwidth>,
         sample_time: Seconds,
     ) -> Result<Self, ConfigError> {
-        in_ranges! {
-            "identification.dead_time": c.dead_time.0, 0.0, 100.0;
-            "identification.gain_max": c.gain_max, 1e-3, 1e3;
-        }?;
-        let rls = RlsConfig { adaptation: c.adaptation, d_initial: c.d_initial, d_max: c.d_max };
-        let arx = Arx::new(&rls, c.y_scale.0, c.u_scale.0)?;
-        // The gain that the scales speak of must be believed, or nothing is ever learnt.
-        let typical = c.y_scale.0 / c.u_scale.0;
-        above("identification.gain_max", c.gain_max, "identification.y_scale / u_scale", typical)?;
         Ok(Self {
-            arx,
+            arx: Arx::new(c)?,
             bandwidth,
             sample_time: sample_time.0,
             lag: c.dead_time.0 + 0.5 * sample_time.0,

@@ -25,60 +25,10 @@ macro_rules! unrolled {
     }};
 }
 
+use super::config::{Adaptation, RlsConfig};
 use super::random_walk;
-use crate::error::{ConfigError, in_range, in_ranges};
-
-/// How old data lose their weight.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "kebab-case", deny_unknown_fields)
-)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Adaptation {
-    /// Exponential forgetting; memory of about `1 / (1 - lambda)` samples.
-    Forgetting {
-        /// Forgetting factor, 0.5..=1.
-        lambda: f32,
-    },
-    /// Kalman filter for parameters that walk at random.
-    RandomWalk {
-        /// Variance that each scaled parameter gains in a sample.
-        r1: f32,
-        /// Variance of the scaled measurement.
-        r2: f32,
-    },
-}
-
-impl Adaptation {
-    /// Checks the factor or the variances.
-    pub(crate) fn validate(&self) -> Result<(), ConfigError> {
-        match *self {
-            Self::Forgetting { lambda } => {
-                in_range("identification.adaptation.forgetting.lambda", lambda, 0.5, 1.0)
-            }
-            Self::RandomWalk { r1, r2 } => {
-                in_ranges! {
-                    "identification.adaptation.random-walk.r1": r1, 0.0, 1.0;
-                    "identification.adaptation.random-walk.r2": r2, 1e-9, 1e6;
-                }
-            }
-        }
-    }
-}
-
-/// Settings of the estimator.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct RlsConfig {
-    /// How old data lose their weight.
-    pub adaptation: Adaptation,
-    /// D at the start and after a reset: the variance of a parameter nothing is known of.
-    pub d_initial: f32,
-    /// Cap on each element of D.
-    pub d_max: f32,
-}
+use crate::error::ConfigError;
+use crate::vector::dot;
 
 /// alpha plus the squared innovation of no scaled sample comes near this.
 const SIZE_LIMIT: f32 = 1e20;
@@ -125,11 +75,7 @@ impl<const N: usize> Rls<N> {
     /// # Errors
     /// The parameter that is out of bounds.
     pub fn new(c: &RlsConfig) -> Result<Self, ConfigError> {
-        c.adaptation.validate()?;
-        in_ranges! {
-            "identification.d_initial": c.d_initial, 1e-6, 1e9;
-            "identification.d_max": c.d_max, 1.0, 1e9;
-        }?;
+        c.validate()?;
         let (alpha_0, inflation, r1) = match c.adaptation {
             Adaptation::Forgetting { lambda } => (lambda, 1.0 / lambda, 0.0),
             Adaptation::RandomWalk { r1, r2 } => (r2, 1.0, r1),
@@ -223,7 +169,7 @@ impl<const N: usize> Rls<N> {
 /// The parameters' part of the update, once the covariance has had its own: prediction and innovation.
 #[inline(always)]
 fn correct<const N: usize>(sweep: &Sweep<N>, state: &mut RlsState<N>, phi: &[f32; N], y: f32) -> (f32, f32) {
-    let prediction = predict(&state.theta, phi);
+    let prediction = dot(&state.theta, phi);
     let innovation = y - prediction;
     let step = innovation * sweep.inv_alpha;
     for i in 0..N {
@@ -247,16 +193,6 @@ impl<const N: usize> RlsState<N> {
             self.d[i] + above
         })
     }
-}
-
-/// One-step prediction phi' theta.
-#[inline]
-pub(crate) fn predict<const N: usize>(theta: &[f32; N], phi: &[f32; N]) -> f32 {
-    let mut sum = theta[0] * phi[0];
-    for i in 1..N {
-        sum += theta[i] * phi[i];
-    }
-    sum
 }
 
 /// Column j of U above its diagonal, times phi; j is at least 1.

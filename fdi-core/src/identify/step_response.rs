@@ -4,6 +4,7 @@
 //! a few of them a tick and has the answer a few ticks later.
 
 use super::transfer::Transfer;
+use crate::vector::shift;
 
 /// A step response under way.
 #[derive(Clone, Copy, Debug)]
@@ -69,11 +70,22 @@ impl<const NA: usize, const NB: usize> StepResponse<NA, NB> {
             let whole = f32::from(self.samples) + (self.model.nk.max(1) - 1) as f32;
             return Some(whole + (self.level - before) / (now - before));
         }
-        for i in (1..NA).rev() {
-            self.y[i] = self.y[i - 1];
-        }
-        self.y[0] = now;
+        shift(&mut self.y, now);
         self.samples = self.samples.saturating_add(1);
+        None
+    }
+}
+
+impl<const NA: usize, const NB: usize> Transfer<NA, NB> {
+    /// First upward crossing of `level` by the unit step response, in samples after the step, linearly interpolated;
+    /// `None` if it does not come within `max_steps` samples. `level` is in units of y and positive.
+    pub fn rise_time(&self, level: f32, max_steps: u16) -> Option<f32> {
+        let mut response = StepResponse::new(*self, level);
+        while response.samples() < max_steps {
+            if let Some(time) = response.advance::<1>() {
+                return Some(time).filter(|&time| time <= f32::from(max_steps));
+            }
+        }
         None
     }
 }

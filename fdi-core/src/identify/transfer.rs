@@ -1,6 +1,4 @@
-//! What a discrete-time model says: static gain, stability, rise time, mean residence time.
-
-use super::step_response::StepResponse;
+//! What a discrete-time model says: static gain, stability, mean residence time.
 
 /// `y[k] + a1 y[k-1] + .. + aNA y[k-NA] = b1 u[k-NK] + .. + bNB u[k-NK-NB+1]` (paper, equation 2).
 ///
@@ -11,7 +9,7 @@ pub struct Transfer<const NA: usize, const NB: usize> {
     pub a: [f32; NA],
     /// b1 .. bNB, in units of y per unit of u.
     pub b: [f32; NB],
-    /// Delay from u to y in samples, at least 1.
+    /// Delay from u to y in samples.
     pub nk: usize,
 }
 
@@ -31,11 +29,15 @@ impl<const NA: usize, const NB: usize> Transfer<NA, NB> {
         self.b.iter().sum()
     }
 
+    /// B(1) / A(1), whatever it may be.
+    pub(crate) fn gain(&self) -> f32 {
+        self.b1() / self.a1()
+    }
+
     /// G(z = 1) = B(1) / A(1) (paper, equation 10); `None` on an integrator.
     pub fn static_gain(&self) -> Option<f32> {
-        let a1 = self.a1();
-        let gain = self.b1() / a1;
-        (a1.abs() > A1_MIN && gain.is_finite()).then_some(gain)
+        let gain = self.gain();
+        (self.a1().abs() > A1_MIN && gain.is_finite()).then_some(gain)
     }
 
     /// Whether all poles lie inside the unit circle: Jury's test, in the form that divides by nothing.
@@ -56,22 +58,10 @@ impl<const NA: usize, const NB: usize> Transfer<NA, NB> {
         true
     }
 
-    /// First upward crossing of `level` by the unit step response, in samples after the step, linearly interpolated;
-    /// `None` if it does not come within `max_steps` samples. `level` is in units of y and positive.
-    pub fn rise_time(&self, level: f32, max_steps: u16) -> Option<f32> {
-        let mut response = StepResponse::new(*self, level);
-        while response.samples() < max_steps {
-            if let Some(time) = response.advance::<1>() {
-                return Some(time).filter(|&time| time <= f32::from(max_steps));
-            }
-        }
-        None
-    }
-
     /// Mean residence time of the impulse response in samples, `sum(i b_i) / B(1) - sum(i a_i) / A(1)`, delay included.
     pub fn residence_time(&self) -> Option<f32> {
         let (a1, b1) = (self.a1(), self.b1());
-        let first = (self.nk.max(1) - 1) as f32;
+        let first = self.nk as f32 - 1.0;
         let moment = |c: &[f32]| c.iter().zip(1u8..).map(|(c, i)| c * f32::from(i)).sum::<f32>();
         let time = first + moment(&self.b) / b1 - moment(&self.a) / a1;
         (a1.abs() > A1_MIN && b1.abs() > B1_MIN && time.is_finite()).then_some(time)

@@ -1,7 +1,8 @@
 //! The ambient temperature that is believed, when T0 may be wrong: it moves no faster than a room does, and is set right
 //! whenever the rig is at rest, where three thermistors should agree.
 
-use super::verdict::{FaultClass, Finding, Magnitude};
+use super::class::FaultClass;
+use super::verdict::{Finding, Magnitude};
 use crate::bounds::{bounded, smaller};
 
 /// A room changes no faster than this, degC a minute.

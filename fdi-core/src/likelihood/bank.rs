@@ -5,24 +5,31 @@
 //!
 //! ```text
 //! magnitude = sum s (z - f) / sum s s          bounded to what is possible
-//! J         = sum (z - f)^2 - magnitude (2 sum s (z - f) - magnitude sum s s)
+//! RSS       = sum (z - f)^2 - magnitude (2 sum s (z - f) - magnitude sum s s)
 //! ```
 //!
-//! J is what the hypothesis leaves unexplained; the difference of two J is twice the logarithm of a likelihood ratio
+//! RSS is the residual sum of squares that the hypothesis leaves; the difference of two is twice a log-likelihood ratio
 //! (generalised likelihood ratio; Willsky and Jones 1976). Only sums are kept, so cost and memory are constant.
 
 use super::fit::{HA, HB, Models, NA, NB};
-use super::model::{Simulation, shift};
-use super::noise::Normal;
+use super::hypothesis::Signature;
+use super::noise::NoiseModel;
 use super::whitening::Past;
 use crate::bounds::bounded;
+use crate::filter::LowPass;
+use crate::identify::simulation::Simulation;
+use crate::units::Seconds;
+use crate::vector::shift;
 
-/// Extra lags of a clogged T1 that are tried, s. The first is none: only the gain has gone.
+/// Extra lags of a clogged T1 that are tried, s. The first is none: only the gain has gone. Tuned
+/// (docs/diagnosis.md, section 6).
 const LAGS: [f32; 3] = [0.0, 0.35, 1.0];
 
-/// By how much of `1 - 1/f` of its residence time the answer comes sooner with the flow at f times normal. It is
+/// Time advance of the answer with the flow at f times normal, as a share of its residence time for each `1 - 1/f`. By theory it is
 /// `c ln f / f` with c from 0.8 (time constants) to 1 (dead times): 0.65 at f = 1.5, 1 at f = 0.67.
-const SOONER: f32 = 0.7;
+const ADVANCE: f32 = 0.7;
+/// The residence time is taken for no less and no more, ticks: the models cannot show more.
+const RESIDENCE: (f32, f32) = (1.0, 1000.0);
 
 /// What y1 and y2 are with two wires swapped, as combinations of what they should be: T1 and T2, T0 and T1, T0 and T2.
 const SWAPPED: [[[f32; 2]; 2]; 3] =
@@ -35,16 +42,16 @@ pub(super) struct Filters {
     poles: [f32; LAGS.len()],
 }
 
-/// What the filters need to know of a tick.
-pub(super) struct Moment<'a> {
+/// One tick, as the filters see it.
+pub(super) struct BankInput<'a> {
     /// The models.
     pub(super) models: &'a Models,
     /// What is normal for the residuals of y1 and y2.
-    pub(super) normal: &'a [Normal; 3],
-    /// How fast T1 answers.
-    pub(super) brisk: Briskness,
+    pub(super) noise: &'a [NoiseModel; 3],
+    /// How soon T1 answers.
+    pub(super) response: ResponseTime,
     /// Ticks from a change of the power to the first sample that shows it.
-    pub(super) lead: usize,
+    pub(super) dead_ticks: usize,
     /// Whitened residuals of y1 and y2.
     pub(super) z: [f32; 2],
     /// Weight of this tick, 0..=1.
@@ -58,55 +65,56 @@ pub(super) struct Moment<'a> {
     pub(super) measured_before: [f32; 2],
 }
 
-/// How fast T1 answers to the power, and how much of its rise reaches T2.
+/// How soon T1 answers to the power, and how much of its rise reaches T2.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Briskness {
-    /// [`SOONER`] of the mean residence time, ticks.
-    ticks: f32,
-    /// Share of a first-order lag of that time that is renewed in a tick.
-    share: f32,
+pub(super) struct ResponseTime {
+    /// [`ADVANCE`] of the mean residence time, ticks.
+    advance: f32,
+    /// First-order lag of the residence time.
+    lag: LowPass,
     /// What is lost between T1 and T2, as a share of what arrives.
     loss: f32,
 }
 
-impl Briskness {
+impl ResponseTime {
     pub(super) fn new(models: &Models) -> Self {
-        let ticks = bounded(models.heat.residence(), 1.0, 1000.0);
-        let loss = 1.0 / models.along.gain().min(1.0) - 1.0;
-        Self { ticks: SOONER * ticks, share: 1.0 - libm::expf(-1.0 / ticks), loss }
+        let (shortest, longest) = RESIDENCE;
+        let ticks = bounded(models.heater_to_t1.residence_time().unwrap_or(longest), shortest, longest);
+        let loss = 1.0 / models.t1_to_t2.gain().min(1.0) - 1.0;
+        Self { advance: ADVANCE * ticks, lag: LowPass::new(1.0 / ticks, Seconds(1.0)), loss }
     }
 }
 
-/// Sums of one scaled signature.
+/// Correlator of one signature: the sums that its magnitude follows from.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Match {
+pub(super) struct Correlator {
     /// sum s (z - f)
     cross: f32,
-    /// sum s s
-    pub(super) square: f32,
+    /// sum s s, the signature's energy: the inverse variance of the magnitude.
+    pub(super) energy: f32,
 }
 
-impl Match {
+impl Correlator {
     #[inline(never)]
     fn add(&mut self, z: f32, s: f32, weight: f32) {
         let s_weighted = s * weight;
         self.cross += s_weighted * z;
-        self.square += s_weighted * s;
+        self.energy += s_weighted * s;
     }
 
     /// Both channels together; `sign` is that of s in them.
-    pub(super) fn joined(a: &[Self; 2], sign: f32) -> Self {
-        Self { cross: sign * (a[0].cross + a[1].cross), square: a[0].square + a[1].square }
+    fn joined(a: &[Self; 2], sign: f32) -> Self {
+        Self { cross: sign * (a[0].cross + a[1].cross), energy: a[0].energy + a[1].energy }
     }
 
     /// The magnitude that explains most, within bounds.
     pub(super) fn best(&self, (low, high): (f32, f32)) -> f32 {
-        if self.square > 0.0 { bounded(self.cross / self.square, low, high) } else { 0.0 }
+        if self.energy > 0.0 { bounded(self.cross / self.energy, low, high) } else { 0.0 }
     }
 
-    /// How much of the energy a magnitude explains.
+    /// How much a magnitude takes from the residual sum of squares.
     pub(super) fn explained(&self, magnitude: f32) -> f32 {
-        magnitude * (2.0 * self.cross - magnitude * self.square)
+        magnitude * (2.0 * self.cross - magnitude * self.energy)
     }
 }
 
@@ -119,10 +127,10 @@ struct Clogged {
     past_lagged: Past,
     past_lost: Past,
     energy: f32,
-    gain: Match,
+    gain: Correlator,
 }
 
-/// Two thermistors that stand for each other.
+/// Two thermistors that are exchanged.
 #[derive(Clone, Copy, Debug, Default)]
 struct Swapped {
     past: [Past; 2],
@@ -139,26 +147,26 @@ pub(super) struct Bank {
     /// sum z^2 of either channel.
     energy: [f32; 2],
     /// A constant from the onset on, a ramp, in either channel.
-    pub(super) offset: [Match; 2],
-    pub(super) ramp: [Match; 2],
+    offset: [Correlator; 2],
+    ramp: [Correlator; 2],
     /// The answer to the power since the onset, and the same with what a change of air flow does to T2's heat loss.
-    pub(super) power: Match,
-    pub(super) flow: Match,
+    power: Correlator,
+    flow: Correlator,
     /// A heater that gives the same power whatever is asked for: energy with the asked power taken away, and the answer
     /// to 1 %.
-    pub(super) constant_energy: f32,
-    pub(super) constant: Match,
-    unit: Simulation<NA, NB>,
-    unit_far: Simulation<HA, HB>,
+    constant_energy: f32,
+    constant: Correlator,
+    unit_y1: Simulation<NA, NB>,
+    unit_y2: Simulation<HA, HB>,
     past_unit: [Past; 2],
     clogged: [Clogged; LAGS.len()],
     /// sum (z - f)^2 for a sensor that stays where it was a tick before the onset, and the sums for where it stays besides:
     /// that tick had noise.
     stuck_energy: [f32; 2],
     stuck_at: [f32; 2],
-    pub(super) stuck_level: [Match; 2],
+    stuck_level: [Correlator; 2],
     /// The share of the rise that T2 has lost.
-    pub(super) t2_out: Match,
+    t2_out: Correlator,
     past_out: Past,
     swapped: [Swapped; SWAPPED.len()],
     y1: Simulation<NA, NB>,
@@ -167,8 +175,8 @@ pub(super) struct Bank {
     past_offset: [Past; 2],
     past_ramp: [Past; 2],
     past_y: [Past; 2],
-    sooner: f32,
-    past_sooner: Past,
+    advance: f32,
+    past_advance: Past,
     past_loss: Past,
     past_stuck: [Past; 2],
 }
@@ -178,13 +186,13 @@ impl Filters {
         Self { poles: LAGS.map(|lag| if lag > 0.0 { libm::expf(-sample_time / lag) } else { 0.0 }) }
     }
 
-    /// Takes in a tick.
+    /// One tick.
     #[inline(never)]
-    pub(super) fn step(&self, bank: &mut Bank, now: &Moment) {
+    pub(super) fn step(&self, bank: &mut Bank, now: &BankInput) {
         let mut constant = [0.0; 2];
         for m in 0..2 {
             bank.energy[m] += now.weight * now.z[m] * now.z[m];
-            let whitener = &now.normal[m].whitener;
+            let whitener = &now.noise[m].whitener;
             constant[m] = whitener.step(&mut bank.past_offset[m], 1.0);
             bank.offset[m].add(now.z[m], constant[m], now.weight);
             let age = (bank.ago + bank.age) as f32;
@@ -198,43 +206,44 @@ impl Filters {
     }
 
     /// Heater power and air flow. With the flow at f times normal, the gain goes with 1/f, and so do the heat lost
-    /// between T1 and T2 and, nearly, all times: the answer comes sooner by `ln f` of the residence time, which is
+    /// between T1 and T2 and, nearly, all times: the answer comes earlier by `ln f` of the residence time, which is
     /// taken for one lag. The magnitude is `1 - 1/f` for the flow, the relative change for the power.
-    fn process(&self, bank: &mut Bank, now: &Moment) {
-        let [w1, w2] = [&now.normal[0].whitener, &now.normal[1].whitener];
-        let on = (bank.age as usize).saturating_add(now.lead);
+    fn process(&self, bank: &mut Bank, now: &BankInput) {
+        let [w1, w2] = [&now.noise[0].whitener, &now.noise[1].whitener];
+        let on = (bank.age as usize).saturating_add(now.dead_ticks);
         for (i, (u, &power)) in bank.y1.u.iter_mut().zip(now.power).enumerate() {
             *u = if i < on { power } else { 0.0 };
         }
-        let y1 = now.models.heat.output(&bank.y1);
+        let y1 = now.models.heater_to_t1.output(&bank.y1);
         shift(&mut bank.y1.y, y1);
-        let y2 = now.models.along.step(&mut bank.y2, y1);
-        bank.sooner +=
-            now.brisk.share * (now.brisk.ticks * (now.expected[0] - now.expected_before) - bank.sooner);
-        let at_t2 = now.models.along.step(&mut bank.loss, now.brisk.loss * now.expected[0] + bank.sooner);
+        let y2 = now.models.t1_to_t2.simulate(&mut bank.y2, y1);
+        let moved = now.expected[0] - now.expected_before;
+        now.response.lag.follow(&mut bank.advance, now.response.advance * moved);
+        let at_t2 =
+            now.models.t1_to_t2.simulate(&mut bank.loss, now.response.loss * now.expected[0] + bank.advance);
         let [s1, s2] = [w1.step(&mut bank.past_y[0], y1), w2.step(&mut bank.past_y[1], y2)];
-        let sooner = w1.step(&mut bank.past_sooner, bank.sooner);
+        let advance = w1.step(&mut bank.past_advance, bank.advance);
         let at_t2 = w2.step(&mut bank.past_loss, at_t2);
         bank.power.add(now.z[0], s1, now.weight);
         bank.power.add(now.z[1], s2, now.weight);
-        for (i, u) in bank.unit.u.iter_mut().enumerate() {
+        for (i, u) in bank.unit_y1.u.iter_mut().enumerate() {
             *u = if i < on { 1.0 } else { 0.0 };
         }
-        let unit = now.models.heat.output(&bank.unit);
-        shift(&mut bank.unit.y, unit);
-        let unit_far = now.models.along.step(&mut bank.unit_far, unit);
-        let [c1, c2] = [w1.step(&mut bank.past_unit[0], unit), w2.step(&mut bank.past_unit[1], unit_far)];
+        let unit_y1 = now.models.heater_to_t1.output(&bank.unit_y1);
+        shift(&mut bank.unit_y1.y, unit_y1);
+        let unit_y2 = now.models.t1_to_t2.simulate(&mut bank.unit_y2, unit_y1);
+        let [c1, c2] = [w1.step(&mut bank.past_unit[0], unit_y1), w2.step(&mut bank.past_unit[1], unit_y2)];
         for (z, c) in [(now.z[0] + s1, c1), (now.z[1] + s2, c2)] {
             bank.constant_energy += now.weight * z * z;
             bank.constant.add(z, c, now.weight);
         }
-        bank.flow.add(now.z[0], sooner - s1, now.weight);
+        bank.flow.add(now.z[0], advance - s1, now.weight);
         bank.flow.add(now.z[1], at_t2 - s2, now.weight);
     }
 
     /// T1 behind an extra lag: `y1 = gain * lag(expected)`, from where it was at the onset.
-    fn clogged(&self, bank: &mut Bank, now: &Moment) {
-        let whitener = &now.normal[0].whitener;
+    fn clogged(&self, bank: &mut Bank, now: &BankInput) {
+        let whitener = &now.noise[0].whitener;
         for (clogged, &pole) in bank.clogged.iter_mut().zip(&self.poles) {
             if bank.age == 0 {
                 clogged.lagged = now.expected_before;
@@ -250,21 +259,21 @@ impl Filters {
     }
 
     /// A sensor that stays about where it was a tick before the onset; `constant` is the signature of an offset.
-    fn stuck(&self, bank: &mut Bank, now: &Moment, constant: [f32; 2]) {
+    fn stuck(&self, bank: &mut Bank, now: &BankInput, constant: [f32; 2]) {
         if bank.age == 0 {
             bank.stuck_at = now.measured_before;
         }
         for m in 0..2 {
             let gap = bank.stuck_at[m] - now.expected[m];
-            let z = now.z[m] - now.normal[m].whitener.step(&mut bank.past_stuck[m], gap);
+            let z = now.z[m] - now.noise[m].whitener.step(&mut bank.past_stuck[m], gap);
             bank.stuck_energy[m] += now.weight * z * z;
             bank.stuck_level[m].add(z, constant[m], now.weight);
         }
     }
 
-    /// A T2 that is out of the tube, and thermistors that stand for each other.
-    fn misplaced(&self, bank: &mut Bank, now: &Moment) {
-        let [w1, w2] = [&now.normal[0].whitener, &now.normal[1].whitener];
+    /// A T2 that is out of the tube, and thermistors that are exchanged.
+    fn misplaced(&self, bank: &mut Bank, now: &BankInput) {
+        let [w1, w2] = [&now.noise[0].whitener, &now.noise[1].whitener];
         let [y1, y2] = now.expected;
         bank.t2_out.add(now.z[1], w2.step(&mut bank.past_out, -y2), now.weight);
         for (swapped, [row1, row2]) in bank.swapped.iter_mut().zip(&SWAPPED) {
@@ -294,22 +303,50 @@ impl Bank {
         self.energy[0] + self.energy[1]
     }
 
-    /// What a T1 (0) or T2 (1) that stays where it was leaves unexplained.
-    pub(super) fn stuck(&self, m: usize) -> f32 {
+    /// For a signature the residual sum of squares that its fixed part leaves, and the correlator of its scaled part; `bounds` are those
+    /// of its magnitude.
+    #[inline(always)]
+    pub(super) fn statistics(&self, signature: Signature, bounds: (f32, f32)) -> (f32, Correlator) {
+        let all = self.energy();
+        let none = Correlator::default();
+        match signature {
+            Signature::T1Offset => (all, self.offset[0]),
+            Signature::T2Offset => (all, self.offset[1]),
+            Signature::T0Offset => (all, Correlator::joined(&self.offset, -1.0)),
+            Signature::AirFlow => (all, self.flow),
+            Signature::Power => (all, self.power),
+            Signature::ConstantPower => (self.constant_energy, self.constant),
+            Signature::T1Clogged => self.clogged(bounds),
+            Signature::T1Stuck => (self.stuck(0), none),
+            Signature::T2Stuck => (self.stuck(1), none),
+            Signature::T1StuckNearby => (self.stuck(0), self.stuck_level[0]),
+            Signature::T2StuckNearby => (self.stuck(1), self.stuck_level[1]),
+            Signature::T0Drift => (all, Correlator::joined(&self.ramp, -1.0)),
+            Signature::T1Drift => (all, self.ramp[0]),
+            Signature::T2Drift => (all, self.ramp[1]),
+            Signature::T2Detached => (all, self.t2_out),
+            Signature::SwappedT1T2 => (self.swapped[0].energy, none),
+            Signature::SwappedT0T1 => (self.swapped[1].energy, none),
+            Signature::SwappedT0T2 => (self.swapped[2].energy, none),
+        }
+    }
+
+    /// Correlator of a change of the heater's power.
+    pub(super) fn power(&self) -> &Correlator {
+        &self.power
+    }
+
+    /// What a T1 (0) or T2 (1) that stays where it was leaves.
+    fn stuck(&self, m: usize) -> f32 {
         self.stuck_energy[m] + self.energy[1 - m]
     }
 
-    /// What swapped wires leave unexplained, in the order of [`SWAPPED`].
-    pub(super) fn swapped(&self) -> [f32; SWAPPED.len()] {
-        self.swapped.map(|swapped| swapped.energy)
-    }
-
-    /// The energy before, and the sums for, the loss of T1's gain with the lag that fits best.
-    pub(super) fn clogged(&self, bounds: (f32, f32)) -> (f32, Match) {
-        let left = |c: &Clogged| c.energy - c.gain.explained(c.gain.best(bounds));
+    /// The same for the loss of T1's gain, with the lag that fits best.
+    fn clogged(&self, bounds: (f32, f32)) -> (f32, Correlator) {
+        let rss = |c: &Clogged| c.energy - c.gain.explained(c.gain.best(bounds));
         let mut best = &self.clogged[0];
         for clogged in &self.clogged[1..] {
-            if left(clogged) < left(best) {
+            if rss(clogged) < rss(best) {
                 best = clogged;
             }
         }

@@ -1,15 +1,17 @@
-//! Page's cumulative sum test, two-sided: quick on a lasting shift of a whitened residual, blind to less than its slack.
+//! Page's cumulative sum test, two-sided: quick on a lasting shift of a whitened residual, blind to less than its allowance.
 
 use crate::bounds::{bounded, larger};
 
-/// A validated chart: `g <- max(0, g +- z - slack)` on either side, alarm above `limit`.
+/// A validated chart: `g <- max(0, g +- z - k)` on either side, alarm above h.
 ///
 /// Mean time between false alarms of one side, in samples of white Gaussian noise (Siegmund 1985):
-/// `(exp(2 k (h + 1.166)) - 1 - 2 k (h + 1.166)) / (2 k^2)` with slack k and limit h.
+/// `(exp(2 k (h + 1.166)) - 1 - 2 k (h + 1.166)) / (2 k^2)` with allowance k and decision interval h.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chart {
-    pub(super) slack: f32,
-    pub(super) limit: f32,
+    /// Allowance k: lasting shifts of less are ignored, standard deviations.
+    pub(super) allowance: f32,
+    /// Decision interval h, standard deviations.
+    pub(super) interval: f32,
 }
 
 /// Both sums.
@@ -19,17 +21,17 @@ pub(super) struct Sums {
     down: f32,
 }
 
-/// A sum stops growing at so many limits, so that it comes back soon after a long fault.
+/// A sum stops growing at so many decision intervals, so that it comes back soon after a long fault.
 const CEILING: f32 = 2.5;
 
 impl Chart {
-    /// Takes in z; `extra` widens the slack where the model is known to be weak. Gives the larger sum.
+    /// The larger sum, with z in it; `extra` widens the allowance where the model may be wrong.
     #[inline(never)]
     pub(super) fn step(&self, sums: &mut Sums, z: f32, extra: f32) -> f32 {
-        let slack = self.slack + extra;
-        let ceiling = CEILING * self.limit;
-        sums.up = bounded(sums.up + z - slack, 0.0, ceiling);
-        sums.down = bounded(sums.down - z - slack, 0.0, ceiling);
+        let allowance = self.allowance + extra;
+        let ceiling = CEILING * self.interval;
+        sums.up = bounded(sums.up + z - allowance, 0.0, ceiling);
+        sums.down = bounded(sums.down - z - allowance, 0.0, ceiling);
         larger(sums.up, sums.down)
     }
 }
@@ -48,14 +50,14 @@ mod tests {
         sum
     }
 
-    /// One side with slack 0.5 and limit 4: 335 samples in the mean (Siegmund's formula 337, tables 336); both: half.
+    /// One side with k = 0.5 and h = 4: 335 samples in the mean (Siegmund's formula 337, tables 336); both: half.
     #[test]
     fn false_alarms_are_as_rare_as_the_formula_says() {
-        let chart = Chart { slack: 0.5, limit: 4.0 };
+        let chart = Chart { allowance: 0.5, interval: 4.0 };
         let (mut seed, runs, mut samples) = (7, 4000, 0u32);
         for _ in 0..runs {
             let mut sums = Sums::default();
-            while chart.step(&mut sums, noise(&mut seed), 0.0) <= chart.limit {
+            while chart.step(&mut sums, noise(&mut seed), 0.0) <= chart.interval {
                 samples += 1;
             }
         }
@@ -63,12 +65,31 @@ mod tests {
         assert!((150.0..186.0).contains(&mean), "{mean} samples between false alarms, seed 7");
     }
 
+    /// Page's own definition: either sum is how far the random walk of z - k has risen above its lowest point so far.
     #[test]
-    fn extra_slack_ignores_what_it_covers() {
-        let chart = Chart { slack: 1.5, limit: 7.0 };
+    fn a_sum_is_the_rise_above_the_lowest_point() {
+        let chart = Chart { allowance: 0.5, interval: 100.0 };
+        let (mut seed, mut sums) = (3, Sums::default());
+        let mut walks = [[0.0f64; 2]; 2]; // where it is, and its lowest
+        for k in 0..2000 {
+            let z = noise(&mut seed) + if k > 1900 { 1.0 } else { 0.0 };
+            for (walk, z) in walks.iter_mut().zip([z, -z]) {
+                walk[0] += f64::from(z) - 0.5;
+                walk[1] = walk[1].min(walk[0]);
+            }
+            let [up, down] = walks.map(|[now, lowest]| now - lowest);
+            let larger = f64::from(chart.step(&mut sums, z, 0.0));
+            assert!((larger - up.max(down)).abs() < 1e-3, "{larger} at {k}: {up} {down}");
+        }
+        assert!(sums.up > 20.0, "the shift is seen");
+    }
+
+    #[test]
+    fn extra_allowance_ignores_what_it_covers() {
+        let chart = Chart { allowance: 1.5, interval: 7.0 };
         let mut sums = Sums::default();
         assert!((0..1000).all(|_| chart.step(&mut sums, 3.0, 2.0) == 0.0));
-        assert!((0..10).map(|_| chart.step(&mut sums, 3.0, 0.0)).any(|sum| sum > chart.limit));
+        assert!((0..10).map(|_| chart.step(&mut sums, 3.0, 0.0)).any(|sum| sum > chart.interval));
         assert_eq!(chart.step(&mut sums, f32::NAN, 0.0), 0.0, "no number starts it afresh");
     }
 }

@@ -11,8 +11,9 @@
 //! | | | stays much warmer than T1 | T1 is half out of the tube |
 //! | silent, warmest | | | T0 reads wrong |
 
-use super::response::{Answer, Response, ResponseState};
-use super::verdict::{Channel, FaultClass, Finding, Pair};
+use super::class::{Channel, FaultClass, Pair};
+use super::impulse::{Answer, ImpulseResponse, ImpulseResponseState};
+use super::verdict::Finding;
 use crate::bounds::{larger, smaller};
 
 /// A response that is so many standard deviations large is one.
@@ -59,7 +60,7 @@ enum Judgement {
 /// The memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Contradiction {
-    response: ResponseState,
+    response: ImpulseResponseState,
     was_heating: bool,
     /// Ticks since heating ended; saturates.
     cold: u32,
@@ -75,7 +76,7 @@ impl Contradiction {
     /// Takes in the readings of T0, T1, T2 where there are any, and the power applied from now on, %.
     pub(super) fn step(
         &mut self,
-        response: &Response,
+        response: &ImpulseResponse,
         tick: u32,
         heating: bool,
         readings: [Option<f32>; 3],

@@ -1,27 +1,33 @@
 //! Models of the rig, fitted in fault-free operation by least squares without forgetting, then frozen.
 
-use super::model::{Model, Simulation, shift};
 use super::verdict::RejectReason;
 use crate::error::ConfigError;
-use crate::identify::observer::IdentificationConfig;
-use crate::identify::rls::{Adaptation, Rls, RlsConfig, RlsState};
+use crate::identify::config::{Adaptation, IdentificationConfig, RlsConfig};
+use crate::identify::rls::{Rls, RlsState};
+use crate::identify::simulation::Simulation;
 use crate::identify::transfer::Transfer;
+use crate::vector::shift;
 
-/// Orders of power -> y1: enough for dead times up to five ticks, and for the noise, which shares the denominator.
+/// Orders of power -> y1: six taps hold dead times up to five ticks, and the noise shares the denominator. Chosen on the reference rig
+/// (docs/diagnosis.md, section 1).
 pub(super) const NA: usize = 3;
 pub(super) const NB: usize = 6;
 const N: usize = NA + NB;
-/// Orders of y1 -> y2, which has no delay of a tick.
+/// Orders of y1 -> y2, which has no delay of a tick: chosen on the reference rig, too.
 pub(super) const HA: usize = 2;
 pub(super) const HB: usize = 4;
 const HN: usize = HA + HB;
+
+/// A change of the power is visible in T1 once its step response has reached this share of the static gain: more than noise
+/// makes of the taps that belong to the dead time. Tuned on the reference rig.
+const VISIBLE: f32 = 0.12;
 
 /// power -> y1 and y1 -> y2. In series they make power -> y2, better than a direct fit would: T2 is slow, and a direct
 /// fit takes slow disturbance for slow dynamics.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Models {
-    pub(super) heat: Model<NA, NB>,
-    pub(super) along: Model<HA, HB>,
+    pub(super) heater_to_t1: Transfer<NA, NB>,
+    pub(super) t1_to_t2: Transfer<HA, HB>,
 }
 
 /// The models at work.
@@ -32,7 +38,7 @@ pub(super) struct Simulations {
     /// y2 from the simulated y1.
     pub(super) y2: Simulation<HA, HB>,
     /// y2 from the measured y1.
-    pub(super) along: Simulation<HA, HB>,
+    pub(super) y2_of_y1: Simulation<HA, HB>,
 }
 
 /// The estimator of both models; the second uses the first [`HN`] of its parameters.
@@ -47,8 +53,8 @@ pub(super) struct Fit {
 /// Its memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FitState {
-    heat: RlsState<N>,
-    along: RlsState<N>,
+    heater_to_t1: RlsState<N>,
+    t1_to_t2: RlsState<N>,
     /// Samples in a row that were valid.
     whole: usize,
     /// Measured values where a simulation has its own: the regressors, and the state that simulations begin in.
@@ -65,10 +71,10 @@ impl Fit {
 
     pub(super) fn start(&self) -> FitState {
         let none = self.rls.start();
-        FitState { heat: none, along: none, whole: 0, past: Simulations::default() }
+        FitState { heater_to_t1: none, t1_to_t2: none, whole: 0, past: Simulations::default() }
     }
 
-    /// Takes in one sample: rises in degC, `None` where invalid, and the power in % applied from now on.
+    /// One sample: rises in degC, `None` where invalid, and the power in % applied from now on.
     pub(super) fn step(&self, s: &mut FitState, y: [Option<f32>; 2], u: f32) {
         let past = &mut s.past;
         let [y1, y2] = [y[0].unwrap_or(past.y1.y[0]), y[1].unwrap_or(past.y2.y[0])];
@@ -77,34 +83,34 @@ impl Fit {
         s.whole = if usable { s.whole.saturating_add(1) } else { 0 };
         if complete {
             let phi = regressor(&past.y1, self.inv_y_scale, self.inv_u_scale);
-            self.rls.step_first(N, &mut s.heat, &phi, y1 * self.inv_y_scale);
+            self.rls.step_first(N, &mut s.heater_to_t1, &phi, y1 * self.inv_y_scale);
         }
         shift(&mut past.y1.y, y1);
         shift(&mut past.y1.u, u);
         shift(&mut past.y2.u, y1); // its newest input is of this tick
         if complete {
             let phi = regressor(&past.y2, self.inv_y_scale, self.inv_y_scale);
-            self.rls.step_first(HN, &mut s.along, &phi, y2 * self.inv_y_scale);
+            self.rls.step_first(HN, &mut s.t1_to_t2, &phi, y2 * self.inv_y_scale);
         }
         shift(&mut past.y2.y, y2);
-        past.along = past.y2;
+        past.y2_of_y1 = past.y2;
     }
 
     /// The models, and simulations that go on from the last sample; or why they can't be used.
     pub(super) fn finish(&self, s: &FitState) -> Result<(Models, Simulations), RejectReason> {
-        let heat = model(&s.heat.theta, self.y_scale * self.inv_u_scale);
-        let along = model(&s.along.theta, 1.0);
-        if !(is_stable(heat.a) && is_stable([along.a[0], along.a[1], 0.0])) {
+        let heater_to_t1 = model(&s.heater_to_t1.theta, self.y_scale * self.inv_u_scale, 1);
+        let t1_to_t2 = model(&s.t1_to_t2.theta, 1.0, 0);
+        if !(heater_to_t1.is_stable() && t1_to_t2.is_stable()) {
             return Err(RejectReason::Unstable);
         }
         let sound = |gain: f32| gain > 0.0 && gain.is_finite();
-        if !(sound(heat.gain()) && sound(along.gain())) {
+        if !(sound(heater_to_t1.gain()) && sound(t1_to_t2.gain())) {
             return Err(RejectReason::Gain);
         }
         let mut simulations = s.past;
-        let next = heat.output(&simulations.y1);
+        let next = heater_to_t1.output(&simulations.y1);
         shift(&mut simulations.y1.y, next);
-        Ok((Models { heat, along }, simulations))
+        Ok((Models { heater_to_t1, t1_to_t2 }, simulations))
     }
 }
 
@@ -121,29 +127,25 @@ fn regressor<const A: usize, const B: usize>(
 }
 
 /// The model in the order of a regressor; `scale` brings the coefficients of the input to units.
-fn model<const A: usize, const B: usize>(theta: &[f32; N], scale: f32) -> Model<A, B> {
+fn model<const A: usize, const B: usize>(theta: &[f32; N], scale: f32, nk: usize) -> Transfer<A, B> {
     const { assert!(A + B <= N) };
-    Model { a: core::array::from_fn(|i| theta[i]), b: core::array::from_fn(|i| theta[A + i] * scale) }
-}
-
-fn is_stable(a: [f32; NA]) -> bool {
-    Transfer { a, b: [0.0; 3], nk: 1 }.is_stable()
+    Transfer { a: core::array::from_fn(|i| theta[i]), b: core::array::from_fn(|i| theta[A + i] * scale), nk }
 }
 
 impl Models {
     /// The next tick: what y1 and y2 should be now from the power alone, and y2 from the measured y1, degC.
     pub(super) fn step(&self, s: &mut Simulations, y1_measured: f32, u: f32) -> [f32; 3] {
         let y1 = s.y1.y[0];
-        let y2 = self.along.step(&mut s.y2, y1);
-        let along = self.along.step(&mut s.along, y1_measured);
-        self.heat.step(&mut s.y1, u);
-        [y1, y2, along]
+        let y2 = self.t1_to_t2.simulate(&mut s.y2, y1);
+        let y2_of_y1 = self.t1_to_t2.simulate(&mut s.y2_of_y1, y1_measured);
+        self.heater_to_t1.simulate(&mut s.y1, u);
+        [y1, y2, y2_of_y1]
     }
 
     /// Ticks from a change of the power to the first sample that clearly shows it.
-    pub(super) fn lead(&self) -> usize {
-        let visible = 0.12 * self.heat.gain();
+    pub(super) fn dead_ticks(&self) -> usize {
+        let visible = VISIBLE * self.heater_to_t1.gain();
         let mut unit = Simulation::default();
-        (1..NB).find(|_| self.heat.step(&mut unit, 1.0) >= visible).unwrap_or(NB)
+        (1..NB).find(|_| self.heater_to_t1.simulate(&mut unit, 1.0) >= visible).unwrap_or(NB)
     }
 }

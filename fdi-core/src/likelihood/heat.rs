@@ -1,25 +1,30 @@
-//! What control and supervision need to know of the heat, every tick and whatever the bank makes of the residuals: a stand-in
-//! for T1, the air flow, whether the rig heats unasked, and who sees only a part of the rise. Rises are those over the room
-//! that is believed (`room.rs`): a wrong T0 neither causes nor prevents anything here.
+//! Measured rises held against those that the models expect, every tick and whatever the bank makes of the residuals: a virtual T1, the
+//! air flow, heat without power, and who sees only a part of the rise. Rises are those over the ambient that is believed (`ambient.rs`): a
+//! wrong T0 neither causes nor prevents anything here.
 
-use super::verdict::{Channel, FaultClass, Finding, Magnitude};
+use super::alarm::ModelAlarm;
+use super::class::{Channel, FaultClass};
+use super::verdict::{Finding, Magnitude};
 use crate::bounds::{larger, smaller};
+use crate::filter::LowPass;
 
-/// Memory of the correction of the stand-in, s.
-const STAND_IN_TIME: f32 = 2.0;
+// Tuned on seeds 1 to 99999 and on the hazards of the campaign's runaway cells (docs/diagnosis.md, sections 8 and 9; docs/safety.md). In degC and
+// s, they suit rigs that rise by 10 degC and more and answer within some seconds.
+/// Time constant with which T2 corrects the virtual T1, s.
+const CORRECTION_TIME: f32 = 2.0;
 /// T2 and the models may disagree by so much about T1: degC, and share of the rise. Beyond it one of them is wrong, too, and
 /// nothing is left to regulate by.
 const MAX_CORRECTION: f32 = 3.0;
 const MAX_CORRECTION_SHARE: f32 = 0.2;
-/// The heater is stuck on when a thermistor is so much hotter than expected, and hardly any rise is expected, degC: for so
-/// long while heating, s. With the heater off the fan may be off as well: there it must be so for longer, without cooling.
+/// The heater is stuck on when a thermistor is so much hotter than expected, while no more than so much rise is expected, degC: for so
+/// long while heating, s. With the heater off the fan may be off as well: there it must be so for longer, without cooling by so much, degC.
 const TOO_HOT: f32 = 4.0;
-const HARDLY_WARM: f32 = 1.5;
+const NO_RISE_EXPECTED: f32 = 1.5;
 const TOO_HOT_TIME: f32 = 2.0;
 const TOO_HOT_TIME_OFF: f32 = 20.0;
 const COOLING: f32 = 0.3;
-/// Memory of the rises that the air flow is judged by, s, and the smallest rise that says anything, degC.
-const FLOW_TIME: f32 = 2.0;
+/// Memory of the rises, s, and the smallest rise that says anything of the air flow, degC.
+const RISE_TIME: f32 = 2.0;
 const FLOW_MIN_RISE: f32 = 2.0;
 /// A thermistor that sees less than this share of the rise is out of the tube where the other sees all of it, give or take
 /// this share of what the one lacks, and the rise is one, degC; what nothing else explains is so from a smaller loss on.
@@ -29,15 +34,15 @@ const ATTACHED: f32 = 0.25;
 const DETACHED_MIN_RISE: f32 = 4.0;
 /// A stuck T1 shows less than this share of the motion from tick to tick that is expected.
 const STUCK_SHARE: f32 = 0.2;
-/// That is told only so long after the onset, in memories of the rises.
+/// It is asked for only so long after the onset, in memories of the rises.
 const STUCK_TIME: f32 = 2.5;
 
-/// Ts and the shares of the memories that are renewed in a tick.
+/// Ts in s, and the memories.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Heat {
     sample_time: f32,
-    stand_in: f32,
-    flow: f32,
+    correction: LowPass,
+    rises: LowPass,
 }
 
 /// A rise, measured and expected by the models, degC.
@@ -67,23 +72,23 @@ pub(super) struct HeatState {
 
 impl Heat {
     pub(super) fn new(sample_time: f32) -> Self {
-        let share = |time: f32| (sample_time / time).min(1.0);
-        Self { sample_time, stand_in: share(STAND_IN_TIME), flow: share(FLOW_TIME) }
+        let over = |time| LowPass::euler(time, sample_time);
+        Self { sample_time, correction: over(CORRECTION_TIME), rises: over(RISE_TIME) }
     }
 
-    /// Takes in the rises of T1 and T2 where known.
+    /// One tick: the rises of T1 and T2 where known.
     pub(super) fn step(&self, s: &mut HeatState, now: [Option<Rise>; 2], heating: bool) {
         for (mean, now) in s.rises.iter_mut().zip(now) {
             if let Some(now) = now {
-                mean.measured += self.flow * (now.measured - mean.measured);
-                mean.expected += self.flow * (now.expected - mean.expected);
+                self.rises.follow(&mut mean.measured, now.measured);
+                self.rises.follow(&mut mean.expected, now.expected);
             }
         }
         if let [Some(t1), _] = now {
             let before = core::mem::replace(&mut s.before, t1);
             let moved = t1.expected - before.expected;
-            s.shared_motion += self.flow * (moved * (t1.measured - before.measured) - s.shared_motion);
-            s.motion += self.flow * (moved * moved - s.motion);
+            self.rises.follow(&mut s.shared_motion, moved * (t1.measured - before.measured));
+            self.rises.follow(&mut s.motion, moved * moved);
         }
         self.watch_heater(s, now, heating);
     }
@@ -94,7 +99,8 @@ impl Heat {
             s.too_hot = 0.0; // the fan has just come on
         }
         s.was_heating = heating;
-        let unasked = |rise: &Rise| rise.expected < HARDLY_WARM && rise.measured - rise.expected > TOO_HOT;
+        let unasked =
+            |rise: &Rise| rise.expected < NO_RISE_EXPECTED && rise.measured - rise.expected > TOO_HOT;
         // All that read anything: a T1 that stands still while the rig cools is no heater.
         let known = || now.iter().flatten();
         if known().count() == 0 || !known().all(unasked) {
@@ -112,23 +118,23 @@ impl Heat {
         s.stuck_on |= s.too_hot >= if heating { TOO_HOT_TIME } else { TOO_HOT_TIME_OFF };
     }
 
-    /// What the bank says, held against the levels: what slips out slowly fits none of its signatures, and looks stuck
+    /// What the bank says, held against the rises: what slips out slowly fits none of its signatures, and looks stuck
     /// while the controller holds it.
-    pub(super) fn review(&self, s: &HeatState, told: Finding, tick: u32) -> Option<Finding> {
-        let settled = tick.saturating_sub(told.onset) as f32 * self.flow > STUCK_TIME;
-        let share = match told.class {
-            FaultClass::Drift => DETACHED_SHARE,
-            FaultClass::Unknown => UNEXPLAINED_SHARE,
-            FaultClass::Stuck(Channel::T1) if settled && s.t1_moves() => UNEXPLAINED_SHARE,
-            _ => return Some(told),
+    pub(super) fn review(&self, s: &HeatState, finding: Finding, tick: u32) -> ModelAlarm {
+        let settled = tick.saturating_sub(finding.onset) as f32 * self.rises.share() > STUCK_TIME;
+        let moves = settled && s.t1_moves();
+        let (share, otherwise) = match finding.class {
+            FaultClass::Drift => (DETACHED_SHARE, ModelAlarm::Named(finding)),
+            FaultClass::Unknown => (UNEXPLAINED_SHARE, ModelAlarm::Named(finding)),
+            FaultClass::Stuck(Channel::T1) if moves => (UNEXPLAINED_SHARE, ModelAlarm::Unnamed),
+            _ => return ModelAlarm::Named(finding),
         };
-        let still = told.class != FaultClass::Stuck(Channel::T1);
-        s.detached(share, told.onset).or(still.then_some(told))
+        s.detached(share, finding.onset).map_or(otherwise, ModelAlarm::Named)
     }
 
-    /// Takes in what T2 reads above what the power lets expect, degC; `along` is the share of T1's rise that reaches T2.
-    pub(super) fn correct(&self, s: &mut HeatState, e2: f32, along: f32) {
-        s.correction += self.stand_in * (e2 / along - s.correction);
+    /// `e2` is what T2 reads above what the power lets expect, degC; `gain` the share of T1's rise that reaches T2.
+    pub(super) fn correct(&self, s: &mut HeatState, e2: f32, gain: f32) {
+        self.correction.follow(&mut s.correction, e2 / gain);
     }
 }
 
@@ -150,7 +156,7 @@ impl HeatState {
     }
 
     /// T1's rise by T2 and the models, where the models alone expect `expected`, degC; None where the two disagree.
-    pub(super) fn stand_in(&self, expected: f32) -> Option<f32> {
+    pub(super) fn virtual_t1(&self, expected: f32) -> Option<f32> {
         let limit = MAX_CORRECTION + MAX_CORRECTION_SHARE * expected.abs();
         (self.correction.abs() <= limit).then_some(expected + self.correction)
     }
@@ -188,8 +194,8 @@ impl HeatState {
         Some(Finding { class, confidence: 1.0, magnitude: Some(magnitude), onset })
     }
 
-    /// By how much T1 and T2 differ from what they should differ by, degC.
-    pub(super) fn apart(&self) -> f32 {
+    /// How far the difference of T1 and T2 is from what it should be, degC.
+    pub(super) fn contradiction(&self) -> f32 {
         let [t1, t2] = &self.rises;
         ((t2.measured - t1.measured) - (t2.expected - t1.expected)).abs()
     }
@@ -225,6 +231,53 @@ mod tests {
             heat.step(&mut s, [Some(rise); 2], heating);
             s.heater_stuck_on()
         })
+    }
+
+    /// Both rises by the definition of the flow: it goes with the inverse of the static gain. The larger of the two is reported.
+    #[test]
+    fn the_air_flow_is_what_the_static_gain_says() {
+        let (heat, mut s) = (Heat::new(TS), HeatState::new(20.0));
+        let at = |measured| Some(Rise { measured, expected: 20.0 });
+        for _ in 0..400 {
+            heat.step(&mut s, [at(25.0), at(16.0)], true);
+        }
+        assert!(s.air_flow().is_some_and(|flow| (flow - 125.0).abs() < 0.1), "{:?}", s.air_flow());
+        for _ in 0..400 {
+            heat.step(&mut s, [Some(Rise { measured: 1.0, expected: 1.0 }); 2], true);
+        }
+        assert_eq!(s.air_flow(), None, "too cold to tell");
+    }
+
+    /// T2 shows what the models do not know of T1; where they are too far apart, neither is believed.
+    #[test]
+    fn the_virtual_t1_is_corrected_by_t2_up_to_a_limit() {
+        let (heat, mut s) = (Heat::new(TS), HeatState::new(20.0));
+        assert_eq!(s.virtual_t1(20.0), Some(20.0));
+        for _ in 0..400 {
+            heat.correct(&mut s, 0.9, 0.9);
+        }
+        assert!(s.virtual_t1(20.0).is_some_and(|t1| (t1 - 21.0).abs() < 1e-3));
+        for _ in 0..400 {
+            heat.correct(&mut s, 7.2, 0.9);
+        }
+        assert_eq!(s.virtual_t1(20.0), None, "8 degC, and 3 and a fifth of 20 are 7");
+    }
+
+    /// Whoever sees only a part of a rise that the other sees is out of the tube; a loss that both see is none of a thermistor.
+    #[test]
+    fn who_lacks_the_rise_is_detached() {
+        let reviewed = |t1: f32, t2: f32| {
+            let (heat, mut s) = (Heat::new(TS), HeatState::new(20.0));
+            for _ in 0..400 {
+                let at = |measured| Some(Rise { measured, expected: 20.0 });
+                heat.step(&mut s, [at(t1), at(t2)], true);
+            }
+            let unknown = Finding { class: FaultClass::Unknown, confidence: 0.0, magnitude: None, onset: 0 };
+            heat.review(&s, unknown, 400).finding().map(|finding| finding.class)
+        };
+        assert_eq!(reviewed(8.0, 20.0), Some(FaultClass::T1Detached));
+        assert_eq!(reviewed(20.0, 8.0), Some(FaultClass::T2Detached));
+        assert_eq!(reviewed(12.0, 12.0), Some(FaultClass::Unknown));
     }
 
     #[test]

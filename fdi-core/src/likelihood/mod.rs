@@ -15,40 +15,46 @@ mod alarm;
 mod ambient;
 mod bank;
 mod chart;
-mod config;
+pub mod class;
+pub mod config;
 mod contradiction;
 mod fit;
 mod heat;
 mod hypothesis;
-mod model;
+mod impulse;
+mod levels;
+mod model_error;
 mod noise;
-mod response;
+mod ranking;
 mod sensors;
 mod training;
 pub mod verdict;
 mod watch;
-mod weakness;
 mod whitening;
 
-use crate::config::Config;
 use crate::control::Tick;
 use crate::error::ConfigError;
+use crate::filter::LowPass;
+use crate::identify::config::IdentificationConfig;
 use crate::sense::{Reading, Validity};
+use crate::settings::check;
 use crate::supervisor::Mode;
-use alarm::Rules;
+use crate::units::Seconds;
+use alarm::{ModelAlarm, Rules};
 use ambient::{Ambient, AmbientState};
 use bank::Filters;
 use chart::Chart;
-pub use config::LikelihoodConfig;
+pub use class::{Channel, FaultClass, Pair};
+use config::LikelihoodConfig;
 use contradiction::Contradiction;
 use fit::Fit;
 use heat::Heat;
-use response::Response;
+use impulse::ImpulseResponse;
+use model_error::ModelError;
 use sensors::Sensors;
 use training::{Trainer, Training};
-pub use verdict::{Channel, FaultClass, Finding, LikelihoodReport, Magnitude, Pair, Readiness, RejectReason};
+pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
 use watch::{Watch, WatchState};
-use weakness::Weakness;
 
 /// The validated likelihood diagnosis.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +62,7 @@ pub struct Likelihood {
     trainer: Trainer,
     watch: Watch,
     ambient: Ambient,
-    response: Response,
+    response: ImpulseResponse,
 }
 
 /// The memory of the [`Likelihood`] diagnosis.
@@ -67,8 +73,8 @@ pub struct LikelihoodState {
     trained: Option<WatchState>,
     /// It belongs to the last learning, so that faults may be told by it.
     current: bool,
-    /// What the models said last: the alarm, and what it is.
-    told: Option<Option<Finding>>,
+    /// What the models reported last.
+    reported: ModelAlarm,
     sensors: Sensors,
     ambient: AmbientState,
     contradiction: Contradiction,
@@ -81,7 +87,7 @@ pub struct LikelihoodState {
 struct Now<'a> {
     tick: &'a Tick,
     heating: bool,
-    /// Rises of T1 and T2 over T0, and over the room that is believed, where known, degC.
+    /// Rises of T1 and T2 over T0, and over the ambient that is believed, where known, degC.
     y: [Option<f32>; 2],
     believed: [Option<f32>; 2],
     /// What drives the heater from now on, %.
@@ -94,35 +100,38 @@ impl Likelihood {
     /// Builds the diagnosis.
     ///
     /// # Errors
-    /// The parameter of `likelihood` that is out of bounds.
-    pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        let c = &config.likelihood;
-        c.validate()?;
-        let ts = config.sample_time;
+    /// The parameter of `likelihood` or `identification` that is out of bounds.
+    pub fn new(
+        c: &LikelihoodConfig,
+        identification: &IdentificationConfig,
+        sample_time: Seconds,
+    ) -> Result<Self, ConfigError> {
+        check(LikelihoodConfig::SETTINGS[0], c)?;
+        let ts = sample_time;
         let rules = Rules { margin: c.margin, power_margin: c.power_margin, sample_time: ts.0 };
         Ok(Self {
             trainer: Trainer {
-                fit: Fit::new(&config.identification)?,
+                fit: Fit::new(identification)?,
                 fit_samples: c.fit_time.ticks(ts),
                 check_samples: c.check_time.ticks(ts),
             },
             watch: Watch {
-                fast: Chart { slack: c.fast_slack, limit: c.fast_limit },
-                slow: Chart { slack: c.slow_slack, limit: c.slow_limit },
-                weakness: Weakness::new(c.model_uncertainty, ts.0),
+                fast: Chart { allowance: c.fast_slack, interval: c.fast_limit },
+                slow: Chart { allowance: c.slow_slack, interval: c.slow_limit },
+                model_error: ModelError::new(c.model_uncertainty, ts.0),
                 filters: Filters::new(ts.0),
                 heat: Heat::new(ts.0),
                 rules,
-                mean_share: (ts.0 / c.mean_time.0).min(1.0),
+                mean: LowPass::euler(c.mean_time.0, ts.0),
                 tolerated_sag: c.tolerated_sag,
                 sample_time: ts.0,
             },
             ambient: Ambient::new(ts.0),
-            response: Response::new(ts.0),
+            response: ImpulseResponse::new(ts.0),
         })
     }
 
-    /// Diagnoses one tick: `y` are the rises of T1 and T2 over the room in degC where valid, `applied` is what drives
+    /// Diagnoses one tick: `y` are the rises of T1 and T2 over T0 in degC where valid, `applied` is what drives
     /// the heater from this tick to the next, %. `undisturbed` says that the paper's signatures see no fault.
     pub fn step(
         &self,
@@ -145,12 +154,12 @@ impl Likelihood {
         self.train(state, &now, t0, undisturbed);
         let by_sensors = state.sensors.step(&tick.sample, tick.index);
         let without_models = contradiction.or(state.ambient.finding());
-        let finding = preferred(by_sensors, by_models.flatten(), without_models);
+        let finding = preferred(by_sensors, by_models.finding(), without_models);
         LikelihoodReport {
             readiness: state.readiness(),
-            alarm: by_models.is_some() || by_sensors.is_some() || without_models.is_some(),
+            alarm: by_models != ModelAlarm::Quiet || by_sensors.is_some() || without_models.is_some(),
             finding,
-            ..self.heat(state, &now, finding)
+            ..self.heat(state, &now)
         }
     }
 
@@ -199,37 +208,36 @@ impl Likelihood {
         }
     }
 
-    /// An alarm of the models, with what it is where that is known.
-    fn watch(&self, state: &mut LikelihoodState, now: &Now) -> Option<Option<Finding>> {
-        let trained = state.trained.as_mut()?;
+    /// What the models say.
+    fn watch(&self, state: &mut LikelihoodState, now: &Now) -> ModelAlarm {
+        let Some(trained) = state.trained.as_mut() else { return ModelAlarm::Quiet };
         if state.current && now.tick.mode == Mode::Monitor {
             let t0 = now.tick.sample.t0.good();
-            state.told = self.watch.step(trained, now.tick.index, now.y, t0, now.believed, now.u);
-            return state.told;
+            state.reported = self.watch.step(trained, now.tick.index, now.y, t0, now.believed, now.u);
+            return state.reported;
         }
         self.watch.idle(trained, now.y[0], now.believed, now.u, now.heating);
-        // What is found afterwards is only how the rig cools: what was told before a trip is what can be said of it.
-        state.told = state.told.filter(|_| matches!(now.tick.mode, Mode::Tripped(_)));
-        state.told
+        // What is found afterwards is only how the rig cools: what was reported before a trip is what can be said of it.
+        if !matches!(now.tick.mode, Mode::Tripped(_)) {
+            state.reported = ModelAlarm::Quiet;
+        }
+        state.reported
     }
 
-    /// What control and supervision need to know.
-    fn heat(&self, state: &LikelihoodState, now: &Now, finding: Option<Finding>) -> LikelihoodReport {
+    /// The facts that control and supervision act on.
+    fn heat(&self, state: &LikelihoodState, now: &Now) -> LikelihoodReport {
         let ambient = state.ambient.believed();
         let Some(trained) = &state.trained else {
             return LikelihoodReport { expected: [ambient, None, None], ..LikelihoodReport::default() };
         };
         let [y1, y2] = trained.expected().map(|rise| ambient.map(|ambient| ambient + rise));
         let monitoring = state.current && now.tick.mode == Mode::Monitor;
-        // It is the rise over T0 that is stood in for.
-        let can_stand_in =
-            monitoring && now.y[1].is_some() && state.ambient.is_followed(now.tick.sample.t0.good());
-        // A heater that gives more than it is asked for looks like too little air.
-        let by_heater = finding.is_some_and(|f| f.class == FaultClass::HeaterPower);
+        // The virtual T1 is a rise over T0.
+        let known = monitoring && now.y[1].is_some() && state.ambient.is_followed(now.tick.sample.t0.good());
         LikelihoodReport {
             expected: [ambient, y1, y2],
-            stand_in: if can_stand_in { trained.stand_in() } else { None },
-            air_flow: if now.heating && !by_heater { trained.heat().air_flow() } else { None },
+            virtual_rise: if known { trained.virtual_t1() } else { None },
+            air_flow: if now.heating { trained.heat().air_flow() } else { None },
             heater_stuck_on: trained.heat().heater_stuck_on(),
             ..LikelihoodReport::default()
         }
@@ -242,7 +250,7 @@ fn read(reading: Reading) -> Option<f32> {
     (!unread).then_some(reading.celsius.0)
 }
 
-/// Which finding is told. A broken wire needs no second opinion; the models see more than a contradiction does, which in turn
+/// Which finding is reported. A broken wire needs no second opinion; the models see more than a contradiction does, which in turn
 /// says more than that a thermistor is lost, or that nothing fits.
 fn preferred(
     by_sensors: Option<Finding>,

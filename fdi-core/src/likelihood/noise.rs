@@ -1,13 +1,14 @@
 //! What is normal for one residual: mean, noise model, slow disturbance; learnt after the models are frozen.
 
-use super::model::shift;
 use super::verdict::RejectReason;
 use super::whitening::{ORDER, Whitener};
+use crate::filter::LowPass;
 use crate::root::sqrt;
+use crate::vector::shift;
 
 /// What is normal for one residual.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Normal {
+pub(super) struct NoiseModel {
     /// Mean, degC.
     pub(super) mean: f32,
     /// Standard deviation, degC.
@@ -20,7 +21,7 @@ pub(super) struct Normal {
 
 /// Sums over one residual and the output that it belongs to.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Gather {
+pub(super) struct ResidualStatistics {
     count: f32,
     sum: f32,
     /// Sums of e\[k\] e\[k-i\], i from 0, over pairs.
@@ -33,13 +34,14 @@ pub(super) struct Gather {
     departure_squares: f32,
 }
 
-/// Forgetting of the mean over 20 samples.
-const SLOW: f32 = 1.0 / 20.0;
-/// The largest share of an output's variance that a model may leave unexplained.
+/// A mean over 20 samples: slower than what the noise model of order 3 knows of, faster than the means that follow (`mean_time`).
+const SLOW: LowPass = LowPass::over(20.0);
+/// The largest share of an output's variance that a model may leave unexplained. Tuned: one training of the prototype
+/// in 200 had not converged, and led to a wrong name (docs/diagnosis.md, sections 2 and 14).
 const MAX_UNEXPLAINED: f32 = 0.6;
 
-impl Gather {
-    /// Takes in a residual and the output that it belongs to, degC.
+impl ResidualStatistics {
+    /// One residual and the output that it belongs to, degC.
     #[inline(never)]
     pub(super) fn push(&mut self, e: f32, y: f32) {
         if self.count == 0.0 {
@@ -48,7 +50,7 @@ impl Gather {
         let departure = y - self.first;
         self.departure += departure;
         self.departure_squares += departure * departure;
-        self.slow += SLOW * (e - self.slow);
+        SLOW.follow(&mut self.slow, e);
         self.slow_squares += self.slow * self.slow;
         self.count += 1.0;
         self.sum += e;
@@ -65,7 +67,7 @@ impl Gather {
     }
 
     /// What is normal, or why it can't be trusted.
-    pub(super) fn finish(&self) -> Result<Normal, RejectReason> {
+    pub(super) fn finish(&self) -> Result<NoiseModel, RejectReason> {
         let n = self.count.max(1.0);
         let mean = self.sum / n;
         let r = self.products.map(|product| product / n - mean * mean);
@@ -76,6 +78,6 @@ impl Gather {
         }
         let whitener = Whitener::from_autocovariance(&r).ok_or(RejectReason::PoorFit)?;
         let slow_sd = sqrt(self.slow_squares / n - mean * mean);
-        Ok(Normal { mean, sd: sqrt(r[0]), slow_sd, whitener })
+        Ok(NoiseModel { mean, sd: sqrt(r[0]), slow_sd, whitener })
     }
 }

@@ -1,6 +1,7 @@
 //! Sensors that the plausibility checks have given up: named at once, no model needed.
 
-use super::verdict::{Channel, FaultClass, Finding};
+use super::class::{Channel, FaultClass};
+use super::verdict::Finding;
 use crate::sense::{Sample, Validity};
 
 /// So many ticks in a row without a usable sample, and the sensor counts as lost; fewer are noise on the line.

@@ -1,7 +1,7 @@
 //! Training: fit the models, freeze them, learn what is normal for their residuals; a gate at either end.
 
 use super::fit::{Fit, FitState, Models, Simulations};
-use super::noise::{Gather, Normal};
+use super::noise::{NoiseModel, ResidualStatistics};
 use super::verdict::RejectReason;
 
 /// How far training has come.
@@ -21,8 +21,8 @@ pub(super) enum Training {
         models: Models,
         /// Their simulations.
         simulations: Simulations,
-        /// Of y1, y2, and y2 from y1.
-        gather: [Gather; 3],
+        /// Of the residuals of y1, y2, and y2 from y1.
+        statistics: [ResidualStatistics; 3],
         /// Samples used.
         count: u32,
     },
@@ -33,7 +33,7 @@ pub(super) enum Training {
 pub(super) struct Trained {
     pub(super) models: Models,
     pub(super) simulations: Simulations,
-    pub(super) normal: [Normal; 3],
+    pub(super) noise: [NoiseModel; 3],
     pub(super) rise: f32,
 }
 
@@ -50,7 +50,7 @@ impl Trainer {
         Training::Fitting { fit: self.fit.start(), count: 0 }
     }
 
-    /// Takes in one sample; `fit_to_learn` says whether it is one of undisturbed operation. Only whole ones count.
+    /// One sample; `fit_to_learn` says whether it is one of undisturbed operation. Only whole ones count.
     ///
     /// # Errors
     /// Why what was learnt can't be trusted.
@@ -69,27 +69,27 @@ impl Trainer {
                 if *count >= self.fit_samples {
                     let (models, simulations) = self.fit.finish(fit)?;
                     *training =
-                        Training::Checking { models, simulations, gather: Default::default(), count: 0 };
+                        Training::Checking { models, simulations, statistics: Default::default(), count: 0 };
                 }
                 Ok(None)
             }
-            Training::Checking { models, simulations, gather, count } => {
+            Training::Checking { models, simulations, statistics, count } => {
                 let y1 = y[0].unwrap_or(simulations.y1.y[0]);
-                let [expected_1, expected_2, along] = models.step(simulations, y1, u);
+                let [y1_expected, y2_expected, y2_of_y1] = models.step(simulations, y1, u);
                 if let [Some(y1), Some(y2)] = y {
                     *count += 1;
-                    gather[0].push(y1 - expected_1, y1);
-                    gather[1].push(y2 - expected_2, y2);
-                    gather[2].push(y2 - along, y2);
+                    statistics[0].push(y1 - y1_expected, y1);
+                    statistics[1].push(y2 - y2_expected, y2);
+                    statistics[2].push(y2 - y2_of_y1, y2);
                 }
                 if *count < self.check_samples {
                     return Ok(None);
                 }
-                let [of_y1, of_y2, of_along] = gather;
+                let [of_y1, of_y2, of_y2_of_y1] = statistics;
                 Ok(Some(Trained {
                     models: *models,
                     simulations: *simulations,
-                    normal: [of_y1.finish()?, of_y2.finish()?, of_along.finish()?],
+                    noise: [of_y1.finish()?, of_y2.finish()?, of_y2_of_y1.finish()?],
                     rise: of_y1.level(),
                 }))
             }

@@ -1,12 +1,18 @@
 //! Whitening: what is left of a residual when that which follows from its own past is taken away, in units of its
 //! standard deviation. On it, run lengths of sequential tests are what the formulas say.
 
-use super::model::{dot, shift};
 use crate::bounds::bounded;
 use crate::root::sqrt;
+use crate::vector::{dot, shift};
 
-/// Order of the autoregressive noise model.
+/// Order of the autoregressive noise model. Chosen on the reference rig (docs/diagnosis.md, section 3).
 pub(super) const ORDER: usize = 3;
+
+/// White noise that is added to the autocovariance, as a factor on its variance: a residual that its past explains wholly has no innovation
+/// to judge by.
+const RIDGE: f32 = 1.0001;
+/// The smallest standard deviation of an innovation, degC: far below one step of the converter, so it is rounding.
+const MIN_SIGMA: f32 = 1e-6;
 
 /// Autoregressive model of a residual in fault-free operation.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,7 +51,7 @@ impl Whitener {
     /// From autocovariances at lags 0 to 3 by the Levinson recursion; `None` where they are those of no process.
     pub(super) fn from_autocovariance(r: &[f32; ORDER + 1]) -> Option<Self> {
         let mut c = [0.0; ORDER];
-        let mut variance = r[0] * 1.0001;
+        let mut variance = r[0] * RIDGE;
         for m in 0..ORDER {
             if !(variance > 0.0 && variance.is_finite()) {
                 return None;
@@ -64,10 +70,10 @@ impl Whitener {
         }
         let sigma = sqrt(variance);
         let rest = 1.0 - c.iter().sum::<f32>();
-        (sigma > 1e-6).then(|| Self { c, sigma, inv_sigma: 1.0 / sigma, rest })
+        (sigma > MIN_SIGMA).then(|| Self { c, sigma, inv_sigma: 1.0 / sigma, rest })
     }
 
-    /// Takes in a residual; gives its innovation in standard deviations.
+    /// The innovation of a residual, in standard deviations.
     #[inline(never)]
     pub(super) fn step(&self, past: &mut Past, e: f32) -> f32 {
         let w = e - self.expected(past);

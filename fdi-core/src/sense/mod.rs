@@ -4,11 +4,10 @@ mod logarithm;
 pub mod plausibility;
 pub mod thermistor;
 
-use crate::config::Config;
 use crate::error::ConfigError;
-use crate::units::{AdcCode, Celsius};
-use plausibility::{Channel, ChannelState};
-use thermistor::Thermistor;
+use crate::units::{AdcCode, Celsius, Seconds};
+use plausibility::{Channel, ChannelState, PlausibilityConfig};
+use thermistor::{Thermistor, ThermistorConfig};
 
 /// One conversion result of each thermistor. NaN stands for "no sample".
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -82,6 +81,22 @@ impl Sample {
     }
 }
 
+/// Settings of the three thermistors.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+pub struct SensorsConfig {
+    /// Room.
+    pub t0: ThermistorConfig,
+    /// Outlet, in the loop.
+    pub t1: ThermistorConfig,
+    /// Outlet, downstream.
+    pub t2: ThermistorConfig,
+}
+
 /// The three sensing channels, validated.
 #[derive(Clone, Copy, Debug)]
 pub struct Sensing {
@@ -103,15 +118,18 @@ impl Sensing {
     ///
     /// # Errors
     /// The first parameter of `sensors` or `plausibility` that is out of bounds.
-    pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        let p = &config.plausibility;
-        p.validate()?;
-        let air = p.stuck_time.ticks(config.sample_time);
-        let ambient = p.ambient_stuck_time.ticks(config.sample_time);
+    pub fn new(
+        sensors: &SensorsConfig,
+        limits: &PlausibilityConfig,
+        sample_time: Seconds,
+    ) -> Result<Self, ConfigError> {
+        limits.validate()?;
+        let air = limits.stuck_time.ticks(sample_time);
+        let ambient = limits.ambient_stuck_time.ticks(sample_time);
         Ok(Self {
-            t0: Channel::new(Thermistor::new(&config.sensors.t0, 0)?, p, ambient),
-            t1: Channel::new(Thermistor::new(&config.sensors.t1, 1)?, p, air),
-            t2: Channel::new(Thermistor::new(&config.sensors.t2, 2)?, p, air),
+            t0: Channel::new(Thermistor::new(&sensors.t0, 0)?, limits, ambient),
+            t1: Channel::new(Thermistor::new(&sensors.t1, 1)?, limits, air),
+            t2: Channel::new(Thermistor::new(&sensors.t2, 2)?, limits, air),
         })
     }
 

@@ -6,67 +6,37 @@
 use super::thermistor::Thermistor;
 use super::{Reading, Validity};
 use crate::bounds::first_raised;
-use crate::error::{ConfigError, above, in_ranges};
+use crate::error::{ConfigError, above};
+use crate::settings::{check, settings};
 use crate::units::{AdcCode, Celsius, Seconds};
 
-/// Limits that every channel shares.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PlausibilityConfig {
-    /// A code at or above this is an open thermistor or wire.
-    pub open_code: AdcCode,
-    /// A code at or below this is a shorted thermistor or wire.
-    pub short_code: AdcCode,
-    /// Lowest temperature that the rig can have.
-    pub min: Celsius,
-    /// Highest temperature that the rig can have.
-    pub max: Celsius,
-    /// A change in one tick larger than this, not foretold by the trend either, is a jump.
-    pub jump: Celsius,
-    /// T1 or T2 without any change for so long, while the heater is excited, is stuck.
-    pub stuck_time: Seconds,
-    /// The same for the room sensor, which has every right to be quiet.
-    pub ambient_stuck_time: Seconds,
-    /// Codes this close count as no change.
-    pub stuck_band: AdcCode,
-}
-
-impl Default for PlausibilityConfig {
-    fn default() -> Self {
-        Self {
-            open_code: AdcCode(4055.0),
-            short_code: AdcCode(40.0),
-            min: Celsius(-20.0),
-            max: Celsius(110.0),
-            jump: Celsius(4.0),
-            stuck_time: Seconds(3.0),
-            ambient_stuck_time: Seconds(600.0),
-            stuck_band: AdcCode(0.25),
-        }
+settings! {
+    /// Plausibility: what a thermistor can truly read. What fails is held out of control and diagnosis; T1 failing also trips.
+    pub struct PlausibilityConfig: Plausibility "plausibility." {
+        /// A code at or above this is an open thermistor or wire.
+        open_code: AdcCode = 4055.0, 3000.0..=4094.0;
+        /// A code at or below this is a shorted thermistor or wire.
+        short_code: AdcCode = 40.0, 1.0..=1000.0;
+        /// Lowest temperature that the rig can have.
+        min: Celsius = -20.0, -50.0..=50.0;
+        /// Highest temperature that the rig can have.
+        max: Celsius = 110.0, -50.0..=250.0;
+        /// A change in one tick larger than this, not foretold by the trend either, is a jump: withheld for one tick.
+        jump: Celsius = 4.0, 0.1..=200.0;
+        /// T1 or T2 without any change for so long, while the heater is excited, is stuck.
+        stuck_time: Seconds = 3.0, 0.5..=3600.0;
+        /// The same for the room sensor, which has every right to be quiet.
+        ambient_stuck_time: Seconds = 600.0, 0.5..=86400.0, was "plausibility.room_stuck_time";
+        /// Codes this close count as no change.
+        stuck_band: AdcCode = 0.25, 0.0..=10.0;
     }
 }
 
 impl PlausibilityConfig {
     /// Checks every limit.
-    pub(crate) fn validate(&self) -> Result<(), ConfigError> {
-        in_ranges! {
-            "plausibility.short_code": self.short_code.0, 1.0, 1000.0;
-            "plausibility.open_code": self.open_code.0, 3000.0, 4094.0;
-            "plausibility.min": self.min.0, -50.0, 50.0;
-            "plausibility.max": self.max.0, -50.0, 250.0;
-        }?;
-        above("plausibility.max", self.max.0, "plausibility.min", self.min.0)?;
-        in_ranges! {
-            "plausibility.jump": self.jump.0, 0.1, 200.0;
-            "plausibility.stuck_time": self.stuck_time.0, 0.5, 3600.0;
-            "plausibility.ambient_stuck_time": self.ambient_stuck_time.0, 0.5, 86400.0;
-            "plausibility.stuck_band": self.stuck_band.0, 0.0, 10.0;
-        }
+    pub(super) fn validate(&self) -> Result<(), ConfigError> {
+        check(Self::SETTINGS[0], self)?;
+        above("plausibility.max", self.max.0, "plausibility.min", self.min.0)
     }
 }
 

@@ -9,7 +9,8 @@
 //! ```
 
 use super::logarithm::ln;
-use crate::error::{ConfigError, all_in_range};
+use crate::error::ConfigError;
+use crate::settings::{check, settings};
 use crate::units::{AdcCode, Celsius, Ohm};
 
 /// 0 degC in kelvin.
@@ -17,50 +18,22 @@ const KELVIN: f32 = 273.15;
 /// Reference temperature of an NTC data sheet, 25 degC, in kelvin.
 const T25: f32 = 298.15;
 
-/// Constants and calibration of one thermistor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ThermistorConfig {
-    /// Resistance at 25 degC.
-    pub r25: Ohm,
-    /// Beta constant in kelvin.
-    pub beta: f32,
-    /// Pull-up from VDDA to the ADC input.
-    pub pull_up: Ohm,
-    /// Calibration: factor on the temperature.
-    pub gain: f32,
-    /// Calibration: added to the temperature after `gain`.
-    pub offset: Celsius,
-}
-
-impl Default for ThermistorConfig {
-    fn default() -> Self {
-        Self { r25: Ohm(10e3), beta: 3950.0, pull_up: Ohm(10e3), gain: 1.0, offset: Celsius(0.0) }
+settings! {
+    /// Thermistor: an NTC from the ADC input to ground, pull-up from VDDA to the input. T0 is in the room, T1 at the outlet in the
+    /// loop, T2 at the outlet downstream.
+    pub struct ThermistorConfig: T0 "sensors.t0.", T1 "sensors.t1.", T2 "sensors.t2." {
+        /// Resistance at 25 degC.
+        r25: Ohm = 10e3, 10.0..=10e6;
+        /// Beta constant.
+        beta: f32 = 3950.0, 500.0..=10e3, in "K";
+        /// Pull-up from VDDA to the ADC input.
+        pull_up: Ohm = 10e3, 10.0..=10e6;
+        /// Calibration: factor on the temperature.
+        gain: f32 = 1.0, 0.5..=2.0;
+        /// Calibration: added to the temperature after `gain`.
+        offset: Celsius = 0.0, -20.0..=20.0;
     }
 }
-
-/// Names of the parameters of one channel, with their bounds.
-type Bounds = [(&'static str, f32, f32); 5];
-
-macro_rules! bounds {
-    ($channel:literal) => {
-        [
-            (concat!("sensors.", $channel, ".r25"), 10.0, 10e6),
-            (concat!("sensors.", $channel, ".beta"), 500.0, 10e3),
-            (concat!("sensors.", $channel, ".pull_up"), 10.0, 10e6),
-            (concat!("sensors.", $channel, ".gain"), 0.5, 2.0),
-            (concat!("sensors.", $channel, ".offset"), -20.0, 20.0),
-        ]
-    };
-}
-
-/// For T0, T1, T2.
-const BOUNDS: [Bounds; 3] = [bounds!("t0"), bounds!("t1"), bounds!("t2")];
 
 /// A thermistor ready to convert.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +53,7 @@ impl Thermistor {
     /// # Errors
     /// The parameter that is out of bounds.
     pub fn new(c: &ThermistorConfig, channel: usize) -> Result<Self, ConfigError> {
-        all_in_range(&BOUNDS[channel.min(2)], &[c.r25.0, c.beta, c.pull_up.0, c.gain, c.offset.0])?;
+        check(ThermistorConfig::SETTINGS[channel.min(2)], c)?;
         Ok(Self {
             inv_t_at_half_scale: 1.0 / T25 + libm::logf(c.pull_up.0 / c.r25.0) / c.beta,
             inv_beta: 1.0 / c.beta,

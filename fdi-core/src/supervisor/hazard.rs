@@ -24,10 +24,10 @@ impl Supervisor {
     /// By what the thermistors say, each by itself.
     fn sensor_hazard(&self, lost_too_long: bool, now: &Situation) -> Option<TripReason> {
         let (t1, t2) = (now.sample.t1, now.sample.t2);
-        if now.regulated.is_stand_in {
+        if now.regulated.is_virtual {
             return match now.regulated.value {
                 None if lost_too_long => Some(TripReason::T1Lost),
-                Some(stand_in) if stand_in > self.config.over_temperature => {
+                Some(virtual_t1) if virtual_t1 > self.config.over_temperature => {
                     Some(TripReason::T1OverTemperature)
                 }
                 _ if self.is_hot(t2) => Some(TripReason::T2OverTemperature),
@@ -57,8 +57,13 @@ impl Supervisor {
         let (power, normal) = (state.power, &state.normal);
         let response = self.response.step(&mut state.response, now, power, normal);
         let disagreement = self.disagreement.step(&mut state.disagreement, now, power, normal);
-        let no_air = now.feedback.air_flow.is_some_and(|flow| flow < self.config.min_air_flow);
-        if no_air { Some(TripReason::AirFlowLost) } else { disagreement.or(response) }
+        // A heater that gives more than it is asked for looks like too little air.
+        let air_flow = now.feedback.air_flow.filter(|_| !now.feedback.heater_faulty);
+        if air_flow.is_some_and(|flow| flow < self.config.min_air_flow) {
+            Some(TripReason::AirFlowLost)
+        } else {
+            disagreement.or(response)
+        }
     }
 
     /// The record of a trip. Out of line: it is long, and made once.

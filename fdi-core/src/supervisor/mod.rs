@@ -13,7 +13,7 @@
 //! With a restored baseline (see `restored`), settling ends in Monitor, without Learn and without its clock.
 //! A trip latches with its reason and the values seen, and is left only by an acknowledgement after its cause has gone.
 
-mod config;
+pub mod config;
 mod disagreement;
 mod hazard;
 mod mode;
@@ -21,16 +21,15 @@ mod normal;
 mod response;
 mod unasked;
 
-pub use config::SupervisorConfig;
 pub use mode::{Blocker, Command, Mode, Refusal, Trip, TripReason};
 
 use crate::bounds::smaller;
-use crate::config::Config;
 use crate::diagnosis::baseline::Baseline;
 use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::sense::{RawSample, Sample};
 use crate::units::{Celsius, Percent, Seconds};
+use config::SupervisorConfig;
 use disagreement::{Disagreement, DisagreementState};
 use normal::Normal;
 use response::{Response, ResponseState};
@@ -69,10 +68,10 @@ pub struct Situation<'a> {
 /// The temperature that is regulated, where there is one that may be used.
 #[derive(Clone, Copy, Debug)]
 pub struct Regulated {
-    /// T1, or what stands in for it.
+    /// T1, or the virtual T1.
     pub value: Option<Celsius>,
-    /// It is a stand-in: T1 is known to be wrong.
-    pub is_stand_in: bool,
+    /// It is the virtual T1: T1 itself is known to be wrong.
+    pub is_virtual: bool,
 }
 
 /// What the supervisor decided for this tick, besides the mode.
@@ -127,21 +126,20 @@ pub struct SupervisorState {
 }
 
 impl Supervisor {
-    /// Builds the supervisor.
+    /// Builds the supervisor; `output_max` is the power that the controller can ask for.
     ///
     /// # Errors
     /// The parameter that is out of bounds.
-    pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        SupervisorConfig::validate(config)?;
-        let c = config.supervisor;
-        let ts = config.sample_time;
+    pub fn new(c: &SupervisorConfig, output_max: Percent, sample_time: Seconds) -> Result<Self, ConfigError> {
+        c.validate(sample_time)?;
+        let ts = sample_time;
         let learn_start = c.learn_start.ticks(ts);
         Ok(Self {
-            config: c,
+            config: *c,
             sample_time: ts,
-            response: Response::new(&c, config.pid.output_max, ts),
-            disagreement: Disagreement::new(&c, ts),
-            unasked: Unasked::new(&c, ts),
+            response: Response::new(c, output_max, ts),
+            disagreement: Disagreement::new(c, ts),
+            unasked: Unasked::new(c, ts),
             learn_start,
             learn_samples: c.learn_end.ticks(ts).saturating_sub(learn_start),
             steady_ticks: c.regulation_time.ticks(ts),
@@ -156,7 +154,7 @@ impl Supervisor {
         self.config.min_excitation.0
     }
 
-    /// Whether a faulty T1 is stood in for.
+    /// Whether the virtual T1 is regulated where T1 is faulty.
     pub fn goes_on_without_t1(&self) -> bool {
         self.config.go_on_without_t1
     }

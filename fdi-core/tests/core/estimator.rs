@@ -1,7 +1,8 @@
 //! Does the estimator survive what kills textbook forms: millions of samples with little or no excitation?
 
 use fdi_core::identify::arx::Arx;
-use fdi_core::identify::rls::{Adaptation, RlsConfig};
+use fdi_core::identify::{Adaptation, IdentificationConfig};
+use fdi_core::{Celsius, Percent};
 
 use crate::reference::{InformationLeastSquares, TestNoise};
 
@@ -51,8 +52,15 @@ impl Outcome {
 
 /// Runs `samples` of a pattern, then excites again, beside the f64 reference.
 pub(crate) fn run(pattern: Pattern, lambda: f32, samples: u64) -> Outcome {
-    let config = RlsConfig { adaptation: Adaptation::Forgetting { lambda }, d_initial: 1e4, d_max: 1e5 };
-    let arx = Arx::<3, 3, 1, 6>::new(&config, SCALES.0 as f32, SCALES.1 as f32).expect("valid");
+    let config = IdentificationConfig {
+        adaptation: Adaptation::Forgetting { lambda },
+        d_initial: 1e4,
+        d_max: 1e5,
+        y_scale: Celsius(SCALES.0 as f32),
+        u_scale: Percent(SCALES.1 as f32),
+        ..IdentificationConfig::default()
+    };
+    let arx = Arx::<3, 3, 1, 6>::new(&config).expect("valid");
     let mut state = arx.start();
     let mut reference = InformationLeastSquares::new(6, f64::from(lambda), 1e-4);
     let mut plant = Plant::new();

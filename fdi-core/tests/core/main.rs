@@ -5,4 +5,5 @@ mod estimator;
 mod oracle;
 mod properties;
 mod reference;
+mod settings;
 mod supervision;

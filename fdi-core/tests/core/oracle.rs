@@ -4,8 +4,9 @@ use crate::reference::{InformationLeastSquares, PaperPid, TestNoise, beta_equati
 use fdi_core::control::pid::{Pid, PidConfig, PidState};
 use fdi_core::diagnosis::baseline::Statistics;
 use fdi_core::filter::{LowPass, LowPassState};
-use fdi_core::identify::rls::{Adaptation, Rls, RlsConfig};
+use fdi_core::identify::rls::Rls;
 use fdi_core::identify::transfer::Transfer;
+use fdi_core::identify::{Adaptation, RlsConfig};
 use fdi_core::{AdcCode, Celsius, Config, Instrument, RawSample, Seconds};
 
 const TS: f64 = 0.11;

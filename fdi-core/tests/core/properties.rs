@@ -1,6 +1,6 @@
 //! Whatever goes in: finite, in range, flagged; or refused with the parameter's name.
 
-use fdi_core::identify::rls::Adaptation;
+use fdi_core::identify::Adaptation;
 use fdi_core::{AdcCode, Command, Config, Instrument, Percent, RawSample, Report, Tick, Validity};
 use proptest::prelude::*;
 

@@ -226,9 +226,9 @@ fn text(from: &impl fmt::Display) -> Text {
 
 /// The lines of each setting that is not at its default.
 pub fn settings(config: &Config, mut write: impl FnMut(LogLine<'_>)) {
-    let (mut ours, mut usual) = (config.clone(), Config::default());
+    let usual = Config::default();
     for setting in Name::all(config) {
-        if !setting.same(&mut ours, &mut usual) {
+        if !setting.same(config, &usual) {
             let (name, value) = (text(&setting), text(&setting.value(config)));
             write(LogLine::Setting { name: &name, value: &value });
         }

@@ -7,7 +7,7 @@ use core::fmt;
 use fdi_core::diagnosis::Verdict;
 use fdi_core::diagnosis::signature::{Symptom, Symptoms};
 use fdi_core::identify::observer::Observation;
-use fdi_core::likelihood::{Channel, FaultClass, LikelihoodReport, Pair, Readiness, RejectReason};
+use fdi_core::likelihood::{LikelihoodReport, Readiness, RejectReason};
 use fdi_core::supervisor::Blocker;
 use fdi_core::{AdcCode, Mode, Percent, RawSample, Report, Validity};
 
@@ -266,36 +266,8 @@ fn likelihood(report: &LikelihoodReport) -> u32 {
         Readiness::Refused(RejectReason::Gain) => 4,
         Readiness::Refused(RejectReason::PoorFit) => 5,
     };
-    let class = report.finding.map_or(0, |finding| number(finding.class));
+    let class = report.finding.map_or(0, |finding| finding.class.number());
     readiness | u32::from(report.alarm) << 4 | class << 8
-}
-
-/// A number for a class; where it is a thermistor's, 16 more for T1 and 32 for T2.
-fn number(class: FaultClass) -> u32 {
-    let of = |channel: Channel| match channel {
-        Channel::T0 => 0,
-        Channel::T1 => 16,
-        Channel::T2 => 32,
-    };
-    match class {
-        FaultClass::T1Offset => 1,
-        FaultClass::T2Offset => 2,
-        FaultClass::T1Clogged => 3,
-        FaultClass::AirFlow => 4,
-        FaultClass::HeaterPower => 5,
-        FaultClass::T0Fault => 6,
-        FaultClass::Drift => 7,
-        FaultClass::Unknown => 8,
-        FaultClass::Stuck(channel) => 9 + of(channel),
-        FaultClass::Open(channel) => 10 + of(channel),
-        FaultClass::Short(channel) => 11 + of(channel),
-        FaultClass::Lost(channel) => 12 + of(channel),
-        FaultClass::T1Detached => 13,
-        FaultClass::T2Detached => 14,
-        FaultClass::Swapped(Pair::T1T2) => 15,
-        FaultClass::Swapped(Pair::T0T1) => 16,
-        FaultClass::Swapped(Pair::T0T2) => 17,
-    }
 }
 
 /// fdv and fiv of the filtered residuals, then of the raw ones, a byte each.

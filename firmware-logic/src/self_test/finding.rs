@@ -6,7 +6,6 @@ use fdi_core::likelihood::Channel;
 use fdi_core::{TripReason, Validity};
 
 use crate::decimal::Fixed;
-use crate::finding::name;
 
 /// Something found. Most of them fail the check; see [`Finding::is_note`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,33 +72,33 @@ impl fmt::Display for Finding {
             Self::Noisy(c, by) => write!(
                 f,
                 "{} moves by {} degC without heat, expected at most 3: look for a loose contact, shield its wires",
-                name(c),
+                c.name(),
                 Fixed(by, 1)
             ),
             Self::NotAtRest(c, by) => write!(
                 f,
                 "{} still changes by {} degC in 4 s after 2 minutes: let the rig cool with its fan on, `check` again",
-                name(c),
+                c.name(),
                 Fixed(by, 1)
             ),
             Self::FarOff(c, by) => write!(
                 f,
                 "{} reads {} degC from the middle one, expected at most 3: is the rig still warm, or is its r25, beta \
                  or pull-up wrong?",
-                name(c),
+                c.name(),
                 Fixed(by, 1)
             ),
             Self::Offset(c, by) => write!(
                 f,
                 "{} reads {} degC from the middle one, expected at most 0.3",
-                name(c),
+                c.name(),
                 Fixed(by, 2)
             ),
-            Self::Stuck(c) => write!(f, "{} stands still at one code: look at its wires and plug", name(c)),
+            Self::Stuck(c) => write!(f, "{} stands still at one code: look at its wires and plug", c.name()),
             Self::Silent(c) => write!(
                 f,
                 "{} does not answer the heater, another one does: it is out of the tube (detached), or stands still",
-                name(c)
+                c.name()
             ),
             Self::Swapped(Channel::T1, Channel::T2) => f.write_str(
                 "T1 and T2 are swapped, T2 answers first: exchange their plugs, or the air is blown backwards",
@@ -107,13 +106,13 @@ impl fmt::Display for Finding {
             Self::Swapped(a, b) => write!(
                 f,
                 "{} and {} are swapped, T0 answers the heater: exchange their plugs",
-                name(a),
-                name(b)
+                a.name(),
+                b.name()
             ),
             Self::TooHot(c, by) => write!(
                 f,
                 "{} rose by {} degC, expected at most 4.5: too strong a heater, or too little air",
-                name(c),
+                c.name(),
                 Fixed(by, 1)
             ),
             Self::Hazard(reason) => write!(f, "it would trip: {}", reason.words()),
@@ -172,7 +171,7 @@ fn broken(f: &mut fmt::Formatter<'_>, channel: Channel, validity: Validity) -> f
         Validity::Missing => "gives no code: the converter does not answer",
         _ => "jumps: look for a loose contact",
     };
-    write!(f, "{} {what}", name(channel))
+    write!(f, "{} {what}", channel.name())
 }
 
 /// How a check ended.

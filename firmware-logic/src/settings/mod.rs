@@ -1,7 +1,12 @@
 //! What a user changes without rebuilding: names and text, a record of bytes, and its place in flash.
 
+mod bits;
+mod error;
 pub mod listing;
 pub mod schema;
 pub mod store;
 pub mod stored;
 pub mod table;
+mod text;
+
+pub use error::{Expected, SetError};

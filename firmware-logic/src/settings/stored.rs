@@ -1,4 +1,4 @@
-//! What is kept in flash, as bytes: a version, the settings each with an id made from its name, the signature tables,
+//! What is kept in flash, as bytes: a version, the settings each with its id, the signature tables,
 //! the baseline, and a CRC over all of it.
 //!
 //! ```text
@@ -15,9 +15,9 @@ use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::signature::{Cell, Pattern, Rows, Signature, Symptom};
-use fdi_core::{Config, ConfigError};
+use fdi_core::{Config, ConfigError, Setting};
 
-use super::schema::ENTRIES;
+use super::bits;
 use super::table::Table;
 use crate::crc::crc32;
 use crate::explain::Explained;
@@ -87,14 +87,15 @@ impl Stored {
     /// [`StoredError::TooLong`].
     pub fn encode<'a>(&self, buffer: &'a mut [u8]) -> Result<&'a [u8], StoredError> {
         let mut out = Writer { buffer, length: 0 };
-        out.bytes(&[VERSION, ENTRIES.len() as u8])?;
-        let mut config = self.config.clone();
-        for entry in ENTRIES {
-            out.bytes(&entry.id().to_le_bytes())?;
-            entry.bits(&mut config).iter().try_for_each(|word| out.bytes(&word.to_le_bytes()))?;
+        let config = &self.config;
+        out.bytes(&[VERSION, Config::settings().count() as u8])?;
+        for setting in Config::settings() {
+            out.bytes(&setting.id.to_le_bytes())?;
+            let words = bits::bits(setting.kind, config.get(setting));
+            words.iter().try_for_each(|word| out.bytes(&word.to_le_bytes()))?;
         }
         for table in [Table::Detection, Table::Isolation] {
-            encode_rows(&mut out, table.rows(&config))?;
+            encode_rows(&mut out, table.rows(config))?;
         }
         out.bytes(&[u8::from(self.baseline.is_some())])?;
         if let Some(baseline) = &self.baseline {
@@ -128,8 +129,8 @@ impl Stored {
         for _ in 0..settings {
             let id = u16::from_le_bytes(input.take()?);
             let bits = [input.word()?, input.word()?];
-            if let Some(entry) = ENTRIES.iter().find(|entry| entry.id() == id) {
-                entry.set_bits(config, bits);
+            if let Some(setting) = Config::settings().find(|setting| setting.id == id) {
+                take_over(config, setting, bits)?;
             }
         }
         for table in [Table::Detection, Table::Isolation] {
@@ -141,6 +142,15 @@ impl Stored {
         check(&stored.config).map_err(StoredError::Invalid)?;
         Ok(stored)
     }
+}
+
+fn take_over(config: &mut Config, setting: &Setting, bits: [u32; 2]) -> Result<(), StoredError> {
+    if config.set(setting, bits::value(setting.kind, bits)) {
+        return Ok(());
+    }
+    let (name, value) = (setting.name, bits[0] as f32);
+    let (min, max) = setting.bounds().unwrap_or_default();
+    Err(StoredError::Invalid(ConfigError::OutOfRange { name, value, min, max }))
 }
 
 fn encode_rows(out: &mut Writer<'_>, rows: &Rows) -> Result<(), StoredError> {

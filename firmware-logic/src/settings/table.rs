@@ -3,7 +3,7 @@
 use fdi_core::Config;
 use fdi_core::diagnosis::signature::{Pattern, Rows, Signature};
 
-use super::schema::SetError;
+use super::error::{Expected, SetError};
 
 /// A table of signatures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,8 @@ pub(super) fn set_row<'a>(
         rows.remove(row);
         return Ok(());
     }
-    let wrong = SetError::Value { name, given: text, expected: "NUMBER and five of -1 0 +1 x, or none" };
+    let expected = Expected::Words("NUMBER and five of -1 0 +1 x, or none");
+    let wrong = SetError::Value { name, given: text, expected };
     let (number, pattern) = text.split_once(' ').ok_or(wrong)?;
     let number: u8 = number.parse().map_err(|_| wrong)?;
     let pattern: Pattern = pattern.parse().map_err(|error| SetError::Pattern { name, error })?;

@@ -4,8 +4,7 @@ use fdi_core::{Celsius, Config};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::definition::Expect;
-use super::heat::MayTrip;
+use super::definition::{Expect, MayTrip};
 use crate::experiment::scenario::Scenario;
 use pt326_rig::fault::Fault;
 

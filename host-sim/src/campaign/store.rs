@@ -10,6 +10,7 @@ use anyhow::{Context, bail, ensure};
 use fdi_core::Config;
 use serde::{Deserialize, Serialize};
 
+use super::cell::Cell;
 use super::definition::Campaign;
 use super::run::RunRow;
 
@@ -26,9 +27,10 @@ impl Shard {
     /// All of it.
     pub const WHOLE: Self = Self { part: 1, of: 1 };
 
-    /// Whether a run belongs to it.
-    pub fn holds(self, unit: usize) -> bool {
-        unit % self.of == self.part - 1
+    /// Its runs: cell and number in the cell.
+    pub fn runs(self, cells: &[Cell]) -> Vec<(usize, u64)> {
+        let all = cells.iter().enumerate().flat_map(|(i, cell)| (0..cell.runs).map(move |run| (i, run)));
+        all.skip(self.part - 1).step_by(self.of).collect()
     }
 
     /// Name of its results file.
@@ -62,6 +64,8 @@ pub struct Header {
     pub config: String,
     /// Hash of the program, since another one may come to other results.
     pub build: String,
+    /// Which part of the runs.
+    pub shard: Shard,
 }
 
 impl Header {
@@ -69,7 +73,7 @@ impl Header {
     ///
     /// # Errors
     /// The program can't be read.
-    pub fn new(campaign: &Campaign, config: &Config) -> anyhow::Result<Self> {
+    pub fn new(campaign: &Campaign, config: &Config, shard: Shard) -> anyhow::Result<Self> {
         let program = std::env::current_exe().and_then(std::fs::read).context("can't read this program")?;
         let hash = program
             .iter()
@@ -78,6 +82,7 @@ impl Header {
             campaign: toml::to_string(campaign)?,
             config: toml::to_string(config)?,
             build: format!("{hash:016x}"),
+            shard,
         })
     }
 
@@ -87,6 +92,8 @@ impl Header {
         same_text("campaign", &self.campaign, &other.campaign)?;
         same_text("configuration", &self.config, &other.config)?;
         ensure!(self.build == other.build, "they were made by another build of this program");
+        let (ours, theirs) = (self.shard.of, other.shard.of);
+        ensure!(ours == theirs, "theirs is one of {theirs} parts, this one of {ours}");
         Ok(())
     }
 }
@@ -126,16 +133,16 @@ impl Store {
         let keep = match &old {
             None => 0,
             Some(text) => {
-                let whole = text.rfind('\n').map_or(0, |end| end + 1);
-                let (found, rows) = parse(&text[..whole]).with_context(|| path.display().to_string())?;
+                let whole = whole_lines(text);
+                let (found, rows) = parse(whole).with_context(|| path.display().to_string())?;
                 header.must_equal(&found).with_context(|| {
                     format!(
-                        "{} holds results that these can't join; --fresh puts them away, --out DIR goes elsewhere",
+                        "{} holds results that these can't join; --fresh deletes them, --out DIR goes elsewhere",
                         path.display()
                     )
                 })?;
                 finished.extend(rows.iter().map(|row| (row.cell, row.run)));
-                whole as u64
+                whole.len() as u64
             }
         };
         let file = OpenOptions::new().create(true).append(true).open(path).with_context(place)?;
@@ -161,29 +168,79 @@ impl Store {
     }
 }
 
-/// Reads results files of one campaign and puts their runs in order.
+/// All runs of a campaign.
+pub struct Whole {
+    /// Its definition.
+    pub campaign: Campaign,
+    /// Its cells.
+    pub cells: Vec<Cell>,
+    /// Its runs, in order.
+    pub rows: Vec<RunRow>,
+}
+
+/// A results file that was read.
+struct Part<'a> {
+    path: &'a Path,
+    header: Header,
+    rows: Vec<RunRow>,
+}
+
+/// Reads the results files of all shards of a campaign.
 ///
 /// # Errors
-/// A file that is none; files of several campaigns.
-pub fn read(paths: &[PathBuf]) -> anyhow::Result<(Header, Vec<RunRow>)> {
-    let mut first: Option<Header> = None;
-    let mut rows = Vec::new();
-    for path in paths {
-        let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
-        let (header, more) = parse(&text).with_context(|| path.display().to_string())?;
-        match &first {
-            None => first = Some(header),
-            Some(first) => {
-                first
-                    .must_equal(&header)
-                    .with_context(|| format!("{} does not belong to these", path.display()))?;
-            }
-        }
-        rows.extend(more);
+/// A file that is none; shards of several campaigns; a shard that is missing or not finished.
+pub fn read(paths: &[PathBuf]) -> anyhow::Result<Whole> {
+    let parts: Vec<Part> = paths.iter().map(|path| Part::read(path)).collect::<anyhow::Result<_>>()?;
+    let (first, others) = parts.split_first().context("no results file")?;
+    for part in others {
+        let same = first.header.must_equal(&part.header);
+        same.with_context(|| format!("{} does not belong to {}", part.path.display(), first.path.display()))?;
     }
-    rows.sort_by_key(|row: &RunRow| (row.cell, row.run));
+    let campaign: Campaign = toml::from_str(&first.header.campaign)?;
+    let cells = campaign.expand(&toml::from_str(&first.header.config)?)?;
+    must_be_whole(&parts, &cells)?;
+    let mut rows: Vec<RunRow> = parts.into_iter().flat_map(|part| part.rows).collect();
+    rows.sort_by_key(|row| (row.cell, row.run));
     rows.dedup_by_key(|row| (row.cell, row.run));
-    Ok((first.context("no results file")?, rows))
+    Ok(Whole { campaign, cells, rows })
+}
+
+/// # Errors
+/// The shards that are missing, or have not all of their runs, or have others.
+fn must_be_whole(parts: &[Part], cells: &[Cell]) -> anyhow::Result<()> {
+    let of = parts[0].header.shard.of;
+    let mut problems = Vec::new();
+    for part in 1..=of {
+        let shard = Shard { part, of };
+        let wanted: HashSet<(usize, u64)> = shard.runs(cells).into_iter().collect();
+        let is_this = |file: &&Part| file.header.shard == shard;
+        let Some(file) = parts.iter().find(is_this) else {
+            problems.push(format!("part {part} of {of} is missing"));
+            continue;
+        };
+        let found: HashSet<(usize, u64)> = file.rows.iter().map(|row| (row.cell, row.run)).collect();
+        let path = file.path.display();
+        ensure!(found.is_subset(&wanted), "{path} has runs that are not of part {part} of {of}");
+        if found.len() < wanted.len() {
+            let (found, wanted) = (found.len(), wanted.len());
+            problems.push(format!("{path} has {found} of {wanted} runs: its command, given again, goes on"));
+        }
+    }
+    ensure!(problems.is_empty(), "{}", problems.join("\n"));
+    Ok(())
+}
+
+impl<'a> Part<'a> {
+    fn read(path: &'a Path) -> anyhow::Result<Self> {
+        let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
+        let (header, rows) = parse(whole_lines(&text)).with_context(|| path.display().to_string())?;
+        Ok(Self { path, header, rows })
+    }
+}
+
+/// A text without what an interruption has left of its last line.
+fn whole_lines(text: &str) -> &str {
+    &text[..text.rfind('\n').map_or(0, |end| end + 1)]
 }
 
 fn parse(text: &str) -> anyhow::Result<(Header, Vec<RunRow>)> {

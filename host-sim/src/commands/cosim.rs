@@ -7,15 +7,14 @@ use fdi_core::{AdcCode, Command, Config, Instrument, RawSample};
 
 use crate::commands::CoreArgs;
 use crate::experiment::as_written;
-use crate::experiment::scenario::read_config;
-use crate::record::trace::{INSTRUMENT_COLUMNS, LIKELIHOOD_COLUMNS, instrument_row, likelihood_row};
+use crate::record::trace::{OneTick, append_cells, header, instrument_columns};
 
 /// Runs on the process's standard streams.
 ///
 /// # Errors
 /// A bad configuration, a bad line, a stream that fails.
 pub fn run(args: &CoreArgs) -> anyhow::Result<()> {
-    let config = read_config(args.config.as_deref())?;
+    let config = crate::settings::read(args.config.as_deref())?;
     serve(&config, std::io::stdin().lock(), std::io::stdout().lock())
 }
 
@@ -27,7 +26,7 @@ pub fn serve(config: &Config, input: impl BufRead, mut output: impl Write) -> an
     let mut instrument = Instrument::new(config)?;
     instrument.command(Command::Arm).context("can't begin to regulate")?;
     let sample_time = as_written(config.sample_time.0);
-    writeln!(output, "drive_pct,{INSTRUMENT_COLUMNS},{LIKELIHOOD_COLUMNS}")?;
+    writeln!(output, "drive_pct,{}", header(instrument_columns()))?;
     output.flush()?;
     for (i, line) in input.lines().enumerate() {
         let number = i + 1;
@@ -36,8 +35,8 @@ pub fn serve(config: &Config, input: impl BufRead, mut output: impl Write) -> an
         let tick = instrument.control(raw);
         let report = instrument.diagnose(&tick, tick.drive);
         let mut answer = format!("{},", tick.drive.0);
-        instrument_row(&mut answer, &tick, &report, sample_time);
-        likelihood_row(&mut answer, &report.likelihood, sample_time);
+        let on = OneTick { tick: &tick, report: &report, truth: 0, sample_time };
+        append_cells(&mut answer, instrument_columns(), &on);
         writeln!(output, "{answer}")?;
         output.flush()?;
     }

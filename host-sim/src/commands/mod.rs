@@ -1,5 +1,7 @@
 //! The command line.
 
+pub mod campaign;
+pub mod config;
 pub mod console;
 pub mod cosim;
 pub mod identify;
@@ -47,7 +49,7 @@ pub enum Subcommand {
     /// Run the same experiment over many seeds; print medians and percentiles.
     Repeat(RepeatArgs),
     /// Many runs of many kinds, scored against the truth: delays, verdicts, magnitudes, false alarms of both diagnoses.
-    Campaign(Box<crate::campaign::CampaignArgs>),
+    Campaign(Box<campaign::CampaignArgs>),
     /// The instrument on standard input and output, for co-simulation.
     Core(CoreArgs),
     /// Identify an ARX model from a recorded file.
@@ -56,8 +58,8 @@ pub enum Subcommand {
     Replay(replay::ReplayArgs),
     /// The board's line console, against the simulated rig.
     Console(ConsoleArgs),
-    /// Print the instrument's default configuration as commented TOML.
-    Config,
+    /// Print the instrument's settings with their defaults as commented TOML.
+    Config(config::ConfigArgs),
     /// Print the default rig and faults as commented TOML.
     Scenario,
 }
@@ -92,7 +94,7 @@ impl ExperimentArgs {
     /// # Errors
     /// The file, line, key or value that is wrong.
     pub fn load(&self) -> anyhow::Result<(Config, Scenario)> {
-        let config = scenario::read_config(self.config.as_deref())?;
+        let config = crate::settings::read(self.config.as_deref())?;
         let mut scenario = scenario::read_scenario(self.scenario.as_deref())?;
         scenario.disturbance = self.disturbance.unwrap_or(scenario.disturbance);
         scenario.faults = scenario.faults.iter().map(|fault| self.fault_size.apply(fault)).collect();

@@ -3,8 +3,6 @@
 mod fault_size;
 pub mod scenario;
 
-use std::time::{Duration, Instant};
-
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{AdcCode, Command, Config, Instrument, RawSample, Report, Tick};
 
@@ -103,8 +101,6 @@ pub struct Record {
     pub baseline: Option<Baseline>,
     /// Commands that were refused, with the time and the reason.
     pub refused: Vec<(f64, String)>,
-    /// How long the simulation took.
-    pub elapsed: Duration,
 }
 
 impl Record {
@@ -115,7 +111,6 @@ impl Record {
         faults: &[Fault],
         rows: Vec<Row>,
         baseline: Option<Baseline>,
-        elapsed: Duration,
     ) -> Self {
         let window = [config.supervisor.learn_start, config.supervisor.learn_end].map(|t| as_written(t.0));
         Self {
@@ -128,18 +123,12 @@ impl Record {
             rows,
             baseline,
             refused: Vec::new(),
-            elapsed,
         }
     }
 
     /// Time of a tick, s.
     pub fn time(&self, tick: u32) -> f64 {
         tick_time(tick, self.sample_time)
-    }
-
-    /// Simulated time over the time it took.
-    pub fn realtime_factor(&self) -> f64 {
-        self.rows.len() as f64 * self.sample_time / self.elapsed.as_secs_f64().max(1e-9)
     }
 }
 
@@ -176,10 +165,9 @@ pub fn with_prbs_phase(config: &Config, seed: u64) -> Config {
 /// Runs a scenario on any backend.
 pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, seed: u64) -> Record {
     let mut rows = Vec::new();
-    let started = Instant::now();
     let refused = drive(backend, config, scenario, seed, |row, _| rows.push(row));
     let origin = Origin::Simulated { seed, disturbance: scenario.disturbance };
-    let record = Record::new(origin, config, &scenario.faults, rows, backend.baseline(), started.elapsed());
+    let record = Record::new(origin, config, &scenario.faults, rows, backend.baseline());
     Record { refused, ..record }
 }
 

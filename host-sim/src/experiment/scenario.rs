@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, ensure};
-use fdi_core::{Celsius, Command, Config};
+use fdi_core::{Celsius, Command};
 use serde::{Deserialize, Serialize};
 
 use pt326_rig::fault::Fault;
@@ -130,40 +130,24 @@ impl Scenario {
     }
 }
 
-/// Defaults of the instrument, commented.
-pub const CONFIG_TOML: &str = include_str!("../../defaults/config.toml");
 /// Defaults of rig and faults, commented.
 pub const SCENARIO_TOML: &str = include_str!("../../defaults/scenario.toml");
 
-/// Reads the instrument's configuration; keys that the file leaves out have their defaults.
-///
-/// # Errors
-/// The file, and the line and key that are wrong.
-pub fn read_config(path: Option<&Path>) -> anyhow::Result<Config> {
-    let config: Config = path.map_or_else(|| Ok(Config::default()), read_toml)?;
-    fdi_core::Instrument::new(&config)
-        .with_context(|| path.map_or(String::new(), |p| p.display().to_string()))?;
-    Ok(config)
-}
-
-/// Reads a scenario; keys that the file leaves out have their defaults.
+/// Reads a scenario; keys that the file leaves out have their defaults. Without a path all have.
 ///
 /// # Errors
 /// The file, and the line and key that are wrong.
 pub fn read_scenario(path: Option<&Path>) -> anyhow::Result<Scenario> {
-    let scenario: Scenario = path.map_or_else(|| Ok(Scenario::default()), read_toml)?;
-    scenario.validate().with_context(|| path.map_or(String::new(), |p| p.display().to_string()))?;
+    let Some(path) = path else { return Ok(Scenario::default()) };
+    let place = || path.display().to_string();
+    let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", place()))?;
+    let scenario: Scenario = toml::from_str(&text).with_context(place)?;
+    scenario.validate().with_context(place)?;
     Ok(scenario)
-}
-
-fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> anyhow::Result<T> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
-    toml::from_str(&text).with_context(|| path.display().to_string())
 }
 
 #[cfg(test)]
 mod tests {
-    use firmware_logic::settings::schema::Name;
     use toml::Table;
 
     use super::*;
@@ -181,10 +165,6 @@ mod tests {
 
     #[test]
     fn commented_defaults_are_the_defaults_and_complete() {
-        let config: Config = toml::from_str(CONFIG_TOML).unwrap();
-        assert_eq!(config, Config::default());
-        covers(&toml::from_str(CONFIG_TOML).unwrap(), &Table::try_from(Config::default()).unwrap(), "");
-
         let mut scenario: Scenario = toml::from_str(SCENARIO_TOML).unwrap();
         assert_eq!(scenario, Scenario::default());
         scenario.actions.clear();
@@ -193,31 +173,8 @@ mod tests {
         covers(&toml::from_str(SCENARIO_TOML).unwrap(), &all, "");
     }
 
-    /// Names of all keys that have a value of their own, as the board's console writes them.
-    fn names(table: &Table, path: &str, all: &mut Vec<String>) {
-        for (key, value) in table {
-            match value.as_table() {
-                Some(inner) if key != "adaptation" => names(inner, &format!("{path}{key}."), all),
-                _ if value.is_array() => {} // rows of a signature table
-                _ => all.push(format!("{path}{key}")),
-            }
-        }
-    }
-
-    #[test]
-    fn every_setting_can_be_changed_on_the_board() {
-        let mut all = Vec::new();
-        names(&Table::try_from(Config::default()).unwrap(), "", &mut all);
-        assert!(all.len() > 60);
-        for name in all {
-            assert!(Name::find(&name).is_ok(), "{name} is no setting of the board");
-        }
-    }
-
     #[test]
     fn wrong_keys_and_values_are_named_with_their_line() {
-        let error = toml::from_str::<Config>("setpoint = 30\n[pid]\nkq = 1\n").unwrap_err().to_string();
-        assert!(error.contains("line 3") && error.contains("kq") && error.contains("kp"), "{error}");
         let error = toml::from_str::<Scenario>("[[fault]]\ndo = \"ofset\"\nat = 1\nfor = 1\n")
             .unwrap_err()
             .to_string();

@@ -1,6 +1,7 @@
 //! What is made of a record: a trace, a summary, tables, figures, a report.
 
 pub mod figure;
+pub mod files;
 pub mod report;
 pub mod summary;
 pub mod table;

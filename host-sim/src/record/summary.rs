@@ -19,8 +19,8 @@ pub struct Summary {
     pub seed: Option<u64>,
     /// How the surroundings moved; null for a recording.
     pub disturbance: Option<Disturbance>,
-    /// Size of each fault, by name.
-    pub sizes: Vec<FaultSizeEntry>,
+    /// What was done to the rig, with the keys of a scenario's `[[fault]]`.
+    pub truth: Vec<Fault>,
     /// Sample time.
     pub ts_s: f64,
     /// Set-point.
@@ -35,34 +35,21 @@ pub struct Summary {
     pub faults: Vec<FaultSummary>,
     /// Times that a vector left zero outside any fault (and its tail of 15 s).
     pub false_alarms: FalseAlarms,
-    /// Simulated time over the time it took.
-    pub realtime_factor: f64,
-    /// How it went while T1 was stood in for; null where it never was.
+    /// How it went while the virtual T1 was regulated; null where it never was.
     pub without_t1: Option<WithoutT1>,
     /// Trips, with time and reason.
     pub trips: Vec<TripSummary>,
 }
 
-/// Regulation by the stand-in for a faulty T1.
+/// Regulation by the virtual T1 in place of a faulty one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WithoutT1 {
     /// For how long.
     pub duration_s: f64,
-    /// Mean of set-point minus stand-in, degC. What the stand-in itself is off by, no instrument can know.
+    /// Mean of set-point minus virtual T1, degC. What the virtual T1 itself is off by, no instrument can know.
     pub error_mean_c: f64,
     /// Largest of it, without sign, degC.
     pub error_max_c: f64,
-}
-
-/// Name and size of a fault.
-#[derive(Clone, Debug, Serialize)]
-pub struct FaultSizeEntry {
-    /// Name.
-    pub name: String,
-    /// Size in the unit of its verb.
-    pub size: Option<f64>,
-    /// Lag of a clogged sensor, s.
-    pub lag_s: Option<f64>,
 }
 
 /// Learnt values of the five decisive residuals.
@@ -178,11 +165,7 @@ impl Summary {
         Self {
             seed,
             disturbance,
-            sizes: record
-                .faults
-                .iter()
-                .map(|f| FaultSizeEntry { name: f.label(), size: f.size, lag_s: f.lag })
-                .collect(),
+            truth: record.faults.clone(),
             ts_s: record.sample_time,
             setpoint_c: record.setpoint,
             control_error_max_c: error,
@@ -190,11 +173,16 @@ impl Summary {
             baseline: record.baseline.as_ref().map(baseline),
             faults: record.faults.iter().map(|f| fault(record, f)).collect(),
             false_alarms: false_alarms(record),
-            realtime_factor: record.realtime_factor(),
             without_t1: without_t1(record),
             trips: trips(record),
         }
     }
+}
+
+/// The faults that a `summary.json` knows of; `None` of what is none.
+pub fn faults_in(json: &str) -> Option<Vec<Fault>> {
+    let summary: serde_json::Value = serde_json::from_str(json).ok()?;
+    serde_json::from_value(summary.get("truth")?.clone()).ok()
 }
 
 /// Largest |set-point - T1| over the nominal window, degC.
@@ -233,7 +221,7 @@ fn fault(record: &Record, fault: &Fault) -> FaultSummary {
         raw.see(t, signature_sight(fault, row.report.raw));
         likelihood.see(t, &row.report.likelihood);
     }
-    let isolable = fault.expected().fiv.is_some();
+    let isolable = Expectation::of(fault).fiv.is_some();
     let likelihood = likelihood.score();
     FaultSummary {
         name: fault.label(),
@@ -269,7 +257,7 @@ fn false_alarms(record: &Record) -> FalseAlarms {
         let t = record.time(row.tick.index);
         let acting = || record.faults.iter().filter(|f| t >= f.at && t < f.end() + TAIL);
         let anything = acting().next().is_some();
-        let faulty = acting().any(|f| f.expected_class().is_some());
+        let faulty = acting().any(|f| Expectation::of(f).class.is_some());
         let (filtered, raw) = (row.report.filtered, row.report.raw);
         let flags = [
             (filtered.is_some_and(|v| v.fdv != 0), anything),
@@ -290,7 +278,7 @@ fn without_t1(record: &Record) -> Option<WithoutT1> {
     let errors: Vec<f64> = record
         .rows
         .iter()
-        .filter_map(|row| Some(f64::from(row.tick.setpoint.0 - row.tick.stand_in?.0)))
+        .filter_map(|row| Some(f64::from(row.tick.setpoint.0 - row.tick.virtual_t1?.0)))
         .collect();
     let count = errors.len() as f64;
     (!errors.is_empty()).then(|| WithoutT1 {

@@ -67,8 +67,6 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
     for (t, reason) in &record.refused {
         let _ = writeln!(text, "Refused                at {t:.2} s: {reason}");
     }
-    let _ =
-        writeln!(text, "Speed                  {:.0} times real time, rig and instrument", s.realtime_factor);
     text
 }
 

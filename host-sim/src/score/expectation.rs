@@ -1,78 +1,72 @@
-//! What the likelihood diagnosis should say of what happens to the rig.
+//! What the diagnoses should say of what happens to the rig.
 
 use fdi_core::likelihood::{Channel, FaultClass, Pair};
 use pt326_rig::fault::{Fault, Sensor, Verb};
 
-/// What the paper's tables can say of a fault.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Expected {
-    /// Value that fdv should take.
+/// What both diagnoses should say of a fault.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expectation {
+    /// Value that fdv should take. The paper's tables know T2 and T1 or the process apart; nothing of the rest.
     pub fdv: Option<u8>,
     /// Value that fiv should take.
     pub fiv: Option<u8>,
+    /// The class that the likelihood diagnosis should name; `None` for what is no fault, of which nothing should be said:
+    /// a room that changes, single spikes, samples missing now and then.
+    pub class: Option<FaultClass>,
+    /// The true departure in [`FaultClass::unit`] of that class, where it has one.
+    pub magnitude: Option<f64>,
 }
 
-/// What both diagnoses should say of a fault.
-pub trait Expectation {
-    /// What the paper's tables should answer. They know T2 and T1 or the process apart; nothing for the rest.
-    fn expected(&self) -> Expected;
-    /// The class that should be named; `None` for what is no fault, of which nothing should be said: a room that
-    /// changes, single spikes, samples missing now and then.
-    fn expected_class(&self) -> Option<FaultClass>;
-    /// The true departure in [`FaultClass::unit`] of the expected class, where it has one.
-    fn true_magnitude(&self) -> Option<f64>;
+impl Expectation {
+    /// Of one fault.
+    pub fn of(fault: &Fault) -> Self {
+        let (fdv, fiv) = vectors(fault);
+        let class = class(fault);
+        Self { fdv, fiv, class, magnitude: class.and(magnitude(fault)) }
+    }
 }
 
-impl Expectation for Fault {
-    fn expected(&self) -> Expected {
-        let (fdv, fiv) = match (self.truth(), self.verb, self.sensor) {
-            (truth @ 1..=3, ..) => (Some(truth.min(2)), Some(truth)),
-            (
-                _,
-                Verb::Offset | Verb::Drift | Verb::Clog | Verb::Stuck | Verb::Detach | Verb::Freeze,
-                Some(Sensor::T2),
-            ) => (Some(1), None),
-            (_, Verb::Offset | Verb::Drift | Verb::Stuck | Verb::Detach | Verb::Freeze, Some(Sensor::T1)) => {
-                (Some(2), None)
-            }
-            (_, Verb::HeaterPower | Verb::HeaterStuck, _) => (Some(2), None),
-            _ => (None, None),
-        };
-        Expected { fdv, fiv }
+fn vectors(fault: &Fault) -> (Option<u8>, Option<u8>) {
+    use Verb::{Clog, Detach, Drift, Freeze, HeaterPower, HeaterStuck, Offset, Stuck};
+    match (fault.truth(), fault.verb, fault.sensor) {
+        (truth @ 1..=3, ..) => (Some(truth.min(2)), Some(truth)),
+        (_, Offset | Drift | Clog | Stuck | Detach | Freeze, Some(Sensor::T2)) => (Some(1), None),
+        (_, Offset | Drift | Stuck | Detach | Freeze, Some(Sensor::T1)) => (Some(2), None),
+        (_, HeaterPower | HeaterStuck, _) => (Some(2), None),
+        _ => (None, None),
     }
+}
 
-    fn expected_class(&self) -> Option<FaultClass> {
-        use Channel::{T0, T1, T2};
-        match (self.verb, self.sensor.map(channel)) {
-            (Verb::AirFlow, _) => Some(FaultClass::AirFlow),
-            (Verb::HeaterPower | Verb::HeaterStuck, _) => Some(FaultClass::HeaterPower),
-            (Verb::Offset, Some(T1)) => Some(FaultClass::T1Offset),
-            (Verb::Offset, Some(T2)) => Some(FaultClass::T2Offset),
-            (Verb::Offset | Verb::Clog, Some(T0)) => Some(FaultClass::T0Fault),
-            (Verb::Clog, Some(T1)) => Some(FaultClass::T1Clogged),
-            (Verb::Clog, Some(T2)) => Some(FaultClass::Unknown),
-            (Verb::Drift, Some(_)) => Some(FaultClass::Drift),
-            (Verb::Detach, Some(T1)) => Some(FaultClass::T1Detached),
-            (Verb::Detach, _) => Some(FaultClass::T2Detached),
-            (Verb::Swap, _) => pair(self).map(FaultClass::Swapped),
-            (Verb::Stuck | Verb::Freeze, channel) => channel.map(FaultClass::Stuck),
-            (Verb::Open, channel) => channel.map(FaultClass::Open),
-            (Verb::Short, channel) => channel.map(FaultClass::Short),
-            (Verb::Missing, channel) if self.size == Some(1.0) => channel.map(FaultClass::Lost),
-            (Verb::Offset | Verb::Clog | Verb::Drift | Verb::Missing, _) => None,
-            (Verb::Spike | Verb::Ambient | Verb::AmbientDrift, _) => None,
-        }
+fn class(fault: &Fault) -> Option<FaultClass> {
+    use Channel::{T0, T1, T2};
+    match (fault.verb, fault.sensor.map(channel)) {
+        (Verb::AirFlow, _) => Some(FaultClass::AirFlow),
+        (Verb::HeaterPower | Verb::HeaterStuck, _) => Some(FaultClass::HeaterPower),
+        (Verb::Offset, Some(T1)) => Some(FaultClass::T1Offset),
+        (Verb::Offset, Some(T2)) => Some(FaultClass::T2Offset),
+        (Verb::Offset | Verb::Clog, Some(T0)) => Some(FaultClass::T0Fault),
+        (Verb::Clog, Some(T1)) => Some(FaultClass::T1Clogged),
+        (Verb::Clog, Some(T2)) => Some(FaultClass::Unknown),
+        (Verb::Drift, Some(_)) => Some(FaultClass::Drift),
+        (Verb::Detach, Some(T1)) => Some(FaultClass::T1Detached),
+        (Verb::Detach, _) => Some(FaultClass::T2Detached),
+        (Verb::Swap, _) => pair(fault).map(FaultClass::Swapped),
+        (Verb::Stuck | Verb::Freeze, channel) => channel.map(FaultClass::Stuck),
+        (Verb::Open, channel) => channel.map(FaultClass::Open),
+        (Verb::Short, channel) => channel.map(FaultClass::Short),
+        (Verb::Missing, channel) if fault.size == Some(1.0) => channel.map(FaultClass::Lost),
+        (Verb::Offset | Verb::Clog | Verb::Drift | Verb::Missing, _) => None,
+        (Verb::Spike | Verb::Ambient | Verb::AmbientDrift, _) => None,
     }
+}
 
-    fn true_magnitude(&self) -> Option<f64> {
-        self.expected_class()?;
-        let size = self.size?;
-        match self.verb {
-            Verb::Offset | Verb::Drift => Some(size),
-            Verb::Clog if self.sensor == Some(Sensor::T1) => Some(percent(size)),
-            Verb::AirFlow | Verb::HeaterPower => Some(percent(size)),
-            _ => None,
-        }
+fn magnitude(fault: &Fault) -> Option<f64> {
+    let size = fault.size?;
+    match fault.verb {
+        Verb::Offset | Verb::Drift => Some(size),
+        Verb::Clog if fault.sensor == Some(Sensor::T1) => Some(percent(size)),
+        Verb::AirFlow | Verb::HeaterPower => Some(percent(size)),
+        _ => None,
     }
 }
 
@@ -128,7 +122,8 @@ mod tests {
             (Verb::Freeze, Some(T1), Some(2.0), FaultClass::Stuck(Channel::T1), None),
         ] {
             let fault = fault(verb, sensor, size);
-            assert_eq!((fault.expected_class(), fault.true_magnitude()), (Some(class), magnitude));
+            let expected = Expectation::of(&fault);
+            assert_eq!((expected.class, expected.magnitude), (Some(class), magnitude));
         }
     }
 
@@ -138,7 +133,7 @@ mod tests {
         for (a, b, pair) in [(T1, T2, Pair::T1T2), (T0, T1, Pair::T0T1), (T0, T2, Pair::T0T2)] {
             for (sensor, with) in [(a, b), (b, a)] {
                 let swap = Fault { with: Some(with), ..fault(Verb::Swap, Some(sensor), None) };
-                assert_eq!(swap.expected_class(), Some(FaultClass::Swapped(pair)));
+                assert_eq!(Expectation::of(&swap).class, Some(FaultClass::Swapped(pair)));
             }
         }
     }
@@ -152,7 +147,8 @@ mod tests {
             (Verb::Missing, Some(Sensor::T1), 0.05),
         ] {
             let fault = fault(verb, sensor, Some(size));
-            assert_eq!((fault.expected_class(), fault.true_magnitude()), (None, None), "{verb:?}");
+            let expected = Expectation::of(&fault);
+            assert_eq!((expected.class, expected.magnitude), (None, None), "{verb:?}");
         }
     }
 }

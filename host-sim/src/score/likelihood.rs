@@ -38,8 +38,7 @@ pub struct LikelihoodScore {
 #[derive(Clone, Debug)]
 pub struct LikelihoodWatch {
     watch: Watch,
-    expected: Option<FaultClass>,
-    true_magnitude: Option<f64>,
+    expected: Expectation,
     at: f64,
     end: f64,
     sample_time: f64,
@@ -52,8 +51,7 @@ impl LikelihoodWatch {
     pub fn new(fault: &Fault, sample_time: f64) -> Self {
         Self {
             watch: Watch::new(fault),
-            expected: fault.expected_class(),
-            true_magnitude: fault.true_magnitude(),
+            expected: Expectation::of(fault),
             at: fault.at,
             end: fault.end(),
             sample_time,
@@ -64,8 +62,9 @@ impl LikelihoodWatch {
     /// Takes in the tick at `t`.
     pub fn see(&mut self, t: f64, report: &LikelihoodReport) {
         let named = report.finding.map(|finding| finding.class);
-        let detected = report.alarm && self.expected.is_some();
-        self.watch.see(t, Sight { detected, isolated: named.is_some() && named == self.expected, named });
+        let detected = report.alarm && self.expected.class.is_some();
+        self.watch
+            .see(t, Sight { detected, isolated: named.is_some() && named == self.expected.class, named });
         if let Some(finding) = report.finding.filter(|_| t >= self.at && t < self.end) {
             match self.findings.iter_mut().find(|known| known.class == finding.class) {
                 Some(known) => *known = finding,
@@ -76,7 +75,7 @@ impl LikelihoodWatch {
 
     /// The score.
     pub fn score(&self) -> LikelihoodScore {
-        let known = self.expected.is_some();
+        let known = self.expected.class.is_some();
         let first = self.watch.first_named();
         let settled = self.watch.settled();
         let finding = self.findings.iter().find(|f| Some(f.class) == settled);
@@ -85,11 +84,11 @@ impl LikelihoodWatch {
             score: self.watch.score(self.sample_time, known),
             verdict: settled.map(FaultClass::name),
             first_verdict: first.map(FaultClass::name),
-            first_verdict_right: first.filter(|_| known).map(|class| Some(class) == self.expected),
+            first_verdict_right: first.filter(|_| known).map(|class| Some(class) == self.expected.class),
             magnitude: magnitude.map(|m| as_written(m.value)),
             magnitude_half_width: magnitude.map(|m| as_written(m.half_width)),
             magnitude_unit: magnitude.and(settled).map(FaultClass::unit),
-            magnitude_true: self.true_magnitude,
+            magnitude_true: self.expected.magnitude,
             onset_error_s: finding.map(|f| microseconds(tick_time(f.onset, self.sample_time) - self.at)),
             confidence: finding.map(|f| as_written(f.confidence)),
         }

@@ -46,7 +46,7 @@ pub struct Sight {
 
 /// What the paper's vectors say of `fault`.
 pub fn signature_sight(fault: &Fault, verdict: Option<Verdict>) -> Sight {
-    let expected = fault.expected();
+    let expected = Expectation::of(fault);
     verdict.map_or(Sight::default(), |v| Sight {
         detected: Some(v.fdv) == expected.fdv,
         isolated: Some(v.fiv) == expected.fiv,

@@ -39,7 +39,7 @@ pub(crate) struct Bench {
 pub(crate) fn run(update: bool) -> anyhow::Result<()> {
     let bench = measure(&recording::write()?)?;
     print!("{}\n{}", table(&bench), divergence::table()?);
-    counts::check(&bench, update)
+    counts::check(&indicator(&bench), update)
 }
 
 fn measure(recording: &Path) -> anyhow::Result<Bench> {
@@ -169,7 +169,7 @@ fn table(bench: &Bench) -> String {
 }
 
 /// The counts that are committed: the worst and the mean of each part, and the stack.
-pub(crate) fn indicator(bench: &Bench) -> BTreeMap<String, f64> {
+fn indicator(bench: &Bench) -> BTreeMap<String, f64> {
     let mut counts = BTreeMap::new();
     for (name, price) in bench.prices.iter().filter(|(name, _)| name != NOTHING) {
         counts.insert(format!("{name}, worst"), f64::from(price.worst));

@@ -54,7 +54,7 @@ impl Digest {
 
     /// All of the first half of a tick.
     pub fn tick(&mut self, tick: &Tick) {
-        let Tick { index, sample, setpoint, pid, prbs, drive, mode, learn, blocked, stand_in, forget } =
+        let Tick { index, sample, setpoint, pid, prbs, drive, mode, learn, blocked, virtual_t1, forget } =
             *tick;
         self.word(index);
         self.sample(sample);
@@ -63,7 +63,7 @@ impl Digest {
         self.word(u32::from(learn));
         self.word(u32::from(forget));
         self.option(blocked, |d, blocker| d.word(blocker as u32));
-        self.option(stand_in, |d, celsius| d.number(celsius.0));
+        self.option(virtual_t1, |d, celsius| d.number(celsius.0));
     }
 
     /// All of the second half of a tick.
@@ -181,7 +181,7 @@ impl Digest {
     }
 
     fn likelihood(&mut self, report: &LikelihoodReport) {
-        let LikelihoodReport { readiness, alarm, finding, expected, stand_in, air_flow, heater_stuck_on } =
+        let LikelihoodReport { readiness, alarm, finding, expected, virtual_rise, air_flow, heater_stuck_on } =
             report;
         match *readiness {
             Readiness::Untrained => self.word(0),
@@ -198,7 +198,7 @@ impl Digest {
             d.word(onset);
         });
         expected.iter().for_each(|t| self.option(*t, Self::number));
-        self.option(*stand_in, Self::number);
+        self.option(*virtual_rise, Self::number);
         self.option(*air_flow, Self::number);
         self.word(u32::from(*heater_stuck_on));
     }

@@ -4,9 +4,9 @@ use core::fmt::{self, Write};
 
 use fdi_core::control::pid::{Pid, PidConfig, PidState};
 use fdi_core::filter::{LowPass, LowPassState};
-use fdi_core::identify::observer::Bandwidth;
-use fdi_core::identify::rls::{Adaptation, Rls, RlsConfig};
+use fdi_core::identify::rls::Rls;
 use fdi_core::identify::transfer::Transfer;
+use fdi_core::identify::{Adaptation, Bandwidth, RlsConfig};
 use fdi_core::{Celsius, Command, Config, Instrument, Percent, Seconds};
 
 use crate::codes::{Generator, sample};

@@ -1,7 +1,6 @@
 //! The paper's experiment on the board: power up, arm, let the rig run, read the log.
 
 use std::rc::Rc;
-use std::time::Instant;
 
 use anyhow::{Context, ensure};
 use fdi_core::{Command, Config};
@@ -19,9 +18,7 @@ use crate::image::Image;
 use crate::recording::{self, Difference, Recording};
 use crate::scene::WAIVE_CHECK;
 use crate::time::{MS, SECOND};
-
-/// What the three thermistors read before the rig starts: a little above ambient temperature.
-pub const AT_REST: u16 = 2160;
+use crate::wiring::AT_REST;
 
 /// A run on the board.
 pub struct Experiment {
@@ -43,7 +40,6 @@ pub struct Experiment {
 /// The program did something that is not modelled, or its log has a gap.
 pub fn run(image: Rc<Image>, scenario: &Scenario, seed: u64) -> anyhow::Result<Experiment> {
     ensure!(scenario.actions.is_empty(), "actions are not carried out on the board");
-    let started = Instant::now();
     let rig = Shared::at_rest(AT_REST);
     let mut board = Board::new(image, Box::new(rig.clone()))?;
     let config = prepare(&mut board, seed)?;
@@ -74,7 +70,7 @@ pub fn run(image: Rc<Image>, scenario: &Scenario, seed: u64) -> anyhow::Result<E
     let rows = rows(&recording, idle_ticks, ticks, &scenario.faults, sample_time);
     let origin = Origin::Simulated { seed, disturbance: scenario.disturbance };
     let baseline = recording.instrument.baseline().copied();
-    let record = Record::new(origin, &config, &scenario.faults, rows, baseline, started.elapsed());
+    let record = Record::new(origin, &config, &scenario.faults, rows, baseline);
     Ok(Experiment { board, rig, record, differences: recording.differences, idle_ticks })
 }
 

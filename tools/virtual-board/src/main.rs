@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use host_sim::commands::run;
 use host_sim::experiment::scenario::Scenario;
+use host_sim::record::files;
 use host_sim::record::summary::Summary;
 use host_sim::record::table;
 use virtual_board::{board, experiment};
@@ -68,7 +68,7 @@ fn carry_out(cli: &Cli) -> anyhow::Result<bool> {
     for d in done.differences.iter().take(10) {
         writeln!(out, "  tick {} {}: board {:#010x}, host {:#010x}", d.tick, d.name, d.board, d.host)?;
     }
-    run::write_files(&done.record, &summary, &cli.out)?;
+    files::write(&done.record, &summary, &cli.out)?;
     let log: String = done.board.log.iter().map(|line| format!("{line}\n")).collect();
     std::fs::write(cli.out.join("board.log"), log)?;
     writeln!(out, "\nWritten to {}: what `host-sim run` writes, and board.log", cli.out.display())?;

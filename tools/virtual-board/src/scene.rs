@@ -11,9 +11,9 @@ use pt326_rig::fault::Fault;
 
 use crate::board::Board;
 use crate::closed_loop::{Shared, TICK};
-use crate::experiment::AT_REST;
 use crate::image::Image;
 use crate::time::{MS, Ps, SECOND};
+use crate::wiring::AT_REST;
 
 /// What lets a board arm that has not checked itself.
 pub const WAIVE_CHECK: &str = "set supervisor.check_before_arming false";

@@ -7,7 +7,7 @@ use firmware_logic::duty;
 use host_sim::experiment::scenario::Scenario;
 use host_sim::experiment::{self, Backend, Record};
 
-use crate::experiment::AT_REST;
+use crate::wiring::AT_REST;
 
 /// Steps of the heater's PWM: 100 MHz over 20 kHz.
 const STEPS: u16 = 5000;

@@ -1,5 +1,8 @@
 //! What is soldered to the board's pins, as docs/wiring.md says or as somebody has got it wrong.
 
+/// What the three thermistors read before the rig starts: a little above ambient temperature.
+pub const AT_REST: u16 = 2160;
+
 /// What pulls a pin that nothing drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pull {

@@ -16,7 +16,8 @@
 use std::ops::Range;
 
 use anyhow::{bail, ensure};
-use fdi_core::identify::rls::{Adaptation, Rls, RlsConfig, RlsState};
+use fdi_core::identify::rls::{Rls, RlsState};
+use fdi_core::identify::{Adaptation, RlsConfig};
 
 use super::model::{Model, ORDER_MAX, Order, Signals, rms};
 

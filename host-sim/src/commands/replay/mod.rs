@@ -7,14 +7,14 @@ mod board_log;
 mod trace_file;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use anyhow::{Context, bail};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Command, Config, Instrument, Percent, RawSample, Report, Tick};
 
 use crate::commands::run;
-use crate::experiment::{Origin, Record, Row, as_written};
+use crate::experiment::{Origin, Record, Row, as_written, truth};
+use crate::record::trace::Column;
 use pt326_rig::fault::Fault;
 
 /// Arguments of `replay`.
@@ -76,8 +76,8 @@ enum Order {
 enum Said {
     /// Bits of the board.
     Bits(Box<firmware_logic::log_line::tick::TickLine>),
-    /// A row of a trace, without the truth.
-    Text(String),
+    /// Cells of a trace by column, without the truth.
+    Cells(Vec<(&'static Column, String)>),
 }
 
 /// What was compared.
@@ -97,10 +97,11 @@ const EXAMPLES: usize = 5;
 /// # Errors
 /// A file that is no recording, by line; outputs that differ from what was recorded.
 pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
-    let config = crate::experiment::scenario::read_config(args.config.as_deref())?;
+    let config = crate::settings::read(args.config.as_deref())?;
     let text =
         std::fs::read_to_string(&args.file).with_context(|| format!("can't read {}", args.file.display()))?;
-    let recording = read(&text, config, args.seed).with_context(|| args.file.display().to_string())?;
+    let mut recording = read(&text, config, args.seed).with_context(|| args.file.display().to_string())?;
+    trace_file::use_summary(&mut recording, &text, &args.file);
     let (record, agreement) = rerun(&recording, &args.file)?;
     for remark in &recording.remarks {
         println!("note: {remark}");
@@ -134,7 +135,6 @@ fn rerun(recording: &Recording, file: &Path) -> anyhow::Result<(Record, Agreemen
     let sample_time = as_written(config.sample_time.0);
     let mut rows = Vec::with_capacity(recording.ticks.len());
     let mut agreement = Agreement::default();
-    let started = Instant::now();
     for recorded in &recording.ticks {
         for order in &recorded.orders {
             match order {
@@ -147,18 +147,10 @@ fn rerun(recording: &Recording, file: &Path) -> anyhow::Result<(Record, Agreemen
         let report = instrument.diagnose(&tick, recorded.applied.unwrap_or(tick.drive));
         agreement.compare(recorded, &tick, &report, sample_time);
         let now = f64::from(tick.index) * sample_time;
-        let truth = recording.faults.iter().find(|f| f.is_active(now)).map_or(0, Fault::truth);
-        rows.push(Row { tick, report, truth });
+        rows.push(Row { truth: truth(&recording.faults, now), tick, report });
     }
     let origin = Origin::Recorded { file: file.display().to_string() };
-    let record = Record::new(
-        origin,
-        config,
-        &recording.faults,
-        rows,
-        instrument.baseline().copied(),
-        started.elapsed(),
-    );
+    let record = Record::new(origin, config, &recording.faults, rows, instrument.baseline().copied());
     Ok((record, agreement))
 }
 
@@ -167,7 +159,7 @@ impl Agreement {
         self.ticks += 1;
         let differences = match &recorded.said {
             Said::Bits(bits) => board_log::differences(bits, recorded, tick, report),
-            Said::Text(text) => trace_file::differences(text, tick, report, sample_time),
+            Said::Cells(cells) => trace_file::differences(cells, tick, report, sample_time),
         };
         self.differing += usize::from(!differences.is_empty());
         let ambient = EXAMPLES.saturating_sub(self.examples.len());
@@ -218,6 +210,23 @@ mod tests {
     }
 
     #[test]
+    fn columns_are_found_by_name() {
+        let trace = traced(&Scenario { duration: 20.0, ..Scenario::default() }, 1);
+        let turned = |line: &str| {
+            let (first, rest) = line.split_once(',').unwrap();
+            let rest: Vec<&str> = rest.split(',').rev().collect();
+            format!("{first},{},7\n", rest.join(","))
+        };
+        let turned: String = trace.lines().map(turned).collect();
+        let agreement = agreement(&turned, 1);
+        assert_eq!((agreement.ticks, agreement.differing), (181, 0), "{:?}", agreement.examples);
+        let Err(error) = read(&trace.replace("mode", "node"), Config::default(), 1) else {
+            panic!("no mode")
+        };
+        assert!(format!("{error:#}").contains("column mode"), "{error:#}");
+    }
+
+    #[test]
     fn one_changed_number_is_found_and_told() {
         let scenario = Scenario { duration: 60.0, ..Scenario::default() };
         let trace = traced(&scenario, 1);
@@ -237,6 +246,8 @@ mod tests {
             trace.lines().map(|line| line.split(',').take(40).collect::<Vec<_>>().join(",")).collect();
         let replayed = agreement(&older.join("\n"), 1);
         assert_eq!((replayed.ticks, replayed.differing), (181, 0), "{:?}", replayed.examples);
+        let remarks = read(&older.join("\n"), Config::default(), 1).unwrap().remarks;
+        assert!(remarks[0].contains("alarm, verdict") && remarks[0].contains("not compared"), "{remarks:?}");
         let line = trace.lines().nth(100).unwrap();
         let changed = line.strip_suffix(",0,,,,,").map(|head| format!("{head},1,,,,,")).unwrap();
         let replayed = agreement(&trace.replacen(line, &changed, 1), 1);

@@ -1,48 +1,72 @@
 //! A trace.csv as a recording: codes are found again from temperatures, commands from what changed.
 
+use std::path::Path;
+
 use anyhow::{Context, ensure};
 use fdi_core::sense::thermistor::Thermistor;
 use fdi_core::{AdcCode, Celsius, Command, Config, RawSample, Report, Tick};
 
 use super::{Order, Recorded, Recording, Said};
-use crate::experiment::as_written;
-use crate::record::trace::{INSTRUMENT_COLUMNS, LIKELIHOOD_COLUMNS, instrument_row, likelihood_row};
+use crate::experiment::{as_written, truth};
+use crate::record::summary;
+use crate::record::trace::{Column, OneTick, TRUTH, instrument_columns};
 use pt326_rig::fault::Fault;
 
-/// Places of the columns that a replay reads.
-const T0: usize = 1;
-const SETPOINT: usize = 4;
-const PRBS: usize = 6;
-const Y1: usize = 8;
-const Y2: usize = 9;
-const MODE: usize = 38;
-const TRUTH: usize = 39;
-
-/// Reads a trace; one from before the likelihood diagnosis ends with `truth`.
+/// Reads a trace. Its columns may stand in any order; those that it lacks are not compared.
 ///
 /// # Errors
-/// Another header, or a bad cell by line and column.
+/// A column without which it can't be replayed, or a bad cell, by line and column.
 pub(super) fn read(text: &str, config: &Config) -> anyhow::Result<Recording> {
-    let mut columns: Vec<&str> = INSTRUMENT_COLUMNS.split(',').chain(["truth"]).collect();
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
-    ensure!(
-        header.starts_with(&columns),
-        "line 1: expected the header of a trace.csv: {}",
-        columns.join(",")
-    );
-    let likelihood: Vec<&str> = LIKELIHOOD_COLUMNS.split(',').collect();
-    if header[columns.len()..].starts_with(&likelihood) {
-        columns.extend(likelihood);
+    let place = |column: &'static Column| Some((column, position(&header, column.name)?));
+    let compared: Vec<_> = instrument_columns().filter_map(place).collect();
+    let lacks: Vec<&str> =
+        instrument_columns().map(|c| c.name).filter(|name| position(&header, name).is_none()).collect();
+    let mut remarks = Vec::new();
+    if !lacks.is_empty() {
+        remarks.push(format!("the trace has no column {}, which is not compared", lacks.join(", ")));
     }
     let s = &config.sensors;
     let thermistors = [Thermistor::new(&s.t0, 0)?, Thermistor::new(&s.t1, 1)?, Thermistor::new(&s.t2, 2)?];
-    let mut reader = Reader { thermistors, columns, before: None };
+    let inputs = Inputs::find(&header).context("line 1")?;
+    let mut reader = Reader { thermistors, inputs, compared, width: header.len(), before: None };
     let ticks =
         lines.zip(2..).map(|(line, number)| reader.row(line).with_context(|| format!("line {number}")));
     let ticks = ticks.collect::<anyhow::Result<Vec<Recorded>>>()?;
     let faults = faults(text, as_written(config.sample_time.0));
-    Ok(Recording { config: config.clone(), baseline: None, ticks, faults, remarks: Vec::new() })
+    Ok(Recording { config: config.clone(), baseline: None, ticks, faults, remarks })
+}
+
+fn position(header: &[&str], name: &str) -> Option<usize> {
+    header.iter().position(|column| *column == name)
+}
+
+/// Where the columns stand from which codes and commands are found again.
+struct Inputs {
+    celsius: [usize; 3],
+    setpoint: usize,
+    prbs: usize,
+    y1: usize,
+    y2: usize,
+    mode: usize,
+}
+
+impl Inputs {
+    fn find(header: &[&str]) -> anyhow::Result<Self> {
+        let place = |name: &str| {
+            position(header, name)
+                .with_context(|| format!("expected the header of a trace.csv, with a column {name}"))
+        };
+        Ok(Self {
+            celsius: [place("t0_c")?, place("t1_c")?, place("t2_c")?],
+            setpoint: place("setpoint_c")?,
+            prbs: place("prbs_pct")?,
+            y1: place("y1_c")?,
+            y2: place("y2_c")?,
+            mode: place("mode")?,
+        })
+    }
 }
 
 /// The cells of a row that the next one is compared with.
@@ -56,40 +80,45 @@ struct Before {
 
 struct Reader {
     thermistors: [Thermistor; 3],
-    columns: Vec<&'static str>,
+    inputs: Inputs,
+    /// Columns that the core must come to again, with their places.
+    compared: Vec<(&'static Column, usize)>,
+    /// Number of columns.
+    width: usize,
     before: Option<Before>,
 }
 
 impl Reader {
     fn row(&mut self, line: &str) -> anyhow::Result<Recorded> {
         let cells: Vec<&str> = line.split(',').collect();
-        ensure!(cells.len() >= self.columns.len(), "{} cells, expected {}", cells.len(), self.columns.len());
+        ensure!(cells.len() >= self.width, "{} cells, expected {}", cells.len(), self.width);
         let number = |i: usize| -> anyhow::Result<f32> {
             cells[i]
                 .parse()
                 .ok()
-                .with_context(|| format!("{} is {:?}, expected a number", self.columns[i], cells[i]))
+                .with_context(|| format!("cell {} is {:?}, expected a number", i + 1, cells[i]))
         };
-        let celsius = [number(T0)?, number(T0 + 1)?, number(T0 + 2)?];
-        let heating = !matches!(cells[MODE], "off" | "tripped");
-        let monitoring = cells[MODE] == "monitor";
-        let excited = number(PRBS)? != 0.0;
-        let now = Before { celsius, setpoint: number(SETPOINT)?, excited, heating, monitoring };
+        let at = &self.inputs;
+        let celsius = [number(at.celsius[0])?, number(at.celsius[1])?, number(at.celsius[2])?];
+        let heating = !matches!(cells[at.mode], "off" | "tripped");
+        let monitoring = cells[at.mode] == "monitor";
+        let excited = number(at.prbs)? != 0.0;
+        let now = Before { celsius, setpoint: number(at.setpoint)?, excited, heating, monitoring };
+        let (no_y1, no_y2) = (cells[at.y1].is_empty(), cells[at.y2].is_empty());
         let [t0, t1, t2] = std::array::from_fn(|i| {
             // A sample that went missing repeats the temperature before, and has no rise.
             let repeats = self.before.as_ref().is_some_and(|b| b.celsius[i] == celsius[i]);
             let blank = match i {
-                0 => cells[Y1].is_empty() && cells[Y2].is_empty(),
-                1 => cells[Y1].is_empty(),
-                _ => cells[Y2].is_empty(),
+                0 => no_y1 && no_y2,
+                1 => no_y1,
+                _ => no_y2,
             };
             AdcCode(if repeats && blank { f32::NAN } else { code(&self.thermistors[i], celsius[i]) })
         });
         let orders = orders(self.before.as_ref(), &now);
         self.before = Some(now);
-        let compared = [&cells[..TRUTH], &cells[TRUTH + 1..self.columns.len()]].concat();
-        let text = compared.join(",");
-        Ok(Recorded { orders, raw: RawSample { t0, t1, t2 }, applied: None, said: Said::Text(text) })
+        let said = self.compared.iter().map(|(column, i)| (*column, cells[*i].to_owned())).collect();
+        Ok(Recorded { orders, raw: RawSample { t0, t1, t2 }, applied: None, said: Said::Cells(said) })
     }
 }
 
@@ -119,14 +148,23 @@ fn orders(before: Option<&Before>, now: &Before) -> Vec<Order> {
     commands.into_iter().map(Order::Command).collect()
 }
 
-/// The true faults, from the column `truth`.
-fn faults(text: &str, sample_time: f64) -> Vec<Fault> {
+/// The column `truth`; of a trace without it, nothing.
+fn truths(text: &str) -> Vec<u8> {
+    let Some(place) =
+        position(&text.lines().next().unwrap_or_default().split(',').collect::<Vec<_>>(), TRUTH)
+    else {
+        return Vec::new();
+    };
     let truth =
-        |line: &str| line.split(',').nth(TRUTH).and_then(|cell| cell.trim().parse::<u8>().ok()).unwrap_or(0);
-    let truths: Vec<u8> = text.lines().skip(1).map(truth).collect();
+        |line: &str| line.split(',').nth(place).and_then(|cell| cell.trim().parse().ok()).unwrap_or(0);
+    text.lines().skip(1).map(truth).collect()
+}
+
+/// The true faults as far as the column `truth` knows them: from tick to tick, and without a size.
+fn faults(text: &str, sample_time: f64) -> Vec<Fault> {
     let mut faults = Vec::new();
     let mut from = 0;
-    for run in truths.chunk_by(|a, b| a == b) {
+    for run in truths(text).chunk_by(|a, b| a == b) {
         let (at, duration) = (from as f64 * sample_time, run.len() as f64 * sample_time);
         faults.extend(Fault::from_truth(run[0], at, duration));
         from += run.len();
@@ -134,15 +172,38 @@ fn faults(text: &str, sample_time: f64) -> Vec<Fault> {
     faults
 }
 
+/// Takes onsets and sizes of the faults from the summary.json beside a trace, if it is one of the same run, so that delays
+/// are those of that run; else says that they are known to a tick only.
+pub(super) fn use_summary(recording: &mut Recording, text: &str, file: &Path) {
+    if recording.faults.is_empty() || truths(text).is_empty() {
+        return;
+    }
+    let json = std::fs::read_to_string(file.with_file_name("summary.json"));
+    let exact = json.ok().and_then(|json| summary::faults_in(&json));
+    let sample_time = as_written(recording.config.sample_time.0);
+    let is_of_this_run = |faults: &Vec<Fault>| {
+        let mut ticks = truths(text).into_iter().enumerate();
+        ticks.all(|(i, number)| truth(faults, i as f64 * sample_time) == number)
+    };
+    match exact.filter(is_of_this_run) {
+        Some(faults) => recording.faults = faults,
+        None => recording.remarks.push(
+            "no summary.json of this run beside the trace: sizes of the faults are not known, onsets to a tick only".into(),
+        ),
+    }
+}
+
 /// In what the core's row differs from the trace's.
-pub(super) fn differences(said: &str, tick: &Tick, report: &Report, sample_time: f64) -> Vec<String> {
-    let mut ours = String::new();
-    instrument_row(&mut ours, tick, report, sample_time);
-    likelihood_row(&mut ours, &report.likelihood, sample_time);
-    let cells = said.split(',').zip(ours.split(','));
-    let named = INSTRUMENT_COLUMNS.split(',').chain(LIKELIHOOD_COLUMNS.split(',')).zip(cells);
-    named
-        .filter(|(_, (a, b))| a != b)
-        .map(|(name, (a, b))| format!("{name}: trace {a:?}, core {b:?}"))
-        .collect()
+pub(super) fn differences(
+    said: &[(&'static Column, String)],
+    tick: &Tick,
+    report: &Report,
+    sample_time: f64,
+) -> Vec<String> {
+    let on = OneTick { tick, report, truth: 0, sample_time };
+    let difference = |(column, theirs): &(&'static Column, String)| {
+        let ours = (column.value)(&on).to_string();
+        (ours != *theirs).then(|| format!("{}: trace {theirs:?}, core {ours:?}", column.name))
+    };
+    said.iter().filter_map(difference).collect()
 }

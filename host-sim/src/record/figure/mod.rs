@@ -53,43 +53,46 @@ pub(crate) trait Picture: Sync {
     fn paint<M: Medium>(&self, backend: &mut M) -> anyhow::Result<()>;
 }
 
-/// Writes `figure4.svg`, `figure4.png` and so on into a folder that exists.
+/// Writes `figure4.svg`, `figure4.png` and so on into a folder that exists; the same SVGs, in the order of [`ALL`], are
+/// given back to be parts of a page.
 ///
 /// # Errors
 /// The file that can't be written.
-pub fn draw_all(record: &Record, folder: &Path) -> anyhow::Result<()> {
+pub fn draw_all(record: &Record, folder: &Path) -> anyhow::Result<Vec<String>> {
     canvas::register_fonts()?;
-    ALL.into_par_iter().try_for_each(|number| {
+    let draw_one = |number| {
         let figure = content::figure(number, record);
         draw(&Layout::new(&figure)?, &label(number), folder, &format!("figure{number}"))
-    })
+    };
+    ALL.into_par_iter().map(draw_one).collect()
 }
 
-/// Writes a picture as `name.svg` and `name.png` into a folder that exists.
+/// Writes a picture as `name.svg` and `name.png` into a folder that exists, and gives the SVG.
 ///
 /// # Errors
 /// The file that can't be written.
-pub(crate) fn draw(picture: &impl Picture, label: &str, folder: &Path, name: &str) -> anyhow::Result<()> {
+pub(crate) fn draw(picture: &impl Picture, label: &str, folder: &Path, name: &str) -> anyhow::Result<String> {
     canvas::register_fonts()?;
     let path = |extension| folder.join(format!("{name}.{extension}"));
     let write_svg = || {
-        let path = path("svg");
-        std::fs::write(&path, draw_svg(picture, label)?)
-            .with_context(|| format!("can't write {}", path.display()))
+        let (path, svg) = (path("svg"), draw_svg(picture, label)?);
+        std::fs::write(&path, &svg).with_context(|| format!("can't write {}", path.display()))?;
+        anyhow::Ok(svg)
     };
     let write_png = || {
         let path = path("png");
         draw_png(picture, &path).with_context(|| format!("can't write {}", path.display()))
     };
     let (svg, png) = rayon::join(write_svg, write_png);
-    svg.and(png)
+    png.and(svg)
 }
 
-/// A figure as SVG, to be a file or a part of a page.
+/// A figure as SVG, without a file.
 ///
 /// # Errors
 /// Those of the drawing library.
-pub fn svg(number: Number, record: &Record) -> anyhow::Result<String> {
+#[cfg(test)]
+pub(crate) fn svg(number: Number, record: &Record) -> anyhow::Result<String> {
     canvas::register_fonts()?;
     draw_svg(&Layout::new(&content::figure(number, record))?, &label(number))
 }
@@ -125,17 +128,23 @@ fn place(x: f64, from: (f64, f64), to: (f64, f64)) -> f64 {
 
 /// An RGB picture reduced by [`UNITS`] to a width in px: each pixel is the mean of the units that it covers.
 fn reduce(pixels: &[u8], width: usize) -> Vec<u8> {
+    const CHANNELS: usize = 3;
     let units = UNITS as usize;
-    let row = 3 * width * units;
-    let sum = |rows: &[u8], x: usize, channel: usize| -> u32 {
-        let offsets = (0..units).flat_map(|j| (0..units).map(move |i| j * row + 3 * (x * units + i)));
-        offsets.map(|offset| u32::from(rows[offset + channel])).sum()
-    };
+    let row = CHANNELS * width * units;
     let mean = |sum: u32| ((sum + UNITS * UNITS / 2) / (UNITS * UNITS)) as u8;
-    pixels
-        .chunks_exact(row * units)
-        .flat_map(|rows| (0..3 * width).map(move |i| mean(sum(rows, i / 3, i % 3))))
-        .collect()
+    let mut reduced = Vec::with_capacity(pixels.len() / (units * units));
+    let mut columns = vec![0; row];
+    for rows in pixels.chunks_exact(row * units) {
+        columns.fill(0);
+        for row in rows.chunks_exact(row) {
+            columns.iter_mut().zip(row).for_each(|(sum, &x)| *sum += u32::from(x));
+        }
+        for pixel in columns.chunks_exact(CHANNELS * units) {
+            let sum = |channel: usize| pixel[channel..].iter().step_by(CHANNELS).sum();
+            reduced.extend([0, 1, 2].map(|channel| mean(sum(channel))));
+        }
+    }
+    reduced
 }
 
 #[cfg(test)]
@@ -209,7 +218,7 @@ mod tests {
         let record = record(30.0);
         let folder = std::env::temp_dir().join(format!("host-sim-figures-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        draw_all(&record, &folder).unwrap();
+        let drawn = draw_all(&record, &folder).unwrap();
         let again = content::figure(Number::Four, &record);
         draw_png(&Layout::new(&again).unwrap(), &folder.join("again.png")).unwrap();
         let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
@@ -221,6 +230,7 @@ mod tests {
         assert!(pictures[0] == pictures[3] && pictures[0] != pictures[1]);
         for (file, number) in svgs.into_iter().zip(ALL) {
             assert!(file == svg(number, &record).unwrap().into_bytes(), "figure {number}");
+            assert!(file == drawn[number as usize - 4].as_bytes(), "figure {number}");
         }
     }
 

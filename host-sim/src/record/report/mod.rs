@@ -39,13 +39,9 @@ fn caption(number: Number) -> &'static str {
     }
 }
 
-/// The page.
-///
-/// # Errors
-/// Those of the drawing library.
-pub fn html(record: &Record, summary: &Summary) -> anyhow::Result<String> {
-    let figures: String =
-        figure::ALL.into_iter().map(|n| figure_of(record, n)).collect::<anyhow::Result<_>>()?;
+/// The page; `figures` are the SVGs of [`figure::ALL`].
+pub fn html(record: &Record, summary: &Summary, figures: &[String]) -> String {
+    let figures: String = figure::ALL.into_iter().zip(figures).map(|(n, svg)| figure(n, svg)).collect();
     let title = format!("PT-326 fault diagnosis {}", escape(&record.origin.to_string()));
     let body = [
         introduction(record, summary),
@@ -58,12 +54,12 @@ pub fn html(record: &Record, summary: &Summary) -> anyhow::Result<String> {
         tables::baseline(record, summary),
         HOW_TO_READ.into(),
     ];
-    Ok(format!(
+    format!(
         "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n\
          <meta name='viewport' content='width=device-width, initial-scale=1'>\n<title>{title}</title>\n\
          <style>\n{STYLE}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
         body.concat()
-    ))
+    )
 }
 
 /// What was run.
@@ -130,7 +126,7 @@ fn key_numbers(record: &Record, summary: &Summary) -> String {
     let detected = seen(|score| score.detected_s.is_some());
     let isolated = seen(|score| score.isolated_s.is_some());
     let all = summary.faults.len();
-    let expected = record.faults.iter().filter(|f| f.expected_class().is_some()).count();
+    let expected = record.faults.iter().filter(|f| Expectation::of(f).class.is_some()).count();
     let named = summary.faults.iter().filter(|f| f.likelihood.score.isolated_s.is_some()).count();
     let (from, to) = record.nominal_window;
     let keys = [
@@ -143,23 +139,17 @@ fn key_numbers(record: &Record, summary: &Summary) -> String {
             format!("{} %", significant(summary.control_error_max_pct, 3)),
             format!("of the set-point, {from} to {to} s; paper {PAPER_CONTROL_ERROR} %"),
         ),
-        (
-            "Speed",
-            format!("{} &times;", significant(summary.realtime_factor, 2)),
-            "real time, rig and instrument".to_owned(),
-        ),
     ];
     let cards = keys
         .map(|(name, value, note)| format!("<div><dt>{name}</dt><dd>{value}</dd><dd>{note}</dd></div>\n"));
     format!("<dl class='keys'>\n{}</dl>\n", cards.concat())
 }
 
-fn figure_of(record: &Record, number: Number) -> anyhow::Result<String> {
-    let svg = figure::svg(number, record)?;
+fn figure(number: Number, svg: &str) -> String {
     let caption = caption(number);
-    Ok(format!(
+    format!(
         "<figure>\n{svg}<figcaption><strong>Figure {number}.</strong> {caption}</figcaption>\n</figure>\n"
-    ))
+    )
 }
 
 #[cfg(test)]
@@ -173,7 +163,8 @@ mod tests {
 
     fn page(scenario: &Scenario) -> String {
         let record = run(&Config::default(), scenario, 1).unwrap();
-        html(&record, &Summary::new(&record)).unwrap()
+        let figures = figure::ALL.map(|number| figure::svg(number, &record).unwrap());
+        html(&record, &Summary::new(&record), &figures)
     }
 
     #[test]

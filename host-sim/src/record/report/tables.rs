@@ -57,7 +57,7 @@ fn likelihood(record: &Record, summary: &Summary) -> String {
 
 fn likelihood_row(record: &Record, fault: &Fault, seen: &FaultSummary) -> Vec<String> {
     let p = &seen.likelihood;
-    let expected = fault.expected_class();
+    let expected = Expectation::of(fault).class;
     let class = |name: Option<&str>| match name {
         None => NOTHING.into(),
         Some(name) if expected.is_some_and(|class| class.name() == name) => name.to_owned(),
@@ -89,7 +89,7 @@ fn paper_cells(fault: &FaultSummary) -> Vec<String> {
 }
 
 fn fault_row(record: &Record, fault: &Fault, seen: &FaultSummary, score: &Score) -> Vec<String> {
-    let expected = fault.expected();
+    let expected = Expectation::of(fault);
     let never = |answer: Option<u8>, word| never(record, fault, answer.is_some(), word);
     let detected = moment(score.detected_s, score.detection_delay_s);
     let isolated = moment(score.isolated_s, score.isolation_delay_s);

@@ -24,7 +24,8 @@ pub(super) fn count(watch: &mut Stopwatch, recording: &Recording, out: &mut impl
     for (name, phase) in PHASES {
         let samples = ticks(recording).filter(|(_, report)| phase(&report.likelihood)).count();
         let mut ticks = ticks(recording);
-        let likelihood = Likelihood::new(&Config::default()).expect("valid");
+        let c = Config::default();
+        let likelihood = Likelihood::new(&c.likelihood, &c.identification, c.sample_time).expect("valid");
         let mut state = LikelihoodState::default();
         watch.pass(out, [name], samples, |watch, _| {
             for (tick, report) in ticks.by_ref() {

@@ -7,7 +7,8 @@ use fdi_core::control::pid::{Pid, PidState};
 use fdi_core::control::prbs::{Prbs, PrbsState};
 use fdi_core::diagnosis::signature::{PAPER_DETECTION, PAPER_ISOLATION, Symptoms, Table, symptoms};
 use fdi_core::filter::{LowPass, LowPassState};
-use fdi_core::identify::observer::{Bandwidth, Observation, Observer, ObserverState};
+use fdi_core::identify::Bandwidth;
+use fdi_core::identify::observer::{Observation, Observer, ObserverState};
 use fdi_core::identify::transfer::Transfer;
 use fdi_core::sense::thermistor::Thermistor;
 use fdi_core::sense::{Sensing, SensingState};
@@ -33,7 +34,7 @@ fn control_parts(watch: &mut Stopwatch, recording: &Recording, out: &mut impl Wr
         let code = AdcCode(recording.row(k).codes[1]);
         watch.time(0, || celsius(&thermistor, code));
     })?;
-    let sensing = Sensing::new(&config).expect("valid");
+    let sensing = Sensing::new(&config.sensors, &config.plausibility, config.sample_time).expect("valid");
     let mut state = SensingState::default();
     watch.pass(out, ["sensing: 3 conversions, plausibility"], ticks, |watch, k| {
         let raw = sample(recording.row(k).codes);

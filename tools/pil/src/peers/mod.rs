@@ -4,7 +4,8 @@ mod full_matrix;
 mod regressor;
 mod textbook;
 
-use fdi_core::identify::rls::{Adaptation, Rls, RlsConfig};
+use fdi_core::identify::rls::Rls;
+use fdi_core::identify::{Adaptation, RlsConfig};
 
 pub use full_matrix::FullMatrix;
 pub use regressor::Regressor;

@@ -3,12 +3,14 @@
 
 use std::fmt::Write;
 
-use super::definition::Expect;
-use super::results::{By, CellResults, FaultStatistics, Results};
-use super::statistics::Quantiles;
 use super::table::{alarms, delays, label, seconds};
-use super::target::Outcome;
-use super::trade::Trade;
+use crate::campaign::by::By;
+use crate::campaign::definition::Expect;
+use crate::campaign::results::{CellResults, Results};
+use crate::campaign::statistics::FaultStatistics;
+use crate::campaign::statistics::quantiles::Quantiles;
+use crate::campaign::statistics::target::Outcome;
+use crate::campaign::statistics::trade::Trade;
 
 /// All tables, with a line end.
 pub(super) fn of(results: &Results) -> String {

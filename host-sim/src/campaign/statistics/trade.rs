@@ -2,10 +2,11 @@
 
 use serde::Serialize;
 
-use super::cell::Cell;
-use super::definition::Expect;
-use super::results::{AlarmStatistics, By, Case, Statistics};
-use super::statistics::Quantiles;
+use super::quantiles::Quantiles;
+use super::{AlarmStatistics, Case, Statistics};
+use crate::campaign::by::By;
+use crate::campaign::cell::Cell;
+use crate::campaign::definition::Expect;
 use pt326_rig::Disturbance;
 
 /// Names of the cells whose delays are told begin so.

@@ -1,10 +1,10 @@
 //! The heat of many runs, and which of their trips were right.
 
-use fdi_core::TripReason;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use super::Heat;
-use crate::campaign::results::Case;
+use super::Case;
+use crate::campaign::definition::may_trip::reason_name;
+use crate::campaign::run::heat::Heat;
 
 /// The heat of some runs. Worst values are of those that did not trip before the fault, which tried nothing; null where
 /// it never came to that in one of them, or none is left.
@@ -67,7 +67,7 @@ fn tripped_otherwise(case: &Case) -> bool {
 fn reasons(cases: &[Case]) -> Vec<(String, usize)> {
     let mut counts: Vec<(String, usize)> = Vec::new();
     let tried = cases.iter().filter(|case| !tripped_early(case));
-    for reason in tried.filter_map(|(_, row)| row.heat.trip).map(name) {
+    for reason in tried.filter_map(|(_, row)| row.heat.trip).map(reason_name) {
         match counts.iter_mut().find(|(known, _)| *known == reason) {
             Some((_, count)) => *count += 1,
             None => counts.push((reason, 1)),
@@ -77,39 +77,9 @@ fn reasons(cases: &[Case]) -> Vec<(String, usize)> {
     counts
 }
 
-/// Name of a reason in files.
-pub fn name(reason: TripReason) -> String {
-    serde_json::to_value(reason).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
-}
-
-/// Which trips are right in a cell.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "expected true, false or a list of reasons such as [\"t1_open\"]")]
-pub enum MayTrip {
-    /// `true`: whatever switches off is right; `false`: nothing may.
-    Whatever(bool),
-    /// These alone.
-    For(Vec<TripReason>),
-}
-
-impl Default for MayTrip {
-    fn default() -> Self {
-        Self::Whatever(false)
-    }
-}
-
-impl MayTrip {
-    fn allows(&self, reason: TripReason) -> bool {
-        match self {
-            Self::Whatever(allowed) => *allowed,
-            Self::For(reasons) => reasons.contains(&reason),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use fdi_core::Config;
+    use fdi_core::{Config, TripReason};
 
     use super::*;
     use crate::campaign::cell::Cell;

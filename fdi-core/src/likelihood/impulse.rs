@@ -11,20 +11,21 @@
 //! area of a response, `A = w' R^-1 p`, says whether a thermistor answers; its centroid `(w t)' R^-1 p / A` how late. w is how
 //! many ticks a band has, t where its middle is.
 
-use super::model::{dot, shift};
 use crate::bounds::larger;
 use crate::root::sqrt;
+use crate::vector::{dot, shift};
 
 /// Bands of lags: 1, 2 and 3, 4 to 6, 7 to 12 ticks. The first lag is that of the power that acted until now.
 const BANDS: usize = 4;
 const ENDS: [usize; BANDS + 1] = [0, 1, 3, 6, 12];
 const LAGS: usize = ENDS[BANDS];
-/// Memory of the high-pass and of the sums, s.
+/// Time constant of the high-pass, s (docs/diagnosis.md, section 8).
 const SWING_TIME: f32 = 0.5;
+/// Memory of the sums, s (docs/diagnosis.md, section 8).
 const MEMORY: f32 = 12.0;
 /// While the power of no band has moved by so much nothing is learnt or forgotten, %.
 const MIN_POWER: f32 = 0.2;
-/// Keeps R regular where little has been seen, %^2: 2 % of what the default excitation gathers.
+/// Ridge of the regression, %^2: it keeps R regular where little has been seen. 2 % of what the default excitation gathers.
 const RIDGE: f32 = 100.0;
 /// Ticks in a band, and these times the middle of the band.
 const AREA: [f32; BANDS] = [1.0, 2.0, 3.0, 6.0];
@@ -32,14 +33,14 @@ const MOMENT: [f32; BANDS] = [1.0, 5.0, 15.0, 57.0];
 
 /// Shares that are kept from tick to tick.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Response {
+pub(super) struct ImpulseResponse {
     high_pass: f32,
     keep: f32,
 }
 
 /// The sums, and what they are made of.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ResponseState {
+pub(super) struct ImpulseResponseState {
     /// High-passed power, newest first, and the last power, %.
     power: [f32; LAGS],
     power_before: f32,
@@ -64,14 +65,14 @@ pub(super) struct Answer {
     pub(super) late_sd: f32,
 }
 
-impl Response {
+impl ImpulseResponse {
     pub(super) fn new(sample_time: f32) -> Self {
         let keep = |time: f32| libm::expf(-sample_time / time);
         Self { high_pass: keep(SWING_TIME), keep: keep(MEMORY) }
     }
 
-    /// Takes in the readings where there are any, and the power applied from now on, %.
-    pub(super) fn step(&self, s: &mut ResponseState, readings: [Option<f32>; 3], power: f32) {
+    /// One tick: the readings where there are any, and the power applied from now on, %.
+    pub(super) fn step(&self, s: &mut ImpulseResponseState, readings: [Option<f32>; 3], power: f32) {
         let x: [f32; BANDS] = core::array::from_fn(|b| s.power[ENDS[b]..ENDS[b + 1]].iter().sum::<f32>());
         for (m, reading) in readings.into_iter().enumerate() {
             let change = reading.zip(s.before[m]).map_or(0.0, |(now, before)| now - before);
@@ -87,7 +88,7 @@ impl Response {
     }
 
     #[inline(never)]
-    fn gather(&self, s: &mut ResponseState, x: &[f32; BANDS]) {
+    fn gather(&self, s: &mut ImpulseResponseState, x: &[f32; BANDS]) {
         for i in 0..BANDS {
             for j in 0..=i {
                 s.r[i][j] = self.keep * s.r[i][j] + x[i] * x[j];
@@ -104,7 +105,7 @@ impl Response {
     }
 }
 
-impl ResponseState {
+impl ImpulseResponseState {
     /// How T0, T1 and T2 answer.
     #[inline(never)]
     pub(super) fn answers(&self) -> [Answer; 3] {
@@ -177,7 +178,7 @@ mod tests {
     /// First-order lags of gain 0.3 and 0.2 degC per %, the second two ticks later, and a T0 that does nothing.
     #[test]
     fn known_responses_are_found() {
-        let (response, mut s) = (Response::new(0.11), ResponseState::default());
+        let (response, mut s) = (ImpulseResponse::new(0.11), ImpulseResponseState::default());
         let (mut seed, mut power) = (1u32, [0.0f32; 3]);
         let (mut t1, mut t2) = (0.0, 0.0);
         for _ in 0..400 {
@@ -197,7 +198,7 @@ mod tests {
 
     #[test]
     fn nothing_seen_gives_no_answer_and_wild_input_no_panic() {
-        let (response, mut s) = (Response::new(0.11), ResponseState::default());
+        let (response, mut s) = (ImpulseResponse::new(0.11), ImpulseResponseState::default());
         assert!(s.answers().iter().all(|a| !(a.area > 6.0 * a.area_sd)));
         for power in [f32::NAN, 1e30, -1e30, 0.0] {
             response.step(&mut s, [None, Some(f32::MAX), Some(f32::NAN)], power);

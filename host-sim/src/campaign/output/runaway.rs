@@ -2,11 +2,8 @@
 
 use std::fmt::Write;
 
-use super::results::{CellResults, Results};
 use super::table::seconds;
-
-/// Names of the cells that are told here, and not among the faults, begin so.
-pub(super) const RUNAWAY: &str = "runaway/";
+use crate::campaign::results::{CellResults, RUNAWAY, Results};
 
 /// The tables, with a line end; none without such a cell.
 pub(super) fn of(results: &Results) -> Option<String> {

@@ -1,79 +1,11 @@
-//! What is hoped for, as data, and whether it came true.
+//! Whether what was hoped for came true.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::heat::HeatStatistics;
-use super::results::{By, Case, FaultStatistics, Statistics};
-
-/// A bound on a measure of some cells.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Target {
-    /// Name of the cells; one that ends with `*` stands for all that begin so.
-    pub cells: String,
-    /// What is measured.
-    pub measure: Measure,
-    /// Which diagnosis.
-    #[serde(default)]
-    pub by: By,
-    /// It is to hold for each cell by itself, not for all their runs together.
-    #[serde(default)]
-    pub each: bool,
-    /// Upper bound.
-    pub at_most: Option<f64>,
-    /// Lower bound.
-    pub at_least: Option<f64>,
-}
-
-/// What can be measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Measure {
-    /// Median delay of the detection, s.
-    DetectionMedian,
-    /// 95th percentile of the delay of the detection, s.
-    DetectionP95,
-    /// 95th percentile of the delay of the isolation, s.
-    IsolationP95,
-    /// Runs in which the fault was not detected, %.
-    Missed,
-    /// Runs in which it was rightly isolated at some time, %.
-    Isolated,
-    /// Runs in which the class named first was right, %.
-    FirstRight,
-    /// Runs in which the class settled on was right, %.
-    SettledRight,
-    /// 95th percentile of |indicated - true duration|, s.
-    DurationErrorP95,
-    /// Median of |estimated / true magnitude - 1|, %.
-    MagnitudeErrorMedian,
-    /// 95th percentile of the same, %.
-    MagnitudeErrorP95,
-    /// Runs whose interval holds the true magnitude, %.
-    MagnitudeCoverage,
-    /// Alarms an hour beside the fault.
-    AlarmsPerHour,
-    /// Hours watched.
-    Hours,
-    /// Runs with an alarm beside the fault; does not exist where it never watched.
-    RunsWithAlarm,
-    /// Runs in which it did not watch when it should have: silence means nothing then.
-    Unarmed,
-    /// Runs that tripped, %.
-    Tripped,
-    /// Runs that tripped for a reason that the cell does not allow, or before the fault, %.
-    TrippedOtherwise,
-    /// Highest true temperature of the air at T1 over the set-point, of any run, degC.
-    OvershootMax,
-    /// Longest time from the onset to heater off; does not exist where a run never did.
-    OffDelayMax,
-    /// The same from when the fault could be seen in a thermistor or in a saturated controller.
-    OffAfterVisibleMax,
-    /// Longest time at full power, s.
-    SaturatedMax,
-    /// Longest time at more than 1.8 times the power that the set-point needed, s; does not exist where a run never learnt.
-    OverpowerMax,
-}
+use super::{Case, FaultStatistics, Statistics};
+use crate::campaign::by::By;
+use crate::campaign::definition::target::{Measure, Target};
 
 /// A target and what became of it.
 #[derive(Clone, Debug, Serialize)]
@@ -93,11 +25,6 @@ pub struct Outcome {
 }
 
 impl Measure {
-    /// Its name in a definition.
-    pub fn name(self) -> String {
-        serde_json::to_value(self).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
-    }
-
     fn of(self, by: By, cases: &[Case]) -> Option<f64> {
         match self.of_heat(&HeatStatistics::new(cases)) {
             Some(measured) => measured,
@@ -147,26 +74,11 @@ impl Measure {
 
 impl Target {
     /// Who is judged: a diagnosis, or the instrument as a whole.
-    pub(super) fn judged(&self) -> &'static str {
+    pub(in crate::campaign) fn judged(&self) -> &'static str {
         match self.measure.of_heat(&HeatStatistics::default()) {
             Some(_) => "instrument",
             None => self.by.name(),
         }
-    }
-
-    fn chooses(&self, name: &str) -> bool {
-        match self.cells.strip_suffix('*') {
-            Some(head) => name.starts_with(head),
-            None => name == self.cells,
-        }
-    }
-
-    /// How far a value lies on the good side of its bounds; negative: missed.
-    fn margin(&self, measured: Option<f64>) -> f64 {
-        let Some(x) = measured else { return f64::NEG_INFINITY };
-        let below = self.at_most.map_or(f64::INFINITY, |bound| bound - x);
-        let above = self.at_least.map_or(f64::INFINITY, |bound| x - bound);
-        below.min(above)
     }
 }
 
@@ -211,27 +123,4 @@ fn judge_one(target: &Target, setting: &str, cases: &[Case]) -> Option<Outcome> 
     let by_cell = cases.chunk_by(|a, b| a.1.cell == b.1.cell);
     let all = by_cell.map(|cases| outcome(&cases[0].0.name, cases));
     all.min_by(|a, b| target.margin(a.measured).total_cmp(&target.margin(b.measured)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn target(cells: &str, at_most: Option<f64>, at_least: Option<f64>) -> Target {
-        let by = By::Likelihood;
-        Target { cells: cells.into(), measure: Measure::Missed, by, each: false, at_most, at_least }
-    }
-
-    #[test]
-    fn cells_are_chosen_by_name_or_by_how_it_begins() {
-        assert!(target("a/*", None, None).chooses("a/b 1") && !target("a/*", None, None).chooses("ba/b"));
-        assert!(target("a/b", None, None).chooses("a/b") && !target("a/b", None, None).chooses("a/b 1"));
-    }
-
-    #[test]
-    fn what_never_happened_misses_every_bound() {
-        assert!(target("a", Some(1.0), None).margin(None) < 0.0);
-        assert!(target("a", Some(1.0), None).margin(Some(1.0)) >= 0.0);
-        assert!(target("a", Some(1.0), Some(0.5)).margin(Some(0.25)) < 0.0);
-    }
 }

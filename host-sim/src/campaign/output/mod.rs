@@ -1,35 +1,46 @@
-//! `campaign.json`, `cells.csv`, `runs.csv`, `tables.md` and `runaway.md`.
+//! What a campaign writes: `campaign.json`, `cells.csv`, `runs.csv`, `tables.md`, `runaway.md` and pictures.
 
-use crate::score::expectation::Expectation;
+mod markdown;
+mod pictures;
+mod runaway;
+pub mod table;
+
 use std::io::Write;
 use std::path::Path;
 
 use anyhow::Context;
 
+use super::by::By;
 use super::cell::Cell;
-use super::heat::{self, Heat, HeatStatistics};
-use super::results::{By, CellResults, Results};
+use super::definition::may_trip::reason_name;
+use super::results::{CellResults, Results};
+use super::run::heat::Heat;
 use super::run::{RunRow, Seen};
-use super::statistics::Quantiles;
-use super::table::counted;
+use super::statistics::heat::HeatStatistics;
+use super::statistics::quantiles::Quantiles;
+use crate::score::expectation::Expectation;
+use table::counted;
 
 /// A cell of a table with the name of its column.
 type Field = (String, String);
 
-/// Writes them all.
+/// Writes them all, and the pictures; gives their names.
 ///
 /// # Errors
 /// The file that can't be written.
-pub(super) fn write(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Path) -> anyhow::Result<()> {
+pub fn write(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Path) -> anyhow::Result<String> {
     let mut json = serde_json::to_vec_pretty(results)?;
     writeln!(json)?;
     write_file(out, "campaign.json", &json)?;
-    write_file(out, "tables.md", super::markdown::of(results).as_bytes())?;
-    if let Some(runaway) = super::runaway::of(results) {
-        write_file(out, "runaway.md", runaway.as_bytes())?;
-    }
+    write_file(out, "tables.md", markdown::of(results).as_bytes())?;
     write_file(out, "cells.csv", &csv(results.cells.iter().map(cell_fields))?)?;
-    write_file(out, "runs.csv", &csv(rows.iter().map(|row| run_fields(&cells[row.cell], row)))?)
+    write_file(out, "runs.csv", &csv(rows.iter().map(|row| run_fields(&cells[row.cell], row)))?)?;
+    let mut names = String::from("campaign.json, cells.csv, runs.csv, tables.md");
+    if let Some(runaway) = runaway::of(results) {
+        write_file(out, "runaway.md", runaway.as_bytes())?;
+        names += ", runaway.md";
+    }
+    Ok(names + &pictures::draw(results, cells, rows, out)?)
 }
 
 fn write_file(out: &Path, name: &str, bytes: &[u8]) -> anyhow::Result<()> {
@@ -59,19 +70,19 @@ fn maybe(name: impl Into<String>, value: Option<impl ToString>) -> Field {
 }
 
 fn run_fields(cell: &Cell, row: &RunRow) -> Vec<Field> {
-    let fault = cell.fault();
+    let expected = cell.fault().map(Expectation::of);
     let mut fields = vec![
         field("cell", &cell.name),
         field("setting", &cell.setting),
         field("run", row.run),
         field("seed", row.seed),
-        maybe("class", fault.and_then(|f| f.expected_class()).map(|c| c.name())),
-        maybe("magnitude_true", fault.and_then(|f| f.true_magnitude())),
+        maybe("class", expected.and_then(|e| e.class).map(|c| c.name())),
+        maybe("magnitude_true", expected.and_then(|e| e.magnitude)),
         maybe("onset_s", row.onset_s),
     ];
     fields.extend(heat_fields(&row.heat));
     for by in By::BOTH {
-        fields.extend(seen_fields(by, by.of(row)));
+        fields.extend(seen_fields(by, row.by(by)));
     }
     fields
 }
@@ -80,7 +91,7 @@ fn heat_fields(heat: &Heat) -> [Field; 8] {
     [
         field("air_max_c", heat.air_max_c),
         field("overshoot_max_c", heat.overshoot_max_c),
-        maybe("trip", heat.trip.map(heat::name)),
+        maybe("trip", heat.trip.map(reason_name)),
         maybe("tripped_s", heat.tripped_s),
         maybe("off_delay_s", heat.off_delay_s),
         maybe("off_after_visible_s", heat.off_after_visible_s),

@@ -1,162 +1,18 @@
-//! A campaign as data: what is done how often to which rigs, and what is hoped for.
-
-use crate::score::expectation::Expectation;
-use std::collections::BTreeMap;
-use std::path::Path;
+//! From the definition of a campaign to its cells: every size, plant and value of the sweep in one of its own.
 
 use anyhow::{Context, ensure};
 use fdi_core::{Celsius, Config};
-use serde::{Deserialize, Serialize};
+use pt326_rig::RigConfig;
+use pt326_rig::fault::Fault;
 use toml::{Table, Value};
 
 use super::cell::Cell;
-use super::heat::MayTrip;
-use super::target::Target;
-use crate::experiment::scenario::{Action, Scenario};
-use pt326_rig::fault::Fault;
-use pt326_rig::{Disturbance, RigConfig};
-
-/// The default campaign, commented.
-pub const CAMPAIGN_TOML: &str = include_str!("../../defaults/campaign.toml");
-
-/// A campaign.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Campaign {
-    /// The first seed; every cell has seeds of its own, in the order of the cells.
-    pub seeds_from: u64,
-    /// Numbers of runs are multiplied by this.
-    pub scale: f64,
-    /// Only the cells whose name contains this.
-    pub only: String,
-    /// A fault cell goes on so long after the last thing that happens, s.
-    pub rest: f64,
-    /// Settings of the instrument that take each of some values in turn: `"diagnosis.sigma_factor" = [2.5, 3.0]`.
-    pub sweep: BTreeMap<String, Vec<Value>>,
-    /// Settings that take each of some values by itself, all others as they are; once they are all as they are.
-    pub vary: BTreeMap<String, Vec<Value>>,
-    /// Rigs that differ from the reference rig.
-    #[serde(rename = "plant")]
-    pub plants: Vec<Plant>,
-    /// What is done.
-    #[serde(rename = "cell")]
-    pub cells: Vec<CellDefinition>,
-    /// What is hoped for.
-    #[serde(rename = "target")]
-    pub targets: Vec<Target>,
-}
-
-impl Default for Campaign {
-    fn default() -> Self {
-        Self {
-            seeds_from: 1_000_000,
-            scale: 1.0,
-            only: String::new(),
-            rest: 30.0,
-            sweep: BTreeMap::new(),
-            vary: BTreeMap::new(),
-            plants: Vec::new(),
-            cells: Vec::new(),
-            targets: Vec::new(),
-        }
-    }
-}
-
-/// A rig that differs, with what the user would tell the instrument of it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Plant {
-    /// Name, stands behind that of the cell.
-    pub name: String,
-    /// Turbulence and measurement noise are multiplied by this.
-    #[serde(default = "one")]
-    pub noise: f64,
-    /// Its constants, as in a scenario.
-    #[serde(default)]
-    pub rig: RigConfig,
-    /// Settings of the instrument that go with it, as in a configuration.
-    #[serde(default)]
-    pub config: Table,
-}
-
-/// What should come of a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Expect {
-    /// The first fault is to be detected and isolated.
-    Fault,
-    /// No alarm, whatever is done.
-    Silence,
-}
-
-/// Runs of one kind.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CellDefinition {
-    /// Name, such as `sizes/t2_offset`.
-    pub name: String,
-    /// What should come of it; left out: a fault if the first of `fault` is one.
-    pub expect: Option<Expect>,
-    /// Number of runs, before `scale`.
-    pub runs: u64,
-    /// How much the surroundings move.
-    #[serde(default = "lively")]
-    pub disturbance: Disturbance,
-    /// Everything happens later by a time drawn for each run from 0 to this, s.
-    #[serde(default)]
-    pub phase: f64,
-    /// Each run is armed at this time, s: until then the instrument sees the rig cold.
-    #[serde(default)]
-    pub arm_at: f64,
-    /// Length of a run, s; left out: until the last thing that happens, and `rest`.
-    pub duration: Option<f64>,
-    /// Sizes that the first fault takes, each in a cell of its own.
-    #[serde(default)]
-    pub sizes: Vec<f64>,
-    /// Lags that go with the sizes, s.
-    #[serde(default)]
-    pub lags: Vec<f64>,
-    /// Names of the plants, each in a cell of its own; none: the reference rig.
-    #[serde(default)]
-    pub plants: Vec<String>,
-    /// The room of each run is drawn between these, degC.
-    pub ambient: Option<[f64; 2]>,
-    /// The set-point of each run is drawn between these, degC.
-    pub setpoint: Option<[f64; 2]>,
-    /// Which trips are right; left out: none.
-    #[serde(default)]
-    pub may_trip: MayTrip,
-    /// Settings of the instrument that differ, as in a configuration.
-    #[serde(default)]
-    pub config: Table,
-    /// What happens to the rig; the first is the one that is scored.
-    #[serde(default, rename = "fault")]
-    pub faults: Vec<Fault>,
-    /// What the user does.
-    #[serde(default, rename = "action")]
-    pub actions: Vec<Action>,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-fn lively() -> Disturbance {
-    Disturbance::Lively
-}
+use super::definition::{Campaign, CellDefinition, Expect, Plant};
+use crate::experiment::scenario::Scenario;
+use crate::score::expectation::Expectation;
 
 impl Campaign {
-    /// Reads a campaign; without a path the default one.
-    ///
-    /// # Errors
-    /// The file, and the line and key that are wrong.
-    pub fn read(path: Option<&Path>) -> anyhow::Result<Self> {
-        let Some(path) = path else { return Ok(toml::from_str(CAMPAIGN_TOML)?) };
-        let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
-        toml::from_str(&text).with_context(|| path.display().to_string())
-    }
-
-    /// All cells, every size, plant and value of the sweep in one of its own.
+    /// All cells.
     ///
     /// # Errors
     /// The cell and the key that is wrong.
@@ -195,7 +51,8 @@ impl Campaign {
         for (key, value) in values {
             merge(&mut config, &nested(key, value));
         }
-        let config: Config = config.try_into().with_context(|| format!("its settings {setting}"))?;
+        let config =
+            crate::settings::from_table(config).with_context(|| format!("its settings {setting}"))?;
         fdi_core::Instrument::new(&config).with_context(|| format!("its settings {setting}"))?;
         let ends = variant.faults.iter().map(Fault::end);
         let last =
@@ -209,7 +66,7 @@ impl Campaign {
             actions: definition.actions.clone(),
         };
         scenario.validate()?;
-        let is_fault = scenario.faults.first().is_some_and(|f| f.expected_class().is_some());
+        let is_fault = scenario.faults.first().is_some_and(|f| Expectation::of(f).class.is_some());
         let expect = definition.expect.unwrap_or(if is_fault { Expect::Fault } else { Expect::Silence });
         ensure!(expect == Expect::Silence || is_fault, "expect: its first fault is none that could be named");
         let phase = definition.phase;

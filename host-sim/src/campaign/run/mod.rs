@@ -1,16 +1,19 @@
 //! One run of a campaign, seen by both diagnoses, as the few numbers that are kept of it.
 
-use crate::score::expectation::Expectation;
+pub mod heat;
+
 use fdi_core::Instrument;
 use fdi_core::likelihood::{FaultClass, Readiness};
 use serde::{Deserialize, Serialize};
 
+use super::by::By;
 use super::cell::Cell;
-use super::heat::{Heat, HeatWatch};
 use crate::experiment::{Row, as_written, drive, tick_time, with_prbs_phase};
+use crate::score::expectation::Expectation;
 use crate::score::{
     LikelihoodScore, LikelihoodWatch, Rise, Score, TAIL, Watch, signature_class, signature_sight,
 };
+use heat::{Heat, HeatWatch};
 use pt326_rig::fault::Fault;
 
 /// One run.
@@ -30,6 +33,16 @@ pub struct RunRow {
     pub signature: Seen,
     /// By the likelihood diagnosis.
     pub likelihood: Seen,
+}
+
+impl RunRow {
+    /// By one diagnosis.
+    pub fn by(&self, by: By) -> &Seen {
+        match by {
+            By::Likelihood => &self.likelihood,
+            By::Signature => &self.signature,
+        }
+    }
 }
 
 /// What one diagnosis saw.
@@ -170,7 +183,7 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
     let [signature, likelihood] = guards;
     let (signature, likelihood) = match (fault, watches) {
         (Some(fault), Some((by_signature, by_likelihood))) => {
-            let isolable = fault.expected().fiv.is_some();
+            let isolable = Expectation::of(fault).fiv.is_some();
             let seen = signature.finish(by_signature.score(sample_time, isolable));
             (named_by_signature(seen, &by_signature), named_by_likelihood(likelihood, by_likelihood.score()))
         }

@@ -24,7 +24,7 @@ impl Quantiles {
 }
 
 /// The smallest value that at least `share` of the sorted values do not exceed.
-pub(super) fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+pub(in crate::campaign) fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let rank = (share * sorted.len() as f64 - 1e-9).ceil().max(1.0) as usize;
     sorted.get(rank - 1).copied().filter(|x| x.is_finite())
 }

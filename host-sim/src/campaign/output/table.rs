@@ -2,14 +2,16 @@
 
 use std::fmt::Write;
 
-use super::definition::Expect;
-use super::heat::HeatStatistics;
-use super::results::{AlarmStatistics, By, CellResults, FaultStatistics, Results};
-use super::statistics::Quantiles;
-use super::target::Outcome;
+use crate::campaign::by::By;
+use crate::campaign::definition::Expect;
+use crate::campaign::results::{CellResults, Results};
+use crate::campaign::statistics::heat::HeatStatistics;
+use crate::campaign::statistics::quantiles::Quantiles;
+use crate::campaign::statistics::target::Outcome;
+use crate::campaign::statistics::{AlarmStatistics, FaultStatistics};
 
 /// Everything, with a line end.
-pub(super) fn of(results: &Results) -> String {
+pub fn of(results: &Results) -> String {
     let mut text = String::new();
     let c = &results.campaign;
     let runs: usize = results.cells.iter().map(|cell| cell.runs).sum();

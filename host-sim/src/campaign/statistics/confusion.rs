@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::results::{By, Case, class};
+use super::{Case, class};
+use crate::campaign::by::By;
 
 /// One entry of a confusion matrix.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -22,12 +23,12 @@ pub struct Confusion {
 }
 
 /// Counts the verdicts that runs on the reference rig settled on, of both diagnoses.
-pub(super) fn confusion(cases: &[Case]) -> Vec<Confusion> {
+pub(in crate::campaign) fn confusion(cases: &[Case]) -> Vec<Confusion> {
     let mut counts: BTreeMap<(&str, By, &str, &str), u32> = BTreeMap::new();
     for (cell, row) in cases.iter().filter(|(cell, _)| cell.plant.is_empty()) {
         let Some(class) = class(cell) else { continue };
         for by in By::BOTH {
-            let verdict = by.of(row).settled.as_deref().unwrap_or("none");
+            let verdict = row.by(by).settled.as_deref().unwrap_or("none");
             *counts.entry((&cell.setting, by, class, verdict)).or_default() += 1;
         }
     }

@@ -7,11 +7,12 @@ use std::path::Path;
 use fdi_core::FaultClass;
 use plotters::style::RGBColor;
 
-use super::cell::Cell;
-use super::results::{By, Results};
-use super::run::RunRow;
-use super::statistics::{Quantiles, quantile};
-use super::trade::Trade;
+use crate::campaign::by::By;
+use crate::campaign::cell::Cell;
+use crate::campaign::results::Results;
+use crate::campaign::run::RunRow;
+use crate::campaign::statistics::quantiles::{Quantiles, quantile};
+use crate::campaign::statistics::trade::Trade;
 use crate::record::figure::chart::{Axis, Chart, Dot, Log, Panel};
 use crate::record::figure::matrix::{Group, Matrix};
 use crate::record::figure::{self, BLUE, VERMILLION};
@@ -73,7 +74,8 @@ fn families(cells: &[Cell]) -> Vec<Family<'_>> {
         else {
             continue;
         };
-        let (Some(class), Some(_)) = (fault.expected_class(), fault.true_magnitude()) else { continue };
+        let expected = Expectation::of(fault);
+        let (Some(class), Some(_)) = (expected.class, expected.magnitude) else { continue };
         let title = title(class, fault.sensor);
         match families.iter_mut().find(|family| family.title == title) {
             Some(family) => family.cells.push((number, cell)),
@@ -84,7 +86,7 @@ fn families(cells: &[Cell]) -> Vec<Family<'_>> {
     for family in &mut families {
         let size = |cell: &Cell| {
             let fault = cell.fault();
-            let magnitude = fault.and_then(|f| f.true_magnitude()).unwrap_or_default();
+            let magnitude = fault.and_then(|f| Expectation::of(f).magnitude).unwrap_or_default();
             (magnitude, fault.and_then(|f| f.lag).unwrap_or_default())
         };
         family.cells.sort_by(|a, b| size(a.1).partial_cmp(&size(b.1)).unwrap_or(std::cmp::Ordering::Equal));
@@ -93,22 +95,13 @@ fn families(cells: &[Cell]) -> Vec<Family<'_>> {
 }
 
 fn title(class: FaultClass, sensor: Option<Sensor>) -> String {
-    let what = match class {
-        FaultClass::T1Offset | FaultClass::T2Offset | FaultClass::T0Fault => {
-            "reads too high or too low (\u{b0}C)"
-        }
-        FaultClass::T1Clogged => "is clogged: loss of gain (%), lag below (s)",
-        FaultClass::AirFlow => "Air flow changes (%)",
-        FaultClass::HeaterPower => "Heater power changes (%)",
-        FaultClass::Drift => "drifts (\u{b0}C a minute)",
-        other => other.name(),
-    };
+    let what = class.axis();
     sensor.map_or(what.to_owned(), |sensor| format!("{sensor:?} {what}"))
 }
 
 /// 5th percentile, median, 95th percentile of the delay, and the share of the runs that missed the fault.
 fn spread(by: By, rows: &[&RunRow]) -> ([f64; 3], f64) {
-    let delay = |row: &&RunRow| by.of(row).detection_delay_s.unwrap_or(f64::INFINITY);
+    let delay = |row: &&RunRow| row.by(by).detection_delay_s.unwrap_or(f64::INFINITY);
     let mut delays: Vec<f64> = rows.iter().map(delay).collect();
     delays.sort_by(f64::total_cmp);
     let missed = delays.iter().filter(|d| d.is_infinite()).count() as f64 / delays.len().max(1) as f64;
@@ -148,12 +141,12 @@ fn family_panel(family: &Family, rows: &[RunRow]) -> Panel {
     let mut names = Vec::new();
     for (i, (number, cell)) in family.cells.iter().enumerate() {
         let fault = cell.fault();
-        let size = fault.and_then(|f| f.true_magnitude()).unwrap_or_default();
+        let size = fault.and_then(|f| Expectation::of(f).magnitude).unwrap_or_default();
         let lag = fault.and_then(|f| f.lag).map_or(String::new(), |lag| format!("\n{lag}"));
         names.push(signed(size) + &lag);
         let of_cell: Vec<&RunRow> = rows.iter().filter(|row| row.cell == *number).collect();
         for (by, aside) in [(By::Likelihood, -8.0), (By::Signature, 8.0)] {
-            if by == By::Signature && fault.is_some_and(|f| f.expected().fdv.is_none()) {
+            if by == By::Signature && fault.is_some_and(|f| Expectation::of(f).fdv.is_none()) {
                 blind = true;
                 continue;
             }

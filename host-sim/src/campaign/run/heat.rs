@@ -1,7 +1,5 @@
 //! What a run did with the heat: how hot the air truly became, how soon the heater was off, and why.
 
-mod statistics;
-
 use std::collections::VecDeque;
 
 use fdi_core::{Mode, TripReason};
@@ -12,7 +10,6 @@ use crate::experiment::{Row, as_written};
 use crate::score::microseconds;
 use pt326_rig::Rig;
 use pt326_rig::fault::Fault;
-pub use statistics::{HeatStatistics, MayTrip, name};
 
 /// An error of a thermistor above this is a contradiction that can be seen, degC: far above noise and turbulence.
 const VISIBLE: f64 = 3.0;

@@ -1,0 +1,306 @@
+//! The classes of fault, a row each: name, unit, thermistor, number in a record, and the sentences in which it is reported.
+//!
+//! To add a class: a variant, its row below, and where it is told by a signature its hypothesis (`hypothesis.rs`, `bank.rs`).
+
+/// What is faulty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum FaultClass {
+    /// T1 reads too high or too low by a constant.
+    T1Offset,
+    /// T2 reads too high or too low by a constant.
+    T2Offset,
+    /// T1 sees only a part of the rise, or sees it late, or both.
+    T1Clogged,
+    /// The air flow is not what it was.
+    AirFlow,
+    /// The heater gives another power than the one asked for.
+    HeaterPower,
+    /// The ambient thermistor reads wrong.
+    T0Fault,
+    /// A thermistor's error grows slowly.
+    Drift,
+    /// A thermistor repeats itself although it should move.
+    Stuck(Channel),
+    /// A thermistor's wire is broken.
+    Open(Channel),
+    /// A thermistor's wires touch.
+    Short(Channel),
+    /// A thermistor gives nothing that can be true: no code, impossible temperatures or jumps.
+    Lost(Channel),
+    /// T1 is out of the tube, or half out: it sees little of the rise or none.
+    T1Detached,
+    /// T2 is out of the tube.
+    T2Detached,
+    /// Two thermistors are exchanged, as when their wires are swapped.
+    Swapped(Pair),
+    /// None of these explains what is seen, or several at once would be needed.
+    Unknown,
+}
+
+/// A thermistor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Channel {
+    /// Room.
+    T0,
+    /// Outlet, in the loop.
+    T1,
+    /// Outlet, downstream.
+    T2,
+}
+
+impl Channel {
+    /// Its name for people.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::T0 => "T0",
+            Self::T1 => "T1",
+            Self::T2 => "T2",
+        }
+    }
+}
+
+/// Two thermistors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Pair {
+    /// Outlet and outlet downstream.
+    T1T2,
+    /// Room and outlet.
+    T0T1,
+    /// Room and outlet downstream.
+    T0T2,
+}
+
+/// What is known of a class.
+struct Row {
+    name: &'static str,
+    unit: &'static str,
+    sensor: Option<Channel>,
+    number: u32,
+    sized: &'static str,
+    plain: &'static str,
+    axis: &'static str,
+}
+
+const DEGC: &str = "degC";
+const DEGC_A_MINUTE: &str = "degC/min";
+const OF_GAIN: &str = "% of gain";
+
+/// The class of `number` that belongs to no thermistor and has no magnitude.
+const fn plain(number: u32, name: &'static str, plain: &'static str) -> Row {
+    Row { name, unit: "", sensor: None, number, sized: "", plain, axis: name }
+}
+
+/// The same of a thermistor.
+const fn of(sensor: Channel, number: u32, name: &'static str, sentence: &'static str) -> Row {
+    Row { sensor: Some(sensor), ..plain(number, name, sentence) }
+}
+
+const fn offset(sensor: Channel, number: u32, name: &'static str, sentence: &'static str) -> Row {
+    Row {
+        unit: DEGC,
+        sized: "{t} reads {size} degC too {high|low}: {measured} degC measured, {corrected} expected",
+        axis: "reads too high or too low (\u{b0}C)",
+        ..of(sensor, number, name, sentence)
+    }
+}
+
+const fn detached(sensor: Channel, number: u32, name: &'static str) -> Row {
+    Row {
+        unit: OF_GAIN,
+        sized: "{t} sees {seen} % of the rise: is it out of the tube? {measured} degC measured, {expected}",
+        ..of(
+            sensor,
+            number,
+            name,
+            "{t} does not see the rise that {other} sees: is it out of the tube? {measured} degC measured, {expected}",
+        )
+    }
+}
+
+const READS_WRONG: &str = "{t} reads wrong: {measured} degC measured, {expected}";
+const WARM_T0: &str = "T0 reads {t0} degC and is no warmer place than T1 and T2: {t1} and {t2} measured, a colder room expected";
+const STUCK: &str = "{t} stands still: {measured} degC measured, movement expected";
+const OPEN: &str = "wire of {t} broken: no temperature measured, one expected";
+const SHORT: &str = "wires of {t} touch: no temperature measured, one expected";
+const LOST: &str = "{t} gives nothing that can be true: no temperature measured, one expected";
+
+macro_rules! rows {
+    ($($class:ident $(($which:ident))? => $row:expr;)*) => {
+        impl FaultClass {
+            /// Every class, in the order of the table.
+            pub const ALL: [Self; [$(stringify!($class)),*].len()] = [$(Self::$class $(($which))?),*];
+
+            #[inline(always)]
+            const fn row(self) -> Row {
+                match self {
+                    $(Self::$class $(($which))? => $row,)*
+                }
+            }
+        }
+    };
+}
+
+use Channel::{T0, T1, T2};
+use Pair::{T0T1, T0T2, T1T2};
+
+// A class without a row does not compile. Numbers are kept in recordings: a new class takes a new one.
+rows! {
+    T1Offset => offset(T1, 1, "t1_offset", READS_WRONG);
+    T2Offset => offset(T2, 2, "t2_offset", READS_WRONG);
+    T0Fault => offset(T0, 6, "t0_fault", WARM_T0);
+    T1Clogged => Row {
+        unit: OF_GAIN,
+        sized: "T1 sees {size} % of the rise too {much|little}: {measured} degC measured, {expected}",
+        axis: "is clogged: loss of gain (%), lag below (s)",
+        ..of(T1, 3, "t1_clogged", "T1 is clogged: {measured} degC measured, {expected}")
+    };
+    T1Detached => detached(T1, 13, "t1_detached");
+    T2Detached => detached(T2, 14, "t2_detached");
+    AirFlow => Row {
+        unit: "% of air flow",
+        sized: "the air flow is {size} % {stronger|weaker} than learnt: {share} % of normal estimated, 100 expected",
+        axis: "Air flow changes (%)",
+        ..plain(4, "air_flow", "the air flow is not as learnt: as learnt expected")
+    };
+    HeaterPower => Row {
+        unit: "% of power",
+        sized: "the heater gives {size} % {more|less} power than asked for: {share} % of it estimated, 100 expected",
+        axis: "Heater power changes (%)",
+        ..plain(5, "heater_power", "the heater gives the same power whatever is asked for: as much as asked for expected")
+    };
+    Drift => Row {
+        unit: DEGC_A_MINUTE,
+        sized: "a thermistor drifts {upwards|downwards} by {size} degC a minute, 0 expected",
+        axis: "drifts (\u{b0}C a minute)",
+        ..plain(7, "drift", "a thermistor drifts: none expected")
+    };
+    Stuck(T0) => of(T0, 9, "t0_stuck", STUCK);
+    Stuck(T1) => of(T1, 25, "t1_stuck", STUCK);
+    Stuck(T2) => of(T2, 41, "t2_stuck", STUCK);
+    Open(T0) => of(T0, 10, "t0_open", OPEN);
+    Open(T1) => of(T1, 26, "t1_open", OPEN);
+    Open(T2) => of(T2, 42, "t2_open", OPEN);
+    Short(T0) => of(T0, 11, "t0_short", SHORT);
+    Short(T1) => of(T1, 27, "t1_short", SHORT);
+    Short(T2) => of(T2, 43, "t2_short", SHORT);
+    Lost(T0) => of(T0, 12, "t0_lost", LOST);
+    Lost(T1) => of(T1, 28, "t1_lost", LOST);
+    Lost(T2) => of(T2, 44, "t2_lost", LOST);
+    Swapped(T1T2) => plain(15, "t1_t2_swapped",
+        "T2 answers to the heater before T1, T1 expected first: are their wires swapped?");
+    Swapped(T0T1) => plain(16, "t0_t1_swapped",
+        "T0 answers to the heater and T1 does not, the reverse expected: are their wires swapped?");
+    Swapped(T0T2) => plain(17, "t0_t2_swapped",
+        "T0 answers to the heater and T2 does not, the reverse expected: are their wires swapped?");
+    Unknown => plain(8, "unknown",
+        "temperatures are not as expected, and no single known fault explains what was measured");
+}
+
+impl FaultClass {
+    /// Its name in traces, logs and tables.
+    pub const fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    /// Unit of the estimated magnitude; empty where there is none.
+    pub const fn unit(self) -> &'static str {
+        self.row().unit
+    }
+
+    /// The thermistor that reads wrong; `None` where it is not one, or not known which.
+    pub const fn sensor(self) -> Option<Channel> {
+        self.row().sensor
+    }
+
+    /// Its number in recordings, above 0. It never changes.
+    pub const fn number(self) -> u32 {
+        self.row().number
+    }
+
+    /// The sentence that reports it; `sized` with its magnitude. What stands in braces is to be filled in:
+    ///
+    /// | | |
+    /// |---|---|
+    /// | `{t}`, `{other}` | name of its thermistor, and of the other one in the air |
+    /// | `{size}` | the magnitude without its sign, with its interval |
+    /// | `{high\|low}` | the first where the magnitude is positive, else the second |
+    /// | `{share}`, `{seen}` | what is left of 100 %; the same as a whole number, not below zero |
+    /// | `{measured}`, `{t0}`, `{t1}`, `{t2}` | what its thermistor, or this one, reads, degC |
+    /// | `{corrected}` | what it reads less the magnitude, degC |
+    /// | `{expected}` | "49.6 expected" by the models; where they expect nothing "about 33.1 expected, as T2 reads" |
+    pub const fn sentence(self, sized: bool) -> &'static str {
+        let row = self.row();
+        if sized && !row.sized.is_empty() { row.sized } else { row.plain }
+    }
+
+    /// What the axis of a figure over its magnitude is called, behind the name of the thermistor where it is of one.
+    pub const fn axis(self) -> &'static str {
+        self.row().axis
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Recordings are read by these, so that an old one says what it said.
+    #[test]
+    fn names_and_numbers_are_the_classes_own_and_never_change() {
+        const NUMBERS: [(u32, &str); 25] = [
+            (1, "t1_offset"),
+            (2, "t2_offset"),
+            (3, "t1_clogged"),
+            (4, "air_flow"),
+            (5, "heater_power"),
+            (6, "t0_fault"),
+            (7, "drift"),
+            (8, "unknown"),
+            (9, "t0_stuck"),
+            (10, "t0_open"),
+            (11, "t0_short"),
+            (12, "t0_lost"),
+            (13, "t1_detached"),
+            (14, "t2_detached"),
+            (15, "t1_t2_swapped"),
+            (16, "t0_t1_swapped"),
+            (17, "t0_t2_swapped"),
+            (25, "t1_stuck"),
+            (26, "t1_open"),
+            (27, "t1_short"),
+            (28, "t1_lost"),
+            (41, "t2_stuck"),
+            (42, "t2_open"),
+            (43, "t2_short"),
+            (44, "t2_lost"),
+        ];
+        for (number, name) in NUMBERS {
+            let classes = || FaultClass::ALL.iter().filter(|class| class.number() == number);
+            assert!(classes().count() == 1 && classes().all(|class| class.name() == name), "{number} {name}");
+        }
+        for (i, class) in FaultClass::ALL.iter().enumerate() {
+            let others = &FaultClass::ALL[i + 1..];
+            assert!(class.number() > 0 && !others.contains(class), "{class:?}");
+            assert!(
+                others.iter().all(|c| c.number() != class.number() && c.name() != class.name()),
+                "{class:?}"
+            );
+        }
+    }
+
+    /// A class with a unit says its size, one without says none; a thermistor's class speaks of a thermistor.
+    #[test]
+    fn units_sentences_and_thermistors_go_together() {
+        for class in FaultClass::ALL {
+            let [plain, sized] = [false, true].map(|sized| class.sentence(sized));
+            assert_eq!(sized != plain, !class.unit().is_empty(), "{class:?}");
+            assert!(!plain.contains("{size}") && !plain.contains('|'), "{class:?}");
+            assert!(
+                class.sensor().is_some() || !(plain.contains("{t}") || sized.contains("{t}")),
+                "{class:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! What a setting is: its name, unit and bounds, and its value in a form that console, flash, files and documents share.
+//!
+//! A setting is declared once, with `settings!` (see declare.rs), in the file of the part that it belongs to. Everything that
+//! handles settings reads [`crate::Config::settings`].
+
+mod declare;
+
+pub(crate) use declare::settings;
+
+use crate::error::{ConfigError, in_range};
+
+/// What is known of a setting but for its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// Name, as in `pid.kp`.
+    pub name: &'static str,
+    /// Number that stands for it where it is kept as bytes. It is made from the first name that the setting had, so that
+    /// what was saved under that name is still found.
+    pub id: u16,
+    /// Unit; empty for plain numbers and words.
+    pub unit: &'static str,
+    /// What it can be.
+    pub kind: Kind,
+    /// Smallest and largest value of a number, both allowed; see [`Self::bounds`].
+    pub(crate) min: f32,
+    pub(crate) max: f32,
+    /// Where its value lies: in which group, and where in that.
+    pub(crate) group: Group,
+    pub(crate) index: u8,
+}
+
+/// What only people read of a setting.
+#[derive(Clone, Copy, Debug)]
+pub struct About {
+    /// What it is: the lines of its documentation.
+    pub text: &'static str,
+    /// The name that it once had.
+    pub was: Option<&'static str>,
+}
+
+/// What a value can be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A number with decimals.
+    Number,
+    /// A whole number from 0 up to this, which is the most that its type holds.
+    Whole(u16),
+    /// On or off.
+    Switch,
+    /// One of several forms.
+    Choice(&'static [Form]),
+}
+
+/// One form of a [`Kind::Choice`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Form {
+    /// The word for it.
+    pub word: &'static str,
+    /// The numbers that belong to it, at most two.
+    pub numbers: &'static [FormNumber],
+}
+
+/// A number of a [`Form`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FormNumber {
+    /// Its name, as in `lambda`.
+    pub key: &'static str,
+    /// Its whole name, for errors.
+    pub name: &'static str,
+    /// Smallest value, allowed.
+    pub min: f32,
+    /// Largest value, allowed.
+    pub max: f32,
+}
+
+/// A value of a setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// Of a [`Kind::Number`], in the unit of the setting.
+    Number(f32),
+    /// Of a [`Kind::Whole`].
+    Whole(u16),
+    /// Of a [`Kind::Switch`].
+    Switch(bool),
+    /// Of a [`Kind::Choice`].
+    Choice {
+        /// Which form, counted from 0.
+        form: usize,
+        /// Its numbers; those that it does not have are 0.
+        numbers: [f32; 2],
+    },
+}
+
+impl Setting {
+    /// Smallest and largest value, both allowed; `None` for what is no number.
+    pub fn bounds(&self) -> Option<(f32, f32)> {
+        matches!(self.kind, Kind::Number | Kind::Whole(_)).then_some((self.min, self.max))
+    }
+
+    /// Checks a value against the bounds.
+    ///
+    /// # Errors
+    /// Name, value and bounds of the number that is out of bounds.
+    pub fn check(&self, value: Value) -> Result<(), ConfigError> {
+        match (value, self.kind) {
+            (Value::Number(x), _) => in_range(self.name, x, self.min, self.max),
+            (Value::Whole(x), _) => in_range(self.name, f32::from(x), self.min, self.max),
+            (Value::Choice { form, numbers }, Kind::Choice(forms)) => {
+                let wanted = forms.get(form).map_or(&[][..], |form| form.numbers);
+                wanted.iter().zip(numbers).try_for_each(|(n, x)| in_range(n.name, x, n.min, n.max))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A group of settings: the part of the configuration that they belong to, in the order in which they are listed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// What every part uses.
+    General,
+    /// Thermistor T0.
+    T0,
+    /// Thermistor T1.
+    T1,
+    /// Thermistor T2.
+    T2,
+    /// Plausibility of readings.
+    Plausibility,
+    /// Temperature controller.
+    Pid,
+    /// Excitation.
+    Prbs,
+    /// ARX models.
+    Identification,
+    /// Residuals, thresholds, signatures.
+    Diagnosis,
+    /// Likelihood diagnosis.
+    Likelihood,
+    /// Modes and trips.
+    Supervisor,
+}
+
+/// A field that is a setting.
+pub trait Field {
+    /// Its value.
+    fn value(&self) -> Value;
+    /// Takes over a value; `false` where it is of another kind, and nothing has changed then.
+    fn set(&mut self, value: Value) -> bool;
+}
+
+/// A type that a setting can have.
+pub trait FieldType: Field + Sized {
+    /// How a declaration writes its value.
+    type Plain;
+    /// Its unit; empty where it has none.
+    const UNIT: &'static str = "";
+    /// What it can be.
+    const KIND: Kind;
+    /// The value that a declaration writes.
+    fn new(plain: Self::Plain) -> Self;
+}
+
+/// A struct whose fields are settings.
+pub trait Fields {
+    /// The field at a place of its group; `None` beyond the last.
+    fn field(&self, index: usize) -> Option<&dyn Field>;
+    /// The same, to be set.
+    fn field_mut(&mut self, index: usize) -> Option<&mut dyn Field>;
+}
+
+/// Checks every setting of a group.
+#[inline(never)]
+pub(crate) fn check(settings: &[Setting], fields: &dyn Fields) -> Result<(), ConfigError> {
+    settings.iter().try_for_each(|setting| match fields.field(setting.index.into()) {
+        Some(field) => setting.check(field.value()),
+        None => Ok(()),
+    })
+}
+
+/// The id that a name gives: FNV-1a, folded to 16 bits.
+pub(crate) const fn id(name: &str) -> u16 {
+    let (name, mut hash, mut i) = (name.as_bytes(), 0x811C_9DC5u32, 0);
+    while i < name.len() {
+        hash = (hash ^ name[i] as u32).wrapping_mul(0x0100_0193);
+        i += 1;
+    }
+    (hash ^ hash >> 16) as u16
+}
+
+/// The field types that are one plain value: how it is read and written.
+macro_rules! plain {
+    ($Type:ty, $kind:expr, $variant:ident) => {
+        impl Field for $Type {
+            fn value(&self) -> Value {
+                Value::$variant((*self).into())
+            }
+
+            fn set(&mut self, value: Value) -> bool {
+                let Value::$variant(x) = value else { return false };
+                x.try_into().map(|x| *self = x).is_ok()
+            }
+        }
+
+        impl FieldType for $Type {
+            type Plain = Self;
+            const KIND: Kind = $kind;
+
+            fn new(plain: Self) -> Self {
+                plain
+            }
+        }
+    };
+}
+
+plain!(f32, Kind::Number, Number);
+plain!(u8, Kind::Whole(u8::MAX as u16), Whole);
+plain!(u16, Kind::Whole(u16::MAX), Whole);
+plain!(bool, Kind::Switch, Switch);

@@ -1,0 +1,323 @@
+//! `pt326 campaign`: many runs of many kinds, both diagnoses side by side, in numbers with their uncertainty.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::{Context, ensure};
+use clap::{Args, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::campaign::cell::Cell;
+use crate::campaign::definition::{CAMPAIGN_TOML, Campaign};
+use crate::campaign::output;
+use crate::campaign::results::Results;
+use crate::campaign::runner::{Progress, Remaining};
+use crate::campaign::store::{self, Header, Shard, Store};
+use crate::experiment;
+
+/// Arguments of `campaign`.
+#[derive(Clone, Debug, Args)]
+#[command(
+    args_conflicts_with_subcommands = true,
+    after_help = "Examples:
+  pt326 campaign --quick                      every kind of run a few times: less than a minute
+  pt326 campaign --full --out out/full        the numbers to report
+  pt326 campaign define > my.toml             the default campaign, commented: edit, then
+  pt326 campaign my.toml
+  pt326 campaign --only nominal/ --config tuning.toml --seeds-from 1
+  pt326 campaign --quick --sweep diagnosis.sigma_factor=2.5,3,3.5,4
+  pt326 campaign --seeds-from 1 --vary likelihood.margin=0,4 --vary likelihood.tolerated_sag=0
+  pt326 campaign --shard 2/8 --out part       one of eight jobs of a cluster, then
+  pt326 campaign merge part/runs.*.jsonl
+  pt326 campaign show \"nominal/mfs1\" --run 17   that run with its trace, figures and report
+
+A campaign that was interrupted (Ctrl-C) goes on where it stopped when the same command is given again. Results of
+another definition, other settings or another build of this program are refused; --fresh deletes them.
+
+Seeds 1 to 99999 are for tuning. Numbers to be reported come from seeds of 1000000 and more, which nothing may be tuned on."
+)]
+pub struct CampaignArgs {
+    /// What else.
+    #[command(subcommand)]
+    pub command: Option<CampaignCommand>,
+    #[command(flatten)]
+    /// A campaign.
+    pub campaign: CampaignRunArgs,
+}
+
+/// What else can be done.
+#[derive(Clone, Debug, Subcommand)]
+pub enum CampaignCommand {
+    /// Print the default campaign as commented TOML.
+    Define,
+    /// Put the results of shards together, and write what a whole campaign writes.
+    Merge(MergeArgs),
+    /// One run of a cell, with its trace, figures and report.
+    Show(ShowArgs),
+}
+
+/// Names of the subcommands: a word near one of them is no file.
+const SUBCOMMANDS: [&str; 3] = ["define", "merge", "show"];
+
+/// What describes a campaign.
+#[derive(Clone, Debug, Args)]
+pub struct DefinitionArgs {
+    /// The campaign, TOML; see `pt326 campaign define`. Left out: the default one.
+    #[arg(value_name = "FILE.toml")]
+    pub file: Option<PathBuf>,
+    /// Settings of the instrument, TOML; see `pt326 config`.
+    #[arg(long, value_name = "FILE.toml")]
+    pub config: Option<PathBuf>,
+    /// Few runs: less than a minute (the default campaign has a quarter of its runs).
+    #[arg(long, conflicts_with_all = ["full", "scale"])]
+    pub quick: bool,
+    /// All runs of the definition.
+    #[arg(long, conflicts_with = "scale")]
+    pub full: bool,
+    /// So many times the runs of the definition.
+    #[arg(long)]
+    pub scale: Option<f64>,
+    /// Only the cells whose name contains this.
+    #[arg(long, value_name = "TEXT")]
+    pub only: Option<String>,
+    /// The first seed, in place of the definition's.
+    #[arg(long, value_name = "SEED")]
+    pub seeds_from: Option<u64>,
+    /// Repeat everything for each of some values of a setting; of several settings, for all combinations.
+    #[arg(long, value_name = "KEY=VALUE,VALUE")]
+    pub sweep: Vec<String>,
+    /// The same, but of several settings each by itself, beside all as they are: what is each worth?
+    #[arg(long, value_name = "KEY=VALUE,VALUE")]
+    pub vary: Vec<String>,
+}
+
+/// Arguments of a campaign.
+#[derive(Clone, Debug, Args)]
+pub struct CampaignRunArgs {
+    #[command(flatten)]
+    /// Which.
+    pub definition: DefinitionArgs,
+    /// Folder for the results.
+    #[arg(long, value_name = "DIR", default_value = "out/campaign")]
+    pub out: PathBuf,
+    /// Delete earlier results of the same shard in the folder and begin anew.
+    #[arg(long)]
+    pub fresh: bool,
+    /// Only this part of the runs, such as 2/8.
+    #[arg(long, value_name = "PART/PARTS", default_value = "1/1")]
+    pub shard: Shard,
+    /// Number of threads. Default: all cores.
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    pub threads: usize,
+}
+
+/// Arguments of `campaign merge`.
+#[derive(Clone, Debug, Args)]
+pub struct MergeArgs {
+    /// Results files of the shards, runs.*.jsonl.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Folder for what comes of it.
+    #[arg(long, value_name = "DIR", default_value = "out/campaign")]
+    pub out: PathBuf,
+}
+
+/// Arguments of `campaign show`.
+#[derive(Clone, Debug, Args)]
+pub struct ShowArgs {
+    /// Name of the cell, as in the table.
+    pub cell: String,
+    #[command(flatten)]
+    /// The campaign.
+    pub definition: DefinitionArgs,
+    /// Number of the run in the cell, from 0.
+    #[arg(long, default_value_t = 0)]
+    pub run: u64,
+    /// Folder for trace.csv, summary.json, the figures and report.html.
+    #[arg(long, value_name = "DIR", default_value = "out/campaign/run")]
+    pub out: PathBuf,
+}
+
+/// Share of the runs that a campaign does without `--full`.
+const USUAL: f64 = 0.25;
+/// The same with `--quick`.
+const QUICK: f64 = 0.05;
+/// Exit code of a program that Ctrl-C has stopped.
+const INTERRUPTED: i32 = 130;
+
+impl DefinitionArgs {
+    /// Reads and checks what the arguments name.
+    ///
+    /// # Errors
+    /// The file, line, key or value that is wrong.
+    pub fn load(&self) -> anyhow::Result<(Campaign, fdi_core::Config)> {
+        let config = crate::settings::read(self.config.as_deref())?;
+        if let Some(file) = &self.file {
+            check_is_file(file)?;
+        }
+        let mut campaign = Campaign::read(self.file.as_deref())?;
+        let preset = match (self.quick, self.full) {
+            (true, _) => QUICK,
+            (_, true) => 1.0,
+            _ if self.file.is_none() => USUAL,
+            _ => 1.0,
+        };
+        campaign.scale *= self.scale.unwrap_or(preset);
+        if let Some(only) = &self.only {
+            campaign.only.clone_from(only);
+        }
+        campaign.seeds_from = self.seeds_from.unwrap_or(campaign.seeds_from);
+        for text in &self.sweep {
+            let (key, values) = parse_sweep(text)?;
+            campaign.sweep.insert(key, values);
+        }
+        for text in &self.vary {
+            let (key, values) = parse_sweep(text)?;
+            campaign.vary.insert(key, values);
+        }
+        Ok((campaign, config))
+    }
+}
+
+/// A mistyped subcommand looks like a file that is not there.
+fn check_is_file(file: &Path) -> anyhow::Result<()> {
+    let word = file.to_string_lossy();
+    let near = |name: &&&str| strsim::damerau_levenshtein(&word, name) <= 2;
+    if let (false, Some(name)) = (file.exists(), SUBCOMMANDS.iter().find(near)) {
+        anyhow::bail!("there is no file {word}; did you mean `pt326 campaign {name}`?");
+    }
+    Ok(())
+}
+
+/// `key=value,value` with values as in TOML.
+fn parse_sweep(text: &str) -> anyhow::Result<(String, Vec<toml::Value>)> {
+    let expected = || format!("{text}: expected key=value,value such as diagnosis.sigma_factor=2.5,3,4");
+    let (key, values) = text.split_once('=').with_context(expected)?;
+    let table: toml::Table = format!("values = [{values}]").parse().with_context(expected)?;
+    let values = table["values"].as_array().cloned().unwrap_or_default();
+    ensure!(!values.is_empty() && !key.is_empty(), expected());
+    Ok((key.trim().into(), values))
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A bad definition, results that don't fit, a folder that can't be written.
+pub fn run(args: &CampaignArgs) -> anyhow::Result<()> {
+    match &args.command {
+        None => run_campaign(&args.campaign),
+        Some(CampaignCommand::Define) => print(CAMPAIGN_TOML),
+        Some(CampaignCommand::Merge(args)) => merge(args),
+        Some(CampaignCommand::Show(args)) => show(args),
+    }
+}
+
+fn print(text: &str) -> anyhow::Result<()> {
+    Ok(std::io::stdout().write_all(text.as_bytes())?)
+}
+
+fn make_folder(out: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(out).with_context(|| format!("can't make the folder {}", out.display()))
+}
+
+fn run_campaign(args: &CampaignRunArgs) -> anyhow::Result<()> {
+    let (campaign, config) = args.definition.load()?;
+    let cells = campaign.expand(&config)?;
+    let header = Header::new(&campaign, &config, args.shard)?;
+    make_folder(&args.out)?;
+    let path = args.out.join(args.shard.file_name());
+    let remaining = Remaining::new(&cells, args.shard, Store::open(&path, &header, args.fresh)?);
+    let Progress { finished, of } = run_until_interrupted(remaining, args.threads)?;
+    if finished < of {
+        eprintln!(
+            "Interrupted: {finished} of {of} runs are finished and kept in {}. The same command goes on from there.",
+            path.display()
+        );
+        std::process::exit(INTERRUPTED);
+    }
+    if args.shard == Shard::WHOLE {
+        return conclude(&[path], &args.out);
+    }
+    print(&format!(
+        "Part {} of {} is finished: {}\nWhen all are: pt326 campaign merge {}/runs.*.jsonl\n",
+        args.shard.part,
+        args.shard.of,
+        path.display(),
+        args.out.display()
+    ))
+}
+
+/// Ctrl-C lets the runs that are under way end; a second one ends the program at once.
+fn run_until_interrupted(remaining: Remaining, threads: usize) -> anyhow::Result<Progress> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED);
+        }
+    })?;
+    let bar = progress(&remaining)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let progress = pool.install(|| remaining.run(&stop, |seconds| bar.inc(seconds as u64)))?;
+    bar.finish_and_clear();
+    Ok(progress)
+}
+
+/// A bar that counts simulated seconds, since runs differ in length.
+fn progress(remaining: &Remaining) -> anyhow::Result<ProgressBar> {
+    let bar = ProgressBar::new(remaining.seconds() as u64);
+    bar.set_style(
+        ProgressStyle::with_template("{bar:40} {percent} % of {msg}, {eta} left").context("progress bar")?,
+    );
+    let before = match remaining.finished() {
+        0 => String::new(),
+        n => format!(" ({n} finished before)"),
+    };
+    bar.set_message(format!("{} runs, {:.0} h{before}", remaining.count(), remaining.seconds() / 3600.0));
+    Ok(bar)
+}
+
+fn merge(args: &MergeArgs) -> anyhow::Result<()> {
+    make_folder(&args.out)?;
+    conclude(&args.files, &args.out)
+}
+
+/// Prints and writes what a whole campaign showed. It always goes by the files, so that it does not matter how the runs
+/// came into them.
+fn conclude(files: &[PathBuf], out: &Path) -> anyhow::Result<()> {
+    let store::Whole { campaign, cells, rows } = store::read(files)?;
+    let results = Results::new(&campaign, &cells, &rows);
+    print(&output::table::of(&results))?;
+    let written = output::write(&results, &cells, &rows, out)?;
+    print(&format!("\nWritten to {}: {written}\n", out.display()))
+}
+
+fn show(args: &ShowArgs) -> anyhow::Result<()> {
+    let (campaign, config) = args.definition.load()?;
+    let cells = campaign.expand(&config)?;
+    let cell = cells.iter().find(|cell| cell.label() == args.cell || cell.name == args.cell);
+    let cell = cell.with_context(|| no_such_cell(&args.cell, &cells))?;
+    ensure!(
+        args.run < cell.runs,
+        "--run {}: the cell {} has {} of them here, from 0 to {}; --full or --scale give more",
+        args.run,
+        cell.label(),
+        cell.runs,
+        cell.runs - 1
+    );
+    let seed = cell.seed(args.run);
+    let (config, scenario) = cell.draw(seed);
+    let record = experiment::run(&config, &scenario, seed)?;
+    super::run::tell(&record, &args.out)
+}
+
+fn no_such_cell(name: &str, cells: &[Cell]) -> String {
+    let near: Vec<String> =
+        cells.iter().filter(|cell| cell.name.contains(name)).map(Cell::label).take(12).collect();
+    match near.as_slice() {
+        [] => format!("no cell is named {name}; `pt326 campaign define` prints their names"),
+        near => format!("no cell is named {name}; names that contain it: {}", near.join(", ")),
+    }
+}

@@ -1,0 +1,54 @@
+//! The settings as a table in Markdown, for the documents.
+
+use fdi_core::settings::{About, Value};
+use fdi_core::{Config, Setting};
+
+use super::{form, range, table_of};
+
+const HEAD: &str = "\
+# Settings
+
+Every setting of the instrument. The same names serve a file for `--config` (TOML; a dot begins a table), the board's console
+(`get`, `set NAME VALUE`) and its log. `config` prints all of them as commented TOML. This file is written from their
+declarations in `fdi-core` by `cargo run -- config --markdown > docs/settings.md`.
+
+On top come the rows of the signature tables, `diagnosis.detection.1` and on, `diagnosis.isolation.1` and on
+([theory](theory.md), section 7).
+";
+
+/// All settings as Markdown.
+pub fn markdown() -> String {
+    let config = Config::default();
+    let groups: Vec<_> = Config::documented().collect();
+    let mut text = HEAD.to_owned();
+    for alike in groups.chunk_by(|a, b| a.about == b.about) {
+        let names: Vec<_> = alike.iter().map(|group| table_of(group.settings).unwrap_or("general")).collect();
+        text += &format!("\n## {}\n\n{}\n\n", names.join(", "), one_line(alike[0].about));
+        text += "| setting | default | unit | may be | what it is |\n|---|---|---|---|---|\n";
+        for (setting, about) in alike[0].settings.iter().zip(alike[0].settings_about) {
+            text += &row(setting, about, config.get(setting));
+        }
+        for name in &names[1..] {
+            text += &format!("| `{name}.`.. | | | | The same. |\n");
+        }
+    }
+    text
+}
+
+fn row(setting: &Setting, about: &About, value: Value) -> String {
+    let value = match value {
+        Value::Number(x) => format!("{x}"),
+        Value::Whole(x) => format!("{x}"),
+        Value::Switch(on) => format!("{on}"),
+        Value::Choice { .. } => form(setting.kind, value).map_or(String::new(), |(form, numbers)| {
+            form.word.to_owned() + &numbers.iter().map(|x| format!(" {x}")).collect::<String>()
+        }),
+    };
+    let was = about.was.map_or(String::new(), |was| format!(" Was `{was}`."));
+    let (unit, range, what) = (setting.unit, range(setting), one_line(about.text));
+    format!("| `{}` | {value} | {unit} | {range} | {what}{was} |\n", setting.name)
+}
+
+fn one_line(lines: &str) -> String {
+    lines.lines().map(str::trim).collect::<Vec<_>>().join(" ")
+}

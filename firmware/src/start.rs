@@ -18,13 +18,13 @@ use firmware_logic::settings::stored::Stored;
 use heapless::spsc::Producer;
 use static_cell::StaticCell;
 
-use crate::hardware::board::Board;
+use crate::hardware::board::Parts;
 use crate::hardware::heater::HeaterOutput;
 use crate::hardware::panel::Panel;
 use crate::hardware::settings_flash::SettingsFlash;
 use crate::hardware::thermistors::Thermistors;
 use crate::hardware::{
-    self, clock, control_executor, halt, reset, retained, serial, supply, tick_timer, watchdog,
+    self, clock, control_executor, halt, reset, retained, serial, tick_timer, undervoltage, watchdog,
 };
 use crate::shared::Shared;
 use crate::{link, log, tasks};
@@ -49,10 +49,10 @@ fn start(spawner: Spawner) {
     let (peripherals, clock) = clock::init();
     hardware::set_priorities();
     halt::freeze_output_not_guard();
-    let board = Board::new(peripherals);
-    tick_timer::start(board.tick_timer); // the log's clock, too
+    let parts = Parts::new(peripherals);
+    tick_timer::start(parts.tick_timer); // the log's clock, too
 
-    let mut store = Store::new(SettingsFlash::new(board.flash));
+    let mut store = Store::new(SettingsFlash::new(parts.flash));
     let (settings, origin) = block_on(store.load());
     let marked = block_on(store.is_marked());
     interlock.marked(cause, marked);
@@ -60,10 +60,10 @@ fn start(spawner: Spawner) {
     log::banner(clock, cause, left.as_ref(), &origin, &config);
     let (controller, diagnosis) = halves(&config);
 
-    let heater = HeaterOutput::new(board.pwm_timer, (board.heater, board.contactor), board.break_input);
-    supply::watch();
+    let heater = HeaterOutput::new(parts.pwm_timer, (parts.heater, parts.contactor), parts.break_input);
+    undervoltage::watch();
     tick_timer::enable_interrupt();
-    let thermistors = Thermistors::new(board.adc, board.thermistors);
+    let thermistors = Thermistors::new(parts.adc, parts.thermistors);
     let (orders_in, orders_out) = link::orders();
     let (records_out, records_in) = link::records();
     let mut control = ControlLoop::new(controller, config.setpoint, interlock);
@@ -74,8 +74,8 @@ fn start(spawner: Spawner) {
             control.restored(baseline);
         }
     });
-    let panel = Panel::new(board.led, board.button);
-    let port = serial::open(board.usart, board.rx, board.tx);
+    let panel = Panel::new(parts.led, parts.button);
+    let port = serial::open(parts.usart, parts.rx, parts.tx);
 
     let spawned = tasks::control::control(control, heater, thermistors, records_in, orders_out);
     control_executor::start().spawn(once(spawned));

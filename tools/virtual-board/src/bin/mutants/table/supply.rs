@@ -3,6 +3,7 @@
 use super::{Mutant, mutant};
 
 const SUPPLY: &str = "firmware/src/hardware/supply.rs";
+const DETECTOR: &str = "firmware/src/hardware/undervoltage.rs";
 const FLASH: &str = "firmware/src/hardware/settings_flash.rs";
 const CONSOLE: &str = "firmware-logic/src/console/board.rs";
 const START: &str = "firmware/src/start.rs";
@@ -13,49 +14,49 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "detector-off",
         "a falling supply is not seen",
-        SUPPLY,
+        DETECTOR,
         ["        w.set_pvde(true);\n", ""],
         FALLING,
     ),
     mutant(
         "detector-too-low",
         "it is seen too late",
-        SUPPLY,
+        DETECTOR,
         ["const THRESHOLD: u8 = 7;", "const THRESHOLD: u8 = 4;"],
         FALLING,
     ),
     mutant(
         "detector-edge-off",
         "its interrupt never comes",
-        SUPPLY,
+        DETECTOR,
         ["    EXTI.rtsr(0).modify(|w| w.set_line(LINE, true));\n", ""],
         FALLING,
     ),
     mutant(
         "detector-wrong-edge",
         "its interrupt comes when the supply is back",
-        SUPPLY,
+        DETECTOR,
         ["    EXTI.rtsr(0).modify", "    EXTI.ftsr(0).modify"],
         FALLING,
     ),
     mutant(
         "detector-masked",
         "its interrupt never comes",
-        SUPPLY,
+        DETECTOR,
         ["    EXTI.imr(0).modify(|w| w.set_line(LINE, true));\n", ""],
         FALLING,
     ),
     mutant(
         "detector-interrupt-off",
         "its interrupt never comes",
-        SUPPLY,
+        DETECTOR,
         ["    unsafe { interrupt::PVD.enable() };\n", "    let _ = interrupt::PVD.is_enabled();\n"],
         FALLING,
     ),
     mutant(
         "detector-flag-not-cleared",
         "one interrupt for ever",
-        SUPPLY,
+        DETECTOR,
         ["    EXTI.pr(0).write(|w| w.set_line(LINE, true));\n", ""],
         FALLING,
     ),
@@ -63,7 +64,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "supply-not-watched",
         "a falling supply is not seen",
         START,
-        ["    supply::watch();\n", ""],
+        ["    undervoltage::watch();\n", ""],
         FALLING,
     ),
     mutant(
@@ -124,7 +125,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "detector-does-not-note",
         "the next start does not know of the low supply",
-        SUPPLY,
+        DETECTOR,
         ["        retained::note_undervoltage();\n", ""],
         &["supply::a_sag"],
     ),

@@ -7,7 +7,7 @@ use firmware_logic::notice::{Level, Notice};
 use firmware_logic::reset_cause::ResetCause;
 use firmware_logic::retained::Retained;
 use firmware_logic::settings::store::Origin;
-use firmware_logic::status::Status;
+use firmware_logic::status::{Status, StatusLine};
 
 use crate::hardware::clock::Source;
 use crate::hardware::{board, retained, stack, supply};
@@ -67,29 +67,11 @@ pub(crate) fn notice(notice: &Notice, sample_time: f32) {
 
 /// The line of each second.
 pub(crate) fn status(status: &Status) {
-    let Some((record, report)) = &status.last else { return };
-    let (tick, vectors) = (&record.tick, report.filtered.map_or((0, 0), |v| (v.fdv, v.fiv)));
-    defmt::info!(
-        "{=str} T0 {=f32} T1 {=f32} T2 {=f32} of {=f32} degC, heater {=f32} %, gain {=f32} bandwidth {=f32}, fdv {=u8} fiv {=u8}",
-        tick.mode.name(),
-        hundredths(tick.sample.t0.celsius.0),
-        hundredths(tick.sample.t1.celsius.0),
-        hundredths(tick.sample.t2.celsius.0),
-        hundredths(tick.setpoint.0),
-        hundredths(record.applied.0),
-        report.ms1.static_gain.map_or(f32::NAN, |g| (g * 1000.0) as i32 as f32 / 1000.0),
-        report.ms1.bandwidth.map_or(f32::NAN, hundredths),
-        vectors.0,
-        vectors.1,
-    );
-    let health = &status.health;
-    let p = &health.jitter;
-    if p.ticks.is_multiple_of(600) || p.missed > 0 || health.records_lost > 0 || health.log_dropped > 0 {
-        defmt::info!("health {}", Display2Format(health));
+    if status.last.is_none() {
+        return;
     }
-}
-
-/// Two decimals, which is what a person reads.
-fn hundredths(x: f32) -> f32 {
-    (x * 100.0) as i32 as f32 / 100.0
+    defmt::info!("{}", Display2Format(&StatusLine(status)));
+    if status.health.is_worth_a_line() {
+        defmt::info!("health {}", Display2Format(&status.health));
+    }
 }

@@ -32,8 +32,8 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "deadline-late",
         "the same, for 880 ms",
-        "firmware/src/tasks/control.rs",
-        ["const DEADLINE_US: u32 = 4 * PERIOD_US;", "const DEADLINE_US: u32 = 8 * PERIOD_US;"],
+        "firmware-logic/src/cadence.rs",
+        ["const DEADLINE_US: u32 = 4 * PERIOD.get();", "const DEADLINE_US: u32 = 8 * PERIOD.get();"],
         HANGS,
     ),
     mutant(

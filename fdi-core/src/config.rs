@@ -42,7 +42,7 @@ settings! {
 }
 
 /// The settings of all groups, in the order in which they are listed.
-const GROUPS: [&[Setting]; 11] = {
+static GROUPS: [&[Setting]; 11] = {
     let [t0, t1, t2] = ThermistorConfig::SETTINGS;
     [
         Config::SETTINGS[0],
@@ -88,7 +88,19 @@ pub struct DocumentedGroup {
 impl Config {
     /// All settings that have one value; the rows of the signature tables come on top.
     pub fn settings() -> impl Iterator<Item = &'static Setting> + Clone {
-        GROUPS.into_iter().flatten()
+        (0..).map_while(Self::setting)
+    }
+
+    /// The setting at a place of the list. Not inlined: it is walked through in many places, which would cost flash.
+    #[inline(never)]
+    fn setting(mut place: usize) -> Option<&'static Setting> {
+        for group in &GROUPS {
+            if let Some(setting) = group.get(place) {
+                return Some(setting);
+            }
+            place -= group.len();
+        }
+        None
     }
 
     /// All groups of settings with their documentation, in the same order.

@@ -23,7 +23,7 @@ macro_rules! unit {
         impl FieldType for $name {
             type Plain = f32;
             const UNIT: &'static str = $symbol;
-            const KIND: Kind = Kind::Number;
+            const KIND: Kind = f32::KIND;
 
             fn new(plain: f32) -> Self {
                 Self(plain)

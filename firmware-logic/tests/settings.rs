@@ -70,7 +70,7 @@ fn neighbour(setting: &Setting) -> Value {
     match (setting.kind, Config::default().get(setting)) {
         (_, Value::Number(0.0)) => Value::Number(0.01),
         (_, Value::Number(x)) => {
-            let (_, max) = setting.bounds().expect("a number");
+            let (_, max) = setting.kind.bounds().expect("a number");
             Value::Number(if 1.01 * x > max { 0.99 * x } else { 1.01 * x })
         }
         (_, Value::Whole(x)) => Value::Whole(x + 1),
@@ -349,7 +349,7 @@ fn names_and_kinds_are_checked() {
         text("pid.kp", "two"),
         "pid.kp: \"two\" given, expected a number of up to 7 digits, such as 35, -0.25 or 1e5"
     );
-    assert_eq!(text("prbs.bits", "10.5"), "prbs.bits: \"10.5\" given, expected a whole number up to 255");
+    assert_eq!(text("prbs.bits", "10.5"), "prbs.bits: \"10.5\" given, expected a whole number from 3 to 16");
     assert!(text("identification.bandwidth", "fast").contains("rise-time or residence-time"));
     assert!(
         text("identification.adaptation", "forgetting").contains("forgetting LAMBDA or random-walk R1 R2")

@@ -85,12 +85,12 @@ macro_rules! settings {
     (@tables [$($about:literal)+] $Config:ident [$($Group:ident $prefix:literal),+] $settings:tt) => {
         impl $Config {
             /// What it is about.
-            pub const GROUP_ABOUT: &'static str = concat!($($about, "\n"),+);
+            pub(crate) const GROUP_ABOUT: &'static str = concat!($($about, "\n"),+);
             /// Its settings, a table for each group.
-            pub const SETTINGS: [&'static [$crate::settings::Setting]; { [$($prefix),+].len() }] =
+            pub(crate) const SETTINGS: [&'static [$crate::settings::Setting]; { [$($prefix),+].len() }] =
                 [$($crate::settings::settings!(@table $Group $prefix $settings)),+];
             /// What people read of them.
-            pub const ABOUT: &'static [$crate::settings::About] = $crate::settings::settings!(@about $settings);
+            pub(crate) const ABOUT: &'static [$crate::settings::About] = $crate::settings::settings!(@about $settings);
         }
     };
 
@@ -103,9 +103,7 @@ macro_rules! settings {
             name: concat!($prefix, stringify!($field)),
             id: $crate::settings::id($crate::settings::settings!(@first $($was,)? concat!($prefix, stringify!($field)))),
             unit: $crate::settings::settings!(@first $($unit,)? <$Type as $crate::settings::FieldType>::UNIT),
-            kind: <$Type as $crate::settings::FieldType>::KIND,
-            min: $crate::settings::settings!(@first $($min as f32,)? 0.0),
-            max: $crate::settings::settings!(@first $($max as f32,)? 0.0),
+            kind: <$Type as $crate::settings::FieldType>::KIND$(.within($min as f32, $max as f32))?,
             group: $crate::settings::Group::$Group,
             index: Index::$field as u8,
         }),+]

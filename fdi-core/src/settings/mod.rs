@@ -19,11 +19,8 @@ pub struct Setting {
     pub id: u16,
     /// Unit; empty for plain numbers and words.
     pub unit: &'static str,
-    /// What it can be.
+    /// What its value can be.
     pub kind: Kind,
-    /// Smallest and largest value of a number, both allowed; see [`Self::bounds`].
-    pub(crate) min: f32,
-    pub(crate) max: f32,
     /// Where its value lies: in which group, and where in that.
     pub(crate) group: Group,
     pub(crate) index: u8,
@@ -42,9 +39,19 @@ pub struct About {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// A number with decimals.
-    Number,
-    /// A whole number from 0 up to this, which is the most that its type holds.
-    Whole(u16),
+    Number {
+        /// Smallest value, allowed.
+        min: f32,
+        /// Largest value, allowed.
+        max: f32,
+    },
+    /// A whole number.
+    Whole {
+        /// Smallest value, allowed.
+        min: u16,
+        /// Largest value, allowed.
+        max: u16,
+    },
     /// On or off.
     Switch,
     /// One of several forms.
@@ -91,20 +98,37 @@ pub enum Value {
     },
 }
 
-impl Setting {
+impl Kind {
     /// Smallest and largest value, both allowed; `None` for what is no number.
-    pub fn bounds(&self) -> Option<(f32, f32)> {
-        matches!(self.kind, Kind::Number | Kind::Whole(_)).then_some((self.min, self.max))
+    pub fn bounds(self) -> Option<(f32, f32)> {
+        match self {
+            Self::Number { min, max } => Some((min, max)),
+            Self::Whole { min, max } => Some((min.into(), max.into())),
+            Self::Switch | Self::Choice(_) => None,
+        }
     }
 
+    /// The same with the bounds of a declaration.
+    pub(crate) const fn within(self, min: f32, max: f32) -> Self {
+        match self {
+            Self::Number { .. } => Self::Number { min, max },
+            Self::Whole { .. } => Self::Whole { min: min as u16, max: max as u16 },
+            other => other,
+        }
+    }
+}
+
+impl Setting {
     /// Checks a value against the bounds.
     ///
     /// # Errors
     /// Name, value and bounds of the number that is out of bounds.
     pub fn check(&self, value: Value) -> Result<(), ConfigError> {
         match (value, self.kind) {
-            (Value::Number(x), _) => in_range(self.name, x, self.min, self.max),
-            (Value::Whole(x), _) => in_range(self.name, f32::from(x), self.min, self.max),
+            (Value::Number(x), Kind::Number { min, max }) => in_range(self.name, x, min, max),
+            (Value::Whole(x), Kind::Whole { min, max }) => {
+                in_range(self.name, x.into(), min.into(), max.into())
+            }
             (Value::Choice { form, numbers }, Kind::Choice(forms)) => {
                 let wanted = forms.get(form).map_or(&[][..], |form| form.numbers);
                 wanted.iter().zip(numbers).try_for_each(|(n, x)| in_range(n.name, x, n.min, n.max))
@@ -116,7 +140,7 @@ impl Setting {
 
 /// A group of settings: the part of the configuration that they belong to, in the order in which they are listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Group {
+pub(crate) enum Group {
     /// What every part uses.
     General,
     /// Thermistor T0.
@@ -142,7 +166,7 @@ pub enum Group {
 }
 
 /// A field that is a setting.
-pub trait Field {
+pub(crate) trait Field {
     /// Its value.
     fn value(&self) -> Value;
     /// Takes over a value; `false` where it is of another kind, and nothing has changed then.
@@ -150,19 +174,19 @@ pub trait Field {
 }
 
 /// A type that a setting can have.
-pub trait FieldType: Field + Sized {
+pub(crate) trait FieldType: Field + Sized {
     /// How a declaration writes its value.
     type Plain;
     /// Its unit; empty where it has none.
     const UNIT: &'static str = "";
-    /// What it can be.
+    /// What its values can be.
     const KIND: Kind;
     /// The value that a declaration writes.
     fn new(plain: Self::Plain) -> Self;
 }
 
 /// A struct whose fields are settings.
-pub trait Fields {
+pub(crate) trait Fields {
     /// The field at a place of its group; `None` beyond the last.
     fn field(&self, index: usize) -> Option<&dyn Field>;
     /// The same, to be set.
@@ -213,7 +237,7 @@ macro_rules! plain {
     };
 }
 
-plain!(f32, Kind::Number, Number);
-plain!(u8, Kind::Whole(u8::MAX as u16), Whole);
-plain!(u16, Kind::Whole(u16::MAX), Whole);
+plain!(f32, Kind::Number { min: f32::MIN, max: f32::MAX }, Number);
+plain!(u8, Kind::Whole { min: 0, max: u8::MAX as u16 }, Whole);
+plain!(u16, Kind::Whole { min: 0, max: u16::MAX }, Whole);
 plain!(bool, Kind::Switch, Switch);

@@ -62,11 +62,11 @@ fn the_constructors_enforce_the_declared_bounds() {
     for setting in Config::settings() {
         let default = Config::default();
         assert_eq!(setting.check(default.get(setting)), Ok(()), "{}", setting.name);
-        let Some((min, max)) = setting.bounds() else { continue };
+        let Some((min, max)) = setting.kind.bounds() else { continue };
         for outside in [min - 0.01 * min.abs().max(1.0), max + 0.01 * max.abs().max(1.0), f32::NAN] {
             let value = match setting.kind {
-                Kind::Whole(_) if outside > max && max < 65535.0 => Value::Whole(max as u16 + 1),
-                Kind::Whole(_) => Value::Whole(0),
+                Kind::Whole { .. } if outside > max && max < 65535.0 => Value::Whole(max as u16 + 1),
+                Kind::Whole { .. } => Value::Whole(0),
                 _ => Value::Number(outside),
             };
             let mut config = default.clone();

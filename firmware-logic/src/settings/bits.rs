@@ -27,8 +27,8 @@ pub(super) fn bits(kind: Kind, value: Value) -> Bits {
 pub(super) fn value(kind: Kind, bits: Bits) -> Value {
     let [first, second] = bits.map(f32::from_bits);
     match kind {
-        Kind::Number => Value::Number(first),
-        Kind::Whole(_) => Value::Whole(bits[0].try_into().unwrap_or(u16::MAX)),
+        Kind::Number { .. } => Value::Number(first),
+        Kind::Whole { .. } => Value::Whole(bits[0].try_into().unwrap_or(u16::MAX)),
         Kind::Switch => Value::Switch(bits[0] == 1),
         Kind::Choice(forms) if count(forms, 0) == 0 => {
             Value::Choice { form: bits[0] as usize, numbers: [0.0; 2] }

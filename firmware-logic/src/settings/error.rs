@@ -40,8 +40,13 @@ pub enum SetError<'a> {
 pub enum Expected {
     /// In words.
     Words(&'static str),
-    /// A whole number from 0 up to this.
-    Whole(u16),
+    /// A whole number within these bounds.
+    Whole {
+        /// Smallest, allowed.
+        min: u16,
+        /// Largest, allowed.
+        max: u16,
+    },
     /// One of these, with its numbers.
     Forms(&'static [Form]),
 }
@@ -65,7 +70,7 @@ impl fmt::Display for Expected {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Words(words) => f.write_str(words),
-            Self::Whole(max) => write!(f, "a whole number up to {max}"),
+            Self::Whole { min, max } => write!(f, "a whole number from {min} to {max}"),
             Self::Forms(forms) => forms.iter().enumerate().try_for_each(|(i, form)| {
                 f.write_str(if i > 0 { " or " } else { "" })?;
                 f.write_str(form.word)?;

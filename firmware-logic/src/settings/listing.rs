@@ -13,7 +13,7 @@ pub fn lines(config: &Config) -> impl Iterator<Item = impl fmt::Display> {
         fmt::from_fn(move |f| {
             write!(f, "{name} = {}", name.value(config))?;
             let Name::Entry(setting) = name else { return Ok(()) };
-            match setting.bounds() {
+            match setting.kind.bounds() {
                 Some((min, max)) => write!(f, "   ({} to {})", Short(min), Short(max)),
                 None => Ok(()),
             }

@@ -3,10 +3,11 @@
 use core::fmt;
 
 use fdi_core::diagnosis::signature::MAX_ROWS;
+use fdi_core::settings::Kind;
 use fdi_core::{Config, Setting};
 
 use super::bits::bits;
-use super::error::SetError;
+use super::error::{Expected, SetError};
 use super::table::{Table, set_row};
 use super::text;
 
@@ -83,13 +84,12 @@ impl Name {
     pub fn set<'a>(&self, config: &mut Config, name: &'a str, text: &'a str) -> Result<(), SetError<'a>> {
         match self {
             Self::Entry(setting) => {
-                let value = text::parse(setting.kind, text).map_err(|expected| SetError::Value {
-                    name,
-                    given: text,
-                    expected,
-                })?;
-                config.set(setting, value); // of this kind, so it is taken
-                Ok(())
+                let wrong = |expected| SetError::Value { name, given: text, expected };
+                let value = text::parse(setting.kind, text).map_err(wrong)?;
+                match (config.set(setting, value), setting.kind) {
+                    (false, Kind::Whole { min, max }) => Err(wrong(Expected::Whole { min, max })),
+                    _ => Ok(()), // what was read is of this kind
+                }
             }
             Self::Row(table, row) => set_row(table.rows_mut(config), *row, name, text),
         }

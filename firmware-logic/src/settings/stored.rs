@@ -149,7 +149,7 @@ fn take_over(config: &mut Config, setting: &Setting, bits: [u32; 2]) -> Result<(
         return Ok(());
     }
     let (name, value) = (setting.name, bits[0] as f32);
-    let (min, max) = setting.bounds().unwrap_or_default();
+    let (min, max) = setting.kind.bounds().unwrap_or_default();
     Err(StoredError::Invalid(ConfigError::OutOfRange { name, value, min, max }))
 }
 

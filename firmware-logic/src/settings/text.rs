@@ -28,11 +28,10 @@ pub(super) fn write(f: &mut fmt::Formatter<'_>, kind: Kind, value: Value) -> fmt
 /// What was expected instead.
 pub(super) fn parse(kind: Kind, text: &str) -> Result<Value, Expected> {
     match kind {
-        Kind::Number => decimal::parse(text).map(Value::Number).ok_or(Expected::Words(decimal::EXPECTED)),
-        Kind::Whole(max) => {
-            let number = text.parse().ok().filter(|&x| x <= max);
-            number.map(Value::Whole).ok_or(Expected::Whole(max))
+        Kind::Number { .. } => {
+            decimal::parse(text).map(Value::Number).ok_or(Expected::Words(decimal::EXPECTED))
         }
+        Kind::Whole { min, max } => text.parse().map(Value::Whole).map_err(|_| Expected::Whole { min, max }),
         Kind::Switch => text.parse().map(Value::Switch).map_err(|_| Expected::Words("true or false")),
         Kind::Choice(forms) => choice(forms, text).ok_or(Expected::Forms(forms)),
     }

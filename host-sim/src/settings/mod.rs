@@ -71,7 +71,7 @@ fn table_of(settings: &[Setting]) -> Option<&'static str> {
 
 /// What a setting may be, in words.
 fn range(setting: &Setting) -> String {
-    match (setting.kind, setting.bounds()) {
+    match (setting.kind, setting.kind.bounds()) {
         (_, Some((min, max))) => format!("{} to {}", short(min), short(max)),
         (Kind::Choice(forms), _) => forms.iter().map(form_range).collect::<Vec<_>>().join(", or "),
         _ => "true or false".into(),
@@ -116,12 +116,12 @@ mod tests {
     fn another(setting: &Setting) -> (String, String) {
         let default = Config::default().get(setting);
         match (setting.kind, default) {
-            (Kind::Number, Value::Number(x)) => {
-                let (min, max) = setting.bounds().unwrap();
+            (Kind::Number { .. }, Value::Number(x)) => {
+                let (min, max) = setting.kind.bounds().unwrap();
                 let other = if x == max { min } else { max };
                 (format!("{other:?}"), format!("{other:e}"))
             }
-            (Kind::Whole(_), Value::Whole(x)) => (format!("{}", x + 1), format!("{}", x + 1)),
+            (Kind::Whole { .. }, Value::Whole(x)) => (format!("{}", x + 1), format!("{}", x + 1)),
             (Kind::Switch, Value::Switch(on)) => (format!("{}", !on), format!("{}", !on)),
             (Kind::Choice(forms), _) => {
                 let form = forms[1];
@@ -153,7 +153,7 @@ mod tests {
             assert_eq!(typed, read, "{}", setting.name);
             assert!(!name.same(&typed, &defaults), "{}", setting.name);
             let line = listing.iter().find(|line| line.starts_with(&format!("{} = ", setting.name))).unwrap();
-            assert_eq!(line.ends_with(')'), setting.bounds().is_some(), "{line}");
+            assert_eq!(line.ends_with(')'), setting.kind.bounds().is_some(), "{line}");
         }
     }
 

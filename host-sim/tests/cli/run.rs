@@ -1,30 +1,14 @@
-//! The command as a user calls it.
+//! `pt326 run`, its files, and what all commands share: errors and defaults.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
 
-fn host_sim(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_host-sim")).args(args).output().expect("host-sim runs")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-/// A fresh folder of this test's own.
-fn folder(name: &str) -> PathBuf {
-    let dir = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&dir);
-    std::fs::create_dir_all(&dir).expect("folder");
-    dir
-}
+use crate::{SHORT, arg, folder, pt326, succeeds_into_a_closed_pipe, text};
 
 #[test]
 fn run_writes_everything_it_says() {
     let dir = folder("run");
     let out = dir.join("results");
-    let output = host_sim(&["run", "--out", out.to_str().unwrap()]);
+    let output = pt326(&["run", "--out", out.to_str().unwrap()]);
     let table = text(&output.stdout);
     assert!(output.status.success(), "{}", text(&output.stderr));
     for word in ["AFS2", "MFS1", "MFP", "paper", "Largest control error", "False alarms"] {
@@ -63,7 +47,7 @@ fn run_writes_everything_it_says() {
 #[test]
 fn the_trace_is_consistent() {
     let dir = folder("consistent");
-    assert!(host_sim(&["run", "--seed", "5", "--out", dir.to_str().unwrap()]).status.success());
+    assert!(pt326(&["run", "--seed", "5", "--out", dir.to_str().unwrap()]).status.success());
     let trace = std::fs::read_to_string(dir.join("trace.csv")).unwrap();
     let summary: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(dir.join("summary.json")).unwrap()).unwrap();
@@ -103,69 +87,17 @@ fn the_trace_is_consistent() {
     assert!(checked > 10_000, "{checked}");
 }
 
-/// The trace alone knows onsets to a tick only: the summary beside it is used, if it is of the same run.
-#[test]
-fn replay_gives_the_delays_of_the_run() {
-    let dir = folder("delays");
-    let run = |args: &[&str], out: &Path| {
-        let output = host_sim(&[args, &["--out", out.to_str().unwrap()]].concat());
-        assert!(output.status.success(), "{}", text(&output.stderr));
-        text(&output.stdout)
-    };
-    let faults = |out: &Path| {
-        let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
-        serde_json::from_str::<serde_json::Value>(&summary).unwrap()["faults"].clone()
-    };
-    let [first, replayed, alone, other] = ["first", "replayed", "alone", "other"].map(|name| dir.join(name));
-    run(&["run"], &first);
-    let trace = first.join("trace.csv");
-    run(&["replay", trace.to_str().unwrap()], &replayed);
-    assert_eq!(faults(&replayed), faults(&first));
-
-    std::fs::create_dir_all(&alone).unwrap();
-    std::fs::copy(&trace, alone.join("trace.csv")).unwrap();
-    let copy = alone.join("trace.csv");
-    let printed = run(&["replay", copy.to_str().unwrap()], &dir.join("replayed alone"));
-    assert!(printed.contains("onsets to a tick only"), "{printed}");
-    run(&["run", "--fault-size", "2"], &other);
-    let summary = std::fs::read_to_string(other.join("summary.json")).unwrap();
-    std::fs::write(alone.join("summary.json"), summary.replace("384.5", "383.5")).unwrap();
-    let printed = run(&["replay", copy.to_str().unwrap()], &dir.join("replayed beside another"));
-    assert!(printed.contains("onsets to a tick only"), "{printed}");
-}
-
-/// The instrument behind a pipe is the instrument in the run.
-#[test]
-fn core_answers_bad_lines_with_exit_code_2() {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_host-sim"))
-        .arg("core")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    child.stdin.take().unwrap().write_all(b"2160,2160,2160\n2160,oops,2160\n").unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(2));
-    assert_eq!(text(&output.stdout).lines().count(), 2);
-    let message = text(&output.stderr);
-    assert!(
-        message.contains("line 2") && message.contains("oops") && message.contains("0 to 4095"),
-        "{message}"
-    );
-}
-
 #[test]
 fn printed_defaults_are_accepted_back() {
     let dir = folder("defaults");
     for kind in ["config", "scenario"] {
         let file = dir.join(format!("{kind}.toml"));
-        let printed = host_sim(&[kind]).stdout;
+        let printed = pt326(&[kind]).stdout;
         assert!(text(&printed).contains('#'), "commented");
         std::fs::write(&file, printed).unwrap();
         let out = dir.join(kind);
         let output =
-            host_sim(&["run", &format!("--{kind}"), file.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+            pt326(&["run", &format!("--{kind}"), file.to_str().unwrap(), "--out", out.to_str().unwrap()]);
         assert!(output.status.success(), "{}", text(&output.stderr));
     }
     let trace = |kind: &str| std::fs::read(dir.join(kind).join("trace.csv")).unwrap();
@@ -183,14 +115,14 @@ fn errors_name_file_line_and_key() {
     ];
     for (flag, content, words) in cases {
         std::fs::write(&file, content).unwrap();
-        let output = host_sim(&["run", flag, file.to_str().unwrap(), "--out", dir.to_str().unwrap()]);
+        let output = pt326(&["run", flag, file.to_str().unwrap(), "--out", dir.to_str().unwrap()]);
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(words.iter().all(|w| message.contains(w)), "{message}");
     }
-    let output = host_sim(&["run", "--fault-size", "huge"]);
+    let output = pt326(&["run", "--fault-size", "huge"]);
     assert!(text(&output.stderr).contains("small, nominal, large"));
-    let output = host_sim(&["run", "--config", "no-such-file.toml"]);
+    let output = pt326(&["run", "--config", "no-such-file.toml"]);
     assert!(text(&output.stderr).contains("no-such-file.toml"));
 }
 
@@ -199,10 +131,92 @@ fn errors_name_file_line_and_key() {
 fn faults_can_be_negative() {
     let dir = folder("negative");
     let output =
-        host_sim(&["run", "--fault-size", "-1", "--disturbance", "none", "--out", dir.to_str().unwrap()]);
+        pt326(&["run", "--fault-size", "-1", "--disturbance", "none", "--out", dir.to_str().unwrap()]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let summary: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(dir.join("summary.json")).unwrap()).unwrap();
     assert_eq!(summary["truth"][0]["size"], -1.5);
     assert!(summary["faults"][0]["signature"]["detected_s"].is_null());
+}
+
+fn trace(dir: &Path) -> Vec<u8> {
+    std::fs::read(dir.join("trace.csv")).expect("a trace")
+}
+
+#[test]
+fn earlier_results_are_kept_and_the_same_run_again_leaves_no_copies() {
+    let dir = folder("earlier");
+    let scenario = dir.join("short.toml");
+    std::fs::write(&scenario, SHORT).unwrap();
+    let out = dir.join("out");
+    let run = |seed| {
+        let output = pt326(&["run", "--scenario", arg(&scenario), "--seed", seed, "--out", arg(&out)]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let first = run("1");
+    assert!(!first.contains("earlier results"), "{first}");
+    let written = trace(&out);
+    assert!(!run("1").contains("earlier results"), "the same run again is nothing new");
+    let second = run("2");
+    assert!(second.contains("The earlier results are now in") && second.contains("earlier-1"), "{second}");
+    assert!(trace(&out.join("earlier-1")) == written && trace(&out) != written);
+    let moved = std::fs::read_dir(out.join("earlier-1")).unwrap().count();
+    let kept = std::fs::read_dir(&out).unwrap().count() - 1;
+    assert_eq!(moved, kept, "everything that a run writes is moved");
+    assert!(run("1").contains("earlier-2"), "and nothing is ever overwritten");
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_to_is_told_before_the_work() {
+    let dir = folder("unwritable");
+    let file = dir.join("file");
+    std::fs::write(&file, "no folder").unwrap();
+    for out in [file.clone(), file.join("below")] {
+        let output = pt326(&["run", "--out", arg(&out)]);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains("can't write to the folder") && error.contains(arg(&out)), "{error}");
+        assert!(output.stdout.is_empty(), "nothing was run: {}", text(&output.stdout));
+    }
+}
+
+#[test]
+fn a_closed_pipe_ends_it_quietly_with_all_files_written() {
+    let dir = folder("closed-run");
+    let scenario = dir.join("short.toml");
+    std::fs::write(&scenario, SHORT).unwrap();
+    let out = dir.join("out");
+    succeeds_into_a_closed_pipe(&["run", "--scenario", arg(&scenario), "--out", arg(&out)]);
+    assert!(out.join("report.html").exists());
+    succeeds_into_a_closed_pipe(&[
+        "replay",
+        arg(&out.join("trace.csv")),
+        "--out",
+        arg(&dir.join("replayed")),
+    ]);
+    succeeds_into_a_closed_pipe(&["repeat", "--scenario", arg(&scenario), "--seeds", "2"]);
+    for printed in ["config", "scenario", "--help"] {
+        succeeds_into_a_closed_pipe(&[printed]);
+    }
+}
+
+#[test]
+fn there_is_no_colour_in_a_pipe_and_colour_where_it_is_forced() {
+    let dir = folder("colour");
+    let scenario = dir.join("hot.toml");
+    std::fs::write(
+        &scenario,
+        "duration = 30.0\nfault = [{ do = \"open\", sensor = \"t1\", at = 20.0, for = 5.0 }]\n",
+    )
+    .unwrap();
+    let out = dir.join("out");
+    let args = ["run", "--scenario", arg(&scenario), "--out", arg(&out)];
+    let plain = text(&pt326(&args).stdout);
+    assert!(plain.contains("TRIPPED") && !plain.contains('\x1b'), "{plain}");
+    let forced = text(&crate::command(&args).env("CLICOLOR_FORCE", "1").output().unwrap().stdout);
+    assert!(forced.contains("\x1b["), "{forced}");
+    assert_eq!(anstream::adapter::strip_str(&forced).to_string(), plain);
+    let none = crate::command(&args).env("NO_COLOR", "1").output().unwrap().stdout;
+    assert_eq!(text(&none), plain);
 }

@@ -65,6 +65,8 @@ fn threads_shards_and_interruptions_change_no_byte() {
     let path = |dir: &Path| dir.to_str().unwrap().to_owned();
     let table = succeeds(&[&file, "--threads", "1", "--out", &path(&one)]);
     assert!(table.contains("fault/afs2 1.5") && table.contains("silence/ramp"), "{table}");
+    let numbers = table.split("\nWritten").next().unwrap();
+    assert!(numbers.lines().all(|line| line.chars().count() <= 100), "{table}");
 
     // Interrupted in the middle of a line, and gone on with by more threads.
     std::fs::create_dir_all(&two).unwrap();
@@ -298,6 +300,7 @@ at_most = 50.0
 fn runaway_cells_have_a_table_of_their_own() {
     let (dir, file) = folder("runaway", RUNAWAY);
     let told = succeeds(&[&file, "--out", dir.to_str().unwrap()]);
+    assert!(told.lines().all(|line| line.chars().count() <= 100 || line.starts_with("Written")), "{told}");
     assert!(told.contains("Targets: 3 of 4 met") && told.contains("runaway.md"), "{told}");
     let read = |name| std::fs::read_to_string(dir.join(name)).expect(name);
     let table = read("runaway.md");

@@ -101,6 +101,10 @@ pub struct Record {
     pub baseline: Option<Baseline>,
     /// Commands that were refused, with the time and the reason.
     pub refused: Vec<(f64, String)>,
+    /// Times of the actions that were to come after the end, s.
+    pub actions_after_end: Vec<f64>,
+    /// It is the paper's own experiment, so that the paper's results may stand beside it.
+    pub is_papers: bool,
 }
 
 impl Record {
@@ -123,7 +127,14 @@ impl Record {
             rows,
             baseline,
             refused: Vec::new(),
+            actions_after_end: Vec::new(),
+            is_papers: false,
         }
+    }
+
+    /// The end of the run, s.
+    pub fn end(&self) -> f64 {
+        self.rows.last().map_or(0.0, |row| self.time(row.tick.index + 1))
     }
 
     /// Time of a tick, s.
@@ -168,18 +179,20 @@ pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, 
     let refused = drive(backend, config, scenario, seed, |row, _| rows.push(row));
     let origin = Origin::Simulated { seed, disturbance: scenario.disturbance };
     let record = Record::new(origin, config, &scenario.faults, rows, backend.baseline());
-    Record { refused, ..record }
+    let after_end = |at: &f64| *at >= record.end();
+    let actions_after_end = scenario.actions.iter().map(|action| action.at).filter(after_end).collect();
+    let is_papers = scenario.is_papers() && config.setpoint == Config::default().setpoint;
+    Record { refused, actions_after_end, is_papers, ..record }
 }
 
-/// The same without a record: `see` gets each tick, so that a run may be of any length, and for scores the rig that gave
-/// it, which moves on only then. Returns the commands that were
-/// refused, with the time and the reason.
+/// The same without a record: `observe` gets each tick, so that a run may be of any length, and for scores the rig that
+/// gave it, which moves on only then. Returns the commands that were refused, with the time and the reason.
 pub fn drive(
     backend: &mut impl Backend,
     config: &Config,
     scenario: &Scenario,
     seed: u64,
-    mut see: impl FnMut(Row, &Rig),
+    mut observe: impl FnMut(Row, &Rig),
 ) -> Vec<(f64, String)> {
     let sample_time = as_written(config.sample_time.0);
     let ticks = (scenario.duration / sample_time).floor() as u32;
@@ -205,7 +218,7 @@ pub fn drive(
         let tick = backend.control(RawSample { t0, t1, t2 });
         let report = backend.diagnose(&tick);
         let drive = f64::from(tick.drive.0);
-        see(Row { tick, report, truth: truth(&scenario.faults, t) }, &rig);
+        observe(Row { tick, report, truth: truth(&scenario.faults, t) }, &rig);
         rig.advance(drive);
     }
     refused

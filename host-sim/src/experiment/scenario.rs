@@ -99,6 +99,11 @@ impl Default for Scenario {
 }
 
 impl Scenario {
+    /// Whether it is the paper's experiment, in whatever surroundings.
+    pub fn is_papers(&self) -> bool {
+        *self == Self { disturbance: self.disturbance, ..Self::default() }
+    }
+
     /// Checks everything.
     ///
     /// # Errors

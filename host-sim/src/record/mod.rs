@@ -2,6 +2,7 @@
 
 pub mod figure;
 pub mod files;
+pub mod paper;
 pub mod report;
 pub mod summary;
 pub mod table;

@@ -8,7 +8,9 @@ use firmware_logic::finding::Sentence;
 use serde::Serialize;
 
 use crate::experiment::{Origin, Record, Row};
-use crate::score::{LikelihoodScore, LikelihoodWatch, Rise, Score, TAIL, Watch, signature_sight};
+use crate::score::{
+    LikelihoodScore, LikelihoodScorer, Rise, Score, Scorer, TAIL, likelihood_alarm, signature_indication,
+};
 use pt326_rig::Disturbance;
 use pt326_rig::fault::Fault;
 
@@ -25,10 +27,10 @@ pub struct Summary {
     pub ts_s: f64,
     /// Set-point.
     pub setpoint_c: f64,
-    /// Largest control error in the nominal window (180 to 360 s in the paper).
-    pub control_error_max_c: f64,
+    /// Largest control error in the nominal window (180 to 360 s in the paper); null: the run has nothing of it.
+    pub control_error_max_c: Option<f64>,
     /// The same in % of the set-point.
-    pub control_error_max_pct: f64,
+    pub control_error_max_pct: Option<f64>,
     /// What was learnt; null if the run was too short or unfit for learning.
     pub baseline: Option<BaselineSummary>,
     /// How each fault was seen.
@@ -56,20 +58,20 @@ pub struct WithoutT1 {
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct BaselineSummary {
     /// Applied power, %.
-    pub rap: Normal,
+    pub rap: Learnt,
     /// y1 - y2, degC; its mean is delta12.
-    pub ry12: Normal,
+    pub ry12: Learnt,
     /// Static gain of MS1, degC per %.
-    pub rsg1: Normal,
+    pub rsg1: Learnt,
     /// Static gain of MS2, degC per %.
-    pub rsg2: Normal,
+    pub rsg2: Learnt,
     /// Bandwidth of MS1, rad/s.
-    pub rbw1: Normal,
+    pub rbw1: Learnt,
 }
 
 /// Learnt values of one feature: a residual is the feature minus `mean`.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Normal {
+pub struct Learnt {
     /// Mean of the feature.
     pub mean: f64,
     /// Its standard deviation.
@@ -89,29 +91,31 @@ pub struct FaultSummary {
     pub onset_s: f64,
     /// True duration.
     pub duration_s: f64,
+    /// It lasts beyond the end of the run.
+    pub beyond_the_end: bool,
     /// By the low-passed residuals.
     pub signature: Score,
     /// By the raw residuals.
     pub signature_raw: Score,
     /// By the likelihood diagnosis.
     pub likelihood: LikelihoodScore,
-    /// What it last said of the fault, in a sentence; null: it never named it.
-    pub likelihood_told: Option<String>,
+    /// The last sentence of the likelihood diagnosis about the fault; null: it never named it.
+    pub likelihood_sentence: Option<String>,
 }
 
-/// Rising edges of each vector outside any fault.
+/// Rising edges of each vector outside any fault; null where it never monitored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FalseAlarms {
     /// Detection, low-passed.
-    pub fdv: u32,
+    pub fdv: Option<u32>,
     /// Isolation, low-passed.
-    pub fiv: u32,
+    pub fiv: Option<u32>,
     /// Detection, raw.
-    pub fdv_raw: u32,
+    pub fdv_raw: Option<u32>,
     /// Isolation, raw.
-    pub fiv_raw: u32,
+    pub fiv_raw: Option<u32>,
     /// The likelihood diagnosis. What is no fault (a warmer room, a spike) excuses none of its alarms.
-    pub likelihood: u32,
+    pub likelihood: Option<u32>,
 }
 
 /// One trip.
@@ -126,14 +130,14 @@ pub struct TripSummary {
     /// The temperature above which T1 or T2 trips, degC.
     pub limit_c: f32,
     /// What T1 read.
-    pub t1: Seen,
+    pub t1: TripReading,
     /// What T2 read.
-    pub t2: Seen,
+    pub t2: TripReading,
 }
 
 /// What a thermistor read on the tick that tripped.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Seen {
+pub struct TripReading {
     /// 12-bit code; null where none came.
     pub code: f32,
     /// Whether it could be believed.
@@ -142,14 +146,14 @@ pub struct Seen {
     pub celsius: f32,
 }
 
-impl std::fmt::Display for Seen {
+impl std::fmt::Display for TripReading {
     /// The temperature, or what was wrong where it means nothing.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.validity {
             Validity::Missing => f.write_str("no sample"),
             Validity::Open => write!(f, "open (code {})", self.code),
             Validity::Short => write!(f, "shorted (code {})", self.code),
-            _ => write!(f, "{:.1} degC", self.celsius),
+            _ => write!(f, "{:.1} \u{b0}C", self.celsius),
         }
     }
 }
@@ -169,7 +173,7 @@ impl Summary {
             ts_s: record.sample_time,
             setpoint_c: record.setpoint,
             control_error_max_c: error,
-            control_error_max_pct: 100.0 * error / record.setpoint,
+            control_error_max_pct: error.map(|error| 100.0 * error / record.setpoint),
             baseline: record.baseline.as_ref().map(baseline),
             faults: record.faults.iter().map(|f| fault(record, f)).collect(),
             false_alarms: false_alarms(record),
@@ -186,40 +190,41 @@ pub fn faults_in(json: &str) -> Option<Vec<Fault>> {
 }
 
 /// Largest |set-point - T1| over the nominal window, degC.
-fn control_error_max(record: &Record) -> f64 {
+fn control_error_max(record: &Record) -> Option<f64> {
     let (from, to) = record.nominal_window;
     record
         .rows
         .iter()
         .filter(|row| (from..to).contains(&record.time(row.tick.index)))
         .filter_map(|row| Some(f64::from((row.tick.setpoint.0 - row.tick.sample.t1.good()?).abs())))
-        .fold(0.0, f64::max)
+        .max_by(f64::total_cmp)
 }
 
 fn baseline(baseline: &Baseline) -> BaselineSummary {
-    let normal = |residual: Residual| {
+    let learnt = |residual: Residual| {
         let i = residual as usize;
-        Normal {
+        Learnt {
             mean: baseline.raw.mean[i].into(),
             sigma: baseline.raw.sigma[i].into(),
             mean_f: baseline.filtered.mean[i].into(),
             sigma_f: baseline.filtered.sigma[i].into(),
         }
     };
-    let [rap, ry12, rsg1, rsg2, rbw1] = DECISIVE.map(normal);
+    let [rap, ry12, rsg1, rsg2, rbw1] = DECISIVE.map(learnt);
     BaselineSummary { rap, ry12, rsg1, rsg2, rbw1 }
 }
 
 /// How the three forms of the diagnosis saw a fault.
 fn fault(record: &Record, fault: &Fault) -> FaultSummary {
-    let mut filtered = Watch::new(fault);
-    let mut raw = Watch::new(fault);
-    let mut likelihood = LikelihoodWatch::new(fault, record.sample_time);
+    let others = || record.faults.iter().filter(|other| !std::ptr::eq(*other, fault));
+    let mut filtered = Scorer::new(fault).beside(others());
+    let mut raw = filtered.clone();
+    let mut likelihood = LikelihoodScorer::new(fault, record.sample_time).beside(others());
     for row in &record.rows {
         let t = record.time(row.tick.index);
-        filtered.see(t, signature_sight(fault, row.report.filtered));
-        raw.see(t, signature_sight(fault, row.report.raw));
-        likelihood.see(t, &row.report.likelihood);
+        filtered.observe(t, signature_indication(fault, row.report.filtered));
+        raw.observe(t, signature_indication(fault, row.report.raw));
+        likelihood.observe(t, &row.report.likelihood);
     }
     let isolable = Expectation::of(fault).fiv.is_some();
     let likelihood = likelihood.score();
@@ -227,15 +232,16 @@ fn fault(record: &Record, fault: &Fault) -> FaultSummary {
         name: fault.label(),
         onset_s: fault.at,
         duration_s: fault.duration,
+        beyond_the_end: (fault.at..fault.end()).contains(&record.end()),
         signature: filtered.score(record.sample_time, isolable),
         signature_raw: raw.score(record.sample_time, isolable),
-        likelihood_told: told(record, fault, likelihood.verdict),
+        likelihood_sentence: last_sentence(record, fault, likelihood.verdict),
         likelihood,
     }
 }
 
 /// The last sentence about a fault while it acted, under the class that was settled on.
-fn told(record: &Record, fault: &Fault, verdict: Option<&str>) -> Option<String> {
+fn last_sentence(record: &Record, fault: &Fault, verdict: Option<&str>) -> Option<String> {
     let during = record.rows.iter().rev().filter(|row| fault.is_active(record.time(row.tick.index)));
     let (row, finding) = during
         .filter_map(|row| Some((row, row.report.likelihood.finding.as_ref()?)))
@@ -243,16 +249,22 @@ fn told(record: &Record, fault: &Fault, verdict: Option<&str>) -> Option<String>
     Some(sentence(record, row, finding))
 }
 
-/// What a finding says on the tick of `row`.
+/// A finding on the tick of `row`, for people: a board's console has no degree sign.
 pub fn sentence(record: &Record, row: &Row, finding: &Finding) -> String {
     let (sample, expected) = (&row.tick.sample, row.report.likelihood.expected);
-    Sentence { finding, sample, expected, sample_time: record.sample_time as f32 }.to_string()
+    let sentence = Sentence { finding, sample, expected, sample_time: record.sample_time as f32 };
+    with_degree_sign(&sentence.to_string())
+}
+
+/// Text of the board, or the unit of a class, as people write it.
+pub fn with_degree_sign(text: &str) -> String {
+    text.replace("degC", "\u{b0}C")
 }
 
 /// Times that each alarm rises while nothing acts that it should report, nor has shortly before.
 fn false_alarms(record: &Record) -> FalseAlarms {
     let mut rises = [Rise::default(); 5];
-    let mut alarms = [0; 5];
+    let mut alarms = [None; 5];
     for row in &record.rows {
         let t = record.time(row.tick.index);
         let acting = || record.faults.iter().filter(|f| t >= f.at && t < f.end() + TAIL);
@@ -260,14 +272,17 @@ fn false_alarms(record: &Record) -> FalseAlarms {
         let faulty = acting().any(|f| Expectation::of(f).class.is_some());
         let (filtered, raw) = (row.report.filtered, row.report.raw);
         let flags = [
-            (filtered.is_some_and(|v| v.fdv != 0), anything),
-            (filtered.is_some_and(|v| v.fiv != 0), anything),
-            (raw.is_some_and(|v| v.fdv != 0), anything),
-            (raw.is_some_and(|v| v.fiv != 0), anything),
-            (row.report.likelihood.alarm, faulty),
+            (filtered.map(|v| v.fdv != 0), anything),
+            (filtered.map(|v| v.fiv != 0), anything),
+            (raw.map(|v| v.fdv != 0), anything),
+            (raw.map(|v| v.fiv != 0), anything),
+            (likelihood_alarm(&row.report.likelihood), faulty),
         ];
         for ((alarms, rise), (flag, excused)) in alarms.iter_mut().zip(&mut rises).zip(flags) {
-            *alarms += u32::from(rise.of(flag) && !excused);
+            let rises = rise.of(flag == Some(true)) && !excused;
+            if flag.is_some() {
+                *alarms = Some(alarms.unwrap_or(0) + u32::from(rises));
+            }
         }
     }
     let [fdv, fiv, fdv_raw, fiv_raw, likelihood] = alarms;
@@ -297,7 +312,7 @@ fn trips(record: &Record) -> Vec<TripSummary> {
             trips.push(trip);
         }
     }
-    let seen = |code: AdcCode, reading: Reading| Seen {
+    let read = |code: AdcCode, reading: Reading| TripReading {
         code: code.0,
         validity: reading.validity,
         celsius: reading.celsius.0,
@@ -307,8 +322,8 @@ fn trips(record: &Record) -> Vec<TripSummary> {
         reason: trip.reason,
         setpoint_c: trip.setpoint.0,
         limit_c: trip.limit.0,
-        t1: seen(trip.raw.t1, trip.sample.t1),
-        t2: seen(trip.raw.t2, trip.sample.t2),
+        t1: read(trip.raw.t1, trip.sample.t1),
+        t2: read(trip.raw.t2, trip.sample.t2),
     };
     trips.iter().map(summary).collect()
 }

@@ -5,14 +5,13 @@ use std::fmt::Write;
 use fdi_core::diagnosis::event::Event;
 
 use crate::experiment::{Origin, Record};
-use crate::record::summary::{FaultSummary, Summary, sentence};
+use crate::record::paper;
+use crate::record::summary::{FaultSummary, Summary, sentence, with_degree_sign};
 use crate::score::Score;
+use crate::score::expectation::Expectation;
 
-/// The paper's own figures: fault, detection delay, indicated duration (sections 4.3 and 4.4).
-pub const PAPER: [(&str, f64, f64); 3] = [("AFS2", 2.0, 27.0), ("MFS1", 2.0, 14.0), ("MFP", 2.0, 27.0)];
-
-/// Largest control error that the paper reports, % of the set-point (section 4.1).
-pub const PAPER_CONTROL_ERROR: f64 = 4.3;
+/// Columns of a terminal.
+const WIDTH: usize = 100;
 
 /// The whole table, with a line end.
 pub fn of_run(record: &Record, summary: &Summary) -> String {
@@ -21,18 +20,15 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
     let duration = record.rows.len() as f64 * s.ts_s;
     let _ = writeln!(text, "PT-326 fault diagnosis: {duration:.0} s {}", record.origin);
     let _ = writeln!(text);
-    faults(&mut text, &s.faults);
+    faults(&mut text, record, &s.faults);
     verdicts(&mut text, &s.faults);
     if s.faults.is_empty() {
         events(&mut text, record);
     }
     let _ = writeln!(text);
-    let _ = writeln!(
-        text,
-        "Largest control error  {:.2} % of the set-point ({:.2} degC)   paper {PAPER_CONTROL_ERROR} %",
-        s.control_error_max_pct, s.control_error_max_c
-    );
+    let _ = writeln!(text, "Largest control error  {}", control_error(record, summary));
     let f = &s.false_alarms;
+    let count = |alarms: Option<u32>| alarms.map_or("-".into(), |n| n.to_string());
     let _ = writeln!(
         text,
         "{:<22} fdv {}, fiv {} (low-passed)   fdv {}, fiv {} (raw)   likelihood {}",
@@ -41,11 +37,11 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
         } else {
             "False alarms"
         },
-        f.fdv,
-        f.fiv,
-        f.fdv_raw,
-        f.fiv_raw,
-        f.likelihood
+        count(f.fdv),
+        count(f.fiv),
+        count(f.fdv_raw),
+        count(f.fiv_raw),
+        count(f.likelihood)
     );
     if s.baseline.is_none() {
         let _ = writeln!(text, "No baseline learnt     {}", why_not_learnt(record));
@@ -53,19 +49,27 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
     if let Some(w) = &s.without_t1 {
         let _ = writeln!(
             text,
-            "Without T1             {:.1} s by T2 and the models: {:.2} degC off in the mean, {:.2} at most",
+            "Without T1             {:.1} s by T2 and the models: {:.2} °C off in the mean, {:.2} at most",
             w.duration_s, w.error_mean_c, w.error_max_c
         );
     }
     for trip in &s.trips {
         let _ = writeln!(
             text,
-            "TRIPPED                at {:.2} s: {:?}; T1 {}, expected {:.1} degC; T2 {}; heater off until acknowledged",
-            trip.t_s, trip.reason, trip.t1, trip.setpoint_c, trip.t2
+            "TRIPPED                at {:.2} s: {}\n{:23}T1 {}, expected {:.1} °C; T2 {}; heater off until acknowledged",
+            trip.t_s,
+            trip.reason.words(),
+            "",
+            trip.t1,
+            trip.setpoint_c,
+            trip.t2
         );
     }
     for (t, reason) in &record.refused {
         let _ = writeln!(text, "Refused                at {t:.2} s: {reason}");
+    }
+    for t in &record.actions_after_end {
+        let _ = writeln!(text, "Not done               an action at {t:.2} s, after the end of the run");
     }
     text
 }
@@ -107,22 +111,41 @@ fn signature_event(text: &mut String, record: &Record, event: &Event) {
     );
 }
 
-/// One line a fault and form, the paper's own beside it.
-fn faults(text: &mut String, faults: &[FaultSummary]) {
+fn control_error(record: &Record, summary: &Summary) -> String {
+    let (from, to) = record.nominal_window;
+    let paper = if record.is_papers { format!("   paper {} %", paper::CONTROL_ERROR) } else { String::new() };
+    match summary.control_error_max_pct.zip(summary.control_error_max_c) {
+        Some((percent, celsius)) => format!("{percent:.2} % of the set-point ({celsius:.2} °C){paper}"),
+        None => format!("not measured: the run has nothing of {from} to {to} s, when nothing acts"),
+    }
+}
+
+/// One line a fault and form; beside the paper's own experiment what the paper reports of it.
+fn faults(text: &mut String, record: &Record, faults: &[FaultSummary]) {
     if faults.is_empty() {
         let _ = writeln!(text, "Nothing is known to have been done to the rig.");
         return;
     }
-    let _ = writeln!(
-        text,
-        "Fault             onset      detected at (delay)    isolated at (delay)    indicated / true   paper"
-    );
-    for fault in faults {
-        let paper = PAPER.iter().find(|(name, ..)| *name == fault.name);
-        let paper = paper.map_or(String::from("-"), |(_, delay, span)| format!("{delay} s, {span} s"));
-        line(text, &fault.name, fault, &fault.signature, &paper);
-        line(text, "  raw residuals", fault, &fault.signature_raw, "");
-        line(text, "  likelihood", fault, &fault.likelihood.score, "");
+    let paper = if record.is_papers { "paper" } else { "" };
+    let head =
+        row("Fault", "onset", ["detected at (delay)", "isolated at (delay)"], ["indicated", "true"], paper);
+    let _ = writeln!(text, "{head}");
+    for (fault, summary) in record.faults.iter().zip(faults) {
+        let papers = paper::FAULTS.iter().find(|(name, ..)| record.is_papers && *name == summary.name);
+        let papers = papers.map_or(String::new(), |(_, delay, span)| format!("{delay} s, {span} s"));
+        let expected = Expectation::of(fault);
+        let (fdv, fiv, class) = (expected.fdv.is_some(), expected.fiv.is_some(), expected.class.is_some());
+        for (name, score, known, papers) in [
+            (summary.name.as_str(), &summary.signature, [fdv, fiv], papers.as_str()),
+            ("  raw residuals", &summary.signature_raw, [fdv, fiv], ""),
+            ("  likelihood", &summary.likelihood.score, [class, class], ""),
+        ] {
+            let _ = writeln!(text, "{}", line(name, record, summary, score, known, papers));
+        }
+    }
+    for fault in faults.iter().filter(|fault| fault.beyond_the_end) {
+        let (name, end, span) = (&fault.name, record.end(), fault.duration_s);
+        let _ = writeln!(text, "{name} lasts {span:.1} s, beyond the end of the run at {end:.1} s.");
     }
 }
 
@@ -135,42 +158,74 @@ fn verdicts(text: &mut String, faults: &[FaultSummary]) {
         text,
         "\nWhat the likelihood diagnosis said at the end of each fault (with 95 % intervals), and the truth\n"
     );
-    for fault in faults {
-        let p = &fault.likelihood;
-        let told = fault.likelihood_told.as_deref().unwrap_or("it was never named");
-        let _ = writeln!(text, "{:<15} {told}", fault.name);
-        let mut truth = Vec::new();
-        truth.extend(p.magnitude_true.zip(p.magnitude_unit).map(|(x, unit)| format!("true {x} {unit}")));
-        truth.extend(p.onset_error_s.map(|t| match t {
-            ..0.0 => format!("onset dated {:.2} s too early", -t),
-            _ => format!("onset dated {t:.2} s too late"),
-        }));
-        truth.extend(
-            p.first_verdict
-                .filter(|_| p.first_verdict_right == Some(false))
-                .map(|first| format!("first taken for {first}")),
-        );
+    for fault in faults.iter().filter(|fault| fault.likelihood.score.not_scored.is_none()) {
+        let sentence = fault.likelihood_sentence.as_deref().unwrap_or("it was never named");
+        paragraph(text, &fault.name, sentence);
+        let truth = truth(fault);
         if !truth.is_empty() {
-            let _ = writeln!(text, "{:<15} ({})", "", truth.join(", "));
+            paragraph(text, "", &format!("({})", truth.join(", ")));
         }
     }
 }
 
-fn line(text: &mut String, name: &str, fault: &FaultSummary, score: &Score, paper: &str) {
-    let detected = moment(score.detected_s, score.detection_delay_s);
-    let isolated = moment(score.isolated_s, score.isolation_delay_s);
-    let indicated = score.indicated_duration_s.map_or("-".into(), |d| format!("{d:.1}"));
-    let _ = writeln!(
-        text,
-        "{name:<15} {:>7.1} s   {detected:<20}   {isolated:<20}   {indicated:>6} / {:<5.1} s   {paper}",
-        fault.onset_s, fault.duration_s
-    );
+/// The truth about a fault, and how far the verdict is from it.
+fn truth(fault: &FaultSummary) -> Vec<String> {
+    let p = &fault.likelihood;
+    let mut truth = Vec::new();
+    let size = p.magnitude_true.zip(p.magnitude_true_unit);
+    truth.extend(size.map(|(x, unit)| format!("true {x} {}", with_degree_sign(unit))));
+    truth.extend(p.onset_error_s.map(|t| match t {
+        ..0.0 => format!("onset dated {:.2} s too early", -t),
+        _ => format!("onset dated {t:.2} s too late"),
+    }));
+    let first = p.first_verdict.filter(|_| p.first_verdict_right == Some(false));
+    truth.extend(first.map(|first| format!("first taken for {first}")));
+    truth
 }
 
-fn moment(at: Option<f64>, delay: Option<f64>) -> String {
-    match (at, delay) {
-        (Some(at), Some(delay)) => format!("{at:.2} s ({delay:.2} s)"),
-        _ => "never".into(),
+/// Text beside a name, in lines that a terminal holds.
+fn paragraph(text: &mut String, name: &str, content: &str) {
+    let first = format!("{name:<15} ");
+    let options = textwrap::Options::new(WIDTH).initial_indent(&first).subsequent_indent("                ");
+    let _ = writeln!(text, "{}", textwrap::fill(content, options));
+}
+
+fn line(
+    name: &str,
+    record: &Record,
+    fault: &FaultSummary,
+    score: &Score,
+    [detectable, isolable]: [bool; 2],
+    paper: &str,
+) -> String {
+    let detected = moment(score.detected_s, score.detection_delay_s, score, detectable);
+    let isolated = moment(score.isolated_s, score.isolation_delay_s, score, isolable);
+    let indicated = score.indicated_duration_s.map_or("-".into(), |d| format!("{d:.1}"));
+    let lasted = fault.duration_s.min((record.end() - fault.onset_s).max(0.0));
+    let durations = [indicated.as_str(), &format!("{lasted:.1} s")];
+    row(name, &format!("{:.1} s", fault.onset_s), [&detected, &isolated], durations, paper)
+}
+
+fn row(
+    name: &str,
+    onset: &str,
+    [detected, isolated]: [&str; 2],
+    [indicated, lasted]: [&str; 2],
+    paper: &str,
+) -> String {
+    let row = format!(
+        "{name:<15} {onset:>9}  {detected:<20}  {isolated:<20} {indicated:>9} / {lasted:<7}  {paper}"
+    );
+    row.trim_end().to_owned()
+}
+
+/// When, and how long after the onset; or why not. `known`: whether the diagnosis has an answer for the fault.
+fn moment(at: Option<f64>, delay: Option<f64>, score: &Score, known: bool) -> String {
+    match (at.zip(delay), score.not_scored) {
+        (Some((at, delay)), _) => format!("{at:.2} s ({delay:.2} s)"),
+        (None, Some(why)) => why.words().into(),
+        (None, None) if !known => "not in the tables".into(),
+        (None, None) => "never".into(),
     }
 }
 

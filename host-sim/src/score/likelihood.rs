@@ -1,10 +1,10 @@
 //! How well the likelihood diagnosis saw a fault: when, as what, how large, since when.
 
 use crate::score::expectation::Expectation;
-use fdi_core::likelihood::{FaultClass, Finding, LikelihoodReport};
+use fdi_core::likelihood::{FaultClass, Finding, LikelihoodReport, Readiness};
 use serde::Serialize;
 
-use super::{Score, Sight, Watch, microseconds};
+use super::{Indication, Score, Scorer, microseconds};
 use crate::experiment::{as_written, tick_time};
 use pt326_rig::fault::Fault;
 
@@ -26,18 +26,26 @@ pub struct LikelihoodScore {
     pub magnitude_half_width: Option<f64>,
     /// Unit of these.
     pub magnitude_unit: Option<&'static str>,
-    /// What it truly is, in the unit of the right class.
+    /// What it truly is.
     pub magnitude_true: Option<f64>,
+    /// Unit of that, which is the right class's.
+    pub magnitude_true_unit: Option<&'static str>,
     /// Onset as it was dated minus the true one, s.
     pub onset_error_s: Option<f64>,
     /// Probability that `verdict` had last.
     pub confidence: Option<f64>,
 }
 
-/// Watches the likelihood diagnosis for the time of one fault.
+/// Whether the likelihood diagnosis raises an alarm; `None` while it is not monitoring. Thermistors that contradict each
+/// other raise one before that.
+pub fn likelihood_alarm(report: &LikelihoodReport) -> Option<bool> {
+    (report.alarm || report.readiness == Readiness::Armed).then_some(report.alarm)
+}
+
+/// Scores the likelihood diagnosis for the time of one fault.
 #[derive(Clone, Debug)]
-pub struct LikelihoodWatch {
-    watch: Watch,
+pub struct LikelihoodScorer {
+    scorer: Scorer,
     expected: Expectation,
     at: f64,
     end: f64,
@@ -46,11 +54,11 @@ pub struct LikelihoodWatch {
     findings: Vec<Finding>,
 }
 
-impl LikelihoodWatch {
-    /// A watch over `fault`.
+impl LikelihoodScorer {
+    /// Of `fault`, if nothing else happens.
     pub fn new(fault: &Fault, sample_time: f64) -> Self {
         Self {
-            watch: Watch::new(fault),
+            scorer: Scorer::new(fault),
             expected: Expectation::of(fault),
             at: fault.at,
             end: fault.end(),
@@ -59,12 +67,18 @@ impl LikelihoodWatch {
         }
     }
 
-    /// Takes in the tick at `t`.
-    pub fn see(&mut self, t: f64, report: &LikelihoodReport) {
+    /// The same beside other faults.
+    pub fn beside<'a>(self, others: impl Iterator<Item = &'a Fault>) -> Self {
+        Self { scorer: self.scorer.beside(others), ..self }
+    }
+
+    /// One tick, at `t`.
+    pub fn observe(&mut self, t: f64, report: &LikelihoodReport) {
         let named = report.finding.map(|finding| finding.class);
         let detected = report.alarm && self.expected.class.is_some();
-        self.watch
-            .see(t, Sight { detected, isolated: named.is_some() && named == self.expected.class, named });
+        let isolated = named.is_some() && named == self.expected.class;
+        let monitoring = likelihood_alarm(report).is_some();
+        self.scorer.observe(t, Indication { monitoring, detected, isolated, named });
         if let Some(finding) = report.finding.filter(|_| t >= self.at && t < self.end) {
             match self.findings.iter_mut().find(|known| known.class == finding.class) {
                 Some(known) => *known = finding,
@@ -76,12 +90,12 @@ impl LikelihoodWatch {
     /// The score.
     pub fn score(&self) -> LikelihoodScore {
         let known = self.expected.class.is_some();
-        let first = self.watch.first_named();
-        let settled = self.watch.settled();
+        let first = self.scorer.first_named();
+        let settled = self.scorer.settled();
         let finding = self.findings.iter().find(|f| Some(f.class) == settled);
         let magnitude = finding.and_then(|f| f.magnitude);
         LikelihoodScore {
-            score: self.watch.score(self.sample_time, known),
+            score: self.scorer.score(self.sample_time, known),
             verdict: settled.map(FaultClass::name),
             first_verdict: first.map(FaultClass::name),
             first_verdict_right: first.filter(|_| known).map(|class| Some(class) == self.expected.class),
@@ -89,6 +103,7 @@ impl LikelihoodWatch {
             magnitude_half_width: magnitude.map(|m| as_written(m.half_width)),
             magnitude_unit: magnitude.and(settled).map(FaultClass::unit),
             magnitude_true: self.expected.magnitude,
+            magnitude_true_unit: self.expected.magnitude.and(self.expected.class).map(FaultClass::unit),
             onset_error_s: finding.map(|f| microseconds(tick_time(f.onset, self.sample_time) - self.at)),
             confidence: finding.map(|f| as_written(f.confidence)),
         }
@@ -109,15 +124,15 @@ mod tests {
     /// T2 offset of 1.5 degC from 1 s to 3 s; ticks each 0.1 s.
     fn scored(says: impl Fn(u32) -> (bool, Option<Finding>)) -> LikelihoodScore {
         let fault = Fault::new(Verb::Offset, Some(Sensor::T2), Some(1.5), 1.0, 2.0);
-        let mut watch = LikelihoodWatch::new(&fault, 0.1);
+        let mut scorer = LikelihoodScorer::new(&fault, 0.1);
         for tick in 0..250 {
             let (alarm, finding) = says(tick);
-            watch.see(
+            scorer.observe(
                 tick_time(tick, 0.1),
                 &LikelihoodReport { alarm, finding, ..LikelihoodReport::default() },
             );
         }
-        watch.score()
+        scorer.score()
     }
 
     #[test]
@@ -143,6 +158,17 @@ mod tests {
             (Some("t2_offset"), Some(1.25), Some(1.5))
         );
         assert_eq!((score.onset_error_s, score.magnitude_unit), (Some(0.1), Some("degC")));
+    }
+
+    #[test]
+    fn the_truth_has_its_own_unit() {
+        let score =
+            scored(|tick| (tick >= 12, Some(finding(FaultClass::AirFlow, 9.0)).filter(|_| tick >= 12)));
+        assert_eq!(
+            (score.verdict, score.magnitude_unit),
+            (Some("air_flow"), Some(FaultClass::AirFlow.unit()))
+        );
+        assert_eq!((score.magnitude_true, score.magnitude_true_unit), (Some(1.5), Some("degC")));
     }
 
     #[test]

@@ -8,7 +8,7 @@ use fdi_core::diagnosis::Verdict;
 use fdi_core::likelihood::FaultClass;
 use serde::Serialize;
 
-pub use likelihood::{LikelihoodScore, LikelihoodWatch};
+pub use likelihood::{LikelihoodScore, LikelihoodScorer, likelihood_alarm};
 use pt326_rig::fault::Fault;
 
 /// An alarm so long after a fault's end still belongs to it, s.
@@ -31,12 +31,36 @@ pub struct Score {
     pub isolated_share: Option<f64>,
     /// Pieces into which the indication is broken.
     pub segments: Option<u32>,
+    /// Why it does not count as missed; null: it does, or was detected.
+    pub not_scored: Option<NotScored>,
 }
 
-/// What a diagnosis says on a tick, held against what acts.
+/// Why a fault that was not detected does not count as missed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NotScored {
+    /// The run ended before it began.
+    AfterTheEnd,
+    /// The diagnosis was not monitoring yet when it began.
+    BeforeMonitoring,
+}
+
+impl NotScored {
+    /// In words, for a table.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::AfterTheEnd => "after the end",
+            Self::BeforeMonitoring => "before monitoring",
+        }
+    }
+}
+
+/// What a diagnosis indicates on a tick, held against what acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sight {
-    /// It says rightly that there is a fault.
+pub struct Indication {
+    /// It would indicate a fault if there were one.
+    pub monitoring: bool,
+    /// It indicates rightly that there is a fault.
     pub detected: bool,
     /// It names the right one.
     pub isolated: bool,
@@ -44,10 +68,11 @@ pub struct Sight {
     pub named: Option<FaultClass>,
 }
 
-/// What the paper's vectors say of `fault`.
-pub fn signature_sight(fault: &Fault, verdict: Option<Verdict>) -> Sight {
+/// What the paper's vectors indicate of `fault`.
+pub fn signature_indication(fault: &Fault, verdict: Option<Verdict>) -> Indication {
     let expected = Expectation::of(fault);
-    verdict.map_or(Sight::default(), |v| Sight {
+    verdict.map_or(Indication::default(), |v| Indication {
+        monitoring: true,
         detected: Some(v.fdv) == expected.fdv,
         isolated: Some(v.fiv) == expected.fiv,
         named: signature_class(v.fiv),
@@ -64,11 +89,17 @@ pub fn signature_class(fiv: u8) -> Option<FaultClass> {
     }
 }
 
-/// Watches one diagnosis for the time of one fault and its tail.
+/// Scores one diagnosis for the time of one fault and its tail.
 #[derive(Clone, Debug)]
-pub struct Watch {
+pub struct Scorer {
     at: f64,
     end: f64,
+    /// Other faults of the run, with the classes that should be named.
+    others: Vec<(FaultClass, Fault)>,
+    /// Whether it was monitoring on the first tick of the fault; `None` before that.
+    monitoring: Option<bool>,
+    detected: SinceOnset,
+    isolated: SinceOnset,
     detected_at: Option<f64>,
     isolated_at: Option<f64>,
     ticks: u32,
@@ -80,12 +111,16 @@ pub struct Watch {
     named: Vec<(FaultClass, u32)>,
 }
 
-impl Watch {
-    /// A watch over `fault`.
+impl Scorer {
+    /// Of `fault`, if nothing else happens.
     pub fn new(fault: &Fault) -> Self {
         Self {
             at: fault.at,
             end: fault.end(),
+            others: Vec::new(),
+            monitoring: None,
+            detected: SinceOnset::default(),
+            isolated: SinceOnset::default(),
             detected_at: None,
             isolated_at: None,
             ticks: 0,
@@ -98,26 +133,59 @@ impl Watch {
         }
     }
 
-    /// Takes in the tick at `t`.
-    pub fn see(&mut self, t: f64, sight: Sight) {
-        if t < self.at || t >= self.end + TAIL {
+    /// The same beside other faults: an indication that names one of them is theirs.
+    pub fn beside<'a>(self, others: impl Iterator<Item = &'a Fault>) -> Self {
+        let others = others.filter_map(|other| Some((Expectation::of(other).class?, other.clone())));
+        Self { others: others.collect(), ..self }
+    }
+
+    /// One tick, at `t`.
+    pub fn observe(&mut self, t: f64, indication: Indication) {
+        if t < self.at {
+            self.detected.stands_before(indication.detected);
+            self.isolated.stands_before(indication.isolated);
             return;
         }
-        self.indicated_ticks += u32::from(sight.detected);
-        self.segments += u32::from(self.rise.of(sight.detected));
+        self.monitoring.get_or_insert(indication.monitoring);
+        if t >= self.end + TAIL {
+            return;
+        }
+        if self.isolated.rises_to(indication.isolated) {
+            self.detected.stood = false;
+        } else if self.is_of_another(t, &indication) {
+            self.give_back(t);
+        }
+        let detected = self.detected.rises_to(indication.detected);
+        self.indicated_ticks += u32::from(detected);
+        self.segments += u32::from(self.rise.of(detected));
         if t >= self.end {
             return;
         }
         self.ticks += 1;
-        self.isolated_ticks += u32::from(sight.isolated);
-        if sight.detected {
+        self.isolated_ticks += u32::from(indication.isolated);
+        if detected {
             self.detected_at.get_or_insert(t);
         }
-        if sight.isolated {
+        if indication.isolated && !self.isolated.stood {
             self.isolated_at.get_or_insert(t);
         }
-        if let Some(class) = sight.named {
+        if let Some(class) = indication.named {
             self.name(class);
+        }
+    }
+
+    /// It names another fault that acts.
+    fn is_of_another(&self, t: f64, indication: &Indication) -> bool {
+        let is_theirs =
+            |class| self.others.iter().any(|(theirs, fault)| *theirs == class && fault.is_active(t));
+        !indication.isolated && indication.named.is_some_and(is_theirs)
+    }
+
+    /// What was taken for an indication of this fault was one of another, unless this one has been named.
+    fn give_back(&mut self, t: f64) {
+        self.detected.stood = true;
+        if self.isolated_at.is_none() && t < self.end {
+            (self.detected_at, self.indicated_ticks, self.segments) = (None, 0, 0);
         }
     }
 
@@ -147,6 +215,12 @@ impl Watch {
         let since = |t: f64| microseconds(t - self.at);
         let (detected_s, isolated_s) = (self.detected_at, self.isolated_at);
         let share = f64::from(self.isolated_ticks) / f64::from(self.ticks);
+        let not_scored = match self.monitoring {
+            _ if detected_s.is_some() => None,
+            None => Some(NotScored::AfterTheEnd),
+            Some(false) => Some(NotScored::BeforeMonitoring),
+            Some(true) => None,
+        };
         Score {
             detected_s,
             detection_delay_s: detected_s.map(since),
@@ -156,7 +230,27 @@ impl Watch {
                 .map(|_| microseconds(f64::from(self.indicated_ticks) * sample_time)),
             isolated_share: (isolable && self.ticks > 0).then_some(share),
             segments: detected_s.map(|_| self.segments),
+            not_scored,
         }
+    }
+}
+
+/// A flag that stood already when the fault began: it says nothing of the fault until it has fallen.
+#[derive(Clone, Copy, Debug, Default)]
+struct SinceOnset {
+    stood: bool,
+}
+
+impl SinceOnset {
+    /// Before the onset.
+    fn stands_before(&mut self, now: bool) {
+        self.stood = now;
+    }
+
+    /// Whether it stands, and has risen since the onset.
+    fn rises_to(&mut self, now: bool) -> bool {
+        self.stood &= now;
+        now && !self.stood
     }
 }
 
@@ -175,5 +269,69 @@ impl Rise {
     /// Whether it rises now.
     pub fn of(&mut self, now: bool) -> bool {
         !std::mem::replace(&mut self.before, now) && now
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pt326_rig::fault::{Sensor, Verb};
+
+    fn fault(verb: Verb, sensor: Option<Sensor>, at: f64, duration: f64) -> Fault {
+        Fault::new(verb, sensor, Some(1.2), at, duration)
+    }
+
+    /// More air from 10 s to 20 s beside a T2 that reads wrongly from 5 s to 40 s; a tick a second, until 60 s.
+    fn scored(indicates: impl Fn(u32) -> Option<Option<FaultClass>>) -> Score {
+        let (flow, offset) =
+            (fault(Verb::AirFlow, None, 10.0, 10.0), fault(Verb::Offset, Some(Sensor::T2), 5.0, 35.0));
+        let mut scorer = Scorer::new(&flow).beside([&offset].into_iter());
+        for t in 0..60 {
+            let (alarm, named) = (indicates(t).is_some(), indicates(t).flatten());
+            let isolated = named == Some(FaultClass::AirFlow);
+            scorer.observe(f64::from(t), Indication { monitoring: true, detected: alarm, isolated, named });
+        }
+        scorer.score(1.0, true)
+    }
+
+    #[test]
+    fn an_alarm_that_stood_before_the_fault_is_not_credited_to_it() {
+        let stands = scored(|t| (t >= 6).then_some(None));
+        assert_eq!((stands.detection_delay_s, stands.not_scored), (None, None), "missed");
+        let again = scored(|t| (matches!(t, 6..12 | 14..22)).then_some(None));
+        assert_eq!((again.detection_delay_s, again.indicated_duration_s), (Some(4.0), Some(8.0)));
+        let named = scored(|t| (t >= 6).then_some((t >= 13).then_some(FaultClass::AirFlow)));
+        assert_eq!((named.detection_delay_s, named.isolation_delay_s), (Some(3.0), Some(3.0)));
+    }
+
+    #[test]
+    fn an_alarm_that_names_another_fault_is_not_credited_to_this_one() {
+        let theirs = scored(|t| match t {
+            12..14 => Some(None),
+            14..40 => Some(Some(FaultClass::T2Offset)),
+            _ => None,
+        });
+        assert_eq!((theirs.detection_delay_s, theirs.indicated_duration_s), (None, None));
+        let then_ours = scored(|t| match t {
+            12..14 => Some(Some(FaultClass::T2Offset)),
+            14..40 => Some(Some(FaultClass::AirFlow)),
+            _ => None,
+        });
+        assert_eq!((then_ours.detection_delay_s, then_ours.isolation_delay_s), (Some(4.0), Some(4.0)));
+    }
+
+    #[test]
+    fn what_could_not_be_seen_is_not_scored() {
+        let late = fault(Verb::AirFlow, None, 30.0, 9.0);
+        let mut scorer = Scorer::new(&late);
+        let watching = Indication { monitoring: true, ..Indication::default() };
+        (0..20).for_each(|t| scorer.observe(f64::from(t), watching));
+        assert_eq!(scorer.score(1.0, true).not_scored, Some(NotScored::AfterTheEnd));
+        let mut scorer = Scorer::new(&late);
+        (0..60).for_each(|t| scorer.observe(f64::from(t), Indication { monitoring: t > 32, ..watching }));
+        assert_eq!(scorer.score(1.0, true).not_scored, Some(NotScored::BeforeMonitoring));
+        let mut scorer = Scorer::new(&late);
+        (0..60).for_each(|t| scorer.observe(f64::from(t), watching));
+        assert_eq!(scorer.score(1.0, true).not_scored, None, "missed");
     }
 }

@@ -4,6 +4,7 @@ mod core;
 mod identify;
 mod replay;
 mod run;
+mod score;
 mod shell;
 
 use std::io::Write;

@@ -71,6 +71,7 @@ pub fn run(image: Rc<Image>, scenario: &Scenario, seed: u64) -> anyhow::Result<E
     let origin = Origin::Simulated { seed, disturbance: scenario.disturbance };
     let baseline = recording.instrument.baseline().copied();
     let record = Record::new(origin, &config, &scenario.faults, rows, baseline);
+    let record = Record { is_papers: scenario.is_papers(), ..record };
     Ok(Experiment { board, rig, record, differences: recording.differences, idle_ticks })
 }
 

@@ -15,7 +15,7 @@ use super::cell::Cell;
 use super::definition::may_trip::reason_name;
 use super::results::{CellResults, Results};
 use super::run::heat::Heat;
-use super::run::{RunRow, Seen};
+use super::run::{Observation, RunRow};
 use super::statistics::heat::HeatStatistics;
 use super::statistics::quantiles::Quantiles;
 use crate::score::expectation::Expectation;
@@ -82,7 +82,7 @@ fn run_fields(cell: &Cell, row: &RunRow) -> Vec<Field> {
     ];
     fields.extend(heat_fields(&row.heat));
     for by in By::BOTH {
-        fields.extend(seen_fields(by, row.by(by)));
+        fields.extend(observation_fields(by, row.by(by)));
     }
     fields
 }
@@ -114,25 +114,25 @@ fn heat_statistics(heat: &HeatStatistics) -> [Field; 9] {
     ]
 }
 
-fn seen_fields(by: By, seen: &Seen) -> Vec<Field> {
+fn observation_fields(by: By, observed: &Observation) -> Vec<Field> {
     let fields = [
-        field("armed", u8::from(seen.armed)),
-        field("early", u8::from(seen.early)),
-        maybe("detection_delay_s", seen.detection_delay_s),
-        maybe("isolation_delay_s", seen.isolation_delay_s),
-        maybe("indicated_duration_s", seen.indicated_duration_s),
-        maybe("isolated_share", seen.isolated_share),
-        maybe("first", seen.first.as_ref()),
-        maybe("settled", seen.settled.as_ref()),
-        maybe("magnitude", seen.magnitude),
-        maybe("half_width", seen.half_width),
-        maybe("onset_error_s", seen.onset_error_s),
-        maybe("confidence", seen.confidence),
-        field("alarms", seen.alarms),
-        field("watched_ticks", seen.watched_ticks),
-        field("alarm_ticks", seen.alarm_ticks),
-        maybe("first_alarm_s", seen.first_alarm_s),
-        maybe("first_alarm_as", seen.first_alarm_as.as_ref()),
+        field("armed", u8::from(observed.armed)),
+        field("early", u8::from(observed.early)),
+        maybe("detection_delay_s", observed.detection_delay_s),
+        maybe("isolation_delay_s", observed.isolation_delay_s),
+        maybe("indicated_duration_s", observed.indicated_duration_s),
+        maybe("isolated_share", observed.isolated_share),
+        maybe("first", observed.first.as_ref()),
+        maybe("settled", observed.settled.as_ref()),
+        maybe("magnitude", observed.magnitude),
+        maybe("half_width", observed.half_width),
+        maybe("onset_error_s", observed.onset_error_s),
+        maybe("confidence", observed.confidence),
+        field("alarms", observed.alarms),
+        field("watched_ticks", observed.watched_ticks),
+        field("alarm_ticks", observed.alarm_ticks),
+        maybe("first_alarm_s", observed.first_alarm_s),
+        maybe("first_alarm_as", observed.first_alarm_as.as_ref()),
     ];
     fields.into_iter().map(|(name, value)| (format!("{}_{name}", by.name()), value)).collect()
 }

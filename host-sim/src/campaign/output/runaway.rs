@@ -15,7 +15,7 @@ pub(super) fn of(results: &Results) -> Option<String> {
         first.runs,
         results.campaign.seeds_from
     );
-    table(&mut text, "True air over the set-point, degC; onset to heater off, s; why", &cells, heat);
+    table(&mut text, "True air over the set-point, °C; onset to heater off, s; why", &cells, heat);
     table(
         &mut text,
         "Named by the likelihood diagnosis: 95 % of the runs, s; what most of them settled on",

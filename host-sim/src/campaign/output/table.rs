@@ -10,6 +10,9 @@ use crate::campaign::statistics::quantiles::Quantiles;
 use crate::campaign::statistics::target::Outcome;
 use crate::campaign::statistics::{AlarmStatistics, FaultStatistics};
 
+/// Columns of a terminal.
+const WIDTH: usize = 100;
+
 /// Everything, with a line end.
 pub fn of(results: &Results) -> String {
     let mut text = String::new();
@@ -37,36 +40,47 @@ pub(super) fn label(cell: &CellResults) -> String {
     format!("{}{calm}{setting}", cell.name)
 }
 
+/// A cell's name on a line of its own, since the numbers need the rest of it.
+fn heading(text: &mut String, cell: &CellResults, remarks: &[String]) {
+    let remarks: String = remarks.iter().map(|remark| format!("; {remark}")).collect();
+    line(text, &format!("{}: {} runs{remarks}", label(cell), cell.runs), "    ");
+}
+
+/// Text in lines that a terminal holds.
+fn line(text: &mut String, content: &str, indent: &str) {
+    let options = textwrap::Options::new(WIDTH).subsequent_indent(indent);
+    let _ = writeln!(text, "{}", textwrap::fill(content, options));
+}
+
 fn fault_cells(text: &mut String, cells: &[&CellResults]) {
     if cells.is_empty() {
         return;
     }
-    let width = cells.iter().map(|cell| label(cell).chars().count()).max().unwrap_or(0).max(20);
-    let _ = writeln!(
-        text,
-        "\nFaults: delays in s as median / 95 % / 99 %, misses counted as infinitely late; P likelihood, S signatures\n\n\
-         {:width$}  runs     detection           missed  isolation           never   first   settled duration      magnitude        interval\n\
-         {:width$}                                  %                       %       right % right % error 95 % s  error 50/95 %    holds %",
-        "cell", ""
-    );
+    *text += "\nFaults, by the likelihood diagnosis (L) and the signatures (S). Delays in s: median / 95 % / 99 %,\n\
+              misses counted as infinitely late. Right: % of the runs whose first, whose last name was. Errors of\n\
+              duration (95 %) and of size (50 / 95 %); % of the intervals that hold the true size.\n\n";
+    let units = ["", "%", "", "%", "right", "right", "error, s", "error, %", "%"];
+    for head in
+        [["detection", "miss", "isolation", "never", "first", "last", "duration", "size", "holds"], units]
+    {
+        let _ = writeln!(text, "  {}", columns(head));
+    }
     for cell in cells {
+        let unarmed = By::BOTH.iter().filter(|by| cell.by(**by).unarmed > 0);
+        let remarks: Vec<String> =
+            unarmed.map(|by| format!("{} not armed in {}", by.name(), cell.by(*by).unarmed)).collect();
+        heading(text, cell, &remarks);
         for by in By::BOTH {
-            let (name, runs) = match by {
-                By::Likelihood => (label(cell), cell.runs.to_string()),
-                By::Signature => (String::new(), String::new()),
-            };
-            let letter = if by == By::Likelihood { 'P' } else { 'S' };
-            let seen = match &cell.by(by).fault {
-                None => "blind".into(),
-                Some(fault) => fault_line(fault, cell.runs),
-            };
-            let unarmed = match cell.by(by).unarmed {
-                0 => String::new(),
-                n => format!("   not armed in {n} runs"),
-            };
-            let line = format!("{name:width$}  {runs:>5} {letter} {seen}{unarmed}");
-            let _ = writeln!(text, "{}", line.trim_end());
+            let line = cell.by(by).fault.as_ref().map_or("blind".into(), |f| fault_line(f, cell.runs));
+            let _ = writeln!(text, "{} {}", letter(by), line.trim_end());
         }
+    }
+}
+
+fn letter(by: By) -> char {
+    match by {
+        By::Likelihood => 'L',
+        By::Signature => 'S',
     }
 }
 
@@ -79,17 +93,22 @@ fn fault_line(f: &FaultStatistics, runs: usize) -> String {
     } else {
         format!("{} / {}", percent(magnitude.median), percent(magnitude.p95))
     };
+    columns([
+        &delays(&f.detection_delay_s),
+        &share(f.missed),
+        &delays(&f.isolation_delay_s),
+        &share(f.not_isolated),
+        &format!("{:.1}", f.first_right_pct),
+        &format!("{:.1}", f.settled_right_pct),
+        &seconds(f.duration_error_s.p95),
+        &magnitude,
+        &f.magnitude_coverage_pct.map_or("-".into(), |x| format!("{x:.1}")),
+    ])
+}
+
+fn columns([detection, missed, isolation, never, first, last, duration, size, holds]: [&str; 9]) -> String {
     format!(
-        "{:<19} {:>6}  {:<19} {:>6}  {:>6.1}  {:>6.1}  {:>8}     {:>10}       {:>6}",
-        delays(&f.detection_delay_s),
-        share(f.missed),
-        delays(&f.isolation_delay_s),
-        share(f.not_isolated),
-        f.first_right_pct,
-        f.settled_right_pct,
-        seconds(f.duration_error_s.p95),
-        magnitude,
-        f.magnitude_coverage_pct.map_or("-".into(), |x| format!("{x:.1}"))
+        "{detection:<20} {missed:>5}  {isolation:<21} {never:>5}  {first:>5}  {last:>5}  {duration:>8}  {size:>8}  {holds:>5}"
     )
 }
 
@@ -112,22 +131,16 @@ fn runaway_cells(text: &mut String, cells: &[&CellResults]) {
     if cells.is_empty() {
         return;
     }
-    let width = cells.iter().map(|cell| label(cell).chars().count()).max().unwrap_or(0).max(20);
-    let _ = writeln!(
-        text,
-        "\nHeat without effect, the worst of the runs: true air over the set-point, onset and visible to heater off, longest\n\
-         time at full power and above 1.8 times the power needed; why it tripped (runs); what likelihood settled on\n\n\
-         {:width$}  runs    over    off, s  visible  full, s  above, s  trips",
-        "cell"
-    );
+    *text += "\nHeat without effect, the worst of the runs: true air over the set-point, °C; heater off after the\n\
+              onset, and after it could be seen, s; longest at full power, and above 1.8 times the power\n\
+              needed, s; why it tripped (runs), and what likelihood settled on\n\n    \
+              over       off   visible      full     above  trips; name\n";
     for cell in cells {
+        heading(text, cell, &[]);
         let heat = &cell.heat;
-        let _ = writeln!(
-            text,
-            "{:width$} {:>5} {:>+7.1} {:>9} {:>8} {:>8} {:>9}  {}; {}",
-            label(cell),
-            cell.runs,
-            heat.overshoot_max_c.unwrap_or(f64::NAN),
+        let numbers = format!(
+            "{:>8} {:>9} {:>9} {:>9} {:>9}  {}; {}",
+            heat.overshoot_max_c.map_or("-".into(), |x| format!("{x:+.1}")),
             seconds(heat.off_delay_max_s),
             seconds(heat.off_after_visible_max_s),
             seconds(heat.saturated_max_s),
@@ -135,6 +148,7 @@ fn runaway_cells(text: &mut String, cells: &[&CellResults]) {
             trips(heat),
             cell.settled.as_deref().unwrap_or("not named")
         );
+        line(text, &numbers, &" ".repeat(50));
     }
 }
 
@@ -153,31 +167,21 @@ fn silent_cells(text: &mut String, cells: &[&CellResults]) {
     if cells.is_empty() {
         return;
     }
-    let width = cells.iter().map(|cell| label(cell).chars().count()).max().unwrap_or(0).max(20);
-    let _ = writeln!(
-        text,
-        "\nNothing to be reported: runs with an alarm, alarms an hour [exact 95 % interval] in the hours watched\n\
-         (the interval takes alarms to be independent: where they come in bursts it is too narrow)\n\n\
-         {:width$}  runs   likelihood                                              signatures",
-        "cell"
-    );
+    *text += "\nNothing to be reported: runs with an alarm of the likelihood diagnosis (L) and of the signatures (S)\n\
+              and alarms an hour [exact 95 % interval] in the hours watched. The interval takes alarms to be\n\
+              independent: where they come in bursts it is too narrow.\n\n";
     for cell in cells {
-        let unarmed = match cell.likelihood.unarmed {
-            0 => String::new(),
-            n => format!("   likelihood not armed in {n} runs"),
-        };
-        let tripped = match cell.heat.reasons.as_slice() {
-            [] => String::new(),
-            reasons => format!("   tripped: {}", counted(reasons)),
-        };
-        let line = format!(
-            "{:width$} {:>5}   {:<50}  {}{tripped}{unarmed}",
-            label(cell),
-            cell.runs,
-            alarms(&cell.likelihood.alarms),
-            alarms(&cell.signature.alarms)
-        );
-        let _ = writeln!(text, "{}", line.trim_end());
+        let mut remarks = Vec::new();
+        if !cell.heat.reasons.is_empty() {
+            remarks.push(format!("tripped: {}", counted(&cell.heat.reasons)));
+        }
+        if cell.likelihood.unarmed > 0 {
+            remarks.push(format!("likelihood not armed in {}", cell.likelihood.unarmed));
+        }
+        heading(text, cell, &remarks);
+        for by in By::BOTH {
+            let _ = writeln!(text, "{} {}", letter(by), alarms(&cell.by(by).alarms));
+        }
     }
 }
 
@@ -223,7 +227,7 @@ fn confusion(text: &mut String, results: &Results) {
                 let mut row = row.to_vec();
                 row.sort_by_key(|c| std::cmp::Reverse(c.runs));
                 let cells: Vec<String> = row.iter().map(|c| format!("{} {}", c.verdict, c.runs)).collect();
-                let _ = writeln!(text, "{:<13} {}", row[0].class, cells.join(", "));
+                line(text, &format!("{:<13} {}", row[0].class, cells.join(", ")), &" ".repeat(14));
             }
         }
     }
@@ -243,8 +247,7 @@ fn targets(text: &mut String, outcomes: &[Outcome]) {
         let measured = measured.trim_end_matches('0').trim_end_matches('.');
         let place = if t.each { format!("{}, worst: {}", t.cells, o.judged) } else { t.cells.clone() };
         let setting = if o.setting.is_empty() { String::new() } else { format!(" [{}]", o.setting) };
-        let _ = writeln!(
-            text,
+        let target = format!(
             "{}  {:<10} {:<22} {:<15} {measured:>9}  {place}{setting} ({} runs)",
             if o.met { "met   " } else { "MISSED" },
             t.judged(),
@@ -252,5 +255,6 @@ fn targets(text: &mut String, outcomes: &[Outcome]) {
             bounds.join(", "),
             o.runs
         );
+        line(text, &target, &" ".repeat(16));
     }
 }

@@ -41,8 +41,8 @@ pub struct Heat {
     pub overpower_s: Option<f64>,
 }
 
-/// Watches a run.
-pub(super) struct HeatWatch {
+/// Measures a run.
+pub(super) struct HeatMeter {
     onset: f64,
     sample_time: f64,
     /// The largest output of the controller, %.
@@ -54,7 +54,7 @@ pub(super) struct HeatWatch {
     power: Power,
 }
 
-impl HeatWatch {
+impl HeatMeter {
     pub(super) fn new(config: &fdi_core::Config, scenario: &Scenario, fault: Option<&Fault>) -> Self {
         let sample_time = as_written(config.sample_time.0);
         Self {
@@ -69,11 +69,11 @@ impl HeatWatch {
         }
     }
 
-    /// Takes in the tick at `t`; the rig has not moved on from it.
-    pub(super) fn see(&mut self, t: f64, row: &Row, rig: &Rig) {
+    /// One tick, at `t`; the rig has not moved on from it.
+    pub(super) fn observe(&mut self, t: f64, row: &Row, rig: &Rig) {
         let tick = &row.tick;
         self.note_trip(t, &tick.mode);
-        self.power.see(f64::from(tick.drive.0), &tick.mode);
+        self.power.observe(f64::from(tick.drive.0), &tick.mode);
         if t < self.onset {
             return;
         }
@@ -81,8 +81,8 @@ impl HeatWatch {
         self.heat.air_max_c = self.heat.air_max_c.max(air);
         self.heat.overshoot_max_c = self.heat.overshoot_max_c.max(air - f64::from(tick.setpoint.0));
         let saturated = tick.mode.is_heating() && tick.pid.0 >= self.full;
-        self.saturated.see(saturated);
-        self.overpower.see(self.power.is_too_much());
+        self.saturated.observe(saturated);
+        self.overpower.observe(self.power.is_too_much());
         if saturated || rig.sensor_error() > VISIBLE {
             self.visible_at.get_or_insert(t);
         }
@@ -119,7 +119,7 @@ struct Spell {
 }
 
 impl Spell {
-    fn see(&mut self, goes_on: bool) {
+    fn observe(&mut self, goes_on: bool) {
         self.now = if goes_on { self.now + 1 } else { 0 };
         self.longest = self.longest.max(self.now);
     }
@@ -138,7 +138,7 @@ impl Power {
         Self { lately: VecDeque::new(), window, learning: Vec::new(), needed: None }
     }
 
-    fn see(&mut self, drive: f64, mode: &Mode) {
+    fn observe(&mut self, drive: f64, mode: &Mode) {
         self.lately.push_back(drive);
         if self.lately.len() > self.window {
             self.lately.pop_front();
@@ -193,7 +193,7 @@ mod tests {
         let fault = Fault::new(Verb::Detach, Some(Sensor::T1), Some(1.0), 20.0, 100.0);
         let still = RigConfig { turbulence: 0.0, white_noise: 0.0, ..RigConfig::default() };
         let mut rig = Rig::new(&still, Disturbance::None, 0.11, 1, std::slice::from_ref(&fault));
-        let mut watch = HeatWatch::new(&Config::default(), &Scenario::default(), Some(&fault));
+        let mut meter = HeatMeter::new(&Config::default(), &Scenario::default(), Some(&fault));
         for i in 0..400 {
             let t = f64::from(i) * 0.11;
             let mut row = quiet();
@@ -205,10 +205,10 @@ mod tests {
             };
             row.tick.drive = row.tick.pid;
             rig.sample();
-            watch.see(t, &row, &rig);
+            meter.observe(t, &row, &rig);
             rig.advance(f64::from(row.tick.drive.0));
         }
-        watch.finish()
+        meter.finish()
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! One run of a campaign, seen by both diagnoses, as the few numbers that are kept of it.
+//! One run of a campaign, observed by both diagnoses, as the few numbers that are kept of it.
 
 pub mod heat;
 
 use fdi_core::Instrument;
-use fdi_core::likelihood::{FaultClass, Readiness};
+use fdi_core::likelihood::FaultClass;
 use serde::{Deserialize, Serialize};
 
 use super::by::By;
@@ -11,9 +11,10 @@ use super::cell::Cell;
 use crate::experiment::{Row, as_written, drive, tick_time, with_prbs_phase};
 use crate::score::expectation::Expectation;
 use crate::score::{
-    LikelihoodScore, LikelihoodWatch, Rise, Score, TAIL, Watch, signature_class, signature_sight,
+    LikelihoodScore, LikelihoodScorer, Rise, Score, Scorer, TAIL, likelihood_alarm, signature_class,
+    signature_indication,
 };
-use heat::{Heat, HeatWatch};
+use heat::{Heat, HeatMeter};
 use pt326_rig::fault::Fault;
 
 /// One run.
@@ -30,14 +31,14 @@ pub struct RunRow {
     /// What was done with the heat, and whether it was switched off.
     pub heat: Heat,
     /// By the paper's signatures.
-    pub signature: Seen,
+    pub signature: Observation,
     /// By the likelihood diagnosis.
-    pub likelihood: Seen,
+    pub likelihood: Observation,
 }
 
 impl RunRow {
     /// By one diagnosis.
-    pub fn by(&self, by: By) -> &Seen {
+    pub fn by(&self, by: By) -> &Observation {
         match by {
             By::Likelihood => &self.likelihood,
             By::Signature => &self.signature,
@@ -45,9 +46,9 @@ impl RunRow {
     }
 }
 
-/// What one diagnosis saw.
+/// What one diagnosis observed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Seen {
+pub struct Observation {
     /// It watched when the fault began, or at the end of a run without; or the fault was there before arming.
     pub armed: bool,
     /// An alarm stood already when the fault began: then nothing was detected.
@@ -86,18 +87,18 @@ pub struct Seen {
 
 /// Counts the false alarms of one diagnosis.
 #[derive(Default)]
-struct Guard {
+struct AlarmCounter {
     rise: Rise,
-    seen: Seen,
+    observed: Observation,
 }
 
-/// What a diagnosis says on a tick: `None` while it does not watch.
-struct Said {
+/// What a diagnosis puts out on a tick; `alarm` is `None` while it does not watch.
+struct Output {
     alarm: Option<bool>,
     named: Option<FaultClass>,
 }
 
-impl Said {
+impl Output {
     fn by_signature(row: &Row) -> Self {
         let verdict = row.report.filtered;
         Self { alarm: verdict.map(|v| v.fdv != 0), named: verdict.and_then(|v| signature_class(v.fiv)) }
@@ -105,52 +106,51 @@ impl Said {
 
     fn by_likelihood(row: &Row) -> Self {
         let likelihood = &row.report.likelihood;
-        let watches = likelihood.alarm || likelihood.readiness == Readiness::Armed;
-        Self { alarm: watches.then_some(likelihood.alarm), named: likelihood.finding.map(|f| f.class) }
+        Self { alarm: likelihood_alarm(likelihood), named: likelihood.finding.map(|f| f.class) }
     }
 }
 
-impl Guard {
+impl AlarmCounter {
     /// What is there from the start can only be found later: nothing is asked of the time before.
     fn new(fault: Option<&Fault>) -> Self {
         let armed = fault.is_some_and(|f| f.at == 0.0);
-        Self { seen: Seen { armed, ..Seen::default() }, ..Self::default() }
+        Self { observed: Observation { armed, ..Observation::default() }, ..Self::default() }
     }
 
-    fn see(&mut self, t: f64, fault: Option<&Fault>, said: &Said) {
-        let alarm = said.alarm == Some(true);
+    fn observe(&mut self, t: f64, fault: Option<&Fault>, output: &Output) {
+        let alarm = output.alarm == Some(true);
         let rises = self.rise.of(alarm);
-        let seen = &mut self.seen;
+        let observed = &mut self.observed;
         if fault.is_none_or(|f| t < f.at) {
-            seen.armed = said.alarm.is_some();
-            seen.early = alarm && fault.is_some();
+            observed.armed = output.alarm.is_some();
+            observed.early = alarm && fault.is_some();
         }
         if fault.is_some_and(|f| t >= f.at && t < f.end() + TAIL) {
             return;
         }
-        match said.alarm {
-            Some(true) => seen.alarm_ticks += 1,
-            Some(false) => seen.watched_ticks += 1,
+        match output.alarm {
+            Some(true) => observed.alarm_ticks += 1,
+            Some(false) => observed.watched_ticks += 1,
             None => {}
         }
         if rises {
-            seen.alarms += 1;
-            seen.first_alarm_s.get_or_insert(t);
+            observed.alarms += 1;
+            observed.first_alarm_s.get_or_insert(t);
         }
-        if let (true, Some(class)) = (seen.first_alarm_s.is_some(), said.named) {
-            seen.first_alarm_as.get_or_insert_with(|| class.name().into());
+        if let (true, Some(class)) = (observed.first_alarm_s.is_some(), output.named) {
+            observed.first_alarm_as.get_or_insert_with(|| class.name().into());
         }
     }
 
-    fn finish(self, score: Score) -> Seen {
-        let Seen { armed, early, .. } = self.seen;
+    fn finish(self, score: Score) -> Observation {
+        let Observation { armed, early, .. } = self.observed;
         let valid = armed && !early;
-        Seen {
+        Observation {
             detection_delay_s: score.detection_delay_s.filter(|_| valid),
             isolation_delay_s: score.isolation_delay_s.filter(|_| valid),
             indicated_duration_s: score.indicated_duration_s.filter(|_| valid),
             isolated_share: score.isolated_share,
-            ..self.seen
+            ..self.observed
         }
     }
 }
@@ -166,28 +166,33 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
     let sample_time = as_written(config.sample_time.0);
     let fault = cell.fault().and(scenario.faults.first());
     let mut instrument = Instrument::new(&config)?;
-    let mut guards = [Guard::new(fault), Guard::new(fault)];
-    let mut watches = fault.map(|f| (Watch::new(f), LikelihoodWatch::new(f, sample_time)));
-    let mut heat = HeatWatch::new(&config, &scenario, fault);
+    let mut counters = [AlarmCounter::new(fault), AlarmCounter::new(fault)];
+    let mut scorers = fault.map(|f| (Scorer::new(f), LikelihoodScorer::new(f, sample_time)));
+    let mut heat = HeatMeter::new(&config, &scenario, fault);
     drive(&mut instrument, &config, &scenario, seed, |row, rig| {
         let t = tick_time(row.tick.index, sample_time);
-        heat.see(t, &row, rig);
-        for (guard, said) in guards.iter_mut().zip([Said::by_signature(&row), Said::by_likelihood(&row)]) {
-            guard.see(t, fault, &said);
+        heat.observe(t, &row, rig);
+        for (counter, output) in
+            counters.iter_mut().zip([Output::by_signature(&row), Output::by_likelihood(&row)])
+        {
+            counter.observe(t, fault, &output);
         }
-        if let (Some(fault), Some((signature, likelihood))) = (fault, &mut watches) {
-            signature.see(t, signature_sight(fault, row.report.filtered));
-            likelihood.see(t, &row.report.likelihood);
+        if let (Some(fault), Some((signature, likelihood))) = (fault, &mut scorers) {
+            signature.observe(t, signature_indication(fault, row.report.filtered));
+            likelihood.observe(t, &row.report.likelihood);
         }
     });
-    let [signature, likelihood] = guards;
-    let (signature, likelihood) = match (fault, watches) {
+    let [signature, likelihood] = counters;
+    let (signature, likelihood) = match (fault, scorers) {
         (Some(fault), Some((by_signature, by_likelihood))) => {
             let isolable = Expectation::of(fault).fiv.is_some();
-            let seen = signature.finish(by_signature.score(sample_time, isolable));
-            (named_by_signature(seen, &by_signature), named_by_likelihood(likelihood, by_likelihood.score()))
+            let observed = signature.finish(by_signature.score(sample_time, isolable));
+            (
+                named_by_signature(observed, &by_signature),
+                named_by_likelihood(likelihood, by_likelihood.score()),
+            )
         }
-        _ => (signature.seen, likelihood.seen),
+        _ => (signature.observed, likelihood.observed),
     };
     Ok(RunRow {
         cell: number,
@@ -200,20 +205,20 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
     })
 }
 
-fn named_by_signature(seen: Seen, watch: &Watch) -> Seen {
+fn named_by_signature(observed: Observation, scorer: &Scorer) -> Observation {
     let name = |class: FaultClass| class.name().to_owned();
-    Seen { first: watch.first_named().map(name), settled: watch.settled().map(name), ..seen }
+    Observation { first: scorer.first_named().map(name), settled: scorer.settled().map(name), ..observed }
 }
 
-fn named_by_likelihood(guard: Guard, score: LikelihoodScore) -> Seen {
-    Seen {
+fn named_by_likelihood(counter: AlarmCounter, score: LikelihoodScore) -> Observation {
+    Observation {
         first: score.first_verdict.map(str::to_owned),
         settled: score.verdict.map(str::to_owned),
         magnitude: score.magnitude,
         half_width: score.magnitude_half_width,
         onset_error_s: score.onset_error_s,
         confidence: score.confidence,
-        ..guard.finish(score.score)
+        ..counter.finish(score.score)
     }
 }
 
@@ -223,44 +228,44 @@ mod tests {
     use pt326_rig::fault::{Sensor, Verb};
 
     /// What is kept of a fault from 10 s to 20 s, one tick a second, if the alarm stands when `alarm` says so.
-    fn seen(alarm: impl Fn(u32) -> Option<bool>) -> Seen {
+    fn observed(alarm: impl Fn(u32) -> Option<bool>) -> Observation {
         let fault = Fault::new(Verb::Offset, Some(Sensor::T2), Some(1.0), 10.0, 10.0);
-        let mut guard = Guard::new(Some(&fault));
+        let mut counter = AlarmCounter::new(Some(&fault));
         for t in 0..60 {
             let named = (t == 40).then_some(FaultClass::Drift);
-            guard.see(f64::from(t), Some(&fault), &Said { alarm: alarm(t), named });
+            counter.observe(f64::from(t), Some(&fault), &Output { alarm: alarm(t), named });
         }
-        guard.finish(Score { detection_delay_s: Some(0.0), ..Score::default() })
+        counter.finish(Score { detection_delay_s: Some(0.0), ..Score::default() })
     }
 
     #[test]
     fn only_alarms_outside_the_fault_and_its_tail_are_false_and_each_counts_once() {
-        let seen = seen(|t| (t >= 2).then_some(matches!(t, 12..34 | 38..42 | 50)));
-        assert_eq!((seen.alarms, seen.alarm_ticks), (2, 5));
-        assert_eq!(seen.watched_ticks, 8 + 25 - 5, "2 to 9 s, and 35 to 59 s without the alarms");
-        assert_eq!((seen.first_alarm_s, seen.first_alarm_as.as_deref()), (Some(38.0), Some("drift")));
-        assert_eq!((seen.armed, seen.early, seen.detection_delay_s), (true, false, Some(0.0)));
+        let observed = observed(|t| (t >= 2).then_some(matches!(t, 12..34 | 38..42 | 50)));
+        assert_eq!((observed.alarms, observed.alarm_ticks), (2, 5));
+        assert_eq!(observed.watched_ticks, 8 + 25 - 5, "2 to 9 s, and 35 to 59 s without the alarms");
+        assert_eq!((observed.first_alarm_s, observed.first_alarm_as.as_deref()), (Some(38.0), Some("drift")));
+        assert_eq!((observed.armed, observed.early, observed.detection_delay_s), (true, false, Some(0.0)));
     }
 
     #[test]
     fn an_alarm_that_stood_before_the_fault_has_not_detected_it() {
-        let seen = seen(|t| Some((8..20).contains(&t)));
-        assert_eq!((seen.early, seen.detection_delay_s, seen.alarms), (true, None, 1));
+        let observed = observed(|t| Some((8..20).contains(&t)));
+        assert_eq!((observed.early, observed.detection_delay_s, observed.alarms), (true, None, 1));
     }
 
     #[test]
     fn what_is_there_before_arming_can_still_be_found() {
         let fault = Fault { at: 0.0, ..Fault::new(Verb::Detach, Some(Sensor::T1), Some(1.0), 0.0, 10.0) };
-        let mut guard = Guard::new(Some(&fault));
-        guard.see(0.0, Some(&fault), &Said { alarm: None, named: None });
-        guard.see(5.0, Some(&fault), &Said { alarm: Some(true), named: None });
-        let seen = guard.finish(Score { detection_delay_s: Some(5.0), ..Score::default() });
-        assert_eq!((seen.armed, seen.detection_delay_s, seen.alarms), (true, Some(5.0), 0));
+        let mut counter = AlarmCounter::new(Some(&fault));
+        counter.observe(0.0, Some(&fault), &Output { alarm: None, named: None });
+        counter.observe(5.0, Some(&fault), &Output { alarm: Some(true), named: None });
+        let observed = counter.finish(Score { detection_delay_s: Some(5.0), ..Score::default() });
+        assert_eq!((observed.armed, observed.detection_delay_s, observed.alarms), (true, Some(5.0), 0));
     }
 
     #[test]
     fn what_did_not_watch_at_the_onset_is_not_armed() {
-        let seen = seen(|t| (t >= 15).then_some(false));
-        assert_eq!((seen.armed, seen.detection_delay_s), (false, None));
+        let observed = observed(|t| (t >= 15).then_some(false));
+        assert_eq!((observed.armed, observed.detection_delay_s), (false, None));
     }
 }

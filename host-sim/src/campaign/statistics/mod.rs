@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::by::By;
 use super::cell::Cell;
-use super::run::{RunRow, Seen};
+use super::run::{Observation, RunRow};
 use crate::experiment::as_written;
 use crate::score::expectation::Expectation;
 use quantiles::{Quantiles, poisson_interval};
@@ -93,12 +93,12 @@ pub struct AlarmStatistics {
 impl Statistics {
     /// Of one diagnosis over some runs.
     pub fn new(by: By, cases: &[Case]) -> Self {
-        let seen = || cases.iter().map(|(_, row)| row.by(by));
+        let observed = || cases.iter().map(|(_, row)| row.by(by));
         let known: Vec<Case> =
             cases.iter().copied().filter(|(cell, _)| knows(by, cell) && cell.fault().is_some()).collect();
         Self {
             runs: cases.len(),
-            unarmed: seen().filter(|s| !s.armed).count(),
+            unarmed: observed().filter(|s| !s.armed).count(),
             fault: (!known.is_empty()).then(|| FaultStatistics::new(by, &known)),
             alarms: AlarmStatistics::new(by, cases),
         }
@@ -108,7 +108,8 @@ impl Statistics {
 impl FaultStatistics {
     fn new(by: By, cases: &[Case]) -> Self {
         let quantiles = |value: &dyn Fn(&Case) -> Option<f64>| Quantiles::of(cases.iter().map(value));
-        let count = |is: &dyn Fn(&Seen) -> bool| cases.iter().filter(|(_, row)| is(row.by(by))).count();
+        let count =
+            |is: &dyn Fn(&Observation) -> bool| cases.iter().filter(|(_, row)| is(row.by(by))).count();
         let percent = |is: &dyn Fn(&Case) -> bool| {
             100.0 * cases.iter().filter(|case| is(case)).count() as f64 / cases.len() as f64
         };
@@ -136,9 +137,9 @@ impl FaultStatistics {
 
 /// Estimate and truth, where the right class was settled on and has a magnitude.
 fn magnitudes(by: By, (cell, row): &Case) -> Option<(f64, f64)> {
-    let seen = row.by(by);
-    let is_right = seen.settled.as_deref() == class(cell);
-    Some((seen.magnitude.filter(|_| is_right)?, Expectation::of(cell.fault()?).magnitude?))
+    let observed = row.by(by);
+    let is_right = observed.settled.as_deref() == class(cell);
+    Some((observed.magnitude.filter(|_| is_right)?, Expectation::of(cell.fault()?).magnitude?))
 }
 
 fn magnitude_error(by: By, case: &Case) -> Option<f64> {
@@ -153,7 +154,7 @@ fn covered(by: By, case: &Case) -> Option<bool> {
 
 impl AlarmStatistics {
     fn new(by: By, cases: &[Case]) -> Self {
-        let hours = |ticks: fn(&Seen) -> u64| {
+        let hours = |ticks: fn(&Observation) -> u64| {
             let of = |(cell, row): &Case| ticks(row.by(by)) as f64 * as_written(cell.config.sample_time.0);
             cases.iter().map(of).sum::<f64>() / 3600.0
         };
@@ -190,11 +191,11 @@ mod tests {
     use crate::campaign::results::Results;
 
     /// One cell of an air flow of 1.25, and a row for each thing that likelihood saw.
-    fn statistics(seen: Vec<Seen>) -> Statistics {
+    fn statistics(observed: Vec<Observation>) -> Statistics {
         let text = "[[cell]]\nname = \"flow\"\nruns = 1\nfault = [{ do = \"air-flow\", size = 1.25, at = 400.0, for = 25.0 }]";
         let campaign: Campaign = toml::from_str(text).unwrap();
         let cells = campaign.expand(&Config::default()).unwrap();
-        let rows: Vec<RunRow> = seen
+        let rows: Vec<RunRow> = observed
             .into_iter()
             .zip(0..)
             .map(|(likelihood, run)| RunRow {
@@ -209,8 +210,8 @@ mod tests {
         Results::new(&campaign, &cells, &rows).cells.remove(0).likelihood
     }
 
-    fn right(magnitude: f64) -> Seen {
-        Seen {
+    fn right(magnitude: f64) -> Observation {
+        Observation {
             armed: true,
             detection_delay_s: Some(0.5),
             isolation_delay_s: Some(1.0),
@@ -220,14 +221,14 @@ mod tests {
             magnitude: Some(magnitude),
             half_width: Some(2.0),
             onset_error_s: Some(-0.25),
-            ..Seen::default()
+            ..Observation::default()
         }
     }
 
     #[test]
     fn a_fault_is_judged_against_its_truth() {
-        let wrong = Seen { settled: Some("drift".into()), magnitude: Some(25.0), ..right(25.0) };
-        let unarmed = Seen { first: Some("air_flow".into()), ..Seen::default() };
+        let wrong = Observation { settled: Some("drift".into()), magnitude: Some(25.0), ..right(25.0) };
+        let unarmed = Observation { first: Some("air_flow".into()), ..Observation::default() };
         let statistics = statistics(vec![right(26.0), right(20.0), wrong, unarmed]);
         let fault = statistics.fault.unwrap();
         assert_eq!((statistics.unarmed, fault.missed, fault.not_isolated), (1, 1, 1));
@@ -240,8 +241,13 @@ mod tests {
 
     #[test]
     fn alarms_are_a_rate_over_the_time_watched() {
-        let seen = |alarms| Seen { alarms, watched_ticks: 32_727, alarm_ticks: 32_727, ..Seen::default() };
-        let alarms = statistics(vec![seen(3), seen(0)]).alarms;
+        let observed = |alarms| Observation {
+            alarms,
+            watched_ticks: 32_727,
+            alarm_ticks: 32_727,
+            ..Observation::default()
+        };
+        let alarms = statistics(vec![observed(3), observed(0)]).alarms;
         assert!((alarms.hours - 2.0).abs() < 1e-3 && alarms.runs_with == 1);
         assert!((alarms.per_hour.unwrap() - 1.5).abs() < 1e-3);
         let [low, high] = alarms.per_hour_95.unwrap();

@@ -5,10 +5,10 @@ mod tables;
 
 use crate::experiment::{Origin, Record};
 use crate::record::figure::{self, Number};
+use crate::record::paper;
 use crate::record::summary::Summary;
-use crate::record::table::PAPER_CONTROL_ERROR;
 use crate::score::expectation::Expectation;
-use numbers::{escape, significant, written};
+use numbers::{NOTHING, count, escape, significant, written};
 
 /// The look of the page.
 const STYLE: &str = include_str!("style.css");
@@ -114,7 +114,18 @@ fn warnings(record: &Record, summary: &Summary) -> String {
         .refused
         .iter()
         .map(|(t, reason)| format!("A command was refused at {} s: {}.", significant(*t, 5), escape(reason)));
-    let all = baseline.into_iter().chain(trips).chain(refused);
+    let late = record
+        .actions_after_end
+        .iter()
+        .map(|t| format!("An action at {} s was not done: the run ended before.", significant(*t, 5)));
+    let beyond = summary.faults.iter().filter(|fault| fault.beyond_the_end).map(|fault| {
+        format!(
+            "{} lasts {} s, beyond the end of the run.",
+            escape(&fault.name),
+            significant(fault.duration_s, 5)
+        )
+    });
+    let all = baseline.into_iter().chain(trips).chain(refused).chain(late).chain(beyond);
     all.map(|text| format!("<p class='warning'>{text}</p>\n")).collect()
 }
 
@@ -125,19 +136,24 @@ fn key_numbers(record: &Record, summary: &Summary) -> String {
     };
     let detected = seen(|score| score.detected_s.is_some());
     let isolated = seen(|score| score.isolated_s.is_some());
-    let all = summary.faults.len();
-    let expected = record.faults.iter().filter(|f| Expectation::of(f).class.is_some()).count();
+    let scored = |is_scored: fn(&crate::record::summary::FaultSummary, Expectation) -> bool| {
+        let pairs = summary.faults.iter().zip(&record.faults);
+        pairs.filter(|(seen, fault)| is_scored(seen, Expectation::of(fault))).count()
+    };
+    let all = scored(|seen, _| seen.signature.not_scored.is_none());
+    let expected = scored(|seen, fault| seen.likelihood.score.not_scored.is_none() && fault.class.is_some());
     let named = summary.faults.iter().filter(|f| f.likelihood.score.isolated_s.is_some()).count();
     let (from, to) = record.nominal_window;
+    let paper = if record.is_papers { format!("; paper {} %", paper::CONTROL_ERROR) } else { String::new() };
     let keys = [
         ("Faults detected", format!("{detected} of {all}"), "by the low-passed residuals".to_owned()),
         ("Faults isolated", format!("{isolated} of {all}"), "named rightly while they acted".to_owned()),
         ("Named by likelihood", format!("{named} of {expected}"), "while they acted".to_owned()),
-        ("False alarms", summary.false_alarms.fdv.to_string(), "of fdv, low-passed".to_owned()),
+        ("False alarms", count(summary.false_alarms.fdv), "of fdv, low-passed".to_owned()),
         (
             "Largest control error",
-            format!("{} %", significant(summary.control_error_max_pct, 3)),
-            format!("of the set-point, {from} to {to} s; paper {PAPER_CONTROL_ERROR} %"),
+            summary.control_error_max_pct.map_or(NOTHING.into(), |x| format!("{} %", significant(x, 3))),
+            format!("of the set-point, {from} to {to} s{paper}"),
         ),
     ];
     let cards = keys
@@ -174,7 +190,7 @@ mod tests {
         let page = page(&scenario);
         assert!(page.contains("<td>&lt;b&gt;&amp;</td>") && !page.contains("<b>"));
         assert!(page.contains("No baseline was learnt"));
-        assert!(page.contains("not detected") && page.contains("after the end"));
+        assert!(page.contains("before monitoring") && page.contains("after the end"));
         assert!(page.contains("<td>AFS2</td>") && page.contains("<td>MFP</td>"));
     }
 
@@ -182,7 +198,7 @@ mod tests {
     fn a_full_run_has_its_tables_and_needs_nothing_else() {
         let page = page(&Scenario { duration: 415.0, ..Scenario::default() });
         assert!(page.contains("What is normal") && page.contains("Static gain of MS1"));
-        assert!(page.contains("1 of 3") && !page.contains("class='warning'"));
+        assert!(page.contains("1 of 1") && !page.contains("class='warning'"));
         assert_eq!(page.matches("<svg ").count(), 3);
         for outside in ["<script", "<link", "<img", "src=", "href=", "url(", "@import"] {
             assert!(!page.contains(outside), "{outside}");

@@ -29,6 +29,11 @@ pub(super) fn maybe(x: Option<f64>, digits: usize) -> String {
     x.map_or_else(|| NOTHING.into(), |x| significant(x, digits))
 }
 
+/// How often, where it could happen.
+pub(super) fn count(n: Option<u32>) -> String {
+    n.map_or_else(|| NOTHING.into(), |n| n.to_string())
+}
+
 /// A number as the user wrote it.
 pub(super) fn written(x: f64) -> String {
     x.to_string().replace('-', "\u{2212}")

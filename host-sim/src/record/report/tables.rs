@@ -1,9 +1,9 @@
 //! The tables of the page, and the words for what happened.
 
-use super::numbers::{NOTHING, escape, maybe, significant, written};
+use super::numbers::{NOTHING, count, escape, maybe, significant, written};
 use crate::experiment::Record;
-use crate::record::summary::{FaultSummary, Normal, Summary};
-use crate::record::table::PAPER;
+use crate::record::paper;
+use crate::record::summary::{FaultSummary, Learnt, Summary, with_degree_sign};
 use crate::score::Score;
 use crate::score::expectation::Expectation;
 use pt326_rig::Disturbance;
@@ -16,19 +16,24 @@ pub(super) fn faults(record: &Record, summary: &Summary) -> String {
     }
     let rows = |score: fn(&FaultSummary) -> &Score| {
         let pairs = record.faults.iter().zip(&summary.faults);
-        pairs.map(move |(fault, seen)| fault_row(record, fault, seen, score(seen)))
+        pairs.map(move |(fault, seen)| fault_row(fault, seen, score(seen)))
     };
     let head = "<th>Fault</th><th>Onset<br>s</th><th>Detected at<br>(delay), s</th><th>Isolated at<br>(delay), s</th>\
                 <th>Lasted<br>s</th><th>Indicated<br>s</th><th>Pieces</th><th>Isolated for<br>% of the fault</th>";
     let head_with_paper = format!("{head}<th>Paper: delay<br>s</th><th>Paper: indicated<br>s</th>");
-    let beside_paper =
-        rows(|f| &f.signature).zip(&summary.faults).map(|(row, f)| [row, paper_cells(f)].concat());
+    let low_passed = rows(|f| &f.signature);
+    let (head_low_passed, low_passed): (&str, Vec<_>) = if record.is_papers {
+        let beside = low_passed.zip(&summary.faults).map(|(row, f)| [row, paper_cells(f)].concat());
+        (&head_with_paper, beside.collect())
+    } else {
+        (head, low_passed.collect())
+    };
     [
         "<h2>How each fault was seen</h2>\n",
         &html_table(
             "By the low-passed residuals, which is what the instrument goes by.",
-            &head_with_paper,
-            beside_paper.collect(),
+            head_low_passed,
+            low_passed,
         ),
         &html_table("By the raw residuals, for comparison.", head, rows(|f| &f.signature_raw).collect()),
         &likelihood(record, summary),
@@ -41,21 +46,21 @@ fn likelihood(record: &Record, summary: &Summary) -> String {
     let head = "<th>Fault</th><th>Detected at<br>(delay), s</th><th>Isolated at<br>(delay), s</th><th>Indicated<br>s</th>\
                 <th>First named</th><th>Settled on</th><th>Magnitude</th><th>True</th><th>Onset dated<br>off by, s</th>";
     let pairs = record.faults.iter().zip(&summary.faults);
-    let rows = pairs.map(|(fault, seen)| likelihood_row(record, fault, seen)).collect();
-    let told = summary.faults.iter().filter_map(|fault| Some((&fault.name, fault.likelihood_told.as_ref()?)));
-    let told: String =
-        told.map(|(name, told)| format!("<li>{}: {}.</li>\n", escape(name), escape(told))).collect();
+    let rows = pairs.map(|(fault, seen)| likelihood_row(fault, seen)).collect();
+    let sentences = summary.faults.iter().filter_map(|f| Some((&f.name, f.likelihood_sentence.as_ref()?)));
+    let sentences: String =
+        sentences.map(|(name, text)| format!("<li>{}: {}.</li>\n", escape(name), escape(text))).collect();
     let caption =
         "By the likelihood diagnosis: it names the fault and says how large it is, with a 95 % interval.";
     let table = html_table(caption, head, rows);
-    if told.is_empty() {
+    if sentences.is_empty() {
         table
     } else {
-        format!("{table}<p>What it said at the end of each fault:</p>\n<ul>\n{told}</ul>\n")
+        format!("{table}<p>What it said at the end of each fault:</p>\n<ul>\n{sentences}</ul>\n")
     }
 }
 
-fn likelihood_row(record: &Record, fault: &Fault, seen: &FaultSummary) -> Vec<String> {
+fn likelihood_row(fault: &Fault, seen: &FaultSummary) -> Vec<String> {
     let p = &seen.likelihood;
     let expected = Expectation::of(fault).class;
     let class = |name: Option<&str>| match name {
@@ -63,12 +68,12 @@ fn likelihood_row(record: &Record, fault: &Fault, seen: &FaultSummary) -> Vec<St
         Some(name) if expected.is_some_and(|class| class.name() == name) => name.to_owned(),
         Some(name) => format!("<span class='miss'>{name}</span>"),
     };
-    let unit = expected.map_or("", |class| class.unit());
     let magnitude = p.magnitude.zip(p.magnitude_half_width).map(|(value, half)| {
-        let unit = p.magnitude_unit.unwrap_or_default();
+        let unit = with_degree_sign(p.magnitude_unit.unwrap_or_default());
         format!("{} &plusmn; {} {unit}", significant(value, 3), significant(half, 2))
     });
-    let never = |word| never(record, fault, expected.is_some(), word);
+    let truth = p.magnitude_true.zip(p.magnitude_true_unit);
+    let never = |word| never(&p.score, expected.is_some(), word);
     vec![
         escape(&seen.name),
         moment(p.score.detected_s, p.score.detection_delay_s).unwrap_or_else(|| never("detected")),
@@ -77,20 +82,21 @@ fn likelihood_row(record: &Record, fault: &Fault, seen: &FaultSummary) -> Vec<St
         class(p.first_verdict),
         class(p.verdict),
         magnitude.unwrap_or_else(|| NOTHING.into()),
-        p.magnitude_true.map_or_else(|| NOTHING.into(), |x| format!("{} {unit}", written(x))),
+        truth
+            .map_or_else(|| NOTHING.into(), |(x, unit)| format!("{} {}", written(x), with_degree_sign(unit))),
         maybe(p.onset_error_s, 2),
     ]
 }
 
 /// What the paper reports of a fault of this name.
 fn paper_cells(fault: &FaultSummary) -> Vec<String> {
-    let paper = PAPER.iter().find(|(name, ..)| *name == fault.name);
+    let paper = paper::FAULTS.iter().find(|(name, ..)| *name == fault.name);
     vec![maybe(paper.map(|p| p.1), 1), maybe(paper.map(|p| p.2), 2)]
 }
 
-fn fault_row(record: &Record, fault: &Fault, seen: &FaultSummary, score: &Score) -> Vec<String> {
+fn fault_row(fault: &Fault, seen: &FaultSummary, score: &Score) -> Vec<String> {
     let expected = Expectation::of(fault);
-    let never = |answer: Option<u8>, word| never(record, fault, answer.is_some(), word);
+    let never = |answer: Option<u8>, word| never(score, answer.is_some(), word);
     let detected = moment(score.detected_s, score.detection_delay_s);
     let isolated = moment(score.isolated_s, score.isolation_delay_s);
     vec![
@@ -111,12 +117,11 @@ fn moment(at: Option<f64>, delay: Option<f64>) -> Option<String> {
 }
 
 /// Why there is no such time; `known`: whether the diagnosis has an answer for the fault.
-fn never(record: &Record, fault: &Fault, known: bool, word: &str) -> String {
-    let reached = record.rows.last().is_some_and(|row| record.time(row.tick.index) >= fault.at);
-    let why = match known {
-        _ if !reached => "after the end".to_owned(),
-        false => "not in the tables".to_owned(),
-        true => format!("<span class='miss'>not {word}</span>"),
+fn never(score: &Score, known: bool, word: &str) -> String {
+    let why = match (known, score.not_scored) {
+        (_, Some(why)) => why.words().to_owned(),
+        (false, None) => "not in the tables".to_owned(),
+        (true, None) => format!("<span class='miss'>not {word}</span>"),
     };
     format!("{NOTHING} {why}")
 }
@@ -124,12 +129,13 @@ fn never(record: &Record, fault: &Fault, known: bool, word: &str) -> String {
 /// Alarms with no fault behind them.
 pub(super) fn false_alarms(summary: &Summary) -> String {
     let f = &summary.false_alarms;
-    let row =
-        |name: &str, low_passed: u32, raw: u32| vec![name.into(), low_passed.to_string(), raw.to_string()];
+    let row = |name: &str, low_passed: Option<u32>, raw: Option<u32>| {
+        vec![name.into(), count(low_passed), count(raw)]
+    };
     let rows = vec![
         row("Detection, fdv", f.fdv, f.fdv_raw),
         row("Isolation, fiv", f.fiv, f.fiv_raw),
-        vec!["Likelihood alarm".into(), f.likelihood.to_string(), NOTHING.into()],
+        vec!["Likelihood alarm".into(), count(f.likelihood), NOTHING.into()],
     ];
     let caption = "Times that a vector left zero, or the likelihood alarm rose, outside every fault and the 15 s after it.";
     format!(
@@ -161,19 +167,19 @@ pub(super) fn baseline(record: &Record, summary: &Summary) -> String {
     format!("<h2>What is normal</h2>\n{}", html_table(&caption, head, rows))
 }
 
-fn baseline_row(name: &str, normal: &Normal, sigma_factor: f64) -> Vec<String> {
+fn baseline_row(name: &str, learnt: &Learnt, sigma_factor: f64) -> Vec<String> {
     let thresholds = |mean: f64, sigma: f64| {
         let reach = sigma_factor * sigma;
         format!("{} to {}", significant(mean - reach, 4), significant(mean + reach, 4))
     };
     vec![
         name.into(),
-        significant(normal.mean, 4),
-        significant(normal.sigma, 3),
-        thresholds(normal.mean, normal.sigma),
-        significant(normal.mean_f, 4),
-        significant(normal.sigma_f, 3),
-        thresholds(normal.mean_f, normal.sigma_f),
+        significant(learnt.mean, 4),
+        significant(learnt.sigma, 3),
+        thresholds(learnt.mean, learnt.sigma),
+        significant(learnt.mean_f, 4),
+        significant(learnt.sigma_f, 3),
+        thresholds(learnt.mean_f, learnt.sigma_f),
     ]
 }
 

@@ -265,9 +265,11 @@ mod tests {
 
     #[test]
     fn a_line_of_the_table_fits_100_columns_and_keeps_its_columns_apart() {
-        let long = Spread { p5: Some(11.94), median: Some(12.61), p95: Some(21.3), missed: 9 };
-        let (delay, share) =
-            (long.text(2, 1.0), Spread { p5: Some(1.0), median: Some(1.0), p95: Some(1.0), missed: 0 });
+        let long = Spread { p5: Some(11.94), median: Some(12.61), p95: Some(21.3), missed: 9, runs: 200 };
+        let (delay, share) = (
+            long.text(2, 1.0),
+            Spread { p5: Some(1.0), median: Some(1.0), p95: Some(1.0), missed: 0, runs: 200 },
+        );
         assert_eq!(
             (delay.as_str(), share.text(0, 100.0).as_str()),
             ("12.61 [11.94, 21.30]", "100 [100, 100]")

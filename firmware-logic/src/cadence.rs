@@ -4,6 +4,14 @@
 
 use core::num::NonZeroU32;
 
+/// Ts of the board in µs: 110 ms, exactly.
+pub const PERIOD: NonZeroU32 = NonZeroU32::new(110_000).expect("not zero");
+/// The heater is cut when no tick has been completed for this long, in µs, after the last was due: three are missed then and
+/// the fourth has not come either.
+const DEADLINE_US: u32 = 4 * PERIOD.get();
+/// Missed ticks that the core sees one by one. The heater is off before there can be more.
+const MAX_MISSED: u32 = 4;
+
 /// Bins of the jitter histogram: bin i counts ticks that began less than `2^i` µs late (and not less than half of that).
 pub const BINS: usize = 16;
 
@@ -46,6 +54,18 @@ pub struct Arrival {
     pub missed: u32,
 }
 
+impl Arrival {
+    /// How many missed ticks the core has to see before this one.
+    pub fn missed_ticks(&self) -> u32 {
+        self.missed.min(MAX_MISSED)
+    }
+
+    /// When the heater is to be cut, in µs, unless another tick has been completed by then.
+    pub fn deadline(&self) -> u32 {
+        self.due.wrapping_add(DEADLINE_US)
+    }
+}
+
 /// The grid of due times.
 #[derive(Clone, Debug)]
 pub struct Cadence {
@@ -80,8 +100,7 @@ impl Cadence {
 mod tests {
     use super::*;
 
-    const TS: u32 = 110_000;
-    const PERIOD: NonZeroU32 = NonZeroU32::new(TS).expect("not zero");
+    const TS: u32 = PERIOD.get();
 
     #[test]
     fn a_day_of_jitter_moves_the_grid_by_nothing() {
@@ -110,6 +129,14 @@ mod tests {
         );
         assert_eq!(cadence.due(), 4 * TS);
         assert_eq!(cadence.arrive(4 * TS).missed, 0);
+    }
+
+    #[test]
+    fn the_deadline_is_440_ms_after_the_tick_was_due_and_no_more_missed_ticks_are_seen_than_fit() {
+        let arrival = Arrival { due: u32::MAX - 10_000, late_us: 70, missed: 2 };
+        assert_eq!((arrival.deadline(), arrival.missed_ticks()), (429_999, 2));
+        assert_eq!(Arrival { missed: 39_000, ..arrival }.missed_ticks(), 4, "a halt of an hour");
+        assert_eq!(PERIOD.get() as f32 * 1e-6, crate::settings::stored::SAMPLE_TIME);
     }
 
     #[test]

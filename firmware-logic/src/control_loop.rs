@@ -7,6 +7,8 @@ use fdi_core::control::{Controller, ControllerState};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{AdcCode, Celsius, Command, Feedback, Mode, Percent, RawSample, Refusal, Tick};
 
+use heapless::spsc::Consumer;
+
 use crate::cadence::Arrival;
 use crate::explain::Explained;
 use crate::interlock::{Interlock, Lockout};
@@ -48,7 +50,7 @@ pub enum Order {
 /// An order without what it brings along.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Asked {
+pub enum OrderKind {
     /// [`Order::Command`].
     Command(Command),
     /// [`Order::Retune`].
@@ -63,14 +65,26 @@ impl Order {
         matches!(self, Self::Check | Self::Command(Command::Arm))
     }
 
-    /// What is asked for.
-    pub fn asked(&self) -> Asked {
+    /// What it is, without what it brings along.
+    pub fn kind(&self) -> OrderKind {
         match self {
-            Self::Command(command) => Asked::Command(*command),
-            Self::Retune(_) => Asked::Settings,
-            Self::Check => Asked::Check,
+            Self::Command(command) => OrderKind::Command(*command),
+            Self::Retune(_) => OrderKind::Settings,
+            Self::Check => OrderKind::Check,
         }
     }
+}
+
+/// The order for a tick, from those that wait. A stop comes first, and what heats and was ordered before it must not come
+/// after it.
+pub fn next_order(stop: bool, waiting: &mut Consumer<'_, Order>) -> Option<Order> {
+    if !stop {
+        return waiting.dequeue();
+    }
+    while waiting.peek().is_some_and(Order::heats) {
+        waiting.dequeue();
+    }
+    Some(Order::Command(Command::Stop))
 }
 
 /// Why an order was not carried out.
@@ -120,7 +134,7 @@ impl fmt::Display for Denial {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Outcome {
     /// The order.
-    pub asked: Asked,
+    pub order: OrderKind,
     /// Whether it was carried out.
     pub result: Result<(), Denial>,
 }
@@ -147,6 +161,23 @@ pub struct TickRecord {
     pub news: Option<News>,
     /// A self-test has passed since the start, and no other has begun.
     pub checked: bool,
+}
+
+impl TickRecord {
+    /// The record of a tick on which nothing but control took place.
+    pub fn new(raw: RawSample, tick: Tick, applied: Percent) -> Self {
+        Self {
+            raw,
+            tick,
+            applied,
+            arrival: Arrival::default(),
+            missed: false,
+            lockout: None,
+            outcome: None,
+            news: None,
+            checked: false,
+        }
+    }
 }
 
 /// The code of "no sample".
@@ -241,15 +272,12 @@ impl ControlLoop {
             self.check = None;
         }
         TickRecord {
-            raw,
-            tick,
-            applied: self.applied,
             arrival,
-            missed: false,
             lockout: self.interlock.lockout(),
             outcome,
             news,
             checked: self.checked,
+            ..TickRecord::new(raw, tick, self.applied)
         }
     }
 
@@ -263,7 +291,7 @@ impl ControlLoop {
     }
 
     fn carry_out(&mut self, order: Order, heater: &mut impl Heater) -> Outcome {
-        let asked = order.asked();
+        let kind = order.kind();
         let result = match order {
             Order::Retune(controller) => {
                 let result = self.controller.retune(&mut self.state, controller);
@@ -277,7 +305,7 @@ impl ControlLoop {
             Order::Command(command) => self.command(command, heater),
             Order::Check => self.begin_check(heater),
         };
-        Outcome { asked, result }
+        Outcome { order: kind, result }
     }
 
     fn is_checking(&self) -> bool {

@@ -9,7 +9,7 @@
 
 use core::fmt;
 
-use crate::crc::crc32;
+use crate::crc::CRC32;
 use crate::interlock::Lockout;
 use crate::reset_cause::Death;
 
@@ -126,7 +126,7 @@ fn checksum(words: &Words) -> u32 {
     for (four, word) in bytes.chunks_exact_mut(4).zip(words) {
         four.copy_from_slice(&word.to_le_bytes());
     }
-    crc32(&bytes)
+    CRC32.checksum(&bytes)
 }
 
 #[cfg(test)]
@@ -149,6 +149,13 @@ mod tests {
             assert_eq!(Retained::unpack(&retained.pack()), Some(retained));
         }
         assert_eq!(Retained::unpack(&Retained::EMPTY.pack()), Some(Retained::EMPTY));
+    }
+
+    /// A program reads what the one before it left, which may be an older one. The checksum was computed elsewhere.
+    #[test]
+    fn the_layout_is_the_one_that_boards_have() {
+        let words = Retained::EMPTY.pack();
+        assert_eq!((words[0], words[1], words[WORDS - 1]), (0x5054_3201, 0, 0x5D2F_67A8));
     }
 
     #[test]

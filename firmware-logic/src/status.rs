@@ -51,11 +51,16 @@ impl Status {
         self.lockout().is_some() || self.last.as_ref().is_some_and(tripped)
     }
 
+    /// Whether the heater may be on, or a self-test be under way, which is off only between its pulses.
+    pub fn may_heat(&self) -> bool {
+        self.is_heating() || self.check.stage.is_some()
+    }
+
     /// What the LED should say.
     pub fn sign(&self) -> Sign {
         let Some((_, report)) = &self.last else { return Sign::Off };
         let faulty = report.likelihood.alarm || report.filtered.is_some_and(|verdict| verdict.fdv != 0);
-        match (self.is_latched(), self.is_heating() || self.check.stage.is_some()) {
+        match (self.is_latched(), self.may_heat()) {
             (true, _) => Sign::Latched,
             (false, true) if faulty => Sign::Alarm,
             (false, true) => Sign::Heating,
@@ -71,6 +76,28 @@ impl Status {
     /// Whether the heater may be on.
     pub fn is_heating(&self) -> bool {
         self.last.as_ref().is_some_and(|(record, _)| record.tick.mode.is_heating())
+    }
+}
+
+/// How it is, in one line: what the log says each second.
+pub struct StatusLine<'a>(pub &'a Status);
+
+impl fmt::Display for StatusLine<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some((record, report)) = &self.0.last else { return f.write_str("no tick yet") };
+        let (tick, sample) = (&record.tick, &record.tick.sample);
+        let [t0, t1, t2] = [sample.t0, sample.t1, sample.t2].map(|reading| Fixed(reading.celsius.0, 2));
+        let (setpoint, heater) = (Fixed(tick.setpoint.0, 1), Fixed(record.applied.0, 2));
+        write!(
+            f,
+            "{} T0 {t0} T1 {t1} T2 {t2} of {setpoint} degC, heater {heater} %, gain",
+            tick.mode.name()
+        )?;
+        number(f, report.ms1.static_gain, 3)?;
+        f.write_str(" bandwidth")?;
+        number(f, report.ms1.bandwidth, 2)?;
+        let (fdv, fiv) = report.filtered.map_or((0, 0), |verdict| (verdict.fdv, verdict.fiv));
+        write!(f, ", fdv {fdv} fiv {fiv}")
     }
 }
 
@@ -112,6 +139,14 @@ impl fmt::Display for Status {
         f.write_str("\nlikelihood diagnosis ")?;
         f.write_str(readiness(report.likelihood.readiness))?;
         write!(f, "\n{}", self.health)
+    }
+}
+
+impl Health {
+    /// Whether it is worth a line of the log: something was lost, or about a minute has passed since the last.
+    pub fn is_worth_a_line(&self) -> bool {
+        let Jitter { ticks, missed, .. } = self.jitter;
+        ticks.is_multiple_of(600) || missed > 0 || self.records_lost > 0 || self.log_dropped > 0
     }
 }
 
@@ -161,5 +196,37 @@ impl fmt::Display for ReadingText {
             Validity::Good => Ok(()),
             doubt => write!(f, " ({doubt:?})"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::{Config, Instrument, RawSample};
+
+    use super::*;
+
+    #[test]
+    fn one_line_says_how_it_is() {
+        assert_eq!(StatusLine(&Status::default()).to_string(), "no tick yet");
+        let mut instrument = Instrument::new(&Config::default()).expect("valid");
+        let tick = instrument.control(RawSample::default());
+        let report = instrument.diagnose(&tick, tick.drive);
+        let record = TickRecord::new(RawSample::default(), tick, Percent(38.625));
+        let status = Status { last: Some((record, report)), ..Status::default() };
+        let line = StatusLine(&status).to_string();
+        assert!(
+            line.starts_with("off T0 ") && line.contains(" of 35.0 degC, heater 38.63 %, gain ?"),
+            "{line}"
+        );
+        assert!(line.ends_with(" bandwidth ?, fdv 0 fiv 0"), "{line}");
+    }
+
+    #[test]
+    fn health_has_a_line_now_and_then_and_whenever_something_is_lost() {
+        let at = |ticks| Health { jitter: Jitter { ticks, ..Jitter::default() }, ..Health::default() };
+        assert!(at(1200).is_worth_a_line() && !at(1201).is_worth_a_line());
+        assert!(Health { log_dropped: 1, ..at(1201) }.is_worth_a_line());
+        assert!(Health { records_lost: 1, ..at(1201) }.is_worth_a_line());
+        assert!(Health { jitter: Jitter { missed: 1, ..at(1201).jitter }, ..at(1201) }.is_worth_a_line());
     }
 }

@@ -6,7 +6,7 @@ use fdi_core::control::Controller;
 use fdi_core::sense::thermistor::ThermistorConfig;
 use fdi_core::{AdcCode, Command, Config, Feedback, Mode, Percent, RawSample, Refusal, TripReason};
 use firmware_logic::cadence::Arrival;
-use firmware_logic::control_loop::{Asked, ControlLoop, Denial, Order, TickRecord};
+use firmware_logic::control_loop::{ControlLoop, Denial, Order, OrderKind, TickRecord};
 use firmware_logic::interlock::{Interlock, Lockout};
 use firmware_logic::reset_cause::ResetCause;
 use output::Output;
@@ -241,6 +241,6 @@ fn new_settings_take_effect_without_a_restart() {
     };
     let controller = Controller::new(&config).expect("valid");
     let record = bench.step(Some(Order::Retune(controller)));
-    assert_eq!(record.outcome.expect("an order").asked, Asked::Settings);
+    assert_eq!(record.outcome.expect("an order").order, OrderKind::Settings);
     assert!(record.tick.mode.is_heating() && record.tick.drive.0 <= 20.0, "{:?}", record.tick.drive);
 }

@@ -4,13 +4,13 @@
 #[cfg(target_os = "none")]
 mod hardware;
 #[cfg(target_os = "none")]
-mod instrument;
-#[cfg(target_os = "none")]
 mod link;
 #[cfg(target_os = "none")]
 mod log;
 #[cfg(target_os = "none")]
 mod panic;
+#[cfg(target_os = "none")]
+mod shared;
 #[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]

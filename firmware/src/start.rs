@@ -5,23 +5,28 @@ use embassy_futures::block_on;
 use fdi_core::Config;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
-use firmware_logic::control_loop::ControlLoop;
+use firmware_logic::console::board::{Chip, ConsoleBoard};
+use firmware_logic::control_loop::{ControlLoop, Order};
+use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::explain::Explained;
 use firmware_logic::interlock::Interlock;
+use firmware_logic::log_line;
 use firmware_logic::reset_cause::ResetCause;
 use firmware_logic::retained::Retained;
 use firmware_logic::settings::store::Store;
+use firmware_logic::settings::stored::Stored;
+use heapless::spsc::Producer;
 use static_cell::StaticCell;
 
-use crate::hardware::board::Board;
+use crate::hardware::board::Parts;
 use crate::hardware::heater::HeaterOutput;
 use crate::hardware::panel::Panel;
 use crate::hardware::settings_flash::SettingsFlash;
 use crate::hardware::thermistors::Thermistors;
 use crate::hardware::{
-    self, clock, control_executor, halt, reset, retained, serial, supply, tick_timer, watchdog,
+    self, clock, control_executor, halt, reset, retained, serial, tick_timer, undervoltage, watchdog,
 };
-use crate::instrument::{ConsoleBoard, Instrument};
+use crate::shared::Shared;
 use crate::{link, log, tasks};
 
 #[cortex_m_rt::entry]
@@ -44,42 +49,41 @@ fn start(spawner: Spawner) {
     let (peripherals, clock) = clock::init();
     hardware::set_priorities();
     halt::freeze_output_not_guard();
-    let board = Board::new(peripherals);
-    tick_timer::start(board.tick_timer); // the log's clock, too
+    let parts = Parts::new(peripherals);
+    tick_timer::start(parts.tick_timer); // the log's clock, too
 
-    let mut store = Store::new(SettingsFlash::new(board.flash));
+    let mut store = Store::new(SettingsFlash::new(parts.flash));
     let (settings, origin) = block_on(store.load());
     let marked = block_on(store.is_marked());
     interlock.marked(cause, marked);
     let config = settings.config.clone();
     log::banner(clock, cause, left.as_ref(), &origin, &config);
-    let baseline = settings.baseline.filter(|baseline| baseline.validate().is_ok());
     let (controller, diagnosis) = halves(&config);
 
-    let heater = HeaterOutput::new(board.pwm_timer, (board.heater, board.contactor), board.break_input);
-    supply::watch();
+    let heater = HeaterOutput::new(parts.pwm_timer, (parts.heater, parts.contactor), parts.break_input);
+    undervoltage::watch();
     tick_timer::enable_interrupt();
-    let thermistors = Thermistors::new(board.adc, board.thermistors);
+    let thermistors = Thermistors::new(parts.adc, parts.thermistors);
     let (orders_in, orders_out) = link::orders();
     let (records_out, records_in) = link::records();
     let mut control = ControlLoop::new(controller, config.setpoint, interlock);
-    if let Some(baseline) = &baseline {
-        log::baseline(baseline);
-        control.restored(baseline);
-    }
-
-    static INSTRUMENT: StaticCell<Instrument> = StaticCell::new();
-    let instrument: &'static Instrument = INSTRUMENT.init(Instrument::new(settings, orders_in));
-    let panel = Panel::new(board.led, board.button);
-    let port = serial::open(board.usart, board.rx, board.tx);
+    let shared = share(diagnosis, settings, orders_in);
+    shared.diagnosis(|diagnosis| {
+        if let Some(baseline) = diagnosis.baseline() {
+            log_line::baseline(baseline, log::line);
+            control.restored(baseline);
+        }
+    });
+    let panel = Panel::new(parts.led, parts.button);
+    let port = serial::open(parts.usart, parts.rx, parts.tx);
 
     let spawned = tasks::control::control(control, heater, thermistors, records_in, orders_out);
     control_executor::start().spawn(once(spawned));
-    spawner.spawn(once(tasks::diagnosis::diagnosis(diagnosis, baseline, records_out, instrument)));
-    spawner.spawn(once(tasks::status::status(instrument)));
-    spawner.spawn(once(tasks::panel::panel(panel, instrument)));
+    spawner.spawn(once(tasks::diagnosis::diagnosis(records_out, shared)));
+    spawner.spawn(once(tasks::status::status(shared)));
+    spawner.spawn(once(tasks::panel::panel(panel, shared)));
     if let Some((tx, rx)) = port {
-        spawner.spawn(once(tasks::console::console(tx, rx, ConsoleBoard { instrument, store, marked })));
+        spawner.spawn(once(tasks::console::console(tx, rx, ConsoleBoard::new(shared, store, marked))));
     }
     spawner.spawn(once(tasks::watchdog::watchdog()));
 }
@@ -90,6 +94,13 @@ fn halves(config: &Config) -> (Controller, Diagnosis) {
         (Ok(controller), Ok(diagnosis)) => (controller, diagnosis),
         (Err(error), _) | (_, Err(error)) => panic!("settings: {}", Explained(&error)),
     }
+}
+
+/// Not part of `start`, for the stack: the diagnosis half lies on it once, on its way to where it stays.
+#[inline(never)]
+fn share(diagnosis: Diagnosis, settings: Stored, orders: Producer<'static, Order>) -> &'static Shared {
+    static SHARED: StaticCell<Shared> = StaticCell::new();
+    SHARED.init_with(|| Shared::new(DiagnosisLoop::new(diagnosis, settings), orders))
 }
 
 /// Each task is spawned once, and there is room for one of each.

@@ -1,36 +1,37 @@
 //! The control loop of the board and the instrument in process are the same thing: same codes, same orders, same bits.
 
 use fdi_core::control::Controller;
+use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::{Command, Config, Feedback, RawSample, Report, Tick};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::control_loop::{ControlLoop, Order, TickRecord};
+use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::interlock::Interlock;
-use host_sim::commands::console::Output;
+use firmware_logic::settings::stored::Stored;
+use host_sim::commands::console::OutputStage;
 use host_sim::experiment::scenario::Scenario;
 use host_sim::experiment::{Backend, run, run_on};
 
 /// The two halves as the firmware runs them: orders wait for the next tick, what was learnt comes back one tick later.
-struct Board {
+struct BoardLoop {
     control: ControlLoop,
-    diagnosis: Diagnosis,
-    state: DiagnosisState,
-    output: Output,
+    diagnosis: DiagnosisLoop,
+    output: OutputStage,
     order: Option<Order>,
     feedback: Feedback,
     record: Option<TickRecord>,
 }
 
-impl Board {
+impl BoardLoop {
     fn new(config: &Config) -> Self {
         let controller = Controller::new(config).expect("valid");
         let diagnosis = Diagnosis::new(config).expect("valid");
+        let settings = Stored { config: config.clone(), baseline: None };
         Self {
             control: ControlLoop::new(controller, config.setpoint, Interlock::default()),
-            state: diagnosis.start(),
-            diagnosis,
-            output: Output::default(),
+            diagnosis: DiagnosisLoop::new(diagnosis, settings),
+            output: OutputStage::default(),
             order: None,
             feedback: Feedback::default(),
             record: None,
@@ -38,7 +39,7 @@ impl Board {
     }
 }
 
-impl Backend for Board {
+impl Backend for BoardLoop {
     fn control(&mut self, raw: RawSample) -> Tick {
         let order = self.order.take();
         let record = self.control.tick(raw, Arrival::default(), order, self.feedback, &mut self.output);
@@ -47,9 +48,9 @@ impl Backend for Board {
         tick
     }
 
-    fn diagnose(&mut self, tick: &Tick) -> Report {
-        let applied = self.record.take().expect("control came first").applied;
-        let report = self.diagnosis.step(&mut self.state, tick, applied);
+    fn diagnose(&mut self, _tick: &Tick) -> Report {
+        let record = self.record.take().expect("control came first");
+        let report = self.diagnosis.step(record, |_| {}).clone();
         self.feedback = report.feedback();
         report
     }
@@ -60,7 +61,7 @@ impl Backend for Board {
     }
 
     fn baseline(&self) -> Option<Baseline> {
-        self.diagnosis.baseline(&self.state).copied()
+        self.diagnosis.baseline().copied()
     }
 }
 
@@ -70,7 +71,7 @@ fn the_papers_experiment_gives_the_same_bits_on_the_boards_loop() {
     let here = run(&config, &scenario, 1).expect("valid");
     let mut unchecked = config.clone();
     unchecked.supervisor.check_before_arming = false;
-    let board = run_on(&mut Board::new(&unchecked), &config, &scenario, 1);
+    let board = run_on(&mut BoardLoop::new(&unchecked), &config, &scenario, 1);
     assert_eq!(here.rows.len(), board.rows.len());
     for (here, board) in here.rows.iter().zip(&board.rows) {
         assert_eq!((here.tick, &here.report), (board.tick, &board.report));

@@ -1,6 +1,7 @@
 //! The line console: bytes in, text out. The firmware runs it on its serial port, the host on a terminal; what they have
 //! in common is [`Board`]. The text of one answer is at most [`ANSWER`] bytes; line feeds end its lines.
 
+pub mod board;
 pub mod follow;
 pub mod line;
 pub mod request;
@@ -59,10 +60,7 @@ impl Display for ApplyError {
 }
 
 /// What a console can ask of an instrument.
-#[expect(
-    async_fn_in_trait,
-    reason = "used by the two implementations that are here, none of which crosses threads"
-)]
+#[expect(async_fn_in_trait, reason = "its implementation does not cross threads")]
 pub trait Board {
     /// Has a command carried out on the next tick.
     async fn command(&mut self, command: Command) -> Result<(), Denial>;

@@ -137,11 +137,9 @@ impl defmt::Format for TickLine {
     }
 }
 
-/// Why a text is no record.
+/// Why a line is no record of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TickLineError {
-    /// It does not begin with "tick ".
-    NotATick,
     /// It has another number of words.
     Words {
         /// How many.
@@ -157,7 +155,6 @@ pub enum TickLineError {
 impl fmt::Display for TickLineError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotATick => f.write_str("expected a record that begins with \"tick \""),
             Self::Words { found } => write!(f, "record has {found} words, expected {WORDS}"),
             Self::Word { name } => write!(f, "{name}: expected a hexadecimal number of up to 8 digits"),
         }
@@ -166,24 +163,30 @@ impl fmt::Display for TickLineError {
 
 impl core::error::Error for TickLineError {}
 
-impl core::str::FromStr for TickLine {
-    type Err = TickLineError;
-
-    /// Reads the text from "tick " on; what a log puts before it must have been cut off.
-    fn from_str(text: &str) -> Result<Self, TickLineError> {
-        let words = text.strip_prefix("tick ").ok_or(TickLineError::NotATick)?;
-        let found = words.split_ascii_whitespace().count();
-        if found != WORDS {
-            return Err(TickLineError::Words { found });
-        }
-        let mut record = Self([0; WORDS]);
-        for ((word, name), digits) in record.0.iter_mut().zip(FIELDS).zip(words.split_ascii_whitespace()) {
-            let plain = digits.bytes().all(|b| b.is_ascii_hexdigit()); // from_str_radix would also take a sign
-            let number = u32::from_str_radix(digits, 16).ok().filter(|_| plain);
-            *word = number.ok_or(TickLineError::Word { name })?;
-        }
-        Ok(record)
+/// Parses what follows "tick ", as far as it belongs to the record; `None` where it is a sentence that speaks of a tick.
+pub(super) fn find(text: &str) -> Result<Option<TickLine>, TickLineError> {
+    let words = || text.split_ascii_whitespace().take(WORDS);
+    if words().count() < SENTENCE || words().take(SENTENCE).any(|digits| word(digits).is_none()) {
+        return Ok(None);
     }
+    let found = words().count();
+    if found != WORDS {
+        return Err(TickLineError::Words { found });
+    }
+    let mut line = TickLine([0; WORDS]);
+    for ((to, name), digits) in line.0.iter_mut().zip(FIELDS).zip(words()) {
+        *to = word(digits).ok_or(TickLineError::Word { name })?;
+    }
+    Ok(Some(line))
+}
+
+/// Words at the beginning that are all hexadecimal in no sentence.
+const SENTENCE: usize = 8;
+
+/// A hexadecimal number of up to 8 digits.
+pub(super) fn word(digits: &str) -> Option<u32> {
+    let plain = digits.bytes().all(|b| b.is_ascii_hexdigit()); // from_str_radix would also take a sign
+    u32::from_str_radix(digits, 16).ok().filter(|_| plain)
 }
 
 /// Mode in bits 0..3, validity of T0, T1, T2 from bits 4, 8 and 12, learning in bit 16, what blocks it from bit 17, flags

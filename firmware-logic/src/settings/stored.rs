@@ -19,7 +19,7 @@ use fdi_core::{Config, ConfigError, Setting};
 
 use super::bits;
 use super::table::Table;
-use crate::crc::crc32;
+use crate::crc::CRC32;
 use crate::explain::Explained;
 
 /// Bytes that the longest record may take.
@@ -104,7 +104,7 @@ impl Stored {
             let numbers = [raw.mean, raw.sigma, filtered.mean, filtered.sigma];
             numbers.iter().flatten().try_for_each(|x| out.bytes(&x.to_le_bytes()))?;
         }
-        let crc = crc32(out.written()).to_le_bytes();
+        let crc = CRC32.checksum(out.written()).to_le_bytes();
         out.bytes(&crc)?;
         let length = out.length;
         Ok(&buffer[..length])
@@ -116,7 +116,7 @@ impl Stored {
     /// Why it is not to be used.
     pub fn decode(bytes: &[u8]) -> Result<Self, StoredError> {
         let (content, crc) = bytes.split_last_chunk().ok_or(StoredError::Short)?;
-        if crc32(content) != u32::from_le_bytes(*crc) {
+        if CRC32.checksum(content) != u32::from_le_bytes(*crc) {
             return Err(StoredError::Damaged);
         }
         let mut input = Reader(content);

@@ -50,7 +50,7 @@ pub(crate) fn init() -> (Peripherals, Source) {
         w.set_dcen(true);
     });
     if source == Source::StLink {
-        // If the clock dies while running, hardware triggers TIM1's break: heater off, then the NMI.
+        // If the clock dies while running, hardware triggers the break of the PWM's timer: heater off, then the NMI.
         RCC.cr().modify(|w| w.set_csson(true));
     }
     (peripherals, source)

@@ -1,17 +1,20 @@
-//! The executor of the control task, on an interrupt that no peripheral here uses (SPI4).
+//! The executor of the control task, on an interrupt that no peripheral here uses.
 
 use embassy_executor::{InterruptExecutor, SendSpawner};
 use embassy_stm32::interrupt;
+
+use super::board;
 
 static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
 
 /// Starts it; its priority is set with all others.
 pub(crate) fn start() -> SendSpawner {
-    EXECUTOR.start(interrupt::SPI4)
+    EXECUTOR.start(board::CONTROL_INTERRUPT)
 }
 
-#[interrupt]
-fn SPI4() {
+board::on_control_interrupt!(interrupted);
+
+fn interrupted() {
     // SAFETY: this is the interrupt that the executor was started with.
     unsafe { EXECUTOR.on_interrupt() }
 }

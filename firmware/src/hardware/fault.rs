@@ -49,7 +49,7 @@ extern "C" fn hard_fault(stack: *const u32) -> ! {
     die(Death::HardFault, words)
 }
 
-/// The external clock died: hardware has already cut the heater by TIM1's break, and the core runs on at 16 MHz.
+/// The external clock died: hardware has already cut the heater by the break of the PWM's timer, and the core runs on at 16 MHz.
 #[cortex_m_rt::exception]
 unsafe fn NonMaskableInt() -> ! {
     heater::cut();

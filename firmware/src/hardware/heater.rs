@@ -1,5 +1,5 @@
-//! The heater's outputs: TIM1 channel 1 on PA8, 20 kHz, and channel 3 on PA10, which holds the contactor in series with
-//! the heater; the break input is on PA6.
+//! The heater's outputs: two channels of one timer, a PWM of 20 kHz for the heater and a level that holds the contactor in
+//! series with it, and the timer's break input.
 //!
 //! The break is active high and pulled up: closed to ground means "go", an open wire means "stop". Then hardware
 //! clears the main output enable (MOE) and drives both pins low, whatever the program does; only the program can set
@@ -10,22 +10,18 @@ use core::sync::atomic::{AtomicU8, Ordering};
 
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
-use embassy_stm32::pac;
 use embassy_stm32::pac::timer::vals::{Bkp, CcmrOutputCcs, Lock, Ocm, Ossi, Ossr};
-use embassy_stm32::peripherals::{PA6, PA8, PA10, TIM1};
 use embassy_stm32::rcc;
 use fdi_core::Percent;
 use firmware_logic::control_loop::Heater;
 use firmware_logic::interlock::Lockout;
 use firmware_logic::{duty, sampling};
 
-use super::{board, supply};
+use super::board::{self, BreakPin, ContactorPin, HeaterPin, PwmTimer};
+use super::supply;
 
 const PWM_HZ: u32 = 1_000_000 / sampling::PWM_PERIOD_US;
 
-/// Channels of the timer, counted from 0 as the register access does.
-const HEATER: usize = 0;
-const CONTACTOR: usize = 2;
 /// Compare values of the contactor: never high, and above any period, high without an edge.
 const OPEN: u16 = 0;
 const CLOSED: u16 = u16::MAX;
@@ -35,13 +31,13 @@ static CUT_BECAUSE: AtomicU8 = AtomicU8::new(0);
 
 /// Switches both outputs off: one register, no state, safe from any interrupt, panic or fault.
 pub(crate) fn cut() {
-    pac::TIM1.bdtr().modify(|w| w.set_moe(false));
+    board::PWM_TIMER.bdtr().modify(|w| w.set_moe(false));
 }
 
 /// Ends a break that was made on purpose, with the output off whether it has worked or not.
 fn cut_and_forget_break() {
     cut();
-    pac::TIM1.sr().modify(|w| w.set_bif(0, false));
+    board::PWM_TIMER.sr().modify(|w| w.set_bif(0, false));
 }
 
 /// Switches both outputs off for a reason that the control task will latch on its next tick. `false` if they were off.
@@ -56,12 +52,12 @@ pub(crate) fn cut_because(reason: Lockout) -> bool {
 
 /// Whether the output is enabled.
 pub(crate) fn is_enabled() -> bool {
-    pac::TIM1.bdtr().read().moe()
+    board::PWM_TIMER.bdtr().read().moe()
 }
 
 /// The output stage.
 pub(crate) struct HeaterOutput {
-    _timer: Peri<'static, TIM1>,
+    _timer: Peri<'static, PwmTimer>,
     _pins: [Flex<'static>; 2],
     break_input: Flex<'static>,
     period: u16,
@@ -70,17 +66,17 @@ pub(crate) struct HeaterOutput {
 impl HeaterOutput {
     /// Configures the timer; the output stays disabled.
     pub(crate) fn new(
-        timer: Peri<'static, TIM1>,
-        (heater, contactor): (Peri<'static, PA8>, Peri<'static, PA10>),
-        break_pin: Peri<'static, PA6>,
+        timer: Peri<'static, PwmTimer>,
+        (heater, contactor): (Peri<'static, HeaterPin>, Peri<'static, ContactorPin>),
+        break_pin: Peri<'static, BreakPin>,
     ) -> Self {
-        rcc::enable_and_reset::<TIM1>();
-        let period = (rcc::frequency::<TIM1>().0 / PWM_HZ) as u16;
+        rcc::enable_and_reset::<PwmTimer>();
+        let period = (rcc::frequency::<PwmTimer>().0 / PWM_HZ) as u16;
         let mut break_input = Flex::new(break_pin);
-        break_input.set_as_af_unchecked(board::TIM1_AF, AfType::input(Pull::Up));
-        let t = pac::TIM1;
+        break_input.set_as_af_unchecked(board::PWM_AF, AfType::input(Pull::Up));
+        let t = board::PWM_TIMER;
         set_period(period);
-        for channel in [HEATER, CONTACTOR] {
+        for channel in [board::HEATER_CHANNEL, board::CONTACTOR_CHANNEL] {
             t.ccr(channel).write(|w| w.set_ccr(0));
             t.ccmr_output(channel / 2).write(|w| {
                 w.set_ccs(channel % 2, CcmrOutputCcs::OUTPUT);
@@ -98,15 +94,15 @@ impl HeaterOutput {
             w.set_lock(Lock::LEVEL3);
         });
         t.ccer().write(|w| {
-            w.set_cce(HEATER, true);
-            w.set_cce(CONTACTOR, true);
+            w.set_cce(board::HEATER_CHANNEL, true);
+            w.set_cce(board::CONTACTOR_CHANNEL, true);
         });
         t.egr().write(|w| w.set_ug(true));
         run();
         // Only now, with the level defined by the timer, are the pins handed over to it.
         let mut pins = [Flex::new(heater), Flex::new(contactor)];
         for pin in &mut pins {
-            pin.set_as_af_unchecked(board::TIM1_AF, AfType::output(OutputType::PushPull, Speed::Low));
+            pin.set_as_af_unchecked(board::PWM_AF, AfType::output(OutputType::PushPull, Speed::Low));
         }
         lock_pins();
         Self { _timer: timer, _pins: pins, break_input, period }
@@ -114,12 +110,12 @@ impl HeaterOutput {
 }
 
 fn set_period(period: u16) {
-    pac::TIM1.psc().write_value(0);
-    pac::TIM1.arr().write(|w| w.set_arr(period - 1));
+    board::PWM_TIMER.psc().write_value(0);
+    board::PWM_TIMER.arr().write(|w| w.set_arr(period - 1));
 }
 
 fn run() {
-    pac::TIM1.cr1().write(|w| {
+    board::PWM_TIMER.cr1().write(|w| {
         w.set_arpe(true);
         w.set_cen(true);
     });
@@ -128,10 +124,9 @@ fn run() {
 /// Keeps the pins the timer's until the next reset. Hazard: a stray write to the port's mode register would make a pin an
 /// output that no break, no MOE and no deadline watchdog switches off.
 fn lock_pins() {
-    const PA6_PA8_PA10: u32 = 1 << 6 | 1 << 8 | 1 << 10;
     const KEY: u32 = 1 << 16;
-    let lock = pac::GPIOA.lckr();
-    for value in [KEY | PA6_PA8_PA10, PA6_PA8_PA10, KEY | PA6_PA8_PA10] {
+    let lock = board::OUTPUT_PORT.lckr();
+    for value in [KEY | board::OUTPUT_PINS, board::OUTPUT_PINS, KEY | board::OUTPUT_PINS] {
         lock.write(|w| w.0 = value);
     }
     let _ = lock.read(); // closes it
@@ -143,16 +138,18 @@ impl Heater for HeaterOutput {
     fn drive(&mut self, power: Percent) {
         set_period(self.period);
         run();
-        pac::TIM1.ccr(HEATER).write(|w| w.set_ccr(duty::compare(power, self.period)));
+        board::PWM_TIMER.ccr(board::HEATER_CHANNEL).write(|w| w.set_ccr(duty::compare(power, self.period)));
     }
 
     fn contactor(&mut self, closed: bool) {
-        pac::TIM1.ccr(CONTACTOR).write(|w| w.set_ccr(if closed { CLOSED } else { OPEN }));
+        board::PWM_TIMER
+            .ccr(board::CONTACTOR_CHANNEL)
+            .write(|w| w.set_ccr(if closed { CLOSED } else { OPEN }));
     }
 
     fn enable(&mut self) {
         CUT_BECAUSE.store(0, Ordering::Relaxed);
-        pac::TIM1.bdtr().modify(|w| w.set_moe(true));
+        board::PWM_TIMER.bdtr().modify(|w| w.set_moe(true));
         // A supply that was low before gives no edge for the interrupt to see.
         if supply::is_low() {
             cut_because(Lockout::Undervoltage);
@@ -174,7 +171,7 @@ impl Heater for HeaterOutput {
     fn test_break(&mut self) -> bool {
         self.enable();
         let enabled = is_enabled();
-        pac::TIM1.egr().write(|w| w.set_bg(0, true));
+        board::PWM_TIMER.egr().write(|w| w.set_bg(0, true));
         let cut = !is_enabled();
         cut_and_forget_break();
         enabled && cut

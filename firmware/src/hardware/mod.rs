@@ -1,4 +1,4 @@
-//! The only place that names a peripheral. What is wired where is in one file a board; the rest follows from it.
+//! All that touches a register. What is wired where is in one file a board; the rest follows from it.
 
 #[cfg(all(feature = "nucleo-f411re", feature = "nucleo-f446re"))]
 compile_error!("one board at a time: add --no-default-features when choosing nucleo-f446re");
@@ -8,6 +8,7 @@ compile_error!("choose a board: --features nucleo-f411re or --features nucleo-f4
 #[cfg_attr(feature = "nucleo-f411re", path = "nucleo_f411re.rs")]
 #[cfg_attr(feature = "nucleo-f446re", path = "nucleo_f446re.rs")]
 pub(crate) mod board;
+mod nucleo_64;
 
 pub(crate) mod clock;
 pub(crate) mod control_executor;
@@ -24,6 +25,7 @@ pub(crate) mod stack;
 pub(crate) mod supply;
 pub(crate) mod thermistors;
 pub(crate) mod tick_timer;
+pub(crate) mod undervoltage;
 pub(crate) mod watchdog;
 
 use embassy_stm32::interrupt;
@@ -33,8 +35,8 @@ use embassy_stm32::interrupt::{InterruptExt, Priority};
 /// come last, so that a flood of them delays nothing that heats.
 pub(crate) fn set_priorities() {
     interrupt::PVD.set_priority(Priority::P0); // the supply falls
-    interrupt::TIM5.set_priority(Priority::P0); // control tick and deadline watchdog
-    interrupt::SPI4.set_priority(Priority::P2); // executor of the control task; the SPI itself is not used
-    interrupt::TIM2.set_priority(Priority::P4); // clock of everything else
-    interrupt::USART2.set_priority(Priority::P6); // console
+    board::TICK_INTERRUPT.set_priority(Priority::P0); // control tick and deadline watchdog
+    board::CONTROL_INTERRUPT.set_priority(Priority::P2); // control task
+    board::TASK_INTERRUPT.set_priority(Priority::P4); // clock of everything else
+    board::CONSOLE_INTERRUPT.set_priority(Priority::P6); // console
 }

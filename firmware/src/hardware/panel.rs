@@ -2,7 +2,8 @@
 
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
-use embassy_stm32::peripherals::{PA5, PC13};
+
+use super::board::{ButtonPin, LedPin};
 
 /// Button B1 and LED LD2.
 pub(crate) struct Panel {
@@ -12,7 +13,7 @@ pub(crate) struct Panel {
 
 impl Panel {
     /// LED off.
-    pub(crate) fn new(led: Peri<'static, PA5>, button: Peri<'static, PC13>) -> Self {
+    pub(crate) fn new(led: Peri<'static, LedPin>, button: Peri<'static, ButtonPin>) -> Self {
         Self { led: Output::new(led, Level::Low, Speed::Low), button: Input::new(button, Pull::Up) }
     }
 

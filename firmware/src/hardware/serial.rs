@@ -1,13 +1,10 @@
-//! The ST-LINK's virtual COM port: USART2, 115200 8N1, by interrupt through two ring buffers.
+//! The ST-LINK's virtual COM port: 115200 8N1, by interrupt through two ring buffers.
 
-use embassy_stm32::peripherals::USART2;
-use embassy_stm32::usart::{BufferedInterruptHandler, BufferedUart, BufferedUartRx, BufferedUartTx, Config};
-use embassy_stm32::{Peri, bind_interrupts, peripherals};
+use embassy_stm32::Peri;
+use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx, Config};
 use static_cell::ConstStaticCell;
 
-bind_interrupts!(struct Irqs {
-    USART2 => BufferedInterruptHandler<peripherals::USART2>;
-});
+use super::board::{ConsoleInterrupts, RxPin, TxPin, Usart};
 
 /// Bytes that wait to be sent, at most.
 pub(crate) const SENDING: usize = 256;
@@ -17,12 +14,12 @@ static RX: ConstStaticCell<[u8; 128]> = ConstStaticCell::new([0; 128]);
 
 /// Opens the port; `None` if the HAL refuses the settings, which are constant.
 pub(crate) fn open(
-    usart: Peri<'static, USART2>,
-    rx: Peri<'static, peripherals::PA3>,
-    tx: Peri<'static, peripherals::PA2>,
+    usart: Peri<'static, Usart>,
+    rx: Peri<'static, RxPin>,
+    tx: Peri<'static, TxPin>,
 ) -> Option<(BufferedUartTx<'static>, BufferedUartRx<'static>)> {
     let mut config = Config::default();
     config.baudrate = 115_200;
-    let port = BufferedUart::new(usart, rx, tx, TX.take(), RX.take(), Irqs, config).ok()?;
+    let port = BufferedUart::new(usart, rx, tx, TX.take(), RX.take(), ConsoleInterrupts, config).ok()?;
     Some(port.split())
 }

@@ -1,19 +1,17 @@
-//! Flash sectors 6 and 7 as the store of the settings sees them.
+//! The two flash sectors for the settings as the store of the settings sees them.
 
 use embassy_stm32::Peri;
 use embassy_stm32::flash::{Blocking, Error, Flash, WRITE_SIZE};
 use embassy_stm32::pac::FLASH as FLASH_REGISTERS;
 use embassy_stm32::pac::flash::vals::Psize;
-use embassy_stm32::peripherals::FLASH;
 use embedded_storage_async::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 
-use super::watchdog;
+use super::{board, watchdog};
 
-/// Where sector 6 begins, from the start of the flash, and the size of each of the two sectors.
-const BASE: u32 = 0x4_0000;
-const SECTOR: usize = 128 * 1024;
+/// Size of a sector.
+const SECTOR: usize = board::SETTINGS_SECTOR;
 
 /// Both sectors.
 pub(crate) struct SettingsFlash(Flash<'static, Blocking>);
@@ -34,7 +32,7 @@ impl NorFlashError for FlashError {
 
 impl SettingsFlash {
     /// Takes the flash controller.
-    pub(crate) fn new(flash: Peri<'static, FLASH>) -> Self {
+    pub(crate) fn new(flash: Peri<'static, board::Flash>) -> Self {
         Self(Flash::new_blocking(flash))
     }
 }
@@ -47,7 +45,7 @@ impl ReadNorFlash for SettingsFlash {
     const READ_SIZE: usize = 1;
 
     async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
-        self.0.blocking_read(BASE + offset, bytes).map_err(FlashError)
+        self.0.blocking_read(board::SETTINGS_START + offset, bytes).map_err(FlashError)
     }
 
     fn capacity(&self) -> usize {
@@ -63,7 +61,7 @@ impl NorFlash for SettingsFlash {
     /// made sure that the heater is off; the watchdog, which does not stall, gets its long deadline.
     async fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         (from..to).step_by(SECTOR).try_for_each(|sector| {
-            let sector = BASE + sector;
+            let sector = board::SETTINGS_START + sector;
             watchdog::with_long_deadline(|| {
                 without_caches(|| {
                     unlock_by_words();
@@ -75,7 +73,7 @@ impl NorFlash for SettingsFlash {
     }
 
     async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
-        self.0.blocking_write(BASE + offset, bytes).map_err(FlashError)
+        self.0.blocking_write(board::SETTINGS_START + offset, bytes).map_err(FlashError)
     }
 }
 

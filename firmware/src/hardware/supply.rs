@@ -1,41 +1,13 @@
-//! The supply: the voltage detector (PVD), which cuts the heater while there is still time to say so, and the level below
-//! which the chip holds itself in reset (brown-out, an option byte that the factory leaves off).
+//! The supply: whether it is low, and the level below which the chip holds itself in reset (brown-out, an option byte that the
+//! factory leaves off).
 
-use embassy_stm32::interrupt;
-use embassy_stm32::interrupt::InterruptExt;
-use embassy_stm32::pac::{EXTI, FLASH, PWR};
-use firmware_logic::interlock::Lockout;
+use embassy_stm32::pac::{FLASH, PWR};
 
-use super::{heater, retained, watchdog};
+use super::watchdog;
 
-/// The detector's highest threshold: 2.9 V by the reference manual; the data sheet's typical value is 3.0 V, falling.
-const THRESHOLD: u8 = 7;
-/// Line of the external interrupts on which the detector lies; its edge rises when the supply falls.
-const LINE: usize = 16;
-
-/// Begins to watch; the heater's output is set up. A supply that is low already gives no edge: see [`is_low`].
-pub(crate) fn watch() {
-    PWR.cr1().modify(|w| {
-        w.set_pls(THRESHOLD);
-        w.set_pvde(true);
-    });
-    EXTI.rtsr(0).modify(|w| w.set_line(LINE, true));
-    EXTI.imr(0).modify(|w| w.set_line(LINE, true));
-    // SAFETY: the handler is below and touches only the heater's enable and words that no task reads.
-    unsafe { interrupt::PVD.enable() };
-}
-
-/// Whether the supply is below the detector's threshold.
+/// Whether the supply is below the threshold of the voltage detector, which has to run: see `undervoltage`.
 pub(crate) fn is_low() -> bool {
     PWR.csr1().read().pvdo()
-}
-
-#[interrupt]
-fn PVD() {
-    EXTI.pr(0).write(|w| w.set_line(LINE, true));
-    if heater::cut_because(Lockout::Undervoltage) {
-        retained::note_undervoltage();
-    }
 }
 
 /// Brown-out level 3, 2.7 V, as it stands in the option bytes; 3 is off.

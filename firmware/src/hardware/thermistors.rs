@@ -1,17 +1,16 @@
-//! The three thermistor inputs on ADC1, converted one by one and polled: a conversion takes 4 µs, less than an
+//! The three thermistor inputs, converted one by one and polled: a conversion takes 4 µs, less than an
 //! interrupt for each would.
 
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::Flex;
-use embassy_stm32::pac::ADC1;
 use embassy_stm32::pac::adc::vals::SampleTime;
 use embassy_stm32::pac::adccommon::vals::Adcpre;
-use embassy_stm32::peripherals::{self, PA0, PA1, PA4};
 use embassy_stm32::rcc;
 use fdi_core::RawSample;
 use firmware_logic::sampling::{Mean, ROUNDS, SPACING_US};
 
-use super::{board, tick_timer};
+use super::board::{self, ADC, Adc, T0Pin, T1Pin, T2Pin};
+use super::tick_timer;
 
 /// Polls of the end-of-conversion flag, some 20 times what a conversion takes: a converter that hangs gives "no
 /// sample" and the core trips, instead of the tick waiting for ever.
@@ -19,30 +18,30 @@ const MAX_POLLS: u32 = 1000;
 
 /// The converter.
 pub(crate) struct Thermistors {
-    _adc: Peri<'static, peripherals::ADC1>,
+    _adc: Peri<'static, Adc>,
 }
 
 impl Thermistors {
     /// Switches the converter on.
     pub(crate) fn new(
-        adc: Peri<'static, peripherals::ADC1>,
-        pins: (Peri<'static, PA4>, Peri<'static, PA0>, Peri<'static, PA1>),
+        adc: Peri<'static, Adc>,
+        pins: (Peri<'static, T0Pin>, Peri<'static, T1Pin>, Peri<'static, T2Pin>),
     ) -> Self {
         let (t0, t1, t2) = pins;
         for mut pin in [Flex::new(t0), Flex::new(t1), Flex::new(t2)] {
             pin.set_as_analog();
             core::mem::forget(pin); // dropping it would disconnect it again
         }
-        rcc::enable_and_reset::<peripherals::ADC1>();
+        rcc::enable_and_reset::<Adc>();
         // 22.5 or 25 MHz, at most 36 allowed. 84 cycles are 3.4 µs: the divider's 5 kohm charge the sampling capacitor
         // (4 pF) a hundred times over, and the RC filter's 100 nF hardly notice.
         board::ADC_COMMON.ccr().modify(|w| w.set_adcpre(Adcpre::DIV4));
-        ADC1.smpr2().modify(|w| {
+        ADC.smpr2().modify(|w| {
             for channel in board::ADC_CHANNELS {
                 w.set_smp(usize::from(channel), SampleTime::CYCLES84);
             }
         });
-        ADC1.cr2().modify(|w| w.set_adon(true));
+        ADC.cr2().modify(|w| w.set_adon(true));
         embassy_time::block_for(embassy_time::Duration::from_micros(10)); // t_STAB is 3 µs at most
         Self { _adc: adc }
     }
@@ -62,8 +61,8 @@ impl Thermistors {
 }
 
 fn convert(channel: u8) -> Option<u16> {
-    ADC1.sqr3().write(|w| w.set_sq(0, channel));
-    ADC1.cr2().modify(|w| w.set_swstart(true));
-    let done = (0..MAX_POLLS).any(|_| ADC1.sr().read().eoc());
-    done.then(|| ADC1.dr().read().0 as u16) // reading the data clears the flag
+    ADC.sqr3().write(|w| w.set_sq(0, channel));
+    ADC.cr2().modify(|w| w.set_swstart(true));
+    let done = (0..MAX_POLLS).any(|_| ADC.sr().read().eoc());
+    done.then(|| ADC.dr().read().0 as u16) // reading the data clears the flag
 }

@@ -1,4 +1,4 @@
-//! TIM5, a free-running 32-bit counter of microseconds: the clock of the control tick (compare 1) and the deadline
+//! A free-running 32-bit counter of microseconds: the clock of the control tick (compare 1) and the deadline
 //! watchdog (compare 2). It is another timer than the one that runs the rest, so that each can notice the other's death.
 
 use core::future::poll_fn;
@@ -6,13 +6,13 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use core::task::Poll;
 
 use embassy_stm32::interrupt::InterruptExt;
-use embassy_stm32::pac::TIM5;
 use embassy_stm32::pac::timer::regs::SrGp16;
 use embassy_stm32::pac::timer::vals::Urs;
-use embassy_stm32::{Peri, interrupt, peripherals, rcc};
+use embassy_stm32::{Peri, interrupt, rcc};
 use embassy_sync::waitqueue::AtomicWaker;
 use firmware_logic::interlock::Lockout;
 
+use super::board::{self, TICK_TIMER, TickTimer};
 use super::{halt, heater};
 
 const WAKE: usize = 0;
@@ -24,32 +24,32 @@ static SEEN: AtomicU32 = AtomicU32::new(0);
 static WRAPS: AtomicU32 = AtomicU32::new(0);
 
 /// Starts counting; nothing interrupts yet.
-pub(crate) fn start(_timer: Peri<'static, peripherals::TIM5>) {
-    rcc::enable_and_reset::<peripherals::TIM5>();
-    let per_microsecond = rcc::frequency::<peripherals::TIM5>().0 / 1_000_000;
-    TIM5.psc().write_value((per_microsecond - 1) as u16);
-    TIM5.arr().write_value(u32::MAX);
-    TIM5.cr1().write(|w| w.set_urs(Urs::COUNTER_ONLY));
-    TIM5.egr().write(|w| w.set_ug(true)); // takes over the prescaler
-    TIM5.cr1().modify(|w| w.set_cen(true));
+pub(crate) fn start(_timer: Peri<'static, TickTimer>) {
+    rcc::enable_and_reset::<TickTimer>();
+    let per_microsecond = rcc::frequency::<TickTimer>().0 / 1_000_000;
+    TICK_TIMER.psc().write_value((per_microsecond - 1) as u16);
+    TICK_TIMER.arr().write_value(u32::MAX);
+    TICK_TIMER.cr1().write(|w| w.set_urs(Urs::COUNTER_ONLY));
+    TICK_TIMER.egr().write(|w| w.set_ug(true)); // takes over the prescaler
+    TICK_TIMER.cr1().modify(|w| w.set_cen(true));
 }
 
 /// Begins to wake the control task and to watch it. The deadline watchdog is armed by its first feeding. To be called
 /// with the heater's output set up, which the interrupt may cut.
 pub(crate) fn enable_interrupt() {
     halt::start();
-    TIM5.sr().write_value(SrGp16(0));
-    TIM5.dier().write(|w| {
+    TICK_TIMER.sr().write_value(SrGp16(0));
+    TICK_TIMER.dier().write(|w| {
         w.set_ccie(WAKE, true);
         w.set_ccie(DEADLINE, true);
     });
     // SAFETY: the handler is below and touches only timers, an atomic waker and the heater's enable.
-    unsafe { interrupt::TIM5.enable() };
+    unsafe { board::TICK_INTERRUPT.enable() };
 }
 
 /// Microseconds; wraps every 71.6 minutes.
 pub(crate) fn now() -> u32 {
-    TIM5.cnt().read()
+    TICK_TIMER.cnt().read()
 }
 
 /// Microseconds since [`start`], for the log, whose line of each second sees every wrap.
@@ -70,7 +70,7 @@ pub(crate) async fn until(at: u32) {
             return Poll::Ready(());
         }
         CONTROL.register(context.waker());
-        TIM5.ccr(WAKE).write_value(at);
+        TICK_TIMER.ccr(WAKE).write_value(at);
         // The counter may have passed while the compare value was on its way; then no interrupt comes.
         if reached() { Poll::Ready(()) } else { Poll::Pending }
     })
@@ -80,13 +80,14 @@ pub(crate) async fn until(at: u32) {
 /// Puts off the deadline watchdog to `at`. When the counter gets there, the heater is cut by the highest interrupt,
 /// though the control task or anything else should spin for ever.
 pub(crate) fn set_deadline(at: u32) {
-    TIM5.ccr(DEADLINE).write_value(at);
+    TICK_TIMER.ccr(DEADLINE).write_value(at);
 }
 
-#[interrupt]
-fn TIM5() {
-    let status = TIM5.sr().read();
-    TIM5.sr().write_value(SrGp16(!status.0)); // writing 0 clears, writing 1 leaves alone
+board::on_tick_interrupt!(interrupted);
+
+fn interrupted() {
+    let status = TICK_TIMER.sr().read();
+    TICK_TIMER.sr().write_value(SrGp16(!status.0)); // writing 0 clears, writing 1 leaves alone
     if halt::was_halted() {
         heater::cut_because(Lockout::Halted);
     }

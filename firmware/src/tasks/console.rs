@@ -8,13 +8,18 @@ use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_time::Timer;
 use embedded_io_async::{Read, Write};
+use firmware_logic::console::board::ConsoleBoard;
 use firmware_logic::console::{ANSWER, Console, line};
 use firmware_logic::task_watchdog::Task;
 use static_cell::ConstStaticCell;
 
 use crate::hardware::serial;
-use crate::instrument::{ConsoleBoard, stop};
+use crate::hardware::settings_flash::SettingsFlash;
 use crate::link::check_in;
+use crate::shared::{Shared, stop};
+
+/// The board, as the console reaches it.
+type Reached = ConsoleBoard<&'static Shared, SettingsFlash>;
 
 /// An answer on its way to the terminal.
 type Answer = heapless::String<ANSWER>;
@@ -27,7 +32,7 @@ static ANSWER_TEXT: ConstStaticCell<Answer> = ConstStaticCell::new(Answer::new()
 
 /// Reads bytes, answers lines.
 #[embassy_executor::task]
-pub(crate) async fn console(tx: BufferedUartTx<'static>, rx: BufferedUartRx<'static>, board: ConsoleBoard) {
+pub(crate) async fn console(tx: BufferedUartTx<'static>, rx: BufferedUartRx<'static>, board: Reached) {
     let waiting = Waiting::new();
     join(listen(rx, &waiting), answer(tx, &waiting, board)).await;
 }
@@ -61,7 +66,7 @@ fn keep(waiting: &Waiting, mut bytes: &[u8]) {
 }
 
 /// Answers the lines.
-async fn answer(mut tx: BufferedUartTx<'static>, waiting: &Waiting, mut board: ConsoleBoard) {
+async fn answer(mut tx: BufferedUartTx<'static>, waiting: &Waiting, mut board: Reached) {
     let mut console = Console::default();
     let answer = ANSWER_TEXT.take();
     let mut bytes = [0; 16];

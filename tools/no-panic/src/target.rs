@@ -4,15 +4,15 @@ use core::hint::black_box;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 
-use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::{Percent, RawSample};
-use firmware_logic::cadence::{Arrival, Cadence, Jitter};
-use firmware_logic::control_loop::{ControlLoop, Heater, Order, TickRecord};
+use firmware_logic::cadence::{Arrival, Cadence};
+use firmware_logic::control_loop::{ControlLoop, Heater, Order, TickRecord, next_order};
+use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::duty;
 use firmware_logic::interlock::Lockout;
-use firmware_logic::log_line::tick::TickLine;
 use firmware_logic::sampling::Mean;
 use firmware_logic::task_watchdog::{Task, TaskWatchdog};
+use heapless::spsc::Queue;
 
 unsafe extern "C" {
     /// Exists nowhere.
@@ -66,32 +66,34 @@ fn unknown<T>(memory: &mut MaybeUninit<T>) -> &mut T {
 extern "C" fn every_tick() {
     let mut memory = (
         MaybeUninit::<ControlLoop>::uninit(),
-        MaybeUninit::<Diagnosis>::uninit(),
-        MaybeUninit::<DiagnosisState>::uninit(),
+        MaybeUninit::<DiagnosisLoop>::uninit(),
         MaybeUninit::<Cadence>::uninit(),
     );
     let control = unknown(&mut memory.0);
-    let diagnosis: &Diagnosis = unknown(&mut memory.1);
-    let state = unknown(&mut memory.2);
-    let arrival: Arrival = unknown(&mut memory.3).arrive(black_box(1));
+    let diagnosis = unknown(&mut memory.1);
+    let arrival: Arrival = unknown(&mut memory.2).arrive(black_box(1));
 
     let mut mean = black_box(Mean::default());
     mean.push(black_box(Some(1)));
     let raw = black_box(RawSample { t0: mean.code(), ..RawSample::default() });
     black_box(control.missed(arrival, &mut Output));
+    let mut waiting: Queue<Order, 2> = Queue::new();
+    let (mut give, mut orders) = waiting.split();
+    let _ = give.enqueue(black_box(Order::Check));
     let record: TickRecord = control.tick(
         raw,
         arrival,
-        black_box(None::<Order>),
+        next_order(black_box(false), &mut orders),
         black_box(fdi_core::Feedback::default()),
         &mut Output,
     );
     static TASKS: TaskWatchdog = TaskWatchdog::new();
     TASKS.check_in(black_box(Task::Control), black_box(1));
 
-    let report = diagnosis.step(state, black_box(&record.tick), black_box(record.applied));
-    black_box(TickLine::new(&record, black_box(&report)));
-    black_box(Jitter::default()).count(&arrival);
+    let report = diagnosis.step(black_box(record), |notice| {
+        black_box(notice);
+    });
+    black_box(report.feedback());
     black_box(TASKS.overdue(black_box(2)));
     #[cfg(feature = "negative-control")]
     black_box([1, 2, 3][black_box(3)]);

@@ -3,7 +3,9 @@
 use std::rc::Rc;
 
 use anyhow::{Context, ensure};
-use fdi_core::Config;
+use fdi_core::{Command, Config};
+use firmware_logic::control_loop::OrderKind;
+use firmware_logic::log_line::LogLine;
 use host_sim::experiment::scenario::Scenario;
 use host_sim::experiment::{Origin, Record, Row, as_written, with_prbs_phase};
 use pt326_rig::Rig;
@@ -13,7 +15,7 @@ use crate::board::Board;
 use crate::clock::Cause;
 use crate::closed_loop::{Shared, TICK};
 use crate::image::Image;
-use crate::recording::{Difference, Recording};
+use crate::recording::{self, Difference, Recording};
 use crate::scene::WAIVE_CHECK;
 use crate::time::{MS, SECOND};
 use crate::wiring::AT_REST;
@@ -56,11 +58,13 @@ pub fn run(image: Rc<Image>, scenario: &Scenario, seed: u64) -> anyhow::Result<E
     let ticks = (scenario.duration / sample_time).floor() as usize;
     board.run_for(ticks as u64 * TICK)?;
 
-    let armed = board.log[first..]
-        .iter()
-        .find_map(|line| line.text.strip_prefix("order ")?.strip_suffix(" arm")?.parse::<usize>().ok());
+    let armed = board.log[first..].iter().find_map(|line| match recording::parse(line) {
+        Ok(Some(LogLine::Order { tick, order: OrderKind::Command(Command::Arm) })) => Some(tick as usize),
+        _ => None,
+    });
     let idle_ticks = armed.context("the log does not say that the board was armed")?;
-    let start = board.log.iter().rposition(|line| line.text.starts_with("PT-326 FDI"));
+    let start =
+        board.log.iter().rposition(|line| matches!(recording::parse(line), Ok(Some(LogLine::Start { .. }))));
     let recording = Recording::of(&board.log[start.unwrap_or(0)..], &config)?;
     ensure!(recording.ticks.len() >= idle_ticks + ticks, "the log ends at tick {}", recording.ticks.len());
     let rows = rows(&recording, idle_ticks, ticks, &scenario.faults, sample_time);

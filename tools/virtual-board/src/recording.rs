@@ -1,9 +1,10 @@
 //! From the log of the board to the record of a run: the codes and orders that it carries are run through the core once
 //! more, and every word that the board said of each tick must come out again, bit for bit.
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, anyhow, ensure};
 use fdi_core::{Command, Config, Instrument, Report, Tick};
-use firmware_logic::control_loop::TickRecord;
+use firmware_logic::control_loop::{OrderKind, TickRecord};
+use firmware_logic::log_line::LogLine;
 use firmware_logic::log_line::tick::TickLine;
 
 use crate::rtt::Line;
@@ -48,19 +49,20 @@ impl Recording {
     /// The log lacks a tick, or cannot be read.
     pub fn of(log: &[Line], config: &Config) -> anyhow::Result<Self> {
         let mut instrument = Instrument::new(config)?;
-        let orders: Vec<(u32, Command)> = log.iter().filter_map(|line| order(&line.text)).collect();
+        let lines: Vec<LogLine<'_>> =
+            log.iter().map(parse).filter_map(Result::transpose).collect::<Result<_, _>>()?;
         let (mut ticks, mut differences) = (Vec::new(), Vec::new());
-        for line in log.iter().filter(|line| line.text.starts_with("tick ") && line.level == "debug") {
-            let record: TickLine = line.text.parse().with_context(|| line.text.clone())?;
+        for line in &lines {
+            let LogLine::Tick(record) = *line else { continue };
             let index = ticks.len() as u32;
             ensure!(record.tick() == index, "the log has tick {} where {index} was due", record.tick());
             ensure!(!record.missed(), "the board missed tick {index}");
-            for (_, command) in orders.iter().filter(|(tick, _)| *tick == index) {
-                instrument.command(*command).with_context(|| format!("order before tick {index}"))?;
+            for command in lines.iter().filter_map(|line| order(line, index)) {
+                instrument.command(command).with_context(|| format!("order before tick {index}"))?;
             }
             let tick = instrument.control(record.raw());
             let report = instrument.diagnose(&tick, record.applied());
-            let again = TickLine::new(&beat(&record, tick), &report);
+            let again = TickLine::new(&as_recorded(&record, tick), &report);
             differences.extend(record.differences(&again).map(|(name, board, host)| Difference {
                 tick: index,
                 name,
@@ -73,33 +75,25 @@ impl Recording {
     }
 }
 
-/// The command that a line of the log says was carried out before a tick.
-fn order(text: &str) -> Option<(u32, Command)> {
-    let mut words = text.strip_prefix("order ")?.split(' ');
-    let tick = words.next()?.parse().ok()?;
-    let command = match words.next()? {
-        "arm" => Command::Arm,
-        "stop" => Command::Stop,
-        "ack" => Command::Acknowledge,
-        "relearn" => Command::Relearn,
-        _ => return None,
-    };
-    Some((tick, command))
+/// The line, if it is one that a program reads.
+///
+/// # Errors
+/// It is broken.
+pub fn parse(line: &Line) -> anyhow::Result<Option<LogLine<'_>>> {
+    LogLine::find(&line.text).map_err(|error| anyhow!("{}: {error}", line.text))
 }
 
-/// The beat as the board had it: time and power are the board's own.
-fn beat(record: &TickLine, tick: Tick) -> TickRecord {
-    let mut beat = TickRecord {
-        raw: record.raw(),
-        tick,
-        applied: record.applied(),
-        arrival: Default::default(),
-        missed: false,
-        lockout: None,
-        outcome: None,
-        news: None,
-        checked: false,
-    };
-    beat.arrival.late_us = record.late_us();
-    beat
+/// The command that was carried out before this tick.
+fn order(line: &LogLine<'_>, before: u32) -> Option<Command> {
+    match *line {
+        LogLine::Order { tick, order: OrderKind::Command(command) } if tick == before => Some(command),
+        _ => None,
+    }
+}
+
+/// The record as the board had it: time and power are the board's own.
+fn as_recorded(line: &TickLine, tick: Tick) -> TickRecord {
+    let mut record = TickRecord::new(line.raw(), tick, line.applied());
+    record.arrival.late_us = line.late_us();
+    record
 }

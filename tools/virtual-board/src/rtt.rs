@@ -4,6 +4,8 @@ use std::rc::Rc;
 
 use anyhow::{Context, ensure};
 use defmt_decoder::{DecodeError, StreamDecoder};
+use firmware_logic::log_line::LogLine;
+use firmware_logic::log_line::tick::TickLine;
 
 use crate::cpu::Cpu;
 use crate::image::Image;
@@ -23,6 +25,16 @@ pub struct Line {
     pub level: &'static str,
     /// The text.
     pub text: String,
+}
+
+impl Line {
+    /// The record of a tick, if it is one.
+    pub fn tick(&self) -> Option<TickLine> {
+        match LogLine::find(&self.text) {
+            Ok(Some(LogLine::Tick(tick))) => Some(tick),
+            _ => None,
+        }
+    }
 }
 
 impl std::fmt::Display for Line {

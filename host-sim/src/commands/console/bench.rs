@@ -2,21 +2,24 @@
 
 use embassy_futures::block_on;
 use fdi_core::control::Controller;
-use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
-use fdi_core::{AdcCode, Command, Config, Feedback, Mode, RawSample};
+use fdi_core::diagnosis::Diagnosis;
+use fdi_core::{AdcCode, Command, Config, ConfigError, Feedback, RawSample};
 use firmware_logic::cadence::Arrival;
+use firmware_logic::console::board::{Chip, ConsoleBoard};
 use firmware_logic::console::follow::Follow;
 use firmware_logic::console::line::is_stop_key;
-use firmware_logic::console::{self, ApplyError, Board};
-use firmware_logic::control_loop::{ControlLoop, Denial, Heater, Order, TickRecord};
-use firmware_logic::history::{Entry, History};
+use firmware_logic::console::{self, Board};
+use firmware_logic::control_loop::{ControlLoop, Denial, Heater, Order};
+use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::interlock::Interlock;
-use firmware_logic::self_test::{Ending, Progress};
-use firmware_logic::settings::store::SaveError;
+use firmware_logic::notice::Notice;
+use firmware_logic::self_test::Ending;
+use firmware_logic::settings::store::Store;
+use firmware_logic::settings::stored::Stored;
 use firmware_logic::status::Status;
 
-use super::output::Output;
+use super::flash::Flash;
+use super::output_stage::OutputStage;
 use super::play::{self, Play};
 use crate::experiment::as_written;
 use crate::experiment::scenario::Scenario;
@@ -24,16 +27,19 @@ use pt326_rig::Rig;
 
 /// A board with a rig on its wires.
 pub struct Bench {
-    control: ControlLoop,
-    diagnosis: Diagnosis,
-    state: DiagnosisState,
-    rig: Rig,
-    heater: Output,
-    config: Config,
-    status: Status,
-    history: History,
+    board: ConsoleBoard<SimulatedChip, Flash>,
     follow: Follow,
+}
+
+/// Everything of it but console and flash.
+struct SimulatedChip {
+    control: ControlLoop,
+    diagnosis: DiagnosisLoop,
+    rig: Rig,
+    heater: OutputStage,
     sample_time: f64,
+    /// Lines of its log that nobody has read.
+    log: String,
 }
 
 impl Bench {
@@ -42,37 +48,35 @@ impl Bench {
     /// # Errors
     /// A setting is out of bounds.
     pub fn new(config: &Config, scenario: &Scenario, seed: u64) -> anyhow::Result<Self> {
-        let diagnosis = Diagnosis::new(config)?;
         let sample_time = as_written(config.sample_time.0);
-        Ok(Self {
+        let settings = Stored { config: config.clone(), baseline: None };
+        let chip = SimulatedChip {
             control: ControlLoop::new(Controller::new(config)?, config.setpoint, Interlock::default()),
-            state: diagnosis.start(),
-            diagnosis,
+            diagnosis: DiagnosisLoop::new(Diagnosis::new(config)?, settings),
             rig: Rig::new(&scenario.rig, scenario.disturbance, sample_time, seed, &scenario.faults),
-            heater: Output::default(),
-            config: config.clone(),
-            status: Status::default(),
-            history: History::default(),
-            follow: Follow::default(),
+            heater: OutputStage::default(),
             sample_time,
-        })
+            log: String::new(),
+        };
+        let board = ConsoleBoard::new(chip, Store::new(Flash::default()), false);
+        Ok(Self { board, follow: Follow::default() })
     }
 
     /// Ts in s.
     pub fn sample_time(&self) -> f64 {
-        self.sample_time
+        self.board.chip.sample_time
     }
 
     /// What the console says to a line.
     pub fn answer(&mut self, line: &str) -> String {
         let mut answer = String::new();
         if line.bytes().any(is_stop_key) {
-            console::stop(self, &mut answer);
+            console::stop(&mut self.board, &mut answer);
             return answer;
         }
         match Play::parse(line) {
             Ok(Some(play)) => self.play(play),
-            Ok(None) => block_on(console::carry_out(line.trim(), self, &mut answer)),
+            Ok(None) => block_on(console::carry_out(line.trim(), &mut self.board, &mut answer)),
             Err(error) => answer = format!("error: {error:#}\n"),
         }
         if line.trim() == "help" {
@@ -82,91 +86,101 @@ impl Bench {
     }
 
     fn play(&mut self, play: Play) {
+        let chip = &mut self.board.chip;
         match play {
             Play::Wait(seconds) => {
-                (0..(seconds / self.sample_time).round() as u64).for_each(|_| self.pass());
+                (0..(seconds / chip.sample_time).round() as u64).for_each(|_| self.pass());
             }
-            Play::Rig(faults) => faults.into_iter().for_each(|fault| self.rig.inject(fault)),
-            Play::Power(defect) => self.heater.suffer(defect),
+            Play::Rig(faults) => faults.into_iter().for_each(|fault| chip.rig.inject(fault)),
+            Play::Power(defect) => chip.heater.break_with(defect),
             Play::Mend => {
-                self.rig.clear();
-                self.heater.mend();
+                chip.rig.clear();
+                chip.heater.mend();
             }
         }
     }
 
-    /// What a check has told since the last call.
+    /// What the board has told of itself since the last call: lines of its log, and how a check goes on.
     pub fn news(&mut self) -> String {
-        let mut news = String::new();
-        self.follow.show(&self.status.check, &self.config, &mut news);
+        let mut news = std::mem::take(&mut self.board.chip.log);
+        let check = self.board.progress();
+        if self.follow.is_news(&check) {
+            self.follow.show(&check, &self.board.config(), &mut news);
+        }
         news
     }
 
     /// Whether a check is under way.
     pub fn is_checking(&self) -> bool {
-        self.status.check.stage.is_some()
+        self.status().check.stage.is_some()
     }
 
     /// How the last check ended.
     pub fn ending(&self) -> Option<Ending> {
-        self.status.check.ending
+        self.status().check.ending
+    }
+
+    fn status(&self) -> &Status {
+        self.board.chip.diagnosis.status()
     }
 
     /// The output stage.
-    pub fn output(&self) -> &Output {
-        &self.heater
+    pub fn output(&self) -> &OutputStage {
+        &self.board.chip.heater
     }
 
     /// The rig.
     pub fn rig(&self) -> &Rig {
-        &self.rig
+        &self.board.chip.rig
     }
 
     /// One tick in which nothing is asked for.
     pub fn pass(&mut self) {
-        let _ = self.tick(None);
-    }
-
-    /// One tick, and what became of the order before it.
-    fn tick(&mut self, order: Option<Order>) -> Result<(), Denial> {
-        let [t0, t1, t2] = self.rig.sample().map(|code| AdcCode(code as f32));
-        let feedback =
-            self.status.last.as_ref().map_or_else(Feedback::default, |(_, report)| report.feedback());
-        let raw = RawSample { t0, t1, t2 };
-        let record = self.control.tick(raw, Arrival::default(), order, feedback, &mut self.heater);
-        self.rig.advance(f64::from(self.heater.given().0));
-        let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
-        self.note_trip(&record);
-        report.events.iter().for_each(|event| self.history.event(*event));
-        self.status.health.jitter.count(&record.arrival);
-        if let Some(news) = record.news {
-            self.status.check.note(news);
-        }
-        let result = record.outcome.map_or(Ok(()), |outcome| outcome.result);
-        self.status.last = Some((record, report));
-        result
-    }
-
-    fn note_trip(&mut self, record: &TickRecord) {
-        let tripped = |mode: &Mode| matches!(mode, Mode::Tripped(_));
-        let was_tripped = self.status.last.as_ref().is_some_and(|(before, _)| tripped(&before.tick.mode));
-        if let (Mode::Tripped(trip), false) = (record.tick.mode, was_tripped) {
-            self.history.push(Entry::Trip(trip));
-        }
+        let _ = self.board.chip.tick(None);
+        block_on(self.board.settle());
     }
 }
 
-impl Board for Bench {
-    async fn command(&mut self, command: Command) -> Result<(), Denial> {
-        self.tick(Some(Order::Command(command)))
+impl SimulatedChip {
+    /// One tick, and what became of the order before it.
+    fn tick(&mut self, order: Option<Order>) -> Result<(), Denial> {
+        let [t0, t1, t2] = self.rig.sample().map(|code| AdcCode(code as f32));
+        let last = self.diagnosis.status().last.as_ref();
+        let feedback = last.map_or_else(Feedback::default, |(_, report)| report.feedback());
+        let raw = RawSample { t0, t1, t2 };
+        let record = self.control.tick(raw, Arrival::default(), order, feedback, &mut self.heater);
+        self.rig.advance(f64::from(self.heater.given().0));
+        let result = record.outcome.map_or(Ok(()), |outcome| outcome.result);
+        let seconds = f64::from(record.tick.index) * self.sample_time;
+        let (log, sample_time) = (&mut self.log, self.sample_time as f32);
+        self.diagnosis.step(record, |notice| {
+            if is_shown(&notice) {
+                *log += &format!("{seconds:.1} s: {}\n", notice.text(sample_time));
+            }
+        });
+        result
+    }
+}
+
+/// Whether it is worth a line here: the console says itself what became of an order, and how a check goes on.
+fn is_shown(notice: &Notice) -> bool {
+    !matches!(
+        notice,
+        Notice::Tick(_) | Notice::Order { .. } | Notice::Denied { .. } | Notice::Unchecked | Notice::Check(_)
+    )
+}
+
+impl Chip for SimulatedChip {
+    fn diagnosis<R>(&self, look: impl FnOnce(&DiagnosisLoop) -> R) -> R {
+        look(&self.diagnosis)
     }
 
-    async fn check(&mut self) -> Result<(), Denial> {
-        self.tick(Some(Order::Check))
+    fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {
+        self.diagnosis.propose(config)
     }
 
-    fn progress(&self) -> Progress {
-        self.status.check.clone()
+    async fn order(&mut self, order: Order) -> Result<(), Denial> {
+        self.tick(Some(order))
     }
 
     fn stop(&mut self) {
@@ -174,38 +188,23 @@ impl Board for Bench {
         let _ = self.tick(Some(Order::Command(Command::Stop)));
     }
 
+    fn is_output_enabled(&self) -> bool {
+        self.heater.is_enabled()
+    }
+
+    async fn pause(&mut self) {
+        let _ = self.tick(None);
+    }
+
+    /// Nothing stalls here.
+    fn stalled(&mut self) {}
+
     fn status(&self) -> Status {
-        self.status.clone()
+        self.diagnosis.status().clone()
     }
 
-    fn config(&self) -> Config {
-        self.config.clone()
-    }
-
-    async fn apply(&mut self, config: &Config) -> Result<(), ApplyError> {
-        let controller = Controller::new(config)?;
-        let diagnosis = Diagnosis::new(config)?;
-        self.tick(Some(Order::Retune(controller)))?;
-        self.diagnosis = diagnosis;
-        self.config = config.clone();
-        Ok(())
-    }
-
-    /// There is no flash here: settings live as long as the console. That a running heater forbids it is the same.
-    async fn save(&mut self) -> Result<(), SaveError> {
-        if self.heater.is_enabled() || self.is_checking() { Err(SaveError::Heating) } else { Ok(()) }
-    }
-
-    /// Nor are there option bytes.
-    fn set_brown_out_level(&mut self) -> Result<(), SaveError> {
-        if self.heater.is_enabled() || self.is_checking() { Err(SaveError::Heating) } else { Ok(()) }
-    }
-
-    fn baseline(&self) -> Option<Baseline> {
-        self.diagnosis.baseline(&self.state).copied()
-    }
-
-    fn fault(&self, index: usize) -> Option<Entry> {
-        self.history.get(index).copied()
+    /// There are no option bytes here.
+    fn program_brown_out_level(&mut self) -> bool {
+        true
     }
 }

@@ -4,7 +4,8 @@
 //! SECONDS`, and for a `check`, which ends before the next line is read, so that a script always sees the same.
 
 mod bench;
-mod output;
+mod flash;
+mod output_stage;
 mod play;
 
 use std::io::{BufRead, IsTerminal, Write};
@@ -16,7 +17,7 @@ use anyhow::Context;
 use super::experiment::ExperimentArgs;
 use super::terminal::print;
 pub use bench::Bench;
-pub use output::Output;
+pub use output_stage::OutputStage;
 
 /// Use the board's console, with the simulated rig in place of a board.
 #[derive(Clone, Debug, clap::Args)]
@@ -149,6 +150,7 @@ mod tests {
             "error: no `check` has passed since the start",
             "check: which thermistor answers first\n",
             "check passed\n> arm\nok\n",
+            " off -> settle\n",
             "mode settle",
             "of 35.0 degC",
             "setpoint = 38",
@@ -172,6 +174,33 @@ mod tests {
     }
 
     #[test]
+    fn what_the_board_refuses_is_refused_here() {
+        let said = session("set sample_time 0.2\nget sample_time\nsave\n");
+        assert!(said.contains("error: sample_time is 0.2, expected 0.11 to 0.11"), "{said}");
+        assert!(said.contains("> get sample_time\nsample_time = 0.11"), "{said}");
+        assert!(said.ends_with("> save\nok\n"), "{said}");
+    }
+
+    #[test]
+    fn faults_lists_alarms_and_lockouts_too_and_each_is_told_when_it_comes() {
+        let said = session(
+            "set supervisor.check_before_arming false\narm\nwait 400\nwire interlock open\nwait 1\nfaults\n",
+        );
+        let (told, listed) = said.split_once("> faults\n").unwrap();
+        for word in [" alarm: t2_offset 1.", " lockout: the interlock on the break input opened"] {
+            assert!(listed.contains(word), "{word} in:\n{said}");
+        }
+        for word in [
+            "likelihood: 384.",
+            "detected: 38",
+            "the interlock on the break input opened",
+            "learn -> monitor",
+        ] {
+            assert!(told.contains(word), "{word} in:\n{said}");
+        }
+    }
+
+    #[test]
     fn a_wrong_wire_is_told_mended_and_told_no_more() {
         let said = session("wire swap t1 t2\ncheck\narm\nwire ok\ncheck\narm\n!\nstatus\n");
         let (wrong, mended) = said.split_once("> wire ok\n").unwrap();
@@ -180,7 +209,7 @@ mod tests {
             "{said}"
         );
         assert!(wrong.ends_with("waives it\n"), "{said}");
-        assert!(mended.contains("check passed\n> arm\nok\n> !\n"), "{said}");
+        assert!(mended.contains("check passed\n> arm\nok\n"), "{said}");
         assert!(mended.contains("stopped") && mended.contains("mode off"), "{said}");
     }
 
@@ -193,7 +222,8 @@ mod tests {
             said.contains("mode tripped (") && said.trim_end().ends_with("fault offset t2 1.5 25"),
             "{said}"
         );
-        assert!(said.contains("> ack\nok\n> arm\nok\n"), "{said}");
+        let armed = said.matches("> arm\nok\n").count();
+        assert!(said.contains("> ack\nok\n") && armed == 2, "{said}");
     }
 
     #[test]

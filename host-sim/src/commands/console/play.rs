@@ -2,7 +2,7 @@
 
 use anyhow::{Context, bail, ensure};
 
-use super::output::Defect;
+use super::output_stage::Defect;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 
 /// Added to the board's own help.

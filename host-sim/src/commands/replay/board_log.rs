@@ -2,28 +2,14 @@
 
 use anyhow::{Context, bail, ensure};
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::{Celsius, Command, Config, Report, Tick};
+use fdi_core::{Command, Config, Report, Tick};
 use firmware_logic::cadence::Arrival;
-use firmware_logic::control_loop::TickRecord;
+use firmware_logic::control_loop::{OrderKind, TickRecord};
 use firmware_logic::log_line::tick::{TickLine, WORDS};
+use firmware_logic::log_line::{LogLine, VERSION};
 use firmware_logic::settings::schema::Name;
 
 use super::{Order, Recorded, Recording, Said};
-
-/// What one line of the log says to a replay.
-enum Line {
-    Tick(Box<TickLine>),
-    Order(u32, Option<Command>),
-    Setting(String, String),
-    /// An order was not carried out: settings told before it are not in force.
-    Denied,
-    /// A part of a baseline that was restored.
-    Baseline(String, Vec<u32>),
-    /// The interlock stopped the heater before this tick.
-    Lockout(u32),
-    Boot,
-    Other,
-}
 
 /// One start of the board: its records, and what was asked for before a tick.
 struct Start {
@@ -93,53 +79,39 @@ fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
     };
     let mut starts = vec![fresh()];
     for (line, number) in text.lines().zip(1..) {
-        let parsed = parse(line).with_context(|| format!("line {number}"))?;
-        let Some(start) = starts.last_mut() else { break };
+        let parsed = LogLine::find(line).map_err(|error| anyhow::anyhow!("line {number}: {error}"))?;
+        let (Some(start), Some(parsed)) = (starts.last_mut(), parsed) else { continue };
         match parsed {
-            Line::Boot if start.records.is_empty() => *start = fresh(),
-            Line::Boot => starts.push(fresh()),
-            Line::Tick(record) if record.tick() == 0 && !start.records.is_empty() => {
-                starts.push(Start { records: vec![*record], ..fresh() });
+            LogLine::Start { version } => {
+                ensure!(
+                    version == VERSION,
+                    "line {number}: log format {version}, expected {VERSION}: use the replay of the board's release"
+                );
+                if start.records.is_empty() { *start = fresh() } else { starts.push(fresh()) }
             }
-            Line::Tick(record) => start.records.push(*record),
-            Line::Order(tick, Some(command)) => start.orders.push((tick, Order::Command(command))),
-            Line::Order(tick, None) => {
+            LogLine::Tick(record) if record.tick() == 0 && !start.records.is_empty() => {
+                starts.push(Start { records: vec![record], ..fresh() });
+            }
+            LogLine::Tick(record) => start.records.push(record),
+            LogLine::Order { tick, order: OrderKind::Command(command) } => {
+                start.orders.push((tick, Order::Command(command)));
+            }
+            LogLine::Order { tick, order: OrderKind::Settings } => {
                 let settings = std::mem::take(&mut start.told);
                 start.orders.push((tick, Order::Settings(Box::new(settings))));
             }
-            Line::Denied => start.told = Config::default(),
-            Line::Lockout(tick) => start.orders.insert(0, (tick, Order::Command(Command::Stop))),
-            Line::Setting(name, value) => {
+            LogLine::Order { order: OrderKind::Check, .. } => {} // nothing to the core
+            // Settings told before an order that was not carried out are not in force.
+            LogLine::Denied { .. } => start.told = Config::default(),
+            LogLine::Lockout { tick } => start.orders.insert(0, (tick, Order::Command(Command::Stop))),
+            LogLine::Setting { name, value } => {
                 let config = if start.records.is_empty() { &mut start.config } else { &mut start.told };
-                set(config, &name, &value).with_context(|| format!("line {number}"))?;
+                set(config, name, value).with_context(|| format!("line {number}"))?;
             }
-            Line::Baseline(part, words) => {
-                restore(start.baseline.get_or_insert_default(), &part, &words)
-                    .with_context(|| format!("line {number}"))?;
-            }
-            Line::Other => {}
+            LogLine::Baseline(part) => part.restore(start.baseline.get_or_insert_default()),
         }
     }
     Ok(starts)
-}
-
-/// Fills in a part of a baseline.
-fn restore(baseline: &mut Baseline, part: &str, words: &[u32]) -> anyhow::Result<()> {
-    let row = match part {
-        "samples" => {
-            baseline.samples = *words.first().context("baseline samples: expected a number")?;
-            return Ok(());
-        }
-        "raw.mean" => &mut baseline.raw.mean,
-        "raw.sigma" => &mut baseline.raw.sigma,
-        "filtered.mean" => &mut baseline.filtered.mean,
-        "filtered.sigma" => &mut baseline.filtered.sigma,
-        _ => bail!("unknown part of a baseline: {part:?}"),
-    };
-    let expected = row.len();
-    ensure!(words.len() == expected, "baseline {part}: {} words, expected {expected}", words.len());
-    row.iter_mut().zip(words).for_each(|(value, word)| *value = f32::from_bits(*word));
-    Ok(())
 }
 
 /// Sets a value as the log writes it: perhaps with a unit behind.
@@ -152,83 +124,12 @@ fn set(config: &mut Config, name: &str, value: &str) -> anyhow::Result<()> {
         .map_err(|error| anyhow::anyhow!("{error}"))
 }
 
-/// What follows a keyword, wherever a logger's prefix ends.
-fn after<'a>(line: &'a str, keyword: &str) -> Option<&'a str> {
-    let at = line.find(keyword)?;
-    let stands_alone = at == 0 || line[..at].ends_with([' ', ']', '\t']);
-    stands_alone.then(|| &line[at + keyword.len()..])
-}
-
-fn parse(line: &str) -> anyhow::Result<Line> {
-    if let Some(rest) = after(line, "tick ") {
-        let words: Vec<&str> = rest.split_ascii_whitespace().take(WORDS).collect();
-        let hex = |word: &&str| word.len() <= 8 && word.bytes().all(|b| b.is_ascii_hexdigit());
-        if !words.get(..8).is_some_and(|first| first.iter().all(hex)) {
-            return Ok(Line::Other); // a sentence that speaks of a tick
-        }
-        return Ok(Line::Tick(Box::new(format!("tick {}", words.join(" ")).parse()?)));
-    }
-    if let Some(rest) = after(line, "order ") {
-        return order(rest);
-    }
-    if after(line, "denied ").is_some() {
-        return Ok(Line::Denied);
-    }
-    if let Some(rest) = after(line, "setting ") {
-        let Some((name, value)) = rest.split_once(" = ") else { return Ok(Line::Other) };
-        return Ok(Line::Setting(name.trim().into(), value.trim().into()));
-    }
-    if let Some(rest) = after(line, "baseline ") {
-        let mut words = rest.split_ascii_whitespace();
-        let part = words.next().unwrap_or_default();
-        let radix = if part == "samples" { 10 } else { 16 };
-        let words = words.map_while(|word| u32::from_str_radix(word, radix).ok()).collect();
-        return Ok(Line::Baseline(part.into(), words));
-    }
-    if let Some(rest) = after(line, "lockout ") {
-        return Ok(rest
-            .split_ascii_whitespace()
-            .next()
-            .and_then(|w| w.parse().ok())
-            .map_or(Line::Other, Line::Lockout));
-    }
-    Ok(if line.contains("PT-326 FDI") { Line::Boot } else { Line::Other })
-}
-
-/// `TICK VERB [ARGUMENT]`.
-fn order(text: &str) -> anyhow::Result<Line> {
-    let mut words = text.split_ascii_whitespace();
-    let Some(tick) = words.next().and_then(|w| w.parse().ok()) else { return Ok(Line::Other) };
-    let verb = words.next().unwrap_or_default();
-    let argument = words.next().unwrap_or_default();
-    let expected = || format!("{argument:?} after {verb}: expected a value");
-    let command = match verb {
-        "settings" => return Ok(Line::Order(tick, None)),
-        "arm" => Command::Arm,
-        "stop" => Command::Stop,
-        "ack" => Command::Acknowledge,
-        "relearn" => Command::Relearn,
-        "setpoint" => Command::SetPoint(Celsius(argument.parse().with_context(expected)?)),
-        "excite" => Command::Excite(argument.parse().with_context(expected)?),
-        _ => bail!("unknown order {verb:?}, expected settings, arm, stop, ack, relearn, setpoint or excite"),
-    };
-    Ok(Line::Order(tick, Some(command)))
-}
-
 /// In what the core's bits differ from the board's.
 pub(super) fn differences(said: &TickLine, recorded: &Recorded, tick: &Tick, report: &Report) -> Vec<String> {
-    let beat = TickRecord {
-        raw: recorded.raw,
-        tick: *tick,
-        applied: said.applied(),
-        arrival: Arrival { late_us: said.late_us(), ..Arrival::default() },
-        missed: said.missed(),
-        lockout: None,
-        outcome: None,
-        news: None,
-        checked: false,
-    };
-    let ours = TickLine::new(&beat, report);
+    let arrival = Arrival { late_us: said.late_us(), ..Arrival::default() };
+    let record =
+        TickRecord { arrival, missed: said.missed(), ..TickRecord::new(recorded.raw, *tick, said.applied()) };
+    let ours = TickLine::new(&record, report);
     let number = |bits: u32| format!("{bits:#010x} ({})", f32::from_bits(bits));
     said.differences(&ours)
         .map(|(name, board, core)| format!("{name}: board {}, core {}", number(board), number(core)))
@@ -245,7 +146,7 @@ pub(super) mod tests {
     pub(crate) fn log_of(config: &Config, seconds: f64) -> String {
         let mut instrument = Instrument::new(config).unwrap();
         let mut rig = Rig::new(&RigConfig::default(), Disturbance::Calm, 0.11, 1, &[]);
-        let mut log = String::from("0.000000 [INFO ] PT-326 FDI 0.1.0 (abc) on NUCLEO-F411RE (start.rs:1)\n");
+        let mut log = String::from("0.000000 [INFO ] log format 3 (firmware log.rs:1)\n");
         for k in 0..(seconds / 0.11) as u32 {
             if k == 3 {
                 instrument.command(Command::Arm).unwrap();
@@ -265,19 +166,10 @@ pub(super) mod tests {
             let tick = instrument.control(raw);
             let report = instrument.diagnose(&tick, tick.drive);
             rig.advance(f64::from(tick.drive.0));
-            let beat = TickRecord {
-                raw,
-                tick,
-                applied: tick.drive,
-                arrival: Arrival::default(),
-                missed: false,
-                lockout: None,
-                outcome: None,
-                news: None,
-                checked: false,
-            };
-            log += &format!("{}.0 [DEBUG] {} (firmware diagnosis.rs:40)\n", k, TickLine::new(&beat, &report));
-            log += "1.0 [WARN ] tick 5 came after 2 missed\n";
+            let record = TickRecord::new(raw, tick, tick.drive);
+            log +=
+                &format!("{}.0 [DEBUG] {} (firmware diagnosis.rs:40)\n", k, TickLine::new(&record, &report));
+            log += "1.0 [WARN ] 2 ticks missed before tick 5\n";
         }
         log
     }
@@ -289,6 +181,8 @@ pub(super) mod tests {
         assert!(error.contains("line 2") && error.contains("30 words, expected 31"), "{error}");
         let error = format!("{:#}", read("order 5 explode\n", Config::default()).err().unwrap());
         assert!(error.contains("line 1") && error.contains("explode"), "{error}");
+        let error = format!("{:#}", read("log format 2\n", Config::default()).err().unwrap());
+        assert!(error.contains("line 1: log format 2, expected 3"), "{error}");
         let late = format!("tick 7 {}", ["0"; WORDS - 1].join(" "));
         let error = format!("{:#}", read(&late, Config::default()).err().unwrap());
         assert!(error.contains("begins at tick 7"), "{error}");
@@ -308,7 +202,7 @@ pub(super) mod tests {
             row(30)
         );
         let recording = read(
-            &format!("{lines}{}", log_of(&Config::default(), 1.0).replace("PT-326 FDI", "")),
+            &format!("{lines}{}", log_of(&Config::default(), 1.0).replace("log format 3", "")),
             Config::default(),
         );
         let baseline = recording.unwrap().baseline.unwrap();

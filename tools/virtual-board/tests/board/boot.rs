@@ -43,10 +43,10 @@ fn arms_to_settle() {
 fn the_first_tick_is_due_a_period_after_the_start_and_the_grid_never_moves() {
     let mut scene = powered_up();
     scene.board.run_for(20 * SECOND).expect("boots");
-    let ticks: Vec<_> = scene.board.log.iter().filter(|line| line.text.starts_with("tick ")).collect();
+    let ticks: Vec<_> = scene.board.log.iter().filter(|line| line.tick().is_some()).collect();
     assert!((180..=182).contains(&ticks.len()), "{}", ticks.len());
     for line in ticks {
-        let record: firmware_logic::log_line::tick::TickLine = line.text.parse().expect("a record");
+        let record = line.tick().expect("a record");
         assert!(!record.missed() && record.late_us() <= 5, "{line}");
     }
 }

@@ -3,7 +3,6 @@
 
 use firmware_logic::console::line::is_stop_key;
 use firmware_logic::console::request::COMMANDS;
-use firmware_logic::log_line::tick::TickLine;
 use virtual_board::board::{Board, load};
 use virtual_board::scene::{Scene, WAIVE_CHECK};
 use virtual_board::time::{MS, SECOND};
@@ -49,7 +48,7 @@ fn errors_name_what_was_wrong() {
 
 /// Lateness and outputs of the control half, tick by tick.
 fn ticks(board: &Board) -> Vec<(u32, u32, u32, bool)> {
-    let records = board.log.iter().filter_map(|line| line.text.parse::<TickLine>().ok());
+    let records = board.log.iter().filter_map(|line| line.tick());
     records.map(|r| (r.tick(), r.late_us(), r.applied().0.to_bits(), r.missed())).collect()
 }
 

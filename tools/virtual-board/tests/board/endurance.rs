@@ -2,7 +2,6 @@
 //! ten minutes of
 //! computing: `cargo test -p virtual-board -- --ignored --nocapture`.
 
-use firmware_logic::log_line::tick::TickLine;
 use virtual_board::board::load;
 use virtual_board::closed_loop::TICK;
 use virtual_board::rtt::Line;
@@ -24,7 +23,7 @@ impl Grid {
     /// Follows the lines of the log.
     fn check(&mut self, lines: &[Line]) {
         for line in lines {
-            let Ok(record) = line.text.parse::<TickLine>() else {
+            let Some(record) = line.tick() else {
                 assert!(
                     line.level == "info" || line.text.contains("isolated") || line.level == "warn",
                     "{line}"

@@ -1,6 +1,5 @@
 //! The log is nobody's business but the reader's: read, read late or never read, no tick is late for it.
 
-use firmware_logic::log_line::tick::TickLine;
 use virtual_board::board::load;
 use virtual_board::scene::Scene;
 use virtual_board::time::{MS, SECOND};
@@ -27,11 +26,8 @@ fn a_reader_that_comes_back_finds_whole_frames() {
     scene.board.probe.attached = true;
     let before = scene.board.log.len();
     scene.board.run_for(10 * SECOND).expect("runs on");
-    let ticks: Vec<u32> = scene.board.log[before..]
-        .iter()
-        .filter_map(|line| line.text.parse::<TickLine>().ok())
-        .map(|record| record.tick())
-        .collect();
+    let ticks: Vec<u32> =
+        scene.board.log[before..].iter().filter_map(|line| line.tick()).map(|record| record.tick()).collect();
     let gaps = ticks.windows(2).filter(|pair| pair[1] != pair[0] + 1).count();
     assert_eq!(gaps, 1, "what was buffered, and what came after");
     assert!(ticks.len() > 90);

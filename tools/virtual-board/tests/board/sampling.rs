@@ -1,6 +1,5 @@
 //! What is at the thermistors' inputs is what the core gets: settled, free of ripple, each sensor its own.
 
-use firmware_logic::log_line::tick::TickLine;
 use virtual_board::board::load;
 use virtual_board::scene::Scene;
 use virtual_board::time::{MS, SECOND};
@@ -20,7 +19,7 @@ fn codes(wiring: Wiring, heating: bool) -> Vec<[f32; 3]> {
     let from = scene.board.log.len();
     scene.board.run_for(SECOND).expect("runs on");
     assert!(!heating || scene.board.heater() > 0.05, "heats on");
-    let records = scene.board.log[from..].iter().filter_map(|line| line.text.parse::<TickLine>().ok());
+    let records = scene.board.log[from..].iter().filter_map(|line| line.tick());
     let codes: Vec<_> =
         records.map(|record| record.raw()).map(|raw| [raw.t0.0, raw.t1.0, raw.t2.0]).collect();
     assert!(codes.len() >= 9, "{} ticks in a second", codes.len());

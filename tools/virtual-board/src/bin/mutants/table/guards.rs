@@ -7,6 +7,7 @@ const WATCHDOG: &str = "firmware/src/hardware/watchdog.rs";
 const TASKS: &str = "firmware/src/tasks/watchdog.rs";
 const PRIORITIES: &str = "firmware/src/hardware/mod.rs";
 const HALT: &str = "firmware/src/hardware/halt.rs";
+const BOARD: &str = "firmware/src/hardware/nucleo_64.rs";
 const CLOCK: &str = "firmware/src/hardware/clock.rs";
 const START: &str = "firmware/src/start.rs";
 
@@ -25,21 +26,24 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "deadline-never-armed",
         "the same",
         TICK,
-        ["    TIM5.ccr(DEADLINE).write_value(at);\n", "    let _ = at;\n"],
+        ["    TICK_TIMER.ccr(DEADLINE).write_value(at);\n", "    let _ = at;\n"],
         HANGS,
     ),
     mutant(
         "deadline-late",
         "the same, for 880 ms",
-        "firmware/src/tasks/control.rs",
-        ["const DEADLINE_US: u32 = 4 * PERIOD_US;", "const DEADLINE_US: u32 = 8 * PERIOD_US;"],
+        "firmware-logic/src/cadence.rs",
+        ["const DEADLINE_US: u32 = 4 * PERIOD.get();", "const DEADLINE_US: u32 = 8 * PERIOD.get();"],
         HANGS,
     ),
     mutant(
         "deadline-below-control",
         "a control task that hangs keeps its guard from running",
         PRIORITIES,
-        ["interrupt::TIM5.set_priority(Priority::P0)", "interrupt::TIM5.set_priority(Priority::P4)"],
+        [
+            "board::TICK_INTERRUPT.set_priority(Priority::P0)",
+            "board::TICK_INTERRUPT.set_priority(Priority::P4)",
+        ],
         HANGS,
     ),
     mutant("all-priorities-alike", "the same", START, ["    hardware::set_priorities();\n", ""], HANGS),
@@ -68,7 +72,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "tick-flags-not-cleared",
         "one interrupt for ever",
         TICK,
-        ["    TIM5.sr().write_value(SrGp16(!status.0));", "    // "],
+        ["    TICK_TIMER.sr().write_value(SrGp16(!status.0));", "    // "],
         &["boot::arms"],
     ),
     mutant(
@@ -158,27 +162,27 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "timer-not-frozen",
         "a core that a debugger halts heats on",
         HALT,
-        ["    DBGMCU.apb2fzr().modify(|w| w.0 |= TIM1);\n", "    let _ = TIM1;\n"],
+        ["    DBGMCU.apb2fzr().modify(|w| w.0 |= board::HALT_PWM);\n", ""],
         &["halt::a_halted"],
     ),
     mutant(
         "guard-frozen",
         "after a long halt the heater goes on",
         HALT,
-        ["w.0 & !TIM5 | TIM2_IWDG", "w.0 | TIM5 | TIM2_IWDG"],
+        ["w.0 & !board::HALT_TICK |", "w.0 | board::HALT_TICK |"],
         &["halt::a_resumed"],
     ),
     mutant(
         "guard-left-frozen",
         "the same, where another program has frozen it",
         HALT,
-        ["w.0 & !TIM5 | TIM2_IWDG", "w.0 | TIM2_IWDG"],
+        ["w.0 & !board::HALT_TICK |", "w.0 |"],
         &["halt::"],
     ),
     mutant(
         "other-clock-not-frozen",
         "a short halt is not seen",
-        HALT,
+        BOARD,
         ["1 << 0 | 1 << 12;", "1 << 12;"],
         &["halt::a_resumed"],
     ),
@@ -192,7 +196,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "watchdog-not-frozen",
         "a debugger that halts resets the board",
-        HALT,
+        BOARD,
         ["1 << 0 | 1 << 12;", "1 << 0;"],
         &["halt::a_resumed"],
     ),
@@ -207,7 +211,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "order-waits-for-ever",
         "a console that waits for an answer starves the watchdog",
-        "firmware/src/instrument.rs",
+        "firmware/src/shared.rs",
         [
             "const ANSWER_DEADLINE: Duration = Duration::from_millis(400);",
             "const ANSWER_DEADLINE: Duration = Duration::from_secs(400);",

@@ -60,7 +60,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "break-pin-not-connected",
         "the timer does not see the break input",
         FILE,
-        ["break_input.set_as_af_unchecked(board::TIM1_AF, AfType::input(Pull::Up));", "break_input.set_as_input(Pull::Up);"],
+        ["break_input.set_as_af_unchecked(board::PWM_AF, AfType::input(Pull::Up));", "break_input.set_as_input(Pull::Up);"],
         &["heater_off::break_input"],
     ),
     mutant(
@@ -104,9 +104,9 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "the pin is handed over before the timer holds it low",
         FILE,
         [
-            "        rcc::enable_and_reset::<TIM1>();\n",
-            "        rcc::enable_and_reset::<TIM1>();\n        pac::GPIOA.afr(1).modify(|w| w.set_afr(0, 1));\n        \
-             pac::GPIOA.moder().modify(|w| w.set_moder(8, pac::gpio::vals::Moder::ALTERNATE));\n",
+            "        rcc::enable_and_reset::<PwmTimer>();\n",
+            "        rcc::enable_and_reset::<PwmTimer>();\n        embassy_stm32::pac::GPIOA.afr(1).modify(|w| w.set_afr(0, 1));\n        \
+             embassy_stm32::pac::GPIOA.moder().modify(|w| w.set_moder(8, embassy_stm32::pac::gpio::vals::Moder::ALTERNATE));\n",
         ],
         &["pins::after_the_start", "boot::"],
     )
@@ -117,7 +117,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         FILE,
         [
             "        set_period(period);\n",
-            "        set_period(period);\n        t.ccer().write(|w| w.set_ccp(HEATER, true));\n",
+            "        set_period(period);\n        t.ccer().write(|w| w.set_ccp(board::HEATER_CHANNEL, true));\n",
         ],
         &["pins::after_the_start", "heater_off::t1_broken"],
     ),
@@ -127,7 +127,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "cut-without-effect",
         "nothing that cuts the heater does",
         FILE,
-        ["pac::TIM1.bdtr().modify(|w| w.set_moe(false));", "let _ = pac::TIM1.bdtr().read();"],
+        ["board::PWM_TIMER.bdtr().modify(|w| w.set_moe(false));", "let _ = board::PWM_TIMER.bdtr().read();"],
         &["last_gasp::", "heater_off::control_task_hangs", "heater_off::stop_works", "heater_off::t1_broken"],
     ),
     mutant(
@@ -182,7 +182,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "stop-waits-for-the-tick",
         "`stop` takes up to 110 ms",
-        "firmware/src/instrument.rs",
+        "firmware/src/shared.rs",
         ["    heater::cut();\n", ""],
         &["heater_off::stop_works"],
     ),
@@ -196,8 +196,8 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "pins-of-another-timer",
         "pins and break input are not the timer's",
-        "firmware/src/hardware/nucleo_f411re.rs",
-        ["const TIM1_AF: u8 = 1;", "const TIM1_AF: u8 = 2;"],
+        "firmware/src/hardware/nucleo_64.rs",
+        ["const PWM_AF: u8 = 1;", "const PWM_AF: u8 = 2;"],
         &["pins::after_the_start", "heater_off::break_input"],
     ),
     mutant(

@@ -3,7 +3,7 @@
 use super::{Mutant, mutant};
 
 const FILE: &str = "firmware/src/hardware/thermistors.rs";
-const BOARD: &str = "firmware/src/hardware/nucleo_f411re.rs";
+const BOARD: &str = "firmware/src/hardware/nucleo_64.rs";
 
 pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
@@ -59,7 +59,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "converter-not-on",
         "no samples",
         FILE,
-        ["        ADC1.cr2().modify(|w| w.set_adon(true));\n", ""],
+        ["        ADC.cr2().modify(|w| w.set_adon(true));\n", ""],
         &["boot::boots_to_off"],
     ),
     mutant(

@@ -3,8 +3,9 @@
 use super::{Mutant, mutant};
 
 const SUPPLY: &str = "firmware/src/hardware/supply.rs";
+const DETECTOR: &str = "firmware/src/hardware/undervoltage.rs";
 const FLASH: &str = "firmware/src/hardware/settings_flash.rs";
-const INSTRUMENT: &str = "firmware/src/instrument.rs";
+const CONSOLE: &str = "firmware-logic/src/console/board.rs";
 const START: &str = "firmware/src/start.rs";
 
 const FALLING: &[&str] = &["brown_out::a_falling_supply_cuts_before"];
@@ -13,49 +14,49 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "detector-off",
         "a falling supply is not seen",
-        SUPPLY,
+        DETECTOR,
         ["        w.set_pvde(true);\n", ""],
         FALLING,
     ),
     mutant(
         "detector-too-low",
         "it is seen too late",
-        SUPPLY,
+        DETECTOR,
         ["const THRESHOLD: u8 = 7;", "const THRESHOLD: u8 = 4;"],
         FALLING,
     ),
     mutant(
         "detector-edge-off",
         "its interrupt never comes",
-        SUPPLY,
+        DETECTOR,
         ["    EXTI.rtsr(0).modify(|w| w.set_line(LINE, true));\n", ""],
         FALLING,
     ),
     mutant(
         "detector-wrong-edge",
         "its interrupt comes when the supply is back",
-        SUPPLY,
+        DETECTOR,
         ["    EXTI.rtsr(0).modify", "    EXTI.ftsr(0).modify"],
         FALLING,
     ),
     mutant(
         "detector-masked",
         "its interrupt never comes",
-        SUPPLY,
+        DETECTOR,
         ["    EXTI.imr(0).modify(|w| w.set_line(LINE, true));\n", ""],
         FALLING,
     ),
     mutant(
         "detector-interrupt-off",
         "its interrupt never comes",
-        SUPPLY,
+        DETECTOR,
         ["    unsafe { interrupt::PVD.enable() };\n", "    let _ = interrupt::PVD.is_enabled();\n"],
         FALLING,
     ),
     mutant(
         "detector-flag-not-cleared",
         "one interrupt for ever",
-        SUPPLY,
+        DETECTOR,
         ["    EXTI.pr(0).write(|w| w.set_line(LINE, true));\n", ""],
         FALLING,
     ),
@@ -63,7 +64,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "supply-not-watched",
         "a falling supply is not seen",
         START,
-        ["    supply::watch();\n", ""],
+        ["    undervoltage::watch();\n", ""],
         FALLING,
     ),
     mutant(
@@ -76,7 +77,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "no-mark-when-armed",
         "a power failure looks like switching it on",
-        INSTRUMENT,
+        CONSOLE,
         [
             "        if command == Command::Arm && !self.marked",
             "        if false && command == Command::Arm && !self.marked",
@@ -93,7 +94,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "saved-while-heating",
         "an erasure stalls the core while it heats",
-        INSTRUMENT,
+        CONSOLE,
         [
             "            return Err(SaveError::Heating);\n        }\n        let settings",
             "        }\n        let settings",
@@ -124,25 +125,22 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "detector-does-not-note",
         "the next start does not know of the low supply",
-        SUPPLY,
+        DETECTOR,
         ["        retained::note_undervoltage();\n", ""],
         &["supply::a_sag"],
     ),
     mutant(
         "mark-taken-away-while-latched",
         "the power switch acknowledges",
-        INSTRUMENT,
-        [
-            "if self.marked && !self.instrument.is_latched() && !self.may_heat() {",
-            "if self.marked && !self.may_heat() {",
-        ],
+        CONSOLE,
+        ["if self.marked && !latched && !self.may_heat() {", "if self.marked && !self.may_heat() {"],
         &["supply::a_trip_outlives"],
     ),
     mutant(
         "mark-never-taken-away",
         "switching it on needs an acknowledgement",
-        INSTRUMENT,
-        ["if self.marked && !self.instrument.is_latched() && !self.may_heat() {", "if false {"],
+        CONSOLE,
+        ["if self.marked && !latched && !self.may_heat() {", "if false {"],
         &["supply::a_power_failure"],
     ),
     mutant(
@@ -155,7 +153,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "brown-out-level-set-while-heating",
         "programming the option bytes stalls the core while it heats",
-        INSTRUMENT,
+        CONSOLE,
         [
             "    fn set_brown_out_level(&mut self) -> Result<(), SaveError> {\n        if self.may_heat() {",
             "    fn set_brown_out_level(&mut self) -> Result<(), SaveError> {\n        if false {",

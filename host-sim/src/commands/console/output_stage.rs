@@ -21,14 +21,14 @@ pub(super) enum Defect {
 
 /// MOSFET and contactor in series with the heater; the timer's enable holds both off.
 #[derive(Debug, Default)]
-pub struct Output {
+pub struct OutputStage {
     power: Percent,
     contactor: bool,
     enabled: bool,
     defects: Vec<Defect>,
 }
 
-impl Output {
+impl OutputStage {
     /// What reaches the heater.
     pub fn given(&self) -> Percent {
         let closed = self.has(Defect::ContactorWelded) || (self.enabled && self.contactor);
@@ -54,7 +54,7 @@ impl Output {
     }
 
     /// Lets something be wrong from now on.
-    pub(super) fn suffer(&mut self, defect: Defect) {
+    pub(super) fn break_with(&mut self, defect: Defect) {
         self.defects.push(defect);
         self.obey_break();
     }
@@ -73,7 +73,7 @@ impl Output {
     }
 }
 
-impl Heater for Output {
+impl Heater for OutputStage {
     fn drive(&mut self, power: Percent) {
         self.power = power;
     }

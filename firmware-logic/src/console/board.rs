@@ -1,0 +1,151 @@
+//! A board as its console reaches it: what may be done while the heater is on, and what has to be done before it is.
+
+use embedded_storage_async::nor_flash::NorFlash;
+use fdi_core::control::Controller;
+use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::{Command, Config, ConfigError};
+
+use super::{ApplyError, Board};
+use crate::control_loop::{Denial, Order};
+use crate::diagnosis_loop::DiagnosisLoop;
+use crate::history::Entry;
+use crate::self_test::Progress;
+use crate::settings::store::{SaveError, Store};
+use crate::status::Status;
+
+/// What the console needs of the chip, and of the tasks beside it.
+#[expect(
+    async_fn_in_trait,
+    reason = "used by the firmware and the host's console, neither of which crosses threads"
+)]
+pub trait Chip {
+    /// Looks at the diagnosis half.
+    fn diagnosis<R>(&self, look: impl FnOnce(&DiagnosisLoop) -> R) -> R;
+    /// Proposes settings to the diagnosis half, and logs them.
+    ///
+    /// # Errors
+    /// See [`DiagnosisLoop::propose`].
+    fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError>;
+    /// Gives the control half an order, and waits for the tick that says what became of it.
+    ///
+    /// # Errors
+    /// Why it was not carried out.
+    async fn order(&mut self, order: Order) -> Result<(), Denial>;
+    /// Disables the heater's output at once, and orders a stop.
+    fn stop(&mut self);
+    /// Whether the heater's output is enabled at this moment, of which the last tick may not know yet.
+    fn is_output_enabled(&self) -> bool;
+    /// Lets the other tasks run for a moment.
+    async fn pause(&mut self);
+    /// A stall of the processor that was planned is over; it makes no task late.
+    fn stalled(&mut self);
+    /// How the instrument is, the health of the board included.
+    fn status(&self) -> Status;
+    /// Programs the brown-out level, which stalls the processor; `false` if the chip refuses.
+    fn program_brown_out_level(&mut self) -> bool;
+}
+
+/// A board, as its console reaches it.
+pub struct ConsoleBoard<C, F: NorFlash> {
+    /// The chip.
+    pub chip: C,
+    store: Store<F>,
+    /// The flash has the mark that tells the next start of a power failure.
+    marked: bool,
+}
+
+impl<C: Chip, F: NorFlash> ConsoleBoard<C, F> {
+    /// A board whose settings are kept in `store`; `marked` says whether the mark of a power failure stands there.
+    pub fn new(chip: C, store: Store<F>, marked: bool) -> Self {
+        Self { chip, store, marked }
+    }
+
+    /// Takes the mark away once the heater is off and nothing is latched. To be called while there is nothing else to do.
+    pub async fn settle(&mut self) {
+        let latched = self.chip.diagnosis(|diagnosis| diagnosis.status().is_latched());
+        if self.marked && !latched && !self.may_heat() {
+            let _ = self.mark(false).await; // tried again
+        }
+    }
+
+    /// Also in a check, whose next pulse may come while the flash stalls the core.
+    fn may_heat(&self) -> bool {
+        self.chip.diagnosis(|diagnosis| diagnosis.status().may_heat()) || self.chip.is_output_enabled()
+    }
+
+    async fn mark(&mut self, stands: bool) -> Result<(), SaveError> {
+        let result = self.store.mark(stands).await;
+        self.chip.stalled();
+        if result.is_ok() {
+            self.marked = stands;
+        }
+        result
+    }
+}
+
+impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
+    async fn command(&mut self, command: Command) -> Result<(), Denial> {
+        if command == Command::Arm && !self.marked && !self.may_heat() {
+            self.mark(true).await.map_err(|_| Denial::NoMark)?;
+        }
+        self.chip.order(Order::Command(command)).await
+    }
+
+    async fn check(&mut self) -> Result<(), Denial> {
+        self.chip.order(Order::Check).await
+    }
+
+    fn progress(&self) -> Progress {
+        self.chip.diagnosis(|diagnosis| diagnosis.status().check.clone())
+    }
+
+    fn stop(&mut self) {
+        self.chip.stop();
+    }
+
+    fn status(&self) -> Status {
+        self.chip.status()
+    }
+
+    fn config(&self) -> Config {
+        self.chip.diagnosis(|diagnosis| diagnosis.settings().config.clone())
+    }
+
+    async fn apply(&mut self, config: &Config) -> Result<(), ApplyError> {
+        let controller = self.chip.propose(config)?;
+        Ok(self.chip.order(Order::Retune(controller)).await?)
+    }
+
+    async fn save(&mut self) -> Result<(), SaveError> {
+        // After a `stop` the output is off at once, and the control half says so on its next tick.
+        while self.chip.diagnosis(|diagnosis| diagnosis.status().is_heating())
+            && !self.chip.is_output_enabled()
+        {
+            self.chip.pause().await;
+        }
+        if self.may_heat() {
+            return Err(SaveError::Heating);
+        }
+        let settings = self.chip.diagnosis(|diagnosis| diagnosis.settings().clone());
+        let result = self.store.save(&settings).await;
+        self.chip.stalled();
+        result
+    }
+
+    fn set_brown_out_level(&mut self) -> Result<(), SaveError> {
+        if self.may_heat() {
+            return Err(SaveError::Heating);
+        }
+        let done = self.chip.program_brown_out_level();
+        self.chip.stalled();
+        done.then_some(()).ok_or(SaveError::Flash)
+    }
+
+    fn baseline(&self) -> Option<Baseline> {
+        self.chip.diagnosis(|diagnosis| diagnosis.baseline().copied())
+    }
+
+    fn fault(&self, index: usize) -> Option<Entry> {
+        self.chip.diagnosis(|diagnosis| diagnosis.history().get(index).copied())
+    }
+}

@@ -1,0 +1,202 @@
+//! The second half of a tick: diagnosis, what was learnt, what went wrong, and what there is to tell. Beside
+//! [`ControlLoop`](crate::control_loop::ControlLoop), and joined to it by the records of ticks alone.
+
+use fdi_core::control::Controller;
+use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
+use fdi_core::likelihood::Readiness;
+use fdi_core::{Command, Config, ConfigError, Mode, Report};
+
+use crate::alarm::Alarms;
+use crate::control_loop::{OrderKind, Outcome, TickRecord};
+use crate::history::{Entry, History};
+use crate::interlock::Lockout;
+use crate::log_line::tick::TickLine;
+use crate::notice::Notice;
+use crate::settings::stored::{Stored, check};
+use crate::status::Status;
+
+/// The diagnosis half of the instrument on the board.
+#[derive(Clone, Debug)]
+pub struct DiagnosisLoop {
+    diagnosis: Diagnosis,
+    state: DiagnosisState,
+    /// In force, and what was learnt under them.
+    settings: Stored,
+    /// Settings that the control half has not answered yet.
+    proposed: Option<Proposal>,
+    status: Status,
+    history: History,
+    before: Before,
+}
+
+/// New settings with the diagnosis that they give.
+#[derive(Clone, Debug)]
+struct Proposal {
+    config: Config,
+    diagnosis: Diagnosis,
+}
+
+/// What was the case on the tick before, so that a change is noticed.
+#[derive(Clone, Debug)]
+struct Before {
+    mode: Mode,
+    lockout: Option<Lockout>,
+    readiness: Readiness,
+    alarms: Alarms,
+}
+
+impl DiagnosisLoop {
+    /// The loop at the start; `diagnosis` is the one that these settings give. A baseline among them is restored if it is one
+    /// that can have been learnt, and else dropped.
+    pub fn new(diagnosis: Diagnosis, settings: Stored) -> Self {
+        let mut this = Self {
+            state: diagnosis.start(), // in its place: it is too large to lie on a board's stack twice
+            diagnosis,
+            settings,
+            proposed: None,
+            status: Status::default(),
+            history: History::default(),
+            before: Before {
+                mode: Mode::Off,
+                lockout: None,
+                readiness: Readiness::Untrained,
+                alarms: Alarms::default(),
+            },
+        };
+        match this.settings.baseline.filter(|baseline| baseline.validate().is_ok()) {
+            Some(baseline) => this.diagnosis.restore(&mut this.state, &baseline),
+            None => this.settings.baseline = None,
+        }
+        this
+    }
+
+    /// One tick, from the record that the control half made of it. What there is to tell goes to `tell`; the feedback to
+    /// the control half is part of the report.
+    pub fn step(&mut self, record: TickRecord, mut tell: impl FnMut(Notice)) -> &Report {
+        let tick = record.tick.index;
+        if let Some(outcome) = &record.outcome {
+            self.adopt(outcome);
+            tell_outcome(tick, outcome, record.checked, &mut tell);
+        }
+        if let Some(news) = record.news {
+            self.status.check.note(news);
+            tell(Notice::Check(news));
+        }
+        let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
+        tell(Notice::Tick(TickLine::new(&record, &report)));
+        self.notice_mode(&record, &mut tell);
+        self.notice_lockout(&record, &mut tell);
+        self.notice_faults(&report, &mut tell);
+        self.notice_jitter(&record, &mut tell);
+        &self.status.last.insert((record, report)).1
+    }
+
+    /// Puts proposed settings in force with the control half, or drops them with it.
+    fn adopt(&mut self, outcome: &Outcome) {
+        if outcome.order == OrderKind::Settings
+            && let Some(Proposal { config, diagnosis }) = self.proposed.take()
+            && outcome.result.is_ok()
+        {
+            self.diagnosis = diagnosis;
+            self.settings.config = config;
+        }
+    }
+
+    fn notice_mode(&mut self, record: &TickRecord, tell: &mut impl FnMut(Notice)) {
+        let tick = &record.tick;
+        let before = core::mem::replace(&mut self.before.mode, tick.mode);
+        if core::mem::discriminant(&before) == core::mem::discriminant(&tick.mode) {
+            return;
+        }
+        tell(Notice::Mode { tick: tick.index, from: before.name(), to: tick.mode.name() });
+        if let Mode::Tripped(trip) = tick.mode {
+            self.history.push(Entry::Trip(trip));
+            tell(Notice::Trip(trip));
+        }
+        if tick.mode == Mode::Monitor {
+            self.settings.baseline = self.diagnosis.baseline(&self.state).copied();
+        }
+    }
+
+    fn notice_lockout(&mut self, record: &TickRecord, tell: &mut impl FnMut(Notice)) {
+        let (tick, lockout) = (record.tick.index, record.lockout);
+        if core::mem::replace(&mut self.before.lockout, lockout) == lockout {
+            return;
+        }
+        if let Some(lockout) = lockout {
+            self.history.push(Entry::Lockout { lockout, tick });
+        }
+        tell(Notice::Lockout { tick, lockout });
+    }
+
+    /// A tick that was missed is counted where the next one begins.
+    fn notice_jitter(&mut self, record: &TickRecord, tell: &mut impl FnMut(Notice)) {
+        if record.missed {
+            return;
+        }
+        self.status.health.jitter.count(&record.arrival);
+        if record.arrival.missed > 0 {
+            tell(Notice::Missed { count: record.arrival.missed, before: record.tick.index });
+        }
+    }
+
+    fn notice_faults(&mut self, report: &Report, tell: &mut impl FnMut(Notice)) {
+        for event in &report.events {
+            self.history.event(*event);
+            tell(Notice::Fault(*event));
+        }
+        let readiness = report.likelihood.readiness;
+        if core::mem::replace(&mut self.before.readiness, readiness) != readiness {
+            tell(Notice::Readiness { tick: report.tick, readiness });
+        }
+        if let Some(alarm) = self.before.alarms.notice(report) {
+            self.history.alarm(alarm);
+            tell(Notice::Alarm(alarm));
+        }
+    }
+
+    /// Proposes settings: checks that a board can run with them, and keeps them until the record of a tick says that the
+    /// control half has put its part in force, which is returned and goes into
+    /// [`Order::Retune`](crate::control_loop::Order::Retune).
+    ///
+    /// # Errors
+    /// The first setting that is out of bounds; nothing has changed then.
+    pub fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {
+        check(config)?;
+        let controller = Controller::new(config)?;
+        self.proposed = Some(Proposal { config: config.clone(), diagnosis: Diagnosis::new(config)? });
+        Ok(controller)
+    }
+
+    /// Settings in force, and what was learnt as normal under them: what a save keeps.
+    pub fn settings(&self) -> &Stored {
+        &self.settings
+    }
+
+    /// What was learnt as normal, or restored.
+    pub fn baseline(&self) -> Option<&Baseline> {
+        self.settings.baseline.as_ref()
+    }
+
+    /// How the instrument is.
+    pub fn status(&self) -> &Status {
+        &self.status
+    }
+
+    /// What went wrong since the start.
+    pub fn history(&self) -> &History {
+        &self.history
+    }
+}
+
+fn tell_outcome(tick: u32, outcome: &Outcome, checked: bool, tell: &mut impl FnMut(Notice)) {
+    let order = outcome.order;
+    match outcome.result {
+        Ok(()) => tell(Notice::Order { tick, order }),
+        Err(denial) => return tell(Notice::Denied { tick, denial }),
+    }
+    if order == OrderKind::Command(Command::Arm) && !checked {
+        tell(Notice::Unchecked);
+    }
+}

@@ -1,0 +1,155 @@
+//! What a tick has to tell people, as lines of the log: the board writes them to its log, the host's console shows them.
+
+use core::fmt;
+
+use fdi_core::Trip;
+use fdi_core::diagnosis::event::Event;
+use fdi_core::likelihood::Readiness;
+
+use crate::alarm::Alarm;
+use crate::control_loop::{Denial, OrderKind};
+use crate::history::{Entry, EntryText};
+use crate::interlock::Lockout;
+use crate::log_line::LogLine;
+use crate::log_line::tick::TickLine;
+use crate::self_test::News;
+use crate::status::readiness;
+
+/// Something to tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Notice {
+    /// An order was carried out before this tick.
+    Order {
+        /// The tick.
+        tick: u32,
+        /// The order.
+        order: OrderKind,
+    },
+    /// An order was not carried out.
+    Denied {
+        /// The tick before which it was due.
+        tick: u32,
+        /// Why.
+        denial: Denial,
+    },
+    /// It was armed though no self-test has passed.
+    Unchecked,
+    /// News of the self-test.
+    Check(News),
+    /// The record of the tick.
+    Tick(TickLine),
+    /// Another mode.
+    Mode {
+        /// The tick.
+        tick: u32,
+        /// Name of the mode before.
+        from: &'static str,
+        /// Name of the mode now.
+        to: &'static str,
+    },
+    /// The supervisor has tripped.
+    Trip(Trip),
+    /// The heater is locked out from now on; `None`: no more. Memory that outlives a reset has to have it, too.
+    Lockout {
+        /// The tick.
+        tick: u32,
+        /// Why.
+        lockout: Option<Lockout>,
+    },
+    /// A fault was detected, isolated, or has passed.
+    Fault(Event),
+    /// How far the likelihood diagnosis has come.
+    Readiness {
+        /// The tick.
+        tick: u32,
+        /// How far.
+        readiness: Readiness,
+    },
+    /// The likelihood diagnosis has raised an alarm, named it, or ended it.
+    Alarm(Alarm),
+    /// Ticks that never began.
+    Missed {
+        /// How many.
+        count: u32,
+        /// The tick that did begin.
+        before: u32,
+    },
+}
+
+/// How urgent a line of the log is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// For a program that reads the log.
+    Debug,
+    /// The course of things.
+    Info,
+    /// Worth a look.
+    Warn,
+    /// The heater is off because of it.
+    Error,
+}
+
+impl Notice {
+    /// How urgent it is.
+    pub fn level(&self) -> Level {
+        match self {
+            Self::Tick(_) => Level::Debug,
+            Self::Order { .. }
+            | Self::Check(News::Stage(_) | News::Ended(_))
+            | Self::Mode { .. }
+            | Self::Lockout { lockout: None, .. }
+            | Self::Readiness { .. } => Level::Info,
+            Self::Denied { .. }
+            | Self::Unchecked
+            | Self::Check(News::Found(_))
+            | Self::Fault(_)
+            | Self::Alarm(_)
+            | Self::Missed { .. } => Level::Warn,
+            Self::Trip(_) | Self::Lockout { lockout: Some(_), .. } => Level::Error,
+        }
+    }
+
+    /// Its text; `sample_time` in s turns ticks into times.
+    pub fn text(&self, sample_time: f32) -> NoticeText<'_> {
+        NoticeText { notice: self, sample_time }
+    }
+}
+
+/// A notice, to be shown.
+#[derive(Clone, Copy, Debug)]
+pub struct NoticeText<'a> {
+    notice: &'a Notice,
+    sample_time: f32,
+}
+
+impl fmt::Display for NoticeText<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut write_entry =
+            |what, entry| write!(f, "{what}{}", EntryText { entry: &entry, sample_time: self.sample_time });
+        match *self.notice {
+            Notice::Order { tick, order } => LogLine::Order { tick, order }.fmt(f),
+            Notice::Denied { tick, denial } => write!(f, "{} {denial}", LogLine::Denied { tick }),
+            Notice::Unchecked => f.write_str("armed without a check"),
+            Notice::Check(News::Stage(stage)) => write!(f, "check: {}", stage.name()),
+            Notice::Check(News::Found(finding)) => write!(f, "check: {finding}"),
+            Notice::Check(News::Ended(ending)) => ending.fmt(f),
+            Notice::Tick(line) => LogLine::Tick(line).fmt(f),
+            Notice::Mode { tick, from, to } => write!(f, "mode {tick} {from} -> {to}"),
+            Notice::Trip(trip) => write_entry("", Entry::Trip(trip)),
+            Notice::Lockout { tick, lockout: Some(lockout) } => {
+                write!(f, "{} {lockout}", LogLine::Lockout { tick })
+            }
+            Notice::Lockout { tick, lockout: None } => write!(f, "released {tick}"),
+            Notice::Fault(Event::Detected(fault)) => {
+                write_entry("detected: ", Entry::Fault { fault, ended: false })
+            }
+            Notice::Fault(Event::Isolated(fault)) => {
+                write_entry("isolated: ", Entry::Fault { fault, ended: false })
+            }
+            Notice::Fault(Event::Ended(fault)) => write_entry("ended: ", Entry::Fault { fault, ended: true }),
+            Notice::Alarm(alarm) => write_entry("likelihood: ", Entry::Alarm(alarm)),
+            Notice::Readiness { tick, readiness: now } => write!(f, "likelihood {tick} {}", readiness(now)),
+            Notice::Missed { count, before } => write!(f, "{count} ticks missed before tick {before}"),
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! What the thread-mode tasks share: the diagnosis half, and the way to the control half.
+
+use core::cell::RefCell;
+use core::sync::atomic::Ordering;
+
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use embassy_sync::signal::Signal;
+use embassy_time::{Duration, Timer, with_timeout};
+use fdi_core::control::Controller;
+use fdi_core::{Config, ConfigError};
+use firmware_logic::console::board::Chip;
+use firmware_logic::control_loop::{Denial, Order, Outcome, TickRecord};
+use firmware_logic::diagnosis_loop::DiagnosisLoop;
+use firmware_logic::log_line;
+use firmware_logic::status::{Health, Status};
+use firmware_logic::task_watchdog::Task;
+use heapless::spsc::Producer;
+
+use crate::hardware::{heater, rtt, stack, supply};
+use crate::{link, log};
+
+/// How long an order may wait for its answer: three ticks, less than the deadline of the console.
+const ANSWER_DEADLINE: Duration = Duration::from_millis(400);
+
+/// Shared by the tasks of thread mode, of which one runs at a time; no borrow lives across an await.
+pub(crate) struct Shared {
+    diagnosis: RefCell<DiagnosisLoop>,
+    orders: RefCell<Producer<'static, Order>>,
+    outcomes: Signal<NoopRawMutex, Outcome>,
+}
+
+impl Shared {
+    /// Nothing has happened yet.
+    pub(crate) fn new(diagnosis: DiagnosisLoop, orders: Producer<'static, Order>) -> Self {
+        Self { diagnosis: RefCell::new(diagnosis), orders: RefCell::new(orders), outcomes: Signal::new() }
+    }
+
+    /// The second half of a tick.
+    pub(crate) fn diagnose(&self, record: TickRecord) {
+        let outcome = record.outcome;
+        let mut diagnosis = self.diagnosis.borrow_mut();
+        let sample_time = diagnosis.settings().config.sample_time.0;
+        link::feed_back(diagnosis.step(record, |notice| log::notice(&notice, sample_time)).feedback());
+        if let Some(outcome) = outcome {
+            self.outcomes.signal(outcome);
+        }
+    }
+
+    /// Reads how it is, without the health of the board.
+    pub(crate) fn read<R>(&self, read: impl FnOnce(&Status) -> R) -> R {
+        read(self.diagnosis.borrow().status())
+    }
+
+    /// How it is, the health of the board included.
+    pub(crate) fn status(&self) -> Status {
+        let mut status = self.read(Status::clone);
+        status.health = Health {
+            records_lost: link::RECORDS_LOST.load(Ordering::Relaxed),
+            log_dropped: rtt::dropped(),
+            stack_used: stack::high_water() as u32,
+            stack_size: stack::size() as u32,
+            ..status.health
+        };
+        status
+    }
+
+    /// Posts an order without waiting for what becomes of it; `false` if another one is still on its way.
+    pub(crate) fn post(&self, order: Order) -> bool {
+        self.orders.borrow_mut().enqueue(order).is_ok()
+    }
+
+    async fn order_and_wait(&self, order: Order) -> Result<(), Denial> {
+        let kind = order.kind();
+        self.outcomes.reset(); // of an order that nobody waits for any more
+        while !self.post(order.clone()) {
+            Timer::after_millis(10).await; // the button's order is before it
+        }
+        loop {
+            let outcome = self.outcomes.wait().await;
+            if outcome.order == kind {
+                return outcome.result;
+            }
+        }
+    }
+}
+
+/// Heater off, at once. First said and then done, so that the control task knows whose hand it was.
+pub(crate) fn stop() {
+    link::STOP.store(true, Ordering::Relaxed);
+    heater::cut();
+}
+
+impl Chip for &'static Shared {
+    fn diagnosis<R>(&self, look: impl FnOnce(&DiagnosisLoop) -> R) -> R {
+        look(&self.diagnosis.borrow())
+    }
+
+    fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {
+        let controller = self.diagnosis.borrow_mut().propose(config)?;
+        log_line::settings(config, log::line); // a replay needs them before the order that puts them in force
+        Ok(controller)
+    }
+
+    /// Until the next tick, and not so long that the watchdog takes a console that waits for one that hangs.
+    async fn order(&mut self, order: Order) -> Result<(), Denial> {
+        link::check_in(Task::Console);
+        let answer = with_timeout(ANSWER_DEADLINE, self.order_and_wait(order)).await;
+        link::check_in(Task::Console);
+        answer.unwrap_or(Err(Denial::NoAnswer))
+    }
+
+    fn stop(&mut self) {
+        stop();
+    }
+
+    fn is_output_enabled(&self) -> bool {
+        heater::is_enabled()
+    }
+
+    async fn pause(&mut self) {
+        Timer::after_millis(10).await;
+    }
+
+    fn stalled(&mut self) {
+        link::TASKS.check_all_in(link::now_ms());
+    }
+
+    fn status(&self) -> Status {
+        Shared::status(self)
+    }
+
+    fn program_brown_out_level(&mut self) -> bool {
+        supply::set_brown_out_level()
+    }
+}

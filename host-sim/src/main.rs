@@ -18,7 +18,7 @@ fn main() -> ExitCode {
         Subcommand::Replay(args) => replay::run(&args),
         Subcommand::Console(args) => console::run(&args),
         Subcommand::Config(args) => config::run(&args),
-        Subcommand::Scenario => print(scenario::SCENARIO_TOML),
+        Subcommand::Scenario => print(&scenario::commented_toml()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

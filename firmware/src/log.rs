@@ -1,4 +1,4 @@
-//! The lines of the log, but for the record of each tick. `host-sim replay` reads those that begin with `order`,
+//! The lines of the log, but for the record of each tick. `pt326 replay` reads those that begin with `order`,
 //! `setting` and `lockout`.
 
 use core::fmt::{Arguments, Write};

@@ -1,41 +1,27 @@
-//! `host-sim`: the PT-326 instrument on the host.
+//! `pt326`: the PT-326 instrument on the host.
 
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
+use anstyle::AnsiColor::Red;
 use clap::Parser;
-use host_sim::commands::{Cli, Subcommand, campaign, config, console, cosim, identify, repeat, replay, run};
-use host_sim::experiment::scenario;
+use host_sim::commands::Cli;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let result = match cli.command.unwrap_or_default() {
-        Subcommand::Run(args) => run::run(&args),
-        Subcommand::Repeat(args) => repeat::run(&args),
-        Subcommand::Campaign(args) => campaign::run(&args),
-        Subcommand::Core(args) => cosim::run(&args),
-        Subcommand::Identify(args) => identify::run(&args),
-        Subcommand::Replay(args) => replay::run(&args),
-        Subcommand::Console(args) => console::run(&args),
-        Subcommand::Config(args) => config::run(&args),
-        Subcommand::Scenario => print(&scenario::commented_toml()),
-    };
-    match result {
+    match Cli::parse().run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            let style = Red.on_default().bold();
+            // Standard error may be closed, too: then there is nobody to tell.
+            let _ = writeln!(anstream::stderr(), "{style}error:{style:#} {error:#}");
             ExitCode::from(2)
         }
     }
 }
 
-fn print(text: &str) -> anyhow::Result<()> {
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
-}
-
-/// Whoever reads our output has had enough (`host-sim config | head`): no error.
+/// Whoever reads our output has had enough (`pt326 config | head`): no error.
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    let io = error.downcast_ref::<std::io::Error>();
-    io.is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+    let io = error.root_cause().downcast_ref::<std::io::Error>();
+    io.is_some_and(|e| e.kind() == ErrorKind::BrokenPipe)
 }

@@ -1,4 +1,4 @@
-//! `host-sim campaign` as a user calls it.
+//! `pt326 campaign` as a user calls it.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -27,7 +27,7 @@ at_most = 0.0
 "#;
 
 fn campaign(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_host-sim")).arg("campaign").args(args).output().expect("host-sim runs")
+    Command::new(env!("CARGO_BIN_EXE_pt326")).arg("campaign").args(args).output().expect("pt326 runs")
 }
 
 fn succeeds(args: &[&str]) -> String {
@@ -238,7 +238,7 @@ const ENDLESS: &str = "[[cell]]\nname = \"quiet\"\nruns = 1000000\nduration = 10
 fn ctrl_c_says_how_to_go_on() {
     let (dir, file) = folder("interrupted", ENDLESS);
     let out = dir.join("out");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pt326"))
         .args(["campaign", &file, "--out", out.to_str().unwrap()])
         .stderr(std::process::Stdio::piped())
         .spawn()

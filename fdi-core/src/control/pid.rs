@@ -8,6 +8,7 @@
 //! enters by the integral part alone and a change of the gains alters increments only, so neither bumps the output.
 //! The clamped output is the only memory of the integral part: it cannot wind up.
 
+use crate::bounds::bounded;
 use crate::error::{ConfigError, above};
 use crate::settings::{check, settings};
 use crate::units::{Celsius, Percent, Seconds};
@@ -114,12 +115,6 @@ impl Pid {
 
     /// Limits to the output range; the lower limit where the argument is NaN.
     fn clamp(&self, x: f32) -> f32 {
-        if x >= self.max {
-            self.max
-        } else if x >= self.min {
-            x
-        } else {
-            self.min
-        }
+        bounded(x, self.min, self.max)
     }
 }

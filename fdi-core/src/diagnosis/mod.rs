@@ -6,6 +6,7 @@ pub mod event;
 pub mod residual;
 pub mod signature;
 
+use crate::bounds::bounded;
 use crate::config::Config;
 use crate::control::Tick;
 use crate::error::ConfigError;
@@ -149,7 +150,7 @@ impl Diagnosis {
     /// Diagnoses one tick. `applied` is what really drives the heater from this tick to the next; what is no
     /// number counts as the drive that the tick asked for.
     pub fn step(&self, state: &mut DiagnosisState, tick: &Tick, applied: Percent) -> Report {
-        let applied = if applied.0.is_finite() { applied.0.clamp(0.0, 100.0) } else { tick.drive.0 };
+        let applied = if applied.0.is_finite() { bounded(applied.0, 0.0, 100.0) } else { tick.drive.0 };
         let heating = tick.mode.is_heating();
         let t0 = tick.sample.t0.good();
         let rise = |reading: Option<f32>| Some(reading? - t0?);

@@ -5,6 +5,7 @@ use super::arx::{Arx, ArxState};
 use super::config::{Bandwidth, IdentificationConfig};
 use super::step_response::StepResponse;
 use super::transfer::Transfer;
+use crate::bounds::bounded;
 use crate::error::ConfigError;
 use crate::units::Seconds;
 
@@ -144,7 +145,7 @@ impl Observer {
             return None;
         }
         let tau = model.residence_time()? * self.sample_time - self.lag;
-        Some(1.0 / tau.clamp(TAU_MIN, TAU_MAX))
+        Some(1.0 / bounded(tau, TAU_MIN, TAU_MAX))
     }
 
     /// The model as it stands.

@@ -13,14 +13,14 @@
 //! Source: G. J. Bierman, "Factorization Methods for Discrete Sequential Estimation", 1977, section V.3; the
 //! exponential forgetting is the division of D by lambda.
 
-/// Repeats `$body` for `$j` from 0 to below `$n`, at most 16, each time with a constant: the loops inside unroll, and
+/// Repeats `$body` for `$j` from 0 to below `$n`, at most 17, each time with a constant: the loops inside unroll, and
 /// their indices need no check.
 macro_rules! unrolled {
     ($j:ident < $n:ident $body:block) => {
-        unrolled!(@ $j $n $body 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15)
+        unrolled!(@ $j $n $body 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16)
     };
     (@ $j:ident $n:ident $body:block $($k:literal)*) => {{
-        const { assert!($n <= 16) };
+        const { assert!($n <= 17) };
         $(if $k < $n { let $j = $k; $body; })*
     }};
 }

@@ -1,7 +1,7 @@
 //! An alarm from its onset to its end: when to name the fault, when to call it unknown, when it is over.
 
 use super::class::FaultClass;
-use super::hypothesis::{HYPOTHESES, Hypothesis, Signature};
+use super::hypothesis::{HYPOTHESES, PROCESS, Signature};
 use super::levels::Levels;
 use super::noise::NoiseModel;
 use super::ranking::Ranking;
@@ -128,7 +128,7 @@ impl Rules {
             levels.residual[m].abs() < larger(QUIET_SIGMA * noise[m].sd, QUIET_SHARE * alarm.peak[m])
         });
         let ended =
-            named.is_some_and(Hypothesis::is_process) && levels.drive.abs() < ENDED_SHARE * alarm.peak_drive;
+            named.is_some_and(|h| h.kind == PROCESS) && levels.drive.abs() < ENDED_SHARE * alarm.peak_drive;
         alarm.quiet = if valid && (quiet || ended) { alarm.quiet + 1 } else { 0 };
         alarm.quiet >= QUIET_TICKS && alarm.ticks >= SHORTEST
     }

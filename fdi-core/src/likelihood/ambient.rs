@@ -4,12 +4,14 @@
 use super::class::FaultClass;
 use super::verdict::{Finding, Magnitude};
 use crate::bounds::{bounded, smaller};
+use crate::filter::LowPass;
 
+// What a room can do, and what the thermistors of a rig differ by at rest (docs/diagnosis.md, section 8).
 /// A room changes no faster than this, degC a minute.
 const FASTEST: f32 = 1.0;
 /// Beyond so much from what is believed T0 is not followed, degC: no room moves so far from itself.
 const FOLLOWED: f32 = 3.0;
-/// At rest: no power, T1 and T2 alike to so many degC and without a trend, for so long. The trend is the difference of
+/// At rest: no power, T1 and T2 alike to so many degC and without a trend, for so long, s. The trend is the difference of
 /// means over two memories, s: 0.1 degC is a change of 0.3 degC a minute, slower than a hot tube cools without its fan.
 const ALIKE: f32 = 2.0;
 const TREND: f32 = 0.1;
@@ -23,10 +25,10 @@ const RIGHT: f32 = 4.0;
 const COLDEST: f32 = 3.0;
 const WARMEST: f32 = 40.0;
 
-/// Shares that are renewed in a tick, and steps of a tick.
+/// The memories of the trend, the step of a tick in degC, and Ts in s.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ambient {
-    shares: [f32; 2],
+    trend: [LowPass; 2],
     fastest: f32,
     sample_time: f32,
 }
@@ -48,13 +50,13 @@ pub(super) struct AmbientState {
 impl Ambient {
     pub(super) fn new(sample_time: f32) -> Self {
         Self {
-            shares: TREND_TIMES.map(|time| (sample_time / time).min(1.0)),
+            trend: TREND_TIMES.map(|time| LowPass::euler(time, sample_time)),
             fastest: FASTEST / 60.0 * sample_time,
             sample_time,
         }
     }
 
-    /// Takes in T0, T1, T2 where good, and the power applied from now on, %.
+    /// One tick: T0, T1, T2 where good, and the power applied from now on, %.
     pub(super) fn step(&self, s: &mut AmbientState, tick: u32, readings: [Option<f32>; 3], power: f32) {
         let [t0, t1, t2] = readings;
         let outlet = t1.zip(t2).and_then(|(t1, t2)| self.at_rest(s, [t1, t2], power));
@@ -90,8 +92,8 @@ impl Ambient {
         let means = s.means.get_or_insert(outlet.map(|t| [t; 2]));
         let mut still = power <= 0.0;
         for (means, t) in means.iter_mut().zip(outlet) {
-            for (mean, share) in means.iter_mut().zip(self.shares) {
-                *mean += share * (t - *mean);
+            for (mean, memory) in means.iter_mut().zip(&self.trend) {
+                memory.follow(mean, t);
             }
             still &= (means[0] - means[1]).abs() < TREND;
         }
@@ -115,7 +117,7 @@ impl AmbientState {
         t0.zip(self.believed).is_some_and(|(t0, ambient)| (t0 - ambient).abs() < FOLLOWED)
     }
 
-    /// Rises of T1 and T2, where good, over the room that is believed, degC.
+    /// Rises of T1 and T2, where good, over the ambient that is believed, degC.
     pub(super) fn rises(&self, outlet: [Option<f32>; 2]) -> [Option<f32>; 2] {
         outlet.map(|t| Some(t? - self.believed?))
     }
@@ -138,7 +140,7 @@ mod tests {
 
     const TS: f32 = 0.11;
 
-    /// What is believed after `time` s, and whether T0 is told to be wrong, if readings and power are so.
+    /// What is believed after `time` s, and whether T0 is reported as wrong, if readings and power are so.
     fn after(time: f32, at: impl Fn(f32) -> ([f32; 3], f32)) -> (f32, bool) {
         let (ambient, mut s) = (Ambient::new(TS), AmbientState::default());
         for tick in 0..(time / TS) as u32 {
@@ -149,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn a_t0_that_is_wrong_at_rest_is_told_and_the_others_are_believed() {
+    fn a_t0_that_is_wrong_at_rest_is_reported_and_the_others_are_believed() {
         let (ambient, wrong) = after(40.0, |_| ([12.5, 22.5, 22.6], 0.0));
         assert!(wrong && (ambient - 22.55).abs() < 0.1, "{ambient}");
         let (ambient, wrong) = after(40.0, |_| ([22.0, 22.5, 22.6], 0.0));
@@ -158,7 +160,7 @@ mod tests {
 
     /// While it heats a jump of T0 is none of the room, and a slow change is followed.
     #[test]
-    fn only_what_a_ambient_can_do_is_followed() {
+    fn only_what_a_room_can_do_is_followed() {
         let jump = |time| ([if time < 10.0 { 22.5 } else { 2.5 }, 35.0, 34.0], 40.0);
         assert_eq!(after(600.0, jump), (22.5, true));
         let drift = |time| ([22.5 + 0.5 / 60.0 * time, 35.0, 34.0], 40.0);
@@ -168,7 +170,7 @@ mod tests {
 
     /// A hot tube without its fan loses 10 degC in five minutes, then less.
     #[test]
-    fn a_hot_tube_that_cools_is_no_ambient() {
+    fn a_hot_tube_that_cools_is_no_room() {
         let cooling = |time: f32| {
             ([22.5, 22.5 + 20.0 * libm::expf(-time / 400.0), 22.5 + 19.0 * libm::expf(-time / 400.0)], 0.0)
         };
@@ -179,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn no_trainer_stands_in_such_a_ambient() {
+    fn no_trainer_stands_in_such_a_room() {
         let (ambient, mut s) = (Ambient::new(TS), AmbientState::default());
         for tick in 0..60 {
             ambient.step(&mut s, tick, [Some(-3.0), Some(35.0), Some(34.0)], 40.0);

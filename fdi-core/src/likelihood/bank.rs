@@ -12,7 +12,7 @@
 //! (generalised likelihood ratio; Willsky and Jones 1976). Only sums are kept, so cost and memory are constant.
 
 use super::fit::{HA, HB, Models, NA, NB};
-use super::hypothesis::Signature;
+use super::hypothesis::{COUNT, HYPOTHESES, Signature};
 use super::noise::NoiseModel;
 use super::whitening::Past;
 use crate::bounds::bounded;
@@ -23,11 +23,11 @@ use crate::vector::shift;
 
 /// Extra lags of a clogged T1 that are tried, s. The first is none: only the gain has gone. Tuned
 /// (docs/diagnosis.md, section 6).
-const LAGS: [f32; 3] = [0.0, 0.35, 1.0];
+pub(super) const LAGS: [f32; 3] = [0.0, 0.35, 1.0];
 
 /// Time advance of the answer with the flow at f times normal, as a share of its residence time for each `1 - 1/f`. By theory it is
 /// `c ln f / f` with c from 0.8 (time constants) to 1 (dead times): 0.65 at f = 1.5, 1 at f = 0.67.
-const ADVANCE: f32 = 0.7;
+pub(super) const ADVANCE: f32 = 0.7;
 /// The residence time is taken for no less and no more, ticks: the models cannot show more.
 const RESIDENCE: (f32, f32) = (1.0, 1000.0);
 
@@ -116,6 +116,15 @@ impl Correlator {
     pub(super) fn explained(&self, magnitude: f32) -> f32 {
         magnitude * (2.0 * self.cross - magnitude * self.energy)
     }
+}
+
+/// What the bank holds for a signature.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Statistics {
+    /// Residual sum of squares that its fixed part leaves.
+    pub(super) fixed: f32,
+    /// Of its scaled part.
+    pub(super) correlator: Correlator,
 }
 
 /// A clogged T1 with one extra lag.
@@ -303,32 +312,35 @@ impl Bank {
         self.energy[0] + self.energy[1]
     }
 
-    /// For a signature the residual sum of squares that its fixed part leaves, and the correlator of its scaled part; `bounds` are those
-    /// of its magnitude.
+    /// What it holds for each signature, in the order of [`Signature`].
     #[inline(always)]
-    pub(super) fn statistics(&self, signature: Signature, bounds: (f32, f32)) -> (f32, Correlator) {
-        let all = self.energy();
+    pub(super) fn statistics(&self) -> [Statistics; COUNT] {
+        let energy = self.energy();
         let none = Correlator::default();
-        match signature {
-            Signature::T1Offset => (all, self.offset[0]),
-            Signature::T2Offset => (all, self.offset[1]),
-            Signature::T0Offset => (all, Correlator::joined(&self.offset, -1.0)),
-            Signature::AirFlow => (all, self.flow),
-            Signature::Power => (all, self.power),
-            Signature::ConstantPower => (self.constant_energy, self.constant),
-            Signature::T1Clogged => self.clogged(bounds),
-            Signature::T1Stuck => (self.stuck(0), none),
-            Signature::T2Stuck => (self.stuck(1), none),
-            Signature::T1StuckNearby => (self.stuck(0), self.stuck_level[0]),
-            Signature::T2StuckNearby => (self.stuck(1), self.stuck_level[1]),
-            Signature::T0Drift => (all, Correlator::joined(&self.ramp, -1.0)),
-            Signature::T1Drift => (all, self.ramp[0]),
-            Signature::T2Drift => (all, self.ramp[1]),
-            Signature::T2Detached => (all, self.t2_out),
-            Signature::SwappedT1T2 => (self.swapped[0].energy, none),
-            Signature::SwappedT0T1 => (self.swapped[1].energy, none),
-            Signature::SwappedT0T2 => (self.swapped[2].energy, none),
-        }
+        let mut all = [Statistics { fixed: f32::MAX, correlator: none }; COUNT];
+        let mut set = |signature: Signature, fixed: f32, correlator: Correlator| {
+            all[signature as usize] = Statistics { fixed, correlator };
+        };
+        set(Signature::T1Offset, energy, self.offset[0]);
+        set(Signature::T2Offset, energy, self.offset[1]);
+        set(Signature::T0Offset, energy, Correlator::joined(&self.offset, -1.0));
+        set(Signature::AirFlow, energy, self.flow);
+        set(Signature::Power, energy, self.power);
+        set(Signature::ConstantPower, self.constant_energy, self.constant);
+        let clogged = self.clogged(HYPOTHESES[Signature::T1Clogged as usize].bounds);
+        set(Signature::T1Clogged, clogged.energy + self.energy[1], clogged.gain);
+        set(Signature::T1Stuck, self.stuck(0), none);
+        set(Signature::T2Stuck, self.stuck(1), none);
+        set(Signature::T1StuckNearby, self.stuck(0), self.stuck_level[0]);
+        set(Signature::T2StuckNearby, self.stuck(1), self.stuck_level[1]);
+        set(Signature::T0Drift, energy, Correlator::joined(&self.ramp, -1.0));
+        set(Signature::T1Drift, energy, self.ramp[0]);
+        set(Signature::T2Drift, energy, self.ramp[1]);
+        set(Signature::T2Detached, energy, self.t2_out);
+        set(Signature::SwappedT1T2, self.swapped[0].energy, none);
+        set(Signature::SwappedT0T1, self.swapped[1].energy, none);
+        set(Signature::SwappedT0T2, self.swapped[2].energy, none);
+        all
     }
 
     /// Correlator of a change of the heater's power.
@@ -341,8 +353,8 @@ impl Bank {
         self.stuck_energy[m] + self.energy[1 - m]
     }
 
-    /// The same for the loss of T1's gain, with the lag that fits best.
-    fn clogged(&self, bounds: (f32, f32)) -> (f32, Correlator) {
+    /// The loss of T1's gain with the lag that fits best.
+    fn clogged(&self, bounds: (f32, f32)) -> &Clogged {
         let rss = |c: &Clogged| c.energy - c.gain.explained(c.gain.best(bounds));
         let mut best = &self.clogged[0];
         for clogged in &self.clogged[1..] {
@@ -350,6 +362,6 @@ impl Bank {
                 best = clogged;
             }
         }
-        (best.energy + self.energy[1], best.gain)
+        best
     }
 }

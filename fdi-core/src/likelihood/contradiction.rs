@@ -15,35 +15,36 @@ use super::class::{Channel, FaultClass, Pair};
 use super::impulse::{Answer, ImpulseResponse, ImpulseResponseState};
 use super::verdict::Finding;
 use crate::bounds::{larger, smaller};
+use crate::filter::LowPass;
 
-/// A response that is so many standard deviations large is one.
-const ANSWERS: f32 = 6.0;
-/// One that is surely, by so many standard deviations, below this share of another's is none.
-const SILENT: f32 = 0.2;
-const SURELY: f32 = 4.0;
-/// T0 answers where it does so by more than this share of T1's or T2's response: a tube that warms the room is none.
+// Chosen so that false names are below 1e-9 a memory, and tried on the campaign's runaway and wiring cells (docs/diagnosis.md, section 8).
+/// A thermistor answers where its response is larger than so many standard deviations.
+const ANSWERS_SIGMA: f32 = 6.0;
+/// It is silent where its response is, by so many standard deviations, below this share of another's.
+const SILENT_SHARE: f32 = 0.2;
+const SILENT_SIGMA: f32 = 4.0;
+/// T0 answers where it does so by more than this share of T1's or T2's response: a tube that warms the room does not count.
 const AMBIENT_SHARE: f32 = 0.3;
 /// One comes after the other by so many ticks, and so many standard deviations.
-const AFTER: f32 = 1.0;
-const AFTER_SURELY: f32 = 6.0;
-/// What differs by more contradicts itself, degC.
-const APART: f32 = 4.0;
-/// The same for T2 above T1 as a share of T2's rise. Only while T2 is not so much below its own running mean, degC: when it
-/// cools it lags behind T1. It tells after so many ticks, sooner the farther they are apart, but at most so many times;
-/// it has ended after so many ticks without it.
-const APART_SHARE: f32 = 0.25;
-const APART_TICKS: f32 = 20.0;
-const APART_FASTEST: f32 = 4.0;
-const APART_END: u32 = 100;
+const AFTER_TICKS: f32 = 1.0;
+const AFTER_SIGMA: f32 = 6.0;
+/// Readings that differ by more contradict each other, degC; T2 above T1 also by this share of T2's rise.
+const CONTRADICTION: f32 = 4.0;
+const CONTRADICTION_SHARE: f32 = 0.25;
+/// For so many ticks, fewer the larger the difference, but each counts for so many at most. It has ended after so many ticks without it.
+const CONTRADICTION_TICKS: f32 = 20.0;
+const CONTRADICTION_WEIGHT: f32 = 4.0;
+const CONTRADICTION_END: u32 = 100;
+/// Not while T2 is so much below its own mean over so many ticks, degC: when it cools it lags behind T1.
 const FALLING: f32 = 0.5;
-const FALLING_SHARE: f32 = 0.05;
+const T2_MEAN: LowPass = LowPass::over(20.0);
 /// A thermistor reads as the room does within this share of the other's rise, and so many degC.
 const COLD_SHARE: f32 = 0.1;
 const COLD: f32 = 1.5;
 /// The judgement is made anew every so many ticks, and holds when it is the same twice.
 const EVERY: u32 = 8;
-/// So long after heating has ended its echo is still judged, ticks.
-const ECHO: u32 = 32;
+/// So long after heating has ended the response to it is still judged, ticks.
+const AFTER_HEATING: u32 = 32;
 
 /// What a judgement says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,7 +74,7 @@ pub(super) struct Contradiction {
 }
 
 impl Contradiction {
-    /// Takes in the readings of T0, T1, T2 where there are any, and the power applied from now on, %.
+    /// What contradicts itself by now: the readings of T0, T1, T2 where there are any, and the power applied from now on, %.
     pub(super) fn step(
         &mut self,
         response: &ImpulseResponse,
@@ -89,8 +90,8 @@ impl Contradiction {
         self.cold = if heating { 0 } else { self.cold.saturating_add(1) };
         response.step(&mut self.response, readings, power);
         self.compare(readings);
-        if tick.is_multiple_of(EVERY) && self.cold < ECHO {
-            let judgement = judge(&self.response.answers(), readings, self.warmer >= APART_TICKS);
+        if tick.is_multiple_of(EVERY) && self.cold < AFTER_HEATING {
+            let judgement = judge(&self.response.answers(), readings, self.warmer >= CONTRADICTION_TICKS);
             let before = core::mem::replace(&mut self.judgement, judgement);
             if judgement == before {
                 self.conclude(tick, heating);
@@ -103,11 +104,12 @@ impl Contradiction {
     fn compare(&mut self, [t0, t1, t2]: [Option<f32>; 3]) {
         let (Some(t0), Some(t1), Some(t2)) = (t0, t1, t2) else { return };
         let mean = self.t2_mean.get_or_insert(t2);
-        *mean += FALLING_SHARE * (t2 - *mean);
-        let much = larger(APART, APART_SHARE * (t2 - t0));
+        T2_MEAN.follow(mean, t2);
+        let much = larger(CONTRADICTION, CONTRADICTION_SHARE * (t2 - t0));
         self.since_warmer = self.since_warmer.saturating_add(1);
         if t2 - t1 > much && t2 > *mean - FALLING {
-            self.warmer = smaller(APART_TICKS, self.warmer + smaller(APART_FASTEST, (t2 - t1) / much));
+            self.warmer =
+                smaller(CONTRADICTION_TICKS, self.warmer + smaller(CONTRADICTION_WEIGHT, (t2 - t1) / much));
             self.since_warmer = 0;
         } else {
             self.warmer = 0.0;
@@ -121,7 +123,7 @@ impl Contradiction {
                 let onset = tick.saturating_sub(EVERY);
                 self.found = Some(Finding { class, confidence: 1.0, magnitude: None, onset });
             }
-            Judgement::Agree if heating && self.since_warmer > APART_END => self.found = None,
+            Judgement::Agree if heating && self.since_warmer > CONTRADICTION_END => self.found = None,
             _ => {}
         }
     }
@@ -168,21 +170,21 @@ fn contradiction(answers: &[Answer; 3], readings: [Option<f32>; 3], t2_warmer: b
         return Some(FaultClass::T1Detached);
     }
     let (t0, t1, t2) = (t0?, t1?, t2?);
-    let warmest = t0 - t1 > APART && t0 - t2 > APART;
+    let warmest = t0 - t1 > CONTRADICTION && t0 - t2 > CONTRADICTION;
     (warmest && strongest.answers()).then_some(FaultClass::T0Fault)
 }
 
 impl Answer {
     fn answers(&self) -> bool {
-        self.area > ANSWERS * self.area_sd
+        self.area > ANSWERS_SIGMA * self.area_sd
     }
 
     fn is_silent_beside(&self, other: &Self) -> bool {
-        self.area.abs() + SURELY * self.area_sd < SILENT * other.area
+        self.area.abs() + SILENT_SIGMA * self.area_sd < SILENT_SHARE * other.area
     }
 
     fn comes_after(&self, other: &Self) -> bool {
         let (gap, sd) = (self.late - other.late, self.late_sd + other.late_sd);
-        gap > AFTER && gap > AFTER_SURELY * sd
+        gap > AFTER_TICKS && gap > AFTER_SIGMA * sd
     }
 }

@@ -9,6 +9,8 @@ pub(super) struct Hypothesis {
     pub(super) signature: Signature,
     /// What it is called.
     pub(super) class: FaultClass,
+    /// Hypotheses of one kind are told apart only after the kind is known.
+    pub(super) kind: u32,
     /// Bounds of its magnitude in the unit of the signature; of a drift in degC/s.
     pub(super) bounds: (f32, f32),
     /// What the magnitude of the signature is.
@@ -104,12 +106,23 @@ pub(super) static HYPOTHESES: [Hypothesis; COUNT] = [
 ];
 
 const fn likely(signature: Signature, class: FaultClass, bounds: (f32, f32), scale: Scale) -> Hypothesis {
-    Hypothesis { signature, class, bounds, scale, handicap: 0.0 }
+    Hypothesis { signature, class, kind: kind(class), bounds, scale, handicap: 0.0 }
 }
 
 const fn misplaced(signature: Signature, class: FaultClass, bounds: (f32, f32), scale: Scale) -> Hypothesis {
     Hypothesis { handicap: MISPLACED, ..likely(signature, class, bounds, scale) }
 }
+
+/// A kind is a class, but for air flow and heater power: they look alike, and are told apart only after the kind is known.
+const fn kind(class: FaultClass) -> u32 {
+    match class {
+        FaultClass::AirFlow | FaultClass::HeaterPower => PROCESS,
+        other => other.number(),
+    }
+}
+
+/// The kind of the process: not a sensor has changed.
+pub(super) const PROCESS: u32 = 0;
 
 const _: () = {
     let mut i = 0;
@@ -118,19 +131,6 @@ const _: () = {
         i += 1;
     }
 };
-
-impl Hypothesis {
-    /// Whether it is the process, not a sensor, that has changed.
-    pub(super) const fn is_process(&self) -> bool {
-        matches!(self.class, FaultClass::AirFlow | FaultClass::HeaterPower)
-    }
-
-    /// Whether both are of one kind. A kind is a class, but for heater power and air flow: they look alike, and are told apart only after the
-    /// kind is known.
-    pub(super) fn is_of_the_kind_of(&self, other: &Self) -> bool {
-        self.class == other.class || (self.is_process() && other.is_process())
-    }
-}
 
 #[cfg(test)]
 mod tests {
@@ -154,9 +154,9 @@ mod tests {
     fn bounds_are_bounds_and_power_and_flow_are_one_kind() {
         assert!(HYPOTHESES.iter().all(|h| h.bounds.0 < h.bounds.1 && h.bounds.1 > 0.0));
         let row = |signature: Signature| &HYPOTHESES[signature as usize];
-        assert!(row(Signature::AirFlow).is_of_the_kind_of(row(Signature::ConstantPower)));
-        assert!(row(Signature::T1Stuck).is_of_the_kind_of(row(Signature::T1StuckNearby)));
-        assert!(!row(Signature::T1Stuck).is_of_the_kind_of(row(Signature::T2Stuck)));
-        assert!(!row(Signature::T1Clogged).is_of_the_kind_of(row(Signature::Power)));
+        assert_eq!(row(Signature::AirFlow).kind, row(Signature::ConstantPower).kind);
+        assert_eq!(row(Signature::T1Stuck).kind, row(Signature::T1StuckNearby).kind);
+        assert_ne!(row(Signature::T1Stuck).kind, row(Signature::T2Stuck).kind);
+        assert_ne!(row(Signature::T1Clogged).kind, row(Signature::Power).kind);
     }
 }

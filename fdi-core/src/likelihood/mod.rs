@@ -26,6 +26,8 @@ mod levels;
 mod model_error;
 mod noise;
 mod ranking;
+#[cfg(test)]
+mod reference;
 mod sensors;
 mod training;
 pub mod verdict;
@@ -116,8 +118,8 @@ impl Likelihood {
                 check_samples: c.check_time.ticks(ts),
             },
             watch: Watch {
-                fast: Chart { allowance: c.fast_slack, interval: c.fast_limit },
-                slow: Chart { allowance: c.slow_slack, interval: c.slow_limit },
+                fast: Chart { allowance: c.fast_allowance, interval: c.fast_interval },
+                slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval },
                 model_error: ModelError::new(c.model_uncertainty, ts.0),
                 filters: Filters::new(ts.0),
                 heat: Heat::new(ts.0),

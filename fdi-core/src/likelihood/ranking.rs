@@ -1,9 +1,9 @@
 //! The hypotheses ranked by what they leave unexplained. Residuals are white, so the residual sum of squares (RSS) of a hypothesis is -2 times its
 //! log-likelihood, but for a constant: the difference of two is twice a log-likelihood ratio. All margins here are in that unit.
 
-use super::bank::Bank;
+use super::bank::{Bank, Statistics};
 use super::class::FaultClass;
-use super::hypothesis::{COUNT, DETACHED, FLOW, HYPOTHESES, Hypothesis, Scale, Signature};
+use super::hypothesis::{COUNT, DETACHED, FLOW, HYPOTHESES, Hypothesis, PROCESS, Scale, Signature};
 use super::verdict::Magnitude;
 use crate::bounds::{bounded, larger, smaller};
 use crate::root::sqrt;
@@ -100,14 +100,16 @@ impl Ranking {
             rival_rss: f32::MAX,
             sample_time,
         };
-        for (fitted, row) in ranking.fitted.iter_mut().zip(&HYPOTHESES) {
-            *fitted = Fitted::new(bank, row, sample_time);
+        for (fitted, (row, statistics)) in
+            ranking.fitted.iter_mut().zip(HYPOTHESES.iter().zip(&bank.statistics()))
+        {
+            *fitted = Fitted::new(statistics, row, sample_time);
             let too_early = young && row.scale == Scale::Drift;
             if fitted.rss + row.handicap < ranking.best_rss && !too_early {
                 (ranking.best, ranking.best_rss) = (row, fitted.rss);
             }
         }
-        ranking.rival_rss = ranking.least_rss(|row| !row.is_of_the_kind_of(ranking.best), ranking.best);
+        ranking.rival_rss = ranking.least_rss(|row| row.kind != ranking.best.kind, ranking.best);
         ranking
     }
 
@@ -124,6 +126,12 @@ impl Ranking {
 
     fn fitted(&self, signature: Signature) -> &Fitted {
         &self.fitted[signature as usize]
+    }
+
+    #[cfg(test)]
+    pub(super) fn rss_and_magnitude(&self, signature: Signature) -> (f32, f32) {
+        let fitted = self.fitted(signature);
+        (fitted.rss, fitted.magnitude)
     }
 
     /// The residual sum of squares of the best hypothesis over that of noise alone; 1 where it is no more.
@@ -148,7 +156,7 @@ impl Ranking {
 
     /// Whether the process, not a sensor, is to blame.
     pub(super) fn is_process(&self) -> bool {
-        self.best.is_process()
+        self.best.kind == PROCESS
     }
 
     /// The best hypothesis; of power and flow the flow, unless the power is better by `power_margin`, or the flow would
@@ -239,12 +247,12 @@ impl Ranking {
 
 impl Fitted {
     #[inline(always)]
-    fn new(bank: &Bank, row: &Hypothesis, sample_time: f32) -> Self {
+    fn new(statistics: &Statistics, row: &Hypothesis, sample_time: f32) -> Self {
         let unit = if row.scale == Scale::Drift { sample_time } else { 1.0 };
         let (low, high) = row.bounds;
-        let bounds = (low * unit, high * unit);
-        let (fixed, correlator) = bank.statistics(row.signature, bounds);
-        let magnitude = correlator.best(bounds);
-        Self { rss: fixed - correlator.explained(magnitude), magnitude, information: correlator.energy }
+        let correlator = &statistics.correlator;
+        let magnitude = correlator.best((low * unit, high * unit));
+        let rss = statistics.fixed - correlator.explained(magnitude);
+        Self { rss, magnitude, information: correlator.energy }
     }
 }

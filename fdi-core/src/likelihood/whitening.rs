@@ -121,6 +121,7 @@ impl Whitener {
 
 #[cfg(test)]
 mod tests {
+    use super::super::reference::yule_walker;
     use super::*;
 
     /// An autoregressive process of order 2 with coefficients 1.2 and -0.5 and innovations of variance 1 has the
@@ -133,6 +134,21 @@ mod tests {
             assert!((c - wanted).abs() < 5e-3, "{:?}", whitener.c);
         }
         assert!((whitener.sigma() - 1.0).abs() < 5e-3 && (whitener.rest() - 0.3).abs() < 5e-3);
+    }
+
+    /// Levinson's recursion against the Yule-Walker equations solved directly.
+    #[test]
+    fn the_recursion_solves_the_equations_of_yule_and_walker() {
+        for r in
+            [[1.0, 0.9, 0.75, 0.6], [0.01, 0.006, 0.003, 0.001], [4.0, -2.0, 1.5, -1.0], [2.0, 0.0, 0.0, 1.0]]
+        {
+            let whitener = Whitener::from_autocovariance(&r).unwrap();
+            let (c, sigma) = yule_walker(&r);
+            for (c, wanted) in whitener.c.iter().zip(c) {
+                assert!((f64::from(*c) - wanted).abs() < 2e-3, "{r:?}: {:?}", whitener.c);
+            }
+            assert!((f64::from(whitener.sigma()) / sigma - 1.0).abs() < 1e-3, "{r:?}");
+        }
     }
 
     #[test]

@@ -4,7 +4,8 @@
 use super::config::SupervisorConfig;
 use super::normal::Normal;
 use super::{Situation, TripReason};
-use crate::bounds::{larger, smaller};
+use crate::bounds::larger;
+use crate::filter::LowPass;
 use crate::sense::Validity;
 use crate::units::Seconds;
 
@@ -13,8 +14,8 @@ use crate::units::Seconds;
 pub(super) struct Disagreement {
     limit: f32,
     ticks: u32,
-    /// Share of the low-passed T1 that is renewed in a tick.
-    share: f32,
+    /// Of T1.
+    low_pass: LowPass,
 }
 
 /// Its memory.
@@ -32,7 +33,7 @@ impl Disagreement {
         Self {
             limit: c.max_disagreement.0,
             ticks: c.disagreement_time.ticks(ts),
-            share: smaller(ts.0 / c.disagreement_time.0, 1.0),
+            low_pass: LowPass::euler(c.disagreement_time.0, ts.0),
         }
     }
 
@@ -48,9 +49,9 @@ impl Disagreement {
         let readable = |validity| matches!(validity, Validity::Good | Validity::Spike | Validity::Rate);
         if readable(t1.validity) && readable(t2.validity) {
             let (t1, t2) = (t1.celsius.0, t2.celsius.0);
-            let before = state.t1_before.unwrap_or(t1);
-            let before = before + self.share * (t1 - before);
-            state.t1_before = Some(before);
+            let before = state.t1_before.get_or_insert(t1);
+            self.low_pass.follow(before, t1);
+            let before = *before;
             let difference = normal.learnt().map_or(0.0, |learnt| learnt.t1_over_t2());
             if !(t2 - larger(t1, before) + difference > self.limit) {
                 state.lasting = 0;

@@ -8,7 +8,7 @@ impl Supervisor {
     /// What trips, or would if the heater were on.
     pub(super) fn hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
         state.lost = if now.regulated.value.is_some() { 0 } else { state.lost.saturating_add(1) };
-        state.power += self.power_share * (now.pid.0 - state.power);
+        self.power.follow(&mut state.power, now.pid.0);
         let by_models = state.mode != Mode::Off && now.feedback.heater_stuck_on;
         let unasked = self.unasked.step(&mut state.unasked, now, state.power) || by_models;
         let by_sensors = self.sensor_hazard(state.lost > self.lost_ticks, now);

@@ -23,10 +23,10 @@ mod unasked;
 
 pub use mode::{Blocker, Command, Mode, Refusal, Trip, TripReason};
 
-use crate::bounds::smaller;
 use crate::diagnosis::baseline::Baseline;
 use crate::error::ConfigError;
 use crate::feedback::Feedback;
+use crate::filter::LowPass;
 use crate::sense::{RawSample, Sample};
 use crate::units::{Celsius, Percent, Seconds};
 use config::SupervisorConfig;
@@ -98,8 +98,8 @@ pub struct Supervisor {
     steady_ticks: u32,
     lost_ticks: u32,
     regulation_band: f32,
-    /// Share of the averaged power that is renewed in a tick.
-    power_share: f32,
+    /// Averages the power.
+    power: LowPass,
 }
 
 /// The memory of the [`Supervisor`].
@@ -145,7 +145,7 @@ impl Supervisor {
             steady_ticks: c.regulation_time.ticks(ts),
             lost_ticks: c.signal_timeout.ticks(ts),
             regulation_band: c.regulation_band.0 / 100.0,
-            power_share: smaller(ts.0 / POWER_TIME, 1.0),
+            power: LowPass::euler(POWER_TIME, ts.0),
         })
     }
 

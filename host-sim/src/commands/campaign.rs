@@ -1,6 +1,5 @@
 //! `pt326 campaign`: many runs of many kinds, both diagnoses side by side, in numbers with their uncertainty.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,13 +8,14 @@ use anyhow::{Context, ensure};
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::results::Folder;
+use super::terminal::{coloured, print};
 use crate::campaign::cell::Cell;
 use crate::campaign::definition::{CAMPAIGN_TOML, Campaign};
 use crate::campaign::output;
 use crate::campaign::results::Results;
 use crate::campaign::runner::{Progress, Remaining};
 use crate::campaign::store::{self, Header, Shard, Store};
-use crate::experiment;
 
 /// Arguments of `campaign`.
 #[derive(Clone, Debug, Args)]
@@ -214,19 +214,11 @@ pub fn run(args: &CampaignArgs) -> anyhow::Result<()> {
     }
 }
 
-fn print(text: &str) -> anyhow::Result<()> {
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
-}
-
-fn make_folder(out: &Path) -> anyhow::Result<()> {
-    std::fs::create_dir_all(out).with_context(|| format!("can't make the folder {}", out.display()))
-}
-
 fn run_campaign(args: &CampaignRunArgs) -> anyhow::Result<()> {
     let (campaign, config) = args.definition.load()?;
     let cells = campaign.expand(&config)?;
     let header = Header::new(&campaign, &config, args.shard)?;
-    make_folder(&args.out)?;
+    Folder::open(&args.out)?;
     let path = args.out.join(args.shard.file_name());
     let remaining = Remaining::new(&cells, args.shard, Store::open(&path, &header, args.fresh)?);
     let Progress { finished, of } = run_until_interrupted(remaining, args.threads)?;
@@ -280,7 +272,7 @@ fn progress(remaining: &Remaining) -> anyhow::Result<ProgressBar> {
 }
 
 fn merge(args: &MergeArgs) -> anyhow::Result<()> {
-    make_folder(&args.out)?;
+    Folder::open(&args.out)?;
     conclude(&args.files, &args.out)
 }
 
@@ -289,7 +281,7 @@ fn merge(args: &MergeArgs) -> anyhow::Result<()> {
 fn conclude(files: &[PathBuf], out: &Path) -> anyhow::Result<()> {
     let store::Whole { campaign, cells, rows } = store::read(files)?;
     let results = Results::new(&campaign, &cells, &rows);
-    print(&output::table::of(&results))?;
+    print(&coloured(&output::table::of(&results)))?;
     let written = output::write(&results, &cells, &rows, out)?;
     print(&format!("\nWritten to {}: {written}\n", out.display()))
 }
@@ -309,8 +301,7 @@ fn show(args: &ShowArgs) -> anyhow::Result<()> {
     );
     let seed = cell.seed(args.run);
     let (config, scenario) = cell.draw(seed);
-    let record = experiment::run(&config, &scenario, seed)?;
-    super::run::tell(&record, &args.out)
+    super::run::carry_out(&config, &scenario, seed, &args.out)
 }
 
 fn no_such_cell(name: &str, cells: &[Cell]) -> String {

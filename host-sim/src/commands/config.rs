@@ -1,13 +1,10 @@
-//! `config`: the settings of the instrument.
+//! `pt326 config`: the settings of the instrument.
 
-use std::io::Write;
-
-use clap::Args;
-
+use super::terminal::print;
 use crate::settings::{commented_toml, markdown};
 
 /// Arguments of `config`.
-#[derive(Clone, Debug, Default, Args)]
+#[derive(Clone, Debug, Default, clap::Args)]
 pub struct ConfigArgs {
     /// Print a table in Markdown instead.
     #[arg(long)]
@@ -19,6 +16,5 @@ pub struct ConfigArgs {
 /// # Errors
 /// Standard output cannot be written.
 pub fn run(args: &ConfigArgs) -> anyhow::Result<()> {
-    let text = if args.markdown { markdown() } else { commented_toml() };
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
+    print(&if args.markdown { markdown() } else { commented_toml() })
 }

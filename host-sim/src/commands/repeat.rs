@@ -1,18 +1,40 @@
-//! `host-sim repeat`: the same experiment over many seeds, in numbers that one run cannot give.
+//! `pt326 repeat`: the same experiment over many seeds, in numbers that one run cannot give.
 
-use std::io::Write;
-
-use anyhow::Context;
 use fdi_core::Config;
-use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
+use indicatif::{ParallelProgressIterator, ProgressBar};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::commands::RepeatArgs;
+use super::experiment::ExperimentArgs;
+use super::terminal::{coloured, print, progress};
 use crate::experiment;
 use crate::experiment::scenario::Scenario;
 use crate::record::summary::{FaultSummary, Summary};
 use crate::score::Score;
+
+/// Arguments of `repeat`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+All cores work; the numbers do not depend on how many there are. What a run missed is counted as missed, and left out \
+of medians and percentiles.
+
+Examples:
+  pt326 repeat --seeds 1000
+  pt326 repeat --disturbance lively --fault-size small --json > small.json")]
+pub struct RepeatArgs {
+    /// How many runs.
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub seeds: u64,
+    /// The first seed.
+    #[arg(long, default_value_t = 1)]
+    pub from: u64,
+    #[command(flatten)]
+    /// The experiment.
+    pub experiment: ExperimentArgs,
+    /// Print JSON instead of a table.
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// What many runs showed.
 #[derive(Clone, Debug, Serialize)]
@@ -100,15 +122,15 @@ impl Spread {
 /// A bad file or value.
 pub fn run(args: &RepeatArgs) -> anyhow::Result<()> {
     let (config, scenario) = args.experiment.load()?;
-    let bar = ProgressBar::new(args.seeds);
-    bar.set_style(
-        ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {eta} left").context("progress bar")?,
-    );
+    let bar = progress(args.seeds, "runs");
     let repeated = repeat(&config, &scenario, args.from, args.seeds, &bar)?;
     bar.finish_and_clear();
-    let text =
-        if args.json { serde_json::to_string_pretty(&repeated)? + "\n" } else { table(&repeated, &scenario) };
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
+    let text = if args.json {
+        serde_json::to_string_pretty(&repeated)? + "\n"
+    } else {
+        coloured(&table(&repeated, &scenario))
+    };
+    print(&text)
 }
 
 /// Runs the seeds `from..from + runs` on all cores; the result does not depend on their number.

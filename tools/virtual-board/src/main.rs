@@ -12,7 +12,7 @@ use host_sim::record::table;
 use virtual_board::{board, experiment};
 
 /// Runs the firmware's image, unmodified, on a modelled NUCLEO-F411RE with the simulated rig on its wires: the paper's
-/// experiment. Prints and writes what `host-sim run` does, from the log that the image gives.
+/// experiment. Prints and writes what `pt326 run` does, from the log that the image gives.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Cli {
@@ -71,6 +71,6 @@ fn carry_out(cli: &Cli) -> anyhow::Result<bool> {
     files::write(&done.record, &summary, &cli.out)?;
     let log: String = done.board.log.iter().map(|line| format!("{line}\n")).collect();
     std::fs::write(cli.out.join("board.log"), log)?;
-    writeln!(out, "\nWritten to {}: what `host-sim run` writes, and board.log", cli.out.display())?;
+    writeln!(out, "\nWritten to {}: what `pt326 run` writes, and board.log", cli.out.display())?;
     Ok(done.differences.is_empty())
 }

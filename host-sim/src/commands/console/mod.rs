@@ -1,4 +1,4 @@
-//! `host-sim console`: the board's line console, run against the simulated rig instead of a board.
+//! `pt326 console`: the board's line console, run against the simulated rig instead of a board.
 //!
 //! On a terminal time passes as on the board (or `--speed` times faster). From a pipe it stands still but for `wait
 //! SECONDS`, and for a `check`, which ends before the next line is read, so that a script always sees the same.
@@ -13,9 +13,45 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 
-use crate::commands::ConsoleArgs;
+use super::experiment::ExperimentArgs;
 pub use bench::Bench;
 pub use output::Output;
+
+/// Use the board's console, with the simulated rig in place of a board.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+On a terminal, time passes as on the board. When lines come from a pipe, time passes only in `wait SECONDS` and in \
+`check`, which ends before the next line is read: a script always gives the same.
+
+The command `help` lists the commands of the board. Only here, there are also:
+  wait SECONDS                      let time pass
+  wire swap t1 t2                   wire the rig wrongly; `help` lists what else can be wrong
+  wire ok                           repair all wires and end all faults
+  fault NAME [tN] SIZE [SECONDS]    let something happen to the rig; `pt326 scenario` has the names
+  quit                              end
+
+Examples:
+  printf 'check\\narm\\nwait 400\\nstatus\\nfaults\\n' | pt326 console
+  printf 'wire swap t1 t2\\ncheck\\nwire ok\\ncheck\\n' | pt326 console
+  printf 'check\\narm\\nwait 370\\nfault offset t2 1.5 25\\nwait 5\\nstatus\\n' | pt326 console")]
+pub struct ConsoleArgs {
+    #[command(flatten)]
+    /// The rig and the settings to begin with.
+    pub experiment: ExperimentArgs,
+    /// Seed of the rig's noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// On a terminal: how many times faster than the board.
+    #[arg(long, default_value_t = 1.0, value_parser = speed)]
+    pub speed: f64,
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(speed) if (0.01..=1000.0).contains(&speed) => Ok(speed),
+        _ => Err("expected 0.01 to 1000".into()),
+    }
+}
 
 /// Runs the console until its input ends.
 ///

@@ -82,7 +82,7 @@ fn sensor(name: &str) -> anyhow::Result<Sensor> {
 /// `VERB [tN] [SIZE] [SECONDS]`: a verb without a size takes the first number for its duration.
 fn fault(verb: &str, words: &[&str]) -> anyhow::Result<Fault> {
     let known: Verb = serde_json::from_value(verb.into())
-        .map_err(|_| anyhow::anyhow!("fault: no verb \"{verb}\", see `host-sim scenario`"))?;
+        .map_err(|_| anyhow::anyhow!("fault: no verb \"{verb}\", see `pt326 scenario`"))?;
     let (sensor, numbers) = match words {
         [name, rest @ ..] if name.starts_with('t') => (Some(sensor(name)?), rest),
         rest => (None, rest),

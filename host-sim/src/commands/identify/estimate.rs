@@ -19,7 +19,7 @@ use anyhow::{bail, ensure};
 use fdi_core::identify::rls::{Rls, RlsState};
 use fdi_core::identify::{Adaptation, RlsConfig};
 
-use super::model::{Model, ORDER_MAX, Order, Signals, rms};
+use super::model::{Model, ORDER_MAX, Order, Signals, mean, rms};
 
 /// D at the start: a scaled parameter is expected within 1e4 or so of zero.
 const D_INITIAL: f32 = 1e8;
@@ -27,7 +27,8 @@ const D_INITIAL: f32 = 1e8;
 /// pulls an estimate by less than this share.
 const UNTOLD: f64 = 1e-3;
 
-const PARAMETERS_MAX: usize = 2 * ORDER_MAX;
+/// Those of the largest order, and a constant.
+const PARAMETERS_MAX: usize = 2 * ORDER_MAX + 1;
 type Estimator = Rls<PARAMETERS_MAX>;
 type State = RlsState<PARAMETERS_MAX>;
 
@@ -44,54 +45,78 @@ pub struct Estimate {
     pub residuals: Vec<f64>,
     /// What each residual weighed: `lambda^(age in samples)`.
     pub weights: Vec<f64>,
-    /// Static gain; `None` on an integrator and where the data do not determine it.
-    pub static_gain: Option<Gain>,
+    /// Static gain B(1) / A(1), in units of y per unit of u; `None` on an integrator and where the data do not determine
+    /// it.
+    pub static_gain: Option<Uncertain>,
+    /// Steady output at zero input, in units of y; `None` where it was not estimated, and where there is no static gain.
+    pub output_at_zero: Option<Uncertain>,
 }
 
-/// Static gain with its standard deviation, in units of y per unit of u.
+/// A number with its standard deviation by the delta method.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Gain {
-    /// B(1) / A(1).
+pub struct Uncertain {
+    /// The estimate.
     pub value: f64,
-    /// Standard deviation by the delta method.
+    /// Its standard deviation.
     pub sd: f64,
 }
 
-/// Identifies a model of `order` from `s`, forgetting by `lambda`.
+/// Identifies a model of `order` from `s`, forgetting by `lambda`. Its output is zero when its input is.
 ///
 /// # Errors
 /// Too few rows, or too short a memory, for so many parameters; numbers that the estimator could not live with.
 pub fn estimate(s: &Signals, order: Order, lambda: f64) -> anyhow::Result<Estimate> {
-    let (rows, least) = (s.y.len(), order.memory() + order.parameters() + 1);
-    ensure!(
-        rows >= least,
-        "{rows} rows are too few: {} parameters need at least {least}",
-        order.parameters()
-    );
+    solve(s, order, lambda, None)
+}
+
+/// The same with one parameter more: a constant in the equation, from which follows the output at zero input. Unlike the
+/// removal of means it is right for a transient, too, whose means are no steady state (L. Ljung, "System Identification",
+/// 2nd edition, 1999, section 14.1).
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_with_constant(s: &Signals, order: Order, lambda: f64) -> anyhow::Result<Estimate> {
+    let removed = Removed { u: mean(&s.u), y: mean(&s.y) }; // so that the constant is no near copy of u and y
+    solve(&s.minus(removed.u, removed.y), order, lambda, Some(removed))
+}
+
+/// What was taken off the signals before the estimation.
+#[derive(Clone, Copy, Debug)]
+struct Removed {
+    u: f64,
+    y: f64,
+}
+
+/// Estimates, with a constant if something was `removed`.
+fn solve(s: &Signals, order: Order, lambda: f64, removed: Option<Removed>) -> anyhow::Result<Estimate> {
+    let parameters = order.parameters() + usize::from(removed.is_some());
+    let (rows, least) = (s.y.len(), order.memory() + parameters + 1);
+    ensure!(rows >= least, "{rows} rows are too few: {parameters} parameters need at least {least}");
     let weights = weights(rows - order.memory(), lambda);
     let total: f64 = weights.iter().sum();
     let spread = spread(&weights);
-    let freedom = total - spread * order.parameters() as f64;
+    let freedom = total - spread * parameters as f64;
     ensure!(freedom > 0.0, "a memory of {total:.1} rows is too short: raise --lambda or lower --order");
 
-    let basis = Basis::new(s, order);
+    let basis = Basis::new(s, order, removed.is_some());
     let rls = Rls::new(&RlsConfig {
         adaptation: Adaptation::Forgetting { lambda: lambda as f32 },
         d_initial: D_INITIAL,
         d_max: D_INITIAL,
     })?;
     let state = learn(&rls, s, &basis)?;
-    let model = basis.model(&state);
+    let (model, constant) = (basis.model(&state), basis.constant_of(&state));
     let measured = &s.y[order.memory()..];
     let residuals: Vec<f64> =
-        measured.iter().zip(model.predict(s)).map(|(y, predicted)| y - predicted).collect();
+        measured.iter().zip(model.predict(s)).map(|(y, predicted)| y - predicted - constant).collect();
     let squares: f64 = residuals.iter().zip(&weights).map(|(e, w)| w * e * e).sum();
     let noise_variance = squares / freedom;
     ensure!(noise_variance.is_finite(), "the values are too large to be squared: scale them down");
     let doubt =
         Doubt { rls: &rls, state: &state, lambda, noise_sd: (spread * noise_variance).sqrt(), basis: &basis };
     let (sd, static_gain) = (doubt.of_parameters(), doubt.of_gain(&model));
-    Ok(Estimate { model, sd, noise_variance, residuals, weights, static_gain })
+    let output_at_zero = removed.and_then(|removed| doubt.of_output_at_zero(&model, constant, removed));
+    Ok(Estimate { model, sd, noise_variance, residuals, weights, static_gain, output_at_zero })
 }
 
 /// `lambda^(n-1) .. lambda^0`.
@@ -115,7 +140,7 @@ fn learn(rls: &Estimator, s: &Signals, basis: &Basis) -> anyhow::Result<State> {
     for k in basis.order.memory()..s.y.len() {
         let update = rls.step(&mut state, &basis.regressor(s, k), basis.target(s, k));
         if update.diverged {
-            bail!("the estimator diverged at row {k} of the range: lower --order, or try --detrend mean");
+            bail!("the estimator diverged at row {k} of the range: lower --order, or --detrend offset");
         }
     }
     Ok(state)
@@ -144,6 +169,8 @@ fn weight_in_difference(i: usize, j: usize) -> f64 {
 #[derive(Clone, Debug)]
 struct Basis {
     order: Order,
+    /// Whether the last regressor is a constant.
+    constant: bool,
     /// Root mean square of y[k] - y[k-1].
     target: f64,
     /// Root mean squares of the regressors: NA differences of y, NB of u.
@@ -152,7 +179,7 @@ struct Basis {
 
 impl Basis {
     /// Fits the scales to a recording. A difference that is always zero takes the scale of its signal.
-    fn new(s: &Signals, order: Order) -> Self {
+    fn new(s: &Signals, order: Order, constant: bool) -> Self {
         let size =
             |x: &[f64], i: usize| rms(&(i..x.len()).map(|k| differences(x, k, i + 1)[i]).collect::<Vec<_>>());
         let or = |size: f64, other: f64| if size > 0.0 { size } else { other };
@@ -164,14 +191,19 @@ impl Basis {
         for i in 0..order.nb {
             scale[order.na + i] = or(size(&s.u, i), u);
         }
-        Self { order, target: or(size(&s.y, 1), y), scale }
+        Self { order, constant, target: or(size(&s.y, 1), y), scale }
     }
 
     fn regressor(&self, s: &Signals, k: usize) -> [f32; PARAMETERS_MAX] {
         let Order { na, nb, nk } = self.order;
         let (y, u) = (differences(&s.y, k - 1, na), differences(&s.u, k - nk, nb));
-        let at = |i: usize| if i < na { y[i] } else { u[i - na] };
-        std::array::from_fn(|i| if i < na + nb { (at(i) / self.scale[i]) as f32 } else { 0.0 })
+        let one = f64::from(u8::from(self.constant));
+        std::array::from_fn(|i| match i {
+            i if i < na => (y[i] / self.scale[i]) as f32,
+            i if i < na + nb => (u[i - na] / self.scale[i]) as f32,
+            i if i == na + nb => one as f32,
+            _ => 0.0,
+        })
     }
 
     fn target(&self, s: &Signals, k: usize) -> f32 {
@@ -188,6 +220,18 @@ impl Basis {
             gained[first + i] = sign * weight * self.target / self.scale[first + i];
         }
         gained
+    }
+
+    /// What the constant gains from a unit of each scaled parameter.
+    fn constant_row(&self) -> [f64; PARAMETERS_MAX] {
+        let mut gained = [0.0; PARAMETERS_MAX];
+        gained[self.order.parameters()] = self.target;
+        gained
+    }
+
+    /// The constant that the estimator has found; without one, zero.
+    fn constant_of(&self, state: &State) -> f64 {
+        dot(&self.constant_row(), &state.theta.map(f64::from))
     }
 
     /// Sum of some rows.
@@ -227,13 +271,29 @@ impl Doubt<'_> {
     }
 
     /// Static gain and its standard deviation: `A(1) dG = dB(1) - G dA(1)`; none where A(1) or B(1) is undetermined.
-    fn of_gain(&self, model: &Model) -> Option<Gain> {
+    fn of_gain(&self, model: &Model) -> Option<Uncertain> {
+        let (a, b) = self.slopes_at_1()?;
+        let value = model.static_gain()?;
+        let slope = std::array::from_fn(|i| (b[i] - value * a[i]) / model.a_at_1());
+        Some(Uncertain { value, sd: self.sd_along(&slope)? })
+    }
+
+    /// Steady output `y0` at zero input: `A(1) (y0 - y removed) = constant - B(1) u removed`, and likewise its
+    /// differential.
+    fn of_output_at_zero(&self, model: &Model, constant: f64, removed: Removed) -> Option<Uncertain> {
+        let (a, b) = self.slopes_at_1()?;
+        let c = self.basis.constant_row();
+        let rise = constant / model.a_at_1() - model.static_gain()? * removed.u;
+        let slope = std::array::from_fn(|i| (c[i] - removed.u * b[i] - rise * a[i]) / model.a_at_1());
+        Some(Uncertain { value: removed.y + rise, sd: self.sd_along(&slope)? })
+    }
+
+    /// What A(1) and B(1) gain from a unit of each scaled parameter, if the data determine both.
+    fn slopes_at_1(&self) -> Option<([f64; PARAMETERS_MAX], [f64; PARAMETERS_MAX])> {
         let Order { na, .. } = self.basis.order;
         let (a, b) = (self.basis.sum(0..na), self.basis.sum(na..self.basis.order.parameters()));
         self.sd_along(&a).and(self.sd_along(&b))?;
-        let value = model.static_gain()?;
-        let slope = std::array::from_fn(|i| (b[i] - value * a[i]) / model.a_at_1());
-        Some(Gain { value, sd: self.sd_along(&slope)? })
+        Some((a, b))
     }
 
     /// Standard deviation of `g' theta`; `None` if the data do not determine it.
@@ -261,7 +321,6 @@ mod tests {
     use rand_distr::StandardNormal;
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    use super::super::model::mean;
     use super::*;
 
     /// Double-precision batch least squares by Householder reflections, sharing no code with the estimator.
@@ -319,12 +378,12 @@ mod tests {
             (self.noise_variance * self.r_inverse.iter().map(|c| along(c).powi(2)).sum::<f64>()).sqrt()
         }
 
-        fn gain(&self, na: usize) -> Gain {
+        fn gain(&self, na: usize) -> Uncertain {
             let a1 = 1.0 + self.theta[..na].iter().sum::<f64>();
             let value = self.theta[na..].iter().sum::<f64>() / a1;
             let slope = |i| if i < na { -value / a1 } else { 1.0 / a1 };
             let direction: Vec<f64> = (0..self.theta.len()).map(slope).collect();
-            Gain { value, sd: self.sd(&direction) }
+            Uncertain { value, sd: self.sd(&direction) }
         }
     }
 
@@ -431,6 +490,37 @@ mod tests {
             let s = Plant { offset: (0.0, 200.0), ..plant }.record(2000, 3);
             assert_agrees(&s.minus(mean(&s.u), mean(&s.y)), plant.order());
         }
+    }
+
+    /// A step from rest that is recorded for 1.5 time constants: no mean is a steady state.
+    #[test]
+    fn the_output_at_zero_input_is_found_with_the_model() {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(4);
+        let (order, rows) = (LAG.order(), 150);
+        let u: Vec<f64> = (0..rows).map(|k| if k < 5 { 0.0 } else { 50.0 }).collect();
+        let mut rise = vec![0.0];
+        for k in 1..rows {
+            rise.push(0.99 * rise[k - 1] + 0.004 * u[k - 1] + 0.01 * rng.sample::<f64, _>(StandardNormal));
+        }
+        let s = Signals { u, y: rise.iter().map(|rise| 23.0 + rise).collect() };
+        let e = estimate_with_constant(&s, order, 1.0).unwrap();
+        let (gain, zero) = (e.static_gain.unwrap(), e.output_at_zero.unwrap());
+        assert!((gain.value - 0.4).abs() < 3.0 * gain.sd && gain.sd < 0.02, "{gain:?}");
+        assert!((zero.value - 23.0).abs() < 3.0 * zero.sd && zero.sd < 0.5, "{zero:?}");
+        let without = estimate(&s, order, 1.0).unwrap().static_gain.unwrap().value;
+        assert!(without > 1.0, "an offset that is passed over falsifies the gain: {without}");
+    }
+
+    #[test]
+    fn standard_deviations_of_the_output_at_zero_are_those_of_repeated_experiments() {
+        let plant = Plant { offset: (0.0, 23.0), ..LAG };
+        let zeros: Vec<Uncertain> = (0..200)
+            .map(|seed| estimate_with_constant(&plant.record(400, seed), plant.order(), 1.0).unwrap())
+            .map(|e| e.output_at_zero.unwrap())
+            .collect();
+        let off = rms(&zeros.iter().map(|zero| zero.value - 23.0).collect::<Vec<_>>());
+        let promised = rms(&zeros.iter().map(|zero| zero.sd).collect::<Vec<_>>());
+        assert!((0.8..1.25).contains(&(off / promised)), "{off}, promised {promised}");
     }
 
     #[test]

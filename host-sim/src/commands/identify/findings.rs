@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::estimate::{Estimate, Gain};
+use super::estimate::{Estimate, Uncertain};
 use super::model::{Model, Signals};
 use super::poles::{Complex, roots};
 
@@ -14,7 +14,9 @@ pub struct Findings {
     /// Variance of the equation error, in units of y squared.
     pub noise_variance: f64,
     /// B(1) / A(1) with its standard deviation, in units of y per unit of u.
-    pub static_gain: Option<Gain>,
+    pub static_gain: Option<Uncertain>,
+    /// Steady output while the input is zero, in units of y; null where it was not estimated.
+    pub output_at_zero_input: Option<Uncertain>,
     /// 3 / t95 with the rise time t95 of the step response, rad/s.
     pub bandwidth_rad_s: Option<f64>,
     /// Why there is no bandwidth.
@@ -68,6 +70,7 @@ impl Findings {
             parameters: named.map(|((name, &value), &sd)| Parameter { name, value, sd }).collect(),
             noise_variance: e.noise_variance,
             static_gain: e.static_gain,
+            output_at_zero_input: e.output_at_zero,
             bandwidth_rad_s: bandwidth.ok(),
             bandwidth_reason: bandwidth.err(),
             residence_time_s: bandwidth
@@ -120,7 +123,8 @@ mod tests {
             noise_variance: 1.0,
             residuals: vec![],
             weights: vec![],
-            static_gain: Some(Gain { value: gain, sd: 0.1 }),
+            static_gain: Some(Uncertain { value: gain, sd: 0.1 }),
+            output_at_zero: None,
         }
     }
 

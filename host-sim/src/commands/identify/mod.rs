@@ -1,46 +1,49 @@
-//! `host-sim identify`: the core's identification on a recorded file.
+//! `pt326 identify`: the core's identification on a recorded file.
 
+pub mod detrend;
 pub mod estimate;
 pub mod findings;
 pub mod model;
 pub mod poles;
 pub mod report;
+pub mod stamps;
 pub mod table;
 pub mod warning;
 
-use std::io::Write;
 use std::ops::Range;
 use std::path::PathBuf;
 
-use anyhow::ensure;
-use clap::{Args, ValueEnum};
-use serde::Serialize;
+use anyhow::{Context, ensure};
+use clap::Args;
 
-use estimate::estimate;
+use super::terminal::print;
+use detrend::{Detrend, Detrended, detrended};
 use findings::{Findings, Fits};
-use model::{Model, Order, Signals, mean};
+use model::{Model, Order, Signals};
 use report::{Question, Report, Validation};
+use stamps::Stamps;
 use table::Table;
 use warning::{Warning, warnings};
 
 /// Arguments of `identify`.
 #[derive(Clone, Debug, Args)]
-#[command(after_help = "Examples:
-  host-sim identify out/trace.csv --u pa_pct --y y1_c --order 3,3,1 --ts 0.11 --from 1700 --to 3300
-  host-sim identify step.txt --u 2 --y 3 --order 1,1,1 --ts 1 --to 600 --validate 600:1000 --json
+#[command(after_help = "\
+The file has one sample in each row, at equal times; commas, semicolons, tabs or blanks separate columns. Lines that \
+begin with # are skipped. Rows are counted from 0, without the header and the skipped lines. A range has its first row \
+and not its last: --from 0 --to 600 is the first 600 rows, and --validate 600:1000 the 400 after them. A column of \
+times in s (its name begins with t or time) is checked for gaps and against --ts.
 
-The file holds one sample a row, at equal times; commas, semicolons, tabs or blanks separate
-columns, and lines that start with # are skipped. Rows are counted from 0, without the header and
-empty or skipped lines. A range has its first row and not its last: --from 0 --to 600 is the first
-600 rows, and --validate 600:1000 the 400 after them.
+The model is y[k] + a1 y[k-1] + .. + aNA y[k-NA] = b1 u[k-NK] + .. + bNB u[k-NK-NB+1] + e[k]. The board's recursive \
+least squares finds its parameters; static gain, bandwidth and poles follow from them. The fit is \
+100 % (1 - |y - model| / |y - mean(y)|), one step ahead and simulated from the input alone. Nearly any model of a slow \
+process fits one step ahead: trust the simulated fit, on rows that were not used to estimate.
 
-The model is y[k] + a1 y[k-1] + .. + aNA y[k-NA] = b1 u[k-NK] + .. + bNB u[k-NK-NB+1] + e[k]. The
-board's recursive least squares finds its parameters; static gain, bandwidth and poles are read off
-them. The fit is 100 % (1 - |y - model| / |y - mean(y)|), one step ahead and simulated from the
-input alone. Nearly any model fits a slow process one step ahead: believe the simulated fit, on
-rows that were not used to estimate.")]
+Examples:
+  pt326 identify out/trace.csv --u pa_pct --y y1_c --order 3,3,1 --from 1700 --to 3300
+  pt326 identify step.txt --u 2 --y 3 --order 1,1,1 --ts 1 --to 600 --validate 600:1000 --json
+  head -500 step.csv | pt326 identify - --u Q1 --y T1 --order 2,1,1")]
 pub struct IdentifyArgs {
-    /// The recording.
+    /// The recording; - is standard input.
     pub file: PathBuf,
     /// Input: name of a column in the header, or its number from 1. A name wins.
     #[arg(long, value_name = "COL")]
@@ -51,17 +54,15 @@ pub struct IdentifyArgs {
     /// Orders: past outputs (1 to 8), inputs (1 to 8), delay in samples (1 to 100).
     #[arg(long, value_name = "NA,NB,NK")]
     pub order: Order,
-    /// Sample time in s.
+    /// Sample time in s. Default: the usual step of the column of times, if there is one.
     #[arg(long, value_name = "S", value_parser = sample_time)]
-    pub ts: f64,
+    pub ts: Option<f64>,
     /// Forgetting factor, 0.5 to 1. 1: all rows weigh the same, for a process that does not change. Less: a row n
     /// samples before the last weighs lambda^n, and the model is that of the last 1 / (1 - lambda) rows or so.
     #[arg(long, value_name = "L", default_value_t = 1.0, value_parser = forgetting_factor)]
     pub lambda: f64,
-    /// What to remove from u and y beforehand. none: right if y is zero when u is (a rise above the surroundings), as
-    /// on the board; any other offset falsifies the gain. mean: for small movements about an operating point; the gain
-    /// is then that of the movements, and an input that never moves has none.
-    #[arg(long, value_enum, default_value_t = Detrend::None)]
+    /// What to do about the values that u and y have at rest.
+    #[arg(long, value_enum, default_value_t = Detrend::Auto)]
     pub detrend: Detrend,
     /// First row to estimate from, counted from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -69,33 +70,12 @@ pub struct IdentifyArgs {
     /// First row behind those to estimate from. Default: the number of rows.
     #[arg(long, value_name = "M")]
     pub to: Option<usize>,
-    /// Rows to test the model on, from N to M - 1. With --detrend mean, the means are those of the estimation.
+    /// Rows to test the model on, from N to M - 1. What was taken off for the estimation is taken off here, too.
     #[arg(long, value_name = "N:M", value_parser = row_range)]
     pub validate: Option<Range<usize>>,
     /// Print one JSON object instead of text.
     #[arg(long)]
     pub json: bool,
-}
-
-/// What is removed from both signals before the estimation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
-#[serde(rename_all = "lowercase")]
-pub enum Detrend {
-    /// Nothing.
-    #[default]
-    None,
-    /// The means over the estimation range.
-    Mean,
-}
-
-impl Detrend {
-    /// What to take off u and y.
-    fn offsets(self, s: &Signals) -> (f64, f64) {
-        match self {
-            Self::None => (0.0, 0.0),
-            Self::Mean => (mean(&s.u), mean(&s.y)),
-        }
-    }
 }
 
 fn sample_time(text: &str) -> Result<f64, String> {
@@ -115,14 +95,14 @@ fn row_range(text: &str) -> Result<Range<usize>, String> {
     range.filter(|r| r.start < r.end).ok_or_else(|| "expected two row numbers N:M with N < M".into())
 }
 
-/// Runs `host-sim identify`: prints the report to standard output.
+/// Runs `pt326 identify`: prints the report to standard output.
 ///
 /// # Errors
 /// What is wrong in the file or the arguments, by name.
 pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
     let report = identify(args, &Table::read(&args.file)?)?;
     let text = if args.json { serde_json::to_string_pretty(&report)? + "\n" } else { report.to_string() };
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
+    print(&text)
 }
 
 /// Identifies a model from `table`, judges it and tests it.
@@ -133,22 +113,43 @@ pub fn identify(args: &IdentifyArgs, table: &Table) -> anyhow::Result<Report> {
     let columns = (table.column(&args.u)?, table.column(&args.y)?);
     let range = args.from..args.to.unwrap_or(table.rows());
     let recorded = signals(table, columns, &range)?;
-    let (u_offset, y_offset) = args.detrend.offsets(&recorded);
-    let used = recorded.minus(u_offset, y_offset);
-    let estimate = estimate(&used, args.order, args.lambda)?;
+    let stamps = Stamps::find(table, columns, &range);
+    let ts = args.ts.or(stamps.as_ref().map(|stamps| stamps.usual)).context(
+        "no sample time: expected --ts, or a column of times that rise (its name begins with t or time)",
+    )?;
+    let Detrended { detrend, offsets, estimate } =
+        detrended(&recorded, args.detrend, args.order, args.lambda)?;
+    let used = recorded.minus(offsets.0, offsets.1);
 
-    let mut doubts = warnings(&used, &estimate);
+    let mut doubts: Vec<Warning> = stamps
+        .map(|stamps| stamps.warnings(ts))
+        .into_iter()
+        .flatten()
+        .chain(warnings(&used, &estimate))
+        .collect();
     let mut validation = None;
     if let Some(rows) = &args.validate {
-        let unseen = signals(table, columns, rows)?.minus(u_offset, y_offset);
+        let unseen = signals(table, columns, rows)?.minus(offsets.0, offsets.1);
         validation = Some(validate(&estimate.model, &unseen, rows)?);
         if rows.start < range.end && range.start < rows.end {
             doubts.push(Warning::ValidationOverlaps);
         }
     }
     Ok(Report {
-        question: question(args, table, columns, &range),
-        findings: Findings::new(&estimate, args.ts),
+        question: Question {
+            file: table.file().to_owned(),
+            rows: table.rows(),
+            from: range.start,
+            to: range.end,
+            u: table.name(columns.0),
+            y: table.name(columns.1),
+            order: args.order,
+            ts_s: ts,
+            lambda: args.lambda,
+            detrend,
+            detrend_chosen: args.detrend == Detrend::Auto,
+        },
+        findings: Findings::new(&estimate, ts),
         fits: Fits::new(&estimate.model, &used),
         initial_state: initial_state(args.order),
         validation,
@@ -165,21 +166,6 @@ fn validate(model: &Model, unseen: &Signals, rows: &Range<usize>) -> anyhow::Res
     let least = model.order.memory() + 2;
     ensure!(rows.len() >= least, "--validate: {} rows are too few, expected {least} or more", rows.len());
     Ok(Validation { from: rows.start, to: rows.end, fits: Fits::new(model, unseen) })
-}
-
-fn question(args: &IdentifyArgs, table: &Table, (u, y): (usize, usize), range: &Range<usize>) -> Question {
-    Question {
-        file: args.file.display().to_string(),
-        rows: table.rows(),
-        from: range.start,
-        to: range.end,
-        u: table.name(u),
-        y: table.name(y),
-        order: args.order,
-        ts_s: args.ts,
-        lambda: args.lambda,
-        detrend: args.detrend,
-    }
 }
 
 fn initial_state(order: Order) -> String {

@@ -4,12 +4,13 @@ use std::fmt::{self, Display};
 
 use serde::Serialize;
 
-use super::Detrend;
-use super::estimate::Gain;
+use super::detrend::Detrend;
+use super::estimate::Uncertain;
 use super::findings::{Findings, Fits, Parameter};
 use super::model::Order;
 use super::poles::Complex;
 use super::warning::Warning;
+use crate::commands::terminal::{WARNING, styled};
 
 /// All results; `--json` prints this as one flat object. What does not exist is null.
 #[derive(Clone, Debug, Serialize)]
@@ -52,8 +53,10 @@ pub struct Question {
     pub ts_s: f64,
     /// Forgetting factor.
     pub lambda: f64,
-    /// What was removed from u and y beforehand.
+    /// What was done about the values at rest.
     pub detrend: Detrend,
+    /// Whether that was left to the program.
+    pub detrend_chosen: bool,
 }
 
 /// Fits in the validation range.
@@ -77,7 +80,8 @@ impl Display for Report {
         if !self.warnings.is_empty() {
             writeln!(f)?;
         }
-        self.warnings.iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))
+        let head = styled(WARNING, "warning:");
+        self.warnings.iter().try_for_each(|warning| writeln!(f, "{head} {warning}"))
     }
 }
 
@@ -102,11 +106,16 @@ impl Question {
         let Self { file, rows, from, to, u, y, ts_s, lambda, .. } = self;
         let Order { na, nb, nk } = self.order;
         let detrend = match self.detrend {
-            Detrend::None => "no offset removed",
+            Detrend::Auto | Detrend::None => "no offset removed",
             Detrend::Mean => "means removed",
+            Detrend::Offset => "offset of y estimated",
         };
         writeln!(f, "ARX({na},{nb},{nk}) from {u} to {y}, {file}")?;
-        writeln!(f, "rows {from}:{to} of {rows}, {ts_s} s apart; lambda {lambda}, {detrend}\n")
+        writeln!(f, "rows {from}:{to} of {rows}, {ts_s} s apart; lambda {lambda}, {detrend}")?;
+        if self.detrend_chosen && self.detrend == Detrend::Offset {
+            writeln!(f, "since {y} is not zero while {u} is; --detrend none takes it as if it were")?;
+        }
+        writeln!(f)
     }
 }
 
@@ -128,10 +137,15 @@ impl Findings {
         line(
             "static gain",
             match self.static_gain {
-                Some(Gain { value, sd }) => format!("{} +- {} {y} per {u}", digits(value, 4), digits(sd, 2)),
+                Some(Uncertain { value, sd }) => {
+                    format!("{} +- {} {y} per {u}", digits(value, 4), digits(sd, 2))
+                }
                 None => "none: the data do not determine it, or the model integrates".into(),
             },
         )?;
+        if let Some(Uncertain { value, sd }) = self.output_at_zero_input {
+            line("offset", format!("{} +- {} {y} where {u} is 0", digits(value, 4), digits(sd, 2)))?;
+        }
         line(
             "bandwidth",
             match self.bandwidth_rad_s {

@@ -1,5 +1,6 @@
 //! A recording: rows of numbers in a text file, read column by column.
 
+use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
 
@@ -20,13 +21,19 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads a file.
+    /// Reads a file; `-` is standard input.
     ///
     /// # Errors
     /// The file cannot be read, a line has another number of cells than the first one, or there is no data.
     pub fn read(path: &Path) -> anyhow::Result<Self> {
-        let file = path.display().to_string();
-        let bytes = std::fs::read(path).with_context(|| format!("cannot read {file}"))?;
+        let (file, bytes) = match path.to_str() {
+            Some("-") => {
+                let mut bytes = Vec::new();
+                ("standard input".into(), std::io::stdin().read_to_end(&mut bytes).map(|_| bytes))
+            }
+            _ => (path.display().to_string(), std::fs::read(path)),
+        };
+        let bytes = bytes.with_context(|| format!("cannot read {file}"))?;
         // Lossy: a degree sign in an old encoding must not keep anyone from the numbers.
         Self::parse(file, &String::from_utf8_lossy(&bytes))
     }
@@ -49,6 +56,16 @@ impl Table {
         let header = rows.first().is_some_and(is_header).then(|| rows.remove(0));
         ensure!(!rows.is_empty(), "{file} contains no data rows");
         Ok(Self { file, header, rows, decimal_comma })
+    }
+
+    /// What to call the file.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Whether the first line names the columns.
+    pub fn has_header(&self) -> bool {
+        self.header.is_some()
     }
 
     /// How many data rows there are; comments, empty lines and the header do not count.
@@ -115,7 +132,8 @@ impl Table {
         Ok(value)
     }
 
-    fn width(&self) -> usize {
+    /// How many columns there are.
+    pub fn width(&self) -> usize {
         self.rows.first().map_or(0, StringRecord::len)
     }
 

@@ -58,6 +58,28 @@ pub enum Warning {
     },
     /// Rows were used both to estimate and to validate.
     ValidationOverlaps,
+    /// The times of the rows are not equally spaced.
+    TimesUneven {
+        /// Column of the times.
+        column: String,
+        /// The first row that comes too early or too late.
+        row: usize,
+        /// How long after the row before it, s.
+        step_s: f64,
+        /// The usual step, s.
+        usual_s: f64,
+        /// How many rows come too early or too late.
+        places: usize,
+    },
+    /// The times of the rows are not `--ts` apart.
+    TimesContradictTs {
+        /// Column of the times.
+        column: String,
+        /// The usual step, s.
+        usual_s: f64,
+        /// What was asked for, s.
+        ts_s: f64,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -106,6 +128,18 @@ impl fmt::Display for Warning {
                 "the output comes in steps of about {step:.3} ({levels} values), larger than the residuals: the steps \
                  act as noise that is not random"
             ),
+            Self::TimesUneven { column, row, step_s, usual_s, places } => write!(
+                f,
+                "the times are uneven: by column {column}, row {row} is {} s after the row before it, and {usual_s} s is usual \
+                 ({places} such places); the model takes all rows as equally spaced, so leave gaps out with --from and \
+                 --to, or resample",
+                (step_s * 1e6).round() / 1e6
+            ),
+            Self::TimesContradictTs { column, usual_s, ts_s } => write!(
+                f,
+                "--ts is {ts_s} s, but column {column} rises by {usual_s} a row: bandwidth and time constants are wrong, \
+                 unless that column is not in s"
+            ),
             Self::ValidationOverlaps => {
                 write!(f, "the validation rows overlap the estimation rows: their fit proves less")
             }
@@ -127,18 +161,20 @@ pub fn warnings(s: &Signals, e: &Estimate) -> Vec<Warning> {
     let stable = is_stable(&roots(&e.model.a));
     let noise_seen = rms(&e.residuals) > ROUNDING * rms(&s.y);
     let residuals = [coloured(e), order_high(e), coarse(s, e)];
-    let all = [input(s, e.model.order.nb), undetermined(e), gain(e), (!stable).then_some(Warning::Unstable)];
+    let all = [input(s, e), undetermined(e), gain(e), (!stable).then_some(Warning::Unstable)];
     all.into_iter().chain(residuals.into_iter().filter(|_| noise_seen)).flatten().collect()
 }
 
-fn input(s: &Signals, nb: usize) -> Option<Warning> {
-    let u = &s.u;
+fn input(s: &Signals, e: &Estimate) -> Option<Warning> {
+    let (u, nb) = (&s.u, e.model.order.nb);
     let (min, max) = u.iter().fold((u[0], u[0]), |(min, max), &u| (min.min(u), max.max(u)));
     let changes = u.windows(2).filter(|w| w[0] != w[1]).count();
     let swing = (max - min) / rms(u);
     match changes {
         0 => Some(Warning::InputConstant),
-        _ if swing < SWING_MIN => Some(Warning::InputSwingSmall { swing_pct: 100.0 * swing }),
+        _ if swing < SWING_MIN && e.output_at_zero.is_none() => {
+            Some(Warning::InputSwingSmall { swing_pct: 100.0 * swing })
+        }
         _ if changes < nb => Some(Warning::InputChangesRarely { changes }),
         _ => None,
     }

@@ -1,4 +1,4 @@
-//! `host-sim replay`: runs the core again on the codes of a recording, and says whether it comes to what the recording says.
+//! `pt326 replay`: runs the core again on the codes of a recording, and says whether it comes to what the recording says.
 //!
 //! A recording is the log of a board, as `probe-rs run` or `defmt-print` prints it, or a `trace.csv`. The board's log
 //! carries bits, and bits are compared; a trace carries numbers that read back to the same bits.
@@ -6,36 +6,46 @@
 mod board_log;
 mod trace_file;
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, ensure};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Command, Config, Instrument, Percent, RawSample, Report, Tick};
 
-use crate::commands::run;
-use crate::experiment::{Origin, Record, Row, as_written, truth};
+use super::results::Folder;
+use super::run;
+use super::terminal::{BAD, GOOD, progress, styled};
+use crate::experiment::{Origin, Record, Row, as_written, tick_time, truth, with_prbs_phase};
 use crate::record::trace::Column;
+use crate::settings;
 use pt326_rig::fault::Fault;
 
 /// Arguments of `replay`.
 #[derive(Clone, Debug, clap::Args)]
-#[command(after_help = "Examples:
-  cargo fw-run | tee board.log          watch a board and keep its log
-  host-sim replay board.log --out replayed
-  host-sim replay out/trace.csv
+#[command(after_help = "\
+A board's log tells the board's settings. It must begin with the start of the board; where ticks are missing the replay \
+ends, since the state behind a gap is unknown.
 
-Settings that the board's log tells are taken from it. The log must hold the board from its start on; where records
-are missing, the replay ends, since the state behind a gap is unknown.")]
+A trace.csv does not tell settings: name those that it was made with, if they were not the default ones.
+
+The exit code is 2 if a single bit differs.
+
+Examples:
+  cargo fw-run | tee board.log              watch a board and keep its log, then
+  pt326 replay board.log
+  pt326 replay out/trace.csv")]
 pub struct ReplayArgs {
     /// The recording: a board's log as text, or a trace.csv.
     pub file: PathBuf,
     /// Settings that the recording was made with, TOML; on a board's log its own settings come on top.
     #[arg(long, value_name = "FILE.toml")]
     pub config: Option<PathBuf>,
-    /// Seed of the run that made a trace.csv: it moves the start of the excitation.
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// Folder for the replayed trace.csv, summary.json, figures and report.html.
+    /// Seed of the run that made a trace.csv: it moves the start of the excitation. Default: that of the
+    /// summary.json beside it, else 1.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Folder for the replayed trace.csv, summary.json, figures and report.html; made if need be.
     #[arg(long, value_name = "DIR", default_value = "replayed")]
     pub out: PathBuf,
 }
@@ -85,44 +95,71 @@ enum Said {
 struct Agreement {
     ticks: usize,
     differing: usize,
+    /// Time of the first tick that differs, s.
+    first: Option<f64>,
     /// The first few differences, in words.
     examples: Vec<String>,
 }
 
 /// Differences that are told one by one.
 const EXAMPLES: usize = 5;
+/// Another seed or other settings show within the first so many s.
+const START: f64 = 60.0;
+
+impl fmt::Display for Agreement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { ticks, differing, examples, .. } = self;
+        let Some(first) = self.first else {
+            let agrees = styled(GOOD, "agrees with the recording");
+            return writeln!(f, "The core {agrees} on all {ticks} ticks, bit for bit.");
+        };
+        let differs = styled(BAD, "differs from the recording");
+        writeln!(f, "The core {differs} on {differing} of {ticks} ticks, first at {first:.2} s:")?;
+        examples.iter().try_for_each(|example| writeln!(f, "  {example}"))?;
+        if first < START {
+            writeln!(
+                f,
+                "A difference so early means another seed or other settings than those of the recording, which \
+                 --seed and\n--config name, or another version of this program. What follows is then not what was recorded."
+            )?;
+        }
+        Ok(())
+    }
+}
 
 /// Replays a recording.
 ///
 /// # Errors
 /// A file that is no recording, by line; outputs that differ from what was recorded.
 pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
-    let config = crate::settings::read(args.config.as_deref())?;
     let text =
         std::fs::read_to_string(&args.file).with_context(|| format!("can't read {}", args.file.display()))?;
-    let mut recording = read(&text, config, args.seed).with_context(|| args.file.display().to_string())?;
-    trace_file::use_summary(&mut recording, &text, &args.file);
+    let recording = read(&text, args).with_context(|| args.file.display().to_string())?;
+    let folder = Folder::open(&args.out)?;
     let (record, agreement) = rerun(&recording, &args.file)?;
-    for remark in &recording.remarks {
-        println!("note: {remark}");
-    }
-    run::tell(&record, &args.out)?;
-    let Agreement { ticks, differing, examples } = agreement;
-    if differing == 0 {
-        println!("The core agrees with the recording on all {ticks} ticks, bit for bit.");
-        return Ok(());
-    }
-    examples.iter().for_each(|example| println!("  {example}"));
-    bail!("the core differs from the recording on {differing} of {ticks} ticks")
+    let remarks: String = recording.remarks.iter().map(|remark| format!("note: {remark}\n")).collect();
+    run::tell(&record, &folder, &format!("{remarks}{agreement}\n"))?;
+    let Agreement { ticks, differing, .. } = agreement;
+    ensure!(differing == 0, "the core differs from the recording on {differing} of {ticks} ticks");
+    Ok(())
 }
 
-fn read(text: &str, config: Config, seed: u64) -> anyhow::Result<Recording> {
-    let header = text.lines().next().unwrap_or_default();
-    if header.starts_with("t_s,") {
-        trace_file::read(text, &crate::experiment::with_prbs_phase(&config, seed))
+fn read(text: &str, args: &ReplayArgs) -> anyhow::Result<Recording> {
+    let config = settings::read(args.config.as_deref())?;
+    if text.starts_with("t_s,") {
+        let seed = args.seed.or_else(|| seed_beside(&args.file)).unwrap_or(1);
+        let mut recording = trace_file::read(text, &with_prbs_phase(&config, seed))?;
+        trace_file::use_summary(&mut recording, text, &args.file);
+        Ok(recording)
     } else {
         board_log::read(text, config)
     }
+}
+
+/// The seed in the summary.json beside a trace, if there is one.
+fn seed_beside(trace: &Path) -> Option<u64> {
+    let summary = std::fs::read_to_string(trace.with_file_name("summary.json")).ok()?;
+    serde_json::from_str::<serde_json::Value>(&summary).ok()?.get("seed")?.as_u64()
 }
 
 /// Runs the core on the recorded inputs.
@@ -135,6 +172,7 @@ fn rerun(recording: &Recording, file: &Path) -> anyhow::Result<(Record, Agreemen
     let sample_time = as_written(config.sample_time.0);
     let mut rows = Vec::with_capacity(recording.ticks.len());
     let mut agreement = Agreement::default();
+    let bar = progress(recording.ticks.len() as u64, "ticks");
     for recorded in &recording.ticks {
         for order in &recorded.orders {
             match order {
@@ -147,8 +185,10 @@ fn rerun(recording: &Recording, file: &Path) -> anyhow::Result<(Record, Agreemen
         let report = instrument.diagnose(&tick, recorded.applied.unwrap_or(tick.drive));
         agreement.compare(recorded, &tick, &report, sample_time);
         let now = f64::from(tick.index) * sample_time;
-        rows.push(Row { truth: truth(&recording.faults, now), tick, report });
+        rows.push(Row { tick, report, truth: truth(&recording.faults, now) });
+        bar.inc(1);
     }
+    bar.finish_and_clear();
     let origin = Origin::Recorded { file: file.display().to_string() };
     let record = Record::new(origin, config, &recording.faults, rows, instrument.baseline().copied());
     Ok((record, agreement))
@@ -161,10 +201,14 @@ impl Agreement {
             Said::Bits(bits) => board_log::differences(bits, recorded, tick, report),
             Said::Cells(cells) => trace_file::differences(cells, tick, report, sample_time),
         };
-        self.differing += usize::from(!differences.is_empty());
-        let ambient = EXAMPLES.saturating_sub(self.examples.len());
+        if differences.is_empty() {
+            return;
+        }
+        self.differing += 1;
+        self.first.get_or_insert(tick_time(tick.index, sample_time));
+        let room = EXAMPLES.saturating_sub(self.examples.len());
         let told = differences.into_iter().map(|d| format!("tick {}: {d}", tick.index));
-        self.examples.extend(told.take(ambient));
+        self.examples.extend(told.take(room));
     }
 }
 
@@ -181,8 +225,12 @@ mod tests {
         String::from_utf8(trace).unwrap()
     }
 
+    fn args(seed: u64) -> ReplayArgs {
+        ReplayArgs { file: "nowhere".into(), config: None, seed: Some(seed), out: "nowhere".into() }
+    }
+
     fn agreement(text: &str, seed: u64) -> Agreement {
-        let recording = read(text, Config::default(), seed).unwrap();
+        let recording = read(text, &args(seed)).unwrap();
         rerun(&recording, Path::new("test")).unwrap().1
     }
 
@@ -220,9 +268,7 @@ mod tests {
         let turned: String = trace.lines().map(turned).collect();
         let agreement = agreement(&turned, 1);
         assert_eq!((agreement.ticks, agreement.differing), (181, 0), "{:?}", agreement.examples);
-        let Err(error) = read(&trace.replace("mode", "node"), Config::default(), 1) else {
-            panic!("no mode")
-        };
+        let Err(error) = read(&trace.replace("mode", "node"), &args(1)) else { panic!("no mode") };
         assert!(format!("{error:#}").contains("column mode"), "{error:#}");
     }
 
@@ -246,7 +292,7 @@ mod tests {
             trace.lines().map(|line| line.split(',').take(40).collect::<Vec<_>>().join(",")).collect();
         let replayed = agreement(&older.join("\n"), 1);
         assert_eq!((replayed.ticks, replayed.differing), (181, 0), "{:?}", replayed.examples);
-        let remarks = read(&older.join("\n"), Config::default(), 1).unwrap().remarks;
+        let remarks = read(&older.join("\n"), &args(1)).unwrap().remarks;
         assert!(remarks[0].contains("alarm, verdict") && remarks[0].contains("not compared"), "{remarks:?}");
         let line = trace.lines().nth(100).unwrap();
         let changed = line.strip_suffix(",0,,,,,").map(|head| format!("{head},1,,,,,")).unwrap();
@@ -262,9 +308,9 @@ mod tests {
         let whole = agreement(&log, 1);
         assert_eq!((whole.ticks, whole.differing), (545, 0), "{:?}", whole.examples);
         let gapped: Vec<&str> = log.lines().filter(|line| !line.contains(" tick 64 ")).collect(); // tick 100
-        let recording = read(&gapped.join("\n"), Config::default(), 1).unwrap();
+        let recording = read(&gapped.join("\n"), &args(1)).unwrap();
         assert_eq!(recording.ticks.len(), 100);
         assert!(recording.remarks[0].contains("100"), "{:?}", recording.remarks);
-        assert!(read("no log at all\n", Config::default(), 1).is_err());
+        assert!(read("no log at all\n", &args(1)).is_err());
     }
 }

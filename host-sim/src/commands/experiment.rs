@@ -1,0 +1,44 @@
+//! What describes an experiment, on the command line of `run`, `repeat` and `console`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use fdi_core::Config;
+use pt326_rig::Disturbance;
+
+use crate::experiment::FaultSize;
+use crate::experiment::scenario::{self, Scenario};
+use crate::settings;
+
+/// What describes an experiment.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ExperimentArgs {
+    /// How much the surroundings move: none, calm (room drift), lively (and air flow and mains). Default: the
+    /// scenario's, calm.
+    #[arg(long)]
+    pub disturbance: Option<Disturbance>,
+    /// Size of the faults: small, nominal, large, or a factor on the nominal departure (negative: the other way).
+    #[arg(long, default_value = "nominal", allow_negative_numbers = true)]
+    pub fault_size: FaultSize,
+    /// Settings of the instrument, TOML; see `pt326 config`.
+    #[arg(long, value_name = "FILE.toml")]
+    pub config: Option<PathBuf>,
+    /// Rig and faults, TOML; see `pt326 scenario`.
+    #[arg(long, value_name = "FILE.toml")]
+    pub scenario: Option<PathBuf>,
+}
+
+impl ExperimentArgs {
+    /// Reads and checks what the arguments name.
+    ///
+    /// # Errors
+    /// The file, line, key or value that is wrong.
+    pub fn load(&self) -> anyhow::Result<(Config, Scenario)> {
+        let config = settings::read(self.config.as_deref())?;
+        let mut scenario = scenario::read_scenario(self.scenario.as_deref())?;
+        scenario.disturbance = self.disturbance.unwrap_or(scenario.disturbance);
+        scenario.faults = scenario.faults.iter().map(|fault| self.fault_size.apply(fault)).collect();
+        scenario.validate()?;
+        Ok((config, scenario))
+    }
+}

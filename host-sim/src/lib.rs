@@ -1,5 +1,8 @@
 //! The PT-326 instrument on the host: the same [`fdi_core`] that the board runs, against a simulated rig.
 
+// `println!` panics when the reader of a pipe goes away (`pt326 run | head`): `commands::terminal::print`.
+#![warn(clippy::print_stdout)]
+
 pub mod campaign;
 pub mod commands;
 pub mod experiment;

@@ -3,18 +3,17 @@
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
-use anstyle::AnsiColor::Red;
 use clap::Parser;
 use host_sim::commands::Cli;
+use host_sim::commands::terminal::{BAD, in_words, styled};
 
 fn main() -> ExitCode {
     match Cli::parse().run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            let style = Red.on_default().bold();
             // Standard error may be closed, too: then there is nobody to tell.
-            let _ = writeln!(anstream::stderr(), "{style}error:{style:#} {error:#}");
+            let _ = writeln!(anstream::stderr(), "{} {}", styled(BAD, "error:"), in_words(&error));
             ExitCode::from(2)
         }
     }

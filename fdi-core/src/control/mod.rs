@@ -131,7 +131,7 @@ impl Controller {
         self.supervisor.hazard_seen(&state.supervisor)
     }
 
-    /// Takes in one sample and decides the drive.
+    /// One sample, and the drive that follows from it.
     pub fn step(&self, state: &mut ControllerState, raw: RawSample) -> Tick {
         let excited = state.excitation.0.abs() >= self.supervisor.min_excitation();
         let sample = self.sensing.step(&mut state.sensing, raw, excited);

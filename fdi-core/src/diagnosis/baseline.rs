@@ -24,7 +24,7 @@ impl<const M: usize> Default for Statistics<M> {
 }
 
 impl<const M: usize> Statistics<M> {
-    /// Takes in one sample of each signal; all must be finite.
+    /// One sample of each signal; all must be finite.
     pub fn push(&mut self, x: &[f32; M]) {
         self.count = self.count.saturating_add(1);
         let inv_count = 1.0 / self.count as f32;
@@ -111,7 +111,7 @@ pub struct Learner {
 }
 
 impl Learner {
-    /// Takes in one fault-free sample of the features, raw and low-passed.
+    /// One fault-free sample of the features, raw and low-passed.
     pub fn push(&mut self, raw: &[f32; RESIDUALS], filtered: &[f32; RESIDUALS]) {
         self.raw.push(raw);
         self.filtered.push(filtered);

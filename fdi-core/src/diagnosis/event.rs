@@ -63,7 +63,7 @@ pub struct EventState {
 }
 
 impl EventRules {
-    /// Takes in what one tick said.
+    /// What has happened, by the verdict of a tick.
     pub fn step(&self, state: &mut EventState, tick: u32, symptoms: &Symptoms, fdv: u8, fiv: u8) -> Events {
         if *symptoms != state.symptoms {
             for i in 0..symptoms.len() {

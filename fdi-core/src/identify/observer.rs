@@ -96,7 +96,7 @@ impl Observer {
         }
     }
 
-    /// Takes in the rise `y[k]` in degC (`None` where it is invalid) and the power applied from now on, in %.
+    /// One sample: the rise `y[k]` in degC (`None` where it is invalid) and the power applied from now on, in %.
     pub fn step(&self, state: &mut ObserverState, y: Option<f32>, power: f32) -> Observation {
         let step = self.arx.step(&mut state.arx, y, power);
         let mut gain = None;

@@ -88,7 +88,7 @@ impl<const N: usize> Rls<N> {
         RlsState { theta: [0.0; N], u: [[0.0; N]; N], d: [self.d_initial; N], resets: 0 }
     }
 
-    /// Takes in one sample `y` with its regressor `phi`, both scaled.
+    /// One sample `y` with its regressor `phi`, both scaled.
     ///
     /// Total: whatever comes in, the state stays finite; where it would not, it is reset and the update says `diverged`.
     #[inline]

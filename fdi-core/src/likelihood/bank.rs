@@ -120,7 +120,7 @@ impl Correlator {
 
 /// What the bank holds for a signature.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Statistics {
+pub(super) struct Evidence {
     /// Residual sum of squares that its fixed part leaves.
     pub(super) fixed: f32,
     /// Of its scaled part.
@@ -314,12 +314,12 @@ impl Bank {
 
     /// What it holds for each signature, in the order of [`Signature`].
     #[inline(always)]
-    pub(super) fn statistics(&self) -> [Statistics; COUNT] {
+    pub(super) fn evidence(&self) -> [Evidence; COUNT] {
         let energy = self.energy();
         let none = Correlator::default();
-        let mut all = [Statistics { fixed: f32::MAX, correlator: none }; COUNT];
+        let mut all = [Evidence { fixed: f32::MAX, correlator: none }; COUNT];
         let mut set = |signature: Signature, fixed: f32, correlator: Correlator| {
-            all[signature as usize] = Statistics { fixed, correlator };
+            all[signature as usize] = Evidence { fixed, correlator };
         };
         set(Signature::T1Offset, energy, self.offset[0]);
         set(Signature::T2Offset, energy, self.offset[1]);

@@ -188,3 +188,40 @@ impl Answer {
         gap > AFTER_TICKS && gap > AFTER_SIGMA * sd
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A response of this area and centroid, well known.
+    fn answer(area: f32, late: f32) -> Answer {
+        Answer { area, area_sd: 0.001, late, late_sd: 0.05 }
+    }
+
+    /// The table at the head of this file, row by row.
+    #[test]
+    fn each_row_of_the_table_is_concluded() {
+        let silent = || answer(0.0, 0.0);
+        let [t1, t2] = [answer(0.3, 5.0), answer(0.28, 7.0)];
+        let warm = [Some(22.0), Some(42.0), Some(41.0)];
+        let at = |t0: f32, t1: f32, t2: f32| [Some(t0), Some(t1), Some(t2)];
+        let said = |answers: [Answer; 3], readings, t2_warmer| contradiction(&answers, readings, t2_warmer);
+        assert_eq!(said([silent(), t1, t2], warm, false), None);
+        assert_eq!(judge(&[silent(), t1, t2], warm, false), Judgement::Agree);
+        assert_eq!(said([silent(), silent(), t2], at(22.0, 22.5, 41.0), false), Some(FaultClass::T1Detached));
+        assert_eq!(said([silent(), silent(), t2], warm, false), Some(FaultClass::Stuck(Channel::T1)));
+        assert_eq!(said([silent(), t1, silent()], at(22.0, 42.0, 22.5), false), Some(FaultClass::T2Detached));
+        assert_eq!(said([silent(), t1, silent()], warm, false), None);
+        assert_eq!(said([t1, silent(), t2], warm, false), Some(FaultClass::Swapped(Pair::T0T1)));
+        assert_eq!(said([t2, t1, silent()], warm, false), Some(FaultClass::Swapped(Pair::T0T2)));
+        assert_eq!(said([silent(), t2, t1], warm, false), Some(FaultClass::Swapped(Pair::T1T2)));
+        assert_eq!(said([silent(), t1, t2], warm, true), Some(FaultClass::T1Detached));
+        assert_eq!(said([silent(), t1, t2], at(60.0, 42.0, 41.0), false), Some(FaultClass::T0Fault));
+    }
+
+    #[test]
+    fn too_little_seen_concludes_nothing() {
+        let unknown = Answer { area: 0.3, area_sd: 0.1, late: 5.0, late_sd: 2.0 };
+        assert_eq!(judge(&[unknown; 3], [Some(22.0), Some(42.0), Some(41.0)], false), Judgement::Open);
+    }
+}

@@ -149,3 +149,53 @@ impl Models {
         (1..NB).find(|_| self.heater_to_t1.simulate(&mut unit, 1.0) >= visible).unwrap_or(NB)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::{Celsius, Percent};
+
+    /// A rig of the models' own form, in f64: what it does is found again, and the simulation goes on where it is.
+    #[test]
+    fn a_rig_of_the_models_form_is_found_again() {
+        let config = IdentificationConfig {
+            y_scale: Celsius(12.5),
+            u_scale: Percent(41.7),
+            ..IdentificationConfig::default()
+        };
+        let fit = Fit::new(&config).unwrap();
+        let (mut s, mut seed) = (fit.start(), 5u32);
+        let (mut y1, mut y2, mut u) = ([0.0f64; 2], [0.0f64; 2], [0.0f64; 3]);
+        for k in 0..2000 {
+            // y1 = 0.8 y1 + 0.02 u[k-2] + 0.03 u[k-3];  y2 = 0.6 y2 + 0.3 y1 + 0.06 y1[k-1]
+            let next = 0.8 * y1[0] + 0.02 * u[1] + 0.03 * u[2];
+            y1 = [next, y1[0]];
+            y2 = [0.6 * y2[0] + 0.3 * y1[0] + 0.06 * y1[1], y2[0]];
+            seed = seed.wrapping_mul(1664525).wrapping_add(1013904223);
+            let power = if seed >> 31 == 0 { 35.0 } else { 45.0 };
+            u = [power, u[0], u[1]];
+            let lost = k % 97 == 5;
+            fit.step(&mut s, [(!lost).then_some(y1[0] as f32), Some(y2[0] as f32)], power as f32);
+        }
+        let (models, mut simulations) = fit.finish(&s).unwrap();
+        assert!((models.heater_to_t1.gain() - 0.25).abs() < 1e-3, "{models:?}");
+        assert!((models.t1_to_t2.gain() - 0.9).abs() < 1e-3, "{models:?}");
+        assert_eq!(models.dead_ticks(), 3, "0.02 of 0.25 is not visible yet, 0.066 is");
+        for _ in 0..50 {
+            let next = 0.8 * y1[0] + 0.02 * u[1] + 0.03 * u[2];
+            y1 = [next, y1[0]];
+            y2 = [0.6 * y2[0] + 0.3 * y1[0] + 0.06 * y1[1], y2[0]];
+            u = [60.0, u[0], u[1]];
+            let [s1, s2, s3] = models.step(&mut simulations, y1[0] as f32, 60.0);
+            for (simulated, wanted) in [(s1, y1[0]), (s2, y2[0]), (s3, y2[0])] {
+                assert!((f64::from(simulated) - wanted).abs() < 0.02, "{simulated} instead of {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_has_not_been_excited_is_no_model() {
+        let fit = Fit::new(&IdentificationConfig::default()).unwrap();
+        assert_eq!(fit.finish(&fit.start()).err(), Some(RejectReason::Gain), "nothing seen");
+    }
+}

@@ -1,7 +1,7 @@
 //! The likelihood diagnosis: a second opinion beside the paper's signatures, faster, surer, and for more faults.
 //!
 //! Two models are trained while nothing is wrong and then frozen: power -> y1 and y1 -> y2. Run as simulations they give
-//! three residuals, each blind to one place: y1 against the power (T2), y2 against the power (T1), y2 against y1 (the
+//! three structured residuals, each blind to one place: y1 against the power (T2), y2 against the power (T1), y2 against y1 (the
 //! process). Whitened, they feed cumulative sum charts; a bank of matched filters says which fault explains them best.
 //!
 //! ```text
@@ -272,5 +272,29 @@ impl LikelihoodState {
             None if self.training.is_some() => Readiness::Training,
             None => Readiness::Untrained,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A broken wire before the models, the models before a contradiction, that before a lost thermistor and before no name.
+    #[test]
+    fn of_several_findings_the_most_telling_is_reported() {
+        let named = |class| Some(Finding { class, confidence: 1.0, magnitude: None, onset: 0 });
+        let class = |by_sensors, by_models, without_models| {
+            preferred(by_sensors, by_models, without_models).map(|finding| finding.class)
+        };
+        let open = named(FaultClass::Open(Channel::T1));
+        let lost = named(FaultClass::Lost(Channel::T2));
+        let [offset, unknown, detached] =
+            [FaultClass::T2Offset, FaultClass::Unknown, FaultClass::T1Detached].map(named);
+        assert_eq!(class(open, offset, detached), Some(FaultClass::Open(Channel::T1)));
+        assert_eq!(class(lost, offset, detached), Some(FaultClass::T2Offset));
+        assert_eq!(class(lost, unknown, detached), Some(FaultClass::T1Detached));
+        assert_eq!(class(lost, unknown, None), Some(FaultClass::Lost(Channel::T2)));
+        assert_eq!(class(None, unknown, None), Some(FaultClass::Unknown));
+        assert_eq!(class(None, None, None), None);
     }
 }

@@ -81,3 +81,52 @@ impl ResidualStatistics {
         Ok(NoiseModel { mean, sd: sqrt(r[0]), slow_sd, whitener })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A residual that is correlated, with a mean and slow disturbance, and an output that moves much more.
+    fn sequence(k: usize) -> (f32, f32) {
+        let hash = (k as u32).wrapping_mul(2654435761);
+        let jitter = (hash >> 16) as f32 / 65536.0 - 0.5;
+        (
+            0.2 + 0.1 * libm::sinf(0.7 * k as f32) + 0.2 * libm::sinf(0.03 * k as f32) + 0.1 * jitter,
+            20.0 + 2.0 * libm::sinf(0.2 * k as f32),
+        )
+    }
+
+    /// Mean, standard deviation and slow disturbance by their definitions, in f64.
+    #[test]
+    fn statistics_are_those_of_the_definitions() {
+        const N: usize = 640;
+        let mut statistics = ResidualStatistics::default();
+        (0..N).for_each(|k| statistics.push(sequence(k).0, sequence(k).1));
+        let noise = statistics.finish().unwrap();
+        let e = |k: usize| f64::from(sequence(k).0);
+        let mean = (0..N).map(e).sum::<f64>() / N as f64;
+        let variance = (0..N).map(|k| (e(k) - mean).powi(2)).sum::<f64>() / N as f64;
+        let (mut slow, mut squares) = (0.0, 0.0);
+        for k in 0..N {
+            slow += (e(k) - slow) / 20.0;
+            squares += slow * slow;
+        }
+        let slow_sd = libm::sqrt(squares / N as f64 - mean * mean);
+        let level = (0..N).map(|k| f64::from(sequence(k).1)).sum::<f64>() / N as f64;
+        let near =
+            |x: f32, wanted: f64| assert!((f64::from(x) - wanted).abs() < 1e-3, "{x} instead of {wanted}");
+        near(noise.mean, mean);
+        near(noise.sd, libm::sqrt(variance));
+        near(noise.slow_sd, slow_sd);
+        near(statistics.level(), level);
+        assert!(noise.whitener.sigma() < noise.sd, "what is correlated can be foreseen");
+    }
+
+    #[test]
+    fn a_model_that_explains_little_is_refused() {
+        let mut statistics = ResidualStatistics::default();
+        (0..640).for_each(|k| statistics.push(sequence(k).1 - 20.0, sequence(k).1));
+        assert_eq!(statistics.finish().err(), Some(RejectReason::PoorFit));
+        assert_eq!(ResidualStatistics::default().finish().err(), Some(RejectReason::PoorFit), "nothing seen");
+    }
+}

@@ -1,7 +1,7 @@
 //! The hypotheses ranked by what they leave unexplained. Residuals are white, so the residual sum of squares (RSS) of a hypothesis is -2 times its
 //! log-likelihood, but for a constant: the difference of two is twice a log-likelihood ratio. All margins here are in that unit.
 
-use super::bank::{Bank, Statistics};
+use super::bank::{Bank, Evidence};
 use super::class::FaultClass;
 use super::hypothesis::{COUNT, DETACHED, FLOW, HYPOTHESES, Hypothesis, PROCESS, Scale, Signature};
 use super::verdict::Magnitude;
@@ -86,7 +86,7 @@ impl Limit {
 }
 
 impl Ranking {
-    /// Ranks by the statistics of the bank; Ts in s.
+    /// Ranks by the evidence of the bank; Ts in s.
     #[inline(never)]
     pub(super) fn new(bank: &Bank, sample_time: f32) -> Self {
         let young = bank.age.saturating_add(bank.ago) as f32 * sample_time < EARLIEST_DRIFT;
@@ -100,10 +100,10 @@ impl Ranking {
             rival_rss: f32::MAX,
             sample_time,
         };
-        for (fitted, (row, statistics)) in
-            ranking.fitted.iter_mut().zip(HYPOTHESES.iter().zip(&bank.statistics()))
+        for (fitted, (row, evidence)) in
+            ranking.fitted.iter_mut().zip(HYPOTHESES.iter().zip(&bank.evidence()))
         {
-            *fitted = Fitted::new(statistics, row, sample_time);
+            *fitted = Fitted::new(evidence, row, sample_time);
             let too_early = young && row.scale == Scale::Drift;
             if fitted.rss + row.handicap < ranking.best_rss && !too_early {
                 (ranking.best, ranking.best_rss) = (row, fitted.rss);
@@ -247,12 +247,12 @@ impl Ranking {
 
 impl Fitted {
     #[inline(always)]
-    fn new(statistics: &Statistics, row: &Hypothesis, sample_time: f32) -> Self {
+    fn new(evidence: &Evidence, row: &Hypothesis, sample_time: f32) -> Self {
         let unit = if row.scale == Scale::Drift { sample_time } else { 1.0 };
         let (low, high) = row.bounds;
-        let correlator = &statistics.correlator;
+        let correlator = &evidence.correlator;
         let magnitude = correlator.best((low * unit, high * unit));
-        let rss = statistics.fixed - correlator.explained(magnitude);
+        let rss = evidence.fixed - correlator.explained(magnitude);
         Self { rss, magnitude, information: correlator.energy }
     }
 }

@@ -35,3 +35,35 @@ impl Sensors {
         found
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sense::Reading;
+    use crate::units::Celsius;
+
+    /// On which tick T1, and then T2, that reads so from tick 0 on is named, and as what.
+    fn named(validity: Validity) -> [Option<(u32, FaultClass)>; 2] {
+        let reading = |validity| Reading { celsius: Celsius(30.0), validity };
+        [true, false].map(|t1| {
+            let mut sensors = Sensors::default();
+            let good = reading(Validity::Good);
+            let sample = if t1 {
+                Sample { t0: good, t1: reading(validity), t2: good }
+            } else {
+                Sample { t0: good, t1: good, t2: reading(validity) }
+            };
+            (0..20).find_map(|tick| Some((tick, sensors.step(&sample, tick)?.class)))
+        })
+    }
+
+    #[test]
+    fn a_thermistor_is_named_by_what_it_gives() {
+        use Channel::{T1, T2};
+        assert_eq!(named(Validity::Good), [None; 2]);
+        assert_eq!(named(Validity::Open), [T1, T2].map(|c| Some((BROKEN - 1, FaultClass::Open(c)))));
+        assert_eq!(named(Validity::Short), [T1, T2].map(|c| Some((BROKEN - 1, FaultClass::Short(c)))));
+        assert_eq!(named(Validity::Missing), [T1, T2].map(|c| Some((LOST - 1, FaultClass::Lost(c)))));
+        assert_eq!(named(Validity::Stuck), [T1, T2].map(|c| Some((0, FaultClass::Stuck(c)))));
+    }
+}

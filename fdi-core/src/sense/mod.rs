@@ -6,7 +6,7 @@ pub mod thermistor;
 
 use crate::error::ConfigError;
 use crate::units::{AdcCode, Celsius, Seconds};
-use plausibility::{Channel, ChannelState, PlausibilityConfig};
+use plausibility::{Plausibility, PlausibilityConfig, PlausibilityState};
 use thermistor::{Thermistor, ThermistorConfig};
 
 /// One conversion result of each thermistor. NaN stands for "no sample".
@@ -100,17 +100,17 @@ pub struct SensorsConfig {
 /// The three sensing channels, validated.
 #[derive(Clone, Copy, Debug)]
 pub struct Sensing {
-    t0: Channel,
-    t1: Channel,
-    t2: Channel,
+    t0: Plausibility,
+    t1: Plausibility,
+    t2: Plausibility,
 }
 
 /// The memory of [`Sensing`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SensingState {
-    t0: ChannelState,
-    t1: ChannelState,
-    t2: ChannelState,
+    t0: PlausibilityState,
+    t1: PlausibilityState,
+    t2: PlausibilityState,
 }
 
 impl Sensing {
@@ -127,9 +127,9 @@ impl Sensing {
         let air = limits.stuck_time.ticks(sample_time);
         let ambient = limits.ambient_stuck_time.ticks(sample_time);
         Ok(Self {
-            t0: Channel::new(Thermistor::new(&sensors.t0, 0)?, limits, ambient),
-            t1: Channel::new(Thermistor::new(&sensors.t1, 1)?, limits, air),
-            t2: Channel::new(Thermistor::new(&sensors.t2, 2)?, limits, air),
+            t0: Plausibility::new(Thermistor::new(&sensors.t0, 0)?, limits, ambient),
+            t1: Plausibility::new(Thermistor::new(&sensors.t1, 1)?, limits, air),
+            t2: Plausibility::new(Thermistor::new(&sensors.t2, 2)?, limits, air),
         })
     }
 

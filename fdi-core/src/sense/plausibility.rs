@@ -63,15 +63,15 @@ const RATE_WINDOW: u16 = 0x3FF;
 
 /// One validated channel: conversion and limits.
 #[derive(Clone, Copy, Debug)]
-pub struct Channel {
+pub struct Plausibility {
     thermistor: Thermistor,
     limits: PlausibilityConfig,
     stuck_ticks: u32,
 }
 
-/// The memory of a [`Channel`].
+/// The memory of a [`Plausibility`].
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ChannelState {
+pub struct PlausibilityState {
     /// Last temperature taken as true, and its change in a tick.
     last: Option<Celsius>,
     slope: f32,
@@ -85,7 +85,7 @@ pub struct ChannelState {
     still_ticks: u32,
 }
 
-impl Channel {
+impl Plausibility {
     pub(crate) fn new(thermistor: Thermistor, limits: &PlausibilityConfig, stuck_ticks: u32) -> Self {
         Self { thermistor, limits: *limits, stuck_ticks }
     }
@@ -101,7 +101,7 @@ impl Channel {
     }
 
     /// Converts and judges one code. Total: any bit pattern gives a finite temperature and a validity.
-    pub fn step(&self, state: &mut ChannelState, code: AdcCode, excited: bool) -> Reading {
+    pub fn step(&self, state: &mut PlausibilityState, code: AdcCode, excited: bool) -> Reading {
         let limits = &self.limits;
         if code > limits.short_code && code < limits.open_code {
             let celsius = self.thermistor.celsius(code);
@@ -114,8 +114,8 @@ impl Channel {
 
     /// What is wrong with a sample that is wrong by itself; whatever was known of the motion before is forgotten.
     #[cold]
-    fn broken(&self, state: &mut ChannelState, code: AdcCode) -> Reading {
-        *state = ChannelState { last: state.last, ..ChannelState::default() };
+    fn broken(&self, state: &mut PlausibilityState, code: AdcCode) -> Reading {
+        *state = PlausibilityState { last: state.last, ..PlausibilityState::default() };
         if !(code.0 >= 0.0 && code.0 <= AdcCode::FULL_SCALE) {
             return Reading { celsius: state.last.unwrap_or_default(), validity: Validity::Missing };
         }
@@ -133,7 +133,13 @@ impl Channel {
     }
 
     /// Checks against the samples before.
-    fn motion(&self, state: &mut ChannelState, code: AdcCode, celsius: Celsius, excited: bool) -> Validity {
+    fn motion(
+        &self,
+        state: &mut PlausibilityState,
+        code: AdcCode,
+        celsius: Celsius,
+        excited: bool,
+    ) -> Validity {
         let stuck = self.is_stuck(state, code, excited);
         let change = state.last.map_or(0.0, |last| celsius.0 - last.0);
         let limit = self.limits.jump.0;
@@ -147,7 +153,7 @@ impl Channel {
         if stuck && validity == Validity::Good { Validity::Stuck } else { validity }
     }
 
-    fn is_stuck(&self, state: &mut ChannelState, code: AdcCode, excited: bool) -> bool {
+    fn is_stuck(&self, state: &mut PlausibilityState, code: AdcCode, excited: bool) -> bool {
         let moved = (code.0 - state.still_code).abs() > self.limits.stuck_band.0;
         if moved || !excited {
             state.still_code = code.0;
@@ -159,7 +165,7 @@ impl Channel {
     }
 }
 
-impl ChannelState {
+impl PlausibilityState {
     /// What a sample is worth on which, or shortly before which, the reading jumped.
     #[cold]
     fn doubt(&mut self, jumped: bool, change: f32) -> Validity {

@@ -2,7 +2,7 @@
 //! reads too little of the air (out of the tube, wholly or half, or mistaken for T0), and the loop overheats the rig.
 
 use super::config::SupervisorConfig;
-use super::normal::Normal;
+use super::operation::Operation;
 use super::{Situation, TripReason};
 use crate::bounds::larger;
 use crate::filter::LowPass;
@@ -43,7 +43,7 @@ impl Disagreement {
         state: &mut DisagreementState,
         now: &Situation,
         power: f32,
-        normal: &Normal,
+        operation: &Operation,
     ) -> Option<TripReason> {
         let (t1, t2) = (now.sample.t1, now.sample.t2);
         let readable = |validity| matches!(validity, Validity::Good | Validity::Spike | Validity::Rate);
@@ -52,7 +52,7 @@ impl Disagreement {
             let before = state.t1_before.get_or_insert(t1);
             self.low_pass.follow(before, t1);
             let before = *before;
-            let difference = normal.learnt().map_or(0.0, |learnt| learnt.t1_over_t2());
+            let difference = operation.learnt().map_or(0.0, |learnt| learnt.t1_over_t2());
             if !(t2 - larger(t1, before) + difference > self.limit) {
                 state.lasting = 0;
             } else if power > 0.0 {

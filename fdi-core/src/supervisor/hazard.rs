@@ -54,9 +54,9 @@ impl Supervisor {
 
     /// By how power and temperatures go together.
     fn heat_hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
-        let (power, normal) = (state.power, &state.normal);
-        let response = self.response.step(&mut state.response, now, power, normal);
-        let disagreement = self.disagreement.step(&mut state.disagreement, now, power, normal);
+        let (power, operation) = (state.power, &state.operation);
+        let response = self.response.step(&mut state.response, now, power, operation);
+        let disagreement = self.disagreement.step(&mut state.disagreement, now, power, operation);
         // A heater that gives more than it is asked for looks like too little air.
         let air_flow = now.feedback.air_flow.filter(|_| !now.feedback.heater_faulty);
         if air_flow.is_some_and(|flow| flow < self.config.min_air_flow) {
@@ -77,7 +77,7 @@ impl Supervisor {
             setpoint: now.setpoint,
             limit: self.config.over_temperature,
             power: Percent(state.power),
-            needed: state.normal.power_for(now.setpoint).map(Percent),
+            needed: state.operation.power_for(now.setpoint).map(Percent),
         }
     }
 }

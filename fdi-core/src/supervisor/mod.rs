@@ -17,7 +17,7 @@ pub mod config;
 mod disagreement;
 mod hazard;
 mod mode;
-mod normal;
+mod operation;
 mod response;
 mod unasked;
 
@@ -31,7 +31,7 @@ use crate::sense::{RawSample, Sample};
 use crate::units::{Celsius, Percent, Seconds};
 use config::SupervisorConfig;
 use disagreement::{Disagreement, DisagreementState};
-use normal::Normal;
+use operation::Operation;
 use response::{Response, ResponseState};
 use unasked::{Unasked, UnaskedState};
 
@@ -119,7 +119,7 @@ pub struct SupervisorState {
     forget: bool,
     /// Power asked for up to now, without the excitation, averaged, %.
     power: f32,
-    normal: Normal,
+    operation: Operation,
     response: ResponseState,
     disagreement: DisagreementState,
     unasked: UnaskedState,
@@ -194,23 +194,23 @@ impl Supervisor {
             _ => None,
         };
         let learn = matches!(state.mode, Mode::Learn { .. }) && blocker.is_none();
-        self.learn_normal(state, now, learn);
+        self.learn_operation(state, now, learn);
         Decision { learn, blocked, forget: core::mem::take(&mut state.forget) }
     }
 
     /// Learns what power and temperatures go together, beside the diagnosis and from the same samples.
-    fn learn_normal(&self, state: &mut SupervisorState, now: &Situation, learn: bool) {
+    fn learn_operation(&self, state: &mut SupervisorState, now: &Situation, learn: bool) {
         // An instrument that is armed before its first tick has that one only.
-        if !state.mode.is_heating() || state.normal.knows_no_ambient() {
-            state.normal.follow_ambient(now, self.sample_time);
+        if !state.mode.is_heating() || state.operation.knows_no_ambient() {
+            state.operation.follow_ambient(now, self.sample_time);
         }
         match state.mode {
-            Mode::Learn { accepted: 1 } => state.normal.begin(),
-            Mode::Monitor => state.normal.end(),
+            Mode::Learn { accepted: 1 } => state.operation.begin(),
+            Mode::Monitor => state.operation.end(),
             _ => {}
         }
         if learn {
-            state.normal.push(now);
+            state.operation.push(now);
         }
     }
 
@@ -278,13 +278,13 @@ impl Supervisor {
     /// The diagnosis has restored a baseline.
     pub fn restored(&self, state: &mut SupervisorState, baseline: &Baseline) {
         state.restored = true;
-        state.normal.restore(baseline);
+        state.operation.restore(baseline);
     }
 
     /// The thermistors mean other temperatures from now on: what was learnt of power and heat is to be learnt anew.
     pub(crate) fn recalibrated(&self, state: &mut SupervisorState) {
         state.forget = true;
-        (state.normal, state.unasked) = Default::default();
+        (state.operation, state.unasked) = Default::default();
     }
 
     /// The first limit that the settings of `new` widen.
@@ -311,7 +311,7 @@ impl Supervisor {
             ) => {
                 state.restored = false;
                 state.forget = true;
-                state.normal.forget();
+                state.operation.forget();
                 if mode.is_heating() { Mode::Settle { steady: 0 } } else { mode }
             }
             (Command::Stop, Mode::Tripped(trip), _) => Mode::Tripped(trip),

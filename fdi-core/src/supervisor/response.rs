@@ -6,7 +6,7 @@
 //! rule asks only whether T1 has risen at all since arming, and the second starts anew whenever T1 still rises.
 
 use super::config::SupervisorConfig;
-use super::normal::Normal;
+use super::operation::Operation;
 use super::{Situation, TripReason};
 use crate::bounds::{larger, smaller};
 use crate::units::{Percent, Seconds};
@@ -59,7 +59,7 @@ impl Response {
         state: &mut ResponseState,
         now: &Situation,
         power: f32,
-        normal: &Normal,
+        operation: &Operation,
     ) -> Option<TripReason> {
         // Without a reading the time goes on: a T1 that comes and goes answers no more than one that is out.
         let t1 = now.sample.t1.good();
@@ -70,7 +70,7 @@ impl Response {
             return Some(TripReason::NoResponse);
         }
         let needed =
-            normal.power_for(now.setpoint).filter(|_| !t1.is_some_and(|t1| t1 > now.setpoint.0 + ABOVE));
+            operation.power_for(now.setpoint).filter(|_| !t1.is_some_and(|t1| t1 > now.setpoint.0 + ABOVE));
         self.is_excessive(state, t1, power, needed).then_some(TripReason::ExcessPower)
     }
 

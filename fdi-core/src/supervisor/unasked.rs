@@ -3,7 +3,7 @@
 
 use super::Situation;
 use super::config::SupervisorConfig;
-use super::normal::AMBIENT_RATE;
+use super::operation::AMBIENT_RATE;
 use crate::bounds::{larger, smaller};
 use crate::sense::Validity;
 use crate::units::Seconds;

@@ -30,7 +30,7 @@ fn an_id_once_given_is_kept_or_retired_and_never_given_again() {
             )
         };
         assert!(!retired, "{line}: this id was {name}, which is retired: choose another name");
-        assert_eq!(*name, setting.name, "{line}: the list has another name for this id");
+        assert_eq!(*name, setting.name, "renamed: write {line:?} into setting_ids.txt");
     }
     for (id, name, retired) in &ids {
         let there = Config::settings().any(|setting| setting.id == *id);

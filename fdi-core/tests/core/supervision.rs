@@ -1,10 +1,11 @@
 //! Modes, commands, trips and events, without a rig: codes made by hand.
 
+use fdi_core::control::Controller;
 use fdi_core::diagnosis::event::{Event, EventRules, EventState};
 use fdi_core::diagnosis::signature::{PAPER_DETECTION, PAPER_ISOLATION, Pattern, Symptom, Symptoms, Table};
 use fdi_core::{
-    AdcCode, Celsius, Command, Config, ConfigError, Instrument, Mode, RawSample, Refusal, RetuneError,
-    TripReason, Validity,
+    AdcCode, Celsius, Command, Config, ConfigError, Feedback, Instrument, Mode, Percent, RawSample, Refusal,
+    RetuneError, TripReason, Validity,
 };
 
 const AMBIENT: f32 = 2160.0;
@@ -65,6 +66,30 @@ fn a_trip_latches_until_acknowledged_after_its_cause_has_gone() {
     instrument.command(Command::Arm).unwrap();
     let again = tick(&mut instrument, AMBIENT, 0);
     assert!(again.mode.is_heating() && again.pid.0 < 10.0, "it begins anew, from nothing: {}", again.pid);
+}
+
+/// The diagnosis says what it found; that lost air trips, and that a heater which gives more than it is asked for only looks
+/// like it, is decided by the supervisor.
+#[test]
+fn lost_air_trips_unless_the_heater_is_to_blame() {
+    let tripped = |found: Feedback| {
+        let controller = Controller::new(&Config::default()).unwrap();
+        let mut state = controller.start(Celsius(35.0));
+        controller.command(&mut state, Command::Arm).unwrap();
+        let room = AdcCode(AMBIENT);
+        controller.step(&mut state, RawSample { t0: room, t1: room, t2: room });
+        controller.feed_back(&mut state, found);
+        match controller.step(&mut state, RawSample { t0: room, t1: room, t2: room }).mode {
+            Mode::Tripped(trip) => Some(trip.reason),
+            _ => None,
+        }
+    };
+    let little = Feedback { air_flow: Some(Percent(20.0)), ..Feedback::default() };
+    assert_eq!(tripped(little), Some(TripReason::AirFlowLost));
+    assert_eq!(tripped(Feedback { heater_faulty: true, ..little }), None);
+    assert_eq!(tripped(Feedback { air_flow: Some(Percent(80.0)), ..little }), None);
+    let stuck_on = Feedback { heater_stuck_on: true, heater_faulty: true, ..little };
+    assert_eq!(tripped(stuck_on), Some(TripReason::HeaterStuckOn));
 }
 
 #[test]

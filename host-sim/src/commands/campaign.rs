@@ -33,7 +33,7 @@ use crate::campaign::store::{self, Header, Shard, Store};
   pt326 campaign merge part/runs.*.jsonl
   pt326 campaign show \"nominal/mfs1\" --run 17   that run with its trace, figures and report
 
-A campaign that was interrupted (Ctrl-C) goes on where it stopped when the same command is given again. Results of
+A campaign that was interrupted (Ctrl-C) goes on where it stopped when the same command is given again. Results of \
 another definition, other settings or another build of this program are refused; --fresh deletes them.
 
 Seeds 1 to 99999 are for tuning. Numbers to be reported come from seeds of 1000000 and more, which nothing may be tuned on."
@@ -52,9 +52,9 @@ pub struct CampaignArgs {
 pub enum CampaignCommand {
     /// Print the default campaign as commented TOML.
     Define,
-    /// Put the results of shards together, and write what a whole campaign writes.
+    /// Put the results of all parts together, and write what a whole campaign writes.
     Merge(MergeArgs),
-    /// One run of a cell, with its trace, figures and report.
+    /// Repeat one run of a cell, with its trace, figures and report.
     Show(ShowArgs),
 }
 
@@ -70,13 +70,14 @@ pub struct DefinitionArgs {
     /// Settings of the instrument, TOML; see `pt326 config`.
     #[arg(long, value_name = "FILE.toml")]
     pub config: Option<PathBuf>,
-    /// Few runs: less than a minute (the default campaign has a quarter of its runs).
+    /// A twentieth of the runs: less than a minute. Without --quick, --full or --scale, the default campaign does a
+    /// quarter of its runs, and that of a file all.
     #[arg(long, conflicts_with_all = ["full", "scale"])]
     pub quick: bool,
     /// All runs of the definition.
     #[arg(long, conflicts_with = "scale")]
     pub full: bool,
-    /// So many times the runs of the definition.
+    /// Multiply the numbers of runs by this.
     #[arg(long)]
     pub scale: Option<f64>,
     /// Only the cells whose name contains this.
@@ -88,7 +89,7 @@ pub struct DefinitionArgs {
     /// Repeat everything for each of some values of a setting; of several settings, for all combinations.
     #[arg(long, value_name = "KEY=VALUE,VALUE")]
     pub sweep: Vec<String>,
-    /// The same, but of several settings each by itself, beside all as they are: what is each worth?
+    /// The same, but vary one setting at a time: what is each worth?
     #[arg(long, value_name = "KEY=VALUE,VALUE")]
     pub vary: Vec<String>,
 }
@@ -119,7 +120,7 @@ pub struct MergeArgs {
     /// Results files of the shards, runs.*.jsonl.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Folder for what comes of it.
+    /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "out/campaign")]
     pub out: PathBuf,
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::experiment::ExperimentArgs;
-use super::terminal::{coloured, print, progress};
+use super::terminal::{HEAD, coloured, print, progress, styled};
 use crate::experiment;
 use crate::experiment::scenario::Scenario;
 use crate::record::summary::{FaultSummary, Summary};
@@ -190,34 +190,35 @@ fn table(r: &Repeated, scenario: &Scenario) -> String {
         "{} runs of {:.0} s, seeds {} to {last}, disturbance {}; median [5 %, 95 %], and how many runs missed it\n\n",
         r.runs, scenario.duration, r.from, scenario.disturbance
     );
-    let columns = [
+    let head = [
         "Fault",
         "detection delay, s",
         "missed",
         "isolation delay, s",
         "missed",
         "indicated, s",
-        "isolated share",
+        "isolated, %",
     ];
-    text += &line(columns.map(String::from));
+    text += &styled(HEAD, line(head.map(String::from)));
     for fault in &r.faults {
-        for (name, score) in [
+        let forms = [
             (fault.name.as_str(), &fault.signature),
-            ("  raw residuals", &fault.signature_raw),
+            ("  raw", &fault.signature_raw),
             ("  likelihood", &fault.likelihood),
-        ] {
+        ];
+        for (name, score) in forms {
             let missed = |s: &Spread| match s.runs {
                 0 => "-".to_string(),
                 runs => format!("{:.1} %", 100.0 * s.missed as f64 / runs as f64),
             };
             text += &line([
                 name.to_string(),
-                score.detection_delay_s.to_string(),
+                score.detection_delay_s.text(2, 1.0),
                 missed(&score.detection_delay_s),
-                score.isolation_delay_s.to_string(),
+                score.isolation_delay_s.text(2, 1.0),
                 missed(&score.isolation_delay_s),
-                score.indicated_duration_s.to_string(),
-                score.isolated_share.to_string(),
+                score.indicated_duration_s.text(1, 1.0),
+                score.isolated_share.text(0, 100.0),
             ]);
         }
     }
@@ -227,26 +228,57 @@ fn table(r: &Repeated, scenario: &Scenario) -> String {
          False alarms           fdv {}, fiv {} (low-passed), likelihood {} in all runs\n",
         named.collect::<Vec<_>>().join(", "),
         r.runs,
-        r.control_error_max_pct,
+        r.control_error_max_pct.text(2, 1.0),
         r.false_alarms_fdv,
         r.false_alarms_fiv,
         r.false_alarms_likelihood
     )
 }
 
+/// 100 columns.
 fn line([name, detection, missed, isolation, not_isolated, indicated, share]: [String; 7]) -> String {
     format!(
-        "{name:<15}  {detection:<18} {missed:<7}  {isolation:<19} {not_isolated:<7}  {indicated:<20}  {share}\n"
+        "{name:<13} {detection:<18} {missed:>6} {isolation:<20} {not_isolated:>6} {indicated:<17} {share:<14}"
     )
+    .trim_end()
+    .to_owned()
+        + "\n"
 }
 
-impl std::fmt::Display for Spread {
-    /// `median [p5, p95]`.
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl Spread {
+    /// `median [p5, p95]`, each times `factor`, or that there is none.
+    fn text(&self, decimals: usize, factor: f64) -> String {
         match (self.p5, self.median, self.p95) {
-            (Some(p5), Some(median), Some(p95)) => f.pad(&format!("{median:.2} [{p5:.2}, {p95:.2}]")),
-            _ if self.runs == 0 => f.pad("-"),
-            _ => f.pad("never"),
+            (Some(p5), Some(median), Some(p95)) => {
+                let [p5, median, p95] = [p5, median, p95].map(|x| format!("{:.decimals$}", factor * x));
+                format!("{median} [{p5}, {p95}]")
+            }
+            _ if self.runs == 0 => "-".into(),
+            _ => "never".into(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_of_the_table_fits_100_columns_and_keeps_its_columns_apart() {
+        let long = Spread { p5: Some(11.94), median: Some(12.61), p95: Some(21.3), missed: 9, runs: 200 };
+        let (delay, share) = (
+            long.text(2, 1.0),
+            Spread { p5: Some(1.0), median: Some(1.0), p95: Some(1.0), missed: 0, runs: 200 },
+        );
+        assert_eq!(
+            (delay.as_str(), share.text(0, 100.0).as_str()),
+            ("12.61 [11.94, 21.30]", "100 [100, 100]")
+        );
+        let short = "0.99 [0.44, 11.54]".to_owned();
+        let cells =
+            ["  likelihood", &short, "73.5 %", &delay, "74.5 %", &long.text(1, 1.0), &share.text(0, 100.0)];
+        let line = line(cells.map(str::to_owned));
+        assert!(line.trim_end().chars().count() <= 100, "{}", line.len());
+        assert!(cells.iter().all(|cell| line.contains(cell)), "{line}");
     }
 }

@@ -111,6 +111,9 @@ fn errors_name_file_line_and_key() {
     let cases = [
         ("--config", "[pid]\nkp = -1\n", ["bad.toml", "pid.kp is -1", "expected 0 to 1000"]),
         ("--config", "[pid]\nkp = \"x\"\n", ["bad.toml", "line 2", "kp"]),
+        ("--scenario", "duration = \"x\"\n", ["bad.toml", "line 1", "expected a number"]),
+        ("--scenario", "[[fault]]\ndo = 3\n", ["bad.toml", "line 2", "expected a word in quotes"]),
+        ("--scenario", "[[fault]]\ndo = \"ofset\"\n", ["bad.toml", "line 2", "unknown word `ofset`"]),
         ("--scenario", "[rig]\ngian = 0.3\n", ["bad.toml", "line 2", "gian"]),
     ];
     for (flag, content, words) in cases {
@@ -119,6 +122,10 @@ fn errors_name_file_line_and_key() {
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(words.iter().all(|w| message.contains(w)), "{message}");
+        assert!(
+            !message.contains("f32") && !message.contains("f64") && !message.contains("variant"),
+            "{message}"
+        );
     }
     let output = pt326(&["run", "--fault-size", "huge"]);
     assert!(text(&output.stderr).contains("small, nominal, large"));
@@ -199,6 +206,7 @@ fn a_closed_pipe_ends_it_quietly_with_all_files_written() {
     for printed in ["config", "scenario", "--help"] {
         succeeds_into_a_closed_pipe(&[printed]);
     }
+    succeeds_into_a_closed_pipe(&["campaign", "define"]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What a run and `repeat` say of faults, and what they leave out.
+//! What a run says of its faults: what it saw, what it could not see, and beside what it is set.
 
 use crate::{folder, pt326, text};
 

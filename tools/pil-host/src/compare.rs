@@ -5,8 +5,6 @@ use std::process::Stdio;
 
 use anyhow::{Context, bail, ensure};
 
-use pil::recording::Recording;
-
 use crate::{image, qemu, recording};
 
 /// Runs everything on all three and compares.
@@ -28,26 +26,15 @@ pub(crate) fn run() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints the hashes of this very build.
-///
-/// # Errors
-/// Codes that can't be read.
-pub(crate) fn print_digest(path: &Path) -> anyhow::Result<()> {
-    let mut text = String::new();
-    let rows = recording::read(path)?;
-    pil::runs::write_all(&Recording::new(&rows).context("an empty recording")?, &mut text)?;
-    print!("{text}");
-    Ok(())
-}
-
 /// The hashes of a host build of the given profile.
 fn host(profile: &str, recording: &Path) -> anyhow::Result<String> {
-    let output = image::cargo(&["run", "--quiet", "--profile", profile, "-p", "pil-host", "--", "digest"])
-        .arg(recording)
-        .stdin(Stdio::null())
-        .stderr(Stdio::inherit())
-        .output()
-        .context("can't run cargo")?;
+    let output =
+        image::cargo(&["run", "--quiet", "--profile", profile, "-p", "pil", "--bin", "pil-image", "--"])
+            .arg(recording)
+            .stdin(Stdio::null())
+            .stderr(Stdio::inherit())
+            .output()
+            .context("can't run cargo")?;
     ensure!(output.status.success(), "the host's {profile} build failed");
     Ok(String::from_utf8(output.stdout)?)
 }

@@ -10,7 +10,6 @@ mod qemu;
 mod recording;
 mod trace;
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -32,18 +31,12 @@ enum Command {
         #[arg(long)]
         update: bool,
     },
-    /// Print the hashes of this build of the host.
-    Digest {
-        /// A recording, as `compare` writes them.
-        recording: PathBuf,
-    },
 }
 
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Compare => compare::run(),
         Command::Bench { update } => bench::run(update),
-        Command::Digest { recording } => compare::print_digest(&recording),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,14 +1,14 @@
 //! The paper's experiment on the simulated rig (seed 1), as a file that host and images read.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context, ensure};
+use anyhow::Context;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Command, Config, Instrument, RawSample, Report, Tick};
 use host_sim::experiment::scenario::Scenario;
 use host_sim::experiment::{Backend, run_on, with_prbs_phase};
-use pil::recording::{ROW, Recording, Row};
+use pil::recording::{Recording, Row};
 
 use crate::image;
 
@@ -67,14 +67,4 @@ pub(crate) fn write() -> anyhow::Result<PathBuf> {
     let path = image::target_dir()?.join("pil-recording.bin");
     fs::write(&path, bytes).with_context(|| format!("can't write {}", path.display()))?;
     Ok(path)
-}
-
-/// Reads the rows back.
-pub(crate) fn read(path: &Path) -> anyhow::Result<Vec<[f32; ROW]>> {
-    let bytes = fs::read(path).with_context(|| format!("can't read {}", path.display()))?;
-    let (count, numbers) = bytes.as_chunks().0.split_first().context("an empty recording")?;
-    let numbers: Vec<f32> = numbers.iter().map(|&number| f32::from_le_bytes(number)).collect();
-    let rows = numbers.as_chunks().0.to_vec();
-    ensure!(rows.len() == u32::from_le_bytes(*count) as usize, "{} is cut short", path.display());
-    Ok(rows)
 }

@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 
 use super::experiment::ExperimentArgs;
+use super::terminal::print;
 pub use bench::Bench;
 pub use output::Output;
 
@@ -61,7 +62,7 @@ pub fn run(args: &ConsoleArgs) -> anyhow::Result<()> {
     let (config, scenario) = args.experiment.load()?;
     let mut bench = Bench::new(&config, &scenario, args.seed)?;
     if std::io::stdin().is_terminal() {
-        println!("The board's console on the simulated rig. Type help; wait SECONDS skips time; quit ends.");
+        print("The board's console on the simulated rig. Type help; wait SECONDS skips time; quit ends.\n")?;
         interactive(&mut bench, args.speed)
     } else {
         scripted(&mut bench, std::io::stdin().lock(), std::io::stdout().lock())
@@ -85,7 +86,7 @@ fn interactive(bench: &mut Bench, speed: f64) -> anyhow::Result<()> {
         match lines.recv_timeout(due.saturating_duration_since(Instant::now())) {
             Ok(line) if line.trim() == "quit" => return Ok(()),
             Ok(line) => {
-                print!("{}", bench.answer(&line));
+                print(&bench.answer(&line))?;
                 prompt()?;
             }
             Err(RecvTimeoutError::Timeout) => {
@@ -93,7 +94,7 @@ fn interactive(bench: &mut Bench, speed: f64) -> anyhow::Result<()> {
                 due += period;
                 let news = bench.news();
                 if !news.is_empty() {
-                    print!("\n{news}");
+                    print(&format!("\n{news}"))?;
                     prompt()?;
                 }
             }
@@ -103,8 +104,7 @@ fn interactive(bench: &mut Bench, speed: f64) -> anyhow::Result<()> {
 }
 
 fn prompt() -> anyhow::Result<()> {
-    print!("> ");
-    Ok(std::io::stdout().flush()?)
+    print("> ")
 }
 
 /// Answers each line; time passes by `wait` and `check` alone.

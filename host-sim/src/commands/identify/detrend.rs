@@ -11,14 +11,14 @@ use super::model::{Order, Signals, mean, rms};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Detrend {
-    /// offset where y is clearly not zero while u is (an absolute temperature), else none; the report tells which.
+    /// As offset, if y is clearly not zero when u is, as a temperature is not; else as none. The report says which.
     #[default]
     Auto,
-    /// Nothing: right if y is zero when u is (a rise above the surroundings).
+    /// Take both as they are: right if y is zero when u is, as a rise above room temperature is.
     None,
     /// Subtract the means: for small movements about an operating point.
     Mean,
-    /// Estimate the output at zero input with the model: right for steps and other transients, too.
+    /// Estimate what y is when u is zero, together with the model: right for steps and other transients, too.
     Offset,
 }
 

@@ -31,7 +31,7 @@ use warning::{Warning, warnings};
 The file has one sample in each row, at equal times; commas, semicolons, tabs or blanks separate columns. Lines that \
 begin with # are skipped. Rows are counted from 0, without the header and the skipped lines. A range has its first row \
 and not its last: --from 0 --to 600 is the first 600 rows, and --validate 600:1000 the 400 after them. A column of \
-times in s (its name begins with t or time) is checked for gaps and against --ts.
+times in s (named t, time, t_s, ...) is checked for gaps and against --ts.
 
 The model is y[k] + a1 y[k-1] + .. + aNA y[k-NA] = b1 u[k-NK] + .. + bNB u[k-NK-NB+1] + e[k]. The board's recursive \
 least squares finds its parameters; static gain, bandwidth and poles follow from them. The fit is \
@@ -45,20 +45,20 @@ Examples:
 pub struct IdentifyArgs {
     /// The recording; - is standard input.
     pub file: PathBuf,
-    /// Input: name of a column in the header, or its number from 1. A name wins.
+    /// The column of the input: its name in the header or, if none has that name, its number, counted from 1.
     #[arg(long, value_name = "COL")]
     pub u: String,
-    /// Output: name of a column in the header, or its number from 1. A name wins.
+    /// The column of the output, likewise.
     #[arg(long, value_name = "COL")]
     pub y: String,
-    /// Orders: past outputs (1 to 8), inputs (1 to 8), delay in samples (1 to 100).
+    /// Orders of the model: number of past outputs (1 to 8), number of inputs (1 to 8), delay in samples (1 to 100).
     #[arg(long, value_name = "NA,NB,NK")]
     pub order: Order,
-    /// Sample time in s. Default: the usual step of the column of times, if there is one.
+    /// Sample time in s. Default: the usual step in the column of times, if there is one.
     #[arg(long, value_name = "S", value_parser = sample_time)]
     pub ts: Option<f64>,
-    /// Forgetting factor, 0.5 to 1. 1: all rows weigh the same, for a process that does not change. Less: a row n
-    /// samples before the last weighs lambda^n, and the model is that of the last 1 / (1 - lambda) rows or so.
+    /// Forgetting factor, 0.5 to 1: a row n samples before the last has the weight lambda^n. With 1 all rows weigh the
+    /// same; with less, the model is that of about the last 1 / (1 - lambda) rows.
     #[arg(long, value_name = "L", default_value_t = 1.0, value_parser = forgetting_factor)]
     pub lambda: f64,
     /// What to do about the values that u and y have at rest.
@@ -67,10 +67,10 @@ pub struct IdentifyArgs {
     /// First row to estimate from, counted from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub from: usize,
-    /// First row behind those to estimate from. Default: the number of rows.
+    /// The row after the last one to estimate from. Default: the number of rows.
     #[arg(long, value_name = "M")]
     pub to: Option<usize>,
-    /// Rows to test the model on, from N to M - 1. What was taken off for the estimation is taken off here, too.
+    /// Rows to test the model on, from N to M - 1.
     #[arg(long, value_name = "N:M", value_parser = row_range)]
     pub validate: Option<Range<usize>>,
     /// Print one JSON object instead of text.
@@ -114,9 +114,10 @@ pub fn identify(args: &IdentifyArgs, table: &Table) -> anyhow::Result<Report> {
     let range = args.from..args.to.unwrap_or(table.rows());
     let recorded = signals(table, columns, &range)?;
     let stamps = Stamps::find(table, columns, &range);
-    let ts = args.ts.or(stamps.as_ref().map(|stamps| stamps.usual)).context(
-        "no sample time: expected --ts, or a column of times that rise (its name begins with t or time)",
-    )?;
+    let ts = args
+        .ts
+        .or(stamps.as_ref().map(|stamps| stamps.usual))
+        .context("no sample time: expected --ts, or a column of times that rise (named t, time, t_s, ...)")?;
     let Detrended { detrend, offsets, estimate } =
         detrended(&recorded, args.detrend, args.order, args.lambda)?;
     let used = recorded.minus(offsets.0, offsets.1);

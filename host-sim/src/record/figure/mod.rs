@@ -13,7 +13,7 @@ mod polyline;
 use std::path::Path;
 
 use anyhow::Context;
-use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
+use plotters::backend::{BitMapBackend, SVGBackend};
 use rayon::prelude::*;
 
 use crate::experiment::Record;
@@ -116,9 +116,15 @@ fn draw_png(picture: &impl Picture, path: &Path) -> anyhow::Result<()> {
     let large = (UNITS * size.0, UNITS * size.1);
     let mut pixels = vec![0; 3 * (large.0 * large.1) as usize];
     picture.paint(&mut BitMapBackend::with_buffer(&mut pixels, large))?;
-    let mut file = BitMapBackend::new(path, size);
-    file.blit_bitmap((0, 0), size, &reduce(&pixels, size.0 as usize))?;
-    Ok(file.present()?)
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, size.0, size.1);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_adaptive_filter(png::AdaptiveFilterType::Adaptive);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&reduce(&pixels, size.0 as usize))?;
+    writer.finish()?;
+    Ok(std::fs::write(path, file)?)
 }
 
 /// Maps a value from one interval to another.

@@ -41,7 +41,7 @@ impl OperatingPoint {
 
 /// The room, and what is being learnt.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Normal {
+pub(super) struct Operation {
     /// Ambient temperature, degC, followed while the heater is off. T0 may read wrong: of T0 and the median of the three the
     /// lower is taken, for then the power that is thought to be needed errs upwards.
     ambient: Option<f32>,
@@ -50,7 +50,7 @@ pub(super) struct Normal {
     learnt: Option<OperatingPoint>,
 }
 
-impl Normal {
+impl Operation {
     /// What was learnt.
     pub(super) fn learnt(&self) -> Option<&OperatingPoint> {
         self.learnt.as_ref()

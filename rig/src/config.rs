@@ -3,99 +3,107 @@
 use std::fmt;
 use std::str::FromStr;
 
+use anyhow::ensure;
 use serde::{Deserialize, Serialize};
 
-/// Constants of the rig. Defaults: the reference rig (paper where it prints a value, else our choice; docs/theory.md).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct RigConfig {
-    /// Ambient temperature, degC.
-    pub ambient: f64,
-    /// Static gain K at T1, degC per % of heater power.
-    pub gain: f64,
-    /// Time constant of the heater node, s.
-    pub heater_time: f64,
-    /// Dead time from heater to T1, s.
-    pub dead_time: f64,
-    /// Lag of thermistor T1, s.
-    pub t1_lag: f64,
-    /// Lag of thermistor T2, s.
-    pub t2_lag: f64,
-    /// Transport from T1 to T2, s.
-    pub t2_delay: f64,
-    /// Share of the rise lost between T1 and T2.
-    pub heat_loss: f64,
-    /// Lag of the ambient thermistor, s.
-    pub t0_lag: f64,
-    /// Time constants go with air flow to the power of minus this.
-    pub flow_exponent: f64,
-    /// Standard deviation of the air's turbulence at T1 and at T2, degC.
-    pub turbulence: f64,
-    /// Correlation time of the turbulence, s.
-    pub turbulence_time: f64,
-    /// Standard deviation of the white measurement noise, degC.
-    pub white_noise: f64,
-    /// Bits of the ADC; codes are given on the 12-bit scale whatever their number.
-    pub adc_bits: u32,
-    /// Thermistors: resistance at 25 degC, ohm.
-    pub r25: f64,
-    /// Thermistors: beta, K.
-    pub beta: f64,
-    /// Pull-up from VDDA to the ADC input, ohm.
-    pub pull_up: f64,
+/// A constant of the rig, as people read of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Constant {
+    /// Key under `[rig]`.
+    pub name: &'static str,
+    /// What it is, with its unit.
+    pub about: &'static str,
+    /// Its default, as TOML.
+    pub default: &'static str,
+    /// Smallest and largest value.
+    pub bounds: [f64; 2],
 }
 
-impl Default for RigConfig {
-    fn default() -> Self {
-        Self {
-            ambient: 22.5,
-            gain: 0.3,
-            heater_time: 0.45,
-            dead_time: 0.1,
-            t1_lag: 0.05,
-            t2_lag: 0.40,
-            t2_delay: 0.1,
-            heat_loss: 0.08,
-            t0_lag: 0.40,
-            flow_exponent: 0.8,
-            turbulence: 0.12,
-            turbulence_time: 0.15,
-            white_noise: 0.03,
-            adc_bits: 12,
-            r25: 10e3,
-            beta: 3950.0,
-            pull_up: 10e3,
+/// Declares each constant once: what it is, its key, default and bounds. It gives the struct, its defaults, the check of the
+/// bounds, and the table from which commented TOML is written.
+macro_rules! constants {
+    ($(#[doc = $about:literal])+ pub struct $Config:ident {
+        $($(#[doc = $doc:literal])+ $name:ident: $Type:ty = $default:literal, $min:literal..=$max:literal;)+
+    }) => {
+        $(#[doc = $about])+
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $Config {
+            $(
+                $(#[doc = $doc])+
+                #[doc = concat!("\n\nDefault ", stringify!($default), ", ", stringify!($min), " to ", stringify!($max), ".")]
+                pub $name: $Type,
+            )+
         }
-    }
+
+        impl Default for $Config {
+            fn default() -> Self {
+                Self { $($name: $default,)+ }
+            }
+        }
+
+        impl $Config {
+            /// Every constant, in order.
+            pub const CONSTANTS: &[Constant] = &[$(Constant {
+                name: stringify!($name),
+                about: concat!($($doc),+),
+                default: stringify!($default),
+                bounds: [$min, $max],
+            }),+];
+
+            /// Checks every constant.
+            ///
+            /// # Errors
+            /// The name of the first that is out of bounds, its value and the bounds.
+            pub fn validate(&self) -> anyhow::Result<()> {
+                let values: [f64; Self::CONSTANTS.len()] = [$(self.$name.into()),+];
+                for (constant, value) in Self::CONSTANTS.iter().zip(values) {
+                    let (name, [min, max]) = (constant.name, constant.bounds);
+                    ensure!(value >= min && value <= max, "rig.{name} is {value}, expected {min} to {max}");
+                }
+                Ok(())
+            }
+        }
+    };
 }
 
-impl RigConfig {
-    /// Checks every constant.
-    ///
-    /// # Errors
-    /// The name of the first that is out of bounds, its value and the bounds.
-    pub fn validate(&self) -> anyhow::Result<()> {
-        let check = |name: &str, value: f64, min: f64, max: f64| {
-            anyhow::ensure!(value >= min && value <= max, "rig.{name} is {value}, expected {min} to {max}");
-            Ok(())
-        };
-        check("ambient", self.ambient, -20.0, 60.0)?;
-        check("gain", self.gain, 0.001, 100.0)?;
-        check("heater_time", self.heater_time, 0.01, 1000.0)?;
-        check("dead_time", self.dead_time, 0.0, 5.0)?;
-        check("t1_lag", self.t1_lag, 0.001, 100.0)?;
-        check("t2_lag", self.t2_lag, 0.001, 100.0)?;
-        check("t2_delay", self.t2_delay, 0.0, 5.0)?;
-        check("heat_loss", self.heat_loss, 0.0, 0.9)?;
-        check("t0_lag", self.t0_lag, 0.001, 100.0)?;
-        check("flow_exponent", self.flow_exponent, 0.0, 3.0)?;
-        check("turbulence", self.turbulence, 0.0, 10.0)?;
-        check("turbulence_time", self.turbulence_time, 0.001, 100.0)?;
-        check("white_noise", self.white_noise, 0.0, 10.0)?;
-        check("adc_bits", f64::from(self.adc_bits), 6.0, 24.0)?;
-        check("r25", self.r25, 10.0, 10e6)?;
-        check("beta", self.beta, 500.0, 10e3)?;
-        check("pull_up", self.pull_up, 10.0, 10e6)
+constants! {
+    /// Constants of the rig. Defaults: the reference rig (paper where it prints a value, else our choice; docs/theory.md).
+    pub struct RigConfig {
+        /// Ambient temperature, degC.
+        ambient: f64 = 22.5, -20.0..=60.0;
+        /// Static gain K at T1, degC per % of heater power.
+        gain: f64 = 0.3, 0.001..=100.0;
+        /// Time constant of the heater node, s.
+        heater_time: f64 = 0.45, 0.01..=1000.0;
+        /// Dead time from heater to T1, s.
+        dead_time: f64 = 0.1, 0.0..=5.0;
+        /// Lag of thermistor T1, s.
+        t1_lag: f64 = 0.05, 0.001..=100.0;
+        /// Lag of thermistor T2, s.
+        t2_lag: f64 = 0.40, 0.001..=100.0;
+        /// Transport from T1 to T2, s.
+        t2_delay: f64 = 0.1, 0.0..=5.0;
+        /// Share of the rise lost between T1 and T2.
+        heat_loss: f64 = 0.08, 0.0..=0.9;
+        /// Lag of the ambient thermistor, s.
+        t0_lag: f64 = 0.40, 0.001..=100.0;
+        /// Time constants go with air flow to the power of minus this.
+        flow_exponent: f64 = 0.8, 0.0..=3.0;
+        /// Standard deviation of the air's turbulence at T1 and at T2, degC.
+        turbulence: f64 = 0.12, 0.0..=10.0;
+        /// Correlation time of the turbulence, s.
+        turbulence_time: f64 = 0.15, 0.001..=100.0;
+        /// Standard deviation of the white measurement noise, degC.
+        white_noise: f64 = 0.03, 0.0..=10.0;
+        /// Bits of the ADC; codes are given on the 12-bit scale whatever their number.
+        adc_bits: u32 = 12, 6.0..=24.0;
+        /// Thermistors: resistance at 25 degC, ohm.
+        r25: f64 = 10000.0, 10.0..=10e6;
+        /// Thermistors: beta, K.
+        beta: f64 = 3950.0, 500.0..=10e3;
+        /// Pull-up from VDDA to the ADC input, ohm.
+        pull_up: f64 = 10000.0, 10.0..=10e6;
     }
 }
 
@@ -108,7 +116,7 @@ pub enum Disturbance {
     /// The room drifts by up to 1 degC an hour and wanders by 0.05 degC.
     #[default]
     Calm,
-    /// Calm, and air flow and mains power disturbance by 0.4 %.
+    /// Calm, and air flow and mains power wander by 0.4 %.
     Lively,
 }
 

@@ -1,6 +1,6 @@
 //! The simulated PT-326: physics in f64 that knows nothing of the instrument. It takes a drive and gives ADC codes.
 //!
-//! Between two ticks the drive, the air flow, the mains and the room are constant, so every linear part is integrated
+//! Between two ticks the drive, the air flow, the mains and the ambient temperature are constant, so every linear part is integrated
 //! exactly: the heater node, its dead times (a record of past exponentials), the lags of the sensors, and the turbulence
 //! as seen through them. A fault that begins or ends within a tick splits the tick.
 //!
@@ -13,5 +13,5 @@ mod noise;
 mod rig;
 mod sensor;
 
-pub use config::{Disturbance, RigConfig};
+pub use config::{Constant, Disturbance, RigConfig};
 pub use rig::Rig;

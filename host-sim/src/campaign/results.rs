@@ -13,7 +13,7 @@ use super::statistics::trade::{self, Trade};
 use super::statistics::{Case, Statistics, class};
 use crate::score::expectation::Expectation;
 
-/// Names of the cells that are told in the runaway tables, and not among the faults, begin so.
+/// Names of the cells that stand in the runaway tables, and not among the faults, begin so.
 pub(super) const RUNAWAY: &str = "runaway/";
 
 /// `campaign.json`.
@@ -80,7 +80,7 @@ impl Results {
 }
 
 impl CellResults {
-    /// It is told in the runaway tables, where the heat counts and not the delay of an alarm.
+    /// It stands in the runaway tables, where the heat counts and not the delay of an alarm.
     pub(super) fn is_runaway(&self) -> bool {
         self.name.starts_with(RUNAWAY)
     }

@@ -94,7 +94,7 @@ impl Cli {
             Subcommand::Replay(args) => replay::run(&args),
             Subcommand::Console(args) => console::run(&args),
             Subcommand::Config(args) => config::run(&args),
-            Subcommand::Scenario => terminal::print(scenario::SCENARIO_TOML),
+            Subcommand::Scenario => terminal::print(&scenario::commented_toml()),
             Subcommand::Completions(args) => shell::completions(&args, Self::command()),
             Subcommand::Man(args) => shell::man(&args, Self::command()),
         }

@@ -135,8 +135,16 @@ impl Scenario {
     }
 }
 
-/// Defaults of rig and faults, commented.
-pub const SCENARIO_TOML: &str = include_str!("../../defaults/scenario.toml");
+/// Defaults of rig and faults as commented TOML. What is said of the rig's constants comes from their declaration.
+pub fn commented_toml() -> String {
+    const FRAME: &str = include_str!("../../defaults/scenario.toml");
+    let lines = RigConfig::CONSTANTS.iter().map(|constant| {
+        let pair = format!("{} = {}", constant.name, constant.default);
+        let ([min, max], about) = (constant.bounds, constant.about.trim().trim_end_matches('.'));
+        format!("{pair:<27} # {about}; {min} to {max}\n")
+    });
+    FRAME.replacen("[rig]\n", &format!("[rig]\n{}", lines.collect::<String>()), 1)
+}
 
 /// Reads a scenario; keys that the file leaves out have their defaults. Without a path all have.
 ///
@@ -170,12 +178,12 @@ mod tests {
 
     #[test]
     fn commented_defaults_are_the_defaults_and_complete() {
-        let mut scenario: Scenario = toml::from_str(SCENARIO_TOML).unwrap();
+        let mut scenario: Scenario = toml::from_str(&commented_toml()).unwrap();
         assert_eq!(scenario, Scenario::default());
         scenario.actions.clear();
         let mut all = Table::try_from(Scenario::default()).unwrap();
         all.remove("action");
-        covers(&toml::from_str(SCENARIO_TOML).unwrap(), &all, "");
+        covers(&toml::from_str(&commented_toml()).unwrap(), &all, "");
     }
 
     #[test]

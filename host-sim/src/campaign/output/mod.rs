@@ -180,7 +180,7 @@ fn cell_fields(cell: &CellResults) -> Vec<Field> {
             maybe("alarms_per_hour_low", alarms.per_hour_95.map(|i| i[0])),
             maybe("alarms_per_hour_high", alarms.per_hour_95.map(|i| i[1])),
             maybe("alarms_dispersion", alarms.dispersion),
-            field("alarm_share_of_time", alarms.share_of_time),
+            maybe("alarm_share_of_time", alarms.share_of_time),
         ]);
         fields.extend(these.into_iter().map(|(name, value)| (format!("{}_{name}", by.name()), value)));
     }

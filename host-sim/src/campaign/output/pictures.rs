@@ -19,7 +19,7 @@ use crate::record::figure::{self, BLUE, VERMILLION};
 use pt326_rig::Disturbance;
 use pt326_rig::fault::Sensor;
 
-/// Draws what can be drawn; tells the names of the files.
+/// Draws what can be drawn; gives the names of the files.
 ///
 /// # Errors
 /// The file that can't be written.
@@ -171,7 +171,7 @@ fn family_panel(family: &Family, rows: &[RunRow]) -> Panel {
     Panel { title: family.title.clone(), x: Axis::Names(names), dots, strip, remark }
 }
 
-/// Medians that differ by less than this share can't be told apart in the picture.
+/// Medians that differ by less than this share can't be distinguished in the picture.
 const ALIKE: f64 = 0.02;
 
 /// What the settings of a sweep trade.

@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn heat_is_told_by_the_true_air_and_the_heater() {
+    fn heat_is_measured_by_the_true_air_and_the_heater() {
         let heat = heat(26.0);
         let near = |x: Option<f64>, expected: f64| (x.unwrap() - expected).abs() < 0.12;
         assert!(

@@ -23,6 +23,17 @@ pub(super) fn class(cell: &Cell) -> Option<&'static str> {
     Some(Expectation::of(cell.fault()?).class?.name())
 }
 
+/// The values of the sweep, each once, in the order in which they come.
+fn settings<'a>(cases: &[Case<'a>]) -> Vec<&'a str> {
+    let mut settings: Vec<&str> = Vec::new();
+    for (cell, _) in cases {
+        if !settings.contains(&cell.setting.as_str()) {
+            settings.push(&cell.setting);
+        }
+    }
+    settings
+}
+
 /// Whether a diagnosis could see the fault of a cell at all.
 fn knows(by: By, cell: &Cell) -> bool {
     by == By::Likelihood || cell.fault().is_some_and(|f| Expectation::of(f).fdv.is_some())
@@ -86,8 +97,8 @@ pub struct AlarmStatistics {
     pub dispersion: Option<f64>,
     /// Runs with an alarm.
     pub runs_with: usize,
-    /// Share of the time that an alarm stood.
-    pub share_of_time: f64,
+    /// Share of the time that an alarm stood; null: it never watched.
+    pub share_of_time: Option<f64>,
 }
 
 impl Statistics {
@@ -169,7 +180,7 @@ impl AlarmStatistics {
             per_hour_95: watches.then(|| poisson_interval(alarms).map(rate)),
             dispersion: dispersion(cases.iter().map(|(_, row)| f64::from(row.by(by).alarms)).collect()),
             runs_with: cases.iter().filter(|(_, row)| row.by(by).alarms > 0).count(),
-            share_of_time: alarmed / (alarmed + watched).max(f64::MIN_POSITIVE),
+            share_of_time: (alarmed + watched > 0.0).then(|| alarmed / (alarmed + watched)),
         }
     }
 }
@@ -253,6 +264,7 @@ mod tests {
         let [low, high] = alarms.per_hour_95.unwrap();
         assert!((low - 0.6187 / 2.0).abs() < 1e-3 && (high - 8.7673 / 2.0).abs() < 1e-3);
         assert_eq!(alarms.dispersion, Some(3.0), "3 and 0: variance 4.5, mean 1.5");
-        assert!((alarms.share_of_time - 0.5).abs() < 1e-12);
+        assert!((alarms.share_of_time.unwrap() - 0.5).abs() < 1e-12);
+        assert_eq!(statistics(vec![Observation::default()]).alarms.share_of_time, None, "never watched");
     }
 }

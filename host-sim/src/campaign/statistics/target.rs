@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::heat::HeatStatistics;
-use super::{Case, FaultStatistics, Statistics};
+use super::{Case, FaultStatistics, Statistics, settings};
 use crate::campaign::by::By;
 use crate::campaign::definition::target::{Measure, Target};
 
@@ -84,14 +84,8 @@ impl Target {
 
 /// Judges all targets, for each setting of the sweep; those without a run are left out.
 pub fn judge(targets: &[Target], cases: &[Case]) -> Vec<Outcome> {
-    let mut settings: Vec<&str> = Vec::new();
-    for (cell, _) in cases {
-        if !settings.contains(&cell.setting.as_str()) {
-            settings.push(&cell.setting);
-        }
-    }
     let mut outcomes = Vec::new();
-    for setting in settings {
+    for setting in settings(cases) {
         for target in targets {
             let chosen: Vec<Case> = cases
                 .iter()

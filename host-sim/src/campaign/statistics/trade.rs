@@ -3,13 +3,13 @@
 use serde::Serialize;
 
 use super::quantiles::Quantiles;
-use super::{AlarmStatistics, Case, Statistics};
+use super::{AlarmStatistics, Case, Statistics, settings};
 use crate::campaign::by::By;
 use crate::campaign::cell::Cell;
 use crate::campaign::definition::Expect;
 use pt326_rig::Disturbance;
 
-/// Names of the cells whose delays are told begin so.
+/// Names of the cells whose delays are compared begin so.
 const NOMINAL: &str = "nominal/";
 
 /// One setting, by one diagnosis.
@@ -44,12 +44,7 @@ pub struct NominalFault {
 
 /// The trade of every setting; none where there is but one.
 pub fn of(cases: &[Case]) -> Vec<Trade> {
-    let mut settings: Vec<&str> = Vec::new();
-    for (cell, _) in cases {
-        if !settings.contains(&cell.setting.as_str()) {
-            settings.push(&cell.setting);
-        }
-    }
+    let settings = settings(cases);
     if settings.len() < 2 {
         return Vec::new();
     }

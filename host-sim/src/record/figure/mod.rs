@@ -222,7 +222,7 @@ mod tests {
     #[test]
     fn files_are_pictures_and_the_same_each_time() {
         let record = record(30.0);
-        let folder = std::env::temp_dir().join(format!("host-sim-figures-{}", std::process::id()));
+        let folder = std::env::temp_dir().join(format!("pt326-figures-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let drawn = draw_all(&record, &folder).unwrap();
         let again = content::figure(Number::Four, &record);

@@ -206,14 +206,14 @@ mod tests {
     }
 
     #[test]
-    fn a_trip_is_told() {
+    fn a_trip_is_in_the_warnings() {
         let open = Fault::new(Verb::Open, Some(Sensor::T1), None, 3.0, 10.0);
         let page = page(&Scenario { duration: 8.0, faults: vec![open], ..Scenario::default() });
         assert!(page.contains("Tripped at 3.") && page.contains("broken wire"), "{page}");
     }
 
     #[test]
-    fn nothing_done_to_the_rig_is_told() {
+    fn a_rig_to_which_nothing_was_done_is_described() {
         let page = page(&Scenario { duration: 2.0, faults: vec![], ..Scenario::default() });
         assert!(page.contains("Nothing was done to the rig") && page.contains("0 of 0"));
     }

@@ -2,7 +2,7 @@
 //! queue of one producer and one consumer, and reads atomics.
 
 use core::future::poll_fn;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use core::task::Poll;
 
 use embassy_sync::waitqueue::AtomicWaker;
@@ -17,14 +17,11 @@ use static_cell::ConstStaticCell;
 pub(crate) static TASKS: TaskWatchdog = TaskWatchdog::new();
 /// "Stop" needs no place in a queue.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
-/// What the diagnosis has found, for the control half, a word a field: no interrupt is masked for it. Control may come
-/// between two of them and take one from a tick earlier; each means what it says by itself. NaN stands for "not known".
-static LEARNED: AtomicU32 = AtomicU32::new(0);
-static VIRTUAL_RISE: AtomicU32 = AtomicU32::new(f32::NAN.to_bits());
-static AIR_FLOW: AtomicU32 = AtomicU32::new(f32::NAN.to_bits());
-static T1_FAULTY: AtomicBool = AtomicBool::new(false);
-static HEATER_FAULTY: AtomicBool = AtomicBool::new(false);
-static HEATER_STUCK_ON: AtomicBool = AtomicBool::new(false);
+/// What the diagnosis has found, for the control half: one slot is read while the other is written.
+static FEEDBACK: [Slot; 2] = [const { Slot::new() }; 2];
+/// Which of the two is read. Control interrupts the writer and never the other way round, so that it always reads one tick's
+/// feedback, whole, and no interrupt is masked for it.
+static CURRENT: AtomicUsize = AtomicUsize::new(0);
 /// Records that found the queue full, since the diagnosis was too slow.
 pub(crate) static RECORDS_LOST: AtomicU32 = AtomicU32::new(0);
 
@@ -34,29 +31,14 @@ static ORDERS: ConstStaticCell<Queue<Order, 2>> = ConstStaticCell::new(Queue::ne
 
 /// Tells the control half what the diagnosis has found.
 pub(crate) fn feed_back(feedback: Feedback) {
-    let bits = |x: Option<f32>| x.unwrap_or(f32::NAN).to_bits();
-    LEARNED.store(feedback.learned, Ordering::Relaxed);
-    VIRTUAL_RISE.store(bits(feedback.virtual_rise), Ordering::Relaxed);
-    HEATER_FAULTY.store(feedback.heater_faulty, Ordering::Relaxed);
-    AIR_FLOW.store(bits(feedback.air_flow.map(|flow| flow.0)), Ordering::Relaxed);
-    T1_FAULTY.store(feedback.t1_faulty, Ordering::Relaxed);
-    HEATER_STUCK_ON.store(feedback.heater_stuck_on, Ordering::Relaxed);
+    let other = 1 - CURRENT.load(Ordering::Relaxed);
+    FEEDBACK[other].write(&feedback);
+    CURRENT.store(other, Ordering::Release);
 }
 
 /// What the diagnosis found last.
 pub(crate) fn feedback() -> Feedback {
-    let known = |bits: &AtomicU32| {
-        let x = f32::from_bits(bits.load(Ordering::Relaxed));
-        (!x.is_nan()).then_some(x)
-    };
-    Feedback {
-        learned: LEARNED.load(Ordering::Relaxed),
-        virtual_rise: known(&VIRTUAL_RISE),
-        t1_faulty: T1_FAULTY.load(Ordering::Relaxed),
-        heater_faulty: HEATER_FAULTY.load(Ordering::Relaxed),
-        air_flow: known(&AIR_FLOW).map(Percent),
-        heater_stuck_on: HEATER_STUCK_ON.load(Ordering::Relaxed),
-    }
+    FEEDBACK[CURRENT.load(Ordering::Acquire)].read()
 }
 
 /// A task is alive.
@@ -78,6 +60,56 @@ pub(crate) fn records() -> (Records, Producer<'static, TickRecord>) {
 /// Both ends of the orders, console to control.
 pub(crate) fn orders() -> (Producer<'static, Order>, Consumer<'static, Order>) {
     ORDERS.take().split()
+}
+
+/// A [`Feedback`], a word a field. NaN stands for "not known".
+struct Slot {
+    learned: AtomicU32,
+    virtual_rise: AtomicU32,
+    air_flow: AtomicU32,
+    t1_faulty: AtomicBool,
+    heater_faulty: AtomicBool,
+    heater_stuck_on: AtomicBool,
+}
+
+impl Slot {
+    const fn new() -> Self {
+        Self {
+            learned: AtomicU32::new(0),
+            virtual_rise: AtomicU32::new(f32::NAN.to_bits()),
+            air_flow: AtomicU32::new(f32::NAN.to_bits()),
+            t1_faulty: AtomicBool::new(false),
+            heater_faulty: AtomicBool::new(false),
+            heater_stuck_on: AtomicBool::new(false),
+        }
+    }
+
+    fn write(&self, feedback: &Feedback) {
+        let Feedback { learned, virtual_rise, t1_faulty, heater_faulty, air_flow, heater_stuck_on } =
+            *feedback;
+        let bits = |x: Option<f32>| x.unwrap_or(f32::NAN).to_bits();
+        self.learned.store(learned, Ordering::Relaxed);
+        self.virtual_rise.store(bits(virtual_rise), Ordering::Relaxed);
+        self.air_flow.store(bits(air_flow.map(|flow| flow.0)), Ordering::Relaxed);
+        self.t1_faulty.store(t1_faulty, Ordering::Relaxed);
+        self.heater_faulty.store(heater_faulty, Ordering::Relaxed);
+        self.heater_stuck_on.store(heater_stuck_on, Ordering::Relaxed);
+    }
+
+    fn read(&self) -> Feedback {
+        let known = |bits: &AtomicU32| {
+            let x = f32::from_bits(bits.load(Ordering::Relaxed));
+            (!x.is_nan()).then_some(x)
+        };
+        Feedback {
+            learned: self.learned.load(Ordering::Relaxed),
+            virtual_rise: known(&self.virtual_rise),
+            t1_faulty: self.t1_faulty.load(Ordering::Relaxed),
+            heater_faulty: self.heater_faulty.load(Ordering::Relaxed),
+            air_flow: known(&self.air_flow).map(Percent),
+            heater_stuck_on: self.heater_stuck_on.load(Ordering::Relaxed),
+        }
+    }
 }
 
 /// Hands a record to the diagnosis.

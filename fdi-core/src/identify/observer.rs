@@ -1,4 +1,4 @@
-//! The paper's adaptive observer: an ARX(3,3,1) model of one thermistor's rise against the applied power, with its
+//! The paper's adaptive observer: an ARX model of one thermistor's rise against the applied power, with its
 //! static gain and bandwidth as features (paper, sections 2.3 and 3.2).
 //!
 //! ```
@@ -27,6 +27,13 @@ use crate::bounds::bounded;
 use crate::error::ConfigError;
 use crate::units::Seconds;
 
+/// Orders of the model: past outputs, past inputs, and the delay of the newest input in ticks (paper, section 3.2: ARX(3,3,1)).
+pub const NA: usize = 3;
+/// See [`NA`].
+pub const NB: usize = 3;
+/// See [`NA`].
+pub const NK: usize = 1;
+
 /// Samples of the step response looked at for the rise time.
 const MAX_STEPS: u16 = 64;
 /// Samples of it computed in a tick. The reference rig takes 15: the bandwidth is that of the model just identified.
@@ -41,7 +48,7 @@ const TAU_MAX: f32 = 5.0;
 /// A validated observer.
 #[derive(Clone, Copy, Debug)]
 pub struct Observer {
-    arx: Arx<3, 3, 1, 6>,
+    arx: Arx<NA, NB, NK, { NA + NB }>,
     /// `None` where nobody asks for it.
     bandwidth: Option<Bandwidth>,
     sample_time: f32,
@@ -53,13 +60,13 @@ pub struct Observer {
 /// The memory of an [`Observer`].
 #[derive(Clone, Copy, Debug)]
 pub struct ObserverState {
-    arx: ArxState<3, 3, 1, 6>,
+    arx: ArxState<NA, NB, NK, { NA + NB }>,
     static_gain: Option<f32>,
     bandwidth: Option<f32>,
     /// The last attempt at the bandwidth failed.
     bandwidth_held: bool,
     /// Step response of the model as it was when the last one was done.
-    response: Option<StepResponse<3, 3>>,
+    response: Option<StepResponse<NA, NB>>,
 }
 
 /// What an observer says after one sample.
@@ -143,7 +150,7 @@ impl Observer {
     }
 
     /// Computes the next samples of the step response, and begins a new one behind each that has arrived.
-    fn follow_response(&self, state: &mut ObserverState, model: &Transfer<3, 3>, gain: Option<f32>) {
+    fn follow_response(&self, state: &mut ObserverState, model: &Transfer<NA, NB>, gain: Option<f32>) {
         let Some(mut response) = state.response.or_else(|| begin_response(model, gain)) else {
             state.bandwidth_held = true;
             return;
@@ -158,7 +165,7 @@ impl Observer {
         state.take_bandwidth(time.map(|samples| 3.0 / (samples * self.sample_time)));
     }
 
-    fn by_residence_time(&self, model: &Transfer<3, 3>, gain: Option<f32>) -> Option<f32> {
+    fn by_residence_time(&self, model: &Transfer<NA, NB>, gain: Option<f32>) -> Option<f32> {
         if !has_response(model, gain?) {
             return None;
         }
@@ -167,7 +174,7 @@ impl Observer {
     }
 
     /// The model as it stands.
-    pub fn model(&self, state: &ObserverState) -> Transfer<3, 3> {
+    pub fn model(&self, state: &ObserverState) -> Transfer<NA, NB> {
         self.arx.transfer(&state.arx)
     }
 }
@@ -180,12 +187,12 @@ impl ObserverState {
     }
 }
 
-fn begin_response(model: &Transfer<3, 3>, gain: Option<f32>) -> Option<StepResponse<3, 3>> {
+fn begin_response(model: &Transfer<NA, NB>, gain: Option<f32>) -> Option<StepResponse<NA, NB>> {
     let gain = gain.filter(|&gain| has_response(model, gain))?;
     Some(StepResponse::new(*model, RISE_LEVEL * gain))
 }
 
 /// Whether the step response is that of a heater: it rises, and it ends.
-fn has_response(model: &Transfer<3, 3>, gain: f32) -> bool {
+fn has_response(model: &Transfer<NA, NB>, gain: f32) -> bool {
     gain > 0.0 && model.is_stable()
 }

@@ -8,6 +8,7 @@ use fdi_core::control::prbs::{Prbs, PrbsState};
 use fdi_core::diagnosis::signature::{PAPER_DETECTION, PAPER_ISOLATION, Symptoms, Table, symptoms};
 use fdi_core::filter::{LowPass, LowPassState};
 use fdi_core::identify::Bandwidth;
+use fdi_core::identify::observer::{NA, NB};
 use fdi_core::identify::observer::{Observation, Observer, ObserverState};
 use fdi_core::identify::transfer::Transfer;
 use fdi_core::sense::thermistor::Thermistor;
@@ -76,7 +77,7 @@ fn observers(watch: &mut Stopwatch, recording: &Recording, out: &mut impl Write)
 fn features(watch: &mut Stopwatch, recording: &Recording, out: &mut impl Write) -> fmt::Result {
     let c = &Config::default();
     let observer = Observer::new(&c.identification, None, c.sample_time).expect("valid");
-    let mut pass = |name, work: fn(&Transfer<3, 3>)| {
+    let mut pass = |name, work: fn(&Transfer<NA, NB>)| {
         let mut state = observer.start();
         watch.pass(out, [name], recording.len(), |watch, k| {
             let row = recording.row(k);
@@ -135,17 +136,17 @@ fn observe(observer: &Observer, state: &mut ObserverState, y: Option<f32>, power
 }
 
 #[inline(never)]
-fn static_gain(model: &Transfer<3, 3>) {
+fn static_gain(model: &Transfer<NA, NB>) {
     black_box(model.static_gain());
 }
 
 #[inline(never)]
-fn stability(model: &Transfer<3, 3>) {
+fn stability(model: &Transfer<NA, NB>) {
     black_box(model.is_stable());
 }
 
 #[inline(never)]
-fn rise_time(model: &Transfer<3, 3>) {
+fn rise_time(model: &Transfer<NA, NB>) {
     black_box(model.rise_time(black_box(0.95 * 0.3), 64));
 }
 

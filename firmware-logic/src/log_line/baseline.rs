@@ -14,7 +14,7 @@ pub(super) const WORDS: usize = 7;
 pub enum BaselineLine {
     /// How many samples it was learnt from.
     Samples(u32),
-    /// A row, by its place in [`ROWS`], and its values.
+    /// A row, by its place in the table, and its values.
     Row(usize, [f32; WORDS]),
 }
 

@@ -16,7 +16,7 @@ impl InformationLeastSquares {
         Self { lambda, r, f: vec![0.0; n] }
     }
 
-    /// Takes in one sample.
+    /// One sample.
     pub(crate) fn push(&mut self, phi: &[f64], y: f64) {
         for (i, row) in self.r.iter_mut().enumerate() {
             for (j, r) in row.iter_mut().enumerate() {

@@ -27,24 +27,24 @@ impl Digest {
         self.0
     }
 
-    /// Takes in a word.
+    /// Hashes a word.
     pub fn word(&mut self, word: u32) {
         self.0 = (self.0 ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3);
     }
 
-    /// Takes in a number by its bits. All NaNs count as one: neither Rust nor IEEE 754 says which an operation gives.
+    /// Hashes a number by its bits. All NaNs count as one: neither Rust nor IEEE 754 says which an operation gives.
     pub fn number(&mut self, x: f32) {
         self.word(if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() });
     }
 
-    /// Takes in each number of a list.
+    /// Hashes each number of a list.
     pub fn numbers(&mut self, numbers: &[f32]) {
         for &x in numbers {
             self.number(x);
         }
     }
 
-    /// Takes in a value that may be missing, so that a missing one differs from any that is there.
+    /// Hashes a value that may be missing, so that a missing one differs from any that is there.
     pub fn option<T>(&mut self, value: Option<T>, take: impl FnOnce(&mut Self, T)) {
         self.word(u32::from(value.is_some()));
         if let Some(value) = value {

@@ -18,7 +18,7 @@ impl<const N: usize> Default for FullMatrix<N> {
 }
 
 impl<const N: usize> FullMatrix<N> {
-    /// Takes in one sample; returns the prediction made before.
+    /// One sample; gives the prediction made before it.
     pub fn step(&mut self, phi: &[f32; N], y: f32) -> f32 {
         let (mut p_phi, mut phi_p) = ([0.0; N], [0.0; N]);
         for i in 0..N {

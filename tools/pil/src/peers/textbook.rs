@@ -21,7 +21,7 @@ impl<T: RealField + Copy, const N: usize> Default for Textbook<T, N> {
 }
 
 impl<T: RealField + Copy, const N: usize> Textbook<T, N> {
-    /// Takes in one sample; returns the prediction made before.
+    /// One sample; gives the prediction made before it.
     pub fn step(&mut self, phi: &[T; N], y: T) -> T {
         let phi = SVector::<T, N>::from_column_slice(phi);
         let prediction = phi.dot(&self.theta);

@@ -43,6 +43,9 @@ fn drives_and_features_are_those_of_the_simulation_bit_for_bit() {
             assert_eq!(format!("{:?}", board.tick), format!("{tick:?}"), "tick {i}, seed {seed}");
             let mut report = twin.report.clone();
             report.tick = board.report.tick;
+            if let Some(finding) = &mut report.likelihood.finding {
+                finding.onset -= run.idle_ticks as u32; // the record begins when the board was armed
+            }
             report.events = board.report.events.clone(); // they carry the number of the tick
             assert_eq!(format!("{:?}", board.report), format!("{report:?}"), "tick {i}, seed {seed}");
             if let Some(power) = run.power.get(i) {
@@ -75,6 +78,7 @@ fn faults_are_seen_within_one_tick_of_the_simulation() {
         };
         assert!(near(board.signature.detected_s, host.signature.detected_s), "{}", board.name);
         assert!(near(board.signature.isolated_s, host.signature.isolated_s), "{}", board.name);
+        assert!(near(board.likelihood.onset_error_s, host.likelihood.onset_error_s), "{}", board.name);
         assert!(
             board.signature.detected_s.is_some() && board.signature.isolated_s.is_some(),
             "{}",

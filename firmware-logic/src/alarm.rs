@@ -10,7 +10,7 @@ use crate::decimal::Fixed;
 /// An alarm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Alarm {
+pub struct AlarmRecord {
     /// The tick on which it was raised.
     pub raised: u32,
     /// The last that was said of it; `None` while nothing could be.
@@ -22,20 +22,20 @@ pub struct Alarm {
 /// Follows what the diagnosis says.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Alarms {
-    lasting: Option<Alarm>,
+    lasting: Option<AlarmRecord>,
 }
 
 impl Alarms {
     /// The alarm, if this tick changes what is to be said of it.
-    pub fn notice(&mut self, report: &Report) -> Option<Alarm> {
+    pub fn notice(&mut self, report: &Report) -> Option<AlarmRecord> {
         let (tick, said) = (report.tick, &report.likelihood);
         let Some(alarm) = &mut self.lasting else {
-            let raised = Alarm { raised: tick, finding: said.finding, ended: None };
+            let raised = AlarmRecord { raised: tick, finding: said.finding, ended: None };
             self.lasting = said.alarm.then_some(raised);
             return self.lasting;
         };
         if !said.alarm {
-            let ended = Alarm { ended: Some(tick), ..*alarm };
+            let ended = AlarmRecord { ended: Some(tick), ..*alarm };
             self.lasting = None;
             return Some(ended);
         }
@@ -48,7 +48,7 @@ impl Alarms {
 /// An alarm for people; `sample_time` in s turns ticks into times.
 pub struct AlarmText<'a> {
     /// The alarm.
-    pub alarm: &'a Alarm,
+    pub alarm: &'a AlarmRecord,
     /// Ts in s.
     pub sample_time: f32,
 }

@@ -5,7 +5,7 @@ use core::fmt;
 use fdi_core::diagnosis::event::{Event, Fault};
 use fdi_core::{AdcCode, Reading, Trip, TripReason};
 
-use crate::alarm::{self, Alarm};
+use crate::alarm::{self, AlarmRecord};
 use crate::decimal::Fixed;
 use crate::interlock::Lockout;
 
@@ -24,7 +24,7 @@ pub enum Entry {
         ended: bool,
     },
     /// The likelihood diagnosis raised an alarm.
-    Alarm(Alarm),
+    Alarm(AlarmRecord),
     /// The supervisor tripped.
     Trip(Trip),
     /// Something held the heater off, from this tick on.
@@ -66,7 +66,7 @@ impl History {
     }
 
     /// Adds an alarm, or replaces its entry.
-    pub fn alarm(&mut self, alarm: Alarm) {
+    pub fn alarm(&mut self, alarm: AlarmRecord) {
         let same = |entry: &&mut Entry| matches!(entry, Entry::Alarm(known) if known.raised == alarm.raised);
         match self.entries.iter_mut().find(same) {
             Some(entry) => *entry = Entry::Alarm(alarm),
@@ -186,14 +186,14 @@ mod tests {
     #[test]
     fn an_alarm_is_one_entry_from_its_beginning_to_its_end() {
         let mut history = History::default();
-        let alarm = Alarm { raised: 100, finding: None, ended: None };
+        let alarm = AlarmRecord { raised: 100, finding: None, ended: None };
         history.alarm(alarm);
         history.event(Event::Detected(fault(100)));
-        history.alarm(Alarm { ended: Some(200), ..alarm });
-        assert_eq!(history.get(0), Some(&Entry::Alarm(Alarm { ended: Some(200), ..alarm })));
+        history.alarm(AlarmRecord { ended: Some(200), ..alarm });
+        assert_eq!(history.get(0), Some(&Entry::Alarm(AlarmRecord { ended: Some(200), ..alarm })));
         assert_eq!(history.get(2), None);
-        history.alarm(Alarm { raised: 300, ..alarm });
-        assert_eq!(history.get(2), Some(&Entry::Alarm(Alarm { raised: 300, ..alarm })));
+        history.alarm(AlarmRecord { raised: 300, ..alarm });
+        assert_eq!(history.get(2), Some(&Entry::Alarm(AlarmRecord { raised: 300, ..alarm })));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use fdi_core::Trip;
 use fdi_core::diagnosis::event::Event;
 use fdi_core::likelihood::Readiness;
 
-use crate::alarm::Alarm;
+use crate::alarm::AlarmRecord;
 use crate::control_loop::{Denial, OrderKind};
 use crate::history::{Entry, EntryText};
 use crate::interlock::Lockout;
@@ -66,7 +66,7 @@ pub enum Notice {
         readiness: Readiness,
     },
     /// The likelihood diagnosis has raised an alarm, named it, or ended it.
-    Alarm(Alarm),
+    Alarm(AlarmRecord),
     /// Ticks that never began.
     Missed {
         /// How many.

@@ -11,7 +11,7 @@ use firmware_logic::console::{ANSWER, ApplyError, Board, Console, line};
 use firmware_logic::control_loop::Denial;
 use firmware_logic::history::Entry;
 use firmware_logic::interlock::Lockout;
-use firmware_logic::self_test::{Ending, Finding, News, Progress, Stage};
+use firmware_logic::self_test::{CheckFinding, Ending, News, Progress, Stage};
 use firmware_logic::settings::store::SaveError;
 use firmware_logic::settings::stored::check;
 use firmware_logic::status::Status;
@@ -188,8 +188,8 @@ fn a_check_is_followed_while_it_is_under_way() {
     assert_eq!(follow(&board, &mut console), "\ncheck: thermistors at rest\n> ");
     assert_eq!(follow(&board, &mut console), "", "nothing new");
     board.config.sensors.t2.offset = Celsius(0.5);
-    board.progress.note(News::Found(Finding::Offset(Channel::T2, 1.25)));
-    board.progress.note(News::Found(Finding::Unheated));
+    board.progress.note(News::Found(CheckFinding::Offset(Channel::T2, 1.25)));
+    board.progress.note(News::Found(CheckFinding::Unheated));
     let told = follow(&board, &mut console);
     assert!(
         told.contains("T2 reads 1.25 degC from") && told.contains("`set sensors.t2.offset -0.75`"),

@@ -10,7 +10,7 @@ use fdi_core::{AdcCode, Celsius, Command, Config, Feedback, Mode, RawSample, Ref
 use firmware_logic::cadence::Arrival;
 use firmware_logic::control_loop::{ControlLoop, Denial, Order, TickRecord};
 use firmware_logic::interlock::{Interlock, Lockout};
-use firmware_logic::self_test::{Ending, Finding, LEVELS, LONGEST, MAX_RISE, News, Progress};
+use firmware_logic::self_test::{CheckFinding, Ending, LEVELS, LONGEST, MAX_RISE, News, Progress};
 use output::Output;
 use proptest::prelude::*;
 
@@ -139,10 +139,10 @@ fn a_check_begins_only_at_rest() {
 fn the_contact_of_the_interlock_is_proved_when_it_is_seen_open() {
     let mut bench = Bench::new(&Config::default());
     assert_eq!(bench.check(), Ending::Passed);
-    assert_eq!(bench.progress.findings, [Finding::CutNotSeen], "said, as nobody has opened it");
+    assert_eq!(bench.progress.findings, [CheckFinding::CutNotSeen], "said, as nobody has opened it");
     bench.output.open = true;
     assert_eq!(bench.check(), Ending::Failed(1));
-    assert_eq!(bench.progress.findings, [Finding::InterlockOpen]);
+    assert_eq!(bench.progress.findings, [CheckFinding::InterlockOpen]);
     bench.output.open = false;
     assert_eq!(bench.check(), Ending::Passed);
     assert_eq!(bench.progress.findings, []);
@@ -153,7 +153,10 @@ fn a_rig_that_is_too_strong_is_left_alone_before_it_is_hot() {
     let mut bench = Bench { gain: 4.0, ..Bench::new(&Config::default()) };
     assert_eq!(bench.check(), Ending::Failed(1));
     let found = bench.progress.findings.last();
-    assert!(matches!(found, Some(Finding::TooHot(Channel::T1, by)) if *by < MAX_RISE + 2.0), "{found:?}");
+    assert!(
+        matches!(found, Some(CheckFinding::TooHot(Channel::T1, by)) if *by < MAX_RISE + 2.0),
+        "{found:?}"
+    );
 }
 
 /// What can end a check early, and what it is then said to be.

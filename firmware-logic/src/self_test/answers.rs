@@ -3,7 +3,7 @@
 use fdi_core::likelihood::Channel;
 
 use super::CHANNELS;
-use super::finding::Finding;
+use super::finding::CheckFinding;
 use super::lock_in::{Answer, Noise};
 
 /// An answer smaller than this share of the strongest, squared, is none: warmth that strays.
@@ -46,29 +46,29 @@ impl Answers<'_> {
     }
 
     /// What is wrong; `None` for nothing.
-    pub(super) fn judge(&self) -> Option<Finding> {
+    pub(super) fn judge(&self) -> Option<CheckFinding> {
         use Channel::{T0, T1, T2};
         let [t0, t1, t2] = self.answers;
         match self.each() {
             [false, true, true] => match t1.lead_over(t2) {
                 lead if lead > SAME_TIME => None,
-                lead if lead < -SAME_TIME => Some(Finding::Swapped(T1, T2)),
-                _ => Some(Finding::SameTime),
+                lead if lead < -SAME_TIME => Some(CheckFinding::Swapped(T1, T2)),
+                _ => Some(CheckFinding::SameTime),
             },
             // The first to answer is at T1's place, the next at T2's, the silent one in the room.
-            [true, false, true] if t0.lead_over(t2) > 0.0 => Some(Finding::Swapped(T0, T1)),
-            [true, true, false] if t1.lead_over(t0) > 0.0 => Some(Finding::Swapped(T0, T2)),
-            [true, true, false] | [true, false, true] => Some(Finding::Rotated),
+            [true, false, true] if t0.lead_over(t2) > 0.0 => Some(CheckFinding::Swapped(T0, T1)),
+            [true, true, false] if t1.lead_over(t0) > 0.0 => Some(CheckFinding::Swapped(T0, T2)),
+            [true, true, false] | [true, false, true] => Some(CheckFinding::Rotated),
             [false, true, false] => Some(self.silent(T2)),
             [false, false, true] => Some(self.silent(T1)),
-            [true, false, false] => Some(Finding::OnlyT0),
-            [true, true, true] => Some(Finding::AllAnswer),
-            [false, false, false] => Some(Finding::Unheated),
+            [true, false, false] => Some(CheckFinding::OnlyT0),
+            [true, true, true] => Some(CheckFinding::AllAnswer),
+            [false, false, false] => Some(CheckFinding::Unheated),
         }
     }
 
-    fn silent(&self, channel: Channel) -> Finding {
+    fn silent(&self, channel: Channel) -> CheckFinding {
         let still = CHANNELS.iter().zip(self.moves).any(|(c, moves)| *c == channel && !moves);
-        if still { Finding::Stuck(channel) } else { Finding::Silent(channel) }
+        if still { CheckFinding::Stuck(channel) } else { CheckFinding::Silent(channel) }
     }
 }

@@ -7,10 +7,10 @@ use fdi_core::{TripReason, Validity};
 
 use crate::decimal::Fixed;
 
-/// Something found. Most of them fail the check; see [`Finding::is_note`].
+/// Something found. Most of them fail the check; see [`CheckFinding::is_note`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Finding {
+pub enum CheckFinding {
     /// The interlock's contact is open.
     InterlockOpen,
     /// The interlock's contact is open, but the output can be enabled.
@@ -55,14 +55,14 @@ pub enum Finding {
     Hazard(TripReason),
 }
 
-impl Finding {
+impl CheckFinding {
     /// Worth knowing, but no failure.
     pub fn is_note(&self) -> bool {
         matches!(self, Self::CutNotSeen | Self::Offset(..) | Self::NoContactor | Self::SameTime)
     }
 }
 
-impl fmt::Display for Finding {
+impl fmt::Display for CheckFinding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_note() {
             f.write_str("note: ")?;
@@ -121,7 +121,7 @@ impl fmt::Display for Finding {
     }
 }
 
-impl Finding {
+impl CheckFinding {
     /// Lines without a number or a name in them.
     fn fixed_text(&self) -> &'static str {
         match self {

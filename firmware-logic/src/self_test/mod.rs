@@ -23,7 +23,7 @@ use fdi_core::{Percent, RawSample, Reading, Sample, TripReason, Validity};
 use heapless::Vec;
 
 use answers::Answers;
-pub use finding::{Ending, Finding};
+pub use finding::{CheckFinding, Ending};
 pub use lock_in::CYCLE;
 use lock_in::{Answer, Cycle, Noise};
 pub use progress::{News, Progress};
@@ -90,7 +90,7 @@ pub struct SelfTest {
     cycle: [Cycle; 3],
     noises: [Noise; 3],
     answers: [Answer; 3],
-    findings: Vec<Finding, MAX_FINDINGS>,
+    findings: Vec<CheckFinding, MAX_FINDINGS>,
     ending: Option<Ending>,
     reported: Reported,
 }
@@ -108,10 +108,10 @@ impl SelfTest {
     pub fn new(proof: Proof) -> Self {
         let mut findings = Vec::new();
         let found = match proof {
-            Proof::OpenHolds => Some(Finding::InterlockOpen),
-            Proof::OpenButEnabled => Some(Finding::OpenButEnabled),
-            Proof::DoesNotCut => Some(Finding::DoesNotCut),
-            Proof::Cuts { seen: false } => Some(Finding::CutNotSeen),
+            Proof::OpenHolds => Some(CheckFinding::InterlockOpen),
+            Proof::OpenButEnabled => Some(CheckFinding::OpenButEnabled),
+            Proof::DoesNotCut => Some(CheckFinding::DoesNotCut),
+            Proof::Cuts { seen: false } => Some(CheckFinding::CutNotSeen),
             Proof::Cuts { seen: true } => None,
         };
         if let Some(found) = found {
@@ -224,7 +224,7 @@ impl SelfTest {
     }
 
     /// What makes it dangerous, or pointless, to go on heating.
-    fn danger(&self, sample: &Sample, hazard: Option<TripReason>) -> Option<Finding> {
+    fn danger(&self, sample: &Sample, hazard: Option<TripReason>) -> Option<CheckFinding> {
         if matches!(self.stage, Stage::Rest | Stage::Cooling) {
             return None;
         }
@@ -233,21 +233,25 @@ impl SelfTest {
         let found = |(((channel, reading), start), lost): (((Channel, Reading), f32), u32)| {
             let rise = reading.celsius.0 - start;
             match reading.validity {
-                Validity::Open | Validity::Short => Some(Finding::Broken(channel, reading.validity)),
+                Validity::Open | Validity::Short => Some(CheckFinding::Broken(channel, reading.validity)),
                 // A reading that jumped may be true: hot is hot.
                 _ if !(rise <= MAX_RISE) => Some(self.too_hot(channel, rise)),
-                doubt if lost > MAX_LOST => Some(Finding::Broken(channel, doubt)),
+                doubt if lost > MAX_LOST => Some(CheckFinding::Broken(channel, doubt)),
                 _ => None,
             }
         };
-        each.into_iter().find_map(found).or(hazard.map(Finding::Hazard))
+        each.into_iter().find_map(found).or(hazard.map(CheckFinding::Hazard))
     }
 
-    fn too_hot(&self, channel: Channel, rise: f32) -> Finding {
-        if self.stage == Stage::MosfetOff { Finding::MosfetShorted } else { Finding::TooHot(channel, rise) }
+    fn too_hot(&self, channel: Channel, rise: f32) -> CheckFinding {
+        if self.stage == Stage::MosfetOff {
+            CheckFinding::MosfetShorted
+        } else {
+            CheckFinding::TooHot(channel, rise)
+        }
     }
 
-    fn fail(&mut self, finding: Finding) {
+    fn fail(&mut self, finding: CheckFinding) {
         let _ = self.findings.push(finding);
         self.end();
     }
@@ -303,11 +307,11 @@ impl SelfTest {
     fn begin_heating(&mut self, hazard: Option<TripReason>) {
         rest::judge(&self.resting, &mut self.findings);
         if let Some(reason) = hazard
-            && self.findings.iter().all(Finding::is_note)
+            && self.findings.iter().all(CheckFinding::is_note)
         {
-            let _ = self.findings.push(Finding::Hazard(reason));
+            let _ = self.findings.push(CheckFinding::Hazard(reason));
         }
-        if !self.findings.iter().all(Finding::is_note) {
+        if !self.findings.iter().all(CheckFinding::is_note) {
             return self.end();
         }
         self.start = self.resting.map(|resting| resting.mean);
@@ -327,7 +331,7 @@ impl SelfTest {
     fn end_mosfet_off(&mut self) {
         self.measure_cycle();
         if self.answers().any() {
-            return self.fail(Finding::MosfetShorted);
+            return self.fail(CheckFinding::MosfetShorted);
         }
         self.noises.iter_mut().zip(&self.cycle).for_each(|(noise, cycle)| noise.add(cycle));
         if self.cycles as usize >= CLOSED_TICKS.len() {
@@ -376,7 +380,7 @@ impl SelfTest {
     fn end_contactor_open(&mut self) {
         self.answers.iter_mut().zip(&self.cycle).for_each(|(answer, cycle)| answer.add(cycle));
         if self.answers().any() {
-            let _ = self.findings.push(Finding::NoContactor);
+            let _ = self.findings.push(CheckFinding::NoContactor);
             self.end();
         } else if self.cycles >= self.judged_cycles {
             self.end();

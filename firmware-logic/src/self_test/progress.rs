@@ -3,7 +3,7 @@
 use fdi_core::Config;
 use heapless::Vec;
 
-use super::finding::{Ending, Finding};
+use super::finding::{CheckFinding, Ending};
 use super::{MAX_FINDINGS, Stage};
 
 /// One piece of news; a tick brings at most one.
@@ -13,7 +13,7 @@ pub enum News {
     /// A check, or the next stage of it, has begun.
     Stage(Stage),
     /// Something was found.
-    Found(Finding),
+    Found(CheckFinding),
     /// The check has ended.
     Ended(Ending),
 }
@@ -24,7 +24,7 @@ pub struct Progress {
     /// The stage that it is in; `None` before the first check and after it has ended.
     pub stage: Option<Stage>,
     /// What it has found so far.
-    pub findings: Vec<Finding, MAX_FINDINGS>,
+    pub findings: Vec<CheckFinding, MAX_FINDINGS>,
     /// How it ended.
     pub ending: Option<Ending>,
 }
@@ -46,9 +46,9 @@ impl Progress {
 }
 
 /// What to type so that a thermistor agrees with the others: name and value of the setting.
-pub fn offset_setting(finding: &Finding, config: &Config) -> Option<(&'static str, f32)> {
+pub fn offset_setting(finding: &CheckFinding, config: &Config) -> Option<(&'static str, f32)> {
     use fdi_core::likelihood::Channel::{T0, T1, T2};
-    let Finding::Offset(channel, by) = *finding else { return None };
+    let CheckFinding::Offset(channel, by) = *finding else { return None };
     let (name, offset) = match channel {
         T0 => ("sensors.t0.offset", config.sensors.t0.offset),
         T1 => ("sensors.t1.offset", config.sensors.t1.offset),

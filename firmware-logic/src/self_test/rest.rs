@@ -4,7 +4,7 @@ use fdi_core::Validity;
 use fdi_core::likelihood::Channel;
 use heapless::Vec;
 
-use super::finding::Finding;
+use super::finding::CheckFinding;
 use super::{CHANNELS, MAX_FINDINGS};
 
 /// Change of a mean from one cycle to the next, in degC, above which the rig is not at rest: several times what turbulence
@@ -81,27 +81,27 @@ pub(super) fn is_worth_waiting(now: &[Resting; 3]) -> bool {
 }
 
 /// Wires that are broken, shorted or loose: no time helps, and without them nothing can be judged.
-pub(super) fn broken(now: &[Resting; 3], allowed: u32, found: &mut Vec<Finding, MAX_FINDINGS>) -> bool {
+pub(super) fn broken(now: &[Resting; 3], allowed: u32, found: &mut Vec<CheckFinding, MAX_FINDINGS>) -> bool {
     let mut any = false;
     for (channel, resting) in CHANNELS.into_iter().zip(now).filter(|(_, resting)| resting.doubts > allowed) {
         any = true;
-        let _ = found.push(Finding::Broken(channel, resting.doubt));
+        let _ = found.push(CheckFinding::Broken(channel, resting.doubt));
     }
     any
 }
 
 /// All else that rest tells.
-pub(super) fn judge(now: &[Resting; 3], found: &mut Vec<Finding, MAX_FINDINGS>) {
+pub(super) fn judge(now: &[Resting; 3], found: &mut Vec<CheckFinding, MAX_FINDINGS>) {
     let each = |channel: Channel, resting: &Resting, by: f32| {
         let moves = resting.high - resting.low;
         if moves > NOISY {
-            Some(Finding::Noisy(channel, moves))
+            Some(CheckFinding::Noisy(channel, moves))
         } else if resting.change.abs() > CALM {
-            Some(Finding::NotAtRest(channel, resting.change))
+            Some(CheckFinding::NotAtRest(channel, resting.change))
         } else if by.abs() > FAR {
-            Some(Finding::FarOff(channel, by))
+            Some(CheckFinding::FarOff(channel, by))
         } else if by.abs() > OFFSET {
-            Some(Finding::Offset(channel, by))
+            Some(CheckFinding::Offset(channel, by))
         } else {
             None
         }
@@ -127,7 +127,7 @@ mod tests {
         })
     }
 
-    fn judged(now: [Resting; 3]) -> Vec<Finding, MAX_FINDINGS> {
+    fn judged(now: [Resting; 3]) -> Vec<CheckFinding, MAX_FINDINGS> {
         let mut found = Vec::new();
         judge(&now, &mut found);
         found
@@ -144,18 +144,24 @@ mod tests {
     #[test]
     fn the_odd_one_is_named_and_small_differences_are_offsets() {
         let off = judged(at([2.0, 22.0, 22.1], [0.0; 3]));
-        assert!(matches!(off[..], [Finding::FarOff(Channel::T0, by)] if (by + 20.0).abs() < 0.01), "{off:?}");
+        assert!(
+            matches!(off[..], [CheckFinding::FarOff(Channel::T0, by)] if (by + 20.0).abs() < 0.01),
+            "{off:?}"
+        );
         let offset = judged(at([22.0, 22.1, 23.1], [0.0; 3]));
-        assert!(matches!(offset[..], [Finding::Offset(Channel::T2, by)] if (by - 1.0).abs() < 0.01));
+        assert!(matches!(offset[..], [CheckFinding::Offset(Channel::T2, by)] if (by - 1.0).abs() < 0.01));
         assert!(offset[0].is_note());
         assert_eq!(judged(at([22.0, 22.1, 22.2], [0.0; 3])), []);
     }
 
     #[test]
     fn what_never_comes_to_rest_or_rattles_is_told() {
-        assert!(matches!(judged(at([22.0; 3], [0.0, 0.9, 0.0]))[..], [Finding::NotAtRest(Channel::T1, _)]));
+        assert!(matches!(
+            judged(at([22.0; 3], [0.0, 0.9, 0.0]))[..],
+            [CheckFinding::NotAtRest(Channel::T1, _)]
+        ));
         let mut loose = at([22.0; 3], [0.0; 3]);
         loose[2].high += 5.0;
-        assert!(matches!(judged(loose)[..], [Finding::Noisy(Channel::T2, _)]));
+        assert!(matches!(judged(loose)[..], [CheckFinding::Noisy(Channel::T2, _)]));
     }
 }

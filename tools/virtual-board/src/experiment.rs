@@ -100,14 +100,15 @@ fn prepare(board: &mut Board, seed: u64) -> anyhow::Result<Config> {
 /// The rows of a record, from the tick at which the board was armed.
 fn rows(recording: &Recording, first: usize, count: usize, faults: &[Fault], sample_time: f64) -> Vec<Row> {
     let ticks = recording.ticks.iter().skip(first).take(count).enumerate();
-    ticks.map(|(i, recorded)| {
-        let (mut tick, mut report) = (recorded.tick, recorded.report.clone());
-        tick.index -= first as u32;
-        report.tick -= first as u32;
-        if let Some(finding) = &mut report.likelihood.finding {
-            finding.onset = finding.onset.saturating_sub(first as u32);
-        }
-        Row { tick, report, truth: host_sim::experiment::truth(faults, i as f64 * sample_time) }
-    })
-    .collect()
+    ticks
+        .map(|(i, recorded)| {
+            let (mut tick, mut report) = (recorded.tick, recorded.report.clone());
+            tick.index -= first as u32;
+            report.tick -= first as u32;
+            if let Some(finding) = &mut report.likelihood.finding {
+                finding.onset = finding.onset.saturating_sub(first as u32);
+            }
+            Row { tick, report, truth: host_sim::experiment::truth(faults, i as f64 * sample_time) }
+        })
+        .collect()
 }

@@ -3,13 +3,14 @@
 use std::fmt;
 use std::str::FromStr;
 
-use anyhow::ensure;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de::Error};
+
+use crate::wall::{WallChanges, WallConfig};
 
 /// A constant of the rig, as people read of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Constant {
-    /// Key under `[rig]`.
+    /// Key in its section.
     pub name: &'static str,
     /// What it is, with its unit.
     pub about: &'static str,
@@ -19,37 +20,71 @@ pub struct Constant {
     pub bounds: [f64; 2],
 }
 
+/// Constants that belong together.
+#[derive(Clone, Copy, Debug)]
+pub struct Section {
+    /// Its name as a table of TOML.
+    pub name: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// Its constants, in order.
+    pub constants: &'static [Constant],
+}
+
 /// Declares each constant once: what it is, its key, default and bounds. It gives the struct, its defaults, the check of the
-/// bounds, and the table from which commented TOML is written.
+/// bounds, the table from which commented TOML is written, and what a file may change of it. The rig itself holds the
+/// sections of its ingredients, and starts from a preset.
 macro_rules! constants {
-    ($(#[doc = $about:literal])+ pub struct $Config:ident {
+    ($(#[doc = $about:literal])+ pub struct $Config:ident / $Changes:ident in $section:literal {
         $($(#[doc = $doc:literal])+ $name:ident: $Type:ty = $default:literal, $min:literal..=$max:literal;)+
-    }) => {
+    } $(from $preset:ident with {
+        $($(#[doc = $group_doc:literal])+ $group:ident: $Group:ident / $GroupChanges:ident;)+
+    })?) => {
         $(#[doc = $about])+
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(default, deny_unknown_fields)]
+        #[derive(Clone, Debug, PartialEq, serde::Serialize)]
         pub struct $Config {
             $(
                 $(#[doc = $doc])+
                 #[doc = concat!("\n\nDefault ", stringify!($default), ", ", stringify!($min), " to ", stringify!($max), ".")]
                 pub $name: $Type,
             )+
+            $($($(#[doc = $group_doc])+ pub $group: $Group,)+)?
+        }
+
+        /// What a file may change; what it leaves out stays.
+        #[derive(serde::Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub(crate) struct $Changes {
+            $($name: Option<$Type>,)+
+            $($preset: Option<String>, $($group: Option<$GroupChanges>,)+)?
         }
 
         impl Default for $Config {
             fn default() -> Self {
-                Self { $($name: $default,)+ }
+                Self { $($name: $default,)+ $($($group: $Group::default(),)+)? }
             }
         }
 
         impl $Config {
             /// Every constant, in order.
-            pub const CONSTANTS: &[Constant] = &[$(Constant {
+            pub const CONSTANTS: &[$crate::config::Constant] = &[$($crate::config::Constant {
                 name: stringify!($name),
                 about: concat!($($doc),+),
                 default: stringify!($default),
                 bounds: [$min, $max],
             }),+];
+
+            /// The section that these are.
+            pub(crate) const SECTION: $crate::config::Section = $crate::config::Section {
+                name: $section,
+                about: concat!($($about),+),
+                constants: Self::CONSTANTS,
+            };
+
+            $(
+                /// These constants and those of every ingredient.
+                pub const SECTIONS: &[$crate::config::Section] = &[Self::SECTION, $($Group::SECTION),+];
+            )?
 
             /// Checks every constant.
             ///
@@ -59,17 +94,34 @@ macro_rules! constants {
                 let values: [f64; Self::CONSTANTS.len()] = [$(self.$name.into()),+];
                 for (constant, value) in Self::CONSTANTS.iter().zip(values) {
                     let (name, [min, max]) = (constant.name, constant.bounds);
-                    ensure!(value >= min && value <= max, "rig.{name} is {value}, expected {min} to {max}");
+                    anyhow::ensure!(
+                        value >= min && value <= max,
+                        "{}.{name} is {value}, expected {min} to {max}",
+                        $section
+                    );
                 }
+                $($(self.$group.validate()?;)+)?
                 Ok(())
+            }
+
+            /// The same with what a file changes.
+            pub(crate) fn changed(mut self, changes: $Changes) -> Self {
+                $(self.$name = changes.$name.unwrap_or(self.$name);)+
+                $($(
+                    if let Some(changes) = changes.$group {
+                        self.$group = self.$group.changed(changes);
+                    }
+                )+)?
+                self
             }
         }
     };
 }
+pub(crate) use constants;
 
 constants! {
     /// Constants of the rig. Defaults: the reference rig (paper where it prints a value, else our choice; docs/theory.md).
-    pub struct RigConfig {
+    pub struct RigConfig / RigChanges in "rig" {
         /// Ambient temperature, degC.
         ambient: f64 = 22.5, -20.0..=60.0;
         /// Static gain K at T1, degC per % of heater power.
@@ -104,6 +156,18 @@ constants! {
         beta: f64 = 3950.0, 500.0..=10e3;
         /// Pull-up from VDDA to the ADC input, ohm.
         pull_up: f64 = 10000.0, 10.0..=10e6;
+    } from preset with {
+        /// The wall of the tube.
+        wall: WallConfig / WallChanges;
+    }
+}
+
+impl<'de> Deserialize<'de> for RigConfig {
+    /// Keys that are left out are those of the preset that `preset` names, without it the defaults.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let changes = RigChanges::deserialize(deserializer)?;
+        let start = changes.preset.as_deref().map_or(Ok(Self::default()), Self::preset);
+        Ok(start.map_err(D::Error::custom)?.changed(changes))
     }
 }
 

@@ -2,9 +2,11 @@
 
 use crate::air::{AirStream, HeaterHistory};
 use crate::config::{Disturbance, RigConfig};
+use crate::element::Element;
 use crate::fault::{Conditions, Fault};
 use crate::noise::{Noise, OrnsteinUhlenbeck, Turbulence};
 use crate::sensor::Digitizer;
+use crate::wall::Wall;
 
 /// The rig in motion.
 pub struct Rig {
@@ -19,10 +21,12 @@ pub struct Rig {
     mains_disturbance: OrnsteinUhlenbeck,
     heater: HeaterHistory,
     turbulence: [Turbulence; 2],
-    /// Temperatures of the three sensor elements without turbulence, degC.
-    elements: [f64; 3],
+    /// The walls before the three sensors.
+    walls: [Option<Wall>; 3],
+    /// The three sensor elements.
+    elements: [Element; 3],
     /// What they would be if nothing had ever happened to a sensor.
-    unharmed: [f64; 3],
+    unharmed: [Element; 3],
     digitizer: Digitizer,
     /// The last codes of the three inputs.
     codes: [f64; 3],
@@ -54,8 +58,9 @@ impl Rig {
             mains_disturbance,
             heater: HeaterHistory::cold(),
             turbulence: [Turbulence::new(config.turbulence, config.turbulence_time); 2],
-            elements: [config.ambient; 3],
-            unharmed: [config.ambient; 3],
+            walls: Wall::before_each(&config.wall),
+            elements: [Element::new(config.ambient); 3],
+            unharmed: [Element::new(config.ambient); 3],
             digitizer: Digitizer::new(config),
             codes: [f64::NAN; 3],
             config: config.clone(),
@@ -75,7 +80,7 @@ impl Rig {
         self.codes = core::array::from_fn(|i| {
             let white = self.config.white_noise * self.noise.normal();
             let sensor = conditions.wired[i];
-            let celsius = self.elements[sensor] + air[sensor] + conditions.offset[sensor] + white;
+            let celsius = self.elements[sensor].celsius() + air[sensor] + conditions.offset[sensor] + white;
             self.digitizer.code(i, celsius, &conditions.reading[i], &mut self.noise)
         });
         self.codes
@@ -107,14 +112,16 @@ impl Rig {
         let clean = [self.config.t0_lag, self.config.t1_lag, self.config.t2_lag];
         for i in 0..3 {
             let lag = now.lag[i].unwrap_or(clean[i]);
-            let before = self.elements[i];
-            self.elements[i] = air.through(heater, i, (from, to), (now.gain[i], lag), before);
-            let unharmed = (now.gain[i], lag) == (1.0, clean[i]) && self.unharmed[i] == before;
-            self.unharmed[i] = if unharmed {
-                self.elements[i]
-            } else {
-                air.through(heater, i, (from, to), (1.0, clean[i]), self.unharmed[i])
+            let wall = self.walls[i].as_mut().map(|wall| wall.follow(&air, heater, i, (from, to)));
+            let follow = |mut element: Element, seen| {
+                element.follow((&air, heater), i, (from, to), seen, wall.as_ref());
+                element
             };
+            let before = self.elements[i];
+            self.elements[i] = follow(before, (now.gain[i], lag));
+            let unharmed = (now.gain[i], lag) == (1.0, clean[i]) && self.unharmed[i] == before;
+            self.unharmed[i] =
+                if unharmed { self.elements[i] } else { follow(self.unharmed[i], (1.0, clean[i])) };
             if i > 0 {
                 self.turbulence[i - 1].see_through(lag, now.gain[i], self.sample_time);
             }
@@ -139,14 +146,18 @@ impl Rig {
     pub fn air(&self) -> [f64; 2] {
         let now = self.now();
         let air = self.air_stream(now, &Conditions::at(&self.faults, now, 0.0));
-        [1, 2].map(|i| air.ambient + air.share[i] * self.heater.rise_at(now - air.delay[i]))
+        [1, 2].map(|i| {
+            let rise = air.share[i] * self.heater.rise_at(now - air.delay[i]);
+            air.ambient + self.walls[i].as_ref().map_or(rise, |wall| wall.mix(&air, rise))
+        })
     }
 
     /// For scores: how far the input that is worst off reads from what it would read at this power without any fault of
     /// a sensor, degC, by the last codes. Missing ones are passed over; turbulence and noise are in it.
     pub fn sensor_error(&self) -> f64 {
         let readings = self.codes.iter().zip(&self.unharmed).filter(|(code, _)| !code.is_nan());
-        let errors = readings.map(|(&code, unharmed)| (self.digitizer.celsius(code) - unharmed).abs());
+        let errors =
+            readings.map(|(&code, unharmed)| (self.digitizer.celsius(code) - unharmed.celsius()).abs());
         errors.fold(0.0, f64::max)
     }
 

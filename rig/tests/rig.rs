@@ -3,7 +3,7 @@
 use fdi_core::AdcCode;
 use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
 use pt326_rig::fault::{Fault, Sensor, Verb};
-use pt326_rig::{Disturbance, Rig, RigConfig};
+use pt326_rig::{Disturbance, Rig, RigConfig, WallConfig};
 
 use Sensor::{T0, T1, T2};
 
@@ -149,4 +149,17 @@ fn the_error_of_the_sensors_is_what_their_faults_make() {
     near(&[Fault { duration: 5.0, ..on(Verb::Detach, T1, 1.0, 5.0) }], 0.0);
     assert!(error(&[Fault::new(Verb::Open, Some(T2), None, 10.0, 1e6)]) > 100.0);
     assert!(error(&[on(Verb::Freeze, T1, 0.0, 0.05)]) > 14.0);
+}
+
+/// A wall delays a part of the rise, also of what a detached sensor still sees, and alters no steady state.
+#[test]
+fn a_wall_alters_no_steady_state() {
+    let wall = WallConfig { t1_share: 0.1, t2_share: 0.2, time: 20.0 };
+    let config = RigConfig { wall, ..still(0.3) };
+    let mut rig = Rig::new(&config, Disturbance::None, TS, 1, &[on(Verb::Detach, T2, 0.5, 300.0)]);
+    close(celsius(&mut rig, 50.0, 5.0), [22.5, 22.5 + 13.5 + 1.5 * 0.21, 22.5 + 13.8 * (0.8 + 0.2 * 0.20)]);
+    close(celsius(&mut rig, 50.0, 200.0), [22.5, 37.5, 36.3]);
+    close(celsius(&mut rig, 50.0, 200.0), [22.5, 37.5, 29.4]);
+    let [t1, t2] = rig.air();
+    assert!((t1 - 37.5).abs() < 0.01 && (t2 - 36.3).abs() < 0.01, "{t1} {t2}");
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use fdi_core::Config;
-use pt326_rig::Disturbance;
+use pt326_rig::{Disturbance, RigConfig};
 
 use crate::experiment::FaultSize;
 use crate::experiment::scenario::{self, Scenario};
@@ -20,6 +20,10 @@ pub struct ExperimentArgs {
     /// Size of the faults: small, nominal, large, or a factor on the nominal departure (negative: the other way).
     #[arg(long, default_value = "nominal", allow_negative_numbers = true)]
     pub fault_size: FaultSize,
+    /// The rig of this name: paper (the reference rig), trainer (what a real rig has besides, moderate), harsh (strong). In
+    /// a scenario, `preset` under [rig] does the same and other keys change it.
+    #[arg(long, value_name = "NAME", conflicts_with = "scenario")]
+    pub preset: Option<String>,
     /// Settings of the instrument, TOML; see `pt326 config`.
     #[arg(long, value_name = "FILE.toml")]
     pub config: Option<PathBuf>,
@@ -36,6 +40,9 @@ impl ExperimentArgs {
     pub fn load(&self) -> anyhow::Result<(Config, Scenario)> {
         let config = settings::read(self.config.as_deref())?;
         let mut scenario = scenario::read_scenario(self.scenario.as_deref())?;
+        if let Some(name) = &self.preset {
+            scenario.rig = RigConfig::preset(name)?;
+        }
         scenario.disturbance = self.disturbance.unwrap_or(scenario.disturbance);
         scenario.faults = scenario.faults.iter().map(|fault| self.fault_size.apply(fault)).collect();
         scenario.validate()?;

@@ -138,12 +138,18 @@ impl Scenario {
 /// Defaults of rig and faults as commented TOML. What is said of the rig's constants comes from their declaration.
 pub fn commented_toml() -> String {
     const FRAME: &str = include_str!("../../defaults/scenario.toml");
-    let lines = RigConfig::CONSTANTS.iter().map(|constant| {
-        let pair = format!("{} = {}", constant.name, constant.default);
-        let ([min, max], about) = (constant.bounds, constant.about.trim().trim_end_matches('.'));
-        format!("{pair:<27} # {about}; {min} to {max}\n")
+    let tidy = |about: &str| about.trim().trim_end_matches('.').to_owned();
+    let sections = RigConfig::SECTIONS.iter().map(|section| {
+        let lines = section.constants.iter().map(|constant| {
+            let pair = format!("{} = {}", constant.name, constant.default);
+            let [min, max] = constant.bounds;
+            format!("{pair:<27} # {}; {min} to {max}\n", tidy(constant.about))
+        });
+        let head =
+            if section.name == "rig" { String::new() } else { format!("\n# {}\n", tidy(section.about)) };
+        format!("{head}[{}]\n{}", section.name, lines.collect::<String>())
     });
-    FRAME.replacen("[rig]\n", &format!("[rig]\n{}", lines.collect::<String>()), 1)
+    FRAME.replacen("[rig]\n", &sections.collect::<String>(), 1)
 }
 
 /// Reads a scenario; keys that the file leaves out have their defaults. Without a path all have.
@@ -212,12 +218,25 @@ mod tests {
             ("[[fault]]\ndo = \"stuck\"\nsensor = \"t1\"\nover = 3\nat = 1\nfor = 1", ["over = 3", "detach"]),
             ("arm_at = -1", ["arm_at is -1", "0 to 100000 s"]),
             ("[rig]\ngain = -1", ["rig.gain is -1", "0.001 to 100"]),
+            ("[rig.wall]\nt1_share = 2", ["rig.wall.t1_share is 2", "0 to 0.5"]),
             ("[[action]]\nat = 3", ["action 1", "setpoint"]),
             ("[[action]]\nat = 3\nexcite = true\nover = 5", ["action 1", "over is 5"]),
         ] {
             let error = toml::from_str::<Scenario>(text).unwrap().validate().unwrap_err().to_string();
             assert!(words.iter().all(|w| error.contains(w)), "{text}: {error}");
         }
+    }
+
+    #[test]
+    fn a_rig_starts_from_a_preset_and_changes_it() {
+        let text = "[rig]\npreset = \"trainer\"\ngain = 0.4\n[rig.wall]\ntime = 12";
+        let scenario: Scenario = toml::from_str(text).unwrap();
+        let mut expected = RigConfig::preset("trainer").unwrap();
+        expected.gain = 0.4;
+        expected.wall.time = 12.0;
+        assert_eq!(scenario.rig, expected);
+        let error = toml::from_str::<Scenario>("[rig]\npreset = \"oven\"").unwrap_err().to_string();
+        assert!(error.contains("oven") && error.contains("paper, trainer, harsh"), "{error}");
     }
 
     #[test]

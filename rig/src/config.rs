@@ -5,6 +5,12 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
+use crate::fan::{FanChanges, FanConfig};
+use crate::heater::{HeaterChanges, HeaterConfig};
+use crate::mains::{MainsChanges, MainsConfig};
+use crate::pickup::{PickupChanges, PickupConfig};
+use crate::room::{RoomChanges, RoomConfig};
+use crate::thermistor::{SensorChanges, SensorConfig};
 use crate::wall::{WallChanges, WallConfig};
 
 /// A constant of the rig, as people read of it.
@@ -159,6 +165,18 @@ constants! {
     } from preset with {
         /// The wall of the tube.
         wall: WallConfig / WallChanges;
+        /// The mains.
+        mains: MainsConfig / MainsChanges;
+        /// How the thermistors differ from their data sheet.
+        thermistor: SensorConfig / SensorChanges;
+        /// The fan.
+        fan: FanConfig / FanChanges;
+        /// Drive and wire of the heater.
+        heater: HeaterConfig / HeaterChanges;
+        /// The room.
+        room: RoomConfig / RoomChanges;
+        /// Hum on the wires.
+        pickup: PickupConfig / PickupChanges;
     }
 }
 

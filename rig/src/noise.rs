@@ -11,7 +11,22 @@ pub(crate) struct Noise {
     generator: Xoshiro256PlusPlus,
 }
 
+/// Ingredients of the rig that are random; each draws from a stream of its own, so that it leaves all others alone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Stream {
+    Mains = 1,
+    Fan,
+    Room,
+    Pickup,
+    Thermistors,
+}
+
 impl Noise {
+    /// The stream of an ingredient.
+    pub(crate) fn stream(seed: u64, stream: Stream) -> Self {
+        Self::new(seed ^ (stream as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15))
+    }
+
     pub(crate) fn new(seed: u64) -> Self {
         Self { generator: Xoshiro256PlusPlus::seed_from_u64(seed) }
     }
@@ -58,8 +73,8 @@ pub(crate) struct Turbulence {
     time: f64,
     air: f64,
     sensor: f64,
-    /// The (lag, gain, interval) that `step` was computed for.
-    view: (f64, f64, f64),
+    /// The (roughness, lag, gain, interval) that `step` was computed for.
+    view: (f64, f64, f64, f64),
     transition: Transition,
 }
 
@@ -76,7 +91,14 @@ struct Transition {
 
 impl Turbulence {
     pub(crate) fn new(sd: f64, time: f64) -> Self {
-        Self { sd, time, air: 0.0, sensor: 0.0, view: (0.0, 0.0, 0.0), transition: Transition::default() }
+        Self {
+            sd,
+            time,
+            air: 0.0,
+            sensor: 0.0,
+            view: (0.0, 0.0, 0.0, 0.0),
+            transition: Transition::default(),
+        }
     }
 
     /// The part of the sensor's temperature that turbulence makes.
@@ -84,11 +106,11 @@ impl Turbulence {
         self.sensor
     }
 
-    /// Sets the sensor through which the air is seen.
-    pub(crate) fn see_through(&mut self, lag: f64, gain: f64, interval: f64) {
-        if self.view != (lag, gain, interval) {
-            self.view = (lag, gain, interval);
-            self.transition = transition(self.sd, 1.0 / self.time, lag, gain, interval);
+    /// Sets the sensor through which the air is seen, and how rough the air is, relative to its standard deviation.
+    pub(crate) fn see_through(&mut self, roughness: f64, lag: f64, gain: f64, interval: f64) {
+        if self.view != (roughness, lag, gain, interval) {
+            self.view = (roughness, lag, gain, interval);
+            self.transition = transition(self.sd * roughness, 1.0 / self.time, lag, gain, interval);
         }
     }
 
@@ -135,7 +157,7 @@ mod tests {
         for (lag, interval) in [(0.05, 0.11), (0.4, 0.11), (0.15, 0.002), (0.15, 0.5)] {
             let (sd, tc, gain) = (0.12, 0.15, 0.85);
             let mut turbulence = Turbulence::new(sd, tc);
-            turbulence.see_through(lag, gain, interval);
+            turbulence.see_through(1.0, lag, gain, interval);
             let mut noise = Noise::new(1);
             let (mut sum, n) = (0.0, 400_000);
             for _ in 0..n {

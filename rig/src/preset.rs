@@ -3,6 +3,12 @@
 use anyhow::bail;
 
 use crate::config::RigConfig;
+use crate::fan::FanConfig;
+use crate::heater::HeaterConfig;
+use crate::mains::MainsConfig;
+use crate::pickup::PickupConfig;
+use crate::room::RoomConfig;
+use crate::thermistor::SensorConfig;
 use crate::wall::WallConfig;
 
 /// Makes a rig.
@@ -27,12 +33,62 @@ impl RigConfig {
 
 /// All ingredients, moderate.
 fn trainer() -> RigConfig {
-    RigConfig { wall: WallConfig { t1_share: 0.06, t2_share: 0.09, time: 30.0 }, ..RigConfig::default() }
+    RigConfig {
+        wall: WallConfig { t1_share: 0.06, t2_share: 0.09, time: 30.0 },
+        mains: MainsConfig { walk: 0.5, walk_time: 60.0, steps: 6.0, step_size: 0.7, fan_exponent: 0.5 },
+        thermistor: SensorConfig {
+            r25_sd: 1.0,
+            beta_sd: 0.3,
+            offset_sd: 0.2,
+            self_heating: 0.3,
+            body_share: 0.06,
+            body_time: 4.0,
+            lag_exponent: 0.5,
+            ..SensorConfig::default()
+        },
+        fan: FanConfig { hunting: 0.01, period: 3.0, lag: 0.15, turbulence_exponent: 0.5 },
+        heater: HeaterConfig { bend: 0.1, wire_time: 0.08 },
+        room: RoomConfig {
+            draughts: 2.0,
+            draught_depth: 0.4,
+            draught_time: 8.0,
+            day_swing: 2.0,
+            warm_up: 1.5,
+            warm_up_time: 900.0,
+        },
+        pickup: PickupConfig { codes: 1.0, ..PickupConfig::default() },
+        ..RigConfig::default()
+    }
 }
 
 /// All ingredients, strong.
 fn harsh() -> RigConfig {
-    RigConfig { wall: WallConfig { t1_share: 0.12, t2_share: 0.16, time: 40.0 }, ..RigConfig::default() }
+    RigConfig {
+        wall: WallConfig { t1_share: 0.12, t2_share: 0.16, time: 40.0 },
+        mains: MainsConfig { walk: 1.0, walk_time: 30.0, steps: 20.0, step_size: 1.5, fan_exponent: 1.0 },
+        thermistor: SensorConfig {
+            r25_sd: 3.0,
+            beta_sd: 0.7,
+            offset_sd: 0.5,
+            self_heating: 0.8,
+            body_share: 0.12,
+            body_time: 6.0,
+            lag_exponent: 0.5,
+            ..SensorConfig::default()
+        },
+        fan: FanConfig { hunting: 0.025, period: 2.3, lag: 0.3, turbulence_exponent: 1.0 },
+        heater: HeaterConfig { bend: 0.25, wire_time: 0.2 },
+        room: RoomConfig {
+            draughts: 6.0,
+            draught_depth: 1.0,
+            draught_time: 15.0,
+            day_swing: 5.0,
+            warm_up: 3.0,
+            warm_up_time: 600.0,
+        },
+        pickup: PickupConfig { codes: 2.5, ..PickupConfig::default() },
+        ..RigConfig::default()
+    }
 }
 
 #[cfg(test)]

@@ -2,11 +2,20 @@
 
 use crate::air::{AirStream, HeaterHistory};
 use crate::config::{Disturbance, RigConfig};
-use crate::element::Element;
+use crate::element::{Element, World};
+use crate::fan::Fan;
 use crate::fault::{Conditions, Fault};
+use crate::heater::Heater;
+use crate::mains::Mains;
 use crate::noise::{Noise, OrnsteinUhlenbeck, Turbulence};
+use crate::pickup::Pickup;
+use crate::room::Room;
 use crate::sensor::Digitizer;
+use crate::thermistor::Thermistors;
 use crate::wall::Wall;
+
+/// Steps of a stretch within which flow or power change by themselves.
+const RESTLESS_STEPS: u32 = 4;
 
 /// The rig in motion.
 pub struct Rig {
@@ -19,6 +28,12 @@ pub struct Rig {
     ambient_ramp: f64,
     flow_disturbance: OrnsteinUhlenbeck,
     mains_disturbance: OrnsteinUhlenbeck,
+    mains: Option<Mains>,
+    fan: Fan,
+    room: Option<Room>,
+    pickup: Option<Pickup>,
+    thermistors: Thermistors,
+    source: Heater,
     heater: HeaterHistory,
     turbulence: [Turbulence; 2],
     /// The walls before the three sensors.
@@ -48,6 +63,8 @@ impl Rig {
         let ambient_disturbance = OrnsteinUhlenbeck::new(ambient_sd, 600.0, sample_time, &mut noise);
         let flow_disturbance = OrnsteinUhlenbeck::new(lively, 60.0, sample_time, &mut noise);
         let mains_disturbance = OrnsteinUhlenbeck::new(lively, 30.0, sample_time, &mut noise);
+        let room = Room::new(&config.room, sample_time, seed);
+        let ambient = config.ambient + room.as_ref().map_or(0.0, |room| room.warmer(0.0));
         Self {
             sample_time,
             tick: 0,
@@ -56,11 +73,17 @@ impl Rig {
             ambient_ramp: ramp / 3600.0,
             flow_disturbance,
             mains_disturbance,
+            mains: Mains::new(&config.mains, sample_time, seed),
+            fan: Fan::new(&config.fan, seed),
+            room,
+            pickup: Pickup::new(&config.pickup, seed),
+            thermistors: Thermistors::new(config, seed),
+            source: Heater::new(&config.heater),
             heater: HeaterHistory::cold(),
             turbulence: [Turbulence::new(config.turbulence, config.turbulence_time); 2],
             walls: Wall::before_each(&config.wall),
-            elements: [Element::new(config.ambient); 3],
-            unharmed: [Element::new(config.ambient); 3],
+            elements: [Element::new(ambient); 3],
+            unharmed: [Element::new(ambient); 3],
             digitizer: Digitizer::new(config),
             codes: [f64::NAN; 3],
             config: config.clone(),
@@ -77,11 +100,14 @@ impl Rig {
     pub fn sample(&mut self) -> [f64; 3] {
         let conditions = Conditions::at(&self.faults, self.now(), self.sample_time);
         let air = [0.0, self.turbulence[0].at_sensor(), self.turbulence[1].at_sensor()];
+        let now = self.now();
         self.codes = core::array::from_fn(|i| {
             let white = self.config.white_noise * self.noise.normal();
             let sensor = conditions.wired[i];
-            let celsius = self.elements[sensor].celsius() + air[sensor] + conditions.offset[sensor] + white;
-            self.digitizer.code(i, celsius, &conditions.reading[i], &mut self.noise)
+            let indicated = self.thermistors.indicated(sensor, self.elements[sensor].celsius() + air[sensor]);
+            let celsius = indicated + conditions.offset[sensor] + white;
+            let hum = self.pickup.as_ref().map_or(0.0, |pickup| pickup.codes(i, now));
+            self.digitizer.code(i, celsius, hum, &conditions.reading[i], &mut self.noise)
         });
         self.codes
     }
@@ -95,48 +121,82 @@ impl Rig {
         edges.sort_by(f64::total_cmp);
         for to in edges.into_iter().chain([end]) {
             let conditions = Conditions::at(&self.faults, 0.5 * (from + to), 0.0);
-            self.integrate(from, to, drive, &conditions);
+            let steps = self.steps();
+            for step in 0..steps {
+                let at = |step: u32| from + (to - from) * f64::from(step) / f64::from(steps);
+                self.integrate(
+                    at(step),
+                    if step + 1 == steps { to } else { at(step + 1) },
+                    drive,
+                    &conditions,
+                );
+            }
             from = to;
         }
         self.disturbance();
         self.tick += 1;
+        if let Some(room) = &mut self.room {
+            room.step(end, drive > 0.0);
+        }
+    }
+
+    /// In how many steps a stretch is integrated, each with constant flow and power.
+    fn steps(&self) -> u32 {
+        if self.fan.is_restless() || self.source.is_restless() { RESTLESS_STEPS } else { 1 }
     }
 
     /// Moves the deterministic part from one time to another under constant conditions.
     fn integrate(&mut self, from: f64, to: f64, drive: f64, now: &Conditions) {
-        let air = self.air_stream(from, now);
-        let power = now.stuck_power.unwrap_or(drive * now.power) * (1.0 + self.mains_disturbance.value());
+        let flow = self.fan.blow(self.asked_flow(now), (from, to));
+        let air = self.air_stream(from, flow, now);
+        let driven = self.source.driven(drive);
+        let volts = self.mains.as_ref().map_or(1.0, Mains::power);
+        let power =
+            now.stuck_power.unwrap_or(driven * now.power) * (1.0 + self.mains_disturbance.value()) * volts;
+        let power = self.source.warm(power, air.slowness, to - from);
         let time = self.config.heater_time * air.slowness;
         self.heater.drive(from, to, self.config.gain / air.flow * power, time);
-        let heater = &self.heater;
-        let clean = [self.config.t0_lag, self.config.t1_lag, self.config.t2_lag];
+        let world = World { air: &air, heater: &self.heater, thermistors: &self.thermistors };
+        let lags = [self.config.t0_lag, self.config.t1_lag, self.config.t2_lag];
+        let roughness = self.fan.roughness(air.flow);
         for i in 0..3 {
-            let lag = now.lag[i].unwrap_or(clean[i]);
-            let wall = self.walls[i].as_mut().map(|wall| wall.follow(&air, heater, i, (from, to)));
+            let clean = self.thermistors.lag(i, lags[i], air.flow);
+            let lag = now.lag[i].unwrap_or(clean);
+            let wall = self.walls[i].as_mut().map(|wall| wall.follow(&air, &self.heater, i, (from, to)));
             let follow = |mut element: Element, seen| {
-                element.follow((&air, heater), i, (from, to), seen, wall.as_ref());
+                element.follow(&world, i, (from, to), seen, wall.as_ref());
                 element
             };
             let before = self.elements[i];
             self.elements[i] = follow(before, (now.gain[i], lag));
-            let unharmed = (now.gain[i], lag) == (1.0, clean[i]) && self.unharmed[i] == before;
+            let unharmed = (now.gain[i], lag) == (1.0, clean) && self.unharmed[i] == before;
             self.unharmed[i] =
-                if unharmed { self.elements[i] } else { follow(self.unharmed[i], (1.0, clean[i])) };
+                if unharmed { self.elements[i] } else { follow(self.unharmed[i], (1.0, clean)) };
             if i > 0 {
-                self.turbulence[i - 1].see_through(lag, now.gain[i], self.sample_time);
+                self.turbulence[i - 1].see_through(roughness, lag, now.gain[i], self.sample_time);
             }
         }
         self.heater.forget_before(from - air.delay[2] - 1.0);
     }
 
-    /// The air as it flows at a time.
-    fn air_stream(&self, t: f64, now: &Conditions) -> AirStream {
-        let c = &self.config;
+    /// The flow that comes once the fan has followed, without its hunting.
+    fn asked_flow(&self, now: &Conditions) -> f64 {
         let flow = now.flow * (1.0 + self.flow_disturbance.value());
+        self.mains.as_ref().map_or(flow, |mains| flow * mains.flow())
+    }
+
+    /// The air as it is at a time, at a flow.
+    fn air_stream(&self, t: f64, flow: f64, now: &Conditions) -> AirStream {
+        let c = &self.config;
+        let room = self.room.as_ref().map_or(0.0, |room| room.warmer(t));
         AirStream {
             flow,
             slowness: if flow == 1.0 { 1.0 } else { libm::pow(flow, -c.flow_exponent) },
-            ambient: c.ambient + self.ambient_ramp * t + self.ambient_disturbance.value() + now.ambient,
+            ambient: c.ambient
+                + self.ambient_ramp * t
+                + self.ambient_disturbance.value()
+                + now.ambient
+                + room,
             delay: [0.0, c.dead_time / flow, (c.dead_time + c.t2_delay) / flow],
             share: [0.0, 1.0, 1.0 - c.heat_loss / flow],
         }
@@ -145,7 +205,9 @@ impl Rig {
     /// For scores: the true temperature of the air at T1 and at T2 now, without turbulence, degC.
     pub fn air(&self) -> [f64; 2] {
         let now = self.now();
-        let air = self.air_stream(now, &Conditions::at(&self.faults, now, 0.0));
+        let conditions = Conditions::at(&self.faults, now, 0.0);
+        let flow = self.fan.flow(self.asked_flow(&conditions), now);
+        let air = self.air_stream(now, flow, &conditions);
         [1, 2].map(|i| {
             let rise = air.share[i] * self.heater.rise_at(now - air.delay[i]);
             air.ambient + self.walls[i].as_ref().map_or(rise, |wall| wall.mix(&air, rise))
@@ -155,9 +217,9 @@ impl Rig {
     /// For scores: how far the input that is worst off reads from what it would read at this power without any fault of
     /// a sensor, degC, by the last codes. Missing ones are passed over; turbulence and noise are in it.
     pub fn sensor_error(&self) -> f64 {
-        let readings = self.codes.iter().zip(&self.unharmed).filter(|(code, _)| !code.is_nan());
-        let errors =
-            readings.map(|(&code, unharmed)| (self.digitizer.celsius(code) - unharmed.celsius()).abs());
+        let expected = |i: usize| self.thermistors.indicated(i, self.unharmed[i].celsius());
+        let readings = self.codes.iter().enumerate().filter(|(_, code)| !code.is_nan());
+        let errors = readings.map(|(i, &code)| (self.digitizer.celsius(code) - expected(i)).abs());
         errors.fold(0.0, f64::max)
     }
 
@@ -177,6 +239,9 @@ impl Rig {
         self.ambient_disturbance.step(&mut self.noise);
         self.flow_disturbance.step(&mut self.noise);
         self.mains_disturbance.step(&mut self.noise);
+        if let Some(mains) = &mut self.mains {
+            mains.step();
+        }
         for turbulence in &mut self.turbulence {
             turbulence.step(&mut self.noise);
         }

@@ -5,9 +5,9 @@ use crate::fault::Reading;
 use crate::noise::Noise;
 
 /// 0 degC in kelvin.
-const KELVIN: f64 = 273.15;
+pub(crate) const KELVIN: f64 = 273.15;
 /// 25 degC in kelvin.
-const T25: f64 = 298.15;
+pub(crate) const T25: f64 = 298.15;
 /// Largest 12-bit code.
 const FULL_SCALE: f64 = 4095.0;
 
@@ -30,22 +30,29 @@ impl Digitizer {
         }
     }
 
-    /// The code of channel `i` at a temperature.
-    pub(crate) fn code(&mut self, i: usize, celsius: f64, reading: &Reading, noise: &mut Noise) -> f64 {
+    /// The code of channel `i` at a temperature with a hum of so many codes.
+    pub(crate) fn code(
+        &mut self,
+        i: usize,
+        celsius: f64,
+        hum: f64,
+        reading: &Reading,
+        noise: &mut Noise,
+    ) -> f64 {
         let code = match *reading {
             Reading::Open => FULL_SCALE,
             Reading::Short => 0.0,
-            Reading::Stuck { noise: sd } => return self.stuck(i, celsius, sd, noise),
+            Reading::Stuck { noise: sd } => return self.stuck(i, self.convert(celsius, hum), sd, noise),
             Reading::Missing { probability } if noise.uniform(0.0, 1.0) < probability => return f64::NAN,
-            Reading::Missing { .. } | Reading::True => self.convert(celsius),
+            Reading::Missing { .. } | Reading::True => self.convert(celsius, hum),
         };
         self.last[i] = Some(code);
         code
     }
 
-    /// What channel `i` said last, with noise of `sd` codes; the temperature if it has said nothing yet.
-    fn stuck(&mut self, i: usize, celsius: f64, sd: f64, noise: &mut Noise) -> f64 {
-        let held = self.last[i].unwrap_or_else(|| self.convert(celsius));
+    /// What channel `i` said last, with noise of `sd` codes; what it says `now` if it has said nothing yet.
+    fn stuck(&mut self, i: usize, now: f64, sd: f64, noise: &mut Noise) -> f64 {
+        let held = self.last[i].unwrap_or(now);
         self.last[i] = Some(held);
         let off = if sd > 0.0 { sd * noise.normal() } else { 0.0 };
         let step = FULL_SCALE / self.steps;
@@ -59,9 +66,10 @@ impl Digitizer {
     }
 
     /// Beta equation and ratiometric conversion; the thermistor lies to ground.
-    fn convert(&self, celsius: f64) -> f64 {
+    fn convert(&self, celsius: f64, hum: f64) -> f64 {
         let r = self.r25_over_pull_up * libm::exp(self.beta * (1.0 / (celsius + KELVIN) - 1.0 / T25));
         let ratio = r / (1.0 + r);
-        (ratio * self.steps + 0.5).floor() * (FULL_SCALE / self.steps)
+        let step = FULL_SCALE / self.steps;
+        (ratio * self.steps + hum / step + 0.5).floor().clamp(0.0, self.steps) * step
     }
 }

@@ -3,7 +3,9 @@
 use fdi_core::AdcCode;
 use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
 use pt326_rig::fault::{Fault, Sensor, Verb};
-use pt326_rig::{Disturbance, Rig, RigConfig, WallConfig};
+use pt326_rig::{
+    Disturbance, FanConfig, HeaterConfig, MainsConfig, Rig, RigConfig, RoomConfig, SensorConfig, WallConfig,
+};
 
 use Sensor::{T0, T1, T2};
 
@@ -162,4 +164,85 @@ fn a_wall_alters_no_steady_state() {
     close(celsius(&mut rig, 50.0, 200.0), [22.5, 37.5, 29.4]);
     let [t1, t2] = rig.air();
     assert!((t1 - 37.5).abs() < 0.01 && (t2 - 36.3).abs() < 0.01, "{t1} {t2}");
+}
+
+/// 20 s of codes with all noise, at a drive of `drive` %.
+fn noisy(config: &RigConfig, drive: f64) -> Vec<[f64; 3]> {
+    let mut rig = Rig::new(config, Disturbance::Lively, TS, 5, &[]);
+    let tick = |_| {
+        let codes = rig.sample();
+        rig.advance(drive);
+        codes
+    };
+    (0..180).map(tick).collect()
+}
+
+/// What moves only the heat leaves a cold rig's codes alone to the bit, so it takes nothing from the common noise.
+#[test]
+fn an_ingredient_draws_from_its_own_stream() {
+    let usual = RigConfig::default();
+    let mains = MainsConfig { walk: 1.0, steps: 600.0, ..MainsConfig::default() };
+    let thermistor = SensorConfig { t1_offset: 1.0, r25_sd: 1e-12, ..SensorConfig::default() };
+    let room = RoomConfig { draughts: 3600.0, draught_depth: 0.0, ..RoomConfig::default() };
+    let heater = HeaterConfig { bend: 0.3, ..HeaterConfig::default() };
+    let with = RigConfig { mains, thermistor, room, heater, ..usual.clone() };
+    let others = |codes: Vec<[f64; 3]>| codes.into_iter().map(|[t0, _, t2]| [t0, t2]).collect::<Vec<_>>();
+    assert_eq!(others(noisy(&with, 0.0)), others(noisy(&usual, 0.0)));
+    assert_ne!(noisy(&with, 0.0), noisy(&usual, 0.0));
+    assert_ne!(others(noisy(&with, 40.0)), others(noisy(&usual, 40.0)));
+}
+
+/// Air with hunting and a lagging flow, a wire and a step of the flow, in ticks of 0.11 s and of 5.5 ms.
+#[test]
+fn steps_within_a_tick_are_fine_enough() {
+    let config = RigConfig {
+        fan: FanConfig { hunting: 0.03, period: 2.0, lag: 0.2, ..FanConfig::default() },
+        heater: HeaterConfig { bend: 0.2, wire_time: 0.15 },
+        ..still(0.3)
+    };
+    let faults = [Fault::new(Verb::AirFlow, None, Some(1.3), 5.0, 10.0)];
+    let air = |ts: f64| {
+        let mut rig = Rig::new(&config, Disturbance::None, ts, 1, &faults);
+        let per_tick = (TS / ts).round() as usize;
+        let drive = |n: usize| if n / per_tick % 40 < 20 { 60.0 } else { 30.0 };
+        let tick = |n| {
+            let air = rig.air();
+            rig.advance(drive(n));
+            air
+        };
+        (0..150 * per_tick).map(tick).step_by(per_tick).collect::<Vec<_>>()
+    };
+    let furthest = air(TS)
+        .iter()
+        .zip(air(TS / 20.0))
+        .fold(0.0, |far: f64, (a, b)| far.max((a[0] - b[0]).abs()).max((a[1] - b[1]).abs()));
+    assert!(furthest < 0.05, "{furthest} degC apart");
+}
+
+/// A sag of the mains is a loss of power by its square; the fan takes its part.
+#[test]
+fn mains_move_heat_and_air() {
+    let level = |fan_exponent| {
+        let mains = MainsConfig { steps: 3600.0, step_size: 3.0, fan_exponent, ..MainsConfig::default() };
+        let mut rig = Rig::new(&RigConfig { mains, ..still(0.3) }, Disturbance::None, TS, 1, &[]);
+        codes(&mut rig, 50.0, 10.0);
+        let mut rises = Vec::new();
+        for _ in 0..3000 {
+            rig.sample();
+            rig.advance(50.0);
+            rises.push((rig.air()[0] - AMBIENT) / 15.0);
+        }
+        (rises.iter().map(|r| (r - 1.0).powi(2)).sum::<f64>() / rises.len() as f64).sqrt()
+    };
+    let (heat, both) = (level(0.0), level(1.0));
+    assert!(heat > 0.02 && heat < 0.08, "{heat}");
+    assert!((both / heat - 0.5).abs() < 0.05, "V^2/V: half of it, {both} of {heat}");
+}
+
+#[test]
+fn every_preset_runs() {
+    for name in ["paper", "trainer", "harsh"] {
+        let codes = noisy(&RigConfig::preset(name).unwrap(), 45.0);
+        assert!(codes.iter().flatten().all(|code| (0.0..=4095.0).contains(code)), "{name}");
+    }
 }

@@ -20,8 +20,8 @@ pub struct ExperimentArgs {
     /// Size of the faults: small, nominal, large, or a factor on the nominal departure (negative: the other way).
     #[arg(long, default_value = "nominal", allow_negative_numbers = true)]
     pub fault_size: FaultSize,
-    /// The rig of this name: paper (the reference rig), trainer (what a real rig has besides, moderate), harsh (strong). In
-    /// a scenario, `preset` under [rig] does the same and other keys change it.
+    /// The rig of this name: paper (the reference rig), trainer (what a real rig has besides, moderate), harsh (strong),
+    /// recorded (fitted to a real PT-326). In a scenario, `preset` under [rig] does the same and other keys change it.
     #[arg(long, value_name = "NAME", conflicts_with = "scenario")]
     pub preset: Option<String>,
     /// Settings of the instrument, TOML; see `pt326 config`.

@@ -236,7 +236,7 @@ mod tests {
         expected.wall.time = 12.0;
         assert_eq!(scenario.rig, expected);
         let error = toml::from_str::<Scenario>("[rig]\npreset = \"oven\"").unwrap_err().to_string();
-        assert!(error.contains("oven") && error.contains("paper, trainer, harsh"), "{error}");
+        assert!(error.contains("oven") && error.contains("paper, trainer, harsh, recorded"), "{error}");
     }
 
     #[test]

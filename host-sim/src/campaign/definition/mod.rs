@@ -156,3 +156,20 @@ impl Campaign {
         toml::from_str(&text).with_context(|| path.display().to_string())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plant_starts_from_a_preset_and_changes_it() {
+        let plant = |rig: &str| toml::from_str::<Plant>(&format!("name = \"p\"\nrig = {rig}"));
+        let harsh = plant("{ preset = \"harsh\", gain = 0.4, fan = { hunting = 0.0 } }").unwrap().rig;
+        let mut expected = RigConfig::preset("harsh").unwrap();
+        expected.gain = 0.4;
+        expected.fan.hunting = 0.0;
+        assert_eq!(harsh, expected);
+        let error = plant("{ preset = \"oven\" }").unwrap_err().to_string();
+        assert!(error.contains("oven") && error.contains("harsh, recorded"), "{error}");
+    }
+}

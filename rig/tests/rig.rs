@@ -4,7 +4,8 @@ use fdi_core::AdcCode;
 use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use pt326_rig::{
-    Disturbance, FanConfig, HeaterConfig, MainsConfig, Rig, RigConfig, RoomConfig, SensorConfig, WallConfig,
+    Disturbance, FanConfig, HeaterConfig, MainsConfig, PickupConfig, Rig, RigConfig, RoomConfig,
+    SensorConfig, WallConfig,
 };
 
 use Sensor::{T0, T1, T2};
@@ -245,4 +246,102 @@ fn every_preset_runs() {
         let codes = noisy(&RigConfig::preset(name).unwrap(), 45.0);
         assert!(codes.iter().flatten().all(|code| (0.0..=4095.0).contains(code)), "{name}");
     }
+}
+
+/// A rig without noise but for what `change` switches on.
+fn only(change: impl Fn(&mut RigConfig), faults: &[Fault]) -> Rig {
+    let mut config = RigConfig { adc_bits: 20, ..still(0.3) };
+    change(&mut config);
+    Rig::new(&config, Disturbance::None, TS, 1, faults)
+}
+
+#[test]
+fn offsets_and_own_heat_of_thermistors_are_read_and_are_no_error_of_a_fault() {
+    let mut rig = only(
+        |c| {
+            c.thermistor.t1_offset = 1.5;
+            c.thermistor.t2_r25 = 5.0;
+            c.thermistor.self_heating = 0.4;
+        },
+        &[],
+    );
+    // T1: a quarter of its heat in still air, and less of it when warm. T2: ln 1.05 T^2 / B too cold
+    let [t0, t1, t2] = celsius(&mut rig, 50.0, 20.0);
+    assert!((t0 - 22.9).abs() < 0.01, "{t0}");
+    assert!((t1 - 39.0 - 0.095).abs() < 0.01, "{t1}");
+    assert!((t2 - 36.3 - 0.095 + 0.04879 * 309.4 * 309.4 / 3950.0).abs() < 0.05, "{t2}");
+    assert!(rig.sensor_error() < 0.01, "{}", rig.sensor_error());
+}
+
+#[test]
+fn a_body_makes_the_reading_come_late() {
+    let mut rig = only(|c| (c.thermistor.body_share, c.thermistor.body_time) = (0.2, 10.0), &[]);
+    let t1 = celsius(&mut rig, 50.0, 5.0)[1];
+    let felt = (-(5.0 - 0.05 - 0.45 - 0.1) / 10.0_f64).exp();
+    assert!((t1 - 37.5 + 0.2 * 15.0 * felt).abs() < 0.05, "{t1}");
+    close(celsius(&mut rig, 50.0, 100.0), [22.5, 37.5, 36.3]);
+}
+
+#[test]
+fn the_room_reaches_all_three() {
+    let mut rig = only(|c| (c.room.warm_up, c.room.warm_up_time) = (3.0, 10.0), &[]);
+    close(celsius(&mut rig, 0.0, 60.0), [22.5; 3]);
+    close(celsius(&mut rig, 50.0, 200.0), [25.5, 40.5, 39.3]);
+    let mut rig = only(|c| c.room.day_swing = 5.0, &[]);
+    let [t0, t1, t2] = celsius(&mut rig, 0.0, 0.0);
+    assert!((t0 - AMBIENT).abs() > 0.2 && (t0 - t1).abs() < 0.01 && (t0 - t2).abs() < 0.01, "{t0}");
+    close(celsius(&mut rig, 0.0, 12.0 * 3600.0), [2.0 * AMBIENT - t0; 3]);
+}
+
+#[test]
+fn a_hum_is_as_large_as_set() {
+    let mut rig = only(|c| c.pickup = PickupConfig { codes: 3.0, frequency: 0.37 }, &[]);
+    let all: Vec<f64> = (0..2000).map(|_| codes(&mut rig, 0.0, TS)[1]).collect();
+    let (low, high) = (all.iter().copied().fold(1e9, f64::min), all.iter().copied().fold(0.0, f64::max));
+    assert!((high - low - 6.0).abs() < 0.05, "{low} to {high}");
+}
+
+/// What the air misses after a step of the power is the sum of the lags and the dead time; a wire adds its own, a flow of 2
+/// takes from it as from the heater's.
+#[test]
+fn a_wire_adds_its_lag_and_a_bend_its_power() {
+    let missed = |wire_time, flow: f64| {
+        let fault = Fault::new(Verb::AirFlow, None, Some(flow), 0.0, 1e6);
+        let mut rig = only(|c| c.heater = HeaterConfig { wire_time, bend: 0.2 }, &[fault]);
+        let last = 0.3 * 80.0 * (1.0 + 0.2 * 0.6) / flow;
+        let (mut missed, mut before) = (0.0, 1.0);
+        for _ in 0..400 {
+            rig.advance(80.0);
+            let left = 1.0 - (rig.air()[0] - AMBIENT) / last;
+            missed += 0.5 * TS * (before + left);
+            before = left;
+        }
+        assert!(before.abs() < 1e-6, "{before}");
+        missed
+    };
+    let slowness = 2.0_f64.powf(-0.8);
+    for (flow, expected) in [(1.0, 0.3), (2.0, 0.3 * slowness)] {
+        let more = missed(0.3, flow) - missed(0.0, flow);
+        assert!((more - expected).abs() < 2e-3, "{more}, expected {expected}");
+    }
+}
+
+#[test]
+fn the_air_is_rougher_and_the_lag_shorter_with_more_flow() {
+    let sd = |flow: f64, turbulence_exponent, lag_exponent| {
+        let fault = Fault::new(Verb::AirFlow, None, Some(flow), 0.0, 1e6);
+        let change = |c: &mut RigConfig| {
+            c.turbulence = 0.12;
+            c.fan.turbulence_exponent = turbulence_exponent;
+            c.thermistor.lag_exponent = lag_exponent;
+        };
+        let mut rig = only(change, &[fault]);
+        let read: Vec<f64> = (0..20_000).map(|_| celsius(&mut rig, 0.0, TS)[2] - AMBIENT).collect();
+        (read.iter().map(|x| x * x).sum::<f64>() / read.len() as f64).sqrt()
+    };
+    let usual = sd(2.0, 0.0, 0.0);
+    assert!((sd(2.0, 1.0, 0.0) / usual - 2.0).abs() < 0.02);
+    let by_lag = |lag: f64| (0.15 / (0.15 + lag)).sqrt();
+    let expected = by_lag(0.2) / by_lag(0.4);
+    assert!((sd(2.0, 0.0, 1.0) / usual / expected - 1.0).abs() < 0.05);
 }

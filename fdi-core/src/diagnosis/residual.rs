@@ -1,4 +1,22 @@
 //! The seven residuals of the paper (section 3.2): what is compared with its nominal value.
+//!
+//! ```
+//! use fdi_core::diagnosis::residual::{Residual, features};
+//! use fdi_core::identify::observer::Observation;
+//!
+//! let model = |prediction, gain| Observation {
+//!     prediction: Some(prediction),
+//!     static_gain: Some(gain),
+//!     bandwidth: Some(2.0),
+//!     ..Observation::default()
+//! };
+//! // T1 is 12.5 degC above the ambient and T2 11.5, at 41 % of heater power.
+//! let now = features(Some(12.5), Some(11.5), 41.0, &model(12.4, 0.30), &model(11.5, 0.28)).expect("all is known");
+//! assert_eq!(now[Residual::Ry12 as usize], 1.0);
+//! assert_eq!(now[Residual::Rsg1 as usize], 0.30);
+//! // Without T2 there is nothing to compare.
+//! assert!(features(Some(12.5), None, 41.0, &model(12.4, 0.30), &model(11.5, 0.28)).is_none());
+//! ```
 
 use crate::identify::observer::Observation;
 

@@ -2,6 +2,18 @@
 //!
 //! A setting is declared once, with `settings!` (see declare.rs), in the file of the part that it belongs to. Everything that
 //! handles settings reads [`crate::Config::settings`].
+//!
+//! ```
+//! use fdi_core::settings::Value;
+//! use fdi_core::{Config, Instrument};
+//!
+//! let mut config = Config::default();
+//! let kp = Config::settings().find(|setting| setting.name == "pid.kp").expect("a setting");
+//! assert_eq!((kp.unit, config.get(kp)), ("%/degC", Value::Number(config.pid.kp)));
+//! assert!(config.set(kp, Value::Number(1e9)));
+//! let error = Instrument::new(&config).err().expect("out of bounds");
+//! assert!(error.to_string().starts_with("pid.kp"));
+//! ```
 
 mod declare;
 

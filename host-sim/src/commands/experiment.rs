@@ -21,7 +21,7 @@ pub struct ExperimentArgs {
     #[arg(long, default_value = "nominal", allow_negative_numbers = true)]
     pub fault_size: FaultSize,
     /// The rig of this name: paper (the reference rig), trainer (what a real rig has besides, moderate), harsh (strong),
-    /// recorded (fitted to a real PT-326). In a scenario, `preset` under [rig] does the same and other keys change it.
+    /// recorded (fitted to a real PT-326). In a scenario, `preset` in the section of the rig does the same and other keys change it.
     #[arg(long, value_name = "NAME", conflicts_with = "scenario")]
     pub preset: Option<String>,
     /// Settings of the instrument, TOML; see `pt326 config`.

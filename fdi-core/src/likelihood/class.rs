@@ -16,6 +16,8 @@ pub enum FaultClass {
     AirFlow,
     /// The heater gives another power than the one asked for.
     HeaterPower,
+    /// The air flow or the heater's power is not what it was: they look alike at first.
+    AirFlowOrHeaterPower,
     /// The ambient thermistor reads wrong.
     T0Fault,
     /// A thermistor's error grows slowly.
@@ -171,6 +173,8 @@ rows! {
         axis: "Heater power changes (%)",
         ..plain(5, "heater_power", "the heater gives the same power whatever is asked for: as much as asked for expected")
     };
+    AirFlowOrHeaterPower => plain(18, "air_flow_or_heater_power",
+        "the air flow or the heater's power is not as learnt: as learnt expected");
     Drift => Row {
         unit: DEGC_A_MINUTE,
         sized: "a thermistor drifts {upwards|downwards} by {size} degC a minute, 0 expected",
@@ -249,7 +253,7 @@ mod tests {
     /// Recordings are read by these, so that an old one says what it said.
     #[test]
     fn names_and_numbers_are_the_classes_own_and_never_change() {
-        const NUMBERS: [(u32, &str); 25] = [
+        const NUMBERS: [(u32, &str); 26] = [
             (1, "t1_offset"),
             (2, "t2_offset"),
             (3, "t1_clogged"),
@@ -267,6 +271,7 @@ mod tests {
             (15, "t1_t2_swapped"),
             (16, "t0_t1_swapped"),
             (17, "t0_t2_swapped"),
+            (18, "air_flow_or_heater_power"),
             (25, "t1_stuck"),
             (26, "t1_open"),
             (27, "t1_short"),

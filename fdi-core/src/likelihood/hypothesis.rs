@@ -1,162 +1,116 @@
-//! The hypotheses, a row each: which class of fault shows which signature, and what its magnitude may be.
+//! The hypotheses and the nuisances, a row each: what may have changed, by how much, and what it is called.
 
-use super::class::{Channel, FaultClass, Pair};
+use super::class::{Channel, FaultClass};
+use super::column::{Column, Direction};
+use super::evidence::{Free, Nuisance};
 
 /// A hypothesis about what is seen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hypothesis {
-    /// What computes it: a matched filter of the bank.
-    pub(super) signature: Signature,
     /// What it is called.
     pub(super) class: FaultClass,
-    /// Hypotheses of one kind are told apart only after the kind is known.
-    pub(super) kind: u32,
-    /// Bounds of its magnitude in the unit of the signature; of a drift in degC/s.
-    pub(super) bounds: (f32, f32),
-    /// What the magnitude of the signature is.
-    pub(super) scale: Scale,
-    /// By how much it must beat all others, as twice a log-likelihood ratio, before it counts at all.
-    pub(super) handicap: f32,
+    /// What it frees: first its magnitude.
+    pub(super) first: Free,
+    pub(super) second: Option<Free>,
+    /// The sign that its magnitude must have; zero for either.
+    pub(super) sign: f32,
+    /// A reading stays where it was: the second's mean is that level, degC.
+    pub(super) stays: Option<usize>,
+    /// It is asked when a whole minute is judged, too.
+    pub(super) lasting: bool,
 }
 
-/// What y1 and y2 do from the onset on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Signature {
-    T2Offset,
-    T1Offset,
-    T0Offset,
-    AirFlow,
-    Power,
-    T1Clogged,
-    T1Stuck,
-    T2Stuck,
-    T0Drift,
-    T1Drift,
-    T2Drift,
-    /// The same power whatever is asked for.
-    ConstantPower,
-    T2Detached,
-    SwappedT1T2,
-    SwappedT0T1,
-    SwappedT0T2,
-    /// Stuck near to where it was, but noisy.
-    T1StuckNearby,
-    T2StuckNearby,
+/// Hypotheses there are.
+pub(super) const COUNT: usize = 19;
+
+const fn of(column: Column) -> Direction {
+    Direction::Of(column)
 }
 
-/// Unit of a signature's magnitude.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Scale {
-    /// It has none that is reported.
-    None,
-    /// degC.
-    Degrees,
-    /// degC a tick.
-    Drift,
-    /// A share that has come on top, as a fraction.
-    Gain,
-    /// A share that is lost, as a fraction.
-    Loss,
-    /// `1 - 1/f`, with the air flow at f times normal.
-    Flow,
+const fn row(class: FaultClass, direction: Direction, mean: f32, sd: f32) -> Hypothesis {
+    Hypothesis {
+        class,
+        first: Free { direction, mean, sd },
+        second: None,
+        sign: 0.0,
+        stays: None,
+        lasting: true,
+    }
 }
 
-/// A thermistor that loses more than this share of the rise is not clogged, but out of the tube. In the campaign clogged ones lose 30 %
-/// at most, detached ones 50 % at least.
-pub(super) const DETACHED: f32 = 0.4;
-/// No slow drift is faster, degC a minute: the campaign's largest is 3.
-const FASTEST_DRIFT: f32 = 10.0;
-/// Beyond what any thermistor reads, degC.
-const ANYTHING: (f32, f32) = (-200.0, 200.0);
-const SLOW_DRIFT: (f32, f32) = (-FASTEST_DRIFT / 60.0, FASTEST_DRIFT / 60.0);
-/// Where a thermistor is stuck differs by no more from where it was a tick before the onset, degC.
-const NEARBY: (f32, f32) = (-0.5, 0.5);
-/// `1 - 1/f` for f from 0.2 to 3.3: beyond, the air flow is lost or the fan another.
-pub(super) const FLOW: (f32, f32) = (-4.0, 0.7);
-/// The heater gives between nothing and twice what is asked for; a constant power in %.
-const POWER: (f32, f32) = (-1.0, 1.0);
-const CONSTANT_POWER: (f32, f32) = (0.0, 100.0);
+const fn with(row: Hypothesis, direction: Direction, mean: f32, sd: f32) -> Hypothesis {
+    Hypothesis { second: Some(Free { direction, mean, sd }), ..row }
+}
 
-/// A thermistor that is not where it should be, or stuck but noisy, leaves far less unexplained than anything else once it is so: odds of
-/// 20,000 to 1. Until then it is neither best nor a rival of the best, so that the others are named as soon as without it.
-const MISPLACED: f32 = 20.0;
+const fn signed(row: Hypothesis, sign: f32) -> Hypothesis {
+    Hypothesis { sign, ..row }
+}
 
-pub(super) const COUNT: usize = Signature::T2StuckNearby as usize + 1;
+/// One that a minute's means would not tell from others.
+const fn brief(row: Hypothesis) -> Hypothesis {
+    Hypothesis { lasting: false, ..row }
+}
 
-/// All hypotheses, in the order of [`Signature`]. Of two that explain equally much the first counts.
+/// Lag of a clogged thermistor as a share of the column's lag, and its spread.
+const LAGGING: (f32, f32) = (0.9, 0.3);
+/// A drift begins from within so many degC.
+const BEGINS: f32 = 0.2;
+/// What is stuck has lost its gain but for so much, and stays within so many degC of where it was.
+const STUCK: (f32, f32) = (0.03, 0.3);
+
+/// All hypotheses. Spreads are those of the faults that may come: degC, shares, `1/f - 1`, degC a minute.
 pub(super) static HYPOTHESES: [Hypothesis; COUNT] = [
-    likely(Signature::T2Offset, FaultClass::T2Offset, ANYTHING, Scale::Degrees),
-    likely(Signature::T1Offset, FaultClass::T1Offset, ANYTHING, Scale::Degrees),
-    likely(Signature::T0Offset, FaultClass::T0Fault, ANYTHING, Scale::Degrees),
-    likely(Signature::AirFlow, FaultClass::AirFlow, FLOW, Scale::Flow),
-    likely(Signature::Power, FaultClass::HeaterPower, POWER, Scale::Gain),
-    likely(Signature::T1Clogged, FaultClass::T1Clogged, (0.0, 1.0), Scale::Loss),
-    likely(Signature::T1Stuck, FaultClass::Stuck(Channel::T1), ANYTHING, Scale::None),
-    likely(Signature::T2Stuck, FaultClass::Stuck(Channel::T2), ANYTHING, Scale::None),
-    likely(Signature::T0Drift, FaultClass::Drift, SLOW_DRIFT, Scale::Drift),
-    likely(Signature::T1Drift, FaultClass::Drift, SLOW_DRIFT, Scale::Drift),
-    likely(Signature::T2Drift, FaultClass::Drift, SLOW_DRIFT, Scale::Drift),
-    likely(Signature::ConstantPower, FaultClass::HeaterPower, CONSTANT_POWER, Scale::None),
-    misplaced(Signature::T2Detached, FaultClass::T2Detached, (DETACHED, 1.0), Scale::Loss),
-    misplaced(Signature::SwappedT1T2, FaultClass::Swapped(Pair::T1T2), ANYTHING, Scale::None),
-    misplaced(Signature::SwappedT0T1, FaultClass::Swapped(Pair::T0T1), ANYTHING, Scale::None),
-    misplaced(Signature::SwappedT0T2, FaultClass::Swapped(Pair::T0T2), ANYTHING, Scale::None),
-    misplaced(Signature::T1StuckNearby, FaultClass::Stuck(Channel::T1), NEARBY, Scale::None),
-    misplaced(Signature::T2StuckNearby, FaultClass::Stuck(Channel::T2), NEARBY, Scale::None),
+    row(FaultClass::T1Offset, of(Column::Offset1), 0.0, 2.0),
+    row(FaultClass::T2Offset, of(Column::Offset2), 0.0, 2.0),
+    row(FaultClass::T0Fault, Direction::Offset0, 0.0, 2.0),
+    signed(row(FaultClass::AirFlow, of(Column::LessFlow), 0.0, 0.3), 1.0),
+    signed(row(FaultClass::AirFlow, of(Column::MoreFlow), 0.0, 0.3), -1.0),
+    row(FaultClass::HeaterPower, of(Column::Power), 0.0, 0.25),
+    row(FaultClass::T1Clogged, of(Column::Gain1), 0.0, 0.25),
+    with(row(FaultClass::T1Clogged, of(Column::Gain1), 0.0, 0.25), of(Column::ShortLag), LAGGING.0, LAGGING.1),
+    with(row(FaultClass::T1Clogged, of(Column::Gain1), 0.0, 0.25), of(Column::LongLag), LAGGING.0, LAGGING.1),
+    brief(with(row(FaultClass::Drift, of(Column::Ramp1), 0.0, 3.0), of(Column::Offset1), 0.0, BEGINS)),
+    brief(with(row(FaultClass::Drift, of(Column::Ramp2), 0.0, 3.0), of(Column::Offset2), 0.0, BEGINS)),
+    brief(with(row(FaultClass::Drift, Direction::Ramp0, 0.0, 3.0), Direction::Offset0, 0.0, BEGINS)),
+    brief(stuck(Channel::T1, Column::Gain1, Column::Offset1, 0)),
+    brief(stuck(Channel::T2, Column::Gain2, Column::Offset2, 1)),
+    brief(with(row(FaultClass::HeaterPower, of(Column::Constant), 40.0, 40.0), of(Column::Power), -1.0, 0.02)),
+    brief(row(FaultClass::T1Detached, of(Column::Gain1), -0.7, 0.2)),
+    brief(with(row(FaultClass::T1Detached, of(Column::Gain1), -0.7, 0.2), of(Column::ShortLag), LAGGING.0, LAGGING.1)),
+    brief(with(row(FaultClass::T1Detached, of(Column::Gain1), -0.7, 0.2), of(Column::LongLag), LAGGING.0, LAGGING.1)),
+    brief(row(FaultClass::T2Detached, of(Column::Gain2), -0.7, 0.2)),
 ];
 
-const fn likely(signature: Signature, class: FaultClass, bounds: (f32, f32), scale: Scale) -> Hypothesis {
-    Hypothesis { signature, class, kind: kind(class), bounds, scale, handicap: 0.0 }
+/// The heater that gives the same whatever is asked for: its magnitude is no share of what is asked.
+pub(super) const CONSTANT: usize = 14;
+
+const fn stuck(which: Channel, gain: Column, offset: Column, channel: usize) -> Hypothesis {
+    let row = row(FaultClass::Stuck(which), of(gain), -1.0, STUCK.0);
+    Hypothesis { stays: Some(channel), ..with(row, of(offset), 0.0, STUCK.1) }
 }
 
-const fn misplaced(signature: Signature, class: FaultClass, bounds: (f32, f32), scale: Scale) -> Hypothesis {
-    Hypothesis { handicap: MISPLACED, ..likely(signature, class, bounds, scale) }
-}
+/// What may move since an onset without being a fault: mains, sensors, inlet, what the model does not know of wall and time.
+pub(super) const SINCE_ONSET: [Nuisance; 8] = [
+    (of(Column::Power), 0.02),
+    (of(Column::LessFlow), 0.006),
+    (of(Column::MoreFlow), 0.006),
+    (of(Column::Offset1), 0.08),
+    (of(Column::Offset2), 0.08),
+    (Direction::Offset0, 0.12),
+    (of(Column::Wall), 0.03),
+    (of(Column::Shift), 0.07),
+];
 
-/// A kind is a class, but for air flow and heater power: they look alike, and are told apart only after the kind is known.
-const fn kind(class: FaultClass) -> u32 {
-    match class {
-        FaultClass::AirFlow | FaultClass::HeaterPower => PROCESS,
-        other => other.number(),
-    }
-}
-
-/// The kind of the process: not a sensor has changed.
-pub(super) const PROCESS: u32 = 0;
-
-const _: () = {
-    let mut i = 0;
-    while i < COUNT {
-        assert!(HYPOTHESES[i].signature as usize == i, "a row is out of order");
-        i += 1;
-    }
-};
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// What is reported with a magnitude has a unit for it, and no other.
-    #[test]
-    fn scales_and_units_go_together() {
-        for h in &HYPOTHESES {
-            let units: &[&str] = match h.scale {
-                Scale::None => continue,
-                Scale::Degrees => &["degC"],
-                Scale::Drift => &["degC/min"],
-                Scale::Gain | Scale::Loss | Scale::Flow => &["% of gain", "% of power", "% of air flow"],
-            };
-            assert!(units.contains(&h.class.unit()), "{h:?}");
-        }
-    }
-
-    #[test]
-    fn bounds_are_bounds_and_power_and_flow_are_one_kind() {
-        assert!(HYPOTHESES.iter().all(|h| h.bounds.0 < h.bounds.1 && h.bounds.1 > 0.0));
-        let row = |signature: Signature| &HYPOTHESES[signature as usize];
-        assert_eq!(row(Signature::AirFlow).kind, row(Signature::ConstantPower).kind);
-        assert_eq!(row(Signature::T1Stuck).kind, row(Signature::T1StuckNearby).kind);
-        assert_ne!(row(Signature::T1Stuck).kind, row(Signature::T2Stuck).kind);
-        assert_ne!(row(Signature::T1Clogged).kind, row(Signature::Power).kind);
-    }
-}
+/// The same since training.
+pub(super) const SINCE_TRAINING: [Nuisance; 10] = [
+    (of(Column::Power), 0.025),
+    (of(Column::LessFlow), 0.015),
+    (of(Column::MoreFlow), 0.015),
+    (of(Column::Offset1), 0.2),
+    (of(Column::Offset2), 0.2),
+    (Direction::Offset0, 0.4),
+    (of(Column::Gain1), 0.01),
+    (of(Column::Gain2), 0.01),
+    (of(Column::Wall), 0.03),
+    (of(Column::Shift), 0.07),
+];

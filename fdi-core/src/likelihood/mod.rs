@@ -31,46 +31,43 @@
 
 mod alarm;
 mod ambient;
-mod bank;
 mod chart;
+mod cholesky;
 pub mod class;
+mod column;
 pub mod config;
 mod contradiction;
-mod fit;
+mod evidence;
 mod heat;
 mod hypothesis;
 mod impulse;
-mod levels;
-mod model_error;
-mod noise;
-mod ranking;
-#[cfg(test)]
-mod reference;
+mod ladder;
+mod normal;
+mod onset;
+mod posterior;
+mod process;
 mod sensors;
+mod steady;
+mod tangent;
+mod tracker;
 mod training;
 pub mod verdict;
 mod watch;
-mod whitening;
 
 use crate::control::Tick;
 use crate::error::ConfigError;
-use crate::filter::LowPass;
-use crate::identify::config::IdentificationConfig;
 use crate::sense::{Reading, Validity};
 use crate::settings::check;
 use crate::supervisor::Mode;
 use crate::units::Seconds;
-use alarm::{ModelAlarm, Rules};
+use alarm::ModelAlarm;
 use ambient::{Ambient, AmbientState};
-use bank::Filters;
 use chart::Chart;
 pub use class::{Channel, FaultClass, Pair};
 use config::LikelihoodConfig;
 use contradiction::Contradiction;
-use fit::Fit;
 use heat::Heat;
 use impulse::ImpulseResponse;
-use model_error::ModelError;
 use sensors::Sensors;
 use training::{Trainer, Training};
 pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
@@ -114,7 +111,7 @@ struct Now<'a> {
     u: f32,
 }
 
-const _: () = assert!(size_of::<LikelihoodState>() <= 4096, "more than the board has for it");
+const _: () = assert!(size_of::<LikelihoodState>() <= 12288, "more than the board has for it");
 
 impl Likelihood {
     /// Builds the diagnosis.
@@ -123,27 +120,17 @@ impl Likelihood {
     /// The parameter of `likelihood` or `identification` that is out of bounds.
     pub fn new(
         c: &LikelihoodConfig,
-        identification: &IdentificationConfig,
         sample_time: Seconds,
     ) -> Result<Self, ConfigError> {
         check(LikelihoodConfig::SETTINGS[0], c)?;
         let ts = sample_time;
-        let rules = Rules { margin: c.margin, power_margin: c.power_margin, sample_time: ts.0 };
         Ok(Self {
-            trainer: Trainer {
-                fit: Fit::new(identification)?,
-                fit_samples: c.fit_time.ticks(ts),
-                check_samples: c.check_time.ticks(ts),
-            },
+            trainer: Trainer::new(c.fit_time.ticks(ts), c.check_time.ticks(ts))?,
             watch: Watch {
                 fast: Chart { allowance: c.fast_allowance, interval: c.fast_interval },
                 slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval },
-                model_error: ModelError::new(c.model_uncertainty, ts.0),
-                filters: Filters::new(ts.0),
                 heat: Heat::new(ts.0),
-                rules,
-                mean: LowPass::euler(c.mean_time.0, ts.0),
-                tolerated_sag: c.tolerated_sag,
+                model_uncertainty: c.model_uncertainty,
                 sample_time: ts.0,
             },
             ambient: Ambient::new(ts.0),
@@ -192,7 +179,8 @@ impl Likelihood {
         }
         let learning = matches!(mode, Mode::Learn { .. });
         let begins = learning && !state.was_learning;
-        if begins || !mode.is_heating() {
+        // What was seen while it heated up belongs to the learning that follows.
+        if (begins && state.current) || !mode.is_heating() {
             state.training = None;
             state.refused = None;
         }
@@ -205,7 +193,7 @@ impl Likelihood {
         // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = tick.mode == Mode::Monitor && tick.prbs.0 != 0.0;
         let fit_to_learn = undisturbed && (tick.learn || quiet);
-        if state.current || (state.training.is_none() && !fit_to_learn) {
+        if state.current || !now.heating || (tick.mode == Mode::Monitor && !fit_to_learn) {
             return;
         }
         let training = state.training.get_or_insert_with(|| self.trainer.start());
@@ -218,7 +206,7 @@ impl Likelihood {
             Ok(Some(trained)) => {
                 state.refused = None;
                 state.training = None;
-                state.trained = Some(self.watch.start(trained, tick.index));
+                state.trained = Some(self.watch.start(trained));
                 state.current = true;
             }
             Err(why) => {
@@ -232,11 +220,10 @@ impl Likelihood {
     fn watch(&self, state: &mut LikelihoodState, now: &Now) -> ModelAlarm {
         let Some(trained) = state.trained.as_mut() else { return ModelAlarm::Quiet };
         if state.current && now.tick.mode == Mode::Monitor {
-            let t0 = now.tick.sample.t0.good();
-            state.reported = self.watch.step(trained, now.tick.index, now.y, t0, now.believed, now.u);
+            state.reported = self.watch.step(trained, now.tick.index, now.y, now.believed, now.u);
             return state.reported;
         }
-        self.watch.idle(trained, now.y[0], now.believed, now.u, now.heating);
+        self.watch.idle(trained, now.believed, now.u, now.heating);
         // What is found afterwards is only how the rig cools: what was reported before a trip is what can be said of it.
         if !matches!(now.tick.mode, Mode::Tripped(_)) {
             state.reported = ModelAlarm::Quiet;

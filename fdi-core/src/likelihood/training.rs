@@ -1,98 +1,295 @@
-//! Training: fit the models, freeze them, learn what is normal for their residuals; a gate at either end.
+//! Training: the model's parameters in one pass by an extended Kalman filter, from the first heat on; then, with the model frozen, what is normal
+//! for its residuals; a gate behind.
+//!
+//! The filter is recursive least squares on the sensitivities (`tangent.rs`), each residual first whitened by a fixed share of the one
+//! before. Parameters are scaled by the standard deviations of their priors, which are wide, and in ticks: a sample time that suits the plant is all
+//! that it asks for.
 
-use super::fit::{Fit, FitState, Models, Simulations};
-use super::noise::{NoiseModel, ResidualStatistics};
+use super::ladder::{Ladder, ResidualStatistics};
+use super::process::{COUNT, LONGEST, Motion, Parameter, Parameters, Process};
+use super::tangent::Tangent;
 use super::verdict::RejectReason;
+use crate::bounds::{bounded, larger};
+use crate::error::ConfigError;
+use crate::identify::config::{Adaptation, RlsConfig};
+use crate::identify::rls::{Rls, RlsState};
+use crate::root::sqrt;
+
+/// Priors of the parameters: mean and standard deviation.
+const PRIOR: [(f32, f32); COUNT] = [
+    (-1.2, 1.2),  // gain: 0.03 to 3 degC per %
+    (1.7, 1.2),   // heater: 5 ticks
+    (0.9, 1.4),   // dead time
+    (-0.1, 1.0),  // T1: a tick
+    (0.03, 0.06), // wall at T1
+    (0.9, 0.2),   // what reaches T2
+    (1.1, 1.4),   // transport
+    (1.3, 1.0),   // T2: 4 ticks
+    (0.02, 0.06), // wall at T2
+    (5.6, 0.7),   // wall: 270 ticks
+    (0.0, 1.5),   // offsets
+    (0.0, 1.5),
+    (0.0, 0.015), // curvature
+];
+/// Standard deviation of the offsets where they were read from the cold rig, degC.
+const COLD_SD: f32 = 0.15;
+/// A rig whose rises are below this is cold, and T1 and T2 answer when theirs grows by so much, degC.
+const COLD: f32 = 3.0;
+const ANSWERS: f32 = 0.5;
+/// Bounds of what must not run away: ln of the heater's time, dead times, what reaches T2, ln of the wall's time.
+const HEATER: (f32, f32) = (-1.0, 7.0);
+const REACHES: (f32, f32) = (0.05, 1.2);
+const WALL_TIME: (f32, f32) = (3.6, 7.0);
+/// A residual is whitened by so much of the one before.
+const RHO: f32 = 0.6;
+/// Standard deviation of a residual, degC, and how much vaguer a tick is at first, dying out within so many ticks: the model is still wrong.
+const SIGMA: f32 = 0.1;
+const VAGUE: f32 = 2.25;
+const FIRST_VAGUE: f32 = 30.0;
+const FIRST_TICKS: f32 = 136.0;
+/// No tick moves a parameter by more than this share of its prior, nor counts for more than so many standard deviations.
+const LARGEST_STEP: f32 = 0.3;
+const LIMIT: f32 = 4.0;
+/// Longest dead time of T1 and T2 together, ticks: the transport holds it for a lower air flow, too.
+const LONGEST_DELAY: f32 = 0.7 * LONGEST;
+/// Residual means are taken over by this share.
+const MEAN_SHARE: f32 = 0.7;
 
 /// How far training has come.
 #[derive(Clone, Copy, Debug)]
-#[expect(clippy::large_enum_variant, reason = "there is one, and nowhere to box it")]
-pub(super) enum Training {
-    /// Fitting the models.
-    Fitting {
-        /// The estimators.
-        fit: FitState,
-        /// Samples used.
-        count: u32,
-    },
-    /// Watching the residuals of frozen models.
-    Checking {
-        /// The models.
-        models: Models,
-        /// Their simulations.
-        simulations: Simulations,
-        /// Of the residuals of y1, y2, and y2 from y1.
-        statistics: [ResidualStatistics; 3],
-        /// Samples used.
-        count: u32,
-    },
+pub(super) struct Training {
+    parameters: Parameters,
+    process: Process,
+    motion: Motion,
+    phase: Phase,
+    statistics: ResidualStatistics,
+    power: f32,
+    ticks: u32,
+    count: u32,
 }
 
-/// What training gives: models, what is normal, and the rise of T1 at which it was learnt.
+#[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is one, and nowhere to box it")]
+enum Phase {
+    /// The model is fitted.
+    Fitting(Filter),
+    /// It is frozen, and its residuals are watched.
+    Checking,
+}
+
+/// The extended Kalman filter.
+#[derive(Clone, Copy, Debug)]
+struct Filter {
+    rls: RlsState<COUNT>,
+    sd: [f32; COUNT],
+    tangent: Tangent,
+    gradient: [[f32; COUNT]; 2],
+    residual: [f32; 2],
+    /// On which tick T1 and T2 answered to the heat.
+    answered: [Option<u32>; 2],
+    started: bool,
+}
+
+/// What training gives.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trained {
-    pub(super) models: Models,
-    pub(super) simulations: Simulations,
-    pub(super) noise: [NoiseModel; 3],
+    pub(super) parameters: Parameters,
+    pub(super) motion: Motion,
+    pub(super) ladder: Ladder,
+    pub(super) mean: [f32; 2],
+    /// Power applied since the last tick, %.
+    pub(super) power: f32,
+    /// Rise of T1 at which it was learnt, degC.
     pub(super) rise: f32,
 }
 
 /// Lengths of both parts in samples.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trainer {
-    pub(super) fit: Fit,
+    rls: Rls<COUNT>,
     pub(super) fit_samples: u32,
     pub(super) check_samples: u32,
 }
 
 impl Trainer {
-    pub(super) fn start(&self) -> Training {
-        Training::Fitting { fit: self.fit.start(), count: 0 }
+    pub(super) fn new(fit_samples: u32, check_samples: u32) -> Result<Self, ConfigError> {
+        let adaptation = Adaptation::RandomWalk { r1: 0.0, r2: 1.0 };
+        let rls = Rls::new(&RlsConfig { adaptation, d_initial: 1.0, d_max: 1.0 })?;
+        Ok(Self { rls, fit_samples, check_samples })
     }
 
-    /// One sample; `fit_to_learn` says whether it is one of undisturbed operation. Only whole ones count.
+    pub(super) fn start(&self) -> Training {
+        let parameters = Parameters(PRIOR.map(|(mean, _)| mean));
+        Training {
+            parameters,
+            process: Process::new(&parameters, 1.0),
+            motion: Motion::default(),
+            phase: Phase::Fitting(Filter {
+                rls: self.rls.start(),
+                sd: PRIOR.map(|(_, sd)| sd),
+                tangent: Tangent::default(),
+                gradient: [[0.0; COUNT]; 2],
+                residual: [0.0; 2],
+                answered: [None; 2],
+                started: false,
+            }),
+            statistics: ResidualStatistics::default(),
+            power: 0.0,
+            ticks: 0,
+            count: 0,
+        }
+    }
+
+    /// One tick: rises over T0 where valid, degC, and the power applied from now on, %. `fit_to_learn` says whether it is one of undisturbed
+    /// operation; those before, while it heats up, serve the fit as well.
     ///
     /// # Errors
     /// Why what was learnt can't be trusted.
     pub(super) fn step(
         &self,
-        training: &mut Training,
+        s: &mut Training,
         y: [Option<f32>; 2],
         u: f32,
         fit_to_learn: bool,
     ) -> Result<Option<Trained>, RejectReason> {
-        let y = y.map(|y| y.filter(|_| fit_to_learn));
-        match training {
-            Training::Fitting { fit, count } => {
-                self.fit.step(fit, y, u);
-                *count += u32::from(y.iter().all(Option::is_some));
-                if *count >= self.fit_samples {
-                    let (models, simulations) = self.fit.finish(fit)?;
-                    *training =
-                        Training::Checking { models, simulations, statistics: Default::default(), count: 0 };
-                }
-                Ok(None)
+        let power = core::mem::replace(&mut s.power, u);
+        let whole = match y {
+            [Some(y1), Some(y2)] => Some([y1, y2]),
+            _ => None,
+        };
+        if let Phase::Fitting(filter) = &mut s.phase {
+            let Some(y) = whole else { return Ok(None) };
+            if !filter.started {
+                filter.begin(&mut s.parameters, &mut s.motion, y, u);
+                s.process = Process::new(&s.parameters, 1.0);
+                return Ok(None);
             }
-            Training::Checking { models, simulations, statistics, count } => {
-                let y1 = y[0].unwrap_or(simulations.y1.y[0]);
-                let [y1_expected, y2_expected, y2_of_y1] = models.step(simulations, y1, u);
-                if let [Some(y1), Some(y2)] = y {
-                    *count += 1;
-                    statistics[0].push(y1 - y1_expected, y1);
-                    statistics[1].push(y2 - y2_expected, y2);
-                    statistics[2].push(y2 - y2_of_y1, y2);
+            s.ticks = s.ticks.saturating_add(1);
+            let e = filter.step(&self.rls, &mut s.parameters, &mut s.process, &mut s.motion, y, power, s.ticks);
+            if fit_to_learn {
+                s.count += 1;
+                if 2 * s.count > self.fit_samples {
+                    s.statistics.push(e, y);
                 }
-                if *count < self.check_samples {
-                    return Ok(None);
-                }
-                let [of_y1, of_y2, of_y2_of_y1] = statistics;
-                Ok(Some(Trained {
-                    models: *models,
-                    simulations: *simulations,
-                    noise: [of_y1.finish()?, of_y2.finish()?, of_y2_of_y1.finish()?],
-                    rise: of_y1.level(),
-                }))
             }
+            if s.count >= self.fit_samples {
+                s.count = 0;
+                s.phase = Phase::Checking;
+            }
+            return Ok(None);
+        }
+        let rises = s.process.step(&mut s.motion, s.process.heat(power));
+        if let (Some(y), true) = (whole, fit_to_learn) {
+            let offsets = [s.parameters.get(Parameter::Offset1), s.parameters.get(Parameter::Offset2)];
+            s.statistics.push(core::array::from_fn(|m| y[m] - rises.y[m] - offsets[m]), y);
+            s.count += 1;
+        }
+        if s.count < self.check_samples {
+            return Ok(None);
+        }
+        let delay = s.parameters.get(Parameter::Delay1) + s.parameters.get(Parameter::Delay2);
+        if delay >= LONGEST_DELAY {
+            return Err(RejectReason::DeadTime);
+        }
+        Ok(Some(Trained {
+            parameters: s.parameters,
+            motion: s.motion,
+            ladder: s.statistics.finish()?,
+            mean: s.statistics.mean().map(|mean| MEAN_SHARE * mean),
+            power: u,
+            rise: s.statistics.level(0),
+        }))
+    }
+}
+
+impl Filter {
+    /// Begins cold, with the offsets as they are read, or warm, from about where the rig is.
+    fn begin(&mut self, p: &mut Parameters, motion: &mut Motion, y: [f32; 2], u: f32) {
+        self.started = true;
+        if y.iter().all(|y| y.abs() < COLD) {
+            p.set(Parameter::Offset1, y[0]);
+            p.set(Parameter::Offset2, y[1]);
+            self.sd[Parameter::Offset1 as usize] = COLD_SD;
+            self.sd[Parameter::Offset2 as usize] = COLD_SD;
+            return;
+        }
+        self.answered = [Some(0); 2];
+        if u > 1.0 && y[0] > 0.0 {
+            p.set(Parameter::Gain, libm::logf(y[0] / u));
+            *motion = Motion::steady(u);
         }
     }
+
+    /// One tick; gives the residuals, degC.
+    #[expect(clippy::too_many_arguments, reason = "the parts of a training, borrowed one by one")]
+    fn step(
+        &mut self,
+        rls: &Rls<COUNT>,
+        p: &mut Parameters,
+        process: &mut Process,
+        motion: &mut Motion,
+        y: [f32; 2],
+        power: f32,
+        ticks: u32,
+    ) -> [f32; 2] {
+        let (rises, gradient) = self.tangent.step(p, process, motion, power);
+        let offsets = [p.get(Parameter::Offset1), p.get(Parameter::Offset2)];
+        let e: [f32; 2] = core::array::from_fn(|m| y[m] - rises.y[m] - offsets[m]);
+        self.listen(p, [y[0] - offsets[0], y[1] - offsets[1]], ticks);
+        let vague = VAGUE + FIRST_VAGUE * libm::expf(-(ticks as f32) / FIRST_TICKS);
+        let scale = 1.0 / (SIGMA * sqrt(vague));
+        for m in 0..2 {
+            if self.answered[m].is_none() {
+                continue;
+            }
+            let phi: [f32; COUNT] = core::array::from_fn(|i| {
+                scale * self.sd[i] * (gradient[m][i] - RHO * self.gradient[m][i])
+            });
+            let innovation = scale * (e[m] - RHO * self.residual[m]);
+            self.rls.theta = [0.0; COUNT];
+            rls.step_clipped(&mut self.rls, &phi, innovation, LIMIT);
+            for i in 0..COUNT {
+                p.0[i] += self.sd[i] * bounded(self.rls.theta[i], -LARGEST_STEP, LARGEST_STEP);
+            }
+        }
+        self.gradient = gradient;
+        self.residual = e;
+        bound(p);
+        *process = Process::new(p, 1.0);
+        e
+    }
+
+    /// Until a thermistor answers to the first heat, its dead time is at least as long as that has been.
+    fn listen(&mut self, p: &mut Parameters, rise: [f32; 2], ticks: u32) {
+        let now = ticks as f32;
+        if self.answered[0].is_none() && rise[0] > ANSWERS {
+            self.answered[0] = Some(ticks);
+            let delay = larger(p.get(Parameter::Delay1), now - 1.5);
+            p.set(Parameter::Delay1, delay);
+        }
+        if self.answered[1].is_none() && rise[1] > ANSWERS {
+            self.answered[1] = Some(ticks);
+            let later = 0.5 * (now - self.answered[0].map_or(now, |first| first as f32));
+            let delay = larger(p.get(Parameter::Delay2), later);
+            p.set(Parameter::Delay2, delay);
+        }
+    }
+}
+
+/// Holds the parameters where the model means something.
+fn bound(p: &mut Parameters) {
+    let mut within = |which: Parameter, (low, high): (f32, f32)| p.set(which, bounded(p.get(which), low, high));
+    within(Parameter::Heater, HEATER);
+    within(Parameter::Delay1, (0.0, LONGEST_DELAY));
+    within(Parameter::Delay2, (0.0, LONGEST_DELAY));
+    within(Parameter::Reaches2, REACHES);
+    within(Parameter::WallTime, WALL_TIME);
+    within(Parameter::Lag1, (-3.0, 6.0));
+    within(Parameter::Lag2, (-3.0, 6.0));
+    within(Parameter::Wall1, (-0.2, 0.6));
+    within(Parameter::Wall2, (-0.2, 0.6));
+    within(Parameter::Gain, (-6.0, 3.0));
+    within(Parameter::Offset1, (-20.0, 20.0));
+    within(Parameter::Offset2, (-20.0, 20.0));
+    within(Parameter::Curvature, (-0.2, 0.2));
 }

@@ -51,6 +51,8 @@ pub enum RejectReason {
     Gain,
     /// The models leave too much of the temperatures unexplained.
     PoorFit,
+    /// The dead time is longer than the model remembers: the sample time is too short for this plant.
+    DeadTime,
 }
 
 /// All that the likelihood diagnosis says on a tick.

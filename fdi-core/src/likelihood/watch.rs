@@ -1,94 +1,127 @@
-//! The watch over a trained rig: residuals of frozen models, charts on them, the bank that explains what the charts find.
+//! The watch over a trained rig: residuals of a frozen model, charts on them, and the banks that explain what the charts find.
 //!
-//! While nothing is wrong the means of the residuals follow slow change; they are frozen as soon as a chart stirs. The
-//! bank starts anew whenever all fast charts are near zero, so that when one fires, it has gathered since the onset.
+//! While nothing stirs, a tracker follows slow change, and all columns begin anew on every tick; when a chart fires, they have gathered since
+//! the onset. Beside that the state is held against the trained one, over a minute.
 
-use super::alarm::{Alarm, ModelAlarm, Rules};
-use super::bank::{Bank, BankInput, Filters, ResponseTime};
+use super::alarm::{Alarm, ModelAlarm};
 use super::chart::{Chart, Sums};
-use super::fit::NB;
+use super::class::FaultClass;
+use super::column::{LESS, MORE, Row};
+use super::evidence::{Freed, Nuisances};
 use super::heat::{Heat, HeatState, Rise};
-use super::levels::Levels;
-use super::model_error::{ErrorBound, ModelError, ModelErrorState};
-use super::ranking::Ranking;
+use super::hypothesis::{self, CONSTANT, HYPOTHESES, SINCE_ONSET};
+use super::ladder::{Ladder, Past};
+use super::normal::Normal;
+use super::onset::{History, Nominal, Onset, OnsetConstants, SENSORS};
+use super::posterior::Posterior;
+use super::process::{Motion, Parameter, Parameters, Process};
+use super::steady::{Steady, SteadyConstants};
+use super::tracker::Tracker;
 use super::training::Trained;
-use super::whitening::Past;
-use crate::bounds::{bounded, larger};
+use super::verdict::{Finding, Magnitude};
+use crate::bounds::{bounded, larger, smaller};
 use crate::filter::LowPass;
 
-// Tuned on seeds 1 to 99999, lively, unless a section says more (docs/diagnosis.md, sections 3, 6, 7 and 12).
-/// Charts and the simulation of y2 from y1 see no more of an innovation than so many standard deviations: a spike counts once.
+/// Charts see no more of an innovation than so many standard deviations: a spike counts once.
 const CLIP: f32 = 6.0;
-/// The means of the residuals follow while all charts are below this share of their decision interval.
-const MEANS_FOLLOW_BELOW: f32 = 0.4;
-/// The bank starts anew while all fast charts are below this sum, standard deviations.
-const BANK_RESTARTS_BELOW: f32 = 1.0;
-/// A tick whose evidence exceeds so many times all before it is the onset, and the bank starts anew with it.
-const ONSET_EVIDENCE: f32 = 4.0;
-/// A sag that lasts so long is taken into the means, s.
-const SAG_TIME: f32 = 3.0;
-/// How far sags may carry the means from where they were trained: tolerated sags, and degC on top.
-const MEAN_TRAVEL_SAGS: f32 = 1.5;
-const MEAN_TRAVEL: f32 = 0.25;
-/// A valid T1 and T2 whose difference is so much other than learnt contradict each other, degC: neither is regulated by.
-const MAX_CONTRADICTION: f32 = 6.0;
+/// Ticks without a chart at the start.
+const FIRST_TICKS: u32 = 10;
+/// All columns begin anew while the fast charts are below so many standard deviations, and the slow one below this share of its interval.
+const NEAR: f32 = 0.5;
+const NEAR_SLOW: f32 = 0.14;
+/// The tracker runs while all charts are below this share of their intervals.
+const TRACK_BELOW: f32 = 0.4;
+/// The share of a swing beyond this, degC, that the model may get wrong, and the swing's memory, s.
+const SWING: f32 = 1.5;
+const SWING_TIME: f32 = 2.0;
+/// Evidence since an onset is divided by so much.
+const KAPPA: f32 = 1.5;
+/// Log Bayes factors that raise an alarm: since the onset, and since training.
+const RAISE: f32 = 6.0;
+const RAISE_SLOW: f32 = 4.0;
+/// An alarm since training goes on above this share of both the factor and the size that raised it.
+const GOES_ON: [f32; 2] = [0.4, 0.7];
+/// A class is named from this probability on; air flow or heater power by itself from this one on.
+const NAME: f32 = 0.95;
+const NAME_PROCESS: f32 = 0.97;
+/// Flow and power are told apart only after so long, s.
+const PROCESS_TIME: f32 = 5.0;
+/// After so long the likeliest is named, s.
+const ANY_AFTER: f32 = 8.0;
+/// What nuisances explain for so long is taken into the tracker, s.
+const TAKEN_AFTER: f32 = 8.0;
+/// From so old on an alarm forgets with this memory, s.
+const FORGETS_FROM: f32 = 3.0;
+const FORGETS_WITH: f32 = 10.0;
+/// An alarm is over by these log odds in one of two windows, which are asked from so long on, s.
+const OVER: f32 = 5.0;
+const WINDOWS: [f32; 2] = [0.6, 4.0];
+const ASKED_FROM: [f32; 2] = [0.5, 2.0];
+/// Smallest faults that are reported since training: share of power, `1/f - 1`, degC, share of gain.
+const LEAST_POWER: f32 = 0.08;
+const LEAST_FLOW: f32 = 0.09;
+const LEAST_OFFSET: f32 = 0.8;
+const LEAST_GAIN: f32 = 0.08;
+/// Error of the models in a size: of air flow, of all others.
+const SIZE_ERROR: [f32; 2] = [0.10, 0.04];
+/// Half of the width of a 95 % interval, in standard deviations.
+const HALF_OF_95: f32 = 1.96;
 
 /// A validated watch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Watch {
     pub(super) fast: Chart,
     pub(super) slow: Chart,
-    pub(super) model_error: ModelError,
-    pub(super) filters: Filters,
     pub(super) heat: Heat,
-    pub(super) rules: Rules,
-    /// With which the means of the residuals follow.
-    pub(super) mean: LowPass,
-    pub(super) tolerated_sag: f32,
+    pub(super) model_uncertainty: f32,
     pub(super) sample_time: f32,
+}
+
+/// What follows from the model: how fast everything goes.
+#[derive(Clone, Copy, Debug)]
+struct Pace {
+    /// Seconds here for each of the reference rig.
+    stretch: f32,
+    onset: OnsetConstants,
+    steady: SteadyConstants,
+    swing: LowPass,
+    forgets: f32,
+    windows: [f32; 2],
 }
 
 /// Its memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WatchState {
-    trained: Trained,
-    dead_ticks: usize,
-    response: ResponseTime,
-    /// Means of the residuals of y1, y2 and y2 from y1, degC.
-    mean: [f32; 3],
-    past: [Past; 3],
-    past_clipped: [Past; 3],
-    fast: [Sums; 3],
+    parameters: Parameters,
+    process: Process,
+    flows: [Process; 2],
+    motion: Motion,
+    ladder: Ladder,
+    mean: [f32; 2],
+    pace: Pace,
+    power: f32,
+    before: [f32; 2],
+    history: History,
+    past: Past,
+    tracker: Tracker,
+    fast: [Sums; 2],
     slow: Sums,
-    /// Last tick on which the slow chart was at zero.
-    slow_onset: u32,
-    model_error: ModelErrorState,
-    bank: Bank,
-    measured: [f32; 2],
-    levels: Levels,
-    /// Ticks for which a sag has explained what the charts say.
-    sagging: u32,
+    swing: [f32; 2],
+    onset: Onset,
+    since: Normal,
+    windows: [Normal; 2],
+    z_mean: [f32; 2],
+    candidate: f32,
+    rests: u32,
+    ticks: u32,
     alarm: Option<Alarm>,
+    steady: Steady,
+    lasting: Option<Finding>,
     heat: HeatState,
-    /// T1 and T2, both valid, contradict each other.
+    measured: [f32; 2],
+    stays: [f32; 2],
     contradict: bool,
-    /// What the models say y1 and y2 should be now.
     expected: [f32; 2],
-}
-
-/// One tick, worked out.
-struct Now {
-    tick: u32,
-    /// Residuals, where valid.
-    e: [Option<f32>; 3],
-    /// What y1 and y2 should be.
-    expected: [f32; 2],
-    y1_before: f32,
-    measured_before: [f32; 2],
-    power: [f32; NB],
-    bound: ErrorBound,
-    z: [f32; 2],
-    valid: bool,
 }
 
 /// Largest sums, as shares of the decision intervals.
@@ -97,241 +130,438 @@ struct Charted {
     slow: f32,
 }
 
+/// A valid T1 and T2 whose difference is so much other than learnt contradict each other, degC: neither is regulated by.
+const MAX_CONTRADICTION: f32 = 6.0;
+
+/// Residence time of the reference rig, s: what all times here were tuned on.
+const REFERENCE: f32 = 1.1;
+
 impl Watch {
-    pub(super) fn start(&self, trained: Trained, tick: u32) -> WatchState {
-        WatchState {
-            dead_ticks: trained.models.dead_ticks(),
-            response: ResponseTime::new(&trained.models),
-            mean: trained.noise.map(|noise| noise.mean),
-            past: Default::default(),
-            past_clipped: Default::default(),
-            fast: Default::default(),
-            slow: Sums::default(),
-            slow_onset: tick,
-            model_error: ModelErrorState::new(trained.rise),
-            bank: Bank::default(),
-            measured: [trained.rise; 2],
-            levels: Levels::default(),
-            sagging: 0,
-            alarm: None,
-            heat: HeatState::new(trained.rise),
-            contradict: false,
-            expected: [trained.rise; 2],
-            trained,
+    fn pace(&self, p: &Parameters) -> Pace {
+        let ts = self.sample_time;
+        let stretch = bounded(p.residence() * ts / REFERENCE, 0.5, 100.0);
+        let share = |time: f32| 1.0 - libm::expf(-ts / (time * stretch));
+        let lags = [0.35, 1.0].map(share);
+        Pace {
+            stretch,
+            onset: OnsetConstants {
+                lead: (p.get(Parameter::Delay1) + 1.5) as usize,
+                lags,
+                fan: ts / (0.2 * stretch),
+                minutes: ts / 60.0,
+            },
+            steady: SteadyConstants {
+                keep: 1.0 - share(60.0),
+                split: LowPass::over(1.0 / share(5.0)),
+                mean: LowPass::over(1.0 / share(25.0)),
+                lags,
+            },
+            swing: LowPass::over(1.0 / share(SWING_TIME)),
+            forgets: 1.0 - share(FORGETS_WITH),
+            windows: WINDOWS.map(|time| 1.0 - share(time)),
         }
     }
 
-    /// What the models say of a tick: rises and ambient temperature where valid, rises over the ambient that is believed, degC, and the
-    /// power applied from now on, %.
+    pub(super) fn start(&self, trained: Trained) -> WatchState {
+        let p = trained.parameters;
+        let process = Process::new(&p, 1.0);
+        WatchState {
+            parameters: p,
+            process,
+            flows: [Process::new(&p, LESS), Process::new(&p, MORE)],
+            motion: trained.motion,
+            ladder: trained.ladder,
+            mean: trained.mean,
+            pace: self.pace(&p),
+            power: trained.power,
+            before: [trained.rise; 2],
+            history: History::default(),
+            past: Past::default(),
+            tracker: Tracker::default(),
+            fast: Default::default(),
+            slow: Sums::default(),
+            swing: [trained.rise, 0.0],
+            onset: Onset::default(),
+            since: Normal::default(),
+            windows: Default::default(),
+            z_mean: [0.0; 2],
+            candidate: 0.0,
+            rests: 0,
+            ticks: 0,
+            alarm: None,
+            steady: Steady::new(&trained.motion, trained.rise),
+            lasting: None,
+            heat: HeatState::new(trained.rise),
+            measured: [trained.rise; 2],
+            stays: [trained.rise; 2],
+            contradict: false,
+            expected: [trained.rise; 2],
+        }
+    }
+
+    /// What the models say of a tick: rises over T0 and over the ambient that is believed, degC, and the power applied from now on, %.
     pub(super) fn step(
         &self,
         s: &mut WatchState,
         tick: u32,
         y: [Option<f32>; 2],
-        t0: Option<f32>,
         believed: [Option<f32>; 2],
         u: f32,
     ) -> ModelAlarm {
-        let mut now = self.residuals(s, tick, y, t0, u);
-        let charted = self.chart(s, &mut now);
-        self.explain(s, &now, &charted);
-        if let Some(e2) = now.e[1] {
-            self.heat.correct(&mut s.heat, e2, s.trained.models.t1_to_t2.gain());
-        }
-        self.follow_rises(s, believed, now.expected, true);
-        s.contradict = now.valid && s.heat.contradiction() > MAX_CONTRADICTION;
-        if s.alarm.is_none() {
-            self.decide(s, &now, &charted);
-        }
-        match self.follow_alarm(s, &now) {
-            ModelAlarm::Named(finding) => self.heat.review(&s.heat, finding, tick),
-            unnamed => unnamed,
-        }
+        let heat = s.process.heat(core::mem::replace(&mut s.power, u));
+        let before = s.before;
+        let rises = s.process.step(&mut s.motion, heat);
+        s.before = rises.y;
+        let offsets = [s.parameters.get(Parameter::Offset1), s.parameters.get(Parameter::Offset2)];
+        let expected: [f32; 2] = core::array::from_fn(|m| rises.y[m] + offsets[m] + s.mean[m]);
+        s.expected = expected;
+        self.follow_rises(s, believed, true);
+        let row = s.steady.row(&s.pace.steady, &s.flows, heat, &rises, before);
+        let told = match y {
+            [Some(y1), Some(y2)] => {
+                let e = [y1 - expected[0], y2 - expected[1]];
+                s.ticks = s.ticks.saturating_add(1);
+                let gap = (s.tracker.x, e[1]);
+                self.heat.correct(&mut s.heat, gap.1, s.parameters.get(Parameter::Reaches2));
+                s.contradict = s.heat.contradiction() > MAX_CONTRADICTION;
+                let nominal = NowRises { heat, rises, before };
+                self.judge(s, tick, e, &row, &nominal);
+                s.measured = [y1 - offsets[0] - s.mean[0], y2 - offsets[1] - s.mean[1]];
+                s.reported(&self.heat, tick)
+            }
+            _ => {
+                s.contradict = false;
+                s.reported(&self.heat, tick)
+            }
+        };
+        s.history.push(heat, &s.motion);
+        told
     }
 
-    /// Keeps the models going while the instrument does not watch by them: `y1` is the rise of T1 over T0, degC.
-    pub(super) fn idle(
-        &self,
-        s: &mut WatchState,
-        y1: Option<f32>,
-        believed: [Option<f32>; 2],
-        u: f32,
-        heating: bool,
-    ) {
+    /// Keeps the models going while the instrument does not watch by them.
+    pub(super) fn idle(&self, s: &mut WatchState, believed: [Option<f32>; 2], u: f32, heating: bool) {
         s.alarm = None;
+        s.lasting = None;
         s.rest();
-        let y1 = y1.unwrap_or(s.trained.simulations.y1.y[0]);
-        let [y1, y2, _] = s.trained.models.step(&mut s.trained.simulations, y1, u);
-        self.follow_rises(s, believed, [y1, y2], heating);
+        let heat = s.process.heat(core::mem::replace(&mut s.power, u));
+        let rises = s.process.step(&mut s.motion, heat);
+        let before = core::mem::replace(&mut s.before, rises.y);
+        s.steady.row(&s.pace.steady, &s.flows, heat, &rises, before);
+        s.history.push(heat, &s.motion);
+        let offsets = [s.parameters.get(Parameter::Offset1), s.parameters.get(Parameter::Offset2)];
+        s.expected = core::array::from_fn(|m| rises.y[m] + offsets[m] + s.mean[m]);
+        self.follow_rises(s, believed, heating);
     }
 
     /// Holds the measured rises against the expected ones.
-    fn follow_rises(
+    fn follow_rises(&self, s: &mut WatchState, believed: [Option<f32>; 2], heating: bool) {
+        let rise = |m: usize| Some(Rise { measured: believed[m]?, expected: s.expected[m] });
+        self.heat.step(&mut s.heat, [rise(0), rise(1)], heating);
+    }
+
+    /// One whole tick: residuals since training and what the tracker leaves of them, charts, both banks.
+    fn judge(&self, s: &mut WatchState, tick: u32, e: [f32; 2], row: &Row, now: &NowRises) {
+        let known = s.tracker.expected(row);
+        let left = [e[0] - known[0], e[1] - known[1]];
+        let mut z = s.ladder.step(&mut s.past, left);
+        let mut z_trained = s.steady.residual(&s.ladder, e);
+        let whitened = s.steady.whitened(&s.ladder, row);
+        if s.ticks < FIRST_TICKS {
+            (z, z_trained) = ([0.0; 2], [0.0; 2]);
+        }
+        let widened = self.widened(s, now.rises.y[0] + s.parameters.get(Parameter::Offset1));
+        let charted = self.chart(s, z, widened);
+        self.follow_onset(s, tick, z, widened, &charted, now);
+        if s.alarm.is_none() {
+            self.decide(s, tick, &charted);
+        }
+        if s.alarm.is_some() {
+            self.follow_alarm(s, tick);
+        }
+        if s.rests > 0 {
+            s.rests -= 1;
+            s.fast = Default::default();
+            s.slow = Sums::default();
+        }
+        let quiet = s.alarm.is_none();
+        if quiet && larger(charted.fast, charted.slow) < TRACK_BELOW {
+            s.tracker.step(&whitened, [bounded(z[0], -CLIP, CLIP), bounded(z[1], -CLIP, CLIP)]);
+        }
+        if quiet && s.rests == 0 && s.ticks > FIRST_TICKS {
+            s.steady.gather(&s.pace.steady, row, &whitened, e, z_trained);
+            self.judge_lasting(s, tick);
+        }
+    }
+
+    /// By how many standard deviations the residuals may be off because the temperature moves.
+    fn widened(&self, s: &mut WatchState, rise: f32) -> [f32; 2] {
+        let [mean, swing] = &mut s.swing;
+        s.pace.swing.follow(mean, rise);
+        let kept = *swing * (1.0 - s.pace.swing.share());
+        *swing = larger(kept, (rise - *mean).abs());
+        let moved = self.model_uncertainty * larger(0.0, *swing - SWING);
+        [moved * s.ladder.inv_sigma[0], moved * s.ladder.inv_sigma[1]]
+    }
+
+    fn chart(&self, s: &mut WatchState, z: [f32; 2], widened: [f32; 2]) -> Charted {
+        let mut fast = 0.0;
+        for m in 0..2 {
+            let clipped = bounded(z[m], -CLIP, CLIP);
+            fast = larger(fast, self.fast.step(&mut s.fast[m], clipped, widened[m]));
+        }
+        let slow = self.slow.step(&mut s.slow, bounded(z[1], -CLIP, CLIP), widened[1]);
+        Charted { fast: fast / self.fast.interval, slow: slow / self.slow.interval }
+    }
+
+    /// Gathers since the onset, or begins anew while nothing stirs.
+    fn follow_onset(
         &self,
         s: &mut WatchState,
-        believed: [Option<f32>; 2],
-        expected: [f32; 2],
-        heating: bool,
+        tick: u32,
+        z: [f32; 2],
+        widened: [f32; 2],
+        charted: &Charted,
+        now: &NowRises,
     ) {
-        let rise = |m: usize| Some(Rise { measured: believed[m]?, expected: expected[m] });
-        self.heat.step(&mut s.heat, [rise(0), rise(1)], heating);
-        s.expected = expected;
-    }
-
-    /// Simulates, and compares with what was measured.
-    fn residuals(&self, s: &mut WatchState, tick: u32, y: [Option<f32>; 2], t0: Option<f32>, u: f32) -> Now {
-        let Trained { models, simulations, noise, .. } = &mut s.trained;
-        let (y1_before, y1_expected) = (simulations.y1.y[1], simulations.y1.y[0]);
-        let power = simulations.y1.u;
-        let bound = self.model_error.step(&mut s.model_error, y1_expected, t0, noise);
-        // A spike of T1 would otherwise ring in what is expected of T2.
-        let likely = y1_expected + s.mean[0] + noise[0].whitener.expected(&s.past_clipped[0]);
-        let reach = CLIP * noise[0].whitener.sigma() * (1.0 + bound.model[0]);
-        let y1_clipped = y[0].map_or(likely, |y1| likely + bounded(y1 - likely, -reach, reach));
-        let [_, y2_expected, y2_of_y1] = models.step(simulations, y1_clipped, u);
-        let expected = [y1_expected, y2_expected];
-        let seen = core::array::from_fn(|m| y[m].unwrap_or(expected[m]));
-        let e = [
-            y[0].map(|y1| y1 - y1_expected - s.mean[0]),
-            y[1].map(|y2| y2 - y2_expected - s.mean[1]),
-            y[0].and(y[1]).map(|y2| y2 - y2_of_y1 - s.mean[2]),
-        ];
-        Now {
-            tick,
-            e,
-            expected,
-            y1_before,
-            measured_before: core::mem::replace(&mut s.measured, seen),
-            power,
-            bound,
-            z: [0.0; 2],
-            valid: e[2].is_some(),
-        }
-    }
-
-    /// Whitens the residuals and feeds the charts; those of a missing sample stand still.
-    fn chart(&self, s: &mut WatchState, now: &mut Now) -> Charted {
-        let mut charted = Charted { fast: 0.0, slow: 0.0 };
-        for m in 0..3 {
-            let whitener = &s.trained.noise[m].whitener;
-            let Some(e) = now.e[m] else {
-                whitener.skip(&mut s.past[m]);
-                whitener.skip(&mut s.past_clipped[m]);
-                continue;
-            };
-            let z = whitener.step(&mut s.past[m], e);
-            let clipped = whitener.step_clipped(&mut s.past_clipped[m], e, CLIP);
-            if m < 2 {
-                now.z[m] = z;
+        if s.alarm.is_none() && charted.fast * self.fast.interval < NEAR && charted.slow < NEAR_SLOW {
+            s.onset.age = 0;
+            s.z_mean = [0.0; 2];
+            s.candidate = 0.0;
+            if s.since.count > 0.0 {
+                s.since = Normal::default();
             }
-            charted.fast = larger(charted.fast, self.fast.step(&mut s.fast[m], clipped, now.bound.all[m]));
-            if m == 2 {
-                charted.slow = self.slow.step(&mut s.slow, clipped, now.bound.all[m]) / self.slow.interval;
-                s.slow_onset = if charted.slow > 0.0 { s.slow_onset } else { now.tick };
-            }
-        }
-        charted.fast /= self.fast.interval;
-        s.levels.step(&now.e, &s.trained.models.heater_to_t1.a);
-        charted
-    }
-
-    /// Lets the means follow while all charts are low, and the bank gather while one is not.
-    fn explain(&self, s: &mut WatchState, now: &Now, charted: &Charted) {
-        if !now.valid {
             return;
         }
-        let all_low = charted.fast * self.fast.interval < BANK_RESTARTS_BELOW;
-        if s.alarm.is_none() {
-            if larger(charted.fast, charted.slow) < MEANS_FOLLOW_BELOW {
-                for (mean, e) in s.mean.iter_mut().zip(&now.e) {
-                    *mean += self.mean.share() * e.unwrap_or(0.0); // e is what is left of it
-                }
-            }
-            let energy = now.z[0] * now.z[0] + now.z[1] * now.z[1];
-            if all_low || energy > ONSET_EVIDENCE * s.bank.energy() {
-                s.bank.restart(now.tick.saturating_sub(s.slow_onset));
-            }
+        let _ = tick;
+        if s.onset.age == 0 {
+            s.stays = s.measured;
         }
-        if s.alarm.is_some() || !all_low {
-            let widest = larger(now.bound.model[0], now.bound.model[1]);
-            let input = BankInput {
-                models: &s.trained.models,
-                noise: &s.trained.noise,
-                response: s.response,
-                dead_ticks: s.dead_ticks,
-                z: now.z,
-                weight: 1.0 / ((1.0 + widest) * (1.0 + widest)),
-                power: &now.power,
-                expected: [now.expected[0] + s.mean[0], now.expected[1] + s.mean[1]],
-                expected_before: now.y1_before + s.mean[0],
-                measured_before: now.measured_before,
-            };
-            self.filters.step(&mut s.bank, &input);
-        }
-    }
-
-    /// Raises the alarm, unless a sag of the power that is tolerated explains what the fast charts say.
-    fn decide(&self, s: &mut WatchState, now: &Now, charted: &Charted) {
-        if charted.fast > 1.0 {
-            let ranking = Ranking::new(&s.bank, self.sample_time);
-            if self.means_in_reach(s, now) && ranking.is_sag(&s.bank, self.tolerated_sag) {
-                s.sagging += 1;
-                if s.sagging as f32 * self.sample_time > SAG_TIME {
-                    self.accept_sag(s, now);
-                }
-                return;
-            }
-            s.alarm = Some(Alarm::new(now.tick.saturating_sub(s.bank.age.saturating_sub(1))));
-        } else if charted.slow > 1.0 && s.sagging == 0 {
-            s.bank.restart(now.tick.saturating_sub(s.slow_onset));
-            s.alarm = Some(Alarm::new(s.slow_onset));
-        }
-        s.sagging = 0;
-    }
-
-    fn means_in_reach(&self, s: &WatchState, now: &Now) -> bool {
-        (0..2).all(|m| {
-            let carried = s.mean[m] + s.levels.residual[m] - s.trained.noise[m].mean;
-            carried.abs() < MEAN_TRAVEL_SAGS * self.tolerated_sag * now.expected[m].abs() + MEAN_TRAVEL
-        })
-    }
-
-    /// Takes a lasting sag into the means, as if it had always been so.
-    fn accept_sag(&self, s: &mut WatchState, now: &Now) {
-        let share = s.bank.power().best((-self.tolerated_sag, self.tolerated_sag));
+        let mut weight = 1.0 / (1.0 + 0.25 * widened[0] * widened[0]);
+        let mut jump: f32 = 0.0;
         for m in 0..2 {
-            let change = share * now.expected[m];
-            s.mean[m] += change;
-            s.levels.residual[m] -= change;
-            s.past[m].lower(change);
-            s.past_clipped[m].lower(change);
+            s.z_mean[m] += 0.3 * (z[m] - s.z_mean[m]);
+            jump = larger(jump, (z[m] - s.z_mean[m]).abs());
         }
-        s.rest();
+        let transient = 1.0 + 0.1 * larger(0.0, jump - 3.0);
+        weight /= transient * transient;
+        // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
+        let evidence = smaller(z[0] * z[0], 64.0) + smaller(z[1] * z[1], 64.0);
+        if s.alarm.is_none() && s.onset.age > 0 && evidence > 16.0 && evidence > 4.0 * s.since.energy {
+            s.since.forget(SENSORS);
+            s.onset.restart_sensors(now.before[0]);
+            s.stays = s.measured;
+        }
+        let nominal = Nominal {
+            parameters: &s.parameters,
+            process: &s.process,
+            motion: &s.motion,
+            history: &s.history,
+            heat: now.heat,
+            rises: now.rises,
+            before: now.before,
+        };
+        let row = s.onset.step(&s.pace.onset, &s.ladder, &nominal);
+        if let Some(alarm) = &s.alarm {
+            if alarm.age > FORGETS_FROM {
+                s.since.scale(s.pace.forgets);
+            }
+            for (window, keep) in s.windows.iter_mut().zip(s.pace.windows) {
+                window.scale(keep);
+                window.add(&row, z, weight);
+            }
+        }
+        s.since.add(&row, z, weight);
+    }
+
+    /// Raises the alarm where a fault explains more than the nuisances do.
+    fn decide(&self, s: &mut WatchState, tick: u32, charted: &Charted) {
+        if larger(charted.fast, charted.slow) <= 1.0 || s.onset.age == 0 {
+            return;
+        }
+        s.candidate += self.sample_time / s.pace.stretch;
+        let freed = s.judge_since();
+        let posterior = Posterior::new(&freed);
+        let best = &HYPOTHESES[posterior.best];
+        let size = freed[posterior.best].value.abs();
+        let small = match best.class {
+            FaultClass::HeaterPower => size < LEAST_POWER,
+            FaultClass::AirFlow => size < LEAST_FLOW,
+            _ => false,
+        };
+        if posterior.best_gain > RAISE && !small {
+            let onset = tick.saturating_sub(s.onset.age.saturating_sub(1));
+            s.alarm = Some(Alarm::new(onset));
+            s.windows = [s.since; 2];
+        } else if s.candidate > TAKEN_AFTER {
+            s.take_in();
+        }
     }
 
     /// Names the fault while it lasts; clears the alarm when it has gone.
-    fn follow_alarm(&self, s: &mut WatchState, now: &Now) -> ModelAlarm {
-        let Some(alarm) = s.alarm.as_mut() else { return ModelAlarm::Quiet };
-        let noise = &s.trained.noise;
-        let ranking = Ranking::new(&s.bank, self.sample_time);
-        let slow_sd = larger(noise[0].slow_sd, noise[1].slow_sd);
-        let named = self.rules.name(alarm, &ranking, slow_sd, now.expected[0]);
-        if self.rules.is_over(alarm, &s.levels, noise, now.valid) {
-            s.model_error.fault_ended(s.levels.residual);
+    fn follow_alarm(&self, s: &mut WatchState, tick: u32) {
+        let Some(mut alarm) = s.alarm else { return };
+        alarm.age += self.sample_time / s.pace.stretch;
+        let mut freed = s.judge_since();
+        if alarm.age < PROCESS_TIME {
+            for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
+                if row.class == FaultClass::Drift {
+                    freed.gain = smaller(freed.gain, 0.0);
+                }
+            }
+        }
+        let posterior = Posterior::new(&freed);
+        let h = posterior.likeliest;
+        let (class, confidence) = named(&posterior, &alarm);
+        let finding = Finding {
+            class,
+            confidence,
+            magnitude: magnitude(h, class, &freed[h]),
+            onset: alarm.onset,
+        };
+        if confidence > NAME || alarm.age > ANY_AFTER || alarm.finding.is_some_and(|was| was.class == class) {
+            alarm.finding = Some(finding);
+        }
+        let value = freed[h].value;
+        let over = (0..2).any(|w| {
+            alarm.age > ASKED_FROM[w] && {
+                let nuisances = Nuisances::new(&s.windows[w], &SINCE_ONSET, KAPPA);
+                let row = &HYPOTHESES[h];
+                let both = [
+                    (row.first.direction, value),
+                    row.second.map_or((row.first.direction, 0.0), |second| (second.direction, freed[h].second)),
+                ];
+                let at = if row.second.is_some() { &both[..] } else { &both[..1] };
+                nuisances.fixed(at) < -OVER
+            }
+        });
+        s.alarm = Some(alarm);
+        if over || (alarm.age > PROCESS_TIME && posterior.best_gain < 1.0) {
             s.alarm = None;
             s.rest();
+            s.rests = (s.pace.stretch / self.sample_time) as u32;
+            s.tracker.widen([0.015, 0.0, 0.05, 0.05]);
         }
-        named
+        let _ = tick;
+    }
+
+    /// The minute, against the trained state.
+    fn judge_lasting(&self, s: &mut WatchState, tick: u32) {
+        let first = 20.0 * s.pace.stretch / self.sample_time;
+        if s.steady.ticks() % 10 != 0 || (s.steady.ticks() as f32) < first {
+            return;
+        }
+        let mut freed = [Freed::default(); hypothesis::COUNT];
+        s.steady.judge(&mut freed);
+        let posterior = Posterior::new(&freed);
+        let h = posterior.likeliest;
+        let row = &HYPOTHESES[h];
+        let sized = s.steady.size(h);
+        let sized = if row.sign * sized.value < 0.0 { freed[h] } else { sized };
+        let least = match row.class {
+            FaultClass::HeaterPower => LEAST_POWER,
+            FaultClass::AirFlow => LEAST_FLOW,
+            FaultClass::T1Clogged => LEAST_GAIN,
+            _ => LEAST_OFFSET,
+        };
+        let (factor, share) = if s.lasting.is_some() { (GOES_ON[0], GOES_ON[1]) } else { (1.0, 1.0) };
+        let there = posterior.best_gain > factor * RAISE_SLOW && freed[h].value.abs() > share * least;
+        let onset = s.lasting.map_or(tick, |was| was.onset);
+        s.lasting = there.then(|| Finding {
+            class: row.class,
+            confidence: posterior.of(h),
+            magnitude: magnitude(h, row.class, &sized),
+            onset,
+        });
+    }
+}
+
+/// Power and rises of this tick, and the rises before.
+struct NowRises {
+    heat: f32,
+    rises: super::process::Rises,
+    before: [f32; 2],
+}
+
+/// The class that is likeliest, and how likely. Air flow and heater power are one until they can be told apart.
+fn named(posterior: &Posterior, alarm: &Alarm) -> (FaultClass, f32) {
+    let class = HYPOTHESES[posterior.likeliest].class;
+    let probability = posterior.of(posterior.likeliest);
+    let [flow, power] = [FaultClass::AirFlow, FaultClass::HeaterPower].map(|class| posterior.of_class(class));
+    let process = matches!(class, FaultClass::AirFlow | FaultClass::HeaterPower);
+    if process && (alarm.age < PROCESS_TIME || larger(flow, power) < NAME_PROCESS) {
+        return (FaultClass::AirFlowOrHeaterPower, flow + power);
+    }
+    (class, probability)
+}
+
+/// The size of a hypothesis in the unit of its class.
+fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
+    let Freed { value, sd, .. } = *freed;
+    let with_error = |share: f32| libm::sqrtf(sd * sd + share * share * value * value) * HALF_OF_95;
+    let others = SIZE_ERROR[1];
+    match class {
+        FaultClass::AirFlowOrHeaterPower | FaultClass::Stuck(_) => None,
+        FaultClass::HeaterPower if h == CONSTANT => None,
+        FaultClass::AirFlow => {
+            let inverse = larger(0.1, 1.0 + value);
+            let half_width = 100.0 * with_error(SIZE_ERROR[0]) / (inverse * inverse);
+            Some(Magnitude { value: 100.0 * (1.0 / inverse - 1.0), half_width })
+        }
+        FaultClass::HeaterPower | FaultClass::T1Clogged | FaultClass::T1Detached | FaultClass::T2Detached => {
+            Some(Magnitude { value: 100.0 * value, half_width: 100.0 * with_error(others) })
+        }
+        _ => Some(Magnitude { value, half_width: with_error(others) }),
     }
 }
 
 impl WatchState {
+    /// Gains of all hypotheses since the onset.
+    fn judge_since(&self) -> [Freed; hypothesis::COUNT] {
+        let nuisances = Nuisances::new(&self.since, &SINCE_ONSET, KAPPA);
+        let mut freed = [Freed::default(); hypothesis::COUNT];
+        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
+            let mut second = row.second;
+            if let (Some(second), Some(m)) = (&mut second, row.stays) {
+                second.mean = self.stays[m];
+            }
+            *freed = nuisances.free(row.first, second);
+            if row.sign * freed.value < 0.0 {
+                freed.gain = -1.0;
+            }
+        }
+        freed
+    }
+
+    /// Nuisances explain what the charts say: the tracker takes them.
+    fn take_in(&mut self) {
+        let nuisances = Nuisances::new(&self.since, &SINCE_ONSET, KAPPA);
+        let [power, less, more, offset1, offset2, offset0, ..] = nuisances.values();
+        let by = [power, less + more, offset1 - offset0, offset2 - offset0];
+        for (x, by) in self.tracker.x.iter_mut().zip(by) {
+            *x += by;
+        }
+        self.tracker.widen([0.01, 0.0, 0.1, 0.1]);
+        self.rest();
+    }
+
     /// Charts and bank as if nothing had happened.
     fn rest(&mut self) {
         self.fast = Default::default();
         self.slow = Sums::default();
-        self.bank.restart(0);
-        self.sagging = 0;
+        self.onset.age = 0;
+        self.since = Normal::default();
+        self.candidate = 0.0;
+    }
+
+    /// What is reported: what began at an onset first, then what lasts.
+    fn reported(&self, heat: &Heat, tick: u32) -> ModelAlarm {
+        let finding = match (&self.alarm, self.lasting) {
+            (Some(Alarm { finding: Some(finding), .. }), _) => *finding,
+            (Some(_), None) => return ModelAlarm::Unnamed,
+            (_, Some(lasting)) => lasting,
+            (None, None) => return ModelAlarm::Quiet,
+        };
+        heat.review(&self.heat, finding, tick)
     }
 
     /// The virtual T1: its rise over the ambient on the next tick by the models and T2, degC; None where they disagree, or T1 and T2 do.
@@ -339,7 +569,7 @@ impl WatchState {
         if self.contradict {
             return None;
         }
-        self.heat.virtual_t1(self.trained.simulations.y1.y[0] + self.mean[0])
+        self.heat.virtual_t1(self.expected[0])
     }
 
     /// Air flow and heater, as the heat shows them.
@@ -349,6 +579,6 @@ impl WatchState {
 
     /// What T1 and T2 should be above the ambient now, degC.
     pub(super) fn expected(&self) -> [f32; 2] {
-        [self.expected[0] + self.mean[0], self.expected[1] + self.mean[1]]
+        self.expected
     }
 }

@@ -265,6 +265,7 @@ fn likelihood(report: &LikelihoodReport) -> u32 {
         Readiness::Refused(RejectReason::Unstable) => 3,
         Readiness::Refused(RejectReason::Gain) => 4,
         Readiness::Refused(RejectReason::PoorFit) => 5,
+        Readiness::Refused(RejectReason::DeadTime) => 6,
     };
     let class = report.finding.map_or(0, |finding| finding.class.number());
     readiness | u32::from(report.alarm) << 4 | class << 8

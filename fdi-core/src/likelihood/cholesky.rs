@@ -1,0 +1,108 @@
+//! Cholesky's factor of small symmetric matrices, and the triangular systems with it.
+
+use crate::root::sqrt;
+
+/// A pivot below this share of its diagonal is rounding.
+const LEAST_PIVOT: f32 = 1e-6;
+
+/// Lower triangular factor of the leading part of a matrix, in place of its lower half; its diagonal is kept inverted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cholesky<const N: usize> {
+    l: [[f32; N]; N],
+    n: usize,
+    /// Half the logarithm of the determinant.
+    pub(super) log_det: f32,
+}
+
+impl<const N: usize> Cholesky<N> {
+    /// Factors the lower half of the leading `n` rows. Pivots that are lost in rounding are held at the least that is none.
+    #[inline(never)]
+    pub(super) fn new(mut l: [[f32; N]; N], n: usize) -> Self {
+        let n = if n < N { n } else { N };
+        let mut product = 1.0;
+        let mut log_det = 0.0;
+        for i in 0..n {
+            for j in 0..i {
+                let mut sum = l[i][j];
+                for k in 0..j {
+                    sum -= l[i][k] * l[j][k];
+                }
+                l[i][j] = sum * l[j][j];
+            }
+            let diagonal = l[i][i];
+            let mut pivot = diagonal;
+            for k in 0..i {
+                pivot -= l[i][k] * l[i][k];
+            }
+            let least = LEAST_PIVOT * diagonal;
+            if !(pivot > least) {
+                pivot = if least > 0.0 { least } else { 1.0 };
+            }
+            product *= pivot;
+            if product > 1e15 || product < 1e-15 {
+                log_det += 0.5 * libm::logf(product);
+                product = 1.0;
+            }
+            l[i][i] = 1.0 / sqrt(pivot);
+        }
+        log_det += 0.5 * libm::logf(product);
+        Self { l, n, log_det }
+    }
+
+    /// `L^-1 x`, in place.
+    #[inline(never)]
+    pub(super) fn forward(&self, x: &mut [f32; N]) {
+        for i in 0..self.n {
+            let mut sum = x[i];
+            for k in 0..i {
+                sum -= self.l[i][k] * x[k];
+            }
+            x[i] = sum * self.l[i][i];
+        }
+    }
+
+    /// `L'^-1 x`, in place.
+    #[inline(never)]
+    pub(super) fn backward(&self, x: &mut [f32; N]) {
+        for i in (0..self.n).rev() {
+            let mut sum = x[i];
+            for k in i + 1..self.n {
+                sum -= self.l[k][i] * x[k];
+            }
+            x[i] = sum * self.l[i][i];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `A x` with the solution gives the right-hand side back; the determinant is that of the product of pivots.
+    #[test]
+    fn it_solves_what_it_factors() {
+        let a = [[4.0, 0.0, 0.0], [2.0, 5.0, 0.0], [1.0, 3.0, 6.0]];
+        let full = |i: usize, j: usize| if i > j { a[i][j] } else { a[j][i] };
+        let factor = Cholesky::new(a, 3);
+        let mut x = [1.0, -2.0, 3.0];
+        factor.forward(&mut x);
+        factor.backward(&mut x);
+        for (i, wanted) in [1.0, -2.0, 3.0].into_iter().enumerate() {
+            let sum: f32 = (0..3).map(|j| full(i, j) * x[j]).sum();
+            assert!((sum - wanted).abs() < 1e-5, "{i}: {sum}");
+        }
+        // 4 (30 - 9) - 2 (12 - 3) + 1 (6 - 5) = 67
+        assert!((2.0 * factor.log_det - libm::logf(67.0)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn what_is_singular_stays_finite() {
+        let factor = Cholesky::new([[1.0, 0.0], [1.0, 1.0]], 2);
+        let mut x = [1.0, 2.0];
+        factor.forward(&mut x);
+        factor.backward(&mut x);
+        assert!(x.iter().all(|x| x.is_finite()) && factor.log_det.is_finite());
+        let none = Cholesky::new([[0.0; 2]; 2], 2);
+        assert!(none.log_det.is_finite());
+    }
+}

@@ -1,0 +1,74 @@
+//! The columns of the regression: what y1 and y2 would do if one thing changed by one unit.
+
+/// What may change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Column {
+    /// Heater power, by its whole.
+    Power,
+    /// `1/f - 1` with f the air flow: secants at [`LESS`] and [`MORE`].
+    LessFlow,
+    MoreFlow,
+    /// Offsets of T1 and T2, degC.
+    Offset1,
+    Offset2,
+    /// Share of the rise that T1 sees on top.
+    Gain1,
+    /// What T1 would read behind an extra lag, less what it should.
+    ShortLag,
+    LongLag,
+    /// The same for T2's gain.
+    Gain2,
+    /// Drifts, degC for each unit of time.
+    Ramp1,
+    Ramp2,
+    /// Share of the wall.
+    Wall,
+    /// Delay of the whole answer, ticks.
+    Shift,
+    /// A constant power, %.
+    Constant,
+}
+
+/// How many there are.
+pub(super) const COUNT: usize = Column::Constant as usize + 1;
+
+/// Values of all columns in both channels.
+pub(super) type Row = [[f32; 2]; COUNT];
+
+/// Relative air flows at which the secants are taken, and `1/f - 1` there.
+pub(super) const LESS: f32 = 0.77;
+pub(super) const MORE: f32 = 1.3;
+pub(super) const LESS_BY: f32 = 1.0 / LESS - 1.0;
+pub(super) const MORE_BY: f32 = 1.0 / MORE - 1.0;
+
+/// What a hypothesis or a nuisance moves: one column, or two together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Direction {
+    /// One.
+    Of(Column),
+    /// T0 reads too much: T1 and T2 seem to rise less.
+    Offset0,
+    /// T0 drifts.
+    Ramp0,
+}
+
+impl Direction {
+    /// The columns that it moves.
+    #[inline]
+    pub(super) fn columns(self) -> [usize; 2] {
+        match self {
+            Self::Of(column) => [column as usize; 2],
+            Self::Offset0 => [Column::Offset1 as usize, Column::Offset2 as usize],
+            Self::Ramp0 => [Column::Ramp1 as usize, Column::Ramp2 as usize],
+        }
+    }
+
+    /// By how much it moves each of them.
+    #[inline]
+    pub(super) fn weights(self) -> [f32; 2] {
+        match self {
+            Self::Of(_) => [1.0, 0.0],
+            Self::Offset0 | Self::Ramp0 => [-1.0, -1.0],
+        }
+    }
+}

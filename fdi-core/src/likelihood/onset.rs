@@ -1,0 +1,161 @@
+//! The columns since the assumed onset of a fault: the models since then with another air flow, more power, a constant power; lags,
+//! ramps and constants that begin there.
+
+use super::column::{COUNT, Column, LESS, LESS_BY, MORE, MORE_BY, Row};
+use super::ladder::{Ladder, Past};
+use super::process::{Motion, Parameters, Process, Rises};
+
+/// Power and motion of the last ticks, so that a change of power or flow may begin before it shows.
+const REMEMBERED: usize = 24;
+
+/// What the model did lately.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct History {
+    heat: [f32; REMEMBERED],
+    states: [(f32, [f32; 2], [f32; 2]); REMEMBERED],
+    newest: usize,
+}
+
+impl History {
+    pub(super) fn push(&mut self, heat: f32, motion: &Motion) {
+        self.newest = (self.newest + 1) % REMEMBERED;
+        self.heat[self.newest % REMEMBERED] = heat;
+        self.states[self.newest % REMEMBERED] = (motion.x, motion.m, motion.w);
+    }
+
+    fn place(&self, ago: usize) -> usize {
+        (self.newest + REMEMBERED - ago.min(REMEMBERED - 1)) % REMEMBERED
+    }
+}
+
+/// A model since the onset whose air flow approaches `flow` with the fan's lag.
+#[derive(Clone, Copy, Debug, Default)]
+struct Flowing {
+    motion: Motion,
+    process: Process,
+}
+
+/// The memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Onset {
+    /// Ticks since, and those since the sensors' columns began.
+    pub(super) age: u32,
+    pub(super) sensors_age: u32,
+    flow_age: f32,
+    less: Flowing,
+    more: Flowing,
+    power: Motion,
+    constant: Motion,
+    lagged: [f32; 2],
+    past: [Past; COUNT],
+}
+
+/// What does not change.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OnsetConstants {
+    /// Ticks by which a change of power or flow begins before it shows.
+    pub(super) lead: usize,
+    /// Shares of both lags of a clogged thermistor; of the fan's lag.
+    pub(super) lags: [f32; 2],
+    pub(super) fan: f32,
+    /// Minutes a tick.
+    pub(super) minutes: f32,
+}
+
+/// The model as learnt on this tick.
+pub(super) struct Nominal<'a> {
+    pub(super) parameters: &'a Parameters,
+    pub(super) process: &'a Process,
+    pub(super) motion: &'a Motion,
+    pub(super) history: &'a History,
+    pub(super) heat: f32,
+    pub(super) rises: Rises,
+    /// Rises a tick ago.
+    pub(super) before: [f32; 2],
+}
+
+impl Onset {
+    /// Begins on this tick, the first that shows anything.
+    #[inline(never)]
+    fn begin(&mut self, c: &OnsetConstants, now: &Nominal) {
+        *self = Self { lagged: [now.before[0]; 2], ..Self::default() };
+        let lead = c.lead.min(REMEMBERED - 2);
+        let (x, m, w) = now.history.states[now.history.place(lead)];
+        // The air that has left the heater since is pushed again, so that the ring must be that of then.
+        let mut past = *now.motion;
+        past.air.back(lead + 1);
+        let then = Motion { x, m, w, air: past.air };
+        self.less = Flowing { motion: then, process: *now.process };
+        self.more = Flowing { motion: then, process: *now.process };
+        for ago in (0..lead).rev() {
+            let heat = now.history.heat[now.history.place(ago)];
+            self.advance(c, now, heat);
+        }
+    }
+
+    /// A tick of the models.
+    fn advance(&mut self, c: &OnsetConstants, now: &Nominal, heat: f32) -> [Rises; 4] {
+        // The fan's lag: the coefficients follow while the flow still moves.
+        let approach = 1.0 - libm::expf(-(self.flow_age + 0.5) * c.fan);
+        if self.flow_age * c.fan < 8.0 {
+            self.less.process = Process::new(now.parameters, 1.0 + (LESS - 1.0) * approach);
+            self.more.process = Process::new(now.parameters, 1.0 + (MORE - 1.0) * approach);
+            self.flow_age += 1.0;
+        }
+        [
+            self.less.process.step(&mut self.less.motion, heat),
+            self.more.process.step(&mut self.more.motion, heat),
+            now.process.step(&mut self.power, heat),
+            now.process.step(&mut self.constant, 1.0),
+        ]
+    }
+
+    /// The columns of this tick, whitened.
+    #[inline(never)]
+    pub(super) fn step(&mut self, c: &OnsetConstants, ladder: &Ladder, now: &Nominal) -> Row {
+        if self.age == 0 {
+            self.begin(c, now);
+        }
+        let [less, more, power, constant] = self.advance(c, now, now.heat);
+        let y = now.rises.y;
+        for (lagged, share) in self.lagged.iter_mut().zip(c.lags) {
+            *lagged += share * (y[0] - *lagged);
+        }
+        let ramp = self.sensors_age as f32 * c.minutes;
+        self.age = self.age.saturating_add(1);
+        self.sensors_age = self.sensors_age.saturating_add(1);
+        let mut row = [[0.0; 2]; COUNT];
+        let mut put = |column: Column, value: [f32; 2]| row[column as usize] = value;
+        let change = |to: Rises, by: f32| [(to.y[0] - y[0]) / by, (to.y[1] - y[1]) / by];
+        put(Column::Power, power.y);
+        put(Column::LessFlow, change(less, LESS_BY));
+        put(Column::MoreFlow, change(more, MORE_BY));
+        put(Column::Constant, constant.y);
+        put(Column::Ramp1, [ramp, 0.0]);
+        put(Column::Ramp2, [0.0, ramp]);
+        put(Column::ShortLag, [self.lagged[0] - y[0], 0.0]);
+        put(Column::LongLag, [self.lagged[1] - y[0], 0.0]);
+        put(Column::Offset1, [1.0, 0.0]);
+        put(Column::Offset2, [0.0, 1.0]);
+        put(Column::Gain1, [y[0], 0.0]);
+        put(Column::Gain2, [0.0, y[1]]);
+        put(Column::Wall, now.rises.wall);
+        put(Column::Shift, [now.before[0] - y[0], now.before[1] - y[1]]);
+        for (value, past) in row.iter_mut().zip(&mut self.past) {
+            *value = ladder.step(past, *value);
+        }
+        row
+    }
+
+    /// The sensors' columns begin anew with the next tick, what the process does goes on.
+    pub(super) fn restart_sensors(&mut self, rise: f32) {
+        self.sensors_age = 0;
+        self.lagged = [rise; 2];
+        for column in SENSORS {
+            self.past[column] = Past::default();
+        }
+    }
+}
+
+/// The columns of the sensors.
+pub(super) const SENSORS: core::ops::Range<usize> = Column::Offset1 as usize..Column::Wall as usize;

@@ -1,0 +1,70 @@
+//! From gains in log evidence to probabilities of the classes: each class as likely as any other beforehand, the hypotheses of a class alike.
+
+use super::class::FaultClass;
+use super::evidence::Freed;
+use super::hypothesis::{COUNT, HYPOTHESES};
+use crate::bounds::larger;
+
+/// What all hypotheses come to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Posterior {
+    /// Probability of the class of each hypothesis, given that there is a fault.
+    class: [f32; COUNT],
+    /// The gain of the best.
+    pub(super) best_gain: f32,
+    /// The best of all, and the best of the likeliest class.
+    pub(super) best: usize,
+    pub(super) likeliest: usize,
+}
+
+impl Posterior {
+    #[inline(never)]
+    pub(super) fn new(freed: &[Freed; COUNT]) -> Self {
+        let mut best = 0;
+        for h in 1..COUNT {
+            if freed[h].gain > freed[best].gain {
+                best = h;
+            }
+        }
+        let best_gain = freed[best].gain;
+        let weights: [f32; COUNT] =
+            core::array::from_fn(|h| libm::expf(larger(-60.0, freed[h].gain - best_gain)));
+        let mut class = [0.0; COUNT];
+        let mut all = 0.0;
+        for h in 0..COUNT {
+            let (mut sum, mut of_class, mut first) = (0.0, 0.0, true);
+            for (g, row) in HYPOTHESES.iter().enumerate() {
+                if row.class == HYPOTHESES[h].class {
+                    sum += weights[g];
+                    of_class += 1.0;
+                    first &= g >= h;
+                }
+            }
+            class[h] = sum / of_class;
+            all += if first { class[h] } else { 0.0 };
+        }
+        for class in &mut class {
+            *class /= all;
+        }
+        let mut likeliest = 0;
+        for h in 1..COUNT {
+            let better = class[h] > class[likeliest];
+            let same = HYPOTHESES[h].class == HYPOTHESES[likeliest].class;
+            if if same { freed[h].gain > freed[likeliest].gain } else { better } {
+                likeliest = h;
+            }
+        }
+        Self { class, best_gain, best, likeliest }
+    }
+
+    /// Probability of the class of a hypothesis.
+    pub(super) fn of(&self, h: usize) -> f32 {
+        self.class[h % COUNT]
+    }
+
+    /// Probability of a class.
+    pub(super) fn of_class(&self, class: FaultClass) -> f32 {
+        let of = |(row, p): (&super::hypothesis::Hypothesis, &f32)| (row.class == class).then_some(*p);
+        HYPOTHESES.iter().zip(&self.class).find_map(of).unwrap_or(0.0)
+    }
+}

@@ -1,0 +1,175 @@
+//! What has changed since training, however slowly: the same regression over a minute, held against the trained state.
+//!
+//! In closed loop the power follows a fault while T1 stays, so that a slow residual regresses on the model's own output. Two bands are
+//! therefore kept apart: what is faster than some seconds is gathered in the sums; what is slower counts as two more measurements, the
+//! means of both residuals.
+
+use super::column::{COUNT, Column, LESS_BY, MORE_BY, Row};
+use super::evidence::{Freed, Nuisances};
+use super::hypothesis::{self, HYPOTHESES, SINCE_TRAINING};
+use super::ladder::{Ladder, Past};
+use super::normal::Normal;
+use super::process::{Motion, Process, Rises};
+use crate::bounds::smaller;
+use crate::filter::LowPass;
+
+/// What the mean of a residual may be off by, degC.
+const MEAN_SD: f32 = 0.1;
+/// Evidence is divided by so much.
+pub(super) const KAPPA: f32 = 3.0;
+/// The fast band counts so much where a size is estimated: its sensitivities are what the model knows worst.
+const FAST_IN_SIZE: f32 = 0.1;
+/// A tick counts no more than so many standard deviations.
+const LIMIT: f32 = 8.0;
+
+/// Its memories.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SteadyConstants {
+    /// Of the fast band's sums, a share that is kept; of the split into bands; of the means.
+    pub(super) keep: f32,
+    pub(super) split: LowPass,
+    pub(super) mean: LowPass,
+    /// Shares of both lags of a clogged thermistor.
+    pub(super) lags: [f32; 2],
+}
+
+/// The memory.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steady {
+    less: Motion,
+    more: Motion,
+    lagged: [f32; 2],
+    past: [Past; COUNT],
+    residual_past: Past,
+    slow: Row,
+    slow_z: [f32; 2],
+    mean: Row,
+    mean_e: [f32; 2],
+    normal: Normal,
+    ticks: u32,
+}
+
+impl Steady {
+    pub(super) fn new(motion: &Motion, rise: f32) -> Self {
+        Self {
+            less: *motion,
+            more: *motion,
+            lagged: [rise; 2],
+            past: Default::default(),
+            residual_past: Past::default(),
+            slow: [[0.0; 2]; COUNT],
+            slow_z: [0.0; 2],
+            mean: [[0.0; 2]; COUNT],
+            mean_e: [0.0; 2],
+            normal: Normal::default(),
+            ticks: 0,
+        }
+    }
+
+    /// Columns of this tick, as if each thing had always been so.
+    pub(super) fn row(
+        &mut self,
+        c: &SteadyConstants,
+        flows: &[Process; 2],
+        heat: f32,
+        rises: &Rises,
+        before: [f32; 2],
+    ) -> Row {
+        let less = flows[0].step(&mut self.less, heat);
+        let more = flows[1].step(&mut self.more, heat);
+        let y = rises.y;
+        for (lagged, share) in self.lagged.iter_mut().zip(c.lags) {
+            *lagged += share * (y[0] - *lagged);
+        }
+        let mut row = [[0.0; 2]; COUNT];
+        let mut put = |column: Column, value: [f32; 2]| row[column as usize] = value;
+        put(Column::Power, y);
+        put(Column::LessFlow, [(less.y[0] - y[0]) / LESS_BY, (less.y[1] - y[1]) / LESS_BY]);
+        put(Column::MoreFlow, [(more.y[0] - y[0]) / MORE_BY, (more.y[1] - y[1]) / MORE_BY]);
+        put(Column::Offset1, [1.0, 0.0]);
+        put(Column::Offset2, [0.0, 1.0]);
+        put(Column::Gain1, [y[0], 0.0]);
+        put(Column::ShortLag, [self.lagged[0] - y[0], 0.0]);
+        put(Column::LongLag, [self.lagged[1] - y[0], 0.0]);
+        put(Column::Gain2, [0.0, y[1]]);
+        put(Column::Wall, rises.wall);
+        put(Column::Shift, [before[0] - y[0], before[1] - y[1]]);
+        row
+    }
+
+    /// The columns whitened.
+    pub(super) fn whitened(&mut self, ladder: &Ladder, row: &Row) -> Row {
+        let mut whitened = *row;
+        for (value, past) in whitened.iter_mut().zip(&mut self.past) {
+            *value = ladder.step(past, *value);
+        }
+        whitened
+    }
+
+    /// Whitens a residual against the trained state, degC.
+    pub(super) fn residual(&mut self, ladder: &Ladder, e: [f32; 2]) -> [f32; 2] {
+        ladder.step(&mut self.residual_past, e)
+    }
+
+    /// Gathers a tick: columns and residuals, plain and whitened.
+    #[inline(never)]
+    pub(super) fn gather(&mut self, c: &SteadyConstants, row: &Row, whitened: &Row, e: [f32; 2], z: [f32; 2]) {
+        if self.ticks == 0 {
+            self.mean = *row;
+        }
+        self.ticks = self.ticks.saturating_add(1);
+        let weight = smaller(1.0, LIMIT / (z[0].abs() + 1e-6)) * smaller(1.0, LIMIT / (z[1].abs() + 1e-6));
+        let mut fast = *whitened;
+        let mut fast_z = z;
+        for m in 0..2 {
+            c.split.follow(&mut self.slow_z[m], z[m]);
+            fast_z[m] -= self.slow_z[m];
+            c.mean.follow(&mut self.mean_e[m], e[m]);
+            for i in 0..COUNT {
+                c.split.follow(&mut self.slow[i][m], whitened[i][m]);
+                fast[i][m] -= self.slow[i][m];
+                c.mean.follow(&mut self.mean[i][m], row[i][m]);
+            }
+        }
+        self.normal.scale(c.keep);
+        self.normal.add(&fast, fast_z, weight);
+    }
+
+    /// Ticks gathered.
+    pub(super) fn ticks(&self) -> u32 {
+        self.ticks
+    }
+
+    /// The gains of all lasting hypotheses. The size of the best is estimated again, from the means above all.
+    #[inline(never)]
+    pub(super) fn judge(&self, freed: &mut [Freed; hypothesis::COUNT]) {
+        let both = self.with_means(1.0);
+        let nuisances = Nuisances::new(&both, &SINCE_TRAINING, KAPPA);
+        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
+            *freed = Freed { gain: f32::MIN, ..Freed::default() };
+            if row.lasting {
+                *freed = nuisances.free(row.first, row.second);
+                if row.sign * freed.value < 0.0 {
+                    freed.gain = -1.0;
+                }
+            }
+        }
+    }
+
+    /// The size of a hypothesis, from the means above all.
+    #[inline(never)]
+    pub(super) fn size(&self, h: usize) -> Freed {
+        let mostly_means = self.with_means(FAST_IN_SIZE);
+        let nuisances = Nuisances::new(&mostly_means, &SINCE_TRAINING, KAPPA);
+        let row = &HYPOTHESES[h % HYPOTHESES.len()];
+        nuisances.free(row.first, row.second)
+    }
+
+    /// The sums with the means as two more measurements, and a share of the fast band.
+    fn with_means(&self, fast: f32) -> Normal {
+        let mut normal = self.normal;
+        normal.scale(fast);
+        normal.add(&self.mean, self.mean_e, KAPPA / (MEAN_SD * MEAN_SD));
+        normal
+    }
+}

@@ -13,9 +13,11 @@ pub(super) enum Column {
     Offset2,
     /// Share of the rise that T1 sees on top.
     Gain1,
-    /// What T1 would read behind an extra lag, less what it should.
+    /// What T1 would read behind an extra lag, less what it should; and the share of the rise that is lost behind that lag.
     ShortLag,
     LongLag,
+    ShortLoss,
+    LongLoss,
     /// The same for T2's gain.
     Gain2,
     /// Drifts, degC for each unit of time.
@@ -25,6 +27,9 @@ pub(super) enum Column {
     Wall,
     /// Delay of the whole answer, ticks.
     Shift,
+    /// How much T0 is above its mean of some time: the inlet's way to T1 and to T2 is not T0's, degC.
+    Inlet1,
+    Inlet2,
     /// A constant power, %.
     Constant,
 }
@@ -50,6 +55,9 @@ pub(super) enum Direction {
     Offset0,
     /// T0 drifts.
     Ramp0,
+    /// A lag between the short and the long one, and the loss behind it.
+    MidLag,
+    MidLoss,
 }
 
 impl Direction {
@@ -60,6 +68,8 @@ impl Direction {
             Self::Of(column) => [column as usize; 2],
             Self::Offset0 => [Column::Offset1 as usize, Column::Offset2 as usize],
             Self::Ramp0 => [Column::Ramp1 as usize, Column::Ramp2 as usize],
+            Self::MidLag => [Column::ShortLag as usize, Column::LongLag as usize],
+            Self::MidLoss => [Column::ShortLoss as usize, Column::LongLoss as usize],
         }
     }
 
@@ -69,6 +79,7 @@ impl Direction {
         match self {
             Self::Of(_) => [1.0, 0.0],
             Self::Offset0 | Self::Ramp0 => [-1.0, -1.0],
+            Self::MidLag | Self::MidLoss => [0.5, 0.5],
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::class::{Channel, FaultClass};
 use super::column::{Column, Direction};
-use super::evidence::{Free, Nuisance};
+use super::evidence::{Free, Freed, Nuisance};
 
 /// A hypothesis about what is seen.
 #[derive(Clone, Copy, Debug)]
@@ -12,8 +12,10 @@ pub(super) struct Hypothesis {
     /// What it frees: first its magnitude.
     pub(super) first: Free,
     pub(super) second: Option<Free>,
-    /// The sign that its magnitude must have; zero for either.
-    pub(super) sign: f32,
+    /// What its magnitude may be.
+    pub(super) range: (f32, f32),
+    /// Logarithm of its odds against the common faults before anything is seen.
+    pub(super) prior: f32,
     /// A reading stays where it was: the second's mean is that level, degC.
     pub(super) stays: Option<usize>,
     /// It is asked when a whole minute is judged, too.
@@ -21,7 +23,7 @@ pub(super) struct Hypothesis {
 }
 
 /// Hypotheses there are.
-pub(super) const COUNT: usize = 19;
+pub(super) const COUNT: usize = 22;
 
 const fn of(column: Column) -> Direction {
     Direction::Of(column)
@@ -32,7 +34,8 @@ const fn row(class: FaultClass, direction: Direction, mean: f32, sd: f32) -> Hyp
         class,
         first: Free { direction, mean, sd },
         second: None,
-        sign: 0.0,
+        range: (-1e9, 1e9),
+        prior: 0.0,
         stays: None,
         lasting: true,
     }
@@ -42,8 +45,8 @@ const fn with(row: Hypothesis, direction: Direction, mean: f32, sd: f32) -> Hypo
     Hypothesis { second: Some(Free { direction, mean, sd }), ..row }
 }
 
-const fn signed(row: Hypothesis, sign: f32) -> Hypothesis {
-    Hypothesis { sign, ..row }
+const fn within(row: Hypothesis, low: f32, high: f32) -> Hypothesis {
+    Hypothesis { range: (low, high), ..row }
 }
 
 /// One that a minute's means would not tell from others.
@@ -51,46 +54,100 @@ const fn brief(row: Hypothesis) -> Hypothesis {
     Hypothesis { lasting: false, ..row }
 }
 
+/// What happens more rarely than the others.
+const fn rare(row: Hypothesis, prior: f32) -> Hypothesis {
+    Hypothesis { prior, ..row }
+}
+
+const fn clogged(loss: Direction) -> Hypothesis {
+    within(row(FaultClass::T1Clogged, loss, 0.0, 0.25), -DETACHED, 0.0)
+}
+
+/// A thermistor that was clogged when the model was trained, and is mended.
+const fn unclogged() -> Hypothesis {
+    rare(within(row(FaultClass::T1Clogged, of(Column::Gain1), 0.0, 0.25), 0.0, 2.0), RARE)
+}
+
+const fn t1_detached(loss: Direction) -> Hypothesis {
+    brief(rare(within(row(FaultClass::T1Detached, loss, -0.7, 0.2), -1.3, -DETACHED), -3.0))
+}
+
+const fn lagging(row: Hypothesis, lag: Direction) -> Hypothesis {
+    with(row, lag, LAGGING.0, LAGGING.1)
+}
+
+const fn stuck(which: Channel, gain: Column, offset: Column, channel: usize) -> Hypothesis {
+    let row = row(FaultClass::Stuck(which), of(gain), -1.0, STUCK.0);
+    let row = within(with(row, of(offset), 0.0, STUCK.1), -1.1, -0.9);
+    brief(rare(Hypothesis { stays: Some(channel), ..row }, RARE))
+}
+
 /// Lag of a clogged thermistor as a share of the column's lag, and its spread.
-const LAGGING: (f32, f32) = (0.9, 0.3);
+const LAGGING: (f32, f32) = (1.0, 0.15);
 /// A drift begins from within so many degC.
 const BEGINS: f32 = 0.2;
 /// What is stuck has lost its gain but for so much, and stays within so many degC of where it was.
 const STUCK: (f32, f32) = (0.03, 0.3);
+/// A thermistor that loses more than this share of the rise is not clogged, but out of the tube.
+pub(super) const DETACHED: f32 = 0.4;
+/// Prior of what is rare.
+const RARE: f32 = -5.0;
 
 /// All hypotheses. Spreads are those of the faults that may come: degC, shares, `1/f - 1`, degC a minute.
 pub(super) static HYPOTHESES: [Hypothesis; COUNT] = [
     row(FaultClass::T1Offset, of(Column::Offset1), 0.0, 2.0),
     row(FaultClass::T2Offset, of(Column::Offset2), 0.0, 2.0),
     row(FaultClass::T0Fault, Direction::Offset0, 0.0, 2.0),
-    signed(row(FaultClass::AirFlow, of(Column::LessFlow), 0.0, 0.3), 1.0),
-    signed(row(FaultClass::AirFlow, of(Column::MoreFlow), 0.0, 0.3), -1.0),
-    row(FaultClass::HeaterPower, of(Column::Power), 0.0, 0.25),
-    row(FaultClass::T1Clogged, of(Column::Gain1), 0.0, 0.25),
-    with(row(FaultClass::T1Clogged, of(Column::Gain1), 0.0, 0.25), of(Column::ShortLag), LAGGING.0, LAGGING.1),
-    with(row(FaultClass::T1Clogged, of(Column::Gain1), 0.0, 0.25), of(Column::LongLag), LAGGING.0, LAGGING.1),
+    within(row(FaultClass::AirFlow, of(Column::LessFlow), 0.0, 0.3), 0.0, 4.0),
+    within(row(FaultClass::AirFlow, of(Column::MoreFlow), 0.0, 0.3), -0.7, 0.0),
+    within(row(FaultClass::HeaterPower, of(Column::Power), 0.0, 0.25), -1.1, 1.1),
+    clogged(of(Column::Gain1)),
+    lagging(clogged(of(Column::ShortLoss)), of(Column::ShortLag)),
+    lagging(clogged(Direction::MidLoss), Direction::MidLag),
+    lagging(clogged(of(Column::LongLoss)), of(Column::LongLag)),
+    unclogged(),
     brief(with(row(FaultClass::Drift, of(Column::Ramp1), 0.0, 3.0), of(Column::Offset1), 0.0, BEGINS)),
     brief(with(row(FaultClass::Drift, of(Column::Ramp2), 0.0, 3.0), of(Column::Offset2), 0.0, BEGINS)),
     brief(with(row(FaultClass::Drift, Direction::Ramp0, 0.0, 3.0), Direction::Offset0, 0.0, BEGINS)),
-    brief(stuck(Channel::T1, Column::Gain1, Column::Offset1, 0)),
-    brief(stuck(Channel::T2, Column::Gain2, Column::Offset2, 1)),
-    brief(with(row(FaultClass::HeaterPower, of(Column::Constant), 40.0, 40.0), of(Column::Power), -1.0, 0.02)),
-    brief(row(FaultClass::T1Detached, of(Column::Gain1), -0.7, 0.2)),
-    brief(with(row(FaultClass::T1Detached, of(Column::Gain1), -0.7, 0.2), of(Column::ShortLag), LAGGING.0, LAGGING.1)),
-    brief(with(row(FaultClass::T1Detached, of(Column::Gain1), -0.7, 0.2), of(Column::LongLag), LAGGING.0, LAGGING.1)),
-    brief(row(FaultClass::T2Detached, of(Column::Gain2), -0.7, 0.2)),
+    stuck(Channel::T1, Column::Gain1, Column::Offset1, 0),
+    stuck(Channel::T2, Column::Gain2, Column::Offset2, 1),
+    brief(rare(
+        within(
+            with(
+                row(FaultClass::HeaterPower, of(Column::Constant), 40.0, 40.0),
+                of(Column::Power),
+                -1.0,
+                0.02,
+            ),
+            0.0,
+            110.0,
+        ),
+        RARE,
+    )),
+    t1_detached(of(Column::Gain1)),
+    lagging(t1_detached(of(Column::ShortLoss)), of(Column::ShortLag)),
+    lagging(t1_detached(Direction::MidLoss), Direction::MidLag),
+    lagging(t1_detached(of(Column::LongLoss)), of(Column::LongLag)),
+    brief(rare(within(row(FaultClass::T2Detached, of(Column::Gain2), -0.7, 0.2), -1.3, -DETACHED), -3.0)),
 ];
 
 /// The heater that gives the same whatever is asked for: its magnitude is no share of what is asked.
-pub(super) const CONSTANT: usize = 14;
+pub(super) const CONSTANT: usize = 16;
 
-const fn stuck(which: Channel, gain: Column, offset: Column, channel: usize) -> Hypothesis {
-    let row = row(FaultClass::Stuck(which), of(gain), -1.0, STUCK.0);
-    Hypothesis { stays: Some(channel), ..with(row, of(offset), 0.0, STUCK.1) }
+impl Hypothesis {
+    /// The gain of a freed hypothesis, with its prior; none where the magnitude is not one that it can have.
+    pub(super) fn judged(&self, mut freed: Freed) -> Freed {
+        let (low, high) = self.range;
+        freed.gain = if freed.value > low && freed.value < high { freed.gain + self.prior } else { IMPOSSIBLE };
+        freed
+    }
 }
 
+/// Gain of what cannot be.
+pub(super) const IMPOSSIBLE: f32 = -50.0;
+
 /// What may move since an onset without being a fault: mains, sensors, inlet, what the model does not know of wall and time.
-pub(super) const SINCE_ONSET: [Nuisance; 8] = [
+pub(super) const SINCE_ONSET: [Nuisance; 10] = [
     (of(Column::Power), 0.02),
     (of(Column::LessFlow), 0.006),
     (of(Column::MoreFlow), 0.006),
@@ -99,6 +156,8 @@ pub(super) const SINCE_ONSET: [Nuisance; 8] = [
     (Direction::Offset0, 0.12),
     (of(Column::Wall), 0.03),
     (of(Column::Shift), 0.07),
+    (of(Column::Inlet1), 1.0),
+    (of(Column::Inlet2), 1.0),
 ];
 
 /// The same since training.

@@ -11,7 +11,7 @@
 
 use super::cholesky::Cholesky;
 use super::verdict::RejectReason;
-use crate::bounds::larger;
+use crate::bounds::{bounded, larger};
 use crate::root::sqrt;
 use crate::vector::{dot, shift};
 
@@ -60,6 +60,22 @@ impl Ladder {
         shift(&mut past.e1, e[0]);
         shift(&mut past.e2, e[1]);
         [(e[0] - expected[0]) * self.inv_sigma[0], (e[1] - expected[1]) * self.inv_sigma[1]]
+    }
+
+    /// The same for charts: an innovation counts and is remembered only up to `limit` standard deviations, so that a single outlier leaves
+    /// no echo.
+    #[inline(never)]
+    pub(super) fn step_clipped(&self, past: &mut Past, e: [f32; 2], limit: f32) -> [f32; 2] {
+        let mut z = [0.0; 2];
+        let mut kept = [0.0; 2];
+        for m in 0..2 {
+            let expected = self.expected(past, kept[0])[m];
+            z[m] = bounded((e[m] - expected) * self.inv_sigma[m], -limit, limit);
+            kept[m] = expected + z[m] * self.sigma[m];
+        }
+        shift(&mut past.e1, kept[0]);
+        shift(&mut past.e2, kept[1]);
+        z
     }
 
     /// What the past lets expect; of e2 with e1 of this tick.

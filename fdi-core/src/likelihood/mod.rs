@@ -220,7 +220,8 @@ impl Likelihood {
     fn watch(&self, state: &mut LikelihoodState, now: &Now) -> ModelAlarm {
         let Some(trained) = state.trained.as_mut() else { return ModelAlarm::Quiet };
         if state.current && now.tick.mode == Mode::Monitor {
-            state.reported = self.watch.step(trained, now.tick.index, now.y, now.believed, now.u);
+            let t0 = now.tick.sample.t0.good();
+            state.reported = self.watch.step(trained, now.tick.index, now.y, t0, now.believed, now.u);
             return state.reported;
         }
         self.watch.idle(trained, now.believed, now.u, now.heating);

@@ -47,6 +47,7 @@ pub(super) struct Onset {
     power: Motion,
     constant: Motion,
     lagged: [f32; 2],
+    lost: [f32; 2],
     past: [Past; COUNT],
 }
 
@@ -72,6 +73,8 @@ pub(super) struct Nominal<'a> {
     pub(super) rises: Rises,
     /// Rises a tick ago.
     pub(super) before: [f32; 2],
+    /// What T0's motion may have been at T1 and at T2, degC.
+    pub(super) inlet: [f32; 2],
 }
 
 impl Onset {
@@ -121,6 +124,9 @@ impl Onset {
         for (lagged, share) in self.lagged.iter_mut().zip(c.lags) {
             *lagged += share * (y[0] - *lagged);
         }
+        for (lost, share) in self.lost.iter_mut().zip(c.lags) {
+            *lost += share * (y[0] - *lost);
+        }
         let ramp = self.sensors_age as f32 * c.minutes;
         self.age = self.age.saturating_add(1);
         self.sensors_age = self.sensors_age.saturating_add(1);
@@ -135,10 +141,14 @@ impl Onset {
         put(Column::Ramp2, [0.0, ramp]);
         put(Column::ShortLag, [self.lagged[0] - y[0], 0.0]);
         put(Column::LongLag, [self.lagged[1] - y[0], 0.0]);
+        put(Column::ShortLoss, [self.lost[0], 0.0]);
+        put(Column::LongLoss, [self.lost[1], 0.0]);
         put(Column::Offset1, [1.0, 0.0]);
         put(Column::Offset2, [0.0, 1.0]);
         put(Column::Gain1, [y[0], 0.0]);
         put(Column::Gain2, [0.0, y[1]]);
+        put(Column::Inlet1, [now.inlet[0], 0.0]);
+        put(Column::Inlet2, [0.0, now.inlet[1]]);
         put(Column::Wall, now.rises.wall);
         put(Column::Shift, [now.before[0] - y[0], now.before[1] - y[1]]);
         for (value, past) in row.iter_mut().zip(&mut self.past) {
@@ -151,6 +161,7 @@ impl Onset {
     pub(super) fn restart_sensors(&mut self, rise: f32) {
         self.sensors_age = 0;
         self.lagged = [rise; 2];
+        self.lost = [0.0; 2];
         for column in SENSORS {
             self.past[column] = Past::default();
         }

@@ -6,7 +6,7 @@
 
 use super::column::{COUNT, Column, LESS_BY, MORE_BY, Row};
 use super::evidence::{Freed, Nuisances};
-use super::hypothesis::{self, HYPOTHESES, SINCE_TRAINING};
+use super::hypothesis::{self, HYPOTHESES, IMPOSSIBLE, SINCE_TRAINING};
 use super::ladder::{Ladder, Past};
 use super::normal::Normal;
 use super::process::{Motion, Process, Rises};
@@ -91,6 +91,8 @@ impl Steady {
         put(Column::Gain1, [y[0], 0.0]);
         put(Column::ShortLag, [self.lagged[0] - y[0], 0.0]);
         put(Column::LongLag, [self.lagged[1] - y[0], 0.0]);
+        put(Column::ShortLoss, [self.lagged[0], 0.0]);
+        put(Column::LongLoss, [self.lagged[1], 0.0]);
         put(Column::Gain2, [0.0, y[1]]);
         put(Column::Wall, rises.wall);
         put(Column::Shift, [before[0] - y[0], before[1] - y[1]]);
@@ -146,12 +148,9 @@ impl Steady {
         let both = self.with_means(1.0);
         let nuisances = Nuisances::new(&both, &SINCE_TRAINING, KAPPA);
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
-            *freed = Freed { gain: f32::MIN, ..Freed::default() };
+            *freed = Freed { gain: IMPOSSIBLE, ..Freed::default() };
             if row.lasting {
-                *freed = nuisances.free(row.first, row.second);
-                if row.sign * freed.value < 0.0 {
-                    freed.gain = -1.0;
-                }
+                *freed = row.judged(nuisances.free(row.first, row.second));
             }
         }
     }

@@ -9,7 +9,7 @@ use super::class::FaultClass;
 use super::column::{LESS, MORE, Row};
 use super::evidence::{Freed, Nuisances};
 use super::heat::{Heat, HeatState, Rise};
-use super::hypothesis::{self, CONSTANT, HYPOTHESES, SINCE_ONSET};
+use super::hypothesis::{self, CONSTANT, HYPOTHESES, IMPOSSIBLE, SINCE_ONSET};
 use super::ladder::{Ladder, Past};
 use super::normal::Normal;
 use super::onset::{History, Nominal, Onset, OnsetConstants, SENSORS};
@@ -34,6 +34,8 @@ const TRACK_BELOW: f32 = 0.4;
 /// The share of a swing beyond this, degC, that the model may get wrong, and the swing's memory, s.
 const SWING: f32 = 1.5;
 const SWING_TIME: f32 = 2.0;
+/// Memory of T0's mean, s: what the inlet moves has passed T1 and T2 by then.
+const INLET_TIME: f32 = 1.0;
 /// Evidence since an onset is divided by so much.
 const KAPPA: f32 = 1.5;
 /// Log Bayes factors that raise an alarm: since the onset, and since training.
@@ -45,7 +47,7 @@ const GOES_ON: [f32; 2] = [0.4, 0.7];
 const NAME: f32 = 0.95;
 const NAME_PROCESS: f32 = 0.97;
 /// Flow and power are told apart only after so long, s.
-const PROCESS_TIME: f32 = 5.0;
+const PROCESS_TIME: f32 = 3.0;
 /// After so long the likeliest is named, s.
 const ANY_AFTER: f32 = 8.0;
 /// What nuisances explain for so long is taken into the tracker, s.
@@ -85,6 +87,7 @@ struct Pace {
     onset: OnsetConstants,
     steady: SteadyConstants,
     swing: LowPass,
+    inlet: LowPass,
     forgets: f32,
     windows: [f32; 2],
 }
@@ -103,10 +106,13 @@ pub(super) struct WatchState {
     before: [f32; 2],
     history: History,
     past: Past,
+    past_clipped: Past,
     tracker: Tracker,
     fast: [Sums; 2],
     slow: Sums,
     swing: [f32; 2],
+    /// T0 and its mean, and what its motion may have been at T1 and at T2, degC.
+    inlet: Option<(f32, f32, [f32; 2])>,
     onset: Onset,
     since: Normal,
     windows: [Normal; 2],
@@ -157,6 +163,7 @@ impl Watch {
                 lags,
             },
             swing: LowPass::over(1.0 / share(SWING_TIME)),
+            inlet: LowPass::over(1.0 / share(INLET_TIME)),
             forgets: 1.0 - share(FORGETS_WITH),
             windows: WINDOWS.map(|time| 1.0 - share(time)),
         }
@@ -177,10 +184,12 @@ impl Watch {
             before: [trained.rise; 2],
             history: History::default(),
             past: Past::default(),
+            past_clipped: Past::default(),
             tracker: Tracker::default(),
             fast: Default::default(),
             slow: Sums::default(),
             swing: [trained.rise, 0.0],
+            inlet: None,
             onset: Onset::default(),
             since: Normal::default(),
             windows: Default::default(),
@@ -205,9 +214,16 @@ impl Watch {
         s: &mut WatchState,
         tick: u32,
         y: [Option<f32>; 2],
+        t0: Option<f32>,
         believed: [Option<f32>; 2],
         u: f32,
     ) -> ModelAlarm {
+        if let Some(t0) = t0 {
+            let (before, mut mean, _) = s.inlet.unwrap_or((t0, t0, [0.0; 2]));
+            let above = t0 - mean;
+            s.pace.inlet.follow(&mut mean, t0);
+            s.inlet = Some((t0, mean, [5.0 * (t0 - before), above]));
+        }
         let heat = s.process.heat(core::mem::replace(&mut s.power, u));
         let before = s.before;
         let rises = s.process.step(&mut s.motion, heat);
@@ -270,7 +286,8 @@ impl Watch {
             (z, z_trained) = ([0.0; 2], [0.0; 2]);
         }
         let widened = self.widened(s, now.rises.y[0] + s.parameters.get(Parameter::Offset1));
-        let charted = self.chart(s, z, widened);
+        let clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
+        let charted = self.chart(s, if s.ticks < FIRST_TICKS { [0.0; 2] } else { clipped }, widened);
         self.follow_onset(s, tick, z, widened, &charted, now);
         if s.alarm.is_none() {
             self.decide(s, tick, &charted);
@@ -306,10 +323,9 @@ impl Watch {
     fn chart(&self, s: &mut WatchState, z: [f32; 2], widened: [f32; 2]) -> Charted {
         let mut fast = 0.0;
         for m in 0..2 {
-            let clipped = bounded(z[m], -CLIP, CLIP);
-            fast = larger(fast, self.fast.step(&mut s.fast[m], clipped, widened[m]));
+            fast = larger(fast, self.fast.step(&mut s.fast[m], z[m], widened[m]));
         }
-        let slow = self.slow.step(&mut s.slow, bounded(z[1], -CLIP, CLIP), widened[1]);
+        let slow = self.slow.step(&mut s.slow, z[1], widened[1]);
         Charted { fast: fast / self.fast.interval, slow: slow / self.slow.interval }
     }
 
@@ -359,6 +375,7 @@ impl Watch {
             heat: now.heat,
             rises: now.rises,
             before: now.before,
+            inlet: s.inlet.map_or([0.0; 2], |(_, _, moved)| moved),
         };
         let row = s.onset.step(&s.pace.onset, &s.ladder, &nominal);
         if let Some(alarm) = &s.alarm {
@@ -411,6 +428,14 @@ impl Watch {
         }
         let posterior = Posterior::new(&freed);
         let h = posterior.likeliest;
+        // DEBUG
+        if std::env::var_os("FDI_DEBUG").is_some() && alarm.age < 6.0 {
+            let mut order: [usize; hypothesis::COUNT] = core::array::from_fn(|i| i);
+            order.sort_by(|a, b| freed[*b].gain.total_cmp(&freed[*a].gain));
+            std::eprint!("tick {tick} age {:.2} L0 chi {:.0}/{:.0}:", alarm.age, s.since.energy, s.since.count);
+            for h in &order[..5] { std::eprint!(" [{h} {} {:.1} v{:.2}+-{:.2} p{:.3}]", HYPOTHESES[*h].class.name(), freed[*h].gain, freed[*h].value, freed[*h].sd, posterior.of(*h)); }
+            std::eprintln!();
+        } // DEBUG
         let (class, confidence) = named(&posterior, &alarm);
         let finding = Finding {
             class,
@@ -456,7 +481,7 @@ impl Watch {
         let h = posterior.likeliest;
         let row = &HYPOTHESES[h];
         let sized = s.steady.size(h);
-        let sized = if row.sign * sized.value < 0.0 { freed[h] } else { sized };
+        let sized = if row.judged(sized).gain == IMPOSSIBLE { freed[h] } else { sized };
         let least = match row.class {
             FaultClass::HeaterPower => LEAST_POWER,
             FaultClass::AirFlow => LEAST_FLOW,
@@ -524,10 +549,7 @@ impl WatchState {
             if let (Some(second), Some(m)) = (&mut second, row.stays) {
                 second.mean = self.stays[m];
             }
-            *freed = nuisances.free(row.first, second);
-            if row.sign * freed.value < 0.0 {
-                freed.gain = -1.0;
-            }
+            *freed = row.judged(nuisances.free(row.first, second));
         }
         freed
     }

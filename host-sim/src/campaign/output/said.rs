@@ -156,12 +156,15 @@ pub(super) fn print(text: &mut String, results: &Results, cells: &[&CellResults]
         let entries = entries(fault);
         line(text, &format!("  {}", columns(entries.each_ref().map(String::as_str))), &" ".repeat(80));
     }
-    let _ = writeln!(text, "\nVerdicts, one a second, by confidence: right in % of how many");
-    for (rig, bins) in &results.confidence {
-        let bins: Vec<String> = bins
-            .iter()
-            .map(|bin| format!("{:.2} {:.1} of {}", bin.from, bin.right.pct, bin.right.of))
-            .collect();
-        line(text, &format!("{rig:<24} {}", bins.join(", ")), &" ".repeat(25));
+    if let Some((_, bins)) = results.confidence.first() {
+        let bins =
+            bins.iter().map(|bin| format!("from {} {:.1} of {}", bin.from, bin.right.pct, bin.right.of));
+        let bins: Vec<String> = bins.collect();
+        text.push('\n');
+        line(
+            text,
+            &format!("Verdicts, one a second, by confidence, right in %: {}", bins.join(", ")),
+            "    ",
+        );
     }
 }

@@ -3,6 +3,7 @@
 mod markdown;
 mod pictures;
 mod runaway;
+mod said;
 pub mod table;
 
 use std::io::Write;
@@ -84,6 +85,7 @@ fn run_fields(cell: &Cell, row: &RunRow) -> Vec<Field> {
     for by in By::BOTH {
         fields.extend(observation_fields(by, row.by(by)));
     }
+    fields.extend(said::run_fields(&row.said));
     fields
 }
 
@@ -184,5 +186,6 @@ fn cell_fields(cell: &CellResults) -> Vec<Field> {
         ]);
         fields.extend(these.into_iter().map(|(name, value)| (format!("{}_{name}", by.name()), value)));
     }
+    fields.extend(said::cell_fields(&cell.said));
     fields
 }

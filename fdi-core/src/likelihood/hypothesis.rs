@@ -173,3 +173,15 @@ pub(super) const SINCE_TRAINING: [Nuisance; 10] = [
     (of(Column::Wall), 0.03),
     (of(Column::Shift), 0.07),
 ];
+
+/// By what the model may be wrong right after training, as its fast content shows.
+pub(super) const MODEL_ERRORS: [Nuisance; 8] = [
+    (of(Column::Power), 0.1),
+    (of(Column::LessFlow), 0.1),
+    (of(Column::MoreFlow), 0.1),
+    (of(Column::Gain1), 0.05),
+    (of(Column::ShortLag), 0.2),
+    (of(Column::Gain2), 0.05),
+    (of(Column::Wall), 0.1),
+    (of(Column::Shift), 0.5),
+];

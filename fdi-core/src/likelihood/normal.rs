@@ -45,6 +45,14 @@ impl Normal {
         self.count *= factor;
     }
 
+    /// Takes away what these values of all columns explain.
+    pub(super) fn explain(&mut self, values: &[f32; COUNT]) {
+        for i in 0..COUNT {
+            let explained: f32 = (0..COUNT).map(|j| self.a(i, j) * values[j]).sum();
+            self.b[i] -= explained;
+        }
+    }
+
     /// Forgets some columns wholly.
     pub(super) fn forget(&mut self, columns: core::ops::Range<usize>) {
         let mut place = self.a.iter_mut();

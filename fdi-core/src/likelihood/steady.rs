@@ -6,7 +6,7 @@
 
 use super::column::{COUNT, Column, LESS_BY, MORE_BY, Row};
 use super::evidence::{Freed, Nuisances};
-use super::hypothesis::{self, HYPOTHESES, IMPOSSIBLE, SINCE_TRAINING};
+use super::hypothesis::{self, HYPOTHESES, IMPOSSIBLE, MODEL_ERRORS, SINCE_TRAINING};
 use super::ladder::{Ladder, Past};
 use super::normal::Normal;
 use super::process::{Motion, Process, Rises};
@@ -27,6 +27,8 @@ const LIMIT: f32 = 8.0;
 pub(super) struct SteadyConstants {
     /// Of the fast band's sums, a share that is kept; of the split into bands; of the means.
     pub(super) keep: f32,
+    /// Ticks over which the fast band learns where the model is wrong.
+    pub(super) reference: u32,
     pub(super) split: LowPass,
     pub(super) mean: LowPass,
     /// Shares of both lags of a clogged thermistor.
@@ -44,8 +46,11 @@ pub(super) struct Steady {
     slow: Row,
     slow_z: [f32; 2],
     mean: Row,
-    mean_e: [f32; 2],
+    pub(super) mean_e: [f32; 2],
     normal: Normal,
+    /// What the fast band seems to have changed by while nothing had: where the model is wrong.
+    reference: [f32; COUNT],
+    referred: bool,
     ticks: u32,
 }
 
@@ -62,6 +67,8 @@ impl Steady {
             mean: [[0.0; 2]; COUNT],
             mean_e: [0.0; 2],
             normal: Normal::default(),
+            reference: [0.0; COUNT],
+            referred: false,
             ticks: 0,
         }
     }
@@ -133,8 +140,30 @@ impl Steady {
                 c.mean.follow(&mut self.mean[i][m], row[i][m]);
             }
         }
-        self.normal.scale(c.keep);
+        if self.referred {
+            self.normal.scale(c.keep);
+        }
         self.normal.add(&fast, fast_z, weight);
+        if !self.referred && self.ticks >= c.reference {
+            self.refer();
+        }
+    }
+
+    /// What the fast band says now is what it says without a fault.
+    fn refer(&mut self) {
+        self.referred = true;
+        let nuisances = Nuisances::new(&self.normal, &MODEL_ERRORS, KAPPA);
+        let values = nuisances.values();
+        for ((direction, _), value) in MODEL_ERRORS.iter().zip(values) {
+            self.reference[direction.columns()[0]] = value;
+        }
+        self.normal = Normal::default();
+        self.ticks = 0;
+    }
+
+    /// Whether there is anything to judge by.
+    pub(super) fn is_ready(&self, first: f32) -> bool {
+        self.referred && self.ticks % 10 == 0 && self.ticks as f32 >= first
     }
 
     /// Ticks gathered.
@@ -167,6 +196,7 @@ impl Steady {
     /// The sums with the means as two more measurements, and a share of the fast band.
     fn with_means(&self, fast: f32) -> Normal {
         let mut normal = self.normal;
+        normal.explain(&self.reference);
         normal.scale(fast);
         normal.add(&self.mean, self.mean_e, KAPPA / (MEAN_SD * MEAN_SD));
         normal

@@ -191,6 +191,10 @@ impl Trainer {
         if delay >= LONGEST_DELAY {
             return Err(RejectReason::DeadTime);
         }
+        if std::env::var_os("FDI_SLOW").is_some() { // DEBUG
+            let p = &s.parameters.0;
+            std::eprintln!("TRAINED K {:.3} tau {:.2} d1 {:.2} t1 {:.2} s1 {:.3} r2 {:.3} d2 {:.2} t2 {:.2} s2 {:.3} tw {:.0} c {:.2} {:.2} q {:.4} (ticks) sigma {:?} mean {:?}", libm::expf(p[0]), libm::expf(p[1]), p[2], libm::expf(p[3]), p[4], p[5], p[6], libm::expf(p[7]), p[8], libm::expf(p[9]), p[10], p[11], p[12], s.statistics.finish().map(|l| l.sigma), s.statistics.mean());
+        } // DEBUG
         Ok(Some(Trained {
             parameters: s.parameters,
             motion: s.motion,

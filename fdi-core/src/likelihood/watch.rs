@@ -59,6 +59,8 @@ const FORGETS_WITH: f32 = 10.0;
 const OVER: f32 = 5.0;
 const WINDOWS: [f32; 2] = [0.6, 4.0];
 const ASKED_FROM: [f32; 2] = [0.5, 2.0];
+/// The fast band learns for so long where the model is wrong, s.
+const REFERENCE_TIME: f32 = 90.0;
 /// Smallest faults that are reported since training: share of power, `1/f - 1`, degC, share of gain.
 const LEAST_POWER: f32 = 0.08;
 const LEAST_FLOW: f32 = 0.09;
@@ -158,6 +160,7 @@ impl Watch {
             },
             steady: SteadyConstants {
                 keep: 1.0 - share(60.0),
+                reference: (REFERENCE_TIME * stretch / ts) as u32,
                 split: LowPass::over(1.0 / share(5.0)),
                 mean: LowPass::over(1.0 / share(25.0)),
                 lags,
@@ -407,6 +410,14 @@ impl Watch {
         };
         if posterior.best_gain > RAISE && !small {
             let onset = tick.saturating_sub(s.onset.age.saturating_sub(1));
+            // DEBUG
+            if std::env::var_os("FDI_SLOW").is_some() {
+                let mut order: [usize; hypothesis::COUNT] = core::array::from_fn(|i| i);
+                order.sort_by(|a, b| freed[*b].gain.total_cmp(&freed[*a].gain));
+                std::eprint!("FAST {:.1} s age {} charts {:.2} {:.2}:", tick as f32 * self.sample_time, s.onset.age, charted.fast, charted.slow);
+                for h in &order[..4] { std::eprint!(" [{h} {} {:.1} v{:.3}+-{:.3} p{:.3}]", HYPOTHESES[*h].class.name(), freed[*h].gain, freed[*h].value, freed[*h].sd, posterior.of(*h)); }
+                std::eprintln!();
+            } // DEBUG
             s.alarm = Some(Alarm::new(onset));
             s.windows = [s.since; 2];
         } else if s.candidate > TAKEN_AFTER {
@@ -460,6 +471,7 @@ impl Watch {
             }
         });
         s.alarm = Some(alarm);
+        if over && std::env::var_os("FDI_SLOW").is_some() { std::eprintln!("OVER {:.1} s age {:.1}", tick as f32 * self.sample_time, alarm.age); } // DEBUG
         if over || (alarm.age > PROCESS_TIME && posterior.best_gain < 1.0) {
             s.alarm = None;
             s.rest();
@@ -472,7 +484,7 @@ impl Watch {
     /// The minute, against the trained state.
     fn judge_lasting(&self, s: &mut WatchState, tick: u32) {
         let first = 20.0 * s.pace.stretch / self.sample_time;
-        if s.steady.ticks() % 10 != 0 || (s.steady.ticks() as f32) < first {
+        if !s.steady.is_ready(first) {
             return;
         }
         let mut freed = [Freed::default(); hypothesis::COUNT];
@@ -491,6 +503,14 @@ impl Watch {
         let (factor, share) = if s.lasting.is_some() { (GOES_ON[0], GOES_ON[1]) } else { (1.0, 1.0) };
         let there = posterior.best_gain > factor * RAISE_SLOW && freed[h].value.abs() > share * least;
         let onset = s.lasting.map_or(tick, |was| was.onset);
+        // DEBUG
+        if std::env::var_os("FDI_SLOW").is_some() && (there != s.lasting.is_some() || s.steady.ticks() % 300 == 0) {
+            let mut order: [usize; hypothesis::COUNT] = core::array::from_fn(|i| i);
+            order.sort_by(|a, b| freed[*b].gain.total_cmp(&freed[*a].gain));
+            std::eprint!("slow {:.0} s {}:", tick as f32 * self.sample_time, there);
+            for h in &order[..4] { std::eprint!(" [{h} {} {:.1} v{:.3}+-{:.3} p{:.3}]", HYPOTHESES[*h].class.name(), freed[*h].gain, freed[*h].value, freed[*h].sd, posterior.of(*h)); }
+            std::eprintln!(" e {:.2} {:.2} tr {:.3?}", s.steady.mean_e[0], s.steady.mean_e[1], s.tracker.x);
+        } // DEBUG
         s.lasting = there.then(|| Finding {
             class: row.class,
             confidence: posterior.of(h),

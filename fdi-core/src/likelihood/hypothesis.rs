@@ -163,11 +163,11 @@ pub(super) const SINCE_ONSET: [Nuisance; 10] = [
 /// The same since training.
 pub(super) const SINCE_TRAINING: [Nuisance; 10] = [
     (of(Column::Power), 0.025),
-    (of(Column::LessFlow), 0.015),
-    (of(Column::MoreFlow), 0.015),
-    (of(Column::Offset1), 0.2),
-    (of(Column::Offset2), 0.2),
-    (Direction::Offset0, 0.4),
+    (of(Column::LessFlow), 0.012),
+    (of(Column::MoreFlow), 0.012),
+    (of(Column::Offset1), 0.15),
+    (of(Column::Offset2), 0.15),
+    (Direction::Offset0, 0.3),
     (of(Column::Gain1), 0.01),
     (of(Column::Gain2), 0.01),
     (of(Column::Wall), 0.03),

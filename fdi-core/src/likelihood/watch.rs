@@ -40,7 +40,7 @@ const INLET_TIME: f32 = 1.0;
 const KAPPA: f32 = 1.5;
 /// Log Bayes factors that raise an alarm: since the onset, and since training.
 const RAISE: f32 = 6.0;
-const RAISE_SLOW: f32 = 4.0;
+const RAISE_SLOW: f32 = 1.5;
 /// An alarm since training goes on above this share of both the factor and the size that raised it.
 const GOES_ON: [f32; 2] = [0.4, 0.7];
 /// A class is named from this probability on; air flow or heater power by itself from this one on.
@@ -62,8 +62,8 @@ const ASKED_FROM: [f32; 2] = [0.5, 2.0];
 /// The fast band learns for so long where the model is wrong, s.
 const REFERENCE_TIME: f32 = 90.0;
 /// Smallest faults that are reported since training: share of power, `1/f - 1`, degC, share of gain.
-const LEAST_POWER: f32 = 0.08;
-const LEAST_FLOW: f32 = 0.09;
+const LEAST_POWER: f32 = 0.1;
+const LEAST_FLOW: f32 = 0.085;
 const LEAST_OFFSET: f32 = 0.8;
 const LEAST_GAIN: f32 = 0.08;
 /// Error of the models in a size: of air flow, of all others.
@@ -404,7 +404,7 @@ impl Watch {
         let best = &HYPOTHESES[posterior.best];
         let size = freed[posterior.best].value.abs();
         let small = match best.class {
-            FaultClass::HeaterPower => size < LEAST_POWER,
+            FaultClass::HeaterPower => size < 0.08,
             FaultClass::AirFlow => size < LEAST_FLOW,
             _ => false,
         };

@@ -211,6 +211,16 @@ struct Sweep<const N: usize> {
 }
 
 impl<const N: usize> RlsState<N> {
+    /// Forgets how the parameters' errors go together, not how large they are: `U = I`.
+    pub(crate) fn forget_correlations(&mut self) {
+        self.u = [[0.0; N]; N];
+    }
+
+    /// D, which with `U = I` are the variances.
+    pub(crate) fn d_mut(&mut self) -> &mut [f32; N] {
+        &mut self.d
+    }
+
     /// Diagonal of `P = U D U'`: variances of the scaled parameters in units of the noise variance.
     pub fn variances(&self) -> [f32; N] {
         core::array::from_fn(|i| {

@@ -106,9 +106,9 @@ pub(super) static HYPOTHESES: [Hypothesis; COUNT] = [
     lagging(clogged(Direction::MidLoss), Direction::MidLag),
     lagging(clogged(of(Column::LongLoss)), of(Column::LongLag)),
     unclogged(),
-    brief(with(row(FaultClass::Drift, of(Column::Ramp1), 0.0, 3.0), of(Column::Offset1), 0.0, BEGINS)),
-    brief(with(row(FaultClass::Drift, of(Column::Ramp2), 0.0, 3.0), of(Column::Offset2), 0.0, BEGINS)),
-    brief(with(row(FaultClass::Drift, Direction::Ramp0, 0.0, 3.0), Direction::Offset0, 0.0, BEGINS)),
+    brief(with(rare(row(FaultClass::Drift, of(Column::Ramp1), 0.0, 3.0), -3.0), of(Column::Offset1), 0.0, BEGINS)),
+    brief(with(rare(row(FaultClass::Drift, of(Column::Ramp2), 0.0, 3.0), -3.0), of(Column::Offset2), 0.0, BEGINS)),
+    brief(with(rare(row(FaultClass::Drift, Direction::Ramp0, 0.0, 3.0), -3.0), Direction::Offset0, 0.0, BEGINS)),
     stuck(Channel::T1, Column::Gain1, Column::Offset1, 0),
     stuck(Channel::T2, Column::Gain2, Column::Offset2, 1),
     brief(rare(

@@ -69,7 +69,7 @@ use contradiction::Contradiction;
 use heat::Heat;
 use impulse::ImpulseResponse;
 use sensors::Sensors;
-use training::{Trainer, Training};
+use training::{Cold, Trainer, Training};
 pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
 use watch::{Watch, WatchState};
 
@@ -98,6 +98,7 @@ pub struct LikelihoodState {
     /// Why the last training was not accepted.
     refused: Option<RejectReason>,
     was_learning: bool,
+    cold: Cold,
 }
 
 /// One tick, as all parts see it.
@@ -157,6 +158,7 @@ impl Likelihood {
         let contradiction = state.contradiction.step(&self.response, tick.index, heating, read, applied);
         let now = Now { tick, heating, y, believed: state.ambient.rises([t1, t2]), u: applied };
         let undisturbed = undisturbed && contradiction.is_none();
+        state.cold.step(y, applied <= 0.0);
         let by_models = self.watch(state, &now);
         self.train(state, &now, t0, undisturbed);
         let by_sensors = state.sensors.step(&tick.sample, tick.index);
@@ -201,7 +203,7 @@ impl Likelihood {
         let known_wrong =
             t0.is_some() && state.ambient.believed().is_some() && !state.ambient.is_followed(t0);
         let y = if known_wrong { now.believed } else { now.y };
-        match self.trainer.step(training, y, now.u, fit_to_learn) {
+        match self.trainer.step(training, &state.cold, y, now.u, fit_to_learn) {
             Ok(None) => {}
             Ok(Some(trained)) => {
                 state.refused = None;

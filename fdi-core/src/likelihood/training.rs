@@ -11,6 +11,7 @@ use super::tangent::Tangent;
 use super::verdict::RejectReason;
 use crate::bounds::{bounded, larger};
 use crate::error::ConfigError;
+use crate::filter::LowPass;
 use crate::identify::config::{Adaptation, RlsConfig};
 use crate::identify::rls::{Rls, RlsState};
 use crate::root::sqrt;
@@ -29,10 +30,14 @@ const PRIOR: [(f32, f32); COUNT] = [
     (5.6, 0.7),   // wall: 270 ticks
     (0.0, 1.5),   // offsets
     (0.0, 1.5),
-    (0.0, 0.015), // curvature
+    (0.0, 0.03), // curvature
 ];
 /// Standard deviation of the offsets where they were read from the cold rig, degC.
 const COLD_SD: f32 = 0.15;
+const COLD_LEAST_SD: f32 = 0.05;
+/// Samples over which they are read, and those of late.
+const COLD_MEMORY: f32 = 100.0;
+const COLD_RECENT: f32 = 20.0;
 /// A rig whose rises are below this is cold, and T1 and T2 answer when theirs grows by so much, degC.
 const COLD: f32 = 3.0;
 const ANSWERS: f32 = 0.5;
@@ -40,10 +45,15 @@ const ANSWERS: f32 = 0.5;
 const HEATER: (f32, f32) = (-1.0, 7.0);
 const REACHES: (f32, f32) = (0.05, 1.2);
 const WALL_TIME: (f32, f32) = (3.6, 7.0);
-/// A residual is whitened by so much of the one before.
+/// A residual is whitened by so much of the one before, and has this standard deviation, degC, until both are known.
 const RHO: f32 = 0.6;
-/// Standard deviation of a residual, degC, and how much vaguer a tick is at first, dying out within so many ticks: the model is still wrong.
 const SIGMA: f32 = 0.1;
+/// Memories of the residuals' mean and covariances, ticks, and the bounds of what follows from them.
+const NOISE_MEMORY: LowPass = LowPass::over(200.0);
+const RHOS: (f32, f32) = (0.0, 0.95);
+const LEAST_SIGMA: f32 = 0.02;
+const NOISE_VARIANCE: f32 = SIGMA * SIGMA / (1.0 - RHO * RHO);
+/// How much vaguer a tick is than its noise; at first, dying out within so many ticks, since the model is still wrong.
 const VAGUE: f32 = 2.25;
 const FIRST_VAGUE: f32 = 30.0;
 const FIRST_TICKS: f32 = 136.0;
@@ -52,8 +62,44 @@ const LARGEST_STEP: f32 = 0.3;
 const LIMIT: f32 = 4.0;
 /// Longest dead time of T1 and T2 together, ticks: the transport holds it for a lower air flow, too.
 const LONGEST_DELAY: f32 = 0.7 * LONGEST;
+/// What the first heat alone shows well, and the least variance that all others begin learning with, of their prior's.
+const STANDS: [usize; 3] =
+    [Parameter::Offset1 as usize, Parameter::Offset2 as usize, Parameter::Curvature as usize];
+const REOPENED: f32 = 0.1;
+/// T1's own lag is no more than this share of it and the heater's, when learning begins.
+const OWN_SHARE: f32 = 0.3;
 /// Residual means are taken over by this share.
 const MEAN_SHARE: f32 = 0.7;
+
+/// What T1 and T2 read above T0 while nothing heats: what thermistors differ by.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cold {
+    samples: f32,
+    mean: [f32; 2],
+    recent: [f32; 2],
+}
+
+impl Cold {
+    /// A tick; `resting` says that nothing heats.
+    pub(super) fn step(&mut self, y: [Option<f32>; 2], resting: bool) {
+        let [Some(y1), Some(y2)] = y else { return };
+        if !resting || larger(y1.abs(), y2.abs()) > COLD {
+            self.samples = 0.0;
+            return;
+        }
+        self.samples = (self.samples + 1.0).min(COLD_MEMORY);
+        for (m, y) in [y1, y2].into_iter().enumerate() {
+            self.mean[m] += (y - self.mean[m]) / self.samples;
+            self.recent[m] += (y - self.recent[m]) / self.samples.min(COLD_RECENT);
+        }
+    }
+
+    /// What a thermistor differs by from T0, and the standard deviation of that, degC. A trend says that it is not at rest yet.
+    fn offset(&self, m: usize) -> (f32, f32) {
+        let trend = (self.recent[m] - self.mean[m]).abs();
+        (self.recent[m], larger(COLD_LEAST_SD, COLD_SD / sqrt(self.samples.min(COLD_RECENT))) + trend)
+    }
+}
 
 /// How far training has come.
 #[derive(Clone, Copy, Debug)]
@@ -85,9 +131,35 @@ struct Filter {
     tangent: Tangent,
     gradient: [[f32; COUNT]; 2],
     residual: [f32; 2],
+    noise: [ResidualNoise; 2],
     /// On which tick T1 and T2 answered to the heat.
     answered: [Option<u32>; 2],
     started: bool,
+}
+
+/// What is known of a residual's noise: mean, variance and covariance with the one before.
+#[derive(Clone, Copy, Debug)]
+struct ResidualNoise {
+    mean: f32,
+    variance: f32,
+    covariance: f32,
+}
+
+impl ResidualNoise {
+    const UNKNOWN: Self = Self { mean: 0.0, variance: NOISE_VARIANCE, covariance: RHO * NOISE_VARIANCE };
+
+    fn follow(&mut self, e: f32, before: f32) {
+        NOISE_MEMORY.follow(&mut self.mean, e);
+        let (now, then) = (bounded(e - self.mean, -1.0, 1.0), bounded(before - self.mean, -1.0, 1.0));
+        NOISE_MEMORY.follow(&mut self.variance, now * now);
+        NOISE_MEMORY.follow(&mut self.covariance, now * then);
+    }
+
+    /// The share of the residual before that whitens this one, and the standard deviation of what is left, degC.
+    fn whitening(&self) -> (f32, f32) {
+        let rho = bounded(self.covariance / self.variance, RHOS.0, RHOS.1);
+        (rho, larger(LEAST_SIGMA, sqrt(self.variance * (1.0 - rho * rho))))
+    }
 }
 
 /// What training gives.
@@ -130,6 +202,7 @@ impl Trainer {
                 tangent: Tangent::default(),
                 gradient: [[0.0; COUNT]; 2],
                 residual: [0.0; 2],
+                noise: [ResidualNoise::UNKNOWN; 2],
                 answered: [None; 2],
                 started: false,
             }),
@@ -148,6 +221,7 @@ impl Trainer {
     pub(super) fn step(
         &self,
         s: &mut Training,
+        cold: &Cold,
         y: [Option<f32>; 2],
         u: f32,
         fit_to_learn: bool,
@@ -160,12 +234,15 @@ impl Trainer {
         if let Phase::Fitting(filter) = &mut s.phase {
             let Some(y) = whole else { return Ok(None) };
             if !filter.started {
-                filter.begin(&mut s.parameters, &mut s.motion, y, u);
+                filter.begin(&mut s.parameters, &mut s.motion, cold, y, u);
                 s.process = Process::new(&s.parameters, 1.0);
                 return Ok(None);
             }
             s.ticks = s.ticks.saturating_add(1);
-            let e = filter.step(&self.rls, &mut s.parameters, &mut s.process, &mut s.motion, y, power, s.ticks);
+            if fit_to_learn && s.count == 0 {
+                filter.reopen(&mut s.parameters);
+            }
+            let e = filter.step(&self.rls, &mut s.parameters, &mut s.process, &mut s.motion, y, power, s.ticks, fit_to_learn);
             if fit_to_learn {
                 s.count += 1;
                 if 2 * s.count > self.fit_samples {
@@ -208,19 +285,33 @@ impl Trainer {
 
 impl Filter {
     /// Begins cold, with the offsets as they are read, or warm, from about where the rig is.
-    fn begin(&mut self, p: &mut Parameters, motion: &mut Motion, y: [f32; 2], u: f32) {
+    fn begin(&mut self, p: &mut Parameters, motion: &mut Motion, cold: &Cold, y: [f32; 2], u: f32) {
         self.started = true;
         if y.iter().all(|y| y.abs() < COLD) {
-            p.set(Parameter::Offset1, y[0]);
-            p.set(Parameter::Offset2, y[1]);
-            self.sd[Parameter::Offset1 as usize] = COLD_SD;
-            self.sd[Parameter::Offset2 as usize] = COLD_SD;
+            let mut cold = *cold;
+            cold.step(y.map(Some), true);
+            for (m, which) in [Parameter::Offset1, Parameter::Offset2].into_iter().enumerate() {
+                let (mean, sd) = cold.offset(m);
+                p.set(which, mean);
+                self.sd[which as usize] = sd;
+            }
             return;
         }
         self.answered = [Some(0); 2];
         if u > 1.0 && y[0] > 0.0 {
             p.set(Parameter::Gain, libm::logf(y[0] / u));
             *motion = Motion::steady(u);
+        }
+    }
+
+    /// The first heat has shown about how the rig answers, from a model that was wrong: what moves is learnt anew from there.
+    fn reopen(&mut self, p: &mut Parameters) {
+        exchange_lags(p);
+        let variances = self.rls.variances();
+        self.rls.forget_correlations();
+        for (i, (d, was)) in self.rls.d_mut().iter_mut().zip(variances).enumerate() {
+            let moves = !STANDS.contains(&i);
+            *d = if moves { larger(was, REOPENED) } else { was };
         }
     }
 
@@ -235,21 +326,29 @@ impl Filter {
         y: [f32; 2],
         power: f32,
         ticks: u32,
+        learning: bool,
     ) -> [f32; 2] {
-        let (rises, gradient) = self.tangent.step(p, process, motion, power);
+        let (rises, mut gradient) = self.tangent.step(p, process, motion, power);
         let offsets = [p.get(Parameter::Offset1), p.get(Parameter::Offset2)];
         let e: [f32; 2] = core::array::from_fn(|m| y[m] - rises.y[m] - offsets[m]);
         self.listen(p, [y[0] - offsets[0], y[1] - offsets[1]], ticks);
         let vague = VAGUE + FIRST_VAGUE * libm::expf(-(ticks as f32) / FIRST_TICKS);
-        let scale = 1.0 / (SIGMA * sqrt(vague));
         for m in 0..2 {
             if self.answered[m].is_none() {
                 continue;
             }
+            if learning {
+                self.noise[m].follow(e[m], self.residual[m]);
+            }
+            if !learning {
+                gradient[m][Parameter::Curvature as usize] = 0.0; // the first heat fits anything as long as the lags are wrong
+            }
+            let (rho, sigma) = self.noise[m].whitening();
+            let scale = 1.0 / (sigma * sqrt(vague));
             let phi: [f32; COUNT] = core::array::from_fn(|i| {
-                scale * self.sd[i] * (gradient[m][i] - RHO * self.gradient[m][i])
+                scale * self.sd[i] * (gradient[m][i] - rho * self.gradient[m][i])
             });
-            let innovation = scale * (e[m] - RHO * self.residual[m]);
+            let innovation = scale * (e[m] - rho * self.residual[m]);
             self.rls.theta = [0.0; COUNT];
             rls.step_clipped(&mut self.rls, &phi, innovation, LIMIT);
             for i in 0..COUNT {
@@ -277,6 +376,20 @@ impl Filter {
             let delay = larger(p.get(Parameter::Delay2), later);
             p.set(Parameter::Delay2, delay);
         }
+    }
+}
+
+/// For T1 its own lag and the heater's can be exchanged: the longer is taken for the heater's, which T2 has as well, and T2's so that its
+/// whole delay stays.
+fn exchange_lags(p: &mut Parameters) {
+    use Parameter::{Heater, Lag1, Lag2};
+    let [heater, lag1, lag2] = [Heater, Lag1, Lag2].map(|which| libm::expf(p.get(which)));
+    let both = heater + lag1;
+    if lag1 > OWN_SHARE * both {
+        let longer = larger(heater, lag1).max((1.0 - OWN_SHARE) * both);
+        p.set(Heater, libm::logf(longer));
+        p.set(Lag1, libm::logf(larger(0.1, both - longer)));
+        p.set(Lag2, libm::logf(larger(0.2 * lag2, lag2 + heater - longer)));
     }
 }
 

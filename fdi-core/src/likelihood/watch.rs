@@ -290,10 +290,11 @@ impl Watch {
         }
         let widened = self.widened(s, now.rises.y[0] + s.parameters.get(Parameter::Offset1));
         let clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
+        if let Some(at) = std::env::var_os("FDI_AT") { let at: f32 = at.to_str().unwrap().parse().unwrap(); if (tick as f32 * self.sample_time - at).abs() < 1.2 { std::eprintln!("AT {:.2} e {:?} known {:?} left {:?} z {:?} clipped {:?}", tick as f32*self.sample_time, e, known, left, z, clipped); } } // DEBUG
         let charted = self.chart(s, if s.ticks < FIRST_TICKS { [0.0; 2] } else { clipped }, widened);
         self.follow_onset(s, tick, z, widened, &charted, now);
         if s.alarm.is_none() {
-            self.decide(s, tick, &charted);
+            self.decide(s, tick, &charted, row);
         }
         if s.alarm.is_some() {
             self.follow_alarm(s, tick);
@@ -394,7 +395,7 @@ impl Watch {
     }
 
     /// Raises the alarm where a fault explains more than the nuisances do.
-    fn decide(&self, s: &mut WatchState, tick: u32, charted: &Charted) {
+    fn decide(&self, s: &mut WatchState, tick: u32, charted: &Charted, row: &Row) {
         if larger(charted.fast, charted.slow) <= 1.0 || s.onset.age == 0 {
             return;
         }
@@ -404,7 +405,8 @@ impl Watch {
         let best = &HYPOTHESES[posterior.best];
         let size = freed[posterior.best].value.abs();
         let small = match best.class {
-            FaultClass::HeaterPower => size < 0.08,
+            FaultClass::HeaterPower => size < 0.085,
+            FaultClass::Drift => size < 1.0,
             FaultClass::AirFlow => size < LEAST_FLOW,
             _ => false,
         };
@@ -421,7 +423,7 @@ impl Watch {
             s.alarm = Some(Alarm::new(onset));
             s.windows = [s.since; 2];
         } else if s.candidate > TAKEN_AFTER {
-            s.take_in();
+            s.take_in(row);
         }
     }
 
@@ -575,7 +577,8 @@ impl WatchState {
     }
 
     /// Nuisances explain what the charts say: the tracker takes them.
-    fn take_in(&mut self) {
+    fn take_in(&mut self, row: &Row) {
+        let before = self.tracker.expected(row);
         let nuisances = Nuisances::new(&self.since, &SINCE_ONSET, KAPPA);
         let [power, less, more, offset1, offset2, offset0, ..] = nuisances.values();
         let by = [power, less + more, offset1 - offset0, offset2 - offset0];
@@ -583,6 +586,10 @@ impl WatchState {
             *x += by;
         }
         self.tracker.widen([0.01, 0.0, 0.1, 0.1]);
+        let after = self.tracker.expected(row);
+        let change = [after[0] - before[0], after[1] - before[1]];
+        self.past.lower(change);
+        self.past_clipped.lower(change);
         self.rest();
     }
 

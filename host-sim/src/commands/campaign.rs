@@ -52,7 +52,7 @@ pub struct CampaignArgs {
 /// What else can be done.
 #[derive(Clone, Debug, Subcommand)]
 pub enum CampaignCommand {
-    /// Print the default campaign as commented TOML.
+    /// Print a built-in campaign as commented TOML; left out: the default one.
     Define {
         /// The campaign on physics that no model has.
         #[arg(long)]
@@ -79,7 +79,7 @@ pub struct DefinitionArgs {
     /// Settings of the instrument, TOML; see `pt326 config`.
     #[arg(long, value_name = "FILE.toml")]
     pub config: Option<PathBuf>,
-    /// A twentieth of the runs: less than a minute. Without --quick, --full or --scale, the default campaign does a
+    /// A twentieth of the runs: less than a minute. Without --quick, --full or --scale, a built-in campaign does a
     /// quarter of its runs, and that of a file all.
     #[arg(long, conflicts_with_all = ["full", "scale"])]
     pub quick: bool,

@@ -183,6 +183,9 @@ fn the_physics_campaign_says_what_was_said_against_the_truth() {
     assert!(results(&dir.join("a")) == results(&dir.join("b")));
     let tables = std::fs::read_to_string(dir.join("a/tables.md")).unwrap();
     assert!(tables.contains("| rig | confidence from | mean, % | right, % | of |"), "{tables}");
+    let rigs = std::fs::read_to_string(dir.join("a/rigs.md")).unwrap();
+    assert!(rigs.contains("## alike") && rigs.contains("| rig | t1 and t2 +1.5 |"), "{rigs}");
+    assert!(rigs.lines().any(|line| line.starts_with("| trainer | ")), "{rigs}");
     let runs = std::fs::read_to_string(dir.join("a/runs.csv")).unwrap();
     assert!(runs.lines().next().unwrap().contains("said_end_name,said_end_right"), "{runs}");
 }

@@ -81,7 +81,7 @@ impl Rig {
             source: Heater::new(&config.heater),
             heater: HeaterHistory::cold(),
             turbulence: [Turbulence::new(config.turbulence, config.turbulence_time); 2],
-            walls: Wall::before_each(&config.wall),
+            walls: Wall::before_each(&config.wall, ambient),
             elements: [Element::new(ambient); 3],
             unharmed: [Element::new(ambient); 3],
             digitizer: Digitizer::new(config),

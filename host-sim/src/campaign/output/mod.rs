@@ -1,7 +1,8 @@
-//! What a campaign writes: `campaign.json`, `cells.csv`, `runs.csv`, `tables.md`, `runaway.md` and pictures.
+//! What a campaign writes: `campaign.json`, `cells.csv`, `runs.csv`, `tables.md`, `runaway.md`, `rigs.md` and pictures.
 
 mod markdown;
 mod pictures;
+mod rigs;
 mod runaway;
 mod said;
 pub mod table;
@@ -40,6 +41,10 @@ pub fn write(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Path) -> 
     if let Some(runaway) = runaway::of(results) {
         write_file(out, "runaway.md", runaway.as_bytes())?;
         names += ", runaway.md";
+    }
+    if let Some(rigs) = rigs::of(results) {
+        write_file(out, "rigs.md", rigs.as_bytes())?;
+        names += ", rigs.md";
     }
     Ok(names + &pictures::draw(results, cells, rows, out)?)
 }

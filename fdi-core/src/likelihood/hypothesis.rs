@@ -185,3 +185,6 @@ pub(super) const MODEL_ERRORS: [Nuisance; 8] = [
     (of(Column::Wall), 0.1),
     (of(Column::Shift), 0.5),
 ];
+
+#[cfg(test)]
+mod tests;

@@ -46,6 +46,8 @@ mod normal;
 mod onset;
 mod posterior;
 mod process;
+#[cfg(test)]
+mod reference;
 mod sensors;
 mod steady;
 mod tangent;

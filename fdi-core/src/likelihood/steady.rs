@@ -202,3 +202,6 @@ impl Steady {
         normal
     }
 }
+
+#[cfg(test)]
+mod tests;

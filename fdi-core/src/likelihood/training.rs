@@ -410,3 +410,6 @@ fn bound(p: &mut Parameters) {
     within(Parameter::Offset2, (-20.0, 20.0));
     within(Parameter::Curvature, (-0.2, 0.2));
 }
+
+#[cfg(test)]
+mod tests;

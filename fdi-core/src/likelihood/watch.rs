@@ -633,3 +633,6 @@ impl WatchState {
         self.expected
     }
 }
+
+#[cfg(test)]
+mod tests;

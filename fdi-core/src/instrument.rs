@@ -22,7 +22,7 @@ use crate::units::Percent;
 /// let mut instrument = Instrument::new(&Config::default())?;
 /// instrument.command(Command::Arm).expect("a new instrument is off");
 /// let room = AdcCode(2160.0);
-/// let tick = instrument.control(RawSample { t0: room, t1: room, t2: room });
+/// let tick = instrument.control(RawSample { t0: room, t1: room, t2: room, ..RawSample::default() });
 /// assert!(tick.drive.0 > 0.0); // it is cold: heat
 /// let report = instrument.diagnose(&tick, tick.drive);
 /// assert!(report.filtered.is_none()); // nothing learnt yet, so nothing claimed

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use fdi_core::likelihood::{Readiness, RejectReason};
-use fdi_core::{Mode, Percent, Reading, Report, Validity};
+use fdi_core::{KnownInputs, Mode, Percent, Reading, Report, Validity};
 
 use crate::cadence::Jitter;
 use crate::control_loop::TickRecord;
@@ -127,6 +127,7 @@ impl fmt::Display for Status {
             Fixed(tick.setpoint.0, 1),
             Fixed(drive, 1)
         )?;
+        known(f, &tick.known)?;
         f.write_str("\ngain")?;
         number(f, report.ms1.static_gain, 3)?;
         number(f, report.ms2.static_gain, 3)?;
@@ -186,6 +187,17 @@ fn number(f: &mut fmt::Formatter<'_>, x: Option<f32>, decimals: u8) -> fmt::Resu
     }
 }
 
+/// What is known of the rig's other inputs, where anything is.
+fn known(f: &mut fmt::Formatter<'_>, known: &KnownInputs) -> fmt::Result {
+    if let Some(share) = known.supply {
+        write!(f, "\nsupply {} % of nominal", Fixed(100.0 * share, 1))?;
+    }
+    if known.supply_lost > 0 {
+        write!(f, "\nsupply not read on {} ticks", known.supply_lost)?;
+    }
+    known.fan.map_or(Ok(()), |level| write!(f, "\nfan at {} %, as announced", Fixed(level.0, 1)))
+}
+
 /// A reading, with its doubts.
 struct ReadingText(Reading);
 
@@ -219,6 +231,15 @@ mod tests {
             "{line}"
         );
         assert!(line.ends_with(" bandwidth ?, fdv 0 fiv 0"), "{line}");
+    }
+
+    #[test]
+    fn known_inputs_are_shown_where_there_are_any() {
+        let text = |inputs| fmt::from_fn(move |f| known(f, &inputs)).to_string();
+        assert_eq!(text(KnownInputs::default()), "");
+        let inputs = KnownInputs { supply: Some(0.9512), supply_lost: 3, fan: Some(Percent(80.0)) };
+        let expected = "\nsupply 95.1 % of nominal\nsupply not read on 3 ticks\nfan at 80.0 %, as announced";
+        assert_eq!(text(inputs), expected);
     }
 
     #[test]

@@ -63,7 +63,7 @@ impl TestChip {
             self.diagnosis.status().last.as_ref().map_or(Feedback::default(), |(_, r)| r.feedback());
         self.code = if self.code > 2160.0 { 2160.0 } else { 2161.0 }; // a live thermistor is never quite still
         let [t0, t1, t2] = [AdcCode(self.code); 3];
-        let raw = RawSample { t0, t1, t2 };
+        let raw = RawSample { t0, t1, t2, ..RawSample::default() };
         let record = self.control.tick(raw, Arrival::default(), order, feedback, &mut self.output);
         let result = record.outcome.map_or(Ok(()), |outcome| outcome.result);
         self.diagnosis.step(record, |notice| self.notices.push(notice));
@@ -259,7 +259,7 @@ fn a_trip_and_missed_ticks_are_told_and_kept() {
     let mut board = heating();
     board.chip.told();
     let mut record = board.chip.control.tick(
-        RawSample { t0: AdcCode(2160.0), t1: AdcCode(300.0), t2: AdcCode(2160.0) },
+        RawSample { t0: AdcCode(2160.0), t1: AdcCode(300.0), t2: AdcCode(2160.0), ..RawSample::default() },
         Arrival { due: 0, late_us: 30, missed: 2 },
         None,
         Feedback::default(),

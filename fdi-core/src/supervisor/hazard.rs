@@ -1,14 +1,30 @@
 //! What would make heating dangerous now: every rule asked on every tick, whatever the mode, the most telling answer first.
 
 use super::{Mode, Situation, Supervisor, SupervisorState, Trip, TripReason};
+use crate::bounds::larger;
 use crate::sense::{Reading, Validity};
 use crate::units::Percent;
+
+/// A supply that is measured lower than this counts as this: one that reads too low must not hide too much power for long.
+const LOWEST_SUPPLY: f32 = 0.85;
+/// A fan announced below this stands still, whatever `supervisor.min_air_flow` allows, %.
+const STANDSTILL: f32 = 5.0;
+
+impl Situation<'_> {
+    /// The power asked for on the tick before, without the excitation, as at the nominal supply, %.
+    pub(super) fn power(&self) -> f32 {
+        self.known.supply.map_or(self.pid.0, |share| {
+            let share = larger(LOWEST_SUPPLY, share);
+            self.pid.0 * share * share
+        })
+    }
+}
 
 impl Supervisor {
     /// What trips, or would if the heater were on.
     pub(super) fn hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
         state.lost = if now.regulated.value.is_some() { 0 } else { state.lost.saturating_add(1) };
-        self.power.follow(&mut state.power, now.pid.0);
+        self.power.follow(&mut state.power, now.power());
         let by_models = state.mode != Mode::Off && now.feedback.heater_stuck_on;
         let unasked = self.unasked.step(&mut state.unasked, now, state.power) || by_models;
         let by_sensors = self.sensor_hazard(state.lost > self.lost_ticks, now);
@@ -18,7 +34,14 @@ impl Supervisor {
             (state.response, state.disagreement) = Default::default();
             None
         };
-        by_sensors.or(unasked.then_some(TripReason::HeaterStuckOn)).or(by_heat)
+        let without_air = self.is_without_air(now).then_some(TripReason::AirFlowLost);
+        by_sensors.or(unasked.then_some(TripReason::HeaterStuckOn)).or(without_air).or(by_heat)
+    }
+
+    /// By what was announced of the fan. An announcement only ever takes heat away: no limit is widened for it.
+    fn is_without_air(&self, now: &Situation) -> bool {
+        let least = larger(STANDSTILL, self.config.min_air_flow.0);
+        now.known.fan.is_some_and(|level| level.0 < least)
     }
 
     /// By what the thermistors say, each by itself.

@@ -76,7 +76,8 @@ pub struct Trip {
     pub setpoint: Celsius,
     /// The temperature above which T1 or T2 trips.
     pub limit: Celsius,
-    /// What had been asked of the heater up to then, without the excitation: its mean over about a second.
+    /// What had been asked of the heater up to then, without the excitation: its mean over about a second, as at the nominal
+    /// supply where that is measured.
     pub power: Percent,
     /// The power that this set-point needed by what was learnt, where that is known.
     pub needed: Option<Percent>,
@@ -158,6 +159,9 @@ impl Blocker {
     }
 }
 
+/// Highest level of the fan that can be announced, %.
+pub const FASTEST_FAN: f32 = 200.0;
+
 /// A command of the user.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -174,6 +178,8 @@ pub enum Command {
     SetPoint(Celsius),
     /// Switch the excitation on or off.
     Excite(bool),
+    /// Announces the level of the fan; 100 % is the level at which the rig is learnt.
+    Fan(Percent),
 }
 
 /// Why a command was refused.
@@ -195,6 +201,8 @@ pub enum Refusal {
         /// Highest accepted.
         max: f32,
     },
+    /// A level of the fan that none has, %.
+    Fan(f32),
 }
 
 impl fmt::Display for Refusal {
@@ -208,6 +216,7 @@ impl fmt::Display for Refusal {
             Self::SetPoint { wanted, min, max } => {
                 write!(f, "set-point {wanted} degC refused, expected {min} to {max} degC")
             }
+            Self::Fan(level) => write!(f, "fan level {level} % refused, expected 0 to {FASTEST_FAN} %"),
         }
     }
 }

@@ -66,7 +66,7 @@ proptest! {
         let mut instrument = Instrument::new(&impatient()).unwrap();
         instrument.command(Command::Arm).unwrap();
         for (t0, t1, t2, applied) in codes {
-            let tick = instrument.control(RawSample { t0: AdcCode(t0), t1: AdcCode(t1), t2: AdcCode(t2) });
+            let tick = instrument.control(RawSample { t0: AdcCode(t0), t1: AdcCode(t1), t2: AdcCode(t2), ..RawSample::default() });
             check_tick(&tick)?;
             check_report(&instrument.diagnose(&tick, Percent(applied)))?;
             if !tick.mode.is_heating() {
@@ -86,7 +86,7 @@ proptest! {
         instrument.command(Command::Arm).unwrap();
         for (k, (a, b)) in codes.iter().enumerate() {
             let wave = amplitude * (k as f32 * 0.3).sin();
-            let raw = RawSample { t0: AdcCode(2160.0), t1: AdcCode(1620.0 + wave), t2: AdcCode(0.05 * a + 0.4 * b) };
+            let raw = RawSample { t0: AdcCode(2160.0), t1: AdcCode(1620.0 + wave), t2: AdcCode(0.05 * a + 0.4 * b), ..RawSample::default() };
             let tick = instrument.control(raw);
             check_tick(&tick)?;
             check_report(&instrument.diagnose(&tick, tick.drive))?;
@@ -114,7 +114,7 @@ proptest! {
                 prop_assert!(value.is_finite(), "{name} = {value} was accepted");
                 instrument.command(Command::Arm).unwrap();
                 for (t0, t1, t2) in codes {
-                    let raw = RawSample { t0: AdcCode(t0), t1: AdcCode(t1), t2: AdcCode(t2) };
+                    let raw = RawSample { t0: AdcCode(t0), t1: AdcCode(t1), t2: AdcCode(t2), ..RawSample::default() };
                     let tick = instrument.control(raw);
                     prop_assert!((0.0..=100.0).contains(&tick.drive.0), "{name} = {value}: {}", tick.drive);
                     let report = instrument.diagnose(&tick, tick.drive);

@@ -10,17 +10,17 @@ use core::fmt::{self, Display, Write};
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::ALL;
-use fdi_core::{Command, Config, ConfigError};
+use fdi_core::{Command, Config, ConfigError, Percent};
 
 use crate::control_loop::Denial;
-use crate::decimal::Fixed;
+use crate::decimal::{self, Fixed};
 use crate::explain::Explained;
 use crate::finding::Sentence;
 use crate::history::{Entry, EntryText};
 use crate::self_test::Progress;
-use crate::settings::SetError;
 use crate::settings::schema::Name;
 use crate::settings::store::SaveError;
+use crate::settings::{Expected, SetError};
 use crate::status::Status;
 use follow::Follow;
 use line::{LineReader, Step};
@@ -177,6 +177,13 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
             say(out, "stopped\n");
         }
         Request::Acknowledge => done(out, board.command(Command::Acknowledge).await),
+        Request::Fan { level } => match decimal::parse(level) {
+            Some(percent) => done(out, board.command(Command::Fan(Percent(percent))).await),
+            None => {
+                let expected = Expected::Words(decimal::EXPECTED);
+                fail(out, &SetError::Value { name: "fan", given: level, expected });
+            }
+        },
         Request::Baseline => baseline(board.baseline(), out),
         Request::Relearn => done(out, board.command(Command::Relearn).await),
         Request::Faults => faults(board, out),

@@ -2,10 +2,11 @@
 //! here on the host, so that the two cannot differ. All other lines of the log are sentences for people.
 //!
 //! ```text
-//! log format 3
+//! log format 4
 //! setting pid.kp = 2.4 %/degC
 //! baseline raw.mean 3f800000 ..
 //! order 11 setpoint 42180000 (38 degC)
+//! order 12 fan 42a00000 (80 %)
 //! denied 12 a check is under way, ..
 //! lockout 77 the interlock on the break input opened
 //! tick 0 ..
@@ -19,7 +20,7 @@ pub mod tick;
 use core::fmt;
 
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::{Celsius, Command, Config};
+use fdi_core::{Celsius, Command, Config, Percent};
 
 pub use self::baseline::BaselineLine;
 use self::tick::{TickLine, TickLineError};
@@ -28,7 +29,7 @@ use crate::decimal::Short;
 use crate::settings::schema::Name;
 
 /// Version of these lines. It changes with their text.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// One line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,6 +100,9 @@ fn write_order(f: &mut fmt::Formatter<'_>, order: &OrderKind) -> fmt::Result {
         OrderKind::Command(Command::SetPoint(Celsius(wanted))) => {
             return write!(f, "setpoint {:x} ({} degC)", wanted.to_bits(), Short(*wanted));
         }
+        OrderKind::Command(Command::Fan(Percent(level))) => {
+            return write!(f, "fan {:x} ({} %)", level.to_bits(), Short(*level));
+        }
     })
 }
 
@@ -133,7 +137,7 @@ impl fmt::Display for LogLineError<'_> {
             Self::Tick(error) => error.fmt(f),
             Self::Order(word) => write!(
                 f,
-                "unknown order \"{word}\", expected settings, check, arm, stop, ack, relearn, setpoint or excite"
+                "unknown order \"{word}\", expected settings, check, arm, stop, ack, relearn, setpoint, fan or excite"
             ),
             Self::Argument { order, expected } => write!(f, "order {order}: expected {expected} behind it"),
             Self::Part(word) => write!(f, "unknown part of a baseline: \"{word}\""),
@@ -199,6 +203,7 @@ fn order(text: &str) -> Result<OrderKind, LogLineError<'_>> {
     let verb = words.next().unwrap_or_default();
     let argument = words.next().unwrap_or_default();
     let expected = |expected| LogLineError::Argument { order: verb, expected };
+    let given = || tick::word(argument).map(f32::from_bits).ok_or_else(|| expected("8 hexadecimal digits"));
     Ok(OrderKind::Command(match verb {
         "settings" => return Ok(OrderKind::Settings),
         "check" => return Ok(OrderKind::Check),
@@ -206,10 +211,8 @@ fn order(text: &str) -> Result<OrderKind, LogLineError<'_>> {
         "stop" => Command::Stop,
         "ack" => Command::Acknowledge,
         "relearn" => Command::Relearn,
-        "setpoint" => {
-            let bits = tick::word(argument).ok_or_else(|| expected("8 hexadecimal digits"))?;
-            Command::SetPoint(Celsius(f32::from_bits(bits)))
-        }
+        "setpoint" => Command::SetPoint(Celsius(given()?)),
+        "fan" => Command::Fan(Percent(given()?)),
         "excite" => Command::Excite(argument.parse().map_err(|_| expected("true or false"))?),
         _ => return Err(LogLineError::Order(verb)),
     }))
@@ -260,6 +263,7 @@ mod tests {
             proptest::sample::select(commands.to_vec()).prop_map(OrderKind::Command),
             any::<bool>().prop_map(|on| OrderKind::Command(Command::Excite(on))),
             bits().prop_map(|x| OrderKind::Command(Command::SetPoint(Celsius(x)))),
+            bits().prop_map(|x| OrderKind::Command(Command::Fan(Percent(x)))),
         ]
     }
 
@@ -331,7 +335,7 @@ mod tests {
         assert!(error("order 5 explode").contains("unknown order \"explode\""));
         assert!(error("order 5 setpoint warm").contains("order setpoint: expected 8 hexadecimal digits"));
         assert!(error("baseline raw.mean 1 2").contains("baseline raw.mean: 2 words, expected 7"));
-        assert!(error(&format!("tick {}", ["1f"; WORDS - 1].join(" "))).contains("30 words, expected 31"));
+        assert!(error(&format!("tick {}", ["1f"; WORDS - 1].join(" "))).contains("31 words, expected 32"));
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use crate::units::Percent;
 
-/// The known inputs on a tick. All of them are optional.
+/// The known inputs on a tick. All of them are optional. The likelihood diagnosis uses them; the supervisor's limits go by the power
+/// that is asked for, whatever the supply reads, so that a divider which reads wrongly weakens none of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct KnownInputs {

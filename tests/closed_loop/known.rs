@@ -2,11 +2,11 @@
 
 use fdi_core::likelihood::{FaultClass, Readiness};
 use fdi_core::units::Volt;
-use fdi_core::{Config, Mode, TripReason};
+use fdi_core::{Command, Config, Instrument, Mode, TripReason};
 use host_sim::experiment::scenario::{Action, Scenario};
-use host_sim::experiment::{Record, Row, run};
-use pt326_rig::Disturbance;
+use host_sim::experiment::{Record, Row, run, sample, with_prbs_phase};
 use pt326_rig::fault::{Fault, Sensor, Verb};
+use pt326_rig::{Disturbance, Rig};
 
 const ONSET: f64 = 420.03;
 /// 12 V read through a divider with 16.5 V at full scale.
@@ -76,24 +76,44 @@ fn a_measured_supply_hides_no_fault_of_the_heater() {
     assert!(told(&record, FaultClass::HeaterPower));
 }
 
-/// The worst that the input can say for long is half the voltage, a quarter of the power. That must not make a power without an
-/// answer look small.
+/// The worst that the input can say is half the voltage, a quarter of the power. That must not make a power without an
+/// answer look small, be it wrong from the start or from the moment on.
 #[test]
 fn a_supply_that_reads_too_low_hides_no_heat_without_effect() {
     let out = |sensor| Fault::new(Verb::Detach, Some(sensor), Some(1.0), ONSET, 1e5);
-    let mut both_out = scenario(ONSET + 30.0);
-    both_out.faults = vec![out(Sensor::T1), out(Sensor::T2)];
-    let mut half = both_out.clone();
-    half.rig.mains.measured_code = 0.51 * NOMINAL_CODE;
-    for scenario in [&both_out, &half] {
-        let record = run(&measured(), scenario, 11).unwrap();
-        let trip = record.rows.iter().find_map(|row| match row.tick.mode {
-            Mode::Tripped(trip) => Some((record.time(row.tick.index) - ONSET, trip.reason)),
-            _ => None,
+    let config = with_prbs_phase(&measured(), 11);
+    for (before, after) in [(1.0, 1.0), (0.51, 0.51), (1.0, 0.51)] {
+        let rig = scenario(1.0).rig;
+        let mut rig = Rig::new(&rig, Disturbance::Lively, 0.11, 11, &[out(Sensor::T1), out(Sensor::T2)]);
+        let mut instrument = Instrument::new(&config).unwrap();
+        instrument.command(Command::Arm).unwrap();
+        let trip = (0..4200).find_map(|k| {
+            let time = f64::from(k) * 0.11;
+            let mut raw = sample(&mut rig);
+            raw.supply.0 *= if time < ONSET { before } else { after };
+            let tick = instrument.control(raw);
+            instrument.diagnose(&tick, tick.drive);
+            rig.advance(f64::from(tick.drive.0));
+            match tick.mode {
+                Mode::Tripped(trip) => Some((time - ONSET, trip.reason)),
+                _ => None,
+            }
         });
         let (delay, reason) = trip.expect("it trips");
-        assert!(delay < 10.0 && reason == TripReason::ExcessPower, "{delay} s, {reason:?}");
+        assert!(
+            delay < 10.0 && reason == TripReason::ExcessPower,
+            "{before}, {after}: {delay} s, {reason:?}"
+        );
     }
+}
+
+/// A supply that sags to 80 % has the loop ask for 1.56 times the power: less than what counts as too much.
+#[test]
+fn a_sag_that_is_measured_does_not_trip() {
+    let mut sag = scenario(480.0);
+    sag.faults = vec![Fault::new(Verb::SupplyVoltage, None, Some(0.8), ONSET, 1e5)];
+    let record = run(&measured(), &sag, 11).unwrap();
+    assert_eq!(record.rows.last().unwrap().tick.mode, Mode::Monitor);
 }
 
 /// What the user says of the fan is told to no thermistor: the air that there is must still be enough.

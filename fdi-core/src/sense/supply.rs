@@ -19,7 +19,7 @@ use crate::units::{AdcCode, Volt};
 
 /// A share of the nominal voltage outside of these is a broken wire or divider, or no supply at all: it is not believed.
 const LOWEST: f32 = 0.5;
-const HIGHEST: f32 = 1.25;
+const HIGHEST: f32 = 1.2;
 
 settings! {
     /// Supply voltage of the heater, where it is measured: a known input of the likelihood diagnosis.

@@ -5,26 +5,14 @@ use crate::bounds::larger;
 use crate::sense::{Reading, Validity};
 use crate::units::Percent;
 
-/// A supply that is measured lower than this counts as this: one that reads too low must not hide too much power for long.
-const LOWEST_SUPPLY: f32 = 0.85;
 /// A fan announced below this stands still, whatever `supervisor.min_air_flow` allows, %.
 const STANDSTILL: f32 = 5.0;
-
-impl Situation<'_> {
-    /// The power asked for on the tick before, without the excitation, as at the nominal supply, %.
-    pub(super) fn power(&self) -> f32 {
-        self.known.supply.map_or(self.pid.0, |share| {
-            let share = larger(LOWEST_SUPPLY, share);
-            self.pid.0 * share * share
-        })
-    }
-}
 
 impl Supervisor {
     /// What trips, or would if the heater were on.
     pub(super) fn hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
         state.lost = if now.regulated.value.is_some() { 0 } else { state.lost.saturating_add(1) };
-        self.power.follow(&mut state.power, now.power());
+        self.power.follow(&mut state.power, now.pid.0);
         let by_models = state.mode != Mode::Off && now.feedback.heater_stuck_on;
         let unasked = self.unasked.step(&mut state.unasked, now, state.power) || by_models;
         let by_sensors = self.sensor_hazard(state.lost > self.lost_ticks, now);

@@ -133,7 +133,7 @@ pub struct SupervisorState {
     restored: bool,
     /// What was learnt is to be forgotten, from the next tick on.
     forget: bool,
-    /// Power asked for up to now, as at the nominal supply, without the excitation, averaged, %.
+    /// Power asked for up to now, without the excitation, averaged, %.
     power: f32,
     operation: Operation,
     response: ResponseState,

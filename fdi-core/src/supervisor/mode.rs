@@ -76,8 +76,7 @@ pub struct Trip {
     pub setpoint: Celsius,
     /// The temperature above which T1 or T2 trips.
     pub limit: Celsius,
-    /// What had been asked of the heater up to then, without the excitation: its mean over about a second, as at the nominal
-    /// supply where that is measured.
+    /// What had been asked of the heater up to then, without the excitation: its mean over about a second.
     pub power: Percent,
     /// The power that this set-point needed by what was learnt, where that is known.
     pub needed: Option<Percent>,

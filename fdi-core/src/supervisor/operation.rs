@@ -76,7 +76,7 @@ impl Operation {
 
     /// Learns from a sample of normal operation.
     pub(super) fn push(&mut self, now: &Situation) {
-        self.sums.push(&[now.power(), now.sample.t1.celsius.0, now.sample.t2.celsius.0]);
+        self.sums.push(&[now.pid.0, now.sample.t1.celsius.0, now.sample.t2.celsius.0]);
     }
 
     /// Learning has ended well, if there was any.

@@ -26,6 +26,7 @@ fn check_tick(tick: &Tick) -> Result<(), TestCaseError> {
         let plausible = (-20.0..=110.0).contains(&reading.celsius.0);
         prop_assert!(plausible || reading.validity != Validity::Good, "{reading:?}");
     }
+    prop_assert!(tick.known.supply.is_none_or(|share| (0.5..=1.25).contains(&share)));
     prop_assert!(tick.mode.is_heating() || tick.drive.0 == 0.0);
     Ok(())
 }
@@ -61,12 +62,17 @@ proptest! {
     /// Codes of every bit pattern, and any claim about what was applied.
     #[test]
     fn any_codes_give_finite_and_safe_outputs(
-        codes in prop::collection::vec((any_code(), any_code(), any_code(), any_code()), 1..400),
+        codes in prop::collection::vec((any_code(), any_code(), any_code(), any_code(), any_code()), 1..400),
+        fan in any_code(),
     ) {
-        let mut instrument = Instrument::new(&impatient()).unwrap();
+        let mut config = impatient();
+        config.supply.nominal_voltage.0 = 12.0;
+        let mut instrument = Instrument::new(&config).unwrap();
         instrument.command(Command::Arm).unwrap();
-        for (t0, t1, t2, applied) in codes {
-            let tick = instrument.control(RawSample { t0: AdcCode(t0), t1: AdcCode(t1), t2: AdcCode(t2), ..RawSample::default() });
+        let _ = instrument.command(Command::Fan(Percent(fan)));
+        for (t0, t1, t2, supply, applied) in codes {
+            let [t0, t1, t2, supply] = [t0, t1, t2, supply].map(AdcCode);
+            let tick = instrument.control(RawSample { t0, t1, t2, supply });
             check_tick(&tick)?;
             check_report(&instrument.diagnose(&tick, Percent(applied)))?;
             if !tick.mode.is_heating() {

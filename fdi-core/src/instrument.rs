@@ -7,6 +7,7 @@ use crate::control::{Controller, ControllerState, Tick};
 use crate::diagnosis::baseline::Baseline;
 use crate::diagnosis::{Diagnosis, DiagnosisState, Report};
 use crate::error::ConfigError;
+use crate::likelihood::{Commissioned, SinceCommissioning};
 use crate::sense::RawSample;
 use crate::supervisor::{Command, Refusal};
 use crate::units::Percent;
@@ -127,6 +128,26 @@ impl Instrument {
         self.diagnosis.restore(&mut self.diagnosis_state, baseline);
         self.controller.restored(&mut self.control_state, baseline);
         Ok(())
+    }
+
+    /// The models in force, to be kept as those of the commissioning.
+    pub fn trained(&self) -> Option<Commissioned> {
+        self.diagnosis.trained(&self.diagnosis_state)
+    }
+
+    /// Restores the models of the commissioning, which what is trained later is held against.
+    ///
+    /// # Errors
+    /// They cannot have been trained; nothing has changed then.
+    pub fn commission(&mut self, commissioned: &Commissioned) -> Result<(), ConfigError> {
+        commissioned.validate()?;
+        self.diagnosis.commission(&mut self.diagnosis_state, Some(*commissioned));
+        Ok(())
+    }
+
+    /// What has become of the rig since it was commissioned; None where it was not, or nothing is trained now.
+    pub fn since_commissioning(&self) -> Option<SinceCommissioning> {
+        self.diagnosis.since_commissioning(&self.diagnosis_state)
     }
 
     /// What was learnt, once monitoring has begun.

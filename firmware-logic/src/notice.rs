@@ -13,7 +13,7 @@ use crate::interlock::Lockout;
 use crate::log_line::LogLine;
 use crate::log_line::tick::TickLine;
 use crate::self_test::News;
-use crate::status::readiness;
+use crate::status::{Since, readiness};
 
 /// Something to tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +65,8 @@ pub enum Notice {
         /// How far.
         readiness: Readiness,
     },
+    /// New models were accepted: the commissioning that they are held against.
+    Commissioned(Since),
     /// The likelihood diagnosis has raised an alarm, named it, or ended it.
     Alarm(AlarmRecord),
     /// Ticks that never began.
@@ -98,7 +100,8 @@ impl Notice {
             | Self::Check(News::Stage(_) | News::Ended(_))
             | Self::Mode { .. }
             | Self::Lockout { lockout: None, .. }
-            | Self::Readiness { .. } => Level::Info,
+            | Self::Readiness { .. }
+            | Self::Commissioned(_) => Level::Info,
             Self::Denied { .. }
             | Self::Unchecked
             | Self::Check(News::Found(_))
@@ -149,6 +152,7 @@ impl fmt::Display for NoticeText<'_> {
             Notice::Fault(Event::Ended(fault)) => write_entry("ended: ", Entry::Fault { fault, ended: true }),
             Notice::Alarm(alarm) => write_entry("likelihood: ", Entry::Alarm(alarm)),
             Notice::Readiness { tick, readiness: now } => write!(f, "likelihood {tick} {}", readiness(now)),
+            Notice::Commissioned(since) => since.fmt(f),
             Notice::Missed { count, before } => write!(f, "{count} ticks missed before tick {before}"),
         }
     }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use fdi_core::likelihood::{Readiness, RejectReason};
+use fdi_core::likelihood::{Readiness, RejectReason, SinceCommissioning};
 use fdi_core::{KnownInputs, Mode, Percent, Reading, Report, Validity};
 
 use crate::cadence::Jitter;
@@ -37,6 +37,26 @@ pub struct Status {
     pub health: Health,
     /// What the self-test has told so far.
     pub check: Progress,
+    /// The commissioning, where there was one.
+    pub commissioned: Option<Since>,
+}
+
+/// A commissioning, and what has become of the rig since.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Since {
+    /// Its number.
+    pub number: u32,
+    /// What has changed, where anything is trained now.
+    pub change: Option<SinceCommissioning>,
+}
+
+impl fmt::Display for Since {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "commissioning {}", self.number)?;
+        let Some(SinceCommissioning { rise }) = self.change else { return Ok(()) };
+        let (percent, word) = if rise < 0.0 { (-100.0 * rise, "less") } else { (100.0 * rise, "more") };
+        write!(f, ": since then the same power warms by {} % {word}", Fixed(percent, 1))
+    }
 }
 
 impl Status {
@@ -139,6 +159,9 @@ impl fmt::Display for Status {
         }
         f.write_str("\nlikelihood diagnosis ")?;
         f.write_str(readiness(report.likelihood.readiness))?;
+        if let Some(since) = self.commissioned {
+            write!(f, "\n{since}")?;
+        }
         write!(f, "\n{}", self.health)
     }
 }
@@ -231,6 +254,15 @@ mod tests {
             "{line}"
         );
         assert!(line.ends_with(" bandwidth ?, fdv 0 fiv 0"), "{line}");
+    }
+
+    #[test]
+    fn what_has_become_of_the_rig_is_said_in_words() {
+        let text = |change| Since { number: 2, change }.to_string();
+        assert_eq!(text(None), "commissioning 2");
+        let changed = |rise| text(Some(SinceCommissioning { rise }));
+        assert_eq!(changed(-0.12), "commissioning 2: since then the same power warms by 12.0 % less");
+        assert_eq!(changed(0.031), "commissioning 2: since then the same power warms by 3.1 % more");
     }
 
     #[test]

@@ -12,6 +12,7 @@ use core::task::{Context, Poll, Waker};
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
+use fdi_core::likelihood::{Commissioned, PARAMETERS};
 use fdi_core::{AdcCode, Command, Config, ConfigError, Feedback, RawSample};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::console::board::{Chip, ConsoleBoard};
@@ -21,6 +22,7 @@ use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::history::Entry;
 use firmware_logic::interlock::{Interlock, Lockout};
 use firmware_logic::notice::{Level, Notice};
+use firmware_logic::settings::commissioning::Commissioning;
 use firmware_logic::settings::store::{SaveError, Store};
 use firmware_logic::settings::stored::Stored;
 use firmware_logic::status::Status;
@@ -80,6 +82,9 @@ impl TestChip {
 impl Chip for TestChip {
     fn diagnosis<R>(&self, look: impl FnOnce(&DiagnosisLoop) -> R) -> R {
         look(&self.diagnosis)
+    }
+    fn change<R>(&mut self, change: impl FnOnce(&mut DiagnosisLoop) -> R) -> R {
+        change(&mut self.diagnosis)
     }
     fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {
         self.diagnosis.propose(config)
@@ -289,6 +294,42 @@ fn only_a_baseline_that_can_have_been_learnt_is_restored() {
     assert_eq!(board(Stored { config: waived(), baseline: Some(learnt) }).baseline(), Some(learnt));
     let broken = Baseline { raw: Normal { mean: [f32::NAN; 7], sigma: [0.1; 7] }, ..learnt };
     assert_eq!(board(Stored { config: waived(), baseline: Some(broken) }).baseline(), None);
+}
+
+/// What the flash of a board has, by its next start.
+fn kept(board: ConsoleBoard<TestChip, Flash>) -> Option<Commissioning> {
+    now(Store::new(board.into_flash()).commissioning())
+}
+
+#[test]
+fn a_commissioning_is_written_once_and_only_while_nothing_heats() {
+    let models = Commissioned { parameters: [0.3; PARAMETERS] };
+    let commissioning = Commissioning { number: 1, models };
+    let mut board = heating();
+    let stalls = board.chip.stalls;
+    board.chip.change(|diagnosis| diagnosis.commissioned(Some(commissioning)));
+    now(board.settle());
+    assert_eq!(board.chip.stalls, stalls, "it heats");
+    now(board.command(Command::Stop)).expect("always");
+    now(board.settle());
+    let written = board.chip.stalls;
+    assert!(written > stalls);
+    now(board.settle());
+    assert_eq!(board.chip.stalls, written, "written once");
+    assert!(board.status().to_string().contains("\ncommissioning 1\n"));
+    assert_eq!(kept(board), Some(commissioning));
+}
+
+#[test]
+fn a_commissioning_that_is_cleared_is_gone_at_the_next_start_and_one_untrained_is_none() {
+    let mut board = at_rest();
+    assert!(!board.commission(), "nothing is trained");
+    let models = Commissioned { parameters: [0.3; PARAMETERS] };
+    board.chip.change(|diagnosis| diagnosis.commissioned(Some(Commissioning { number: 1, models })));
+    now(board.settle());
+    board.decommission();
+    now(board.settle());
+    assert_eq!(kept(board), None);
 }
 
 #[test]

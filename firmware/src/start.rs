@@ -55,6 +55,7 @@ fn start(spawner: Spawner) {
     let mut store = Store::new(SettingsFlash::new(parts.flash));
     let (settings, origin) = block_on(store.load());
     let marked = block_on(store.is_marked());
+    let commissioning = block_on(store.commissioning());
     interlock.marked(cause, marked);
     let config = settings.config.clone();
     log::banner(clock, cause, left.as_ref(), &origin, &config);
@@ -67,7 +68,8 @@ fn start(spawner: Spawner) {
     let (orders_in, orders_out) = link::orders();
     let (records_out, records_in) = link::records();
     let mut control = ControlLoop::new(controller, config.setpoint, interlock);
-    let shared = share(diagnosis, settings, orders_in);
+    let mut shared = share(diagnosis, settings, orders_in);
+    shared.change(|diagnosis| diagnosis.commissioned(commissioning));
     shared.diagnosis(|diagnosis| {
         if let Some(baseline) = diagnosis.baseline() {
             log_line::baseline(baseline, log::line);

@@ -35,6 +35,7 @@ mod ambient;
 mod bank;
 mod chart;
 pub mod class;
+mod commissioned;
 pub mod config;
 mod contradiction;
 mod fit;
@@ -66,6 +67,7 @@ use ambient::{Ambient, AmbientState};
 use bank::Filters;
 use chart::Chart;
 pub use class::{Channel, FaultClass, Pair};
+pub use commissioned::{Commissioned, PARAMETERS, SinceCommissioning};
 use config::LikelihoodConfig;
 use contradiction::Contradiction;
 use fit::Fit;
@@ -94,6 +96,8 @@ pub struct LikelihoodState {
     trained: Option<WatchState>,
     /// It belongs to the last learning, so that faults may be told by it.
     current: bool,
+    /// What was trained when the rig was commissioned.
+    commissioned: Option<Commissioned>,
     /// What the models reported last.
     reported: ModelAlarm,
     sensors: Sensors,
@@ -189,6 +193,22 @@ impl Likelihood {
             finding,
             ..self.heat(state, &now)
         }
+    }
+
+    /// The models that are in force, as they are kept at a commissioning.
+    pub fn trained(&self, state: &LikelihoodState) -> Option<Commissioned> {
+        let trained = state.trained.as_ref().filter(|_| state.current)?;
+        Some(Commissioned::new(trained.gain()))
+    }
+
+    /// Takes over what was trained when the rig was commissioned, which has been checked with [`Commissioned::validate`].
+    pub fn commission(&self, state: &mut LikelihoodState, commissioned: Option<Commissioned>) {
+        state.commissioned = commissioned;
+    }
+
+    /// What has become of the rig since it was commissioned, by the models in force.
+    pub fn since_commissioning(&self, state: &LikelihoodState) -> Option<SinceCommissioning> {
+        Some(state.commissioned?.until(&self.trained(state)?))
     }
 
     /// Training starts afresh whenever learning does, and ends with heating. What was trained outlives both, unless the

@@ -80,6 +80,10 @@ pub trait Board {
     async fn save(&mut self) -> Result<(), SaveError>;
     /// Has the chip hold itself in reset below 2.7 V, from the next power-up.
     fn set_brown_out_level(&mut self) -> Result<(), SaveError>;
+    /// Takes the models in force for those of a new commissioning; `false` where there are none.
+    fn commission(&mut self) -> bool;
+    /// Forgets the commissioning: the next models that are accepted are a new one.
+    fn decommission(&mut self);
     /// What was learnt as normal.
     fn baseline(&self) -> Option<Baseline>;
     /// What went wrong, the oldest first.
@@ -186,6 +190,12 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         },
         Request::Baseline => baseline(board.baseline(), out),
         Request::Relearn => done(out, board.command(Command::Relearn).await),
+        Request::Commission if board.commission() => say(out, "ok, kept once the heater is off\n"),
+        Request::Commission => say(out, "error: no models are trained yet, see `status`\n"),
+        Request::Decommission => {
+            board.decommission();
+            say(out, "ok\n");
+        }
         Request::Faults => faults(board, out),
     }
 }

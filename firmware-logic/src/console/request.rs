@@ -46,12 +46,16 @@ pub enum Request<'a> {
     Baseline,
     /// Learn it anew.
     Relearn,
+    /// Take the rig as it is now for the one that is commissioned.
+    Commission,
+    /// Forget how it was commissioned.
+    Decommission,
     /// What went wrong since the start.
     Faults,
 }
 
 /// All commands: name, what follows it, what it does.
-pub const COMMANDS: [(&str, &str, &str); 14] = [
+pub const COMMANDS: [(&str, &str, &str); 15] = [
     ("help", "", "this list"),
     ("status", "", "mode, temperatures, diagnosis, health"),
     ("get", "[NAME]", "settings, all or those that begin with NAME"),
@@ -64,6 +68,11 @@ pub const COMMANDS: [(&str, &str, &str); 14] = [
     ("ack", "", "acknowledge a trip or a lockout"),
     ("fan", "LEVEL", "announce the fan's level in %, 100 being the level at which it is learnt"),
     ("baseline", "[learn]", "what was learnt as normal; `learn` learns it anew"),
+    (
+        "commission",
+        "[clear]",
+        "the rig as it is now is what later ones are held against; `clear`: as next learnt",
+    ),
     ("brownout", "set", "reset below 2.7 V, from the next power-up (heater off only)"),
     ("faults", "", "what went wrong since the start"),
 ];
@@ -143,6 +152,11 @@ impl<'a> Request<'a> {
                 ("learn", "") => Ok(Self::Relearn),
                 ("learn", more) => Err(RequestError::Extra { command, word: split_word(more).0 }),
                 (word, _) => Err(RequestError::Extra { command, word }),
+            },
+            "commission" => match split_word(rest) {
+                ("", _) => Ok(Self::Commission),
+                ("clear", "") => Ok(Self::Decommission),
+                ("clear", word) | (word, _) => Err(RequestError::Extra { command, word: split_word(word).0 }),
             },
             "brownout" => match split_word(rest) {
                 ("set", "") => Ok(Self::BrownOut),

@@ -178,6 +178,10 @@ impl Chip for SimulatedChip {
         look(&self.diagnosis)
     }
 
+    fn change<R>(&mut self, change: impl FnOnce(&mut DiagnosisLoop) -> R) -> R {
+        change(&mut self.diagnosis)
+    }
+
     fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {
         self.diagnosis.propose(config)
     }

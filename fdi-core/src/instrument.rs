@@ -135,13 +135,13 @@ impl Instrument {
         self.diagnosis.trained(&self.diagnosis_state)
     }
 
-    /// Restores the models of the commissioning, which what is trained later is held against.
+    /// Restores the models of the commissioning, which what is trained later is held against; `None` forgets them.
     ///
     /// # Errors
     /// They cannot have been trained; nothing has changed then.
-    pub fn commission(&mut self, commissioned: &Commissioned) -> Result<(), ConfigError> {
-        commissioned.validate()?;
-        self.diagnosis.commission(&mut self.diagnosis_state, Some(*commissioned));
+    pub fn commission(&mut self, commissioned: Option<Commissioned>) -> Result<(), ConfigError> {
+        commissioned.as_ref().map_or(Ok(()), Commissioned::validate)?;
+        self.diagnosis.commission(&mut self.diagnosis_state, commissioned);
         Ok(())
     }
 

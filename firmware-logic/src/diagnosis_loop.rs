@@ -28,6 +28,8 @@ pub struct DiagnosisLoop {
     proposed: Option<Proposal>,
     /// What the rig was like when it was commissioned.
     commissioning: Option<Commissioning>,
+    /// It is new, and the log does not have it.
+    untold: bool,
     status: Status,
     history: History,
     before: Before,
@@ -59,6 +61,7 @@ impl DiagnosisLoop {
             settings,
             proposed: None,
             commissioning: None,
+            untold: false,
             status: Status::default(),
             history: History::default(),
             before: Before {
@@ -86,6 +89,9 @@ impl DiagnosisLoop {
         if let Some(news) = record.news {
             self.status.check.note(news);
             tell(Notice::Check(news));
+        }
+        if core::mem::take(&mut self.untold) {
+            tell(Notice::Commissioning(self.commissioning));
         }
         let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
         tell(Notice::Tick(TickLine::new(&record, &report)));
@@ -186,6 +192,7 @@ impl DiagnosisLoop {
     /// Restores the commissioning, or forgets it.
     pub fn commissioned(&mut self, commissioning: Option<Commissioning>) {
         self.diagnosis.commission(&mut self.state, commissioning.map(|kept| kept.models));
+        self.untold |= self.commissioning != commissioning;
         self.commissioning = commissioning;
         self.follow_commissioning();
     }

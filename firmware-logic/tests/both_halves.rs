@@ -310,6 +310,13 @@ fn a_commissioning_is_written_once_and_only_while_nothing_heats() {
     board.chip.change(|diagnosis| diagnosis.commissioned(Some(commissioning)));
     now(board.settle());
     assert_eq!(board.chip.stalls, stalls, "it heats");
+    board.chip.notices.clear();
+    for ticks in [1, 2] {
+        board.chip.tick(None).expect("no order");
+        let told = board.chip.notices.iter().filter(|notice| matches!(notice, Notice::Commissioning(_)));
+        assert_eq!(told.count(), 1, "told once, {ticks} ticks later");
+    }
+    assert_eq!(board.chip.notices[0], Notice::Commissioning(Some(commissioning)), "before the tick");
     now(board.command(Command::Stop)).expect("always");
     now(board.settle());
     let written = board.chip.stalls;

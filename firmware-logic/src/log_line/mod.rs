@@ -5,6 +5,7 @@
 //! log format 4
 //! setting pid.kp = 2.4 %/degC
 //! baseline raw.mean 3f800000 ..
+//! commissioned 1 3e99999a ..
 //! order 11 setpoint 42180000 (38 degC)
 //! order 12 fan 42a00000 (80 %)
 //! denied 12 a check is under way, ..
@@ -15,17 +16,20 @@
 //! Behind what is parsed a line may go on in words, and a logger may put its own in front.
 
 mod baseline;
+mod commissioning;
 pub mod tick;
 
 use core::fmt;
 
 use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::likelihood::PARAMETERS;
 use fdi_core::{Celsius, Command, Config, Percent};
 
 pub use self::baseline::BaselineLine;
 use self::tick::{TickLine, TickLineError};
 use crate::control_loop::OrderKind;
 use crate::decimal::Short;
+use crate::settings::commissioning::Commissioning;
 use crate::settings::schema::Name;
 
 /// Version of these lines. It changes with their text.
@@ -48,6 +52,8 @@ pub enum LogLine<'a> {
     },
     /// A part of the baseline that was restored at the start.
     Baseline(BaselineLine),
+    /// The commissioning from the next tick on, if there is one: at the start, or a new one.
+    Commissioned(Option<Commissioning>),
     /// An order that was carried out before a tick.
     Order {
         /// The tick.
@@ -75,6 +81,7 @@ impl fmt::Display for LogLine<'_> {
             Self::Start { version } => write!(f, "log format {version}"),
             Self::Setting { name, value } => write!(f, "setting {name} = {value}"),
             Self::Baseline(part) => part.fmt(f),
+            Self::Commissioned(commissioning) => commissioning::write(f, commissioning.as_ref()),
             Self::Order { tick, order } => {
                 write!(f, "order {tick} ")?;
                 write_order(f, order)
@@ -122,6 +129,11 @@ pub enum LogLineError<'a> {
     },
     /// A part of a baseline that is not known.
     Part(&'a str),
+    /// A commissioning with another number of words.
+    Parameters {
+        /// Hexadecimal words in it.
+        found: usize,
+    },
     /// A row of a baseline with another number of words.
     Words {
         /// The row.
@@ -141,6 +153,7 @@ impl fmt::Display for LogLineError<'_> {
             ),
             Self::Argument { order, expected } => write!(f, "order {order}: expected {expected} behind it"),
             Self::Part(word) => write!(f, "unknown part of a baseline: \"{word}\""),
+            Self::Parameters { found } => write!(f, "commissioned: {found} words, expected {PARAMETERS}"),
             Self::Words { part, found } => {
                 write!(f, "baseline {part}: {found} words, expected {}", baseline::WORDS)
             }
@@ -165,6 +178,9 @@ impl<'a> LogLine<'a> {
         }
         if let Some(part) = after(text, "baseline ").map(baseline::parse).transpose()?.flatten() {
             return Ok(Some(Self::Baseline(part)));
+        }
+        if let Some(kept) = after(text, "commissioned ").map(commissioning::parse).transpose()?.flatten() {
+            return Ok(Some(Self::Commissioned(kept)));
         }
         if let Some((name, value)) = after(text, "setting ").and_then(|rest| rest.split_once(" = ")) {
             return Ok(Some(Self::Setting { name: name.trim(), value: without_place(value).trim() }));
@@ -247,6 +263,8 @@ pub fn baseline(baseline: &Baseline, write: impl FnMut(LogLine<'_>)) {
 mod tests {
     use proptest::prelude::*;
 
+    use fdi_core::likelihood::Commissioned;
+
     use super::tick::WORDS;
     use super::*;
 
@@ -296,6 +314,7 @@ mod tests {
             value in "[-0-9.e]{1,12}( [a-zA-Z%/]{1,10})?",
             words: [u32; WORDS],
             learnt in baselines(),
+            parameters in proptest::array::uniform16(bits()),
         ) {
             comes_back(LogLine::Start { version })?;
             comes_back(LogLine::Order { tick, order })?;
@@ -303,6 +322,9 @@ mod tests {
             comes_back(LogLine::Lockout { tick })?;
             comes_back(LogLine::Setting { name: &name, value: &value })?;
             comes_back(LogLine::Tick(TickLine(words)))?;
+            comes_back(LogLine::Commissioned(None))?;
+            let models = Commissioned { parameters };
+            comes_back(LogLine::Commissioned(Some(Commissioning { number: tick, models })))?;
             let mut again = Baseline::default();
             for part in BaselineLine::all(&learnt) {
                 comes_back(LogLine::Baseline(part))?;
@@ -314,7 +336,7 @@ mod tests {
         #[test]
         fn no_text_panics(text in "\\PC{0,120}", rest in "[ -~]{0,80}") {
             let _ = LogLine::find(&text);
-            for keyword in ["tick", "order", "baseline", "setting", "denied", "lockout", "log format"] {
+            for keyword in ["tick", "order", "baseline", "commissioned", "setting", "denied", "lockout", "log format"] {
                 let _ = LogLine::find(&format!("{keyword} {rest}"));
             }
         }
@@ -334,6 +356,7 @@ mod tests {
         let error = |text| LogLine::find(text).expect_err(text).to_string();
         assert!(error("order 5 explode").contains("unknown order \"explode\""));
         assert!(error("order 5 setpoint warm").contains("order setpoint: expected 8 hexadecimal digits"));
+        assert!(error("commissioned 1 3e99999a").contains("commissioned: 1 words, expected 16"));
         assert!(error("baseline raw.mean 1 2").contains("baseline raw.mean: 2 words, expected 7"));
         assert!(error(&format!("tick {}", ["1f"; WORDS - 1].join(" "))).contains("31 words, expected 32"));
     }

@@ -108,6 +108,10 @@ fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
                 let config = if start.records.is_empty() { &mut start.config } else { &mut start.told };
                 set(config, name, value).with_context(|| format!("line {number}"))?;
             }
+            LogLine::Commissioned(kept) => {
+                let tick = start.records.len() as u32;
+                start.orders.push((tick, Order::Commission(kept.map(|kept| kept.models))));
+            }
             LogLine::Baseline(part) => part.restore(start.baseline.get_or_insert_default()),
         }
     }
@@ -186,6 +190,23 @@ pub(super) mod tests {
         let late = format!("tick 7 {}", ["0"; WORDS - 1].join(" "));
         let error = format!("{:#}", read(&late, Config::default()).err().unwrap());
         assert!(error.contains("begins at tick 7"), "{error}");
+    }
+
+    #[test]
+    fn a_commissioning_counts_from_the_tick_that_follows_it() {
+        let kept = |number: u32| format!("[DEBUG] commissioned {number}{}\n", " 3e99999a".repeat(16));
+        let log = log_of(&Config::default(), 1.0);
+        let (head, rest) = log.split_at(log.find("5.0 [DEBUG] tick").unwrap());
+        let text = format!("{}{head}{}{rest}", kept(1), kept(2)).replace("log format 4", "");
+        let recording = read(&text, Config::default()).unwrap();
+        let commissioned = |tick: &Recorded| {
+            tick.orders
+                .iter()
+                .any(|order| matches!(order, Order::Commission(Some(models)) if models.validate().is_ok()))
+        };
+        let at: Vec<usize> =
+            (0..recording.ticks.len()).filter(|&k| commissioned(&recording.ticks[k])).collect();
+        assert_eq!(at, [0, 5]);
     }
 
     #[test]

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::likelihood::Commissioned;
 use fdi_core::{Command, Config, Instrument, Percent, RawSample, Report, Tick};
 
 use super::results::Folder;
@@ -80,6 +81,7 @@ struct Recorded {
 enum Order {
     Command(Command),
     Settings(Box<Config>),
+    Commission(Option<Commissioned>),
 }
 
 /// The outputs, in the form of the recording.
@@ -179,6 +181,7 @@ fn rerun(recording: &Recording, file: &Path) -> anyhow::Result<(Record, Agreemen
                 // The board logs what it carried out, and an `ack` that released its own interlock means nothing here.
                 Order::Command(command) => drop(instrument.command(*command)),
                 Order::Settings(config) => instrument.retune(config)?,
+                Order::Commission(commissioned) => instrument.commission(*commissioned)?,
             }
         }
         let tick = instrument.control(recorded.raw);

@@ -98,6 +98,8 @@ struct Pace {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WatchState {
     parameters: Parameters,
+    /// The fan's level as announced, behind its lag, and the model there.
+    fan: f32,
     process: Process,
     flows: [Process; 2],
     motion: Motion,
@@ -121,6 +123,8 @@ pub(super) struct WatchState {
     z_mean: [f32; 2],
     candidate: f32,
     rests: u32,
+    /// Ticks for which a change of the fan settles.
+    settling: u32,
     ticks: u32,
     alarm: Option<Alarm>,
     steady: Steady,
@@ -141,8 +145,19 @@ struct Charted {
 /// A valid T1 and T2 whose difference is so much other than learnt contradict each other, degC: neither is regulated by.
 const MAX_CONTRADICTION: f32 = 6.0;
 
+/// Levels of the fan that differ by less are one, and for how long after a change nothing is judged, s.
+const FAN_STEP: f32 = 1e-3;
+const FAN_SETTLES: f32 = 10.0;
+
 /// Residence time of the reference rig, s: what all times here were tuned on.
 const REFERENCE: f32 = 1.1;
+
+impl WatchState {
+    /// Static gain from the power to T1, degC per %.
+    pub(super) fn gain(&self) -> f32 {
+        libm::expf(self.parameters.get(Parameter::Gain))
+    }
+}
 
 impl Watch {
     fn pace(&self, p: &Parameters) -> Pace {
@@ -177,6 +192,7 @@ impl Watch {
         let process = Process::new(&p, 1.0);
         WatchState {
             parameters: p,
+            fan: 1.0,
             process,
             flows: [Process::new(&p, LESS), Process::new(&p, MORE)],
             motion: trained.motion,
@@ -199,6 +215,7 @@ impl Watch {
             z_mean: [0.0; 2],
             candidate: 0.0,
             rests: 0,
+            settling: 0,
             ticks: 0,
             alarm: None,
             steady: Steady::new(&trained.motion, trained.rise),
@@ -219,8 +236,9 @@ impl Watch {
         y: [Option<f32>; 2],
         t0: Option<f32>,
         believed: [Option<f32>; 2],
-        u: f32,
+        [u, fan]: [f32; 2],
     ) -> ModelAlarm {
+        self.follow_fan(s, fan);
         if let Some(t0) = t0 {
             let (before, mut mean, _) = s.inlet.unwrap_or((t0, t0, [0.0; 2]));
             let above = t0 - mean;
@@ -258,7 +276,14 @@ impl Watch {
     }
 
     /// Keeps the models going while the instrument does not watch by them.
-    pub(super) fn idle(&self, s: &mut WatchState, believed: [Option<f32>; 2], u: f32, heating: bool) {
+    pub(super) fn idle(
+        &self,
+        s: &mut WatchState,
+        believed: [Option<f32>; 2],
+        [u, fan]: [f32; 2],
+        heating: bool,
+    ) {
+        self.follow_fan(s, fan);
         s.alarm = None;
         s.lasting = None;
         s.rest();
@@ -270,6 +295,27 @@ impl Watch {
         let offsets = [s.parameters.get(Parameter::Offset1), s.parameters.get(Parameter::Offset2)];
         s.expected = core::array::from_fn(|m| rises.y[m] + offsets[m] + s.mean[m]);
         self.follow_rises(s, believed, heating);
+    }
+
+    /// Follows an announced change of the fan, with its lag. What is known of such a change is its kind, hardly its size: for a while nothing is
+    /// judged, and the state since training is taken anew from there.
+    fn follow_fan(&self, s: &mut WatchState, fan: f32) {
+        let left = fan - s.fan;
+        if left.abs() < FAN_STEP {
+            return;
+        }
+        s.fan += left * s.pace.onset.fan.min(1.0);
+        if (fan - s.fan).abs() < FAN_STEP {
+            s.fan = fan;
+        }
+        s.process = Process::new(&s.parameters, s.fan);
+        s.flows = [Process::new(&s.parameters, LESS * s.fan), Process::new(&s.parameters, MORE * s.fan)];
+        s.tracker.widen([0.02, 0.3 * left.abs(), 0.0, 0.0]);
+        s.steady.rebase();
+        s.alarm = None;
+        s.lasting = None;
+        s.rest();
+        s.settling = (FAN_SETTLES * s.pace.stretch / self.sample_time) as u32;
     }
 
     /// Holds the measured rises against the expected ones.
@@ -299,16 +345,18 @@ impl Watch {
         if s.alarm.is_some() {
             self.follow_alarm(s, tick);
         }
-        if s.rests > 0 {
-            s.rests -= 1;
+        let settling = s.settling > 0;
+        s.settling = s.settling.saturating_sub(1);
+        if s.rests > 0 || settling {
+            s.rests = s.rests.saturating_sub(1);
             s.fast = Default::default();
             s.slow = Sums::default();
         }
         let quiet = s.alarm.is_none();
-        if quiet && larger(charted.fast, charted.slow) < TRACK_BELOW {
+        if quiet && (settling || larger(charted.fast, charted.slow) < TRACK_BELOW) {
             s.tracker.step(&whitened, [bounded(z[0], -CLIP, CLIP), bounded(z[1], -CLIP, CLIP)]);
         }
-        if quiet && s.rests == 0 && s.ticks > FIRST_TICKS {
+        if quiet && s.rests == 0 && !settling && s.ticks > FIRST_TICKS {
             s.steady.gather(&s.pace.steady, row, &whitened, e, z_trained);
             self.judge_lasting(s, tick);
         }
@@ -373,6 +421,7 @@ impl Watch {
         }
         let nominal = Nominal {
             parameters: &s.parameters,
+            fan: s.fan,
             process: &s.process,
             motion: &s.motion,
             history: &s.history,

@@ -151,6 +151,7 @@ impl Onset {
         put(Column::Gain2, [0.0, y[1]]);
         put(Column::Inlet1, [now.inlet[0], 0.0]);
         put(Column::Inlet2, [0.0, now.inlet[1]]);
+        put(Column::Exchanged, [y[1] - y[0], y[0] - y[1]]);
         put(Column::Wall, now.rises.wall);
         put(Column::Shift, [now.before[0] - y[0], now.before[1] - y[1]]);
         for (value, past) in row.iter_mut().zip(&mut self.past) {

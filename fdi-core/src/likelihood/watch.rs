@@ -46,8 +46,16 @@ const GOES_ON: [f32; 2] = [0.4, 0.7];
 /// A class is named from this probability on; air flow or heater power by itself from this one on.
 const NAME: f32 = 0.95;
 const NAME_PROCESS: f32 = 0.97;
+const ALWAYS_BOTH: f32 = 2.0;
+/// The same for what has changed since training.
+const NAME_LASTING: f32 = 0.9;
 /// Flow and power are told apart only after so long, s.
 const PROCESS_TIME: f32 = 3.0;
+/// The best hypothesis fits nothing from so much unexplained for each whitened residual on (1 is noise), and fits again below so much; asked after
+/// so long, s.
+const STRANGE: f32 = 4.0;
+const FITS: f32 = 1.5;
+const UNKNOWN_AFTER: f32 = 3.0;
 /// After so long the likeliest is named, s.
 const ANY_AFTER: f32 = 8.0;
 /// What nuisances explain for so long is taken into the tracker, s.
@@ -128,7 +136,7 @@ pub(super) struct WatchState {
     ticks: u32,
     alarm: Option<Alarm>,
     steady: Steady,
-    lasting: Option<Finding>,
+    lasting: Option<Lasting>,
     heat: HeatState,
     measured: [f32; 2],
     stays: [f32; 2],
@@ -449,7 +457,7 @@ impl Watch {
             return;
         }
         s.candidate += self.sample_time / s.pace.stretch;
-        let freed = s.judge_since();
+        let (freed, _) = s.judge_since();
         let posterior = Posterior::new(&freed);
         let best = &HYPOTHESES[posterior.best];
         let size = freed[posterior.best].value.abs();
@@ -480,7 +488,7 @@ impl Watch {
     fn follow_alarm(&self, s: &mut WatchState, tick: u32) {
         let Some(mut alarm) = s.alarm else { return };
         alarm.age += self.sample_time / s.pace.stretch;
-        let mut freed = s.judge_since();
+        let (mut freed, left) = s.judge_since();
         if alarm.age < PROCESS_TIME {
             for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
                 if row.class == FaultClass::Drift {
@@ -498,14 +506,26 @@ impl Watch {
             for h in &order[..5] { std::eprint!(" [{h} {} {:.1} v{:.2}+-{:.2} p{:.3}]", HYPOTHESES[*h].class.name(), freed[*h].gain, freed[*h].value, freed[*h].sd, posterior.of(*h)); }
             std::eprintln!();
         } // DEBUG
-        let (class, confidence) = named(&posterior, &alarm);
+        let unexplained = (left - 2.0 * KAPPA * freed[h].gain) / larger(1.0, s.since.count);
+        // DEBUG
+        if std::env::var_os("FDI_RATIO").is_some() && ((alarm.age - 3.2).abs() < 0.06 || (alarm.age - 15.0).abs() < 0.06) {
+            std::eprintln!("RATIO {} {:.2} energy {:.1} class {} p {:.3}", if alarm.age > 10.0 { "late" } else { "early" }, unexplained, s.since.energy / s.since.count, HYPOTHESES[h].class.name(), posterior.of(h));
+        } // DEBUG
+        let least = if alarm.age < PROCESS_TIME { ALWAYS_BOTH } else { NAME_PROCESS };
+        let (class, confidence) = named(&posterior, least);
+        alarm.strange = alarm.age > UNKNOWN_AFTER && unexplained > if alarm.strange { FITS } else { STRANGE };
         let finding = Finding {
             class,
             confidence,
             magnitude: magnitude(h, class, &freed[h]),
             onset: alarm.onset,
         };
-        if confidence > NAME || alarm.age > ANY_AFTER || alarm.finding.is_some_and(|was| was.class == class) {
+        if alarm.strange {
+            alarm.finding = Some(Finding { class: FaultClass::Unknown, confidence: 0.0, magnitude: None, ..finding });
+        } else if confidence > NAME
+            || alarm.age > ANY_AFTER
+            || alarm.finding.is_some_and(|was| was.class == class)
+        {
             alarm.finding = Some(finding);
         }
         let value = freed[h].value;
@@ -562,13 +582,24 @@ impl Watch {
             for h in &order[..4] { std::eprint!(" [{h} {} {:.1} v{:.3}+-{:.3} p{:.3}]", HYPOTHESES[*h].class.name(), freed[*h].gain, freed[*h].value, freed[*h].sd, posterior.of(*h)); }
             std::eprintln!(" e {:.2} {:.2} tr {:.3?}", s.steady.mean_e[0], s.steady.mean_e[1], s.tracker.x);
         } // DEBUG
-        s.lasting = there.then(|| Finding {
-            class: row.class,
-            confidence: posterior.of(h),
-            magnitude: magnitude(h, row.class, &sized),
+        let (class, confidence) = named(&posterior, NAME_LASTING);
+        s.lasting = there.then(|| Lasting {
             onset,
+            finding: (confidence > NAME_LASTING).then(|| Finding {
+                class,
+                confidence,
+                magnitude: magnitude(h, class, &sized),
+                onset,
+            }),
         });
     }
+}
+
+/// What has changed since training: when that was seen, and what it is, once that can be told.
+#[derive(Clone, Copy, Debug)]
+struct Lasting {
+    onset: u32,
+    finding: Option<Finding>,
 }
 
 /// Power and rises of this tick, and the rises before.
@@ -578,13 +609,13 @@ struct NowRises {
     before: [f32; 2],
 }
 
-/// The class that is likeliest, and how likely. Air flow and heater power are one until they can be told apart.
-fn named(posterior: &Posterior, alarm: &Alarm) -> (FaultClass, f32) {
+/// The class that is likeliest, and how likely. Air flow and heater power are one until one of them is likely enough by itself.
+fn named(posterior: &Posterior, least: f32) -> (FaultClass, f32) {
     let class = HYPOTHESES[posterior.likeliest].class;
     let probability = posterior.of(posterior.likeliest);
     let [flow, power] = [FaultClass::AirFlow, FaultClass::HeaterPower].map(|class| posterior.of_class(class));
     let process = matches!(class, FaultClass::AirFlow | FaultClass::HeaterPower);
-    if process && (alarm.age < PROCESS_TIME || larger(flow, power) < NAME_PROCESS) {
+    if process && larger(flow, power) < least {
         return (FaultClass::AirFlowOrHeaterPower, flow + power);
     }
     (class, probability)
@@ -596,7 +627,7 @@ fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
     let with_error = |share: f32| libm::sqrtf(sd * sd + share * share * value * value) * HALF_OF_95;
     let others = SIZE_ERROR[1];
     match class {
-        FaultClass::AirFlowOrHeaterPower | FaultClass::Stuck(_) => None,
+        FaultClass::AirFlowOrHeaterPower | FaultClass::Stuck(_) | FaultClass::Swapped(_) => None,
         FaultClass::HeaterPower if h == CONSTANT => None,
         FaultClass::AirFlow => {
             let inverse = larger(0.1, 1.0 + value);
@@ -612,7 +643,7 @@ fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
 
 impl WatchState {
     /// Gains of all hypotheses since the onset.
-    fn judge_since(&self) -> [Freed; hypothesis::COUNT] {
+    fn judge_since(&self) -> ([Freed; hypothesis::COUNT], f32) {
         let nuisances = Nuisances::new(&self.since, &SINCE_ONSET, KAPPA);
         let mut freed = [Freed::default(); hypothesis::COUNT];
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
@@ -622,7 +653,7 @@ impl WatchState {
             }
             *freed = row.judged(nuisances.free(row.first, second));
         }
-        freed
+        (freed, self.since.energy - nuisances.explained)
     }
 
     /// Nuisances explain what the charts say: the tracker takes them.
@@ -655,8 +686,8 @@ impl WatchState {
     fn reported(&self, heat: &Heat, tick: u32) -> ModelAlarm {
         let finding = match (&self.alarm, self.lasting) {
             (Some(Alarm { finding: Some(finding), .. }), _) => *finding,
-            (Some(_), None) => return ModelAlarm::Unnamed,
-            (_, Some(lasting)) => lasting,
+            (_, Some(Lasting { finding: Some(finding), .. })) => finding,
+            (Some(_), _) | (_, Some(_)) => return ModelAlarm::Unnamed,
             (None, None) => return ModelAlarm::Quiet,
         };
         heat.review(&self.heat, finding, tick)

@@ -39,7 +39,7 @@ const INLET_TIME: f32 = 1.0;
 /// Evidence since an onset is divided by so much.
 const KAPPA: f32 = 1.5;
 /// Log Bayes factors that raise an alarm: since the onset, and since training.
-const RAISE: f32 = 6.0;
+const RAISE: f32 = 4.5;
 const RAISE_SLOW: f32 = 1.5;
 /// An alarm since training goes on above this share of both the factor and the size that raised it.
 const GOES_ON: [f32; 2] = [0.4, 0.7];
@@ -51,10 +51,10 @@ const ALWAYS_BOTH: f32 = 2.0;
 const NAME_LASTING: f32 = 0.9;
 /// Flow and power are told apart only after so long, s.
 const PROCESS_TIME: f32 = 3.0;
-/// The best hypothesis fits nothing from so much unexplained for each whitened residual on (1 is noise), and fits again below so much; asked after
-/// so long, s.
-const STRANGE: f32 = 4.0;
-const FITS: f32 = 1.5;
+/// The best hypothesis does not fit where it leaves more than so much of each whitened residual's square (1 is noise), and such a share of what there
+/// was; it fits again below these. Asked after so long, s.
+const STRANGE: [f32; 2] = [4.0, 0.06];
+const FITS: [f32; 2] = [1.5, 0.02];
 const UNKNOWN_AFTER: f32 = 3.0;
 /// After so long the likeliest is named, s.
 const ANY_AFTER: f32 = 8.0;
@@ -513,7 +513,9 @@ impl Watch {
         } // DEBUG
         let least = if alarm.age < PROCESS_TIME { ALWAYS_BOTH } else { NAME_PROCESS };
         let (class, confidence) = named(&posterior, least);
-        alarm.strange = alarm.age > UNKNOWN_AFTER && unexplained > if alarm.strange { FITS } else { STRANGE };
+        let share = unexplained * s.since.count / larger(1.0, s.since.energy);
+        let [least, least_share] = if alarm.strange { FITS } else { STRANGE };
+        alarm.strange = alarm.age > UNKNOWN_AFTER && unexplained > least && share > least_share;
         let finding = Finding {
             class,
             confidence,

@@ -34,7 +34,7 @@ impl Bench {
         Self {
             control: ControlLoop::new(controller, config.setpoint, interlock),
             output: Output::default(),
-            codes: RawSample { t0: ambient, t1: ambient, t2: ambient },
+            codes: RawSample { t0: ambient, t1: ambient, t2: ambient, ..RawSample::default() },
             noise: 0,
         }
     }
@@ -51,7 +51,12 @@ impl Bench {
     fn step(&mut self, order: Option<Order>) -> TickRecord {
         self.noise = (self.noise + 1) % 3; // a live sensor is never quite still
         let wiggle = |code: AdcCode| AdcCode(code.0 + self.noise as f32);
-        let raw = RawSample { t0: self.codes.t0, t1: wiggle(self.codes.t1), t2: wiggle(self.codes.t2) };
+        let raw = RawSample {
+            t0: self.codes.t0,
+            t1: wiggle(self.codes.t1),
+            t2: wiggle(self.codes.t2),
+            ..RawSample::default()
+        };
         self.control.tick(raw, Arrival::default(), order, Feedback::default(), &mut self.output)
     }
 

@@ -95,6 +95,10 @@ impl Chip for &'static Shared {
         look(&self.diagnosis.borrow())
     }
 
+    fn change<R>(&mut self, change: impl FnOnce(&mut DiagnosisLoop) -> R) -> R {
+        change(&mut self.diagnosis.borrow_mut())
+    }
+
     fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {
         let controller = self.diagnosis.borrow_mut().propose(config)?;
         log_line::settings(config, log::line); // a replay needs them before the order that puts them in force

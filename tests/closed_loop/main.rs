@@ -3,5 +3,6 @@
 mod board_loop;
 mod contradiction;
 mod heat;
+mod known;
 mod likelihood;
 mod scenarios;

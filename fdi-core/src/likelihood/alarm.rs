@@ -31,11 +31,13 @@ pub(super) struct Alarm {
     /// Since it was raised, s of the reference rig.
     pub(super) age: f32,
     pub(super) finding: Option<Finding>,
+    /// No hypothesis fits.
+    pub(super) strange: bool,
 }
 
 impl Alarm {
     /// A fault thought to have begun on tick `onset`.
     pub(super) fn new(onset: u32) -> Self {
-        Self { onset, age: 0.0, finding: None }
+        Self { onset, age: 0.0, finding: None, strange: false }
     }
 }

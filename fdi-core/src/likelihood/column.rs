@@ -30,6 +30,8 @@ pub(super) enum Column {
     /// How much T0 is above its mean of some time: the inlet's way to T1 and to T2 is not T0's, degC.
     Inlet1,
     Inlet2,
+    /// T1 and T2 exchanged.
+    Exchanged,
     /// A constant power, %.
     Constant,
 }

@@ -37,8 +37,8 @@ pub(super) struct Nuisances<'a> {
     factor: Cholesky<MOST>,
     /// `L^-1` times the scaled b.
     score: [f32; MOST],
-    /// Log evidence of the nuisances alone.
-    pub(super) log_evidence: f32,
+    /// What the nuisances alone take from the residual sum of squares.
+    pub(super) explained: f32,
 }
 
 /// What a hypothesis frees: the direction, with mean and standard deviation of its prior.
@@ -76,8 +76,7 @@ impl<'a> Nuisances<'a> {
         let factor = Cholesky::new(rows, list.len());
         factor.forward(&mut score);
         let quadratic: f32 = score.iter().map(|x| x * x).sum();
-        let log_evidence = 0.5 * quadratic - factor.log_det;
-        Self { normal, list, inv_kappa, factor, score, log_evidence }
+        Self { normal, list, inv_kappa, factor, score, explained: kappa * quadratic }
     }
 
     /// `L^-1` times what a direction shares with each nuisance.

@@ -1,6 +1,6 @@
 //! The hypotheses and the nuisances, a row each: what may have changed, by how much, and what it is called.
 
-use super::class::{Channel, FaultClass};
+use super::class::{Channel, FaultClass, Pair};
 use super::column::{Column, Direction};
 use super::evidence::{Free, Freed, Nuisance};
 
@@ -23,7 +23,7 @@ pub(super) struct Hypothesis {
 }
 
 /// Hypotheses there are.
-pub(super) const COUNT: usize = 22;
+pub(super) const COUNT: usize = 23;
 
 const fn of(column: Column) -> Direction {
     Direction::Of(column)
@@ -128,6 +128,7 @@ pub(super) static HYPOTHESES: [Hypothesis; COUNT] = [
     lagging(t1_detached(of(Column::ShortLoss)), of(Column::ShortLag)),
     lagging(t1_detached(Direction::MidLoss), Direction::MidLag),
     lagging(t1_detached(of(Column::LongLoss)), of(Column::LongLag)),
+    brief(rare(row(FaultClass::Swapped(Pair::T1T2), of(Column::Exchanged), 1.0, 0.05), RARE)),
     brief(rare(within(row(FaultClass::T2Detached, of(Column::Gain2), -0.7, 0.2), -1.3, -DETACHED), -3.0)),
 ];
 

@@ -9,7 +9,8 @@
 //!                              ^--refused--|      (a relearning, or a stop, leads back to untrained)
 //! ```
 //!
-//! Both models are driven by the power that was really applied, so the controller hides nothing. Sources: docs/diagnosis.md.
+//! Both models are driven by the power that was really applied, so the controller hides nothing; where the supply is measured, by
+//! what the heater makes of it. Sources: docs/diagnosis.md.
 //!
 //! What it says stands in each [`Report`](crate::Report):
 //!
@@ -19,7 +20,7 @@
 //!
 //! let mut instrument = Instrument::new(&Config::default())?;
 //! let code = AdcCode(2160.0);
-//! let tick = instrument.control(RawSample { t0: code, t1: code, t2: code });
+//! let tick = instrument.control(RawSample { t0: code, t1: code, t2: code, ..RawSample::default() });
 //! let report = instrument.diagnose(&tick, tick.drive).likelihood;
 //! assert_eq!(report.readiness, Readiness::Untrained); // nothing learnt, nothing claimed
 //! assert!(report.finding.is_none());
@@ -35,6 +36,7 @@ mod chart;
 mod cholesky;
 pub mod class;
 mod column;
+mod commissioned;
 pub mod config;
 mod contradiction;
 mod evidence;
@@ -66,6 +68,7 @@ use alarm::ModelAlarm;
 use ambient::{Ambient, AmbientState};
 use chart::Chart;
 pub use class::{Channel, FaultClass, Pair};
+pub use commissioned::{Commissioned, PARAMETERS, SinceCommissioning};
 use config::LikelihoodConfig;
 use contradiction::Contradiction;
 use heat::Heat;
@@ -92,6 +95,8 @@ pub struct LikelihoodState {
     trained: Option<WatchState>,
     /// It belongs to the last learning, so that faults may be told by it.
     current: bool,
+    /// What was trained when the rig was commissioned.
+    commissioned: Option<Commissioned>,
     /// What the models reported last.
     reported: ModelAlarm,
     sensors: Sensors,
@@ -103,6 +108,9 @@ pub struct LikelihoodState {
     cold: Cold,
 }
 
+/// Nothing is trained while the fan is announced to be further from its usual level than this share.
+const FAN_TOLERANCE: f32 = 0.05;
+
 /// One tick, as all parts see it.
 struct Now<'a> {
     tick: &'a Tick,
@@ -110,8 +118,10 @@ struct Now<'a> {
     /// Rises of T1 and T2 over T0, and over the ambient that is believed, where known, degC.
     y: [Option<f32>; 2],
     believed: [Option<f32>; 2],
-    /// What drives the heater from now on, %.
+    /// What drives the heater from now on, as at the nominal supply, %.
     u: f32,
+    /// Level of the fan as announced, share of that at which the rig is learnt; 1 where nothing was.
+    fan: f32,
 }
 
 const _: () = assert!(size_of::<LikelihoodState>() <= 12288, "more than the board has for it");
@@ -142,7 +152,7 @@ impl Likelihood {
     }
 
     /// Diagnoses one tick: `y` are the rises of T1 and T2 over T0 in degC where valid, `applied` is what drives
-    /// the heater from this tick to the next, %. `undisturbed` says that the paper's signatures see no fault.
+    /// the heater from this tick to the next, %, whatever its supply. `undisturbed` says that the paper's signatures see no fault.
     pub fn step(
         &self,
         state: &mut LikelihoodState,
@@ -151,14 +161,16 @@ impl Likelihood {
         applied: f32,
         undisturbed: bool,
     ) -> LikelihoodReport {
+        let power = tick.known.effective(applied);
         let readings = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(|reading| reading.good());
         let [t0, t1, t2] = readings;
         let heating = tick.mode.is_heating();
         self.follow_mode(state, tick);
-        self.ambient.step(&mut state.ambient, tick.index, readings, applied);
+        self.ambient.step(&mut state.ambient, tick.index, readings, power);
         let read = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(read);
-        let contradiction = state.contradiction.step(&self.response, tick.index, heating, read, applied);
-        let now = Now { tick, heating, y, believed: state.ambient.rises([t1, t2]), u: applied };
+        let contradiction = state.contradiction.step(&self.response, tick.index, heating, read, power);
+        let believed = state.ambient.rises([t1, t2]);
+        let now = Now { tick, heating, y, believed, u: power, fan: tick.known.fan_share() };
         let undisturbed = undisturbed && contradiction.is_none();
         state.cold.step(y, applied <= 0.0);
         let by_models = self.watch(state, &now);
@@ -172,6 +184,22 @@ impl Likelihood {
             finding,
             ..self.heat(state, &now)
         }
+    }
+
+    /// The models that are in force, as they are kept at a commissioning.
+    pub fn trained(&self, state: &LikelihoodState) -> Option<Commissioned> {
+        let trained = state.trained.as_ref().filter(|_| state.current)?;
+        Some(Commissioned::new(trained.gain()))
+    }
+
+    /// Takes over what was trained when the rig was commissioned, which has been checked with [`Commissioned::validate`].
+    pub fn commission(&self, state: &mut LikelihoodState, commissioned: Option<Commissioned>) {
+        state.commissioned = commissioned;
+    }
+
+    /// What has become of the rig since it was commissioned, by the models in force.
+    pub fn since_commissioning(&self, state: &LikelihoodState) -> Option<SinceCommissioning> {
+        Some(state.commissioned?.until(&self.trained(state)?))
     }
 
     /// Training starts afresh whenever learning does, and ends with heating. What was trained outlives both, unless the
@@ -196,7 +224,8 @@ impl Likelihood {
         let tick = now.tick;
         // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = tick.mode == Mode::Monitor && tick.prbs.0 != 0.0;
-        let fit_to_learn = undisturbed && (tick.learn || quiet);
+        let usual_fan = (now.fan - 1.0).abs() <= FAN_TOLERANCE;
+        let fit_to_learn = undisturbed && usual_fan && (tick.learn || quiet);
         if state.current || !now.heating || (tick.mode == Mode::Monitor && !fit_to_learn) {
             return;
         }
@@ -225,10 +254,10 @@ impl Likelihood {
         let Some(trained) = state.trained.as_mut() else { return ModelAlarm::Quiet };
         if state.current && now.tick.mode == Mode::Monitor {
             let t0 = now.tick.sample.t0.good();
-            state.reported = self.watch.step(trained, now.tick.index, now.y, t0, now.believed, now.u);
+            state.reported = self.watch.step(trained, now.tick.index, now.y, t0, now.believed, [now.u, now.fan]);
             return state.reported;
         }
-        self.watch.idle(trained, now.believed, now.u, now.heating);
+        self.watch.idle(trained, now.believed, [now.u, now.fan], now.heating);
         // What is found afterwards is only how the rig cools: what was reported before a trip is what can be said of it.
         if !matches!(now.tick.mode, Mode::Tripped(_)) {
             state.reported = ModelAlarm::Quiet;

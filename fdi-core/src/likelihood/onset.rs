@@ -66,6 +66,8 @@ pub(super) struct OnsetConstants {
 /// The model as learnt on this tick.
 pub(super) struct Nominal<'a> {
     pub(super) parameters: &'a Parameters,
+    /// The air flow that it has, 1 as learnt.
+    pub(super) fan: f32,
     pub(super) process: &'a Process,
     pub(super) motion: &'a Motion,
     pub(super) history: &'a History,
@@ -101,8 +103,8 @@ impl Onset {
         // The fan's lag: the coefficients follow while the flow still moves.
         let approach = 1.0 - libm::expf(-(self.flow_age + 0.5) * c.fan);
         if self.flow_age * c.fan < 8.0 {
-            self.less.process = Process::new(now.parameters, 1.0 + (LESS - 1.0) * approach);
-            self.more.process = Process::new(now.parameters, 1.0 + (MORE - 1.0) * approach);
+            self.less.process = Process::new(now.parameters, now.fan * (1.0 + (LESS - 1.0) * approach));
+            self.more.process = Process::new(now.parameters, now.fan * (1.0 + (MORE - 1.0) * approach));
             self.flow_age += 1.0;
         }
         [
@@ -149,6 +151,7 @@ impl Onset {
         put(Column::Gain2, [0.0, y[1]]);
         put(Column::Inlet1, [now.inlet[0], 0.0]);
         put(Column::Inlet2, [0.0, now.inlet[1]]);
+        put(Column::Exchanged, [y[1] - y[0], y[0] - y[1]]);
         put(Column::Wall, now.rises.wall);
         put(Column::Shift, [now.before[0] - y[0], now.before[1] - y[1]]);
         for (value, past) in row.iter_mut().zip(&mut self.past) {

@@ -51,6 +51,9 @@ pub(super) struct Steady {
     /// What the fast band seems to have changed by while nothing had: where the model is wrong.
     reference: [f32; COUNT],
     referred: bool,
+    /// Means of the residuals that count as trained, degC, and whether they are to be taken anew.
+    base: [f32; 2],
+    rebasing: bool,
     ticks: u32,
 }
 
@@ -69,6 +72,8 @@ impl Steady {
             normal: Normal::default(),
             reference: [0.0; COUNT],
             referred: false,
+            base: [0.0; 2],
+            rebasing: false,
             ticks: 0,
         }
     }
@@ -152,6 +157,10 @@ impl Steady {
     /// What the fast band says now is what it says without a fault.
     fn refer(&mut self) {
         self.referred = true;
+        if self.rebasing {
+            self.base = self.mean_e;
+            self.rebasing = false;
+        }
         let nuisances = Nuisances::new(&self.normal, &MODEL_ERRORS, KAPPA);
         let values = nuisances.values();
         for ((direction, _), value) in MODEL_ERRORS.iter().zip(values) {
@@ -159,6 +168,14 @@ impl Steady {
         }
         self.normal = Normal::default();
         self.ticks = 0;
+    }
+
+    /// The rig was changed on purpose: what it is from now on counts as trained.
+    pub(super) fn rebase(&mut self) {
+        self.normal = Normal::default();
+        self.ticks = 0;
+        self.referred = false;
+        self.rebasing = true;
     }
 
     /// Whether there is anything to judge by.
@@ -198,7 +215,8 @@ impl Steady {
         let mut normal = self.normal;
         normal.explain(&self.reference);
         normal.scale(fast);
-        normal.add(&self.mean, self.mean_e, KAPPA / (MEAN_SD * MEAN_SD));
+        let e = [self.mean_e[0] - self.base[0], self.mean_e[1] - self.base[1]];
+        normal.add(&self.mean, e, KAPPA / (MEAN_SD * MEAN_SD));
         normal
     }
 }

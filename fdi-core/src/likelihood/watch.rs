@@ -39,15 +39,23 @@ const INLET_TIME: f32 = 1.0;
 /// Evidence since an onset is divided by so much.
 const KAPPA: f32 = 1.5;
 /// Log Bayes factors that raise an alarm: since the onset, and since training.
-const RAISE: f32 = 6.0;
+const RAISE: f32 = 4.5;
 const RAISE_SLOW: f32 = 1.5;
 /// An alarm since training goes on above this share of both the factor and the size that raised it.
 const GOES_ON: [f32; 2] = [0.4, 0.7];
 /// A class is named from this probability on; air flow or heater power by itself from this one on.
 const NAME: f32 = 0.95;
 const NAME_PROCESS: f32 = 0.97;
+const ALWAYS_BOTH: f32 = 2.0;
+/// The same for what has changed since training.
+const NAME_LASTING: f32 = 0.9;
 /// Flow and power are told apart only after so long, s.
 const PROCESS_TIME: f32 = 3.0;
+/// The best hypothesis does not fit where it leaves more than so much of each whitened residual's square (1 is noise), and such a share of what there
+/// was; it fits again below these. Asked after so long, s.
+const STRANGE: [f32; 2] = [4.0, 0.06];
+const FITS: [f32; 2] = [1.5, 0.02];
+const UNKNOWN_AFTER: f32 = 3.0;
 /// After so long the likeliest is named, s.
 const ANY_AFTER: f32 = 8.0;
 /// What nuisances explain for so long is taken into the tracker, s.
@@ -98,6 +106,8 @@ struct Pace {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WatchState {
     parameters: Parameters,
+    /// The fan's level as announced, behind its lag, and the model there.
+    fan: f32,
     process: Process,
     flows: [Process; 2],
     motion: Motion,
@@ -121,10 +131,12 @@ pub(super) struct WatchState {
     z_mean: [f32; 2],
     candidate: f32,
     rests: u32,
+    /// Ticks for which a change of the fan settles.
+    settling: u32,
     ticks: u32,
     alarm: Option<Alarm>,
     steady: Steady,
-    lasting: Option<Finding>,
+    lasting: Option<Lasting>,
     heat: HeatState,
     measured: [f32; 2],
     stays: [f32; 2],
@@ -141,8 +153,19 @@ struct Charted {
 /// A valid T1 and T2 whose difference is so much other than learnt contradict each other, degC: neither is regulated by.
 const MAX_CONTRADICTION: f32 = 6.0;
 
+/// Levels of the fan that differ by less are one, and for how long after a change nothing is judged, s.
+const FAN_STEP: f32 = 1e-3;
+const FAN_SETTLES: f32 = 10.0;
+
 /// Residence time of the reference rig, s: what all times here were tuned on.
 const REFERENCE: f32 = 1.1;
+
+impl WatchState {
+    /// Static gain from the power to T1, degC per %.
+    pub(super) fn gain(&self) -> f32 {
+        libm::expf(self.parameters.get(Parameter::Gain))
+    }
+}
 
 impl Watch {
     fn pace(&self, p: &Parameters) -> Pace {
@@ -177,6 +200,7 @@ impl Watch {
         let process = Process::new(&p, 1.0);
         WatchState {
             parameters: p,
+            fan: 1.0,
             process,
             flows: [Process::new(&p, LESS), Process::new(&p, MORE)],
             motion: trained.motion,
@@ -199,6 +223,7 @@ impl Watch {
             z_mean: [0.0; 2],
             candidate: 0.0,
             rests: 0,
+            settling: 0,
             ticks: 0,
             alarm: None,
             steady: Steady::new(&trained.motion, trained.rise),
@@ -219,8 +244,9 @@ impl Watch {
         y: [Option<f32>; 2],
         t0: Option<f32>,
         believed: [Option<f32>; 2],
-        u: f32,
+        [u, fan]: [f32; 2],
     ) -> ModelAlarm {
+        self.follow_fan(s, fan);
         if let Some(t0) = t0 {
             let (before, mut mean, _) = s.inlet.unwrap_or((t0, t0, [0.0; 2]));
             let above = t0 - mean;
@@ -260,7 +286,14 @@ impl Watch {
     }
 
     /// Keeps the models going while the instrument does not watch by them.
-    pub(super) fn idle(&self, s: &mut WatchState, believed: [Option<f32>; 2], u: f32, heating: bool) {
+    pub(super) fn idle(
+        &self,
+        s: &mut WatchState,
+        believed: [Option<f32>; 2],
+        [u, fan]: [f32; 2],
+        heating: bool,
+    ) {
+        self.follow_fan(s, fan);
         s.alarm = None;
         s.lasting = None;
         s.rest();
@@ -272,6 +305,27 @@ impl Watch {
         let offsets = [s.parameters.get(Parameter::Offset1), s.parameters.get(Parameter::Offset2)];
         s.expected = core::array::from_fn(|m| rises.y[m] + offsets[m] + s.mean[m]);
         self.follow_rises(s, believed, heating);
+    }
+
+    /// Follows an announced change of the fan, with its lag. What is known of such a change is its kind, hardly its size: for a while nothing is
+    /// judged, and the state since training is taken anew from there.
+    fn follow_fan(&self, s: &mut WatchState, fan: f32) {
+        let left = fan - s.fan;
+        if left.abs() < FAN_STEP {
+            return;
+        }
+        s.fan += left * s.pace.onset.fan.min(1.0);
+        if (fan - s.fan).abs() < FAN_STEP {
+            s.fan = fan;
+        }
+        s.process = Process::new(&s.parameters, s.fan);
+        s.flows = [Process::new(&s.parameters, LESS * s.fan), Process::new(&s.parameters, MORE * s.fan)];
+        s.tracker.widen([0.02, 0.3 * left.abs(), 0.0, 0.0]);
+        s.steady.rebase();
+        s.alarm = None;
+        s.lasting = None;
+        s.rest();
+        s.settling = (FAN_SETTLES * s.pace.stretch / self.sample_time) as u32;
     }
 
     /// Holds the measured rises against the expected ones.
@@ -301,16 +355,18 @@ impl Watch {
         if s.alarm.is_some() {
             self.follow_alarm(s, tick);
         }
-        if s.rests > 0 {
-            s.rests -= 1;
+        let settling = s.settling > 0;
+        s.settling = s.settling.saturating_sub(1);
+        if s.rests > 0 || settling {
+            s.rests = s.rests.saturating_sub(1);
             s.fast = Default::default();
             s.slow = Sums::default();
         }
         let quiet = s.alarm.is_none();
-        if quiet && larger(charted.fast, charted.slow) < TRACK_BELOW {
+        if quiet && (settling || larger(charted.fast, charted.slow) < TRACK_BELOW) {
             s.tracker.step(&whitened, [bounded(z[0], -CLIP, CLIP), bounded(z[1], -CLIP, CLIP)]);
         }
-        if quiet && s.rests == 0 && s.ticks > FIRST_TICKS {
+        if quiet && s.rests == 0 && !settling && s.ticks > FIRST_TICKS {
             s.steady.gather(&s.pace.steady, row, &whitened, e, z_trained);
             self.judge_lasting(s, tick);
         }
@@ -375,6 +431,7 @@ impl Watch {
         }
         let nominal = Nominal {
             parameters: &s.parameters,
+            fan: s.fan,
             process: &s.process,
             motion: &s.motion,
             history: &s.history,
@@ -402,7 +459,7 @@ impl Watch {
             return;
         }
         s.candidate += self.sample_time / s.pace.stretch;
-        let freed = s.judge_since();
+        let (freed, _) = s.judge_since();
         let posterior = Posterior::new(&freed);
         let best = &HYPOTHESES[posterior.best];
         let size = freed[posterior.best].value.abs();
@@ -433,7 +490,7 @@ impl Watch {
     fn follow_alarm(&self, s: &mut WatchState, tick: u32) {
         let Some(mut alarm) = s.alarm else { return };
         alarm.age += self.sample_time / s.pace.stretch;
-        let mut freed = s.judge_since();
+        let (mut freed, left) = s.judge_since();
         if alarm.age < PROCESS_TIME {
             for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
                 if row.class == FaultClass::Drift {
@@ -451,14 +508,28 @@ impl Watch {
             for h in &order[..5] { std::eprint!(" [{h} {} {:.1} v{:.2}+-{:.2} p{:.3}]", HYPOTHESES[*h].class.name(), freed[*h].gain, freed[*h].value, freed[*h].sd, posterior.of(*h)); }
             std::eprintln!();
         } // DEBUG
-        let (class, confidence) = named(&posterior, &alarm);
+        let unexplained = (left - 2.0 * KAPPA * freed[h].gain) / larger(1.0, s.since.count);
+        // DEBUG
+        if std::env::var_os("FDI_RATIO").is_some() && ((alarm.age - 3.2).abs() < 0.06 || (alarm.age - 15.0).abs() < 0.06) {
+            std::eprintln!("RATIO {} {:.2} energy {:.1} class {} p {:.3}", if alarm.age > 10.0 { "late" } else { "early" }, unexplained, s.since.energy / s.since.count, HYPOTHESES[h].class.name(), posterior.of(h));
+        } // DEBUG
+        let least = if alarm.age < PROCESS_TIME { ALWAYS_BOTH } else { NAME_PROCESS };
+        let (class, confidence) = named(&posterior, least);
+        let share = unexplained * s.since.count / larger(1.0, s.since.energy);
+        let [least, least_share] = if alarm.strange { FITS } else { STRANGE };
+        alarm.strange = alarm.age > UNKNOWN_AFTER && unexplained > least && share > least_share;
         let finding = Finding {
             class,
             confidence,
             magnitude: magnitude(h, class, &freed[h]),
             onset: alarm.onset,
         };
-        if confidence > NAME || alarm.age > ANY_AFTER || alarm.finding.is_some_and(|was| was.class == class) {
+        if alarm.strange {
+            alarm.finding = Some(Finding { class: FaultClass::Unknown, confidence: 0.0, magnitude: None, ..finding });
+        } else if confidence > NAME
+            || alarm.age > ANY_AFTER
+            || alarm.finding.is_some_and(|was| was.class == class)
+        {
             alarm.finding = Some(finding);
         }
         let value = freed[h].value;
@@ -515,13 +586,24 @@ impl Watch {
             for h in &order[..4] { std::eprint!(" [{h} {} {:.1} v{:.3}+-{:.3} p{:.3}]", HYPOTHESES[*h].class.name(), freed[*h].gain, freed[*h].value, freed[*h].sd, posterior.of(*h)); }
             std::eprintln!(" e {:.2} {:.2} tr {:.3?}", s.steady.mean_e[0], s.steady.mean_e[1], s.tracker.x);
         } // DEBUG
-        s.lasting = there.then(|| Finding {
-            class: row.class,
-            confidence: posterior.of(h),
-            magnitude: magnitude(h, row.class, &sized),
+        let (class, confidence) = named(&posterior, NAME_LASTING);
+        s.lasting = there.then(|| Lasting {
             onset,
+            finding: (confidence > NAME_LASTING).then(|| Finding {
+                class,
+                confidence,
+                magnitude: magnitude(h, class, &sized),
+                onset,
+            }),
         });
     }
+}
+
+/// What has changed since training: when that was seen, and what it is, once that can be told.
+#[derive(Clone, Copy, Debug)]
+struct Lasting {
+    onset: u32,
+    finding: Option<Finding>,
 }
 
 /// Power and rises of this tick, and the rises before.
@@ -531,13 +613,13 @@ struct NowRises {
     before: [f32; 2],
 }
 
-/// The class that is likeliest, and how likely. Air flow and heater power are one until they can be told apart.
-fn named(posterior: &Posterior, alarm: &Alarm) -> (FaultClass, f32) {
+/// The class that is likeliest, and how likely. Air flow and heater power are one until one of them is likely enough by itself.
+fn named(posterior: &Posterior, least: f32) -> (FaultClass, f32) {
     let class = HYPOTHESES[posterior.likeliest].class;
     let probability = posterior.of(posterior.likeliest);
     let [flow, power] = [FaultClass::AirFlow, FaultClass::HeaterPower].map(|class| posterior.of_class(class));
     let process = matches!(class, FaultClass::AirFlow | FaultClass::HeaterPower);
-    if process && (alarm.age < PROCESS_TIME || larger(flow, power) < NAME_PROCESS) {
+    if process && larger(flow, power) < least {
         return (FaultClass::AirFlowOrHeaterPower, flow + power);
     }
     (class, probability)
@@ -549,7 +631,7 @@ fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
     let with_error = |share: f32| libm::sqrtf(sd * sd + share * share * value * value) * HALF_OF_95;
     let others = SIZE_ERROR[1];
     match class {
-        FaultClass::AirFlowOrHeaterPower | FaultClass::Stuck(_) => None,
+        FaultClass::AirFlowOrHeaterPower | FaultClass::Stuck(_) | FaultClass::Swapped(_) => None,
         FaultClass::HeaterPower if h == CONSTANT => None,
         FaultClass::AirFlow => {
             let inverse = larger(0.1, 1.0 + value);
@@ -565,7 +647,7 @@ fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
 
 impl WatchState {
     /// Gains of all hypotheses since the onset.
-    fn judge_since(&self) -> [Freed; hypothesis::COUNT] {
+    fn judge_since(&self) -> ([Freed; hypothesis::COUNT], f32) {
         let nuisances = Nuisances::new(&self.since, &SINCE_ONSET, KAPPA);
         let mut freed = [Freed::default(); hypothesis::COUNT];
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
@@ -575,7 +657,7 @@ impl WatchState {
             }
             *freed = row.judged(nuisances.free(row.first, second));
         }
-        freed
+        (freed, self.since.energy - nuisances.explained)
     }
 
     /// Nuisances explain what the charts say: the tracker takes them.
@@ -608,8 +690,8 @@ impl WatchState {
     fn reported(&self, heat: &Heat, tick: u32) -> ModelAlarm {
         let finding = match (&self.alarm, self.lasting) {
             (Some(Alarm { finding: Some(finding), .. }), _) => *finding,
-            (Some(_), None) => return ModelAlarm::Unnamed,
-            (_, Some(lasting)) => lasting,
+            (_, Some(Lasting { finding: Some(finding), .. })) => finding,
+            (Some(_), _) | (_, Some(_)) => return ModelAlarm::Unnamed,
             (None, None) => return ModelAlarm::Quiet,
         };
         heat.review(&self.heat, finding, tick)

@@ -8,7 +8,7 @@ use firmware_logic::task_watchdog::Task;
 use heapless::spsc::{Consumer, Producer};
 
 use crate::hardware::heater::HeaterOutput;
-use crate::hardware::thermistors::Thermistors;
+use crate::hardware::inputs::Inputs;
 use crate::hardware::tick_timer;
 use crate::link;
 
@@ -17,7 +17,7 @@ use crate::link;
 pub(crate) async fn control(
     mut control: ControlLoop,
     mut heater: HeaterOutput,
-    mut thermistors: Thermistors,
+    mut inputs: Inputs,
     mut records: Producer<'static, TickRecord>,
     mut orders: Consumer<'static, Order>,
 ) {
@@ -28,7 +28,7 @@ pub(crate) async fn control(
         for _ in 0..arrival.missed_ticks() {
             link::send(&mut records, control.missed(arrival, &mut heater));
         }
-        let raw = thermistors.sample(tick_timer::now()).await;
+        let raw = inputs.sample(tick_timer::now()).await;
         let order = next_order(link::STOP.swap(false, Ordering::Relaxed), &mut orders);
         let record = control.tick(raw, arrival, order, link::feedback(), &mut heater);
         tick_timer::set_deadline(arrival.deadline());

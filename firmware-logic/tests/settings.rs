@@ -378,7 +378,7 @@ fn the_listing_tells_bounds_that_the_core_enforces() {
     let config = Config::default();
     let lines: Vec<String> =
         firmware_logic::settings::listing::lines(&config).map(|l| l.to_string()).collect();
-    assert!(lines.contains(&"setpoint = 35 degC   (0 to 200)".to_owned()), "{lines:?}");
+    assert!(lines.contains(&"setpoint = 35 degC   (0 to 300)".to_owned()), "{lines:?}");
     assert!(lines.contains(&"prbs.bits = 10   (3 to 16)".to_owned()), "{lines:?}");
     assert!(lines.contains(&"diagnosis.detection.2 = 2 +1 x -1 x x".to_owned()), "{lines:?}");
 }

@@ -4,4 +4,5 @@ mod board_loop;
 mod contradiction;
 mod heat;
 mod likelihood;
+mod plants;
 mod scenarios;

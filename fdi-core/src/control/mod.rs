@@ -16,9 +16,6 @@ use crate::units::{Celsius, Percent};
 use pid::{Pid, PidState};
 use prbs::{Prbs, PrbsState};
 
-/// Cut-off in rad/s of the mean control error by which "in regulation" is judged; the excitation itself must not count.
-const REGULATION_CUTOFF: f32 = 0.6;
-
 /// All that the first half of a tick decided; the input of the second half.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -54,7 +51,10 @@ pub struct Controller {
     supervisor: Supervisor,
     pid: Pid,
     prbs: Prbs,
+    /// By its mean control error "in regulation" is judged: as slow as the residuals are filtered, for the excitation must not count.
     error_filter: LowPass,
+    /// Trips by the models take their time from it, s.
+    answer_time: f32,
 }
 
 /// The memory of the [`Controller`].
@@ -85,13 +85,15 @@ impl Controller {
     /// The parameter that is out of bounds.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         config.validate_general()?;
+        config.diagnosis.validate()?;
         let ts = config.sample_time;
         let controller = Self {
             sensing: Sensing::new(&config.sensors, &config.plausibility, ts)?,
             supervisor: Supervisor::new(&config.supervisor, config.pid.output_max, ts)?,
             pid: Pid::new(&config.pid, ts)?,
             prbs: Prbs::new(&config.prbs)?,
-            error_filter: LowPass::new(REGULATION_CUTOFF, ts),
+            error_filter: LowPass::new(config.diagnosis.filter_cutoff, ts),
+            answer_time: config.identification.answer_time.0,
         };
         config.validate_limits()?;
         Ok(controller)
@@ -262,7 +264,9 @@ impl Controller {
 
     fn widened(&self, new: &Self) -> Option<&'static str> {
         let power = self.pid.is_widened_by(&new.pid).then_some("pid.output_max");
-        self.supervisor.widened(&new.supervisor).or(power).or_else(|| self.sensing.widened(&new.sensing))
+        let slower = (new.answer_time > self.answer_time).then_some("identification.answer_time");
+        let of_trips = self.supervisor.widened(&new.supervisor).or(power).or(slower);
+        of_trips.or_else(|| self.sensing.widened(&new.sensing))
     }
 
     /// Feedback from the second half, for the next step.

@@ -127,7 +127,7 @@ impl Likelihood {
         sample_time: Seconds,
     ) -> Result<Self, ConfigError> {
         check(LikelihoodConfig::SETTINGS[0], c)?;
-        let ts = sample_time;
+        let (ts, answer_time) = (sample_time, identification.answer_time.0);
         let rules = Rules { margin: c.margin, power_margin: c.power_margin, sample_time: ts.0 };
         Ok(Self {
             trainer: Trainer {
@@ -140,14 +140,14 @@ impl Likelihood {
                 slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval },
                 model_error: ModelError::new(c.model_uncertainty, ts.0),
                 filters: Filters::new(ts.0),
-                heat: Heat::new(ts.0),
+                heat: Heat::new(ts.0, answer_time),
                 rules,
                 mean: LowPass::euler(c.mean_time.0, ts.0),
                 tolerated_sag: c.tolerated_sag,
                 sample_time: ts.0,
             },
-            ambient: Ambient::new(ts.0),
-            response: ImpulseResponse::new(ts.0),
+            ambient: Ambient::new(ts.0, answer_time),
+            response: ImpulseResponse::new(ts.0, answer_time),
         })
     }
 

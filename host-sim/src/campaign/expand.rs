@@ -10,6 +10,7 @@ use super::cell::Cell;
 use super::definition::{Campaign, CellDefinition, Expect, Plant};
 use crate::experiment::scenario::Scenario;
 use crate::score::expectation::Expectation;
+use crate::settings::merge;
 
 impl Campaign {
     /// All cells.
@@ -192,16 +193,6 @@ impl Plant {
             turbulence: self.rig.turbulence * self.noise,
             white_noise: self.rig.white_noise * self.noise,
             ..self.rig.clone()
-        }
-    }
-}
-
-/// Puts every key of `over` into `table`.
-fn merge(table: &mut Table, over: &Table) {
-    for (key, value) in over {
-        match (table.get_mut(key), value) {
-            (Some(Value::Table(inner)), Value::Table(over)) => merge(inner, over),
-            _ => drop(table.insert(key.clone(), value.clone())),
         }
     }
 }

@@ -169,7 +169,7 @@ mod tests {
         expected.gain = 0.4;
         expected.fan.hunting = 0.0;
         assert_eq!(harsh, expected);
-        let error = plant("{ preset = \"oven\" }").unwrap_err().to_string();
-        assert!(error.contains("oven") && error.contains("harsh, recorded"), "{error}");
+        let error = plant("{ preset = \"kettle\" }").unwrap_err().to_string();
+        assert!(error.contains("kettle") && error.contains("harsh, recorded"), "{error}");
     }
 }

@@ -170,9 +170,11 @@ fn settings_out_of_bounds_fall_back_and_say_so() {
     let mut stored = Stored::default();
     stored.config.setpoint = Celsius(f32::NAN);
     assert!(matches!(Stored::decode(&encoded(&stored)), Err(StoredError::Invalid(_))));
-    stored.config = Config { sample_time: Seconds(0.2), ..Config::default() };
-    let error = Stored::decode(&encoded(&stored)).expect_err("the timers run at 110 ms");
-    assert!(error.to_string().contains("sample_time is 0.2, expected 0.11 to 0.11"), "{error}");
+    stored.config = Config { sample_time: Seconds(0.02), ..Config::default() };
+    let error = Stored::decode(&encoded(&stored)).expect_err("shorter than a board can keep");
+    assert!(error.to_string().contains("sample_time is 0.02, expected 0.05 to 5"), "{error}");
+    stored.config.sample_time.0 = 0.2;
+    assert_eq!(Stored::decode(&encoded(&stored)), Ok(stored));
 }
 
 #[test]

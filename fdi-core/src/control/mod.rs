@@ -171,6 +171,12 @@ impl Controller {
         tick
     }
 
+    /// Whether a sample between two ticks shows what would trip on the next, so that the power must not wait for it.
+    pub fn must_cut(&self, state: &ControllerState, raw: RawSample) -> bool {
+        let sample = self.sensing.step(&mut SensingState::default(), raw, false);
+        self.supervisor.is_hazardous(&sample, state.was_virtual)
+    }
+
     /// The temperature to regulate: T1, or what stands in for it where T1 is known to be wrong and that is allowed.
     fn regulated(&self, state: &ControllerState, sample: &Sample) -> Regulated {
         // A spike is over on the next tick: the output is held for it.

@@ -131,6 +131,10 @@ fn a_wrong_definition_names_the_cell_and_the_key() {
             SMALL.replace("phase = 60.0", "ambient = [30.0, 5.0]"),
             vec!["fault/afs2", "ambient is [30, 5]", "lower"],
         ),
+        (
+            SMALL.replace("phase = 60.0", "right = [\"t2_ofset\"]"),
+            vec!["fault/afs2", "right", "\"t2_ofset\""],
+        ),
         (SMALL.replace("phase = 60.0", "setpoint = [25.0, 95.0]"), vec!["fault/afs2", "setpoint is 95"]),
         (SMALL.replace("phase = 60.0", "may_trip = [\"t1_opn\"]"), vec!["line 6", "may_trip", "t1_open"]),
     ];
@@ -158,6 +162,47 @@ fn the_printed_default_is_the_default() {
         results(out)
     };
     assert!(run(&[], &dir.join("a")) == run(&[&file], &dir.join("b")));
+}
+
+#[test]
+fn the_physics_campaign_says_what_was_said_against_the_truth() {
+    let printed = succeeds(&["define", "--physics"]);
+    let (dir, file) = folder("physics", &printed);
+    let run = |args: &[&str], out: &Path| {
+        let common = ["--only", "alike/", "--scale", "0.01", "--out", out.to_str().unwrap()];
+        succeeds(&[args, &common].concat())
+    };
+    let table = run(&["--physics"], &dir.join("a"));
+    assert!(table.contains("alike/t1 and t2 +1.5 @ trainer: 1 runs"), "{table}");
+    assert!(table.contains("What likelihood said.") && table.contains("by confidence"), "{table}");
+    assert!(
+        table.split("\nWritten").next().unwrap().lines().all(|line| line.chars().count() <= 100),
+        "{table}"
+    );
+    run(&[&file], &dir.join("b"));
+    assert!(results(&dir.join("a")) == results(&dir.join("b")));
+    let tables = std::fs::read_to_string(dir.join("a/tables.md")).unwrap();
+    assert!(tables.contains("| rig | confidence from | mean, % | right, % | of |"), "{tables}");
+    let rigs = std::fs::read_to_string(dir.join("a/rigs.md")).unwrap();
+    assert!(rigs.contains("## alike") && rigs.contains("| rig | t1 and t2 +1.5 |"), "{rigs}");
+    assert!(rigs.lines().any(|line| line.starts_with("| trainer | ")), "{rigs}");
+    let runs = std::fs::read_to_string(dir.join("a/runs.csv")).unwrap();
+    assert!(runs.lines().next().unwrap().contains("said_end_name,said_end_right"), "{runs}");
+}
+
+#[test]
+fn plants_go_by_pattern_and_large_cells_wait_for_a_large_scale() {
+    let definition = "arm_at = 5.0\n[[plant]]\nname = \"a 1\"\n[[plant]]\nname = \"b\"\n[[plant]]\nname = \"a 2\"\n\
+                      [[cell]]\nname = \"x\"\nruns = 2\nduration = 9.0\nplants = [\"a *\"]\n\
+                      [[cell]]\nname = \"long\"\nruns = 1\nduration = 9.0\nfrom_scale = 1.0";
+    let (dir, file) = folder("patterns", definition);
+    let out = dir.join("out");
+    let cells = |scale: &str| {
+        let table = succeeds(&[&file, "--scale", scale, "--fresh", "--out", out.to_str().unwrap()]);
+        ["x @ a 1:", "x @ a 2:", "x @ b:", "long:"].map(|cell| table.contains(cell))
+    };
+    assert_eq!(cells("0.5"), [true, true, false, false]);
+    assert_eq!(cells("1"), [true, true, false, true]);
 }
 
 #[test]

@@ -119,6 +119,7 @@ impl Rig {
         let mut edges: Vec<f64> = Vec::new();
         edges.extend(self.faults.iter().flat_map(|f| f.edges()).filter(|&t| t > start && t < end));
         edges.sort_by(f64::total_cmp);
+        edges.dedup(); // a stretch of no length has no mean
         for to in edges.into_iter().chain([end]) {
             let conditions = Conditions::at(&self.faults, 0.5 * (from + to), 0.0);
             let steps = self.steps();

@@ -248,6 +248,20 @@ fn every_preset_runs() {
     }
 }
 
+/// Two edges at one time made a stretch of no length, whose mean flow and power were 0/0.
+#[test]
+fn two_faults_may_begin_and_end_at_the_same_time() {
+    let mut harsh = Rig::new(
+        &RigConfig::preset("harsh").unwrap(),
+        Disturbance::None,
+        0.1,
+        1,
+        &[on(Verb::Offset, Sensor::T1, 1.5, 0.25), on(Verb::Offset, Sensor::T2, 1.5, 0.25)],
+    );
+    let codes = codes(&mut harsh, 40.0, 5.0);
+    assert!(codes.iter().all(|code| (1.0..4095.0).contains(code)), "{codes:?}");
+}
+
 /// A rig without noise but for what `change` switches on.
 fn only(change: impl Fn(&mut RigConfig), faults: &[Fault]) -> Rig {
     let mut config = RigConfig { adc_bits: 20, ..still(0.3) };

@@ -1,5 +1,6 @@
 //! A cell: runs that differ in their seeds only.
 
+use fdi_core::likelihood::FaultClass;
 use fdi_core::{Celsius, Config};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -19,6 +20,8 @@ pub struct Cell {
     pub setting: String,
     /// What should come of it.
     pub expect: Expect,
+    /// Names that are right.
+    pub right: Vec<FaultClass>,
     /// Number of runs.
     pub runs: u64,
     /// Seed of the first run; the others follow.

@@ -1,13 +1,14 @@
 //! From the definition of a campaign to its cells: every size, plant and value of the sweep in one of its own.
 
 use anyhow::{Context, ensure};
+use fdi_core::likelihood::FaultClass;
 use fdi_core::{Celsius, Config};
 use pt326_rig::RigConfig;
 use pt326_rig::fault::Fault;
 use toml::{Table, Value};
 
 use super::cell::Cell;
-use super::definition::{Campaign, CellDefinition, Expect, Plant};
+use super::definition::{Campaign, CellDefinition, Expect, Plant, matches};
 use crate::experiment::scenario::Scenario;
 use crate::score::expectation::Expectation;
 use crate::settings::merge;
@@ -23,10 +24,11 @@ impl Campaign {
         let base = Table::try_from(base)?;
         let mut cells = Vec::new();
         let mut seed = self.seeds_from;
+        let enough = |cell: &CellDefinition| self.scale >= cell.from_scale;
         for definition in &self.cells {
             let place = format!("cell {:?}", definition.name);
             for plain in definition.variants(&self.plants).with_context(|| place.clone())? {
-                for setting in self.settings() {
+                for setting in self.settings().into_iter().filter(|_| enough(definition)) {
                     let cell = self.cell(&plain, seed, &base, setting);
                     cells.push(cell.with_context(|| place.clone())?);
                 }
@@ -60,7 +62,7 @@ impl Campaign {
             ends.chain(definition.actions.iter().map(|a| a.at + a.over.unwrap_or(0.0))).fold(0.0, f64::max);
         let scenario = Scenario {
             duration: definition.duration.unwrap_or(last + self.rest),
-            arm_at: definition.arm_at,
+            arm_at: definition.arm_at.unwrap_or(self.arm_at),
             disturbance: definition.disturbance,
             rig: variant.plant.noisy_rig(),
             faults: variant.faults.clone(),
@@ -70,6 +72,9 @@ impl Campaign {
         let is_fault = scenario.faults.first().is_some_and(|f| Expectation::of(f).class.is_some());
         let expect = definition.expect.unwrap_or(if is_fault { Expect::Fault } else { Expect::Silence });
         ensure!(expect == Expect::Silence || is_fault, "expect: its first fault is none that could be named");
+        let own = scenario.faults.first().filter(|_| expect == Expect::Fault);
+        let own = own.and_then(|f| Expectation::of(f).class).into_iter();
+        let right = if definition.right.is_empty() { own.collect() } else { definition.classes()? };
         let phase = definition.phase;
         ensure!((0.0..=1e4).contains(&phase), "phase is {phase}, expected 0 to 10000 s");
         ensure!(definition.runs > 0, "runs is 0, expected 1 or more");
@@ -79,6 +84,7 @@ impl Campaign {
             plant: variant.plant.name.clone(),
             setting,
             expect,
+            right,
             runs: ((definition.runs as f64 * self.scale).round() as u64).clamp(1, 1_000_000),
             first_seed,
             may_trip: definition.may_trip.clone(),
@@ -138,6 +144,16 @@ impl CellDefinition {
         Ok(())
     }
 
+    /// # Errors
+    /// A name in `right` that is no class's.
+    fn classes(&self) -> anyhow::Result<Vec<FaultClass>> {
+        let class = |name: &String| {
+            let class = FaultClass::ALL.into_iter().find(|class| class.name() == name);
+            class.with_context(|| format!("right: no class is named {name:?}"))
+        };
+        self.right.iter().map(class).collect()
+    }
+
     fn variants(&self, plants: &[Plant]) -> anyhow::Result<Vec<Variant<'_>>> {
         ensure!(!self.name.is_empty(), "expected a `name`");
         ensure!(self.sizes.is_empty() || !self.faults.is_empty(), "sizes: expected a `fault`");
@@ -149,10 +165,9 @@ impl CellDefinition {
         );
         let mut chosen = Vec::new();
         for name in &self.plants {
-            let plant = plants.iter().find(|plant| plant.name == *name);
-            chosen.push(
-                plant.with_context(|| format!("plants: there is no [[plant]] named {name:?}"))?.clone(),
-            );
+            let before = chosen.len();
+            chosen.extend(plants.iter().filter(|plant| matches(name, &plant.name)).cloned());
+            ensure!(chosen.len() > before, "plants: there is no [[plant]] named {name:?}");
         }
         if chosen.is_empty() {
             chosen.push(Plant {

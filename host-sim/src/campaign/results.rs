@@ -8,6 +8,7 @@ use super::definition::{Campaign, Expect};
 use super::run::RunRow;
 use super::statistics::confusion::{Confusion, confusion};
 use super::statistics::heat::HeatStatistics;
+use super::statistics::said::{self, Confidence, SaidStatistics};
 use super::statistics::target::{self, Outcome};
 use super::statistics::trade::{self, Trade};
 use super::statistics::{Case, Statistics, class};
@@ -23,6 +24,8 @@ pub struct Results {
     pub cells: Vec<CellResults>,
     /// True class against the verdict settled on, over the fault cells of the reference rig.
     pub confusion: Vec<Confusion>,
+    /// Verdicts of the likelihood diagnosis by confidence: of all runs, and of those on each plant.
+    pub confidence: Vec<(String, Vec<Confidence>)>,
     /// False alarms against delays, for each setting; empty without a sweep.
     pub trade: Vec<Trade>,
     /// Targets and what became of them.
@@ -54,6 +57,10 @@ pub struct CellResults {
     pub heat: HeatStatistics,
     /// Class that the likelihood diagnosis settled on in most runs; null: it named none in most.
     pub settled: Option<String>,
+    /// Names that are right.
+    pub right: Vec<&'static str>,
+    /// What the likelihood diagnosis said, against the truth.
+    pub said: SaidStatistics,
     /// By the likelihood diagnosis.
     pub likelihood: Statistics,
     /// By the paper's signatures.
@@ -72,6 +79,7 @@ impl Results {
         Self {
             cells: (0..cells.len()).map(of_cell).collect(),
             confusion: confusion(&cases),
+            confidence: said::by_plant(&cases),
             trade: trade::of(&cases),
             targets: target::judge(&campaign.targets, &cases),
             campaign: campaign.clone(),
@@ -97,6 +105,8 @@ impl CellResults {
             runs: cases.len(),
             heat: HeatStatistics::new(cases),
             settled: most(cases.iter().map(|(_, row)| row.likelihood.settled.clone())),
+            right: cell.right.iter().map(|class| class.name()).collect(),
+            said: SaidStatistics::new(cases),
             likelihood: Statistics::new(By::Likelihood, cases),
             signature: Statistics::new(By::Signature, cases),
         }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use anyhow::{Context, ensure};
 use clap::{Args, Subcommand};
@@ -11,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::results::Folder;
 use super::terminal::{coloured, print};
 use crate::campaign::cell::Cell;
-use crate::campaign::definition::{CAMPAIGN_TOML, Campaign};
+use crate::campaign::definition::{CAMPAIGN_TOML, Campaign, PHYSICS_TOML};
 use crate::campaign::output;
 use crate::campaign::results::Results;
 use crate::campaign::runner::{Progress, Remaining};
@@ -24,6 +25,7 @@ use crate::campaign::store::{self, Header, Shard, Store};
     after_help = "Examples:
   pt326 campaign --quick                      every kind of run a few times: less than a minute
   pt326 campaign --full --out out/full        the numbers to report
+  pt326 campaign --physics                    slow faults, and rigs that no model has
   pt326 campaign define > my.toml             the default campaign, commented: edit, then
   pt326 campaign my.toml
   pt326 campaign --only nominal/ --config tuning.toml --seeds-from 1
@@ -51,7 +53,11 @@ pub struct CampaignArgs {
 #[derive(Clone, Debug, Subcommand)]
 pub enum CampaignCommand {
     /// Print the default campaign as commented TOML.
-    Define,
+    Define {
+        /// The campaign on physics that no model has.
+        #[arg(long)]
+        physics: bool,
+    },
     /// Put the results of all parts together, and write what a whole campaign writes.
     Merge(MergeArgs),
     /// Repeat one run of a cell, with its trace, figures and report.
@@ -67,6 +73,9 @@ pub struct DefinitionArgs {
     /// The campaign, TOML; see `pt326 campaign define`. Left out: the default one.
     #[arg(value_name = "FILE.toml")]
     pub file: Option<PathBuf>,
+    /// The campaign on physics that no model has, in place of the default one.
+    #[arg(long, conflicts_with = "file")]
+    pub physics: bool,
     /// Settings of the instrument, TOML; see `pt326 config`.
     #[arg(long, value_name = "FILE.toml")]
     pub config: Option<PathBuf>,
@@ -158,7 +167,10 @@ impl DefinitionArgs {
         if let Some(file) = &self.file {
             check_is_file(file)?;
         }
-        let mut campaign = Campaign::read(self.file.as_deref())?;
+        let mut campaign = match &self.file {
+            Some(file) => Campaign::read(file)?,
+            None => toml::from_str(built_in(self.physics))?,
+        };
         let preset = match (self.quick, self.full) {
             (true, _) => QUICK,
             (_, true) => 1.0,
@@ -180,6 +192,11 @@ impl DefinitionArgs {
         }
         Ok((campaign, config))
     }
+}
+
+/// The text of a built-in campaign.
+fn built_in(physics: bool) -> &'static str {
+    if physics { PHYSICS_TOML } else { CAMPAIGN_TOML }
 }
 
 /// A mistyped subcommand looks like a file that is not there.
@@ -209,7 +226,7 @@ fn parse_sweep(text: &str) -> anyhow::Result<(String, Vec<toml::Value>)> {
 pub fn run(args: &CampaignArgs) -> anyhow::Result<()> {
     match &args.command {
         None => run_campaign(&args.campaign),
-        Some(CampaignCommand::Define) => print(CAMPAIGN_TOML),
+        Some(CampaignCommand::Define { physics }) => print(built_in(*physics)),
         Some(CampaignCommand::Merge(args)) => merge(args),
         Some(CampaignCommand::Show(args)) => show(args),
     }
@@ -253,8 +270,13 @@ fn run_until_interrupted(remaining: Remaining, threads: usize) -> anyhow::Result
     })?;
     let bar = progress(&remaining)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let (began, hours) = (Instant::now(), remaining.seconds() / 3600.0);
     let progress = pool.install(|| remaining.run(&stop, |seconds| bar.inc(seconds as u64)))?;
     bar.finish_and_clear();
+    let took = began.elapsed().as_secs_f64();
+    if progress.finished == progress.of && hours > 0.0 {
+        eprintln!("{hours:.1} h of the rig in {took:.0} s: {:.1} h a second", hours / took);
+    }
     Ok(progress)
 }
 

@@ -124,7 +124,7 @@ impl Scenario {
     /// The key that is out of bounds.
     pub fn validate(&self) -> anyhow::Result<()> {
         let d = self.duration;
-        ensure!((1.0..=1e5).contains(&d), "duration is {d}, expected 1 to 100000 s");
+        ensure!((1.0..=1e7).contains(&d), "duration is {d}, expected 1 to 10000000 s");
         let at = self.arm_at;
         ensure!((0.0..=1e5).contains(&at), "arm_at is {at}, expected 0 to 100000 s");
         self.rig.validate()?;

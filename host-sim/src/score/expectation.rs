@@ -26,6 +26,27 @@ impl Expectation {
     }
 }
 
+/// The class that stands for either of two causes until they can be told apart.
+pub const EITHER: &str = "air_flow_or_heater_power";
+
+/// Whether to say the class of this name is right where one of these acts: it is it, or one of two that may be it.
+pub fn is_right(right: &[FaultClass], name: &str) -> bool {
+    let either = |class: &FaultClass| matches!(class, FaultClass::AirFlow | FaultClass::HeaterPower);
+    right.iter().any(|class| class.name() == name) || name == EITHER && right.iter().any(either)
+}
+
+/// How large a fault is at a time, as the departure that a class means by it, in [`FaultClass::unit`]; `None` where that has
+/// no meaning. While a drift lasts it is an offset that grows.
+pub fn size_as(fault: &Fault, class: FaultClass, t: f64) -> Option<f64> {
+    let is_offset = matches!(class, FaultClass::T0Fault | FaultClass::T1Offset | FaultClass::T2Offset);
+    if fault.verb == Verb::Drift && is_offset && class.sensor() == fault.sensor.map(channel) {
+        return Some(fault.size? * (t - fault.at) / 60.0);
+    }
+    let now = Fault { size: fault.size.map(|_| fault.size_at(t)), ..fault.clone() };
+    let expected = Expectation::of(&now);
+    expected.magnitude.filter(|_| expected.class == Some(class))
+}
+
 fn vectors(fault: &Fault) -> (Option<u8>, Option<u8>) {
     use Verb::{Clog, Detach, Drift, Freeze, HeaterPower, HeaterStuck, Offset, Stuck};
     match (fault.truth(), fault.verb, fault.sensor) {
@@ -125,6 +146,33 @@ mod tests {
             let expected = Expectation::of(&fault);
             assert_eq!((expected.class, expected.magnitude), (Some(class), magnitude));
         }
+    }
+
+    #[test]
+    fn the_size_of_a_slow_fault_is_that_of_the_moment_and_of_the_class_that_names_it() {
+        let flow = Fault { over: Some(10.0), ..fault(Verb::AirFlow, None, Some(0.6)) };
+        assert_eq!(size_as(&flow, FaultClass::AirFlow, 6.0), Some(-20.0));
+        assert_eq!(size_as(&flow, FaultClass::AirFlow, 60.0), Some(-40.0));
+        assert_eq!(size_as(&flow, FaultClass::HeaterPower, 60.0), None);
+        let drift = fault(Verb::Drift, Some(Sensor::T1), Some(0.5));
+        assert_eq!(size_as(&drift, FaultClass::Drift, 61.0), Some(0.5));
+        assert_eq!(size_as(&drift, FaultClass::T1Offset, 121.0), Some(1.0));
+        assert_eq!(size_as(&drift, FaultClass::T2Offset, 121.0), None);
+        assert_eq!(
+            size_as(&fault(Verb::Stuck, Some(Sensor::T1), None), FaultClass::Stuck(Channel::T1), 2.0),
+            None
+        );
+    }
+
+    #[test]
+    fn a_name_for_two_causes_is_right_for_either() {
+        let [flow, drift] = [[FaultClass::AirFlow], [FaultClass::Drift]];
+        assert!(is_right(&flow, "air_flow") && is_right(&flow, EITHER) && !is_right(&flow, "heater_power"));
+        assert!(
+            !is_right(&drift, EITHER)
+                && is_right(&[FaultClass::HeaterPower], EITHER)
+                && !is_right(&[], EITHER)
+        );
     }
 
     #[test]

@@ -47,6 +47,8 @@ pub fn likelihood_alarm(report: &LikelihoodReport) -> Option<bool> {
 pub struct LikelihoodScorer {
     scorer: Scorer,
     expected: Expectation,
+    /// Classes of which each is the right name.
+    right: Vec<FaultClass>,
     at: f64,
     end: f64,
     sample_time: f64,
@@ -60,11 +62,17 @@ impl LikelihoodScorer {
         Self {
             scorer: Scorer::new(fault),
             expected: Expectation::of(fault),
+            right: Expectation::of(fault).class.into_iter().collect(),
             at: fault.at,
             end: fault.end(),
             sample_time,
             findings: Vec::new(),
         }
+    }
+
+    /// The same where each of these names is right.
+    pub fn right(self, right: &[FaultClass]) -> Self {
+        Self { right: right.to_vec(), ..self }
     }
 
     /// The same beside other faults.
@@ -76,7 +84,7 @@ impl LikelihoodScorer {
     pub fn observe(&mut self, t: f64, report: &LikelihoodReport) {
         let named = report.finding.map(|finding| finding.class);
         let detected = report.alarm && self.expected.class.is_some();
-        let isolated = named.is_some() && named == self.expected.class;
+        let isolated = named.is_some_and(|class| self.right.contains(&class));
         let monitoring = likelihood_alarm(report).is_some();
         self.scorer.observe(t, Indication { monitoring, detected, isolated, named });
         if let Some(finding) = report.finding.filter(|_| t >= self.at && t < self.end) {
@@ -98,7 +106,7 @@ impl LikelihoodScorer {
             score: self.scorer.score(self.sample_time, known),
             verdict: settled.map(FaultClass::name),
             first_verdict: first.map(FaultClass::name),
-            first_verdict_right: first.filter(|_| known).map(|class| Some(class) == self.expected.class),
+            first_verdict_right: first.filter(|_| known).map(|class| self.right.contains(&class)),
             magnitude: magnitude.map(|m| as_written(m.value)),
             magnitude_half_width: magnitude.map(|m| as_written(m.half_width)),
             magnitude_unit: magnitude.and(settled).map(FaultClass::unit),

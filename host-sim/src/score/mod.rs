@@ -2,6 +2,7 @@
 
 pub mod expectation;
 mod likelihood;
+pub mod said;
 
 use expectation::Expectation;
 use fdi_core::diagnosis::Verdict;

@@ -63,7 +63,10 @@ impl Fault {
             ensure!((0.001..=100.0).contains(&lag), "{place}: lag is {lag}, expected 0.001 to 100 s");
         }
         if let Some(over) = self.over {
-            ensure!(self.verb == Verb::Detach, "{place}: over = {over} goes with `do = \"detach\"` only");
+            ensure!(
+                self.verb.grows(),
+                "{place}: over = {over} goes with offset, air-flow, heater-power and detach only"
+            );
             ensure!((0.0..=1e5).contains(&over), "{place}: over is {over}, expected 0 to 100000 s");
         }
         ensure!(self.at >= 0.0, "{place}: at is {}, expected 0 s or more", self.at);
@@ -79,6 +82,11 @@ impl Verb {
             self,
             Self::AirFlow | Self::HeaterPower | Self::HeaterStuck | Self::Ambient | Self::AmbientDrift
         )
+    }
+
+    /// Whether it can come little by little, `over` a time.
+    fn grows(self) -> bool {
+        matches!(self, Self::Offset | Self::AirFlow | Self::HeaterPower | Self::Detach)
     }
 
     /// Smallest and largest `size` with the unit; `None` for a verb without.

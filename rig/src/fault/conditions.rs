@@ -63,13 +63,16 @@ impl Conditions {
         };
         for fault in faults.iter().filter(|f| f.is_active(t)) {
             let i = fault.sensor.map_or(0, |s| s as usize);
-            let size = fault.size.unwrap_or_default();
+            let size = fault.size_at(t);
             match fault.verb {
                 Verb::Offset => now.offset[i] += size,
                 Verb::Drift => now.offset[i] += size * (t - fault.at) / 60.0,
-                Verb::Clog => (now.gain[i], now.lag[i]) = (size, fault.lag),
+                Verb::Clog => {
+                    now.gain[i] *= size;
+                    now.lag[i] = fault.lag.or(now.lag[i]);
+                }
                 Verb::Detach => {
-                    now.gain[i] *= 1.0 - size * fault.way_out(t);
+                    now.gain[i] *= 1.0 - size;
                     now.lag[i] = fault.lag.or(now.lag[i]);
                 }
                 Verb::Swap => now.wired.swap(i, fault.with.map_or(i, |s| s as usize)),

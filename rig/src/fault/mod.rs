@@ -118,7 +118,7 @@ pub struct Fault {
     /// With which sensor it is exchanged.
     #[serde(default)]
     pub with: Option<Sensor>,
-    /// How long a sensor takes to slide out, s; left out: it is out at once.
+    /// How long it takes until the fault has its size, s; left out: it has it at once.
     #[serde(default)]
     pub over: Option<f64>,
     /// Onset, s.
@@ -188,11 +188,12 @@ impl Fault {
         Self { size, lag, ..self.clone() }
     }
 
-    /// The share of the way out of the tube that a detached sensor has gone at a time, 0..1.
-    fn way_out(&self, t: f64) -> f64 {
+    /// `size` as it is at a time, while the fault comes `over` so long; of a verb without, 0.
+    pub fn size_at(&self, t: f64) -> f64 {
+        let size = self.size.unwrap_or_default();
         match self.over {
-            Some(over) if over > 0.0 => ((t - self.at) / over).clamp(0.0, 1.0),
-            _ => 1.0,
+            Some(over) if t - self.at < over => self.scaled((t - self.at) / over).size.unwrap_or_default(),
+            _ => size,
         }
     }
 
@@ -237,6 +238,46 @@ const CLEAN_LAG: f64 = 0.05;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_fault_that_comes_little_by_little_grows_in_a_straight_line() {
+        let slow = |verb, sensor, size| Fault {
+            over: Some(10.0),
+            ..Fault::new(verb, sensor, Some(size), 100.0, 60.0)
+        };
+        for (fault, at_start, half) in [
+            (slow(Verb::AirFlow, None, 0.6), 1.0, 0.8),
+            (slow(Verb::HeaterPower, None, 1.4), 1.0, 1.2),
+            (slow(Verb::Offset, Some(Sensor::T0), -2.0), 0.0, -1.0),
+            (slow(Verb::Detach, Some(Sensor::T1), 0.5), 0.0, 0.25),
+        ] {
+            fault.validate("fault").unwrap();
+            let sizes = [100.0, 105.0, 110.0, 150.0].map(|t| fault.size_at(t));
+            assert_eq!(
+                sizes,
+                [at_start, half, fault.size.unwrap(), fault.size.unwrap()],
+                "{}",
+                fault.label()
+            );
+        }
+        let sudden = Fault::new(Verb::AirFlow, None, Some(1.26), 100.0, 60.0);
+        assert!(sudden.size_at(100.0) == 1.26);
+        let stuck = Fault { size: None, ..slow(Verb::Stuck, Some(Sensor::T1), 0.0) };
+        assert!(stuck.validate("fault").unwrap_err().to_string().contains("over = 10"));
+    }
+
+    /// What stood when the instrument learnt is undone by the inverse.
+    #[test]
+    fn faults_of_one_kind_act_together() {
+        let both = |verb, sensor, sizes: [f64; 2]| {
+            let faults = sizes.map(|size| Fault::new(verb, sensor, Some(size), 0.0, 9.0));
+            Conditions::at(&faults, 1.0, 0.1)
+        };
+        assert!(both(Verb::AirFlow, None, [0.8, 1.25]).flow == 1.0);
+        assert!(both(Verb::HeaterPower, None, [0.8, 1.25]).power == 1.0);
+        assert!(both(Verb::Clog, Some(Sensor::T1), [0.8, 1.25]).gain == [1.0; 3]);
+        assert!(both(Verb::Offset, Some(Sensor::T2), [1.5, -1.5]).offset == [0.0; 3]);
+    }
 
     /// A recording keeps the number alone: what it says must not change with the verbs that are added.
     #[test]

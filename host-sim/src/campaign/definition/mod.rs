@@ -18,6 +18,8 @@ use pt326_rig::{Disturbance, RigConfig};
 
 /// The default campaign, commented.
 pub const CAMPAIGN_TOML: &str = include_str!("../../../defaults/campaign.toml");
+/// The campaign on physics that no model has.
+pub const PHYSICS_TOML: &str = include_str!("../../../defaults/physics.toml");
 
 /// A campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,6 +33,8 @@ pub struct Campaign {
     pub only: String,
     /// A fault cell goes on so long after the last thing that happens, s.
     pub rest: f64,
+    /// Runs are armed at this time, where their cell says none, s.
+    pub arm_at: f64,
     /// Settings of the instrument that take each of some values in turn: `"diagnosis.sigma_factor" = [2.5, 3.0]`.
     pub sweep: BTreeMap<String, Vec<Value>>,
     /// Settings that take each of some values by itself, all others as they are; once they are all as they are.
@@ -53,6 +57,7 @@ impl Default for Campaign {
             scale: 1.0,
             only: String::new(),
             rest: 30.0,
+            arm_at: 0.0,
             sweep: BTreeMap::new(),
             vary: BTreeMap::new(),
             plants: Vec::new(),
@@ -97,17 +102,22 @@ pub struct CellDefinition {
     pub name: String,
     /// What should come of it; left out: a fault if the first of `fault` is one.
     pub expect: Option<Expect>,
+    /// Names of classes of which each is right, a fault's own too; left out: the class of the first fault.
+    #[serde(default)]
+    pub right: Vec<String>,
     /// Number of runs, before `scale`.
     pub runs: u64,
+    /// Only a campaign of at least this `scale` has it.
+    #[serde(default)]
+    pub from_scale: f64,
     /// How much the surroundings move.
     #[serde(default = "lively")]
     pub disturbance: Disturbance,
     /// Everything happens later by a time drawn for each run from 0 to this, s.
     #[serde(default)]
     pub phase: f64,
-    /// Each run is armed at this time, s: until then the instrument sees the rig cold.
-    #[serde(default)]
-    pub arm_at: f64,
+    /// Each run is armed at this time, s: until then the instrument sees the rig cold. Left out: that of the campaign.
+    pub arm_at: Option<f64>,
     /// Length of a run, s; left out: until the last thing that happens, and `rest`.
     pub duration: Option<f64>,
     /// Sizes that the first fault takes, each in a cell of its own.
@@ -116,7 +126,7 @@ pub struct CellDefinition {
     /// Lags that go with the sizes, s.
     #[serde(default)]
     pub lags: Vec<f64>,
-    /// Names of the plants, each in a cell of its own; none: the reference rig.
+    /// Names of the plants, each in a cell of its own; a star in one stands for anything. None: the reference rig.
     #[serde(default)]
     pub plants: Vec<String>,
     /// The room of each run is drawn between these, degC.
@@ -137,6 +147,16 @@ pub struct CellDefinition {
     pub actions: Vec<Action>,
 }
 
+/// Whether a pattern means a name: one star in it stands for anything.
+pub(in crate::campaign) fn matches(pattern: &str, name: &str) -> bool {
+    match pattern.split_once('*') {
+        Some((head, tail)) => {
+            name.len() >= head.len() + tail.len() && name.starts_with(head) && name.ends_with(tail)
+        }
+        None => name == pattern,
+    }
+}
+
 fn one() -> f64 {
     1.0
 }
@@ -146,12 +166,11 @@ fn lively() -> Disturbance {
 }
 
 impl Campaign {
-    /// Reads a campaign; without a path the default one.
+    /// Reads a campaign.
     ///
     /// # Errors
     /// The file, and the line and key that are wrong.
-    pub fn read(path: Option<&Path>) -> anyhow::Result<Self> {
-        let Some(path) = path else { return Ok(toml::from_str(CAMPAIGN_TOML)?) };
+    pub fn read(path: &Path) -> anyhow::Result<Self> {
         let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
         toml::from_str(&text).with_context(|| path.display().to_string())
     }

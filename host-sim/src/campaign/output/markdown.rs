@@ -3,6 +3,7 @@
 
 use std::fmt::Write;
 
+use super::said;
 use super::table::{alarms, delays, label, seconds};
 use crate::campaign::by::By;
 use crate::campaign::definition::Expect;
@@ -32,7 +33,9 @@ pub(super) fn of(results: &Results) -> String {
     if !faults.is_empty() {
         detection(&mut text, &faults);
         estimates(&mut text, &faults);
+        text += &said::markdown(&faults);
     }
+    text += &said::confidence_markdown(results);
     if !silent.is_empty() {
         silence(&mut text, &silent);
     }

@@ -1,8 +1,10 @@
-//! What a campaign writes: `campaign.json`, `cells.csv`, `runs.csv`, `tables.md`, `runaway.md` and pictures.
+//! What a campaign writes: `campaign.json`, `cells.csv`, `runs.csv`, `tables.md`, `runaway.md`, `rigs.md` and pictures.
 
 mod markdown;
 mod pictures;
+mod rigs;
 mod runaway;
+mod said;
 pub mod table;
 
 use std::io::Write;
@@ -39,6 +41,10 @@ pub fn write(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Path) -> 
     if let Some(runaway) = runaway::of(results) {
         write_file(out, "runaway.md", runaway.as_bytes())?;
         names += ", runaway.md";
+    }
+    if let Some(rigs) = rigs::of(results) {
+        write_file(out, "rigs.md", rigs.as_bytes())?;
+        names += ", rigs.md";
     }
     Ok(names + &pictures::draw(results, cells, rows, out)?)
 }
@@ -84,6 +90,7 @@ fn run_fields(cell: &Cell, row: &RunRow) -> Vec<Field> {
     for by in By::BOTH {
         fields.extend(observation_fields(by, row.by(by)));
     }
+    fields.extend(said::run_fields(&row.said));
     fields
 }
 
@@ -184,5 +191,6 @@ fn cell_fields(cell: &CellResults) -> Vec<Field> {
         ]);
         fields.extend(these.into_iter().map(|(name, value)| (format!("{}_{name}", by.name()), value)));
     }
+    fields.extend(said::cell_fields(&cell.said));
     fields
 }

@@ -37,7 +37,7 @@ fn table(text: &mut String, title: &str, cells: &[&CellResults], entry: fn(&Cell
 }
 
 /// Each once, in the order in which they come.
-fn distinct(all: impl Iterator<Item = String>) -> Vec<String> {
+pub(super) fn distinct(all: impl Iterator<Item = String>) -> Vec<String> {
     let mut distinct = Vec::new();
     for one in all {
         if !distinct.contains(&one) {

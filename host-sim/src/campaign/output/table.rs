@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::said;
 use crate::campaign::by::By;
 use crate::campaign::definition::Expect;
 use crate::campaign::results::{CellResults, Results};
@@ -23,6 +24,7 @@ pub fn of(results: &Results) -> String {
         results.cells.iter().partition(|cell| cell.expect == Expect::Fault);
     let (runaways, faults): (Vec<_>, Vec<_>) = faults.into_iter().partition(|cell| cell.is_runaway());
     fault_cells(&mut text, &faults);
+    said::print(&mut text, results, &faults);
     runaway_cells(&mut text, &runaways);
     silent_cells(&mut text, &silent);
     confusion(&mut text, results);
@@ -47,7 +49,7 @@ fn heading(text: &mut String, cell: &CellResults, remarks: &[String]) {
 }
 
 /// Text in lines that a terminal holds.
-fn line(text: &mut String, content: &str, indent: &str) {
+pub(super) fn line(text: &mut String, content: &str, indent: &str) {
     let options = textwrap::Options::new(WIDTH).subsequent_indent(indent);
     let _ = writeln!(text, "{}", textwrap::fill(content, options));
 }

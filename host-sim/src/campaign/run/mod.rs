@@ -10,6 +10,7 @@ use super::by::By;
 use super::cell::Cell;
 use crate::experiment::{Row, as_written, drive, tick_time, with_prbs_phase};
 use crate::score::expectation::Expectation;
+use crate::score::said::{Said, SaidScorer};
 use crate::score::{
     LikelihoodScore, LikelihoodScorer, Rise, Score, Scorer, TAIL, likelihood_alarm, signature_class,
     signature_indication,
@@ -30,6 +31,8 @@ pub struct RunRow {
     pub onset_s: Option<f64>,
     /// What was done with the heat, and whether it was switched off.
     pub heat: Heat,
+    /// What the likelihood diagnosis said, against the truth.
+    pub said: Said,
     /// By the paper's signatures.
     pub signature: Observation,
     /// By the likelihood diagnosis.
@@ -167,7 +170,9 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
     let fault = cell.fault().and(scenario.faults.first());
     let mut instrument = Instrument::new(&config)?;
     let mut counters = [AlarmCounter::new(fault), AlarmCounter::new(fault)];
-    let mut scorers = fault.map(|f| (Scorer::new(f), LikelihoodScorer::new(f, sample_time)));
+    let mut scorers =
+        fault.map(|f| (Scorer::new(f), LikelihoodScorer::new(f, sample_time).right(&cell.right)));
+    let mut said = SaidScorer::new(fault, &cell.right, sample_time);
     let mut heat = HeatMeter::new(&config, &scenario, fault);
     drive(&mut instrument, &config, &scenario, seed, |row, rig| {
         let t = tick_time(row.tick.index, sample_time);
@@ -177,6 +182,7 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
         {
             counter.observe(t, fault, &output);
         }
+        said.observe(t, &row.report.likelihood);
         if let (Some(fault), Some((signature, likelihood))) = (fault, &mut scorers) {
             signature.observe(t, signature_indication(fault, row.report.filtered));
             likelihood.observe(t, &row.report.likelihood);
@@ -199,6 +205,7 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
         run,
         seed,
         onset_s: fault.map(|f| f.at),
+        said: said.finish(likelihood.detection_delay_s.is_some()),
         heat: heat.finish(),
         signature,
         likelihood,

@@ -3,6 +3,7 @@
 pub mod confusion;
 pub mod heat;
 pub mod quantiles;
+pub mod said;
 pub mod target;
 pub mod trade;
 
@@ -12,7 +13,7 @@ use super::by::By;
 use super::cell::Cell;
 use super::run::{Observation, RunRow};
 use crate::experiment::as_written;
-use crate::score::expectation::Expectation;
+use crate::score::expectation::{Expectation, is_right};
 use quantiles::{Quantiles, poisson_interval};
 
 /// A run with its cell.
@@ -124,7 +125,9 @@ impl FaultStatistics {
         let percent = |is: &dyn Fn(&Case) -> bool| {
             100.0 * cases.iter().filter(|case| is(case)).count() as f64 / cases.len() as f64
         };
-        let right = |name: &Option<String>, cell: &Cell| name.as_deref() == class(cell);
+        let right = |name: &Option<String>, cell: &Cell| {
+            name.as_deref().is_some_and(|name| is_right(&cell.right, name))
+        };
         let covered: Vec<bool> = cases.iter().filter_map(|case| covered(by, case)).collect();
         let held = covered.iter().filter(|&&c| c).count() as f64;
         Self {

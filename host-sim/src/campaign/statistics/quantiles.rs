@@ -1,4 +1,4 @@
-//! Quantiles that count what never happened, and exact intervals of a rate.
+//! Quantiles that count what never happened, and intervals of a rate and of a share.
 
 use serde::Serialize;
 
@@ -37,6 +37,16 @@ pub fn poisson_interval(count: u32) -> [f64; 2] {
     let low = if count == 0 { 0.0 } else { bisect(k + 1.0, |mean| lower_gamma(k, mean) > TAIL) };
     let high = bisect(2.0 * k + 20.0, |mean| lower_gamma(k + 1.0, mean) > 1.0 - TAIL);
     [low, high]
+}
+
+/// 95 % interval of a share of which `count` of `of` are the sample (Wilson 1927).
+pub fn wilson_interval(count: u64, of: u64) -> [f64; 2] {
+    const Z: f64 = 1.959_963_984_540_054;
+    let n = of as f64;
+    let (p, z2) = (count as f64 / n, Z * Z / n);
+    let middle = (p + 0.5 * z2) / (1.0 + z2);
+    let half = Z / (1.0 + z2) * libm::sqrt(p * (1.0 - p) / n + 0.25 * z2 / n);
+    [(middle - half).max(0.0), (middle + half).min(1.0)]
 }
 
 /// Where `above` becomes true between 0 and `end`.
@@ -114,6 +124,18 @@ mod tests {
         let [low, high] = poisson_interval(40_000);
         assert!((low - (40_000.0 - 1.96 * 200.0)).abs() < 3.0, "{low}");
         assert!((high - (40_000.0 + 1.96 * 200.0)).abs() < 4.0, "{high}");
+    }
+
+    /// Reference: the two roots of (x - p)^2 = z^2 x (1 - x)/n, which is what Wilson's interval is.
+    #[test]
+    fn a_share_has_wilsons_interval() {
+        for (count, of) in [(0, 10), (1, 10), (50, 100), (999, 1000), (10, 10)] {
+            let (n, p) = (of as f64, count as f64 / of as f64);
+            for x in wilson_interval(count, of) {
+                let gap = (x - p) * (x - p) - 1.959_964 * 1.959_964 * x * (1.0 - x) / n;
+                assert!(gap.abs() < 1e-7, "{count} of {of}: {x}");
+            }
+        }
     }
 
     #[test]

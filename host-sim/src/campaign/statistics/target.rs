@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::heat::HeatStatistics;
+use super::said::SaidStatistics;
 use super::{Case, FaultStatistics, Statistics, settings};
 use crate::campaign::by::By;
 use crate::campaign::definition::target::{Measure, Target};
@@ -26,10 +27,9 @@ pub struct Outcome {
 
 impl Measure {
     fn of(self, by: By, cases: &[Case]) -> Option<f64> {
-        match self.of_heat(&HeatStatistics::new(cases)) {
-            Some(measured) => measured,
-            None => self.of_diagnosis(&Statistics::new(by, cases)),
-        }
+        let of_heat = self.of_heat(&HeatStatistics::new(cases));
+        let of_instrument = of_heat.or_else(|| self.of_said(&SaidStatistics::new(cases)));
+        of_instrument.unwrap_or_else(|| self.of_diagnosis(&Statistics::new(by, cases)))
     }
 
     /// Those that are measured of the instrument as a whole; none of the others.
@@ -42,6 +42,22 @@ impl Measure {
             Self::OffAfterVisibleMax => Some(heat.off_after_visible_max_s),
             Self::SaturatedMax => Some(heat.saturated_max_s),
             Self::OverpowerMax => Some(heat.overpower_max_s),
+            _ => None,
+        }
+    }
+
+    /// Those that are measured of what the likelihood diagnosis said; none of the others.
+    fn of_said(self, said: &SaidStatistics) -> Option<Option<f64>> {
+        let fault = said.fault.as_ref();
+        match self {
+            Self::RightP95 => Some(fault.and_then(|f| f.right_delay_s.p95)),
+            Self::EndRight => Some(fault.map(|f| f.end_right_pct)),
+            Self::Lasted => Some(fault.map(|f| f.lasted_pct)),
+            Self::TailP99 => Some(fault.and_then(|f| f.tail_s.p99)),
+            Self::SureWrong => Some(fault.map(|f| f.sure_wrong_pct)),
+            Self::EndCoverage => Some(fault.and_then(|f| f.end_coverage).map(|share| share.pct)),
+            Self::Coverage => Some(said.coverage()),
+            Self::Calibration => Some(said.calibration()),
             _ => None,
         }
     }
@@ -64,6 +80,7 @@ impl Measure {
             Self::MagnitudeErrorP95 => fault?.magnitude_error.p95.map(percent),
             Self::MagnitudeCoverage => fault?.magnitude_coverage_pct,
             Self::AlarmsPerHour => s.alarms.per_hour,
+            Self::AlarmTime => s.alarms.share_of_time.map(percent),
             Self::Hours => Some(s.alarms.hours),
             Self::RunsWithAlarm => s.alarms.per_hour.map(|_| s.alarms.runs_with as f64),
             Self::Unarmed => Some(s.unarmed as f64),
@@ -116,5 +133,6 @@ fn judge_one(target: &Target, setting: &str, cases: &[Case]) -> Option<Outcome> 
     }
     let by_cell = cases.chunk_by(|a, b| a.1.cell == b.1.cell);
     let all = by_cell.map(|cases| outcome(&cases[0].0.name, cases));
+    let all = all.filter(|outcome| outcome.measured.is_some() || !target.measure.is_of_verdicts());
     all.min_by(|a, b| target.margin(a.measured).total_cmp(&target.margin(b.measured)))
 }

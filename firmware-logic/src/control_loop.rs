@@ -350,7 +350,7 @@ impl ControlLoop {
         };
         heater.disable();
         self.seen_to_cut |= proof == Proof::OpenHolds;
-        self.check = Some(SelfTest::new(proof));
+        self.check = Some(SelfTest::new(proof, &self.controller.plant()));
         Ok(())
     }
 

@@ -3,6 +3,8 @@
 
 use fdi_core::likelihood::Readiness;
 use fdi_core::{AdcCode, Command, Config, Instrument, Mode, RawSample, TripReason};
+use firmware_logic::self_test::Ending;
+use host_sim::commands::console::Bench;
 use host_sim::commands::experiment::ExperimentArgs;
 use host_sim::experiment::scenario::Scenario;
 use host_sim::experiment::{as_written, run, with_prbs_phase};
@@ -116,6 +118,30 @@ fn what_must_not_heat_on_is_switched_off_in_time() {
         let (after, found, above) = off.unwrap_or_else(|| panic!("{what}: never"));
         assert_eq!(found, reason, "{what}");
         assert!(after <= latest && above < hottest, "{what}: {after} s, {above} degC");
+    }
+}
+
+/// The board's self-test takes its time from the plant, passes where all is well, and tells who hangs where.
+#[test]
+fn the_self_test_suits_the_plant() {
+    for name in PLANTS {
+        let (config, scenario) = plant(name);
+        let checked = |wiring: &str| {
+            let mut bench = Bench::new(&config, &Scenario { faults: vec![], ..scenario.clone() }, 1).unwrap();
+            let mut said = bench.answer(wiring) + &bench.answer("check");
+            while bench.is_checking() {
+                bench.pass();
+                said += &bench.news();
+            }
+            (bench.ending(), said)
+        };
+        let (ending, said) = checked("wire ok");
+        assert_eq!(ending, Some(Ending::Passed), "{name}: {said}");
+        let (ending, said) = checked("wire swap t1 t2");
+        assert!(
+            ending == Some(Ending::Failed(1)) && said.contains("T1 and T2 are swapped"),
+            "{name}: {said}"
+        );
     }
 }
 

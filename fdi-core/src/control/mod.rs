@@ -53,8 +53,16 @@ pub struct Controller {
     prbs: Prbs,
     /// By its mean control error "in regulation" is judged: as slow as the residuals are filtered, for the excitation must not count.
     error_filter: LowPass,
-    /// Trips by the models take their time from it, s.
-    answer_time: f32,
+    plant: Plant,
+}
+
+/// What the settings say of the rig before anything is learnt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plant {
+    /// Ticks that an answer takes; trips by the models take their time from it.
+    pub answer_ticks: u32,
+    /// Typical gain, degC per %.
+    pub gain: f32,
 }
 
 /// The memory of the [`Controller`].
@@ -93,7 +101,10 @@ impl Controller {
             pid: Pid::new(&config.pid, ts)?,
             prbs: Prbs::new(&config.prbs)?,
             error_filter: LowPass::new(config.diagnosis.filter_cutoff, ts),
-            answer_time: config.identification.answer_time.0,
+            plant: Plant {
+                answer_ticks: config.identification.answer_time.ticks(ts),
+                gain: config.identification.y_scale.0 / config.identification.u_scale.0,
+            },
         };
         config.validate_limits()?;
         Ok(controller)
@@ -121,6 +132,11 @@ impl Controller {
     /// Whether a board must have passed its self-test before it arms.
     pub fn checks_before_arming(&self) -> bool {
         self.supervisor.checks_before_arming()
+    }
+
+    /// What the settings say of the rig.
+    pub fn plant(&self) -> Plant {
+        self.plant
     }
 
     /// The mode.
@@ -270,7 +286,8 @@ impl Controller {
 
     fn widened(&self, new: &Self) -> Option<&'static str> {
         let power = self.pid.is_widened_by(&new.pid).then_some("pid.output_max");
-        let slower = (new.answer_time > self.answer_time).then_some("identification.answer_time");
+        let slower =
+            (new.plant.answer_ticks > self.plant.answer_ticks).then_some("identification.answer_time");
         let of_trips = self.supervisor.widened(&new.supervisor).or(power).or(slower);
         of_trips.or_else(|| self.sensing.widened(&new.sensing))
     }

@@ -17,7 +17,7 @@ use crate::decimal::Fixed;
 use crate::explain::Explained;
 use crate::finding::Sentence;
 use crate::history::{Entry, EntryText};
-use crate::self_test::Progress;
+use crate::self_test::{Progress, step_ticks};
 use crate::settings::SetError;
 use crate::settings::schema::Name;
 use crate::settings::store::SaveError;
@@ -26,8 +26,9 @@ use follow::Follow;
 use line::{LineReader, Step};
 use request::{COMMANDS, Request};
 
-/// Samples that a self-test takes where nothing is wrong, about.
+/// Steps that a self-test takes where nothing is wrong, about.
 const USUAL_CHECK: f32 = 550.0;
+
 /// Names in the console, where the stored name is not the one of a row of residuals.
 const RESIDUAL_NAMES: [&str; ALL.len()] = ["ry1", "ry2", "Pa", "ry12", "sg1", "sg2", "bw1"];
 
@@ -173,8 +174,8 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         Request::Defaults => defaults(board, out).await,
         Request::Check => match board.check().await {
             Ok(()) => {
-                let minutes = (USUAL_CHECK * board.sample_time().0 / 60.0 + 0.5).max(1.0) as u32;
-                let _ = writeln!(out, "ok, see below for about {minutes} min; it heats a little");
+                let _ =
+                    writeln!(out, "ok, see below for about {} min; it heats a little", check_minutes(board));
             }
             Err(denial) => fail(out, &denial),
         },
@@ -188,6 +189,13 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         Request::Relearn => done(out, board.command(Command::Relearn).await),
         Request::Faults => faults(board, out),
     }
+}
+
+/// How long a self-test takes, about.
+fn check_minutes(board: &impl Board) -> u32 {
+    let ts = board.sample_time();
+    let ticks = step_ticks(board.config().identification.answer_time.ticks(ts));
+    (USUAL_CHECK * ticks as f32 * ts.0 / 60.0 + 0.5).max(1.0) as u32
 }
 
 async fn arm(board: &mut impl Board, out: &mut dyn Write) {

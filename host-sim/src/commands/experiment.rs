@@ -7,13 +7,8 @@ use fdi_core::Config;
 use pt326_rig::{Disturbance, RigConfig};
 
 use crate::experiment::scenario::{self, Scenario};
-use crate::experiment::{FaultSize, as_written};
+use crate::experiment::{FaultSize, slowness};
 use crate::settings;
-
-/// How much slower than the default sampling is: an experiment takes as many samples on every plant.
-fn slowness(config: &Config) -> f64 {
-    as_written(config.sample_time.0) / as_written(Config::default().sample_time.0)
-}
 
 /// What describes an experiment.
 #[derive(Clone, Debug, Default, Args)]

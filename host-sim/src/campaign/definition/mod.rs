@@ -79,6 +79,9 @@ pub struct Plant {
     /// Its constants, as in a scenario.
     #[serde(default)]
     pub rig: RigConfig,
+    /// The name of a preset of the instrument (`oven`, `hotend`, `tclab`) whose settings go with it; all times of a cell are longer by
+    /// the ratio of the sample times.
+    pub instrument: Option<String>,
     /// Settings of the instrument that go with it, as in a configuration.
     #[serde(default)]
     pub config: Table,

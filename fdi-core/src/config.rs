@@ -9,6 +9,7 @@ use crate::identify::config::IdentificationConfig;
 use crate::likelihood::config::LikelihoodConfig;
 use crate::sense::SensorsConfig;
 use crate::sense::plausibility::PlausibilityConfig;
+use crate::sense::supply::SupplyConfig;
 use crate::sense::thermistor::ThermistorConfig;
 use crate::settings::{About, Fields, Group, Setting, Value, check, settings};
 use crate::supervisor::config::SupervisorConfig;
@@ -24,6 +25,8 @@ settings! {
     } and {
         /// Thermistor constants and calibration.
         sensors: SensorsConfig = SensorsConfig::default();
+        /// Supply voltage of the heater.
+        supply: SupplyConfig = SupplyConfig::default();
         /// Limits of what a thermistor can truly read.
         plausibility: PlausibilityConfig = PlausibilityConfig::default();
         /// Temperature controller.
@@ -47,13 +50,14 @@ const MOST_SAMPLES: f32 = 500.0;
 const MOST_DEAD_SAMPLES: f32 = 60.0;
 
 /// The settings of all groups, in the order in which they are listed.
-static GROUPS: [&[Setting]; 11] = {
+static GROUPS: [&[Setting]; 12] = {
     let [t0, t1, t2] = ThermistorConfig::SETTINGS;
     [
         Config::SETTINGS[0],
         t0,
         t1,
         t2,
+        SupplyConfig::SETTINGS[0],
         PlausibilityConfig::SETTINGS[0],
         PidConfig::SETTINGS[0],
         PrbsConfig::SETTINGS[0],
@@ -70,6 +74,7 @@ const ABOUT: [(&str, &[About]); GROUPS.len()] = [
     (ThermistorConfig::GROUP_ABOUT, ThermistorConfig::ABOUT),
     (ThermistorConfig::GROUP_ABOUT, ThermistorConfig::ABOUT),
     (ThermistorConfig::GROUP_ABOUT, ThermistorConfig::ABOUT),
+    (SupplyConfig::GROUP_ABOUT, SupplyConfig::ABOUT),
     (PlausibilityConfig::GROUP_ABOUT, PlausibilityConfig::ABOUT),
     (PidConfig::GROUP_ABOUT, PidConfig::ABOUT),
     (PrbsConfig::GROUP_ABOUT, PrbsConfig::ABOUT),
@@ -135,6 +140,7 @@ impl Config {
             Group::T0 => &self.sensors.t0,
             Group::T1 => &self.sensors.t1,
             Group::T2 => &self.sensors.t2,
+            Group::Supply => &self.supply,
             Group::Plausibility => &self.plausibility,
             Group::Pid => &self.pid,
             Group::Prbs => &self.prbs,
@@ -151,6 +157,7 @@ impl Config {
             Group::T0 => &mut self.sensors.t0,
             Group::T1 => &mut self.sensors.t1,
             Group::T2 => &mut self.sensors.t2,
+            Group::Supply => &mut self.supply,
             Group::Plausibility => &mut self.plausibility,
             Group::Pid => &mut self.pid,
             Group::Prbs => &mut self.prbs,

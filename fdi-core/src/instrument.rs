@@ -7,6 +7,7 @@ use crate::control::{Controller, ControllerState, Tick};
 use crate::diagnosis::baseline::Baseline;
 use crate::diagnosis::{Diagnosis, DiagnosisState, Report};
 use crate::error::ConfigError;
+use crate::likelihood::{Commissioned, SinceCommissioning};
 use crate::sense::RawSample;
 use crate::supervisor::{Command, Refusal};
 use crate::units::Percent;
@@ -22,7 +23,7 @@ use crate::units::Percent;
 /// let mut instrument = Instrument::new(&Config::default())?;
 /// instrument.command(Command::Arm).expect("a new instrument is off");
 /// let room = AdcCode(2160.0);
-/// let tick = instrument.control(RawSample { t0: room, t1: room, t2: room });
+/// let tick = instrument.control(RawSample { t0: room, t1: room, t2: room, ..RawSample::default() });
 /// assert!(tick.drive.0 > 0.0); // it is cold: heat
 /// let report = instrument.diagnose(&tick, tick.drive);
 /// assert!(report.filtered.is_none()); // nothing learnt yet, so nothing claimed
@@ -129,6 +130,26 @@ impl Instrument {
         self.diagnosis.restore(&mut self.diagnosis_state, baseline);
         self.controller.restored(&mut self.control_state, baseline);
         Ok(())
+    }
+
+    /// The models in force, to be kept as those of the commissioning.
+    pub fn trained(&self) -> Option<Commissioned> {
+        self.diagnosis.trained(&self.diagnosis_state)
+    }
+
+    /// Restores the models of the commissioning, which what is trained later is held against; `None` forgets them.
+    ///
+    /// # Errors
+    /// They cannot have been trained; nothing has changed then.
+    pub fn commission(&mut self, commissioned: Option<Commissioned>) -> Result<(), ConfigError> {
+        commissioned.as_ref().map_or(Ok(()), Commissioned::validate)?;
+        self.diagnosis.commission(&mut self.diagnosis_state, commissioned);
+        Ok(())
+    }
+
+    /// What has become of the rig since it was commissioned; None where it was not, or nothing is trained now.
+    pub fn since_commissioning(&self) -> Option<SinceCommissioning> {
+        self.diagnosis.since_commissioning(&self.diagnosis_state)
     }
 
     /// What was learnt, once monitoring has begun.

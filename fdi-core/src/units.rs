@@ -55,6 +55,10 @@ unit!(
     /// Electrical resistance in ohm.
     Ohm, "ohm");
 
+unit!(
+    /// Voltage in volt.
+    Volt, "V");
+
 impl AdcCode {
     /// Code at the full scale (input at VDDA).
     pub const FULL_SCALE: f32 = 4095.0;

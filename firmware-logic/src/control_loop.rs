@@ -181,8 +181,10 @@ impl TickRecord {
 }
 
 /// The code of "no sample".
-const NO_SAMPLE: RawSample =
-    RawSample { t0: AdcCode(f32::NAN), t1: AdcCode(f32::NAN), t2: AdcCode(f32::NAN) };
+const NO_SAMPLE: RawSample = {
+    const NONE: AdcCode = AdcCode(f32::NAN);
+    RawSample { t0: NONE, t1: NONE, t2: NONE, supply: NONE }
+};
 
 /// The control half of the instrument on the board.
 #[derive(Clone, Debug)]
@@ -378,7 +380,7 @@ impl ControlLoop {
                 return if released && nothing_tripped { Ok(()) } else { result.map_err(Denial::Refused) };
             }
             Command::Stop => self.stop(Ending::Stopped, heater),
-            Command::Relearn | Command::SetPoint(_) | Command::Excite(_) => {}
+            Command::Relearn | Command::SetPoint(_) | Command::Excite(_) | Command::Fan(_) => {}
         }
         self.controller.command(&mut self.state, command).map_err(Denial::Refused)
     }

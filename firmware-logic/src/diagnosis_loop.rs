@@ -13,8 +13,9 @@ use crate::history::{Entry, History};
 use crate::interlock::Lockout;
 use crate::log_line::tick::TickLine;
 use crate::notice::Notice;
+use crate::settings::commissioning::Commissioning;
 use crate::settings::stored::{Stored, check};
-use crate::status::Status;
+use crate::status::{Since, Status};
 
 /// The diagnosis half of the instrument on the board.
 #[derive(Clone, Debug)]
@@ -27,6 +28,10 @@ pub struct DiagnosisLoop {
     sample_time: Seconds,
     /// Settings that the control half has not answered yet.
     proposed: Option<Proposal>,
+    /// What the rig was like when it was commissioned.
+    commissioning: Option<Commissioning>,
+    /// It is new, and the log does not have it.
+    untold: bool,
     status: Status,
     history: History,
     before: Before,
@@ -58,6 +63,8 @@ impl DiagnosisLoop {
             sample_time: settings.config.sample_time,
             settings,
             proposed: None,
+            commissioning: None,
+            untold: false,
             status: Status::default(),
             history: History::default(),
             before: Before {
@@ -85,6 +92,9 @@ impl DiagnosisLoop {
         if let Some(news) = record.news {
             self.status.check.note(news);
             tell(Notice::Check(news));
+        }
+        if core::mem::take(&mut self.untold) {
+            tell(Notice::Commissioning(self.commissioning));
         }
         let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
         tell(Notice::Tick(TickLine::new(&record, &report)));
@@ -152,11 +162,52 @@ impl DiagnosisLoop {
         let readiness = report.likelihood.readiness;
         if core::mem::replace(&mut self.before.readiness, readiness) != readiness {
             tell(Notice::Readiness { tick: report.tick, readiness });
+            if readiness == Readiness::Armed {
+                self.notice_commissioning(tell);
+            }
         }
         if let Some(alarm) = self.before.alarms.notice(report) {
             self.history.alarm(alarm);
             tell(Notice::Alarm(alarm));
         }
+    }
+
+    /// The first models that are accepted are those of the commissioning; later ones are held against them.
+    fn notice_commissioning(&mut self, tell: &mut impl FnMut(Notice)) {
+        if self.commissioning.is_none() {
+            self.commission();
+        }
+        self.follow_commissioning();
+        if let Some(since) = self.status.commissioned {
+            tell(Notice::Commissioned(since));
+        }
+    }
+
+    /// Takes the models in force for those of a new commissioning; `false` where there are none.
+    pub fn commission(&mut self) -> bool {
+        let trained = self.diagnosis.trained(&self.state).filter(|models| models.validate().is_ok());
+        let Some(models) = trained else { return false };
+        let number = self.commissioning.map_or(0, |before| before.number).wrapping_add(1);
+        self.commissioned(Some(Commissioning { number, models }));
+        true
+    }
+
+    /// Restores the commissioning, or forgets it.
+    pub fn commissioned(&mut self, commissioning: Option<Commissioning>) {
+        self.diagnosis.commission(&mut self.state, commissioning.map(|kept| kept.models));
+        self.untold |= self.commissioning != commissioning;
+        self.commissioning = commissioning;
+        self.follow_commissioning();
+    }
+
+    fn follow_commissioning(&mut self) {
+        let change = self.diagnosis.since_commissioning(&self.state);
+        self.status.commissioned = self.commissioning.map(|kept| Since { number: kept.number, change });
+    }
+
+    /// The commissioning, to be kept.
+    pub fn commissioning(&self) -> Option<&Commissioning> {
+        self.commissioning.as_ref()
     }
 
     /// Proposes settings: checks that a board can run with them, and keeps them until the record of a tick says that the

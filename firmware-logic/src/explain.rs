@@ -3,6 +3,7 @@
 
 use core::fmt;
 
+use fdi_core::supervisor::FASTEST_FAN;
 use fdi_core::{ConfigError, Refusal};
 
 use crate::decimal::Short;
@@ -43,6 +44,10 @@ impl fmt::Display for Explained<'_, Refusal> {
                 let [wanted, min, max] = [wanted, min, max].map(Short);
                 write!(f, "set-point {wanted} degC refused, expected {min} to {max} degC")
             }
+            Refusal::Fan(level) => {
+                let [level, max] = [level, FASTEST_FAN].map(Short);
+                write!(f, "fan level {level} % refused, expected 0 to {max} %")
+            }
         }
     }
 }
@@ -65,7 +70,8 @@ mod tests {
         for error in errors {
             assert_eq!(Explained(&error).to_string(), error.to_string());
         }
-        for refusal in [Refusal::NotInMode("off"), Refusal::SetPoint { wanted: 99.5, min: 20.0, max: 65.0 }] {
+        let set_point = Refusal::SetPoint { wanted: 99.5, min: 20.0, max: 65.0 };
+        for refusal in [Refusal::NotInMode("off"), set_point, Refusal::Fan(250.5)] {
             assert_eq!(Explained(&refusal).to_string(), refusal.to_string());
         }
     }

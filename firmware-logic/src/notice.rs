@@ -13,7 +13,8 @@ use crate::interlock::Lockout;
 use crate::log_line::LogLine;
 use crate::log_line::tick::TickLine;
 use crate::self_test::News;
-use crate::status::readiness;
+use crate::settings::commissioning::Commissioning;
+use crate::status::{Since, readiness};
 
 /// Something to tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +66,10 @@ pub enum Notice {
         /// How far.
         readiness: Readiness,
     },
+    /// New models were accepted: the commissioning that they are held against.
+    Commissioned(Since),
+    /// The commissioning from this tick on.
+    Commissioning(Option<Commissioning>),
     /// The likelihood diagnosis has raised an alarm, named it, or ended it.
     Alarm(AlarmRecord),
     /// Ticks that never began.
@@ -93,12 +98,13 @@ impl Notice {
     /// How urgent it is.
     pub fn level(&self) -> Level {
         match self {
-            Self::Tick(_) => Level::Debug,
+            Self::Tick(_) | Self::Commissioning(_) => Level::Debug,
             Self::Order { .. }
             | Self::Check(News::Stage(_) | News::Ended(_))
             | Self::Mode { .. }
             | Self::Lockout { lockout: None, .. }
-            | Self::Readiness { .. } => Level::Info,
+            | Self::Readiness { .. }
+            | Self::Commissioned(_) => Level::Info,
             Self::Denied { .. }
             | Self::Unchecked
             | Self::Check(News::Found(_))
@@ -149,6 +155,8 @@ impl fmt::Display for NoticeText<'_> {
             Notice::Fault(Event::Ended(fault)) => write_entry("ended: ", Entry::Fault { fault, ended: true }),
             Notice::Alarm(alarm) => write_entry("likelihood: ", Entry::Alarm(alarm)),
             Notice::Readiness { tick, readiness: now } => write!(f, "likelihood {tick} {}", readiness(now)),
+            Notice::Commissioning(kept) => LogLine::Commissioned(kept).fmt(f),
+            Notice::Commissioned(since) => since.fmt(f),
             Notice::Missed { count, before } => write!(f, "{count} ticks missed before tick {before}"),
         }
     }

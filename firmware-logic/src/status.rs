@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use fdi_core::likelihood::{Readiness, RejectReason};
-use fdi_core::{Mode, Percent, Reading, Report, Validity};
+use fdi_core::likelihood::{Readiness, RejectReason, SinceCommissioning};
+use fdi_core::{KnownInputs, Mode, Percent, Reading, Report, Validity};
 
 use crate::cadence::Jitter;
 use crate::control_loop::TickRecord;
@@ -37,6 +37,26 @@ pub struct Status {
     pub health: Health,
     /// What the self-test has told so far.
     pub check: Progress,
+    /// The commissioning, where there was one.
+    pub commissioned: Option<Since>,
+}
+
+/// A commissioning, and what has become of the rig since.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Since {
+    /// Its number.
+    pub number: u32,
+    /// What has changed, where anything is trained now.
+    pub change: Option<SinceCommissioning>,
+}
+
+impl fmt::Display for Since {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "commissioning {}", self.number)?;
+        let Some(SinceCommissioning { rise }) = self.change else { return Ok(()) };
+        let (percent, word) = if rise < 0.0 { (-100.0 * rise, "less") } else { (100.0 * rise, "more") };
+        write!(f, ": since then the same power warms by {} % {word}", Fixed(percent, 1))
+    }
 }
 
 impl Status {
@@ -127,6 +147,7 @@ impl fmt::Display for Status {
             Fixed(tick.setpoint.0, 1),
             Fixed(drive, 1)
         )?;
+        known(f, &tick.known)?;
         f.write_str("\ngain")?;
         number(f, report.ms1.static_gain, 3)?;
         number(f, report.ms2.static_gain, 3)?;
@@ -138,6 +159,9 @@ impl fmt::Display for Status {
         }
         f.write_str("\nlikelihood diagnosis ")?;
         f.write_str(readiness(report.likelihood.readiness))?;
+        if let Some(since) = self.commissioned {
+            write!(f, "\n{since}")?;
+        }
         write!(f, "\n{}", self.health)
     }
 }
@@ -186,6 +210,17 @@ fn number(f: &mut fmt::Formatter<'_>, x: Option<f32>, decimals: u8) -> fmt::Resu
     }
 }
 
+/// What is known of the rig's other inputs, where anything is.
+fn known(f: &mut fmt::Formatter<'_>, known: &KnownInputs) -> fmt::Result {
+    if let Some(share) = known.supply {
+        write!(f, "\nsupply {} % of nominal", Fixed(100.0 * share, 1))?;
+    }
+    if known.supply_lost > 0 {
+        write!(f, "\nsupply not read on {} ticks", known.supply_lost)?;
+    }
+    known.fan.map_or(Ok(()), |level| write!(f, "\nfan at {} %, as announced", Fixed(level.0, 1)))
+}
+
 /// A reading, with its doubts.
 struct ReadingText(Reading);
 
@@ -219,6 +254,24 @@ mod tests {
             "{line}"
         );
         assert!(line.ends_with(" bandwidth ?, fdv 0 fiv 0"), "{line}");
+    }
+
+    #[test]
+    fn what_has_become_of_the_rig_is_said_in_words() {
+        let text = |change| Since { number: 2, change }.to_string();
+        assert_eq!(text(None), "commissioning 2");
+        let changed = |rise| text(Some(SinceCommissioning { rise }));
+        assert_eq!(changed(-0.12), "commissioning 2: since then the same power warms by 12.0 % less");
+        assert_eq!(changed(0.031), "commissioning 2: since then the same power warms by 3.1 % more");
+    }
+
+    #[test]
+    fn known_inputs_are_shown_where_there_are_any() {
+        let text = |inputs| fmt::from_fn(move |f| known(f, &inputs)).to_string();
+        assert_eq!(text(KnownInputs::default()), "");
+        let inputs = KnownInputs { supply: Some(0.9512), supply_lost: 3, fan: Some(Percent(80.0)) };
+        let expected = "\nsupply 95.1 % of nominal\nsupply not read on 3 ticks\nfan at 80.0 %, as announced";
+        assert_eq!(text(inputs), expected);
     }
 
     #[test]

@@ -12,6 +12,7 @@ use core::task::{Context, Poll, Waker};
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
+use fdi_core::likelihood::{Commissioned, PARAMETERS};
 use fdi_core::{AdcCode, Command, Config, ConfigError, Feedback, RawSample, Seconds};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::console::board::{Chip, ConsoleBoard};
@@ -21,6 +22,7 @@ use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::history::Entry;
 use firmware_logic::interlock::{Interlock, Lockout};
 use firmware_logic::notice::{Level, Notice};
+use firmware_logic::settings::commissioning::Commissioning;
 use firmware_logic::settings::store::{SaveError, Store};
 use firmware_logic::settings::stored::Stored;
 use firmware_logic::status::Status;
@@ -63,7 +65,7 @@ impl TestChip {
             self.diagnosis.status().last.as_ref().map_or(Feedback::default(), |(_, r)| r.feedback());
         self.code = if self.code > 2160.0 { 2160.0 } else { 2161.0 }; // a live thermistor is never quite still
         let [t0, t1, t2] = [AdcCode(self.code); 3];
-        let raw = RawSample { t0, t1, t2 };
+        let raw = RawSample { t0, t1, t2, ..RawSample::default() };
         let record = self.control.tick(raw, Arrival::default(), order, feedback, &mut self.output);
         let result = record.outcome.map_or(Ok(()), |outcome| outcome.result);
         self.diagnosis.step(record, |notice| self.notices.push(notice));
@@ -80,6 +82,9 @@ impl TestChip {
 impl Chip for TestChip {
     fn diagnosis<R>(&self, look: impl FnOnce(&DiagnosisLoop) -> R) -> R {
         look(&self.diagnosis)
+    }
+    fn change<R>(&mut self, change: impl FnOnce(&mut DiagnosisLoop) -> R) -> R {
+        change(&mut self.diagnosis)
     }
     fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {
         self.diagnosis.propose(config)
@@ -236,7 +241,12 @@ fn a_sample_time_is_kept_and_in_force_from_the_next_start_on() {
             Interlock::default(),
         );
         let order = Some(Order::Retune(Controller::new(&diagnosis.in_force(&config)).expect("valid")));
-        let raw = RawSample { t0: AdcCode(2160.0), t1: AdcCode(2160.0), t2: AdcCode(2160.0) };
+        let raw = RawSample {
+            t0: AdcCode(2160.0),
+            t1: AdcCode(2160.0),
+            t2: AdcCode(2160.0),
+            ..RawSample::default()
+        };
         let record =
             control.tick(raw, Arrival::default(), order, Feedback::default(), &mut Output::default());
         diagnosis.step(record, |_| {});
@@ -289,7 +299,7 @@ fn a_trip_and_missed_ticks_are_told_and_kept() {
     let mut board = heating();
     board.chip.told();
     let mut record = board.chip.control.tick(
-        RawSample { t0: AdcCode(2160.0), t1: AdcCode(300.0), t2: AdcCode(2160.0) },
+        RawSample { t0: AdcCode(2160.0), t1: AdcCode(300.0), t2: AdcCode(2160.0), ..RawSample::default() },
         Arrival { due: 0, late_us: 30, missed: 2 },
         None,
         Feedback::default(),
@@ -319,6 +329,49 @@ fn only_a_baseline_that_can_have_been_learnt_is_restored() {
     assert_eq!(board(Stored { config: waived(), baseline: Some(learnt) }).baseline(), Some(learnt));
     let broken = Baseline { raw: Normal { mean: [f32::NAN; 7], sigma: [0.1; 7] }, ..learnt };
     assert_eq!(board(Stored { config: waived(), baseline: Some(broken) }).baseline(), None);
+}
+
+/// What the flash of a board has, by its next start.
+fn kept(board: ConsoleBoard<TestChip, Flash>) -> Option<Commissioning> {
+    now(Store::new(board.into_flash()).commissioning())
+}
+
+#[test]
+fn a_commissioning_is_written_once_and_only_while_nothing_heats() {
+    let models = Commissioned { parameters: [0.3; PARAMETERS] };
+    let commissioning = Commissioning { number: 1, models };
+    let mut board = heating();
+    let stalls = board.chip.stalls;
+    board.chip.change(|diagnosis| diagnosis.commissioned(Some(commissioning)));
+    now(board.settle());
+    assert_eq!(board.chip.stalls, stalls, "it heats");
+    board.chip.notices.clear();
+    for ticks in [1, 2] {
+        board.chip.tick(None).expect("no order");
+        let told = board.chip.notices.iter().filter(|notice| matches!(notice, Notice::Commissioning(_)));
+        assert_eq!(told.count(), 1, "told once, {ticks} ticks later");
+    }
+    assert_eq!(board.chip.notices[0], Notice::Commissioning(Some(commissioning)), "before the tick");
+    now(board.command(Command::Stop)).expect("always");
+    now(board.settle());
+    let written = board.chip.stalls;
+    assert!(written > stalls);
+    now(board.settle());
+    assert_eq!(board.chip.stalls, written, "written once");
+    assert!(board.status().to_string().contains("\ncommissioning 1\n"));
+    assert_eq!(kept(board), Some(commissioning));
+}
+
+#[test]
+fn a_commissioning_that_is_cleared_is_gone_at_the_next_start_and_one_untrained_is_none() {
+    let mut board = at_rest();
+    assert!(!board.commission(), "nothing is trained");
+    let models = Commissioned { parameters: [0.3; PARAMETERS] };
+    board.chip.change(|diagnosis| diagnosis.commissioned(Some(Commissioning { number: 1, models })));
+    now(board.settle());
+    board.decommission();
+    now(board.settle());
+    assert_eq!(kept(board), None);
 }
 
 #[test]

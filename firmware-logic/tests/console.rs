@@ -25,6 +25,7 @@ struct Mock {
     held: Option<Lockout>,
     heating: bool,
     progress: Progress,
+    trained: bool,
 }
 
 impl Board for Mock {
@@ -72,6 +73,13 @@ impl Board for Mock {
         self.asked.push("brownout".into());
         if self.heating { Err(SaveError::Heating) } else { Ok(()) }
     }
+    fn commission(&mut self) -> bool {
+        self.asked.push("commission".into());
+        self.trained
+    }
+    fn decommission(&mut self) {
+        self.asked.push("decommission".into());
+    }
     fn baseline(&self) -> Option<Baseline> {
         Some(Baseline { samples: 1637, ..Baseline::default() })
     }
@@ -102,6 +110,18 @@ fn answer(board: &mut Mock, line: &str) -> String {
     let echo = format!("{line}\n");
     let answer = shown.strip_prefix(&echo).unwrap_or_else(|| panic!("no echo of {line:?} in {shown:?}"));
     answer.strip_suffix("> ").expect("a prompt").to_owned()
+}
+
+#[test]
+fn commissions_what_is_trained_and_announces_the_fan() {
+    let mut board = Mock::default();
+    assert!(answer(&mut board, "commission").starts_with("error: no models are trained yet"));
+    board.trained = true;
+    assert_eq!(answer(&mut board, "commission"), "ok, kept once the heater is off\n");
+    assert_eq!(answer(&mut board, "commission clear"), "ok\n");
+    assert_eq!(answer(&mut board, "fan 80"), "ok\n");
+    assert!(answer(&mut board, "fan slow").starts_with("error: fan: \"slow\" given, expected a number"));
+    assert_eq!(board.asked, ["commission", "commission", "decommission", "Fan(Percent(80.0))"]);
 }
 
 #[test]

@@ -34,7 +34,7 @@ impl Bench {
         Self {
             control: ControlLoop::new(controller, config.setpoint, interlock),
             output: Output::default(),
-            codes: RawSample { t0: ambient, t1: ambient, t2: ambient },
+            codes: RawSample { t0: ambient, t1: ambient, t2: ambient, ..RawSample::default() },
             noise: 0,
         }
     }
@@ -51,7 +51,12 @@ impl Bench {
     fn step(&mut self, order: Option<Order>) -> TickRecord {
         self.noise = (self.noise + 1) % 3; // a live sensor is never quite still
         let wiggle = |code: AdcCode| AdcCode(code.0 + self.noise as f32);
-        let raw = RawSample { t0: self.codes.t0, t1: wiggle(self.codes.t1), t2: wiggle(self.codes.t2) };
+        let raw = RawSample {
+            t0: self.codes.t0,
+            t1: wiggle(self.codes.t1),
+            t2: wiggle(self.codes.t2),
+            ..RawSample::default()
+        };
         self.control.tick(raw, Arrival::default(), order, Feedback::default(), &mut self.output)
     }
 
@@ -119,7 +124,7 @@ fn does_not_arm_with_the_break_input_open() {
 #[test]
 fn what_is_dangerous_by_itself_waits_for_no_tick() {
     let (ambient, hot) = (ambient_code(), AdcCode(500.0));
-    let sample = |t1, t2| RawSample { t0: ambient, t1, t2 };
+    let sample = |t1, t2| RawSample { t0: ambient, t1, t2, ..RawSample::default() };
     for (raw, reason) in [
         (sample(AdcCode(4095.0), ambient), TripReason::T1Open),
         (sample(AdcCode(0.0), ambient), TripReason::T1Short),

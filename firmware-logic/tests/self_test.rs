@@ -51,7 +51,7 @@ impl Bench {
         *t2 += (0.9 * *t1 - *t2) / 4.0;
         let noise = [0.01, -0.02, 0.03, 0.0, -0.03, 0.02, -0.01][self.ticks as usize % 7];
         let code = |rise: f32| self.thermistor.code(Celsius(22.5 + rise + noise));
-        RawSample { t0: code(0.0), t1: code(self.rises[1]), t2: code(self.rises[2]) }
+        RawSample { t0: code(0.0), t1: code(self.rises[1]), t2: code(self.rises[2]), ..RawSample::default() }
     }
 
     fn step(&mut self, raw: RawSample, order: Option<Order>) -> TickRecord {
@@ -273,7 +273,7 @@ proptest! {
         for tick in 0..LONGEST + 20 {
             let calm = bench.codes();
             let (t0, t1, t2) = wild[tick as usize % wild.len()];
-            let raw = RawSample { t0: AdcCode(t0), t1: AdcCode(t1), t2: AdcCode(t2) };
+            let raw = RawSample { t0: AdcCode(t0), t1: AdcCode(t1), t2: AdcCode(t2), ..RawSample::default() };
             let record = bench.step(if tick >= from && tick % rarely == 0 { raw } else { calm }, None);
             let Output { power, enabled, .. } = bench.output;
             prop_assert!((0.0..=LEVELS[3]).contains(&power), "{} %", power);

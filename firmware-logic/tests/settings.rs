@@ -9,10 +9,12 @@ use core::task::{Context, Poll, Waker};
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::signature::{MAX_ROWS, Signature};
 use fdi_core::identify::Adaptation;
+use fdi_core::likelihood::Commissioned;
 use fdi_core::settings::{Kind, Value};
 use fdi_core::{Celsius, Config, Seconds, Setting};
 use firmware_logic::crc::CRC32;
 use firmware_logic::settings::SetError;
+use firmware_logic::settings::commissioning::Commissioning;
 use firmware_logic::settings::schema::Name;
 use firmware_logic::settings::store::{Origin, SaveError, Store};
 use firmware_logic::settings::stored::{MAX_BYTES, Stored, StoredError, VERSION};
@@ -276,6 +278,63 @@ fn a_power_cut_while_marking_leaves_the_mark_or_not_and_the_settings() {
         }
     }
     assert!(in_erase > 0, "{cuts} cuts, none in an erase");
+}
+
+fn commissioning(number: u32) -> Commissioning {
+    let parameters = core::array::from_fn(|i| 0.3 + (number as f32) * (i as f32));
+    Commissioning { number, models: Commissioned { parameters } }
+}
+
+#[test]
+fn a_commissioning_outlives_settings_that_fill_the_flash_and_a_save_over_garbage_loses_only_it() {
+    let mut store = Store::new(Flash::new());
+    assert_eq!(now(store.commissioning()), None);
+    assert_eq!(now(store.keep(Some(&commissioning(1)))), Ok(()));
+    for _ in 0..200 {
+        assert_eq!(now(store.save(&unusual(40.0))), Ok(()));
+    }
+    let mut flash = store.into_flash();
+    assert!(flash.erases > 2);
+    assert_eq!(now(Store::new(flash.clone()).commissioning()), Some(commissioning(1)));
+    flash.fill_with_garbage(3);
+    let mut store = Store::new(flash);
+    assert_eq!(now(store.commissioning()), None);
+    assert_eq!(now(store.save(&unusual(40.0))), Ok(()));
+    assert_eq!(now(store.commissioning()), None);
+}
+
+/// Wherever the power goes while one is written or cleared, the old one is there or the new, and the settings.
+#[test]
+fn a_power_cut_while_commissioning_leaves_the_old_one_or_the_new() {
+    let mut store = Store::new(Flash::new());
+    now(store.save(&unusual(40.0))).expect("no cut");
+    let mut flash = store.into_flash();
+    let mut in_erase = 0;
+    for i in 0..300 {
+        let at = |i: u32| (!i.is_multiple_of(3)).then(|| commissioning(i));
+        let (old, new) = (at(i), at(i + 1));
+        for step in 0.. {
+            let mut cut = flash.clone();
+            cut.cut_at(step);
+            let mut store = Store::new(cut);
+            let result = now(store.keep(new.as_ref()));
+            let mut after = store.into_flash();
+            if !after.was_cut() {
+                assert_eq!(result, Ok(()));
+                flash = after;
+                break;
+            }
+            in_erase += u32::from(after.cut_in_erase);
+            after.power_up();
+            assert_eq!(load(&after), (unusual(40.0), Origin::Flash), "write {i}, step {step}");
+            let mut store = Store::new(after);
+            let left = now(store.commissioning());
+            assert!(left == old || left == new, "write {i}, step {step}: {left:?}");
+            assert_eq!(now(store.keep(new.as_ref())), Ok(()), "write {i}, step {step}");
+            assert_eq!(now(store.commissioning()), new, "write {i}, step {step}");
+        }
+    }
+    assert!(in_erase > 0, "none in an erase");
 }
 
 /// Saves until both sectors have filled up and been erased; before each save, for every write and every erase of it,

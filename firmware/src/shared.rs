@@ -98,6 +98,10 @@ impl Chip for &'static Shared {
         look(&self.diagnosis.borrow())
     }
 
+    fn change<R>(&mut self, change: impl FnOnce(&mut DiagnosisLoop) -> R) -> R {
+        change(&mut self.diagnosis.borrow_mut())
+    }
+
     fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {
         let mut diagnosis = self.diagnosis.borrow_mut();
         let controller = diagnosis.propose(config)?;

@@ -21,9 +21,9 @@ use static_cell::StaticCell;
 
 use crate::hardware::board::Parts;
 use crate::hardware::heater::HeaterOutput;
+use crate::hardware::inputs::Inputs;
 use crate::hardware::panel::Panel;
 use crate::hardware::settings_flash::SettingsFlash;
-use crate::hardware::thermistors::Thermistors;
 use crate::hardware::{
     self, clock, control_executor, halt, reset, retained, serial, tick_timer, undervoltage, watchdog,
 };
@@ -56,6 +56,7 @@ fn start(spawner: Spawner) {
     let mut store = Store::new(SettingsFlash::new(parts.flash));
     let (settings, origin) = block_on(store.load());
     let marked = block_on(store.is_marked());
+    let commissioning = block_on(store.commissioning());
     interlock.marked(cause, marked);
     let config = settings.config.clone();
     log::banner(clock, cause, left.as_ref(), &origin, &config);
@@ -66,11 +67,12 @@ fn start(spawner: Spawner) {
     let heater = HeaterOutput::new(parts.pwm_timer, (parts.heater, parts.contactor), parts.break_input);
     undervoltage::watch();
     tick_timer::enable_interrupt();
-    let thermistors = Thermistors::new(parts.adc, parts.thermistors);
+    let inputs = Inputs::new(parts.adc, parts.thermistors, parts.supply);
     let (orders_in, orders_out) = link::orders();
     let (records_out, records_in) = link::records();
     let mut control = ControlLoop::new(controller, config.setpoint, interlock);
-    let shared = share(diagnosis, settings, orders_in);
+    let mut shared = share(diagnosis, settings, orders_in);
+    shared.change(|diagnosis| diagnosis.commissioned(commissioning));
     shared.diagnosis(|diagnosis| {
         if let Some(baseline) = diagnosis.baseline() {
             log_line::baseline(baseline, log::line);
@@ -80,7 +82,7 @@ fn start(spawner: Spawner) {
     let panel = Panel::new(parts.led, parts.button);
     let port = serial::open(parts.usart, parts.rx, parts.tx);
 
-    let spawned = tasks::control::control(period, control, heater, thermistors, records_in, orders_out);
+    let spawned = tasks::control::control(period, control, heater, inputs, records_in, orders_out);
     control_executor::start().spawn(once(spawned));
     spawner.spawn(once(tasks::diagnosis::diagnosis(records_out, shared)));
     spawner.spawn(once(tasks::status::status(shared)));

@@ -5,9 +5,9 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use fdi_core::{AdcCode, Command, Config, Instrument, RawSample};
+use fdi_core::{Command, Config, Instrument, RawSample};
 use host_sim::experiment::scenario::Scenario;
-use host_sim::experiment::{self, as_written};
+use host_sim::experiment::{self, as_written, sample};
 use pt326_rig::Rig;
 
 const SEED: u64 = 1;
@@ -46,9 +46,9 @@ fn bench(c: &mut Criterion) {
 }
 
 fn next_codes(rig: &mut Rig, drive: f64) -> RawSample {
-    let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));
+    let raw = sample(rig);
     rig.advance(drive);
-    RawSample { t0, t1, t2 }
+    raw
 }
 
 criterion_group!(benches, bench);

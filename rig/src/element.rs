@@ -39,9 +39,8 @@ impl Element {
         let World { air, heater, thermistors } = world;
         let (direct, tip) = (self.direct, self.tip);
         self.direct = air.through(heater, i, (from, to), (gain, lag), direct);
-        self.tip = wall.map_or(self.direct, |wall| {
-            wall.through(air, (gain, lag), to - from, [direct, self.direct], tip)
-        });
+        self.tip =
+            wall.map_or(self.direct, |wall| wall.through((gain, lag), to - from, [direct, self.direct], tip));
         self.celsius = self.bead.follow(thermistors, i, to - from, [tip, self.tip], (air.flow, lag));
     }
 }

@@ -17,6 +17,7 @@ mod fan;
 pub mod fault;
 mod heater;
 mod mains;
+mod meter;
 mod noise;
 mod pickup;
 mod preset;

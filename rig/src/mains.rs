@@ -16,6 +16,10 @@ constants! {
         step_size: f64 = 1.0, 0.0..=10.0;
         /// The fan's flow goes as the voltage to the power of this.
         fan_exponent: f64 = 0.0, 0.0..=3.0;
+        /// Code that the board's input for the supply reads at the nominal voltage (0: it is not measured).
+        measured_code: f64 = 0.0, 0.0..=4095.0;
+        /// Standard deviation of that input's noise, codes.
+        measured_noise: f64 = 1.0, 0.0..=100.0;
     }
 }
 
@@ -51,7 +55,8 @@ impl Mains {
         })
     }
 
-    fn voltage(&self) -> f64 {
+    /// Relative to the nominal one.
+    pub(crate) fn voltage(&self) -> f64 {
         (1.0 + self.walk.value() + self.level).max(LOWEST)
     }
 

@@ -19,6 +19,7 @@ pub(crate) enum Stream {
     Room,
     Pickup,
     Thermistors,
+    Meter,
 }
 
 impl Noise {

@@ -44,7 +44,14 @@ impl RigConfig {
 fn trainer() -> RigConfig {
     RigConfig {
         wall: WallConfig { t1_share: 0.06, t2_share: 0.09, time: 30.0 },
-        mains: MainsConfig { walk: 0.5, walk_time: 60.0, steps: 6.0, step_size: 0.7, fan_exponent: 0.5 },
+        mains: MainsConfig {
+            walk: 0.5,
+            walk_time: 60.0,
+            steps: 6.0,
+            step_size: 0.7,
+            fan_exponent: 0.5,
+            ..MainsConfig::default()
+        },
         thermistor: SensorConfig {
             r25_sd: 1.0,
             beta_sd: 0.3,
@@ -74,7 +81,14 @@ fn trainer() -> RigConfig {
 fn harsh() -> RigConfig {
     RigConfig {
         wall: WallConfig { t1_share: 0.12, t2_share: 0.16, time: 40.0 },
-        mains: MainsConfig { walk: 1.0, walk_time: 30.0, steps: 20.0, step_size: 1.5, fan_exponent: 1.0 },
+        mains: MainsConfig {
+            walk: 1.0,
+            walk_time: 30.0,
+            steps: 20.0,
+            step_size: 1.5,
+            fan_exponent: 1.0,
+            ..MainsConfig::default()
+        },
         thermistor: SensorConfig {
             r25_sd: 3.0,
             beta_sd: 0.7,

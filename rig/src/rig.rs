@@ -7,6 +7,7 @@ use crate::fan::Fan;
 use crate::fault::{Conditions, Fault};
 use crate::heater::Heater;
 use crate::mains::Mains;
+use crate::meter::Meter;
 use crate::noise::{Noise, OrnsteinUhlenbeck, Turbulence};
 use crate::pickup::Pickup;
 use crate::room::Room;
@@ -16,6 +17,8 @@ use crate::wall::Wall;
 
 /// Steps of a stretch within which flow or power change by themselves.
 const RESTLESS_STEPS: u32 = 4;
+/// Lowest level of the fan: what moves by itself when it stands still.
+const LEAST_FLOW: f64 = 0.05;
 
 /// The rig in motion.
 pub struct Rig {
@@ -29,7 +32,10 @@ pub struct Rig {
     flow_disturbance: OrnsteinUhlenbeck,
     mains_disturbance: OrnsteinUhlenbeck,
     mains: Option<Mains>,
+    meter: Option<Meter>,
     fan: Fan,
+    /// What its user has set it to, relative.
+    fan_level: f64,
     room: Option<Room>,
     pickup: Option<Pickup>,
     thermistors: Thermistors,
@@ -74,14 +80,16 @@ impl Rig {
             flow_disturbance,
             mains_disturbance,
             mains: Mains::new(&config.mains, sample_time, seed),
+            meter: Meter::new(config, seed),
             fan: Fan::new(&config.fan, seed),
+            fan_level: 1.0,
             room,
             pickup: Pickup::new(&config.pickup, seed),
             thermistors: Thermistors::new(config, seed),
             source: Heater::new(&config.heater),
             heater: HeaterHistory::cold(),
             turbulence: [Turbulence::new(config.turbulence, config.turbulence_time); 2],
-            walls: Wall::before_each(&config.wall),
+            walls: Wall::before_each(&config.wall, ambient),
             elements: [Element::new(ambient); 3],
             unharmed: [Element::new(ambient); 3],
             digitizer: Digitizer::new(config),
@@ -110,6 +118,18 @@ impl Rig {
             self.digitizer.code(i, celsius, hum, &conditions.reading[i], &mut self.noise)
         });
         self.codes
+    }
+
+    /// Code of the heater's supply at the present tick, on the 12-bit scale; 0 where it is not measured.
+    pub fn supply(&mut self) -> f64 {
+        let sag = Conditions::at(&self.faults, self.now(), self.sample_time).supply;
+        let voltage = sag * self.mains.as_ref().map_or(1.0, Mains::voltage);
+        self.meter.as_mut().map_or(0.0, |meter| meter.code(voltage))
+    }
+
+    /// Sets the fan, relative to its nominal level, from now on. Some air always flows.
+    pub fn set_fan(&mut self, level: f64) {
+        self.fan_level = level.max(LEAST_FLOW);
     }
 
     /// Drives the heater with `drive` % until the next tick.
@@ -154,6 +174,7 @@ impl Rig {
         let volts = self.mains.as_ref().map_or(1.0, Mains::power);
         let power =
             now.stuck_power.unwrap_or(driven * now.power) * (1.0 + self.mains_disturbance.value()) * volts;
+        let power = power * now.supply * now.supply;
         let power = self.source.warm(power, air.slowness, to - from);
         let time = self.config.heater_time * air.slowness;
         self.heater.drive(from, to, self.config.gain / air.flow * power, time);
@@ -182,7 +203,7 @@ impl Rig {
 
     /// The flow that comes once the fan has followed, without its hunting.
     fn asked_flow(&self, now: &Conditions) -> f64 {
-        let flow = now.flow * (1.0 + self.flow_disturbance.value());
+        let flow = self.fan_level * now.flow * (1.0 + self.flow_disturbance.value());
         self.mains.as_ref().map_or(flow, |mains| flow * mains.flow())
     }
 

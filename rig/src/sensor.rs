@@ -73,3 +73,9 @@ impl Digitizer {
         (ratio * self.steps + hum / step + 0.5).floor().clamp(0.0, self.steps) * step
     }
 }
+
+/// What a converter of so many bits makes of a voltage given as a code.
+pub(crate) fn quantized(code: f64, bits: u32) -> f64 {
+    let step = FULL_SCALE / f64::from((1u32 << bits) - 1);
+    (code.clamp(0.0, FULL_SCALE) / step).round() * step
+}

@@ -8,10 +8,12 @@ use firmware_logic::cadence::Arrival;
 use firmware_logic::control_loop::{ControlLoop, Order, TickRecord};
 use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::interlock::Interlock;
+use firmware_logic::settings::commissioning::Commissioning;
 use firmware_logic::settings::stored::Stored;
 use host_sim::commands::console::OutputStage;
 use host_sim::experiment::scenario::Scenario;
 use host_sim::experiment::{Backend, run, run_on};
+use pt326_rig::fault::{Fault, Verb};
 
 /// The two halves as the firmware runs them: orders wait for the next tick, what was learnt comes back one tick later.
 struct BoardLoop {
@@ -63,6 +65,31 @@ impl Backend for BoardLoop {
     fn baseline(&self) -> Option<Baseline> {
         self.diagnosis.baseline().copied()
     }
+}
+
+/// What became of a rig with a heater of so many times its power, which was commissioned before or is now.
+fn learnt_with(power: f64, commissioned: Option<Commissioning>) -> (Commissioning, f32) {
+    let config = Config::default();
+    let mut unchecked = config.clone();
+    unchecked.supervisor.check_before_arming = false;
+    let mut board = BoardLoop::new(&unchecked);
+    board.diagnosis.commissioned(commissioned);
+    let faults = vec![Fault::new(Verb::HeaterPower, None, Some(power), 0.0, 1e5)];
+    let scenario = Scenario { duration: 450.0, faults, ..Scenario::default() };
+    run_on(&mut board, &config, &scenario, 1);
+    let since = board.diagnosis.status().commissioned.and_then(|since| since.change).expect("trained");
+    (*board.diagnosis.commissioning().expect("commissioned"), since.rise)
+}
+
+/// The first models that are accepted are those of the commissioning; after a restart with less heat, which is learnt as it is, the loss
+/// is said.
+#[test]
+fn what_was_lost_since_the_commissioning_is_said_after_a_restart() {
+    let (commissioning, change) = learnt_with(1.0, None);
+    assert_eq!((commissioning.number, change), (1, 0.0));
+    let (after, change) = learnt_with(0.88, Some(commissioning));
+    assert_eq!(after, commissioning, "it stays");
+    assert!((change + 0.12).abs() < 0.01, "{change}");
 }
 
 #[test]

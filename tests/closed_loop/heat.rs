@@ -2,9 +2,9 @@
 //! simulated rig. What counts is how hot the air truly gets, and how soon the heater is off.
 
 use fdi_core::supervisor::Blocker;
-use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Mode, RawSample, Refusal, Tick, TripReason};
+use fdi_core::{Celsius, Command, Config, Instrument, Mode, Refusal, Tick, TripReason};
 use host_sim::experiment::scenario::Scenario;
-use host_sim::experiment::{as_written, run, with_prbs_phase};
+use host_sim::experiment::{as_written, run, sample, with_prbs_phase};
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use pt326_rig::{Disturbance, Rig, RigConfig};
 
@@ -60,8 +60,7 @@ impl Bench {
     }
 
     fn tick(&mut self) -> Tick {
-        let [t0, t1, t2] = self.rig.sample().map(|code| AdcCode(code as f32));
-        let tick = self.instrument.control(RawSample { t0, t1, t2 });
+        let tick = self.instrument.control(sample(&mut self.rig));
         self.rig.advance(f64::from(tick.drive.0));
         self.instrument.diagnose(&tick, tick.drive);
         self.time += self.sample_time;

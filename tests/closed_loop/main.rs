@@ -3,6 +3,7 @@
 mod board_loop;
 mod contradiction;
 mod heat;
+mod known;
 mod likelihood;
 mod plants;
 mod scenarios;

@@ -2,12 +2,12 @@
 //! must not heat on is switched off in a time that suits the plant.
 
 use fdi_core::likelihood::Readiness;
-use fdi_core::{AdcCode, Command, Config, Instrument, Mode, RawSample, TripReason};
+use fdi_core::{Command, Config, Instrument, Mode, TripReason};
 use firmware_logic::self_test::Ending;
 use host_sim::commands::console::Bench;
 use host_sim::commands::experiment::ExperimentArgs;
 use host_sim::experiment::scenario::Scenario;
-use host_sim::experiment::{as_written, run, with_prbs_phase};
+use host_sim::experiment::{as_written, run, sample, with_prbs_phase};
 use host_sim::record::summary::Summary;
 use pt326_rig::Rig;
 use pt326_rig::fault::{Fault, Sensor, Verb};
@@ -52,8 +52,7 @@ fn off_after(name: &str, fault: Fault, learnt: bool) -> Option<(f64, TripReason,
     instrument.command(Command::Arm).unwrap();
     let mut hottest = f64::MIN;
     for k in 0..((onset + 5000.0) / ts) as u32 {
-        let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));
-        let tick = instrument.control(RawSample { t0, t1, t2 });
+        let tick = instrument.control(sample(&mut rig));
         hottest = rig.air()[0].max(hottest);
         if let Mode::Tripped(trip) = tick.mode {
             return Some((f64::from(k) * ts - onset, trip.reason, hottest - f64::from(config.setpoint.0)));

@@ -8,9 +8,12 @@ use crate::diagnosis::baseline::Baseline;
 use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
+use crate::known::KnownInputs;
+use crate::sense::supply::{Supply, SupplyState};
 use crate::sense::{RawSample, Sample, Sensing, SensingState, Validity};
 use crate::supervisor::{
-    Blocker, Command, Mode, Refusal, Regulated, Situation, Supervisor, SupervisorState, TripReason,
+    Blocker, Command, FASTEST_FAN, Mode, Refusal, Regulated, Situation, Supervisor, SupervisorState,
+    TripReason,
 };
 use crate::units::{Celsius, Percent};
 use pid::{Pid, PidState};
@@ -42,12 +45,15 @@ pub struct Tick {
     pub blocked: Option<Blocker>,
     /// What was learnt before is to be forgotten: [`Command::Relearn`] was carried out.
     pub forget: bool,
+    /// What is known of the rig's other inputs.
+    pub known: KnownInputs,
 }
 
 /// The validated first half of a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Controller {
     sensing: Sensing,
+    supply: Supply,
     supervisor: Supervisor,
     pid: Pid,
     prbs: Prbs,
@@ -70,6 +76,9 @@ pub struct Plant {
 pub struct ControllerState {
     index: u32,
     sensing: SensingState,
+    supply: SupplyState,
+    /// Level of the fan as announced.
+    fan: Option<Percent>,
     supervisor: SupervisorState,
     pid: PidState,
     prbs: PrbsState,
@@ -97,6 +106,7 @@ impl Controller {
         let ts = config.sample_time;
         let controller = Self {
             sensing: Sensing::new(&config.sensors, &config.plausibility, ts)?,
+            supply: Supply::new(&config.supply)?,
             supervisor: Supervisor::new(&config.supervisor, config.pid.output_max, ts)?,
             pid: Pid::new(&config.pid, ts)?,
             prbs: Prbs::new(&config.prbs)?,
@@ -115,6 +125,8 @@ impl Controller {
         ControllerState {
             index: 0,
             sensing: SensingState::default(),
+            supply: SupplyState::default(),
+            fan: None,
             supervisor: SupervisorState::default(),
             pid: PidState::default(),
             prbs: self.prbs.start(),
@@ -153,6 +165,9 @@ impl Controller {
     pub fn step(&self, state: &mut ControllerState, raw: RawSample) -> Tick {
         let excited = state.excitation.0.abs() >= self.supervisor.min_excitation();
         let sample = self.sensing.step(&mut state.sensing, raw, excited);
+        self.supply.step(&mut state.supply, raw.supply);
+        let known =
+            KnownInputs { supply: state.supply.share(), supply_lost: state.supply.lost(), fan: state.fan };
         let regulated = self.regulated(state, &sample);
         let error = self.mean_error(state, regulated.value);
         let situation = Situation {
@@ -165,6 +180,7 @@ impl Controller {
             pid: state.asked,
             saturated: state.saturated,
             excited,
+            known: &known,
             feedback: &state.feedback,
         };
         let decision = self.supervisor.step(&mut state.supervisor, &situation);
@@ -181,6 +197,7 @@ impl Controller {
             learn: decision.learn,
             blocked: decision.blocked,
             forget: decision.forget,
+            known,
         };
         state.asked = pid;
         state.index = state.index.wrapping_add(1);
@@ -257,6 +274,11 @@ impl Controller {
                 state.excite = on;
                 Ok(())
             }
+            Command::Fan(level) if (0.0..=FASTEST_FAN).contains(&level.0) => {
+                state.fan = Some(level);
+                Ok(())
+            }
+            Command::Fan(level) => Err(Refusal::Fan(level.0)),
             other => self.supervisor.command(&mut state.supervisor, other),
         }
     }
@@ -266,8 +288,8 @@ impl Controller {
         self.supervisor.restored(&mut state.supervisor, baseline);
     }
 
-    /// Puts the settings of `new` in force. While the heater is on, none may widen a limit or change what a temperature
-    /// is; where the latter happens at rest, what was learnt of temperatures is forgotten.
+    /// Puts the settings of `new` in force. While the heater is on, none may widen a limit or change what a code means;
+    /// where the latter happens at rest, what was learnt of power and temperatures is forgotten.
     ///
     /// # Errors
     /// [`Refusal::WidensLimit`] with the name of the setting; nothing has changed then.
@@ -277,7 +299,7 @@ impl Controller {
         {
             return Err(Refusal::WidensLimit(name));
         }
-        if self.sensing.is_recalibrated_by(&new.sensing) {
+        if self.sensing.is_recalibrated_by(&new.sensing) || self.supply != new.supply {
             self.supervisor.recalibrated(&mut state.supervisor);
         }
         *self = new;
@@ -288,8 +310,9 @@ impl Controller {
         let power = self.pid.is_widened_by(&new.pid).then_some("pid.output_max");
         let slower =
             (new.plant.answer_ticks > self.plant.answer_ticks).then_some("identification.answer_time");
-        let of_trips = self.supervisor.widened(&new.supervisor).or(power).or(slower);
-        of_trips.or_else(|| self.sensing.widened(&new.sensing))
+        let supply = (self.supply != new.supply).then_some("supply.nominal_voltage");
+        let limit = self.supervisor.widened(&new.supervisor).or(power).or(slower).or(supply);
+        limit.or_else(|| self.sensing.widened(&new.sensing))
     }
 
     /// Feedback from the second half, for the next step.

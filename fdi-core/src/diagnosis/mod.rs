@@ -13,7 +13,9 @@ use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Observation, Observer, ObserverState};
-use crate::likelihood::{Channel, FaultClass, Likelihood, LikelihoodReport, LikelihoodState};
+use crate::likelihood::{
+    Channel, Commissioned, FaultClass, Likelihood, LikelihoodReport, LikelihoodState, SinceCommissioning,
+};
 use crate::supervisor::Mode;
 use crate::units::Percent;
 use baseline::{Baseline, Learner};
@@ -220,6 +222,21 @@ impl Diagnosis {
     /// Restores what was learnt in an earlier run; it has been checked with [`Baseline::validate`].
     pub fn restore(&self, state: &mut DiagnosisState, baseline: &Baseline) {
         state.baseline = Some(*baseline);
+    }
+
+    /// The models in force, as they are kept at a commissioning.
+    pub fn trained(&self, state: &DiagnosisState) -> Option<Commissioned> {
+        self.likelihood.trained(&state.likelihood)
+    }
+
+    /// Takes over what was trained when the rig was commissioned; it has been checked with [`Commissioned::validate`].
+    pub fn commission(&self, state: &mut DiagnosisState, commissioned: Option<Commissioned>) {
+        self.likelihood.commission(&mut state.likelihood, commissioned);
+    }
+
+    /// What has become of the rig since it was commissioned; None where it was not, or nothing is trained now.
+    pub fn since_commissioning(&self, state: &DiagnosisState) -> Option<SinceCommissioning> {
+        self.likelihood.since_commissioning(&state.likelihood)
     }
 
     /// What was learnt, once monitoring has begun.

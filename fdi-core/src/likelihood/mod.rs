@@ -9,7 +9,8 @@
 //!                              ^--refused--|      (a relearning, or a stop, leads back to untrained)
 //! ```
 //!
-//! Both models are driven by the power that was really applied, so the controller hides nothing. Sources: docs/diagnosis.md.
+//! Both models are driven by the power that was really applied, so the controller hides nothing; where the supply is measured, by
+//! what the heater makes of it. Sources: docs/diagnosis.md.
 //!
 //! What it says stands in each [`Report`](crate::Report):
 //!
@@ -19,7 +20,7 @@
 //!
 //! let mut instrument = Instrument::new(&Config::default())?;
 //! let code = AdcCode(2160.0);
-//! let tick = instrument.control(RawSample { t0: code, t1: code, t2: code });
+//! let tick = instrument.control(RawSample { t0: code, t1: code, t2: code, ..RawSample::default() });
 //! let report = instrument.diagnose(&tick, tick.drive).likelihood;
 //! assert_eq!(report.readiness, Readiness::Untrained); // nothing learnt, nothing claimed
 //! assert!(report.finding.is_none());
@@ -34,6 +35,7 @@ mod ambient;
 mod bank;
 mod chart;
 pub mod class;
+mod commissioned;
 pub mod config;
 mod contradiction;
 mod fit;
@@ -65,6 +67,7 @@ use ambient::{Ambient, AmbientState};
 use bank::Filters;
 use chart::Chart;
 pub use class::{Channel, FaultClass, Pair};
+pub use commissioned::{Commissioned, PARAMETERS, SinceCommissioning};
 use config::LikelihoodConfig;
 use contradiction::Contradiction;
 use fit::Fit;
@@ -93,6 +96,8 @@ pub struct LikelihoodState {
     trained: Option<WatchState>,
     /// It belongs to the last learning, so that faults may be told by it.
     current: bool,
+    /// What was trained when the rig was commissioned.
+    commissioned: Option<Commissioned>,
     /// What the models reported last.
     reported: ModelAlarm,
     sensors: Sensors,
@@ -103,6 +108,9 @@ pub struct LikelihoodState {
     was_learning: bool,
 }
 
+/// Nothing is trained while the fan is announced to be further from its usual level than this share.
+const FAN_TOLERANCE: f32 = 0.05;
+
 /// One tick, as all parts see it.
 struct Now<'a> {
     tick: &'a Tick,
@@ -110,8 +118,10 @@ struct Now<'a> {
     /// Rises of T1 and T2 over T0, and over the ambient that is believed, where known, degC.
     y: [Option<f32>; 2],
     believed: [Option<f32>; 2],
-    /// What drives the heater from now on, %.
+    /// What drives the heater from now on, as at the nominal supply, %.
     u: f32,
+    /// Level of the fan as announced, share of that at which the rig is learnt; 1 where nothing was.
+    fan: f32,
 }
 
 const _: () = assert!(size_of::<LikelihoodState>() <= 4096, "more than the board has for it");
@@ -152,7 +162,7 @@ impl Likelihood {
     }
 
     /// Diagnoses one tick: `y` are the rises of T1 and T2 over T0 in degC where valid, `applied` is what drives
-    /// the heater from this tick to the next, %. `undisturbed` says that the paper's signatures see no fault.
+    /// the heater from this tick to the next, %, whatever its supply. `undisturbed` says that the paper's signatures see no fault.
     pub fn step(
         &self,
         state: &mut LikelihoodState,
@@ -161,14 +171,16 @@ impl Likelihood {
         applied: f32,
         undisturbed: bool,
     ) -> LikelihoodReport {
+        let power = tick.known.effective(applied);
         let readings = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(|reading| reading.good());
         let [t0, t1, t2] = readings;
         let heating = tick.mode.is_heating();
         self.follow_mode(state, tick);
-        self.ambient.step(&mut state.ambient, tick.index, readings, applied);
+        self.ambient.step(&mut state.ambient, tick.index, readings, power);
         let read = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(read);
-        let contradiction = state.contradiction.step(&self.response, tick.index, heating, read, applied);
-        let now = Now { tick, heating, y, believed: state.ambient.rises([t1, t2]), u: applied };
+        let contradiction = state.contradiction.step(&self.response, tick.index, heating, read, power);
+        let believed = state.ambient.rises([t1, t2]);
+        let now = Now { tick, heating, y, believed, u: power, fan: tick.known.fan_share() };
         let undisturbed = undisturbed && contradiction.is_none();
         let by_models = self.watch(state, &now);
         self.train(state, &now, t0, undisturbed);
@@ -181,6 +193,22 @@ impl Likelihood {
             finding,
             ..self.heat(state, &now)
         }
+    }
+
+    /// The models that are in force, as they are kept at a commissioning.
+    pub fn trained(&self, state: &LikelihoodState) -> Option<Commissioned> {
+        let trained = state.trained.as_ref().filter(|_| state.current)?;
+        Some(Commissioned::new(trained.gain()))
+    }
+
+    /// Takes over what was trained when the rig was commissioned, which has been checked with [`Commissioned::validate`].
+    pub fn commission(&self, state: &mut LikelihoodState, commissioned: Option<Commissioned>) {
+        state.commissioned = commissioned;
+    }
+
+    /// What has become of the rig since it was commissioned, by the models in force.
+    pub fn since_commissioning(&self, state: &LikelihoodState) -> Option<SinceCommissioning> {
+        Some(state.commissioned?.until(&self.trained(state)?))
     }
 
     /// Training starts afresh whenever learning does, and ends with heating. What was trained outlives both, unless the
@@ -204,7 +232,8 @@ impl Likelihood {
         let tick = now.tick;
         // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = tick.mode == Mode::Monitor && tick.prbs.0 != 0.0;
-        let fit_to_learn = undisturbed && (tick.learn || quiet);
+        let usual_fan = (now.fan - 1.0).abs() <= FAN_TOLERANCE;
+        let fit_to_learn = undisturbed && usual_fan && (tick.learn || quiet);
         if state.current || (state.training.is_none() && !fit_to_learn) {
             return;
         }

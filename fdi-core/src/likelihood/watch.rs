@@ -97,6 +97,13 @@ struct Charted {
     slow: f32,
 }
 
+impl WatchState {
+    /// Static gain from the power to T1, degC per %.
+    pub(super) fn gain(&self) -> f32 {
+        self.trained.models.heater_to_t1.gain()
+    }
+}
+
 impl Watch {
     pub(super) fn start(&self, trained: Trained, tick: u32) -> WatchState {
         WatchState {

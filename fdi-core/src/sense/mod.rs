@@ -7,7 +7,7 @@
 //!
 //! let sensing = Sensing::new(&SensorsConfig::default(), &PlausibilityConfig::default(), Seconds(0.11))?;
 //! let mut state = SensingState::default();
-//! let raw = RawSample { t0: AdcCode(2160.0), t1: AdcCode(1600.0), t2: AdcCode(4095.0) };
+//! let raw = RawSample { t0: AdcCode(2160.0), t1: AdcCode(1600.0), t2: AdcCode(4095.0), ..RawSample::default() };
 //! let sample = sensing.step(&mut state, raw, false);
 //! assert!(sample.t1.good().is_some_and(|celsius| celsius > 30.0)); // the code falls as it warms
 //! assert_eq!(sample.t2.validity, Validity::Open);
@@ -16,6 +16,7 @@
 
 mod logarithm;
 pub mod plausibility;
+pub mod supply;
 pub mod thermistor;
 
 use crate::error::ConfigError;
@@ -23,7 +24,7 @@ use crate::units::{AdcCode, Celsius, Seconds};
 use plausibility::{Plausibility, PlausibilityConfig, PlausibilityState};
 use thermistor::{Thermistor, ThermistorConfig};
 
-/// One conversion result of each thermistor. NaN stands for "no sample".
+/// One conversion result of each input. NaN stands for "no sample".
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RawSample {
@@ -33,6 +34,8 @@ pub struct RawSample {
     pub t1: AdcCode,
     /// Second outlet thermistor, downstream.
     pub t2: AdcCode,
+    /// Supply voltage of the heater; of no consequence where it is not measured.
+    pub supply: AdcCode,
 }
 
 /// What is known about the trustworthiness of one reading.

@@ -161,6 +161,8 @@ pub(crate) enum Group {
     T1,
     /// Thermistor T2.
     T2,
+    /// Supply voltage of the heater.
+    Supply,
     /// Plausibility of readings.
     Plausibility,
     /// Temperature controller.

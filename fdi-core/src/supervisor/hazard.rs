@@ -1,8 +1,12 @@
 //! What would make heating dangerous now: every rule asked on every tick, whatever the mode, the most telling answer first.
 
 use super::{Mode, Situation, Supervisor, SupervisorState, Trip, TripReason};
+use crate::bounds::larger;
 use crate::sense::{Reading, Sample, Validity};
 use crate::units::Percent;
+
+/// A fan announced below this stands still, whatever `supervisor.min_air_flow` allows, %.
+const STANDSTILL: f32 = 5.0;
 
 impl Supervisor {
     /// What trips, or would if the heater were on.
@@ -18,7 +22,14 @@ impl Supervisor {
             (state.response, state.disagreement) = Default::default();
             None
         };
-        by_sensors.or(unasked.then_some(TripReason::HeaterStuckOn)).or(by_heat)
+        let without_air = self.is_without_air(now).then_some(TripReason::AirFlowLost);
+        by_sensors.or(unasked.then_some(TripReason::HeaterStuckOn)).or(without_air).or(by_heat)
+    }
+
+    /// By what was announced of the fan. An announcement only ever takes heat away: no limit is widened for it.
+    fn is_without_air(&self, now: &Situation) -> bool {
+        let least = larger(STANDSTILL, self.config.min_air_flow.0);
+        now.known.fan.is_some_and(|level| level.0 < least)
     }
 
     /// By what the thermistors say, each by itself.

@@ -34,12 +34,13 @@ mod operation;
 mod response;
 mod unasked;
 
-pub use mode::{Blocker, Command, Mode, Refusal, Trip, TripReason};
+pub use mode::{Blocker, Command, FASTEST_FAN, Mode, Refusal, Trip, TripReason};
 
 use crate::diagnosis::baseline::Baseline;
 use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::LowPass;
+use crate::known::KnownInputs;
 use crate::sense::{RawSample, Sample};
 use crate::units::{Celsius, Percent, Seconds};
 use config::SupervisorConfig;
@@ -74,6 +75,8 @@ pub struct Situation<'a> {
     pub saturated: bool,
     /// The tick before was really excited.
     pub excited: bool,
+    /// What is known of the rig's other inputs.
+    pub known: &'a KnownInputs,
     /// What the second half of the tick before has found.
     pub feedback: &'a Feedback,
 }
@@ -329,7 +332,7 @@ impl Supervisor {
             }
             (Command::Stop, Mode::Tripped(trip), _) => Mode::Tripped(trip),
             (Command::Stop, ..) => Mode::Off,
-            (Command::SetPoint(_) | Command::Excite(_), mode, _) => mode,
+            (Command::SetPoint(_) | Command::Excite(_) | Command::Fan(_), mode, _) => mode,
             (Command::Arm | Command::Acknowledge | Command::Relearn, mode, _) => {
                 return Err(Refusal::NotInMode(mode.name()));
             }

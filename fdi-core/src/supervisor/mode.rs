@@ -158,6 +158,9 @@ impl Blocker {
     }
 }
 
+/// Highest level of the fan that can be announced, %.
+pub const FASTEST_FAN: f32 = 200.0;
+
 /// A command of the user.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -174,6 +177,8 @@ pub enum Command {
     SetPoint(Celsius),
     /// Switch the excitation on or off.
     Excite(bool),
+    /// Announces the level of the fan; 100 % is the level at which the rig is learnt.
+    Fan(Percent),
 }
 
 /// Why a command was refused.
@@ -195,6 +200,8 @@ pub enum Refusal {
         /// Highest accepted.
         max: f32,
     },
+    /// A level of the fan that none has, %.
+    Fan(f32),
 }
 
 impl fmt::Display for Refusal {
@@ -208,6 +215,7 @@ impl fmt::Display for Refusal {
             Self::SetPoint { wanted, min, max } => {
                 write!(f, "set-point {wanted} degC refused, expected {min} to {max} degC")
             }
+            Self::Fan(level) => write!(f, "fan level {level} % refused, expected 0 to {FASTEST_FAN} %"),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod endurance;
 mod estimator;
+mod known;
 mod oracle;
 mod properties;
 mod reference;

@@ -155,7 +155,12 @@ fn conversion_agrees_with_the_beta_equation() {
             let wanted = beta_equation(r, f64::from(r25), f64::from(beta));
             if (0.0..=100.0).contains(&wanted) {
                 let mut instrument = Instrument::new(&config).unwrap();
-                let raw = RawSample { t0: AdcCode(2000.0), t1: AdcCode(code), t2: AdcCode(2000.0) };
+                let raw = RawSample {
+                    t0: AdcCode(2000.0),
+                    t1: AdcCode(code),
+                    t2: AdcCode(2000.0),
+                    ..RawSample::default()
+                };
                 let got = f64::from(instrument.control(raw).sample.t1.celsius.0);
                 worst = worst.max((got - wanted).abs());
             }

@@ -26,6 +26,7 @@ fn check_tick(tick: &Tick) -> Result<(), TestCaseError> {
         let plausible = (-20.0..=110.0).contains(&reading.celsius.0);
         prop_assert!(plausible || reading.validity != Validity::Good, "{reading:?}");
     }
+    prop_assert!(tick.known.supply.is_none_or(|share| (0.5..=1.25).contains(&share)));
     prop_assert!(tick.mode.is_heating() || tick.drive.0 == 0.0);
     Ok(())
 }
@@ -61,12 +62,17 @@ proptest! {
     /// Codes of every bit pattern, and any claim about what was applied.
     #[test]
     fn any_codes_give_finite_and_safe_outputs(
-        codes in prop::collection::vec((any_code(), any_code(), any_code(), any_code()), 1..400),
+        codes in prop::collection::vec((any_code(), any_code(), any_code(), any_code(), any_code()), 1..400),
+        fan in any_code(),
     ) {
-        let mut instrument = Instrument::new(&impatient()).unwrap();
+        let mut config = impatient();
+        config.supply.nominal_voltage.0 = 12.0;
+        let mut instrument = Instrument::new(&config).unwrap();
         instrument.command(Command::Arm).unwrap();
-        for (t0, t1, t2, applied) in codes {
-            let tick = instrument.control(RawSample { t0: AdcCode(t0), t1: AdcCode(t1), t2: AdcCode(t2) });
+        let _ = instrument.command(Command::Fan(Percent(fan)));
+        for (t0, t1, t2, supply, applied) in codes {
+            let [t0, t1, t2, supply] = [t0, t1, t2, supply].map(AdcCode);
+            let tick = instrument.control(RawSample { t0, t1, t2, supply });
             check_tick(&tick)?;
             check_report(&instrument.diagnose(&tick, Percent(applied)))?;
             if !tick.mode.is_heating() {
@@ -86,7 +92,7 @@ proptest! {
         instrument.command(Command::Arm).unwrap();
         for (k, (a, b)) in codes.iter().enumerate() {
             let wave = amplitude * (k as f32 * 0.3).sin();
-            let raw = RawSample { t0: AdcCode(2160.0), t1: AdcCode(1620.0 + wave), t2: AdcCode(0.05 * a + 0.4 * b) };
+            let raw = RawSample { t0: AdcCode(2160.0), t1: AdcCode(1620.0 + wave), t2: AdcCode(0.05 * a + 0.4 * b), ..RawSample::default() };
             let tick = instrument.control(raw);
             check_tick(&tick)?;
             check_report(&instrument.diagnose(&tick, tick.drive))?;
@@ -114,7 +120,7 @@ proptest! {
                 prop_assert!(value.is_finite(), "{name} = {value} was accepted");
                 instrument.command(Command::Arm).unwrap();
                 for (t0, t1, t2) in codes {
-                    let raw = RawSample { t0: AdcCode(t0), t1: AdcCode(t1), t2: AdcCode(t2) };
+                    let raw = RawSample { t0: AdcCode(t0), t1: AdcCode(t1), t2: AdcCode(t2), ..RawSample::default() };
                     let tick = instrument.control(raw);
                     prop_assert!((0.0..=100.0).contains(&tick.drive.0), "{name} = {value}: {}", tick.drive);
                     let report = instrument.diagnose(&tick, tick.drive);

@@ -23,6 +23,7 @@ fn tick(instrument: &mut Instrument, t1: f32, k: usize) -> fdi_core::Tick {
         t0: AdcCode(AMBIENT + flicker),
         t1: AdcCode(t1 + flicker),
         t2: AdcCode(AMBIENT + flicker),
+        ..RawSample::default()
     };
     let tick = instrument.control(raw);
     instrument.diagnose(&tick, tick.drive);
@@ -77,9 +78,12 @@ fn lost_air_trips_unless_the_heater_is_to_blame() {
         let mut state = controller.start(Celsius(35.0));
         controller.command(&mut state, Command::Arm).unwrap();
         let room = AdcCode(AMBIENT);
-        controller.step(&mut state, RawSample { t0: room, t1: room, t2: room });
+        controller.step(&mut state, RawSample { t0: room, t1: room, t2: room, ..RawSample::default() });
         controller.feed_back(&mut state, found);
-        match controller.step(&mut state, RawSample { t0: room, t1: room, t2: room }).mode {
+        match controller
+            .step(&mut state, RawSample { t0: room, t1: room, t2: room, ..RawSample::default() })
+            .mode
+        {
             Mode::Tripped(trip) => Some(trip.reason),
             _ => None,
         }
@@ -226,8 +230,12 @@ fn the_applied_power_is_what_counts() {
     let mut seen = Vec::new();
     for k in 0..60 {
         let flicker = ((k * 7) % 5) as f32;
-        let raw =
-            RawSample { t0: AdcCode(AMBIENT), t1: AdcCode(1620.0 + flicker), t2: AdcCode(1650.0 - flicker) };
+        let raw = RawSample {
+            t0: AdcCode(AMBIENT),
+            t1: AdcCode(1620.0 + flicker),
+            t2: AdcCode(1650.0 - flicker),
+            ..RawSample::default()
+        };
         let tick = instrument.control(raw);
         let applied = if k == 59 { f32::NAN } else { 20.0 + flicker };
         let report = instrument.diagnose(&tick, fdi_core::Percent(applied));
@@ -242,7 +250,12 @@ fn the_applied_power_is_what_counts() {
 fn first_trip(codes: &[(f32, f32)]) -> Option<(usize, TripReason)> {
     let mut instrument = armed();
     codes.iter().enumerate().find_map(|(k, &(t1, t2))| {
-        let tick = instrument.control(RawSample { t0: AdcCode(AMBIENT), t1: AdcCode(t1), t2: AdcCode(t2) });
+        let tick = instrument.control(RawSample {
+            t0: AdcCode(AMBIENT),
+            t1: AdcCode(t1),
+            t2: AdcCode(t2),
+            ..RawSample::default()
+        });
         match tick.mode {
             Mode::Tripped(trip) => Some((k, trip.reason)),
             _ => None,
@@ -284,7 +297,8 @@ fn a_ramp_or_a_pattern_above_the_limit_trips_in_the_first_tick_above_it() {
 #[test]
 fn a_trip_whose_cause_lasts_can_not_be_acknowledged() {
     let mut instrument = armed();
-    let hot = RawSample { t0: AdcCode(AMBIENT), t1: AdcCode(AMBIENT), t2: AdcCode(10.0) };
+    let hot =
+        RawSample { t0: AdcCode(AMBIENT), t1: AdcCode(AMBIENT), t2: AdcCode(10.0), ..RawSample::default() };
     instrument.control(hot);
     assert_eq!(
         instrument.command(Command::Acknowledge),
@@ -348,7 +362,8 @@ fn a_missing_sample_is_no_heater_stuck_on() {
     let mut instrument = Instrument::new(&Config::default()).unwrap();
     for k in 0..400 {
         let code = if (68..78).contains(&k) { f32::NAN } else { AMBIENT };
-        let raw = RawSample { t0: AdcCode(code), t1: AdcCode(code), t2: AdcCode(code) };
+        let raw =
+            RawSample { t0: AdcCode(code), t1: AdcCode(code), t2: AdcCode(code), ..RawSample::default() };
         assert_eq!(instrument.control(raw).mode, Mode::Off, "tick {k}");
     }
 }

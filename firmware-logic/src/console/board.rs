@@ -10,6 +10,7 @@ use crate::control_loop::{Denial, Order};
 use crate::diagnosis_loop::DiagnosisLoop;
 use crate::history::Entry;
 use crate::self_test::Progress;
+use crate::settings::commissioning::Commissioning;
 use crate::settings::store::{SaveError, Store};
 use crate::status::Status;
 
@@ -21,6 +22,8 @@ use crate::status::Status;
 pub trait Chip {
     /// Looks at the diagnosis half.
     fn diagnosis<R>(&self, look: impl FnOnce(&DiagnosisLoop) -> R) -> R;
+    /// Changes something of the diagnosis half.
+    fn change<R>(&mut self, change: impl FnOnce(&mut DiagnosisLoop) -> R) -> R;
     /// Proposes settings to the diagnosis half, and logs them.
     ///
     /// # Errors
@@ -52,20 +55,41 @@ pub struct ConsoleBoard<C, F: NorFlash> {
     store: Store<F>,
     /// The flash has the mark that tells the next start of a power failure.
     marked: bool,
+    /// The commissioning that the flash was given last. What it refuses is not offered again until a save has mended it.
+    given: Option<Commissioning>,
 }
 
 impl<C: Chip, F: NorFlash> ConsoleBoard<C, F> {
-    /// A board whose settings are kept in `store`; `marked` says whether the mark of a power failure stands there.
+    /// A board whose settings and commissioning are kept in `store`; `marked` says whether the mark of a power failure stands there.
     pub fn new(chip: C, store: Store<F>, marked: bool) -> Self {
-        Self { chip, store, marked }
+        let given = chip.diagnosis(|diagnosis| diagnosis.commissioning().copied());
+        Self { chip, store, marked, given }
     }
 
-    /// Takes the mark away once the heater is off and nothing is latched. To be called while there is nothing else to do.
+    /// Takes the mark away once the heater is off and nothing is latched, and keeps a new commissioning. To be called while there is
+    /// nothing else to do.
     pub async fn settle(&mut self) {
+        self.keep().await;
         let latched = self.chip.diagnosis(|diagnosis| diagnosis.status().is_latched());
         if self.marked && !latched && !self.may_heat() {
             let _ = self.mark(false).await; // tried again
         }
+    }
+
+    /// Gives the flash back.
+    pub fn into_flash(self) -> F {
+        self.store.into_flash()
+    }
+
+    /// Writes a commissioning that the flash does not have.
+    async fn keep(&mut self) {
+        let commissioning = self.chip.diagnosis(|diagnosis| diagnosis.commissioning().copied());
+        if commissioning == self.given || self.may_heat() {
+            return;
+        }
+        let _ = self.store.keep(commissioning.as_ref()).await;
+        self.given = commissioning;
+        self.chip.stalled();
     }
 
     /// Also in a check, whose next pulse may come while the flash stalls the core.
@@ -132,6 +156,7 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
         }
         let settings = self.chip.diagnosis(|diagnosis| diagnosis.to_keep());
         let result = self.store.save(&settings).await;
+        self.given = None; // saving may have had to erase it
         self.chip.stalled();
         result
     }
@@ -143,6 +168,14 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
         let done = self.chip.program_brown_out_level();
         self.chip.stalled();
         done.then_some(()).ok_or(SaveError::Flash)
+    }
+
+    fn commission(&mut self) -> bool {
+        self.chip.change(DiagnosisLoop::commission)
+    }
+
+    fn decommission(&mut self) {
+        self.chip.change(|diagnosis| diagnosis.commissioned(None));
     }
 
     fn baseline(&self) -> Option<Baseline> {

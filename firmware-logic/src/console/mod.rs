@@ -10,17 +10,17 @@ use core::fmt::{self, Display, Write};
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::ALL;
-use fdi_core::{Command, Config, ConfigError, Seconds};
+use fdi_core::{Command, Config, ConfigError, Percent, Seconds};
 
 use crate::control_loop::Denial;
-use crate::decimal::Fixed;
+use crate::decimal::{self, Fixed};
 use crate::explain::Explained;
 use crate::finding::Sentence;
 use crate::history::{Entry, EntryText};
 use crate::self_test::{Progress, step_ticks};
-use crate::settings::SetError;
 use crate::settings::schema::Name;
 use crate::settings::store::SaveError;
+use crate::settings::{Expected, SetError};
 use crate::status::Status;
 use follow::Follow;
 use line::{LineReader, Step};
@@ -85,6 +85,10 @@ pub trait Board {
     async fn save(&mut self) -> Result<(), SaveError>;
     /// Has the chip hold itself in reset below 2.7 V, from the next power-up.
     fn set_brown_out_level(&mut self) -> Result<(), SaveError>;
+    /// Takes the models in force for those of a new commissioning; `false` where there are none.
+    fn commission(&mut self) -> bool;
+    /// Forgets the commissioning: the next models that are accepted are a new one.
+    fn decommission(&mut self);
     /// What was learnt as normal.
     fn baseline(&self) -> Option<Baseline>;
     /// What went wrong, the oldest first.
@@ -185,8 +189,21 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
             say(out, "stopped\n");
         }
         Request::Acknowledge => done(out, board.command(Command::Acknowledge).await),
+        Request::Fan { level } => match decimal::parse(level) {
+            Some(percent) => done(out, board.command(Command::Fan(Percent(percent))).await),
+            None => {
+                let expected = Expected::Words(decimal::EXPECTED);
+                fail(out, &SetError::Value { name: "fan", given: level, expected });
+            }
+        },
         Request::Baseline => baseline(board.baseline(), out),
         Request::Relearn => done(out, board.command(Command::Relearn).await),
+        Request::Commission if board.commission() => say(out, "ok, kept once the heater is off\n"),
+        Request::Commission => say(out, "error: no models are trained yet, see `status`\n"),
+        Request::Decommission => {
+            board.decommission();
+            say(out, "ok\n");
+        }
         Request::Faults => faults(board, out),
     }
 }

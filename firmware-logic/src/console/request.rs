@@ -37,16 +37,25 @@ pub enum Request<'a> {
     Stop,
     /// Leave a trip or a lockout.
     Acknowledge,
+    /// Announce the level of the fan.
+    Fan {
+        /// In %.
+        level: &'a str,
+    },
     /// Show what was learnt as normal.
     Baseline,
     /// Learn it anew.
     Relearn,
+    /// Take the rig as it is now for the one that is commissioned.
+    Commission,
+    /// Forget how it was commissioned.
+    Decommission,
     /// What went wrong since the start.
     Faults,
 }
 
 /// All commands: name, what follows it, what it does.
-pub const COMMANDS: [(&str, &str, &str); 13] = [
+pub const COMMANDS: [(&str, &str, &str); 15] = [
     ("help", "", "this list"),
     ("status", "", "mode, temperatures, diagnosis, health"),
     ("get", "[NAME]", "settings, all or those that begin with NAME"),
@@ -57,7 +66,13 @@ pub const COMMANDS: [(&str, &str, &str); 13] = [
     ("arm", "", "begin to regulate"),
     ("stop", "", "heater off, in every state; so do the keys Ctrl-C, ESC and !"),
     ("ack", "", "acknowledge a trip or a lockout"),
+    ("fan", "LEVEL", "announce the fan's level in %, 100 being the level at which it is learnt"),
     ("baseline", "[learn]", "what was learnt as normal; `learn` learns it anew"),
+    (
+        "commission",
+        "[clear]",
+        "the rig as it is now is what later ones are held against; `clear`: as next learnt",
+    ),
     ("brownout", "set", "reset below 2.7 V, from the next power-up (heater off only)"),
     ("faults", "", "what went wrong since the start"),
 ];
@@ -127,11 +142,21 @@ impl<'a> Request<'a> {
                 ("", _) | (_, "") => Err(RequestError::Missing { command, expected: "NAME VALUE" }),
                 (name, value) => Ok(Self::Set { name, value }),
             },
+            "fan" => match split_word(rest) {
+                ("", _) => Err(RequestError::Missing { command, expected: "LEVEL" }),
+                (level, "") => Ok(Self::Fan { level }),
+                (_, more) => Err(RequestError::Extra { command, word: split_word(more).0 }),
+            },
             "baseline" => match split_word(rest) {
                 ("", _) => Ok(Self::Baseline),
                 ("learn", "") => Ok(Self::Relearn),
                 ("learn", more) => Err(RequestError::Extra { command, word: split_word(more).0 }),
                 (word, _) => Err(RequestError::Extra { command, word }),
+            },
+            "commission" => match split_word(rest) {
+                ("", _) => Ok(Self::Commission),
+                ("clear", "") => Ok(Self::Decommission),
+                ("clear", word) | (word, _) => Err(RequestError::Extra { command, word: split_word(word).0 }),
             },
             "brownout" => match split_word(rest) {
                 ("set", "") => Ok(Self::BrownOut),
@@ -164,6 +189,7 @@ mod tests {
             let line = match arguments {
                 "NAME VALUE" => format!("{name} pid.kp 2.4"),
                 "set" => format!("{name} set"),
+                "LEVEL" => format!("{name} 80"),
                 _ => name.to_owned(),
             };
             assert!(Request::parse(&line).is_ok(), "{line}");

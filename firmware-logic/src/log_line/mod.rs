@@ -2,10 +2,12 @@
 //! here on the host, so that the two cannot differ. All other lines of the log are sentences for people.
 //!
 //! ```text
-//! log format 3
+//! log format 4
 //! setting pid.kp = 2.4 %/degC
 //! baseline raw.mean 3f800000 ..
+//! commissioned 1 3e99999a ..
 //! order 11 setpoint 42180000 (38 degC)
+//! order 12 fan 42a00000 (80 %)
 //! denied 12 a check is under way, ..
 //! lockout 77 the interlock on the break input opened
 //! tick 0 ..
@@ -14,21 +16,24 @@
 //! Behind what is parsed a line may go on in words, and a logger may put its own in front.
 
 mod baseline;
+mod commissioning;
 pub mod tick;
 
 use core::fmt;
 
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::{Celsius, Command, Config};
+use fdi_core::likelihood::PARAMETERS;
+use fdi_core::{Celsius, Command, Config, Percent};
 
 pub use self::baseline::BaselineLine;
 use self::tick::{TickLine, TickLineError};
 use crate::control_loop::OrderKind;
 use crate::decimal::Short;
+use crate::settings::commissioning::Commissioning;
 use crate::settings::schema::Name;
 
 /// Version of these lines. It changes with their text.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// One line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +52,8 @@ pub enum LogLine<'a> {
     },
     /// A part of the baseline that was restored at the start.
     Baseline(BaselineLine),
+    /// The commissioning from the next tick on, if there is one: at the start, or a new one.
+    Commissioned(Option<Commissioning>),
     /// An order that was carried out before a tick.
     Order {
         /// The tick.
@@ -74,6 +81,7 @@ impl fmt::Display for LogLine<'_> {
             Self::Start { version } => write!(f, "log format {version}"),
             Self::Setting { name, value } => write!(f, "setting {name} = {value}"),
             Self::Baseline(part) => part.fmt(f),
+            Self::Commissioned(commissioning) => commissioning::write(f, commissioning.as_ref()),
             Self::Order { tick, order } => {
                 write!(f, "order {tick} ")?;
                 write_order(f, order)
@@ -99,6 +107,9 @@ fn write_order(f: &mut fmt::Formatter<'_>, order: &OrderKind) -> fmt::Result {
         OrderKind::Command(Command::SetPoint(Celsius(wanted))) => {
             return write!(f, "setpoint {:x} ({} degC)", wanted.to_bits(), Short(*wanted));
         }
+        OrderKind::Command(Command::Fan(Percent(level))) => {
+            return write!(f, "fan {:x} ({} %)", level.to_bits(), Short(*level));
+        }
     })
 }
 
@@ -118,6 +129,11 @@ pub enum LogLineError<'a> {
     },
     /// A part of a baseline that is not known.
     Part(&'a str),
+    /// A commissioning with another number of words.
+    Parameters {
+        /// Hexadecimal words in it.
+        found: usize,
+    },
     /// A row of a baseline with another number of words.
     Words {
         /// The row.
@@ -133,10 +149,11 @@ impl fmt::Display for LogLineError<'_> {
             Self::Tick(error) => error.fmt(f),
             Self::Order(word) => write!(
                 f,
-                "unknown order \"{word}\", expected settings, check, arm, stop, ack, relearn, setpoint or excite"
+                "unknown order \"{word}\", expected settings, check, arm, stop, ack, relearn, setpoint, fan or excite"
             ),
             Self::Argument { order, expected } => write!(f, "order {order}: expected {expected} behind it"),
             Self::Part(word) => write!(f, "unknown part of a baseline: \"{word}\""),
+            Self::Parameters { found } => write!(f, "commissioned: {found} words, expected {PARAMETERS}"),
             Self::Words { part, found } => {
                 write!(f, "baseline {part}: {found} words, expected {}", baseline::WORDS)
             }
@@ -161,6 +178,9 @@ impl<'a> LogLine<'a> {
         }
         if let Some(part) = after(text, "baseline ").map(baseline::parse).transpose()?.flatten() {
             return Ok(Some(Self::Baseline(part)));
+        }
+        if let Some(kept) = after(text, "commissioned ").map(commissioning::parse).transpose()?.flatten() {
+            return Ok(Some(Self::Commissioned(kept)));
         }
         if let Some((name, value)) = after(text, "setting ").and_then(|rest| rest.split_once(" = ")) {
             return Ok(Some(Self::Setting { name: name.trim(), value: without_place(value).trim() }));
@@ -199,6 +219,7 @@ fn order(text: &str) -> Result<OrderKind, LogLineError<'_>> {
     let verb = words.next().unwrap_or_default();
     let argument = words.next().unwrap_or_default();
     let expected = |expected| LogLineError::Argument { order: verb, expected };
+    let given = || tick::word(argument).map(f32::from_bits).ok_or_else(|| expected("8 hexadecimal digits"));
     Ok(OrderKind::Command(match verb {
         "settings" => return Ok(OrderKind::Settings),
         "check" => return Ok(OrderKind::Check),
@@ -206,10 +227,8 @@ fn order(text: &str) -> Result<OrderKind, LogLineError<'_>> {
         "stop" => Command::Stop,
         "ack" => Command::Acknowledge,
         "relearn" => Command::Relearn,
-        "setpoint" => {
-            let bits = tick::word(argument).ok_or_else(|| expected("8 hexadecimal digits"))?;
-            Command::SetPoint(Celsius(f32::from_bits(bits)))
-        }
+        "setpoint" => Command::SetPoint(Celsius(given()?)),
+        "fan" => Command::Fan(Percent(given()?)),
         "excite" => Command::Excite(argument.parse().map_err(|_| expected("true or false"))?),
         _ => return Err(LogLineError::Order(verb)),
     }))
@@ -244,6 +263,8 @@ pub fn baseline(baseline: &Baseline, write: impl FnMut(LogLine<'_>)) {
 mod tests {
     use proptest::prelude::*;
 
+    use fdi_core::likelihood::Commissioned;
+
     use super::tick::WORDS;
     use super::*;
 
@@ -260,6 +281,7 @@ mod tests {
             proptest::sample::select(commands.to_vec()).prop_map(OrderKind::Command),
             any::<bool>().prop_map(|on| OrderKind::Command(Command::Excite(on))),
             bits().prop_map(|x| OrderKind::Command(Command::SetPoint(Celsius(x)))),
+            bits().prop_map(|x| OrderKind::Command(Command::Fan(Percent(x)))),
         ]
     }
 
@@ -292,6 +314,7 @@ mod tests {
             value in "[-0-9.e]{1,12}( [a-zA-Z%/]{1,10})?",
             words: [u32; WORDS],
             learnt in baselines(),
+            parameters in proptest::array::uniform16(bits()),
         ) {
             comes_back(LogLine::Start { version })?;
             comes_back(LogLine::Order { tick, order })?;
@@ -299,6 +322,9 @@ mod tests {
             comes_back(LogLine::Lockout { tick })?;
             comes_back(LogLine::Setting { name: &name, value: &value })?;
             comes_back(LogLine::Tick(TickLine(words)))?;
+            comes_back(LogLine::Commissioned(None))?;
+            let models = Commissioned { parameters };
+            comes_back(LogLine::Commissioned(Some(Commissioning { number: tick, models })))?;
             let mut again = Baseline::default();
             for part in BaselineLine::all(&learnt) {
                 comes_back(LogLine::Baseline(part))?;
@@ -310,7 +336,7 @@ mod tests {
         #[test]
         fn no_text_panics(text in "\\PC{0,120}", rest in "[ -~]{0,80}") {
             let _ = LogLine::find(&text);
-            for keyword in ["tick", "order", "baseline", "setting", "denied", "lockout", "log format"] {
+            for keyword in ["tick", "order", "baseline", "commissioned", "setting", "denied", "lockout", "log format"] {
                 let _ = LogLine::find(&format!("{keyword} {rest}"));
             }
         }
@@ -330,8 +356,9 @@ mod tests {
         let error = |text| LogLine::find(text).expect_err(text).to_string();
         assert!(error("order 5 explode").contains("unknown order \"explode\""));
         assert!(error("order 5 setpoint warm").contains("order setpoint: expected 8 hexadecimal digits"));
+        assert!(error("commissioned 1 3e99999a").contains("commissioned: 1 words, expected 16"));
         assert!(error("baseline raw.mean 1 2").contains("baseline raw.mean: 2 words, expected 7"));
-        assert!(error(&format!("tick {}", ["1f"; WORDS - 1].join(" "))).contains("30 words, expected 31"));
+        assert!(error(&format!("tick {}", ["1f"; WORDS - 1].join(" "))).contains("31 words, expected 32"));
     }
 
     #[test]

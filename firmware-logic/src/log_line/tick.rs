@@ -1,5 +1,5 @@
 //! The record of one tick, as the log carries it: the bits of what went in and of what came out, so that a replay on
-//! the host can run the core again and compare. It is text of 31 hexadecimal words after "tick ", in the order of
+//! the host can run the core again and compare. It is text of 32 hexadecimal words after "tick ", in the order of
 //! [`FIELDS`]; a number that is not defined on the tick is written as [`NONE`].
 
 use core::fmt;
@@ -14,7 +14,7 @@ use fdi_core::{AdcCode, Mode, Percent, RawSample, Report, Validity};
 use crate::control_loop::TickRecord;
 
 /// Words in a record.
-pub const WORDS: usize = 31;
+pub const WORDS: usize = 32;
 
 /// Names of the words. Plain numbers are `f32` bits.
 #[rustfmt::skip]
@@ -22,6 +22,7 @@ pub const FIELDS: [&str; WORDS] = [
     "tick", "timing", "t0_code", "t1_code", "t2_code", "setpoint", "pid", "prbs", "drive", "applied",
     "state", "learned", "y1m", "y2m", "sg1", "sg2", "bw1", "ry1_f", "ry2_f", "rap_f", "ry12_f", "rsg1_f",
     "rsg2_f", "rbw1_f", "symptoms", "vectors", "likelihood", "confidence", "magnitude", "half_width", "onset",
+    "supply_code",
 ];
 
 /// "Not defined": a NaN that no arithmetic gives.
@@ -76,6 +77,7 @@ impl TickLine {
             numbers(magnitude.map(|magnitude| magnitude.value)),
             numbers(magnitude.map(|magnitude| magnitude.half_width)),
             finding.map_or(NONE, |finding| finding.onset),
+            raw.supply.0.to_bits(),
         ])
     }
 
@@ -86,8 +88,8 @@ impl TickLine {
 
     /// Codes that went in.
     pub fn raw(&self) -> RawSample {
-        let [t0, t1, t2] = [2, 3, 4].map(|i: usize| AdcCode(f32::from_bits(self.0[i])));
-        RawSample { t0, t1, t2 }
+        let [t0, t1, t2, supply] = [2, 3, 4, 31].map(|i: usize| AdcCode(f32::from_bits(self.0[i])));
+        RawSample { t0, t1, t2, supply }
     }
 
     /// What the heater got.
@@ -129,10 +131,10 @@ impl defmt::Format for TickLine {
             f,
             "tick {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} \
              {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} \
-             {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x}",
+             {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x} {=u32:x}",
             w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10], w[11], w[12],
             w[13], w[14], w[15], w[16], w[17], w[18], w[19], w[20], w[21], w[22], w[23], w[24], w[25],
-            w[26], w[27], w[28], w[29], w[30],
+            w[26], w[27], w[28], w[29], w[30], w[31],
         );
     }
 }

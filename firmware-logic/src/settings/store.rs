@@ -9,11 +9,13 @@ use sequential_storage::cache::key_pointers::ArrayKeyPointers;
 use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage, Value};
 
+use super::commissioning::Commissioning;
 use super::stored::{MAX_BYTES, Stored, StoredError};
 
-/// The key of the record, and of the mark that says since when power must not be lost unnoticed.
+/// The key of the record, of the mark that says since when power must not be lost unnoticed, and of the commissioning.
 const RECORD: u8 = 1;
 const MARK: u8 = 2;
+const COMMISSIONING: u8 = 3;
 /// Room for the record and for what the storage puts around it.
 const BUFFER: usize = MAX_BYTES + 64;
 
@@ -66,7 +68,7 @@ impl fmt::Display for SaveError {
 
 /// Remembers where the newest of each key is. Without it, changing sectors searches the whole of the full one once for each
 /// of the thousands of items in it, which takes many seconds and starves the watchdog.
-type Newest = Cache<Uncached, Uncached, ArrayKeyPointers<u8, 2>, u8>;
+type Newest = Cache<Uncached, Uncached, ArrayKeyPointers<u8, 3>, u8>;
 
 /// The storage.
 pub struct Store<F: NorFlash> {
@@ -123,6 +125,24 @@ impl<F: NorFlash> Store<F> {
     /// The flash refused, or holds something else.
     pub async fn mark(&mut self, stands: bool) -> Result<(), SaveError> {
         self.write(MARK, &u8::from(stands)).await.map_err(|_| SaveError::Flash)
+    }
+
+    /// The commissioning that is kept, if there is one that can be read.
+    pub async fn commissioning(&mut self) -> Option<Commissioning> {
+        let mut buffer = [0; BUFFER];
+        let record = self.map.fetch_item::<&[u8]>(&mut buffer, &COMMISSIONING).await;
+        record.ok().flatten().and_then(Commissioning::decode)
+    }
+
+    /// Keeps a commissioning, or that there is none. The heater must be off, as for [`Store::save`], which mends what this cannot
+    /// use.
+    ///
+    /// # Errors
+    /// The flash refused, or holds something else.
+    pub async fn keep(&mut self, commissioning: Option<&Commissioning>) -> Result<(), SaveError> {
+        let record = commissioning.map(Commissioning::encode);
+        let bytes: &[u8] = record.as_ref().map_or(&[], |record| record);
+        self.write(COMMISSIONING, &bytes).await.map_err(|_| SaveError::Flash)
     }
 
     async fn write<'a>(&mut self, key: u8, value: &impl Value<'a>) -> Result<(), Error<F::Error>> {

@@ -12,12 +12,12 @@ pub(crate) use embassy_stm32::pac::{
 /// Peripherals and pins, to be owned. `TASK_TIMER` belongs to embassy, whose feature in Cargo.toml has to name the same timer.
 pub(crate) use embassy_stm32::peripherals::{
     ADC1 as Adc, FLASH as Flash, PA0 as T1Pin, PA1 as T2Pin, PA2 as TxPin, PA3 as RxPin, PA4 as T0Pin,
-    PA5 as LedPin, PA6 as BreakPin, PA8 as HeaterPin, PA10 as ContactorPin, PC13 as ButtonPin,
-    TIM1 as PwmTimer, TIM5 as TickTimer, USART2 as Usart,
+    PA5 as LedPin, PA6 as BreakPin, PA8 as HeaterPin, PA10 as ContactorPin, PB0 as SupplyPin,
+    PC13 as ButtonPin, TIM1 as PwmTimer, TIM5 as TickTimer, USART2 as Usart,
 };
 
-/// ADC channels of T0 (PA4, A2), T1 (PA0, A0) and T2 (PA1, A1).
-pub(crate) const ADC_CHANNELS: [u8; 3] = [4, 0, 1];
+/// ADC channels of T0 (PA4, A2), T1 (PA0, A0), T2 (PA1, A1) and the supply (PB0, A3).
+pub(crate) const ADC_CHANNELS: [u8; 4] = [4, 0, 1, 8];
 
 /// Alternate function that connects heater, contactor and break input to the timer of the PWM.
 pub(crate) const PWM_AF: u8 = 1;
@@ -74,6 +74,8 @@ pub(crate) use {on_control_interrupt, on_tick_interrupt};
 pub(crate) struct Parts {
     /// Thermistor inputs: T0, T1, T2.
     pub(crate) thermistors: (Peri<'static, T0Pin>, Peri<'static, T1Pin>, Peri<'static, T2Pin>),
+    /// Input for the supply of the heater.
+    pub(crate) supply: Peri<'static, SupplyPin>,
     pub(crate) adc: Peri<'static, Adc>,
     /// Heater PWM (D7) and its break input (D12).
     pub(crate) heater: Peri<'static, HeaterPin>,
@@ -97,6 +99,7 @@ impl Parts {
     pub(crate) fn new(p: embassy_stm32::Peripherals) -> Self {
         Self {
             thermistors: (p.PA4, p.PA0, p.PA1),
+            supply: p.PB0,
             adc: p.ADC1,
             heater: p.PA8,
             contactor: p.PA10,

@@ -10,7 +10,7 @@ use firmware_logic::task_watchdog::Task;
 use heapless::spsc::{Consumer, Producer};
 
 use crate::hardware::heater::HeaterOutput;
-use crate::hardware::thermistors::Thermistors;
+use crate::hardware::inputs::Inputs;
 use crate::hardware::tick_timer;
 use crate::link;
 
@@ -20,7 +20,7 @@ pub(crate) async fn control(
     period: NonZeroU32,
     mut control: ControlLoop,
     mut heater: HeaterOutput,
-    mut thermistors: Thermistors,
+    mut inputs: Inputs,
     mut records: Producer<'static, TickRecord>,
     mut orders: Consumer<'static, Order>,
 ) {
@@ -35,7 +35,7 @@ pub(crate) async fn control(
                 link::send(&mut records, control.missed(arrival, &mut heater));
             }
         }
-        let raw = thermistors.sample(tick_timer::now()).await;
+        let raw = inputs.sample(tick_timer::now()).await;
         let Some(arrival) = arrival else {
             control.look(raw, &mut heater);
             done(cadence.deadline(due));

@@ -1,8 +1,9 @@
 //! `pt326 campaign`: many runs of many kinds, both diagnoses side by side, in numbers with their uncertainty.
 
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
 use anyhow::{Context, ensure};
@@ -52,7 +53,7 @@ pub struct CampaignArgs {
 /// What else can be done.
 #[derive(Clone, Debug, Subcommand)]
 pub enum CampaignCommand {
-    /// Print the default campaign as commented TOML.
+    /// Print a built-in campaign as commented TOML; left out: the default one.
     Define {
         /// The campaign on physics that no model has.
         #[arg(long)]
@@ -79,7 +80,7 @@ pub struct DefinitionArgs {
     /// Settings of the instrument, TOML; see `pt326 config`.
     #[arg(long, value_name = "FILE.toml")]
     pub config: Option<PathBuf>,
-    /// A twentieth of the runs: less than a minute. Without --quick, --full or --scale, the default campaign does a
+    /// A twentieth of the runs: less than a minute. Without --quick, --full or --scale, a built-in campaign does a
     /// quarter of its runs, and that of a file all.
     #[arg(long, conflicts_with_all = ["full", "scale"])]
     pub quick: bool,
@@ -271,7 +272,15 @@ fn run_until_interrupted(remaining: Remaining, threads: usize) -> anyhow::Result
     let bar = progress(&remaining)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let (began, hours) = (Instant::now(), remaining.seconds() / 3600.0);
-    let progress = pool.install(|| remaining.run(&stop, |seconds| bar.inc(seconds as u64)))?;
+    let (tenths, is_seen) = (AtomicU64::new(0), std::io::stderr().is_terminal());
+    let advance = |seconds: f64| {
+        bar.inc(seconds as u64);
+        let now = 10 * bar.position() / bar.length().unwrap_or(1).max(1);
+        if tenths.fetch_max(now, Ordering::Relaxed) < now && !is_seen {
+            eprintln!("{now}0 % after {:.0} s", began.elapsed().as_secs_f64());
+        }
+    };
+    let progress = pool.install(|| remaining.run(&stop, advance))?;
     bar.finish_and_clear();
     let took = began.elapsed().as_secs_f64();
     if progress.finished == progress.of && hours > 0.0 {
@@ -280,7 +289,7 @@ fn run_until_interrupted(remaining: Remaining, threads: usize) -> anyhow::Result
     Ok(progress)
 }
 
-/// A bar that counts simulated seconds, since runs differ in length.
+/// A bar that counts simulated seconds, since runs differ in length. Where it can't be seen, each tenth is told.
 fn progress(remaining: &Remaining) -> anyhow::Result<ProgressBar> {
     let bar = ProgressBar::new(remaining.seconds() as u64);
     bar.set_style(

@@ -4,7 +4,7 @@ use std::io::{BufRead, Write};
 use std::path::PathBuf;
 
 use anyhow::{Context, bail, ensure};
-use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, RawSample};
+use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample};
 
 use crate::experiment::as_written;
 use crate::record::trace::{OneTick, append_cells, header, instrument_columns};
@@ -29,15 +29,18 @@ const PROTOCOL: &str = r#"The first line written is a header with the names of t
   2160,1620.5,1655    a sample: ADC codes of T0, T1 and T2,  a row: the power to apply until the
                       0 to 4095, decimals allowed            next sample, in %, then the columns
   2160,,1655          the same, the code of T1 being lost    of trace.csv without `truth`
+  2160,1620,1655,2980 the same with the code of the
+                      heater's supply, if it is measured
   setpoint 40         new set-point, °C                      ok
   arm                 begin to regulate                      ok
   stop                heater off                             ok
   ack                 acknowledge a trip                     ok
   relearn             learn anew what is normal              ok
   excite on           excitation on; off: excite off         ok
+  fan 80              the fan now runs at 80 % of its level  ok
   anything else                                              error line N: what was expected
 
-The instrument is armed from the start. Time is counted in samples, which are `sample_time` (0.11 s) apart; other lines take no time. After an error the program ends with exit code 2; with --keep-going it reads on. Blank lines, lines that begin with #, and a first line with three names are skipped without an answer.
+The instrument is armed from the start. Time is counted in samples, which are `sample_time` (0.11 s) apart; other lines take no time. After an error the program ends with exit code 2; with --keep-going it reads on. Blank lines, lines that begin with #, and a first line with three or four names are skipped without an answer.
 
 Example, in Python:
 
@@ -98,10 +101,10 @@ pub fn serve(
     Ok(())
 }
 
-/// The names of three columns.
+/// The names of the columns of a sample.
 fn is_header(line: &str) -> bool {
     let is_name = |field: &str| field.trim().starts_with(|c: char| c.is_alphabetic());
-    line.split(',').count() == 3 && line.split(',').all(is_name)
+    (3..=4).contains(&line.split(',').count()) && line.split(',').all(is_name)
 }
 
 /// Carries out one line.
@@ -132,29 +135,34 @@ fn command(line: &str) -> anyhow::Result<Option<Command>> {
             Ok(celsius) => Command::SetPoint(Celsius(celsius)),
             Err(_) => bail!("setpoint is \"{celsius}\", expected a temperature in °C, such as setpoint 40"),
         },
+        ["fan", level] => match level.parse() {
+            Ok(level) => Command::Fan(Percent(level)),
+            Err(_) => bail!("fan is \"{level}\", expected a level in %, such as fan 80"),
+        },
         [word, ..] if !line.contains(',') && word.starts_with(|c: char| c.is_alphabetic()) => bail!(
-            "\"{line}\" given, expected three codes, or setpoint CELSIUS, arm, stop, ack, relearn, excite on, excite off"
+            "\"{line}\" given, expected three codes, or setpoint CELSIUS, arm, stop, ack, relearn, excite on, excite off, fan LEVEL"
         ),
         _ => return Ok(None),
     }))
 }
 
-/// Reads `t0_code,t1_code,t2_code`; an empty field is a sample that was lost.
+/// Reads `t0_code,t1_code,t2_code`, and perhaps `,supply_code`; an empty field is a sample that was lost.
 fn sample(line: &str) -> anyhow::Result<RawSample> {
     const EXPECTED: &str =
         "expected t0_code,t1_code,t2_code: three 12-bit codes, 0 to 4095, such as 2160,1620.5,1655";
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-    ensure!(fields.len() == 3, "{} fields in \"{line}\", {EXPECTED}", fields.len());
-    let mut codes = [AdcCode(f32::NAN); 3];
-    for ((code, field), name) in codes.iter_mut().zip(fields).zip(["t0_code", "t1_code", "t2_code"]) {
+    ensure!((3..=4).contains(&fields.len()), "{} fields in \"{line}\", {EXPECTED}", fields.len());
+    let names = ["t0_code", "t1_code", "t2_code", "supply_code"];
+    let mut codes = [AdcCode(f32::NAN); 4];
+    for ((code, field), name) in codes.iter_mut().zip(fields).zip(names) {
         if field.is_empty() {
             continue;
         }
         let value = field.parse().ok().filter(|code| (0.0..=AdcCode::FULL_SCALE).contains(code));
         *code = AdcCode(value.with_context(|| format!("{name} is \"{field}\", {EXPECTED}"))?);
     }
-    let [t0, t1, t2] = codes;
-    Ok(RawSample { t0, t1, t2 })
+    let [t0, t1, t2, supply] = codes;
+    Ok(RawSample { t0, t1, t2, supply })
 }
 
 #[cfg(test)]
@@ -182,7 +190,7 @@ mod tests {
         let columns = lines[0].split(',').count();
         assert!(lines.iter().all(|line| line.split(',').count() == columns));
         assert_eq!((cell(&lines, 2, "t_s"), cell(&lines, 2, "mode")), ("0.11", "settle"));
-        assert!(lines[2].ends_with(",settle,0,,,,,"));
+        assert!(lines[2].ends_with(",settle,0,,,,,,,"));
     }
 
     #[test]
@@ -204,6 +212,23 @@ mod tests {
         result.unwrap();
         assert!(!cell(&lines, 1, "y1_c").is_empty() && cell(&lines, 2, "y1_c").is_empty(), "{lines:?}");
         assert!(!cell(&lines, 2, "y2_c").is_empty());
+    }
+
+    #[test]
+    fn the_supply_and_the_fan_are_known_where_they_are_given() {
+        let mut config = Config::default();
+        config.supply.nominal_voltage.0 = 12.0;
+        let mut output = Vec::new();
+        let input = "2160,2160,2160\n2160,2160,2160,2978\nfan 80\n2160,2160,2160,\n";
+        serve(&config, false, input.as_bytes(), &mut output).unwrap();
+        let lines: Vec<String> = String::from_utf8(output).unwrap().lines().map(str::to_owned).collect();
+        assert_eq!((cell(&lines, 1, "supply"), cell(&lines, 1, "fan_pct")), ("", ""));
+        let supply: f32 = cell(&lines, 2, "supply").parse().unwrap();
+        assert!((supply - 1.0).abs() < 1e-3);
+        assert_eq!(
+            (cell(&lines, 4, "supply"), cell(&lines, 4, "fan_pct")),
+            (cell(&lines, 2, "supply"), "80")
+        );
     }
 
     #[test]

@@ -217,16 +217,24 @@ pub fn drive(
             obey(backend, Command::Arm, t);
         }
         while let Some((_, command)) = commands.next_if(|(at, _)| *at <= t) {
+            if let Command::Fan(level) = command {
+                rig.set_fan(f64::from(level.0) / 100.0);
+            }
             obey(backend, command, t);
         }
-        let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));
-        let tick = backend.control(RawSample { t0, t1, t2 });
+        let tick = backend.control(sample(&mut rig));
         let report = backend.diagnose(&tick);
         let drive = f64::from(tick.drive.0);
         observe(Row { tick, report, truth: truth(&scenario.faults, t) }, &rig);
         rig.advance(drive);
     }
     refused
+}
+
+/// What the inputs of the board read of the rig at the present tick.
+pub fn sample(rig: &mut Rig) -> RawSample {
+    let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));
+    RawSample { t0, t1, t2, supply: AdcCode(rig.supply() as f32) }
 }
 
 /// The true fault at a time.

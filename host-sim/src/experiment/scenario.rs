@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Context, ensure};
-use fdi_core::{Celsius, Command};
+use fdi_core::supervisor::FASTEST_FAN;
+use fdi_core::{Celsius, Command, Percent};
 use serde::{Deserialize, Serialize};
 
 use pt326_rig::fault::Fault;
@@ -43,6 +44,8 @@ pub struct Action {
     pub over: Option<f64>,
     /// Excitation on or off.
     pub excite: Option<bool>,
+    /// New level of the fan, % of the nominal one, which is announced. A change that nobody announces is a fault, `air-flow`.
+    pub fan: Option<f32>,
     /// Learn anew what is normal, as after an announced change of the rig.
     #[serde(default)]
     pub relearn: bool,
@@ -62,6 +65,7 @@ impl Action {
             }));
         }
         commands.extend(self.excite.map(|on| (self.at, Command::Excite(on))));
+        commands.extend(self.fan.map(|level| (self.at, Command::Fan(Percent(level)))));
         commands.extend(self.relearn.then_some((self.at, Command::Relearn)));
         commands
     }
@@ -134,8 +138,17 @@ impl Scenario {
         for (i, action) in self.actions.iter().enumerate() {
             ensure!(action.at >= 0.0, "action {}: at is {}, expected 0 s or more", i + 1, action.at);
             ensure!(
-                action.setpoint.is_some() || action.excite.is_some() || action.relearn,
-                "action {}: expected `setpoint`, `excite` or `relearn`",
+                action.setpoint.is_some()
+                    || action.excite.is_some()
+                    || action.fan.is_some()
+                    || action.relearn,
+                "action {}: expected `setpoint`, `excite`, `fan` or `relearn`",
+                i + 1
+            );
+            let fan = action.fan.unwrap_or(100.0);
+            ensure!(
+                (0.0..=FASTEST_FAN).contains(&fan),
+                "action {}: fan is {fan}, expected 0 to {FASTEST_FAN} %",
                 i + 1
             );
             let over = action.over.unwrap_or(1.0);

@@ -13,7 +13,7 @@ use crate::experiment::{Record, tick_time};
 
 /// Every column, in its order. To add one is to add a line here; it comes last, so that programs which read an older
 /// trace by position find the others where they were.
-pub static COLUMNS: [Column; 46] = [
+pub static COLUMNS: [Column; 48] = [
     column("t_s", |on| on.time(on.tick.index).into()),
     column("t0_c", |on| on.tick.sample.t0.celsius.0.into()),
     column("t1_c", |on| on.tick.sample.t1.celsius.0.into()),
@@ -62,6 +62,9 @@ pub static COLUMNS: [Column; 46] = [
     column("magnitude", |on| on.magnitude().map(|(_, m)| m.value).into()),
     column("magnitude_unit", |on| on.magnitude().map(|(f, _)| f.class.unit()).into()),
     column("onset_s", |on| on.finding().map(|f| on.time(f.onset)).into()),
+    // What is known of the rig's other inputs: share of the nominal voltage, and % of the usual level.
+    column("supply", |on| on.tick.known.supply.into()),
+    column("fan_pct", |on| on.tick.known.fan.map(|level| level.0).into()),
 ];
 
 /// Name of the column with the number of the true fault, the only one that no instrument knows.
@@ -243,7 +246,7 @@ mod tests {
     fn the_likelihood_columns_say_what_was_found_or_nothing() {
         let mut instrument = Instrument::new(&Config::default()).unwrap();
         let code = AdcCode(2160.0);
-        let tick = instrument.control(RawSample { t0: code, t1: code, t2: code });
+        let tick = instrument.control(RawSample { t0: code, t1: code, t2: code, ..RawSample::default() });
         let report = instrument.diagnose(&tick, tick.drive);
         let cells = |likelihood: &LikelihoodReport| {
             let mut line = String::new();
@@ -256,7 +259,7 @@ mod tests {
             );
             line
         };
-        assert_eq!(cells(&LikelihoodReport::default()), "0,,,,,");
+        assert_eq!(cells(&LikelihoodReport::default()), "0,,,,,,,");
         let finding = Finding {
             class: FaultClass::T2Offset,
             confidence: 0.75,
@@ -264,9 +267,9 @@ mod tests {
             onset: 100,
         };
         let found = LikelihoodReport { alarm: true, finding: Some(finding), ..LikelihoodReport::default() };
-        assert_eq!(cells(&found), "1,t2_offset,0.75,-1.5,degC,11");
+        assert_eq!(cells(&found), "1,t2_offset,0.75,-1.5,degC,11,,");
         let unknown = Finding { class: FaultClass::Unknown, magnitude: None, ..finding };
         let found = LikelihoodReport { finding: Some(unknown), ..found };
-        assert_eq!(cells(&found), "1,unknown,0.75,,,11");
+        assert_eq!(cells(&found), "1,unknown,0.75,,,11,,");
     }
 }

@@ -48,12 +48,12 @@ pub fn size_as(fault: &Fault, class: FaultClass, t: f64) -> Option<f64> {
 }
 
 fn vectors(fault: &Fault) -> (Option<u8>, Option<u8>) {
-    use Verb::{Clog, Detach, Drift, Freeze, HeaterPower, HeaterStuck, Offset, Stuck};
+    use Verb::{Clog, Detach, Drift, Freeze, HeaterPower, HeaterStuck, Offset, Stuck, SupplyVoltage};
     match (fault.truth(), fault.verb, fault.sensor) {
         (truth @ 1..=3, ..) => (Some(truth.min(2)), Some(truth)),
         (_, Offset | Drift | Clog | Stuck | Detach | Freeze, Some(Sensor::T2)) => (Some(1), None),
         (_, Offset | Drift | Stuck | Detach | Freeze, Some(Sensor::T1)) => (Some(2), None),
-        (_, HeaterPower | HeaterStuck, _) => (Some(2), None),
+        (_, HeaterPower | HeaterStuck | SupplyVoltage, _) => (Some(2), None),
         _ => (None, None),
     }
 }
@@ -62,7 +62,7 @@ fn class(fault: &Fault) -> Option<FaultClass> {
     use Channel::{T0, T1, T2};
     match (fault.verb, fault.sensor.map(channel)) {
         (Verb::AirFlow, _) => Some(FaultClass::AirFlow),
-        (Verb::HeaterPower | Verb::HeaterStuck, _) => Some(FaultClass::HeaterPower),
+        (Verb::HeaterPower | Verb::HeaterStuck | Verb::SupplyVoltage, _) => Some(FaultClass::HeaterPower),
         (Verb::Offset, Some(T1)) => Some(FaultClass::T1Offset),
         (Verb::Offset, Some(T2)) => Some(FaultClass::T2Offset),
         (Verb::Offset | Verb::Clog, Some(T0)) => Some(FaultClass::T0Fault),
@@ -87,6 +87,7 @@ fn magnitude(fault: &Fault) -> Option<f64> {
         Verb::Offset | Verb::Drift => Some(size),
         Verb::Clog if fault.sensor == Some(Sensor::T1) => Some(percent(size)),
         Verb::AirFlow | Verb::HeaterPower => Some(percent(size)),
+        Verb::SupplyVoltage => Some(percent(size * size)), // of power
         _ => None,
     }
 }

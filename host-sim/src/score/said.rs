@@ -1,5 +1,7 @@
 //! What the likelihood diagnosis said of a run, held against the truth: names, confidence, sizes, and how long an alarm lasted.
 
+use std::collections::BTreeMap;
+
 use fdi_core::likelihood::{FaultClass, Finding, LikelihoodReport};
 use pt326_rig::fault::Fault;
 use serde::{Deserialize, Serialize};
@@ -57,6 +59,8 @@ pub struct Said {
     pub held: u64,
     /// All verdicts by confidence, but for those within 15 s after the fault.
     pub bins: [Bin; BINS.len() + 1],
+    /// The names on the seconds of the fault, or of a run without: on how many, and on how many above 0.95.
+    pub names: BTreeMap<String, [u64; 2]>,
 }
 
 /// Gathers it.
@@ -116,6 +120,11 @@ impl<'a> SaidScorer<'a> {
         bin.said += 1;
         bin.right += u64::from(right && self.fault.is_none_or(|f| f.is_active(t)));
         bin.confidence += confidence;
+        if self.fault.is_none_or(|f| f.is_active(t)) {
+            let [all, sure] = self.said.names.entry(finding.class.name().into()).or_default();
+            *all += 1;
+            *sure += u64::from(confidence > SURE);
+        }
         let size = self.fault.filter(|f| right && f.is_active(t)).and_then(|f| size_as(f, finding.class, t));
         if let Some((estimate, truth)) = finding.magnitude.zip(size) {
             let apart = (f64::from(estimate.value) - truth).abs();
@@ -219,6 +228,8 @@ mod tests {
         assert_eq!((certain.said, certain.right), (9, 0), "one a second");
         assert_eq!((sound.said, sound.right), (28, 28), "none of the 10 s after the end");
         assert!((sound.confidence - 28.0 * 0.85).abs() < 1e-9);
+        let names = [("air_flow".to_owned(), [28, 0]), ("heater_power".to_owned(), [9, 9])];
+        assert_eq!(said.names, names.into_iter().collect());
         assert_eq!(
             (said.intervals, said.held),
             (28, 23),

@@ -80,7 +80,12 @@ impl Verb {
     pub(super) fn needs_sensor(self) -> bool {
         !matches!(
             self,
-            Self::AirFlow | Self::HeaterPower | Self::HeaterStuck | Self::Ambient | Self::AmbientDrift
+            Self::AirFlow
+                | Self::HeaterPower
+                | Self::HeaterStuck
+                | Self::Ambient
+                | Self::AmbientDrift
+                | Self::SupplyVoltage
         )
     }
 
@@ -98,6 +103,7 @@ impl Verb {
             Self::Missing => Some((0.0, 1.0, "as a probability")),
             Self::AirFlow => Some((0.05, 10.0, "times the nominal flow")),
             Self::HeaterPower => Some((0.0, 3.0, "times the power")),
+            Self::SupplyVoltage => Some((0.0, 2.0, "times the nominal voltage")),
             Self::HeaterStuck => Some((0.0, 100.0, "%")),
             Self::Detach => Some((0.0, 1.0, "of the way out")),
             Self::Freeze => Some((0.0, 1000.0, "codes")),

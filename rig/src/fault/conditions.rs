@@ -41,6 +41,8 @@ pub struct Conditions {
     pub flow: f64,
     /// Heater power, relative to what is asked for.
     pub power: f64,
+    /// Voltage of the heater's supply, relative.
+    pub supply: f64,
     /// Heater power whatever is asked for, %.
     pub stuck_power: Option<f64>,
     /// Ambient temperature above its usual, degC.
@@ -58,6 +60,7 @@ impl Conditions {
             reading: [Reading::True; 3],
             flow: 1.0,
             power: 1.0,
+            supply: 1.0,
             stuck_power: None,
             ambient: 0.0,
         };
@@ -84,6 +87,7 @@ impl Conditions {
                 Verb::Missing => now.reading[i] = Reading::Missing { probability: size },
                 Verb::AirFlow => now.flow *= size,
                 Verb::HeaterPower => now.power *= size,
+                Verb::SupplyVoltage => now.supply *= size,
                 Verb::HeaterStuck => now.stuck_power = Some(size),
                 Verb::Ambient => now.ambient += size,
                 Verb::AmbientDrift => now.ambient += size * (t - fault.at) / 60.0,

@@ -68,6 +68,8 @@ pub enum Verb {
     Swap,
     /// A sensor repeats its last code, with noise of the standard deviation `size` codes.
     Freeze,
+    /// The heater's supply has `size` times its nominal voltage.
+    SupplyVoltage,
 }
 
 impl fmt::Display for Verb {
@@ -77,7 +79,7 @@ impl fmt::Display for Verb {
 }
 
 /// All verbs. New ones come last: the numbers of the column `truth` go by this order.
-const ALL_VERBS: [Verb; 16] = [
+const ALL_VERBS: [Verb; 17] = [
     Verb::Offset,
     Verb::Drift,
     Verb::Clog,
@@ -94,6 +96,7 @@ const ALL_VERBS: [Verb; 16] = [
     Verb::Detach,
     Verb::Swap,
     Verb::Freeze,
+    Verb::SupplyVoltage,
 ];
 
 /// One thing that happens, for a time.
@@ -180,7 +183,9 @@ impl Fault {
     /// Scales the departure from normal by `factor`; 1 leaves the fault as it is.
     pub fn scaled(&self, factor: f64) -> Self {
         let size = self.size.map(|size| match self.verb {
-            Verb::Clog | Verb::AirFlow | Verb::HeaterPower => 1.0 + (size - 1.0) * factor,
+            Verb::Clog | Verb::AirFlow | Verb::HeaterPower | Verb::SupplyVoltage => {
+                1.0 + (size - 1.0) * factor
+            }
             Verb::Detach => (size * factor).clamp(0.0, 1.0),
             _ => size * factor,
         });
@@ -292,6 +297,7 @@ mod tests {
             (plain(Verb::AmbientDrift, None), 40),
             (plain(Verb::Detach, Some(T1)), 44),
             (plain(Verb::Freeze, Some(T2)), 51),
+            (plain(Verb::SupplyVoltage, None), 52),
             (swap(T1, T2), 46),
             (swap(T2, T1), 46),
             (swap(T0, T2), 47),

@@ -8,7 +8,7 @@ pub type Codes = [f32; 3];
 /// As the instrument takes them.
 pub fn sample(codes: Codes) -> RawSample {
     let [t0, t1, t2] = codes.map(AdcCode);
-    RawSample { t0, t1, t2 }
+    RawSample { t0, t1, t2, ..RawSample::default() }
 }
 
 /// Numbers that have broken other people's filters: zeros, subnormals, the edges of the limits, infinities, NaNs.

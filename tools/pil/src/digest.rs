@@ -9,7 +9,7 @@ use fdi_core::diagnosis::{Report, Verdict};
 use fdi_core::identify::observer::Observation;
 use fdi_core::likelihood::{Finding, LikelihoodReport, Magnitude, Readiness};
 use fdi_core::supervisor::{Mode, Trip};
-use fdi_core::{RawSample, Reading, Sample, Tick};
+use fdi_core::{KnownInputs, RawSample, Reading, Sample, Tick};
 
 /// FNV-1a over words of 32 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,8 +54,20 @@ impl Digest {
 
     /// All of the first half of a tick.
     pub fn tick(&mut self, tick: &Tick) {
-        let Tick { index, sample, setpoint, pid, prbs, drive, mode, learn, blocked, virtual_t1, forget } =
-            *tick;
+        let Tick {
+            index,
+            sample,
+            setpoint,
+            pid,
+            prbs,
+            drive,
+            mode,
+            learn,
+            blocked,
+            virtual_t1,
+            forget,
+            known,
+        } = *tick;
         self.word(index);
         self.sample(sample);
         self.numbers(&[setpoint.0, pid.0, prbs.0, drive.0]);
@@ -64,6 +76,10 @@ impl Digest {
         self.word(u32::from(forget));
         self.option(blocked, |d, blocker| d.word(blocker as u32));
         self.option(virtual_t1, |d, celsius| d.number(celsius.0));
+        let KnownInputs { supply, supply_lost, fan } = known;
+        self.option(supply, Self::number);
+        self.word(supply_lost);
+        self.option(fan, |d, level| d.number(level.0));
     }
 
     /// All of the second half of a tick.
@@ -131,7 +147,7 @@ impl Digest {
             Mode::Tripped(Trip {
                 reason,
                 tick,
-                raw: RawSample { t0, t1, t2 },
+                raw: RawSample { t0, t1, t2, supply },
                 sample,
                 setpoint,
                 limit,
@@ -140,7 +156,7 @@ impl Digest {
             }) => {
                 self.numbered(4, reason as u32);
                 self.word(tick);
-                self.numbers(&[t0.0, t1.0, t2.0, setpoint.0, limit.0, power.0]);
+                self.numbers(&[t0.0, t1.0, t2.0, supply.0, setpoint.0, limit.0, power.0]);
                 self.option(needed, |d, needed| d.number(needed.0));
                 self.sample(sample);
             }

@@ -53,6 +53,9 @@ impl Recording {
             log.iter().map(parse).filter_map(Result::transpose).collect::<Result<_, _>>()?;
         let (mut ticks, mut differences) = (Vec::new(), Vec::new());
         for line in &lines {
+            if let LogLine::Commissioned(kept) = line {
+                instrument.commission(kept.map(|kept| kept.models))?;
+            }
             let LogLine::Tick(record) = *line else { continue };
             let index = ticks.len() as u32;
             ensure!(record.tick() == index, "the log has tick {} where {index} was due", record.tick());

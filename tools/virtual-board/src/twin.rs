@@ -52,7 +52,7 @@ pub fn run(scenario: &Scenario, seed: u64, idle_ticks: usize) -> anyhow::Result<
     let mut twin = Twin { instrument: Instrument::new(&config)?, tick: None };
     let code = AdcCode(AT_REST.into());
     for _ in 0..idle_ticks {
-        let tick = twin.control(RawSample { t0: code, t1: code, t2: code });
+        let tick = twin.control(RawSample { t0: code, t1: code, t2: code, ..RawSample::default() });
         twin.diagnose(&tick);
     }
     Ok(experiment::run_on(&mut twin, &config, scenario, seed))

@@ -105,7 +105,8 @@ pub struct CellDefinition {
     pub name: String,
     /// What should come of it; left out: a fault if the first of `fault` is one.
     pub expect: Option<Expect>,
-    /// Names of classes of which each is right, a fault's own too; left out: the class of the first fault.
+    /// Names of classes of which each is right; left out: that of the first fault. Where silence is expected an alarm stays wrong,
+    /// but a verdict with one of these names is true.
     #[serde(default)]
     pub right: Vec<String>,
     /// Number of runs, before `scale`.

@@ -95,9 +95,9 @@ pub enum Measure {
 }
 
 impl Measure {
-    /// Whether it is a share of verdicts, of which a cell may have too few.
+    /// Whether it is a share of verdicts: where there are too few it is not missed, but left out.
     pub(in crate::campaign) fn is_of_verdicts(self) -> bool {
-        matches!(self, Self::Coverage | Self::Calibration)
+        matches!(self, Self::Coverage | Self::EndCoverage | Self::Calibration)
     }
 
     /// Its name in a definition.

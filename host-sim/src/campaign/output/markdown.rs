@@ -35,6 +35,7 @@ pub(super) fn of(results: &Results) -> String {
         estimates(&mut text, &faults);
         text += &said::markdown(&faults);
     }
+    text += &said::names_markdown(results);
     text += &said::confidence_markdown(results);
     if !silent.is_empty() {
         silence(&mut text, &silent);

@@ -1,11 +1,12 @@
 //! What the likelihood diagnosis said, against the truth: as fields of the tables, as Markdown, and as printed.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::table::{counted, delays, label, line, seconds};
 use super::{Field, field, maybe};
 use crate::campaign::results::{CellResults, Results};
-use crate::campaign::statistics::said::{Confidence, FaultSaid, SaidStatistics, Share};
+use crate::campaign::statistics::said::{Confidence, FaultSaid, SaidStatistics, Share, sum};
 use crate::score::said::{BINS, Said};
 
 /// Columns of a run.
@@ -50,6 +51,7 @@ pub(super) fn cell_fields(said: &SaidStatistics) -> Vec<Field> {
         maybe("alarm_share_pct", fault.and_then(|f| f.alarm_share_pct)),
         maybe("sure_wrong_pct", fault.map(|f| f.sure_wrong_pct)),
     ]);
+    fields.push(field("names", named(&said.names)));
     fields.extend(share_fields("end_coverage", fault.and_then(|f| f.end_coverage)));
     fields.extend(share_fields("coverage", fault.and_then(|f| f.coverage)));
     for from in std::iter::once(0.0).chain(BINS) {
@@ -58,6 +60,15 @@ pub(super) fn cell_fields(said: &SaidStatistics) -> Vec<Field> {
         fields.extend(share_fields(&format!("confidence_{from}_right"), bin.map(|bin| bin.right)));
     }
     prefixed(fields)
+}
+
+/// Names with their seconds, most first.
+fn named(names: &BTreeMap<String, [u64; 2]>) -> String {
+    let mut names: Vec<_> = names.iter().collect();
+    names.sort_by_key(|(_, [seconds, _])| std::cmp::Reverse(*seconds));
+    let names: Vec<String> =
+        names.into_iter().map(|(name, [seconds, sure])| format!("{name} {seconds} ({sure})")).collect();
+    names.join(", ")
 }
 
 fn share_fields(name: &str, share: Option<Share>) -> [Field; 4] {
@@ -105,6 +116,23 @@ pub(super) fn markdown(cells: &[&CellResults]) -> String {
     text.push('\n');
     for (cell, fault) in cells.iter().filter_map(|cell| Some((cell, cell.said.fault.as_ref()?))) {
         let _ = writeln!(text, "| {} | {} |", label(cell), entries(fault).join(" | "));
+    }
+    text
+}
+
+/// What was said where each name, or each of some, was right, as a table of Markdown.
+pub(super) fn names_markdown(results: &Results) -> String {
+    let mut classes: BTreeMap<String, Vec<&CellResults>> = BTreeMap::new();
+    for cell in &results.cells {
+        let right = cell.class.map_or("no fault".into(), |_| cell.right.join(" or "));
+        classes.entry(right).or_default().push(cell);
+    }
+    let mut text = String::from(
+        "\nSeconds on which each name was said (and above 0.95)\n\n| right | said |\n|---|---|\n",
+    );
+    for (class, cells) in classes {
+        let names = sum(cells.iter().map(|cell| &cell.said.names));
+        let _ = writeln!(text, "| {class} | {} |", named(&names));
     }
     text
 }

@@ -173,7 +173,7 @@ mod tests {
     fn quiet() -> Row {
         let mut instrument = Instrument::new(&Config::default()).unwrap();
         let code = AdcCode(2160.0);
-        let tick = instrument.control(RawSample { t0: code, t1: code, t2: code });
+        let tick = instrument.control(RawSample { t0: code, t1: code, t2: code, ..RawSample::default() });
         Row { report: instrument.diagnose(&tick, Percent(0.0)), tick, truth: 0 }
     }
 
@@ -182,8 +182,13 @@ mod tests {
         let mut instrument = Instrument::new(&Config::default()).unwrap();
         instrument.command(Command::Arm).unwrap();
         let (ambient, open) = (AdcCode(2160.0), AdcCode(4095.0));
-        let mode =
-            (0..9).map(|_| instrument.control(RawSample { t0: ambient, t1: open, t2: ambient }).mode).last();
+        let mode = (0..9)
+            .map(|_| {
+                instrument
+                    .control(RawSample { t0: ambient, t1: open, t2: ambient, ..RawSample::default() })
+                    .mode
+            })
+            .last();
         let Some(Mode::Tripped(trip)) = mode else { panic!("{mode:?}, expected a trip") };
         Mode::Tripped(Trip { reason, ..trip })
     }

@@ -1,5 +1,7 @@
 //! What the likelihood diagnosis said in many runs, held against the truth.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::Case;
@@ -16,6 +18,8 @@ pub struct SaidStatistics {
     pub fault: Option<FaultSaid>,
     /// Verdicts by confidence, the lowest first; one without verdicts is left out.
     pub confidence: Vec<Confidence>,
+    /// The names on the seconds of the faults, or of runs without: on how many, and on how many above 0.95.
+    pub names: BTreeMap<String, [u64; 2]>,
 }
 
 /// What was said of a fault.
@@ -80,6 +84,7 @@ impl SaidStatistics {
         Self {
             fault: (!faulty.is_empty()).then(|| FaultSaid::new(&faulty)),
             confidence: confidence(cases.iter().map(|(_, row)| &row.said)),
+            names: sum(cases.iter().map(|(_, row)| &row.said.names)),
         }
     }
 
@@ -128,11 +133,21 @@ fn covered(said: &Said) -> Option<bool> {
 
 /// Each name with how often it comes, most first.
 fn counts<'a>(names: impl Iterator<Item = &'a str>) -> Vec<(String, usize)> {
-    let mut counts = std::collections::BTreeMap::new();
+    let mut counts = BTreeMap::new();
     names.for_each(|name| *counts.entry(name).or_insert(0) += 1);
     let mut counts: Vec<_> = counts.into_iter().map(|(name, count)| (name.to_owned(), count)).collect();
     counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     counts
+}
+
+/// Names with their seconds, of all together.
+pub fn sum<'a>(all: impl Iterator<Item = &'a BTreeMap<String, [u64; 2]>>) -> BTreeMap<String, [u64; 2]> {
+    let mut sums = BTreeMap::new();
+    for (name, [seconds, sure]) in all.flatten() {
+        let sum: &mut [u64; 2] = sums.entry(name.clone()).or_default();
+        *sum = [sum[0] + seconds, sum[1] + sure];
+    }
+    sums
 }
 
 fn confidence<'a>(all: impl Iterator<Item = &'a Said>) -> Vec<Confidence> {

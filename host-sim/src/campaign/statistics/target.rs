@@ -128,11 +128,11 @@ fn judge_one(target: &Target, setting: &str, cases: &[Case]) -> Option<Outcome> 
             runs: cases.len(),
         }
     };
+    let tells = |outcome: &Outcome| outcome.measured.is_some() || !target.measure.is_of_verdicts();
     if !target.each {
-        return (!cases.is_empty()).then(|| outcome(&target.cells, cases));
+        return (!cases.is_empty()).then(|| outcome(&target.cells, cases)).filter(tells);
     }
     let by_cell = cases.chunk_by(|a, b| a.1.cell == b.1.cell);
     let all = by_cell.map(|cases| outcome(&cases[0].0.name, cases));
-    let all = all.filter(|outcome| outcome.measured.is_some() || !target.measure.is_of_verdicts());
-    all.min_by(|a, b| target.margin(a.measured).total_cmp(&target.margin(b.measured)))
+    all.filter(tells).min_by(|a, b| target.margin(a.measured).total_cmp(&target.margin(b.measured)))
 }

@@ -3,7 +3,7 @@
 use embassy_futures::block_on;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
-use fdi_core::{AdcCode, Command, Config, ConfigError, Feedback, RawSample};
+use fdi_core::{Command, Config, ConfigError, Feedback};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::console::board::{Chip, ConsoleBoard};
 use firmware_logic::console::follow::Follow;
@@ -21,8 +21,8 @@ use firmware_logic::status::Status;
 use super::flash::Flash;
 use super::output_stage::OutputStage;
 use super::play::{self, Play};
-use crate::experiment::as_written;
 use crate::experiment::scenario::Scenario;
+use crate::experiment::{as_written, sample};
 use pt326_rig::Rig;
 
 /// A board with a rig on its wires.
@@ -144,10 +144,13 @@ impl Bench {
 impl SimulatedChip {
     /// One tick, and what became of the order before it.
     fn tick(&mut self, order: Option<Order>) -> Result<(), Denial> {
-        let [t0, t1, t2] = self.rig.sample().map(|code| AdcCode(code as f32));
+        // Who announces a level of the fan has set it.
+        if let Some(Order::Command(Command::Fan(level))) = order {
+            self.rig.set_fan(f64::from(level.0) / 100.0);
+        }
         let last = self.diagnosis.status().last.as_ref();
         let feedback = last.map_or_else(Feedback::default, |(_, report)| report.feedback());
-        let raw = RawSample { t0, t1, t2 };
+        let raw = sample(&mut self.rig);
         let record = self.control.tick(raw, Arrival::default(), order, feedback, &mut self.heater);
         self.rig.advance(f64::from(self.heater.given().0));
         let result = record.outcome.map_or(Ok(()), |outcome| outcome.result);
@@ -173,6 +176,10 @@ fn is_shown(notice: &Notice) -> bool {
 impl Chip for SimulatedChip {
     fn diagnosis<R>(&self, look: impl FnOnce(&DiagnosisLoop) -> R) -> R {
         look(&self.diagnosis)
+    }
+
+    fn change<R>(&mut self, change: impl FnOnce(&mut DiagnosisLoop) -> R) -> R {
+        change(&mut self.diagnosis)
     }
 
     fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {

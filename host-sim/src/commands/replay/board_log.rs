@@ -108,6 +108,10 @@ fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
                 let config = if start.records.is_empty() { &mut start.config } else { &mut start.told };
                 set(config, name, value).with_context(|| format!("line {number}"))?;
             }
+            LogLine::Commissioned(kept) => {
+                let tick = start.records.len() as u32;
+                start.orders.push((tick, Order::Commission(kept.map(|kept| kept.models))));
+            }
             LogLine::Baseline(part) => part.restore(start.baseline.get_or_insert_default()),
         }
     }
@@ -139,14 +143,15 @@ pub(super) fn differences(said: &TickLine, recorded: &Recorded, tick: &Tick, rep
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use fdi_core::{AdcCode, Instrument, RawSample};
+    use crate::experiment::sample;
+    use fdi_core::Instrument;
     use pt326_rig::{Disturbance, Rig, RigConfig};
 
     /// What a board would log of a run on the rig: armed before tick 3, another gain before tick 200.
     pub(crate) fn log_of(config: &Config, seconds: f64) -> String {
         let mut instrument = Instrument::new(config).unwrap();
         let mut rig = Rig::new(&RigConfig::default(), Disturbance::Calm, 0.11, 1, &[]);
-        let mut log = String::from("0.000000 [INFO ] log format 3 (firmware log.rs:1)\n");
+        let mut log = String::from("0.000000 [INFO ] log format 4 (firmware log.rs:1)\n");
         for k in 0..(seconds / 0.11) as u32 {
             if k == 3 {
                 instrument.command(Command::Arm).unwrap();
@@ -161,8 +166,7 @@ pub(super) mod tests {
                 instrument.retune(&config).unwrap();
                 log += "22.0 [INFO ] setting pid.kp = 3 %/degC\n22.0 [INFO ] order 200 settings (firmware log.rs:77)\n";
             }
-            let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));
-            let raw = RawSample { t0, t1, t2 };
+            let raw = sample(&mut rig);
             let tick = instrument.control(raw);
             let report = instrument.diagnose(&tick, tick.drive);
             rig.advance(f64::from(tick.drive.0));
@@ -178,14 +182,31 @@ pub(super) mod tests {
     fn broken_lines_are_named() {
         let record = format!("tick {}", ["1f"; WORDS - 1].join(" "));
         let error = format!("{:#}", read(&format!("boot\n{record}\n"), Config::default()).err().unwrap());
-        assert!(error.contains("line 2") && error.contains("30 words, expected 31"), "{error}");
+        assert!(error.contains("line 2") && error.contains("31 words, expected 32"), "{error}");
         let error = format!("{:#}", read("order 5 explode\n", Config::default()).err().unwrap());
         assert!(error.contains("line 1") && error.contains("explode"), "{error}");
-        let error = format!("{:#}", read("log format 2\n", Config::default()).err().unwrap());
-        assert!(error.contains("line 1: log format 2, expected 3"), "{error}");
+        let error = format!("{:#}", read("log format 3\n", Config::default()).err().unwrap());
+        assert!(error.contains("line 1: log format 3, expected 4"), "{error}");
         let late = format!("tick 7 {}", ["0"; WORDS - 1].join(" "));
         let error = format!("{:#}", read(&late, Config::default()).err().unwrap());
         assert!(error.contains("begins at tick 7"), "{error}");
+    }
+
+    #[test]
+    fn a_commissioning_counts_from_the_tick_that_follows_it() {
+        let kept = |number: u32| format!("[DEBUG] commissioned {number}{}\n", " 3e99999a".repeat(16));
+        let log = log_of(&Config::default(), 1.0);
+        let (head, rest) = log.split_at(log.find("5.0 [DEBUG] tick").unwrap());
+        let text = format!("{}{head}{}{rest}", kept(1), kept(2)).replace("log format 4", "");
+        let recording = read(&text, Config::default()).unwrap();
+        let commissioned = |tick: &Recorded| {
+            tick.orders
+                .iter()
+                .any(|order| matches!(order, Order::Commission(Some(models)) if models.validate().is_ok()))
+        };
+        let at: Vec<usize> =
+            (0..recording.ticks.len()).filter(|&k| commissioned(&recording.ticks[k])).collect();
+        assert_eq!(at, [0, 5]);
     }
 
     #[test]
@@ -202,7 +223,7 @@ pub(super) mod tests {
             row(30)
         );
         let recording = read(
-            &format!("{lines}{}", log_of(&Config::default(), 1.0).replace("log format 3", "")),
+            &format!("{lines}{}", log_of(&Config::default(), 1.0).replace("log format 4", "")),
             Config::default(),
         );
         let baseline = recording.unwrap().baseline.unwrap();

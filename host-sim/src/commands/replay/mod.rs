@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::likelihood::Commissioned;
 use fdi_core::{Command, Config, Instrument, Percent, RawSample, Report, Tick};
 
 use super::results::Folder;
@@ -80,6 +81,7 @@ struct Recorded {
 enum Order {
     Command(Command),
     Settings(Box<Config>),
+    Commission(Option<Commissioned>),
 }
 
 /// The outputs, in the form of the recording.
@@ -179,6 +181,7 @@ fn rerun(recording: &Recording, file: &Path) -> anyhow::Result<(Record, Agreemen
                 // The board logs what it carried out, and an `ack` that released its own interlock means nothing here.
                 Order::Command(command) => drop(instrument.command(*command)),
                 Order::Settings(config) => instrument.retune(config)?,
+                Order::Commission(commissioned) => instrument.commission(*commissioned)?,
             }
         }
         let tick = instrument.control(recorded.raw);
@@ -219,7 +222,11 @@ mod tests {
     use crate::record::trace::write_trace;
 
     fn traced(scenario: &Scenario, seed: u64) -> String {
-        let record = crate::experiment::run(&Config::default(), scenario, seed).unwrap();
+        traced_with(&Config::default(), scenario, seed)
+    }
+
+    fn traced_with(config: &Config, scenario: &Scenario, seed: u64) -> String {
+        let record = crate::experiment::run(config, scenario, seed).unwrap();
         let mut trace = Vec::new();
         write_trace(&record, &mut trace).unwrap();
         String::from_utf8(trace).unwrap()
@@ -241,6 +248,7 @@ mod tests {
             duration: 450.0,
             actions: vec![
                 action(420.0, Some(38.0), None),
+                Action { at: 425.0, fan: Some(90.0), ..Action::default() },
                 Action { at: 430.0, relearn: true, ..Action::default() },
                 action(440.0, None, Some(false)),
             ],
@@ -255,6 +263,18 @@ mod tests {
                 agreement.examples
             );
         }
+    }
+
+    #[test]
+    fn a_trace_with_a_measured_supply_replays_to_the_same_bits() {
+        let mut config = Config::default();
+        config.supply.nominal_voltage.0 = 12.0;
+        let mut scenario = Scenario { duration: 450.0, ..Scenario::default() };
+        (scenario.rig.mains.steps, scenario.rig.mains.measured_code) = (60.0, 2978.0);
+        let trace = traced_with(&config, &scenario, 1);
+        let recording = trace_file::read(&trace, &config).unwrap();
+        let (_, agreement) = rerun(&recording, Path::new("test")).unwrap();
+        assert_eq!((agreement.ticks, agreement.differing), (4090, 0), "{:?}", agreement.examples);
     }
 
     #[test]
@@ -295,7 +315,7 @@ mod tests {
         let remarks = read(&older.join("\n"), &args(1)).unwrap().remarks;
         assert!(remarks[0].contains("alarm, verdict") && remarks[0].contains("not compared"), "{remarks:?}");
         let line = trace.lines().nth(100).unwrap();
-        let changed = line.strip_suffix(",0,,,,,").map(|head| format!("{head},1,,,,,")).unwrap();
+        let changed = line.strip_suffix(",0,,,,,,,").map(|head| format!("{head},1,,,,,,,")).unwrap();
         let replayed = agreement(&trace.replacen(line, &changed, 1), 1);
         assert_eq!(replayed.differing, 1);
         assert!(replayed.examples[0].contains("alarm"), "{:?}", replayed.examples);

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use anyhow::{Context, ensure};
+use fdi_core::sense::supply::{Supply, SupplyState};
 use fdi_core::sense::thermistor::Thermistor;
-use fdi_core::{AdcCode, Celsius, Command, Config, RawSample, Report, Tick};
+use fdi_core::{AdcCode, Celsius, Command, Config, Percent, RawSample, Report, Tick};
 
 use super::{Order, Recorded, Recording, Said};
 use crate::experiment::{as_written, truth};
@@ -30,7 +31,8 @@ pub(super) fn read(text: &str, config: &Config) -> anyhow::Result<Recording> {
     let s = &config.sensors;
     let thermistors = [Thermistor::new(&s.t0, 0)?, Thermistor::new(&s.t1, 1)?, Thermistor::new(&s.t2, 2)?];
     let inputs = Inputs::find(&header).context("line 1")?;
-    let mut reader = Reader { thermistors, inputs, compared, width: header.len(), before: None };
+    let supply = Supply::new(&config.supply)?;
+    let mut reader = Reader { thermistors, supply, inputs, compared, width: header.len(), before: None };
     let ticks =
         lines.zip(2..).map(|(line, number)| reader.row(line).with_context(|| format!("line {number}")));
     let ticks = ticks.collect::<anyhow::Result<Vec<Recorded>>>()?;
@@ -50,6 +52,9 @@ struct Inputs {
     y1: usize,
     y2: usize,
     mode: usize,
+    /// Columns that a trace of an older release lacks.
+    supply: Option<usize>,
+    fan: Option<usize>,
 }
 
 impl Inputs {
@@ -65,6 +70,8 @@ impl Inputs {
             y1: place("y1_c")?,
             y2: place("y2_c")?,
             mode: place("mode")?,
+            supply: position(header, "supply"),
+            fan: position(header, "fan_pct"),
         })
     }
 }
@@ -73,6 +80,7 @@ impl Inputs {
 struct Before {
     celsius: [f32; 3],
     setpoint: f32,
+    fan: Option<f32>,
     excited: bool,
     heating: bool,
     monitoring: bool,
@@ -80,6 +88,7 @@ struct Before {
 
 struct Reader {
     thermistors: [Thermistor; 3],
+    supply: Supply,
     inputs: Inputs,
     /// Columns that the core must come to again, with their places.
     compared: Vec<(&'static Column, usize)>,
@@ -103,7 +112,9 @@ impl Reader {
         let heating = !matches!(cells[at.mode], "off" | "tripped");
         let monitoring = cells[at.mode] == "monitor";
         let excited = number(at.prbs)? != 0.0;
-        let now = Before { celsius, setpoint: number(at.setpoint)?, excited, heating, monitoring };
+        let known = |at: Option<usize>| at.filter(|i| !cells[*i].is_empty()).map(number).transpose();
+        let (supply, fan) = (known(at.supply)?, known(at.fan)?);
+        let now = Before { celsius, setpoint: number(at.setpoint)?, fan, excited, heating, monitoring };
         let (no_y1, no_y2) = (cells[at.y1].is_empty(), cells[at.y2].is_empty());
         let [t0, t1, t2] = std::array::from_fn(|i| {
             // A sample that went missing repeats the temperature before, and has no rise.
@@ -115,17 +126,31 @@ impl Reader {
             };
             AdcCode(if repeats && blank { f32::NAN } else { code(&self.thermistors[i], celsius[i]) })
         });
+        let supply = AdcCode(supply.map_or(0.0, |share| supply_code(&self.supply, share)));
         let orders = orders(self.before.as_ref(), &now);
         self.before = Some(now);
         let said = self.compared.iter().map(|(column, i)| (*column, cells[*i].to_owned())).collect();
-        Ok(Recorded { orders, raw: RawSample { t0, t1, t2 }, applied: None, said: Said::Cells(said) })
+        Ok(Recorded { orders, raw: RawSample { t0, t1, t2, supply }, applied: None, said: Said::Cells(said) })
     }
 }
 
-/// The code that reads as exactly this temperature: whole, or a mean of 16 conversions.
+/// The code that reads as exactly this temperature.
 fn code(thermistor: &Thermistor, celsius: f32) -> f32 {
     let about = thermistor.code(Celsius(celsius)).0;
-    let reads = |code: f32| thermistor.celsius(AdcCode(code)).0 == celsius;
+    exact(about, |code| thermistor.celsius(AdcCode(code)).0 == celsius)
+}
+
+/// The code that reads as exactly this share of the nominal voltage.
+fn supply_code(supply: &Supply, share: f32) -> f32 {
+    exact(supply.code(share).0, |code| {
+        let mut state = SupplyState::default();
+        supply.step(&mut state, AdcCode(code));
+        state.share() == Some(share)
+    })
+}
+
+/// Of the codes near `about`, whole ones and means of 16 conversions, the one that reads as it should.
+fn exact(about: f32, reads: impl Fn(f32) -> bool) -> f32 {
     let near = |steps: f32| [0.0, -1.0, 1.0].map(|d| ((about * steps).round() + d) / steps);
     [near(1.0), near(16.0)].concat().into_iter().find(|&code| reads(code)).unwrap_or(about)
 }
@@ -137,6 +162,9 @@ fn orders(before: Option<&Before>, now: &Before) -> Vec<Order> {
         None if now.heating => commands.push(Command::Arm),
         Some(b) if now.setpoint != b.setpoint => commands.push(Command::SetPoint(Celsius(now.setpoint))),
         _ => {}
+    }
+    if let Some(level) = now.fan.filter(|level| before.and_then(|b| b.fan) != Some(*level)) {
+        commands.push(Command::Fan(Percent(level)));
     }
     if now.heating && !now.monitoring && before.is_some_and(|b| b.monitoring) {
         commands.push(Command::Relearn); // nothing else leads from monitoring back to learning

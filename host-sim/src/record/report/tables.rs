@@ -214,6 +214,7 @@ pub(super) fn what_happens(fault: &Fault) -> String {
         Verb::Missing => format!("samples of {sensor} missing with probability {size}"),
         Verb::AirFlow => format!("air flow {size} times the nominal one"),
         Verb::HeaterPower => format!("heater gives {size} times the power asked for"),
+        Verb::SupplyVoltage => format!("supply of the heater at {size} times its nominal voltage"),
         Verb::HeaterStuck => format!("heater stuck at {size} %"),
         Verb::Ambient => format!("room {size} °C warmer"),
         Verb::AmbientDrift => format!("room warmer by {size} °C a minute"),

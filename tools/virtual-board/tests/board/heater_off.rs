@@ -70,6 +70,22 @@ fn too_hot() {
     }
 }
 
+/// Announced on the console: no air, no heat.
+#[test]
+fn the_fan_is_announced_to_stand_still() {
+    let mut scene = heating();
+    assert_eq!(scene.board.command("fan 80").expect("answers"), "ok");
+    assert!(scene.board.heater() > 0.0, "less air is enough");
+    assert_eq!(scene.board.command("fan 0").expect("answers"), "ok");
+    scene.time_until_off(0).expect("off with the answer");
+    for order in ["ack", "arm"] {
+        let refusal = scene.board.command(order).expect("answers");
+        assert!(refusal.starts_with("error: "), "{order}: {refusal}");
+    }
+    assert_eq!(scene.board.command("fan 100").expect("answers"), "ok");
+    needs_acknowledgement(&mut scene);
+}
+
 /// T1 reads the room beside a T2 that reads the air.
 #[test]
 fn t1_out_of_the_tube() {

@@ -6,6 +6,7 @@ use fdi_core::Mode;
 use host_sim::experiment::scenario::Scenario;
 use host_sim::record::summary::Summary;
 use virtual_board::board::load;
+use virtual_board::time::SECOND;
 use virtual_board::{experiment, twin};
 
 struct Run {
@@ -13,15 +14,27 @@ struct Run {
     differences: Vec<virtual_board::recording::Difference>,
     power: Vec<f64>,
     idle_ticks: usize,
+    /// What `status` says after a stop, and after the power was off.
+    statuses: [String; 2],
 }
 
 /// The run of seed 1, once for all tests.
 static RUN: LazyLock<Run> = LazyLock::new(|| run(1));
 
 fn run(seed: u64) -> Run {
-    let done = experiment::run(load(None).expect("an image"), &Scenario::default(), seed).expect("runs");
+    let mut done = experiment::run(load(None).expect("an image"), &Scenario::default(), seed).expect("runs");
     let power = done.rig.0.borrow().power.clone();
-    Run { record: done.record, differences: done.differences, power, idle_ticks: done.idle_ticks }
+    let mut statuses = || -> anyhow::Result<[String; 2]> {
+        let board = &mut done.board;
+        board.command("stop")?;
+        board.run_for(SECOND)?;
+        let stopped = board.command("status")?;
+        board.power_cycle()?;
+        board.run_for(SECOND)?;
+        Ok([stopped, board.command("status")?])
+    };
+    let statuses = statuses().expect("answers");
+    Run { record: done.record, differences: done.differences, power, idle_ticks: done.idle_ticks, statuses }
 }
 
 /// Ts, and a little for rounding.
@@ -63,6 +76,16 @@ fn reaches_the_set_point_learns_and_monitors() {
     assert!((mean - 35.0).abs() < 0.05, "{mean}");
     assert!(RUN.record.baseline.is_some());
     assert_eq!(RUN.record.rows.last().map(|row| row.tick.mode), Some(Mode::Monitor));
+}
+
+/// Kept in flash once the heater is off.
+#[test]
+fn the_first_models_are_the_commissioning_and_outlive_a_power_cycle() {
+    let [stopped, restarted] = &RUN.statuses;
+    assert!(
+        stopped.contains("commissioning 1") && restarted.contains("commissioning 1"),
+        "{stopped}\n{restarted}"
+    );
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What is at the thermistors' inputs is what the core gets: settled, free of ripple, each sensor its own.
+//! What is at the inputs is what the core gets: settled, free of ripple, each input its own.
 
 use virtual_board::board::load;
 use virtual_board::scene::Scene;
@@ -7,6 +7,8 @@ use virtual_board::wiring::Wiring;
 
 /// Codes of T0, T1, T2 at the inputs: far enough apart for one to show in the other.
 const AT_INPUTS: [u16; 3] = [2160, 1617, 1840];
+/// At the supply's input.
+const SUPPLY: u16 = 2980;
 
 /// Codes that the core got, tick by tick, at rest or heating.
 fn codes(wiring: Wiring, heating: bool) -> Vec<[f32; 3]> {
@@ -38,6 +40,20 @@ fn are_those_at_the_inputs(codes: &[[f32; 3]], within: f32) {
 #[test]
 fn each_thermistor_is_read_by_itself_and_settled() {
     are_those_at_the_inputs(&codes(Wiring::default(), false), 0.0);
+}
+
+#[test]
+fn the_supply_is_read_and_known_once_it_has_a_nominal_voltage() {
+    let mut scene = Scene::at_rest(load(None).expect("an image")).expect("boots");
+    scene.rig.0.borrow_mut().supply = SUPPLY;
+    scene.board.run_for(SECOND).expect("runs on");
+    let record = scene.board.log.iter().rev().find_map(|line| line.tick()).expect("a tick");
+    assert_eq!(record.raw().supply.0, f32::from(SUPPLY));
+    let mut say = |line: &str| scene.board.command(line).expect("answers");
+    assert!(!say("status").contains("supply"));
+    assert_eq!(say("set supply.nominal_voltage 12"), "supply.nominal_voltage = 12 V");
+    let status = say("status");
+    assert!(status.contains("supply 100.1 % of nominal"), "{status}");
 }
 
 #[test]

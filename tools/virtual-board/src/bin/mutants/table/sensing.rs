@@ -2,7 +2,7 @@
 
 use super::{Mutant, mutant};
 
-const FILE: &str = "firmware/src/hardware/thermistors.rs";
+const FILE: &str = "firmware/src/hardware/inputs.rs";
 const BOARD: &str = "firmware/src/hardware/nucleo_64.rs";
 
 pub(super) const MUTANTS: &[Mutant] = &[
@@ -24,14 +24,14 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "t1-and-t2-swapped",
         "control by T2",
         BOARD,
-        ["[u8; 3] = [4, 0, 1]", "[u8; 3] = [4, 1, 0]"],
+        ["[u8; 4] = [4, 0, 1, 8]", "[u8; 4] = [4, 1, 0, 8]"],
         &["sampling::each"],
     ),
     mutant(
         "t0-and-t1-swapped",
         "control by the room",
         BOARD,
-        ["[u8; 3] = [4, 0, 1]", "[u8; 3] = [0, 4, 1]"],
+        ["[u8; 4] = [4, 0, 1, 8]", "[u8; 4] = [0, 4, 1, 8]"],
         &["sampling::each"],
     ),
     mutant(

@@ -1,4 +1,4 @@
-//! The three thermistor inputs, converted one by one and polled: a conversion takes 4 µs, less than an
+//! The inputs of the three thermistors and of the heater's supply, converted one by one and polled: a conversion takes 4 µs, less than an
 //! interrupt for each would.
 
 use embassy_stm32::Peri;
@@ -9,7 +9,7 @@ use embassy_stm32::rcc;
 use fdi_core::RawSample;
 use firmware_logic::sampling::{Mean, ROUNDS, SPACING_US};
 
-use super::board::{self, ADC, Adc, T0Pin, T1Pin, T2Pin};
+use super::board::{self, ADC, Adc, SupplyPin, T0Pin, T1Pin, T2Pin};
 use super::tick_timer;
 
 /// Polls of the end-of-conversion flag, some 20 times what a conversion takes: a converter that hangs gives "no
@@ -17,18 +17,19 @@ use super::tick_timer;
 const MAX_POLLS: u32 = 1000;
 
 /// The converter.
-pub(crate) struct Thermistors {
+pub(crate) struct Inputs {
     _adc: Peri<'static, Adc>,
 }
 
-impl Thermistors {
+impl Inputs {
     /// Switches the converter on.
     pub(crate) fn new(
         adc: Peri<'static, Adc>,
-        pins: (Peri<'static, T0Pin>, Peri<'static, T1Pin>, Peri<'static, T2Pin>),
+        thermistors: (Peri<'static, T0Pin>, Peri<'static, T1Pin>, Peri<'static, T2Pin>),
+        supply: Peri<'static, SupplyPin>,
     ) -> Self {
-        let (t0, t1, t2) = pins;
-        for mut pin in [Flex::new(t0), Flex::new(t1), Flex::new(t2)] {
+        let (t0, t1, t2) = thermistors;
+        for mut pin in [Flex::new(t0), Flex::new(t1), Flex::new(t2), Flex::new(supply)] {
             pin.set_as_analog();
             core::mem::forget(pin); // dropping it would disconnect it again
         }
@@ -46,17 +47,17 @@ impl Thermistors {
         Self { _adc: adc }
     }
 
-    /// One sample of each thermistor, the mean of [`ROUNDS`] conversions from `start` on.
+    /// One sample of each input, the mean of [`ROUNDS`] conversions from `start` on.
     pub(crate) async fn sample(&mut self, start: u32) -> RawSample {
-        let mut means = [Mean::default(); 3];
+        let mut means = [Mean::default(); 4];
         for round in 0..ROUNDS {
             tick_timer::until(start.wrapping_add(round * SPACING_US)).await;
             for (mean, channel) in means.iter_mut().zip(board::ADC_CHANNELS) {
                 mean.push(convert(channel));
             }
         }
-        let [t0, t1, t2] = means.map(|mean| mean.code());
-        RawSample { t0, t1, t2 }
+        let [t0, t1, t2, supply] = means.map(|mean| mean.code());
+        RawSample { t0, t1, t2, supply }
     }
 }
 

@@ -1,0 +1,76 @@
+//! What the rig was like when it was commissioned: the models that were trained then, kept for good. A rig that loses its heat little by
+//! little is learnt anew each time as it is; held against this, the loss shows.
+
+use crate::error::ConfigError;
+
+/// Numbers that are kept.
+pub const PARAMETERS: usize = 16;
+
+/// Models as numbers, to be kept and given back. What each number is, is the models' own matter; those that are not used are 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Commissioned {
+    /// The numbers.
+    pub parameters: [f32; PARAMETERS],
+}
+
+/// What has become of the rig since.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SinceCommissioning {
+    /// Change of the rise of T1 that a power gives, as a share: -0.12 where it is 12 % less. Less heat and more air look alike here.
+    pub rise: f32,
+}
+
+impl Commissioned {
+    /// By the static gain from the power to T1, degC per %.
+    pub(super) fn new(gain: f32) -> Self {
+        let mut parameters = [0.0; PARAMETERS];
+        parameters[0] = gain;
+        Self { parameters }
+    }
+
+    /// Checks what was kept.
+    ///
+    /// # Errors
+    /// It cannot have been trained.
+    pub fn validate(&self) -> Result<(), ConfigError> {
+        let name = "commissioning";
+        let [gain, ..] = self.parameters;
+        if !self.parameters.iter().all(|x| x.is_finite()) {
+            return Err(ConfigError::NonFinite { name });
+        }
+        if gain > 0.0 {
+            Ok(())
+        } else {
+            Err(ConfigError::NotAbove { name, value: gain, other: "no gain", limit: 0.0 })
+        }
+    }
+
+    /// What has become of it by now.
+    pub(super) fn until(&self, now: &Self) -> SinceCommissioning {
+        SinceCommissioning { rise: now.parameters[0] / self.parameters[0] - 1.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_is_a_share_of_what_it_was() {
+        let since = Commissioned::new(0.25).until(&Commissioned::new(0.2));
+        assert!((since.rise + 0.2).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_cannot_have_been_trained_is_refused() {
+        assert!(Commissioned::new(0.3).validate().is_ok());
+        for gain in [0.0, -0.3, f32::NAN, f32::INFINITY] {
+            assert!(Commissioned::new(gain).validate().is_err(), "{gain}");
+        }
+        let mut damaged = Commissioned::new(0.3);
+        damaged.parameters[15] = f32::NAN;
+        assert!(damaged.validate().is_err());
+    }
+}

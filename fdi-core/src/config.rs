@@ -18,10 +18,10 @@ use crate::units::{Celsius, Seconds};
 settings! {
     /// Everything that a user can set.
     pub struct Config: General "" {
-        /// Sample time Ts. A board has timers for the default, and refuses another.
+        /// Sample time Ts: a 4th to a 500th of `identification.answer_time`. A board takes 0.05 to 5 s, from its next start on.
         sample_time: Seconds = 0.11, 0.001..=10.0;
         /// Set-point of T1, from `supervisor.setpoint_min` to `supervisor.setpoint_max`.
-        setpoint: Celsius = 35.0, 0.0..=200.0;
+        setpoint: Celsius = 35.0, 0.0..=300.0;
     } and {
         /// Thermistor constants and calibration.
         sensors: SensorsConfig = SensorsConfig::default();
@@ -43,6 +43,11 @@ settings! {
         supervisor: SupervisorConfig = SupervisorConfig::default();
     }
 }
+
+/// Samples that an answer of the rig may take, and its dead time at most.
+const LEAST_SAMPLES: f32 = 4.0;
+const MOST_SAMPLES: f32 = 500.0;
+const MOST_DEAD_SAMPLES: f32 = 60.0;
 
 /// The settings of all groups, in the order in which they are listed.
 static GROUPS: [&[Setting]; 12] = {
@@ -175,6 +180,17 @@ impl Config {
         let limit = over_temperature.0;
         above("plausibility.max", self.plausibility.max.0, "supervisor.over_temperature", limit)?;
         in_range("setpoint", self.setpoint.0, setpoint_min.0, setpoint_max.0)
+    }
+
+    /// Checks that the sample time suits the rig. Both halves run with any; what they learn is worth nothing then.
+    ///
+    /// # Errors
+    /// The time that is too short or too long.
+    pub fn validate_times(&self) -> Result<(), ConfigError> {
+        // Fewer samples see no answer, more than these no end of it.
+        let (ts, answer) = (self.sample_time.0, self.identification.answer_time.0);
+        in_range("sample_time", ts, answer / MOST_SAMPLES, answer / LEAST_SAMPLES)?;
+        in_range("identification.dead_time", self.identification.dead_time.0, 0.0, MOST_DEAD_SAMPLES * ts)
     }
 }
 

@@ -77,6 +77,7 @@ impl Instrument {
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         let controller = Controller::new(config)?;
         let diagnosis = Diagnosis::new(config)?;
+        config.validate_times()?;
         let control_state = controller.start(config.setpoint);
         let diagnosis_state = diagnosis.start();
         Ok(Self { controller, diagnosis, control_state, diagnosis_state })
@@ -113,6 +114,7 @@ impl Instrument {
     pub fn retune(&mut self, config: &Config) -> Result<(), RetuneError> {
         let controller = Controller::new(config)?;
         let diagnosis = Diagnosis::new(config)?;
+        config.validate_times()?;
         self.controller.retune(&mut self.control_state, controller)?;
         self.diagnosis = diagnosis;
         Ok(())

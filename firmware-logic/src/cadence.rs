@@ -4,11 +4,15 @@
 
 use core::num::NonZeroU32;
 
-/// Ts of the board in µs: 110 ms, exactly.
-pub const PERIOD: NonZeroU32 = NonZeroU32::new(110_000).expect("not zero");
-/// The heater is cut when no tick has been completed for this long, in µs, after the last was due: three are missed then and
-/// the fourth has not come either.
-const DEADLINE_US: u32 = 4 * PERIOD.get();
+use fdi_core::Seconds;
+
+/// Ts that a board can keep, s: the log of a shorter one would not get through, and a rig that is slower still needs none.
+pub const SAMPLE_TIMES: [f32; 2] = [0.05, 5.0];
+/// The rig is looked at at least so often, in µs, whatever Ts is.
+const LONGEST_WAIT: u32 = 110_000;
+/// The heater is cut when nothing has been completed for so many waits after the last was due: three are missed then and the
+/// fourth has not come either.
+const DEADLINE_WAITS: u32 = 4;
 /// Missed ticks that the core sees one by one. The heater is off before there can be more.
 const MAX_MISSED: u32 = 4;
 
@@ -59,14 +63,15 @@ impl Arrival {
     pub fn missed_ticks(&self) -> u32 {
         self.missed.min(MAX_MISSED)
     }
-
-    /// When the heater is to be cut, in µs, unless another tick has been completed by then.
-    pub fn deadline(&self) -> u32 {
-        self.due.wrapping_add(DEADLINE_US)
-    }
 }
 
-/// The grid of due times.
+/// Ts in whole µs.
+pub fn period(sample_time: Seconds) -> NonZeroU32 {
+    NonZeroU32::new((sample_time.0 * 1e6 + 0.5) as u32).unwrap_or(NonZeroU32::MIN)
+}
+
+/// The grid of due times, and the looks between two of them where they are far apart: what is dangerous by itself must not
+/// wait for a tick.
 #[derive(Clone, Debug)]
 pub struct Cadence {
     period: NonZeroU32,
@@ -82,6 +87,18 @@ impl Cadence {
     /// When the next tick is due.
     pub fn due(&self) -> u32 {
         self.due
+    }
+
+    /// When to look before the next tick, if it is further from `now` than may be waited: looks part the time evenly.
+    pub fn look(&self, now: u32) -> Option<u32> {
+        let ahead = self.due.wrapping_sub(now);
+        let far = ahead > LONGEST_WAIT && ahead <= u32::MAX / 2;
+        far.then(|| now.wrapping_add(ahead / ahead.div_ceil(LONGEST_WAIT).max(1)))
+    }
+
+    /// When the heater is to be cut, in µs, unless something else has been completed by then than what was due at `due`.
+    pub fn deadline(&self, due: u32) -> u32 {
+        due.wrapping_add(DEADLINE_WAITS * self.period.get().min(LONGEST_WAIT))
     }
 
     /// The arrival of a tick that begins at `now`. Whole periods that have passed are missed ticks; the grid itself
@@ -100,7 +117,8 @@ impl Cadence {
 mod tests {
     use super::*;
 
-    const TS: u32 = PERIOD.get();
+    const TS: u32 = 110_000;
+    const PERIOD: NonZeroU32 = NonZeroU32::new(TS).expect("not zero");
 
     #[test]
     fn a_day_of_jitter_moves_the_grid_by_nothing() {
@@ -134,9 +152,39 @@ mod tests {
     #[test]
     fn the_deadline_is_440_ms_after_the_tick_was_due_and_no_more_missed_ticks_are_seen_than_fit() {
         let arrival = Arrival { due: u32::MAX - 10_000, late_us: 70, missed: 2 };
-        assert_eq!((arrival.deadline(), arrival.missed_ticks()), (429_999, 2));
+        let deadline = |sample_time| Cadence::new(period(Seconds(sample_time)), 0).deadline(arrival.due);
+        assert_eq!((deadline(0.11), arrival.missed_ticks()), (429_999, 2));
+        assert_eq!((deadline(0.05), deadline(5.0)), (189_999, 429_999));
         assert_eq!(Arrival { missed: 39_000, ..arrival }.missed_ticks(), 4, "a halt of an hour");
-        assert_eq!(PERIOD.get() as f32 * 1e-6, crate::settings::stored::SAMPLE_TIME);
+    }
+
+    #[test]
+    fn the_rig_is_looked_at_every_110_ms_however_long_the_period_is() {
+        for (sample_time, looks) in [(0.05, 0), (0.11, 0), (0.25, 2), (0.5, 4), (5.0, 45)] {
+            let period = period(Seconds(sample_time));
+            assert_eq!(period.get(), (f64::from(sample_time) * 1e6).round() as u32);
+            let first = u32::MAX - period.get() / 2; // the counter wraps before the second tick
+            let mut cadence = Cadence::new(period, first);
+            assert_eq!(cadence.arrive(first), Arrival { due: first, late_us: 0, missed: 0 });
+            let mut now = first.wrapping_add(1400); // a tick takes as long
+            let mut count = 0;
+            while let Some(at) = cadence.look(now) {
+                assert!(at.wrapping_sub(now) <= LONGEST_WAIT && at != now, "{sample_time} s");
+                now = at.wrapping_add(1400);
+                count += 1;
+            }
+            assert!(cadence.due().wrapping_sub(now) <= LONGEST_WAIT, "{sample_time} s");
+            assert!((looks..=looks + 1).contains(&count), "{sample_time} s: {count} looks");
+            assert_eq!(cadence.arrive(cadence.due()).missed, 0);
+        }
+    }
+
+    #[test]
+    fn a_look_that_comes_too_late_moves_no_tick() {
+        let mut cadence = Cadence::new(period(Seconds(1.0)), 0);
+        cadence.arrive(0);
+        assert_eq!(cadence.look(1_000_500), None, "past the tick: it begins at once");
+        assert_eq!(cadence.arrive(2_000_300), Arrival { due: 2_000_000, late_us: 300, missed: 1 });
     }
 
     #[test]

@@ -200,6 +200,8 @@ pub struct ControlLoop {
     checked: bool,
     /// The interlock's contact has kept the output off, or cut it.
     seen_to_cut: bool,
+    /// Dangerous codes that were seen since the last tick.
+    hazard: Option<RawSample>,
 }
 
 impl ControlLoop {
@@ -215,12 +217,23 @@ impl ControlLoop {
             check: None,
             checked: false,
             seen_to_cut: false,
+            hazard: None,
         }
     }
 
     /// A baseline was restored: there is no need to learn one.
     pub fn restored(&mut self, baseline: &Baseline) {
         self.controller.restored(&mut self.state, baseline);
+    }
+
+    /// A look at the rig between two ticks: what is dangerous by itself takes the power and opens the contactor at once, and is what
+    /// the next tick sees.
+    pub fn look(&mut self, raw: RawSample, heater: &mut impl Heater) {
+        if self.driving && self.hazard.is_none() && self.controller.must_cut(&self.state, raw) {
+            heater.drive(Percent(0.0));
+            heater.contactor(false);
+            self.hazard = Some(raw);
+        }
     }
 
     /// One tick. `feedback` is what the other half last reported.
@@ -232,6 +245,7 @@ impl ControlLoop {
         feedback: Feedback,
         heater: &mut impl Heater,
     ) -> TickRecord {
+        let raw = self.hazard.take().unwrap_or(raw);
         self.controller.feed_back(&mut self.state, feedback);
         // Whoever orders a stop may have disabled the output already, rather than wait for this tick.
         let stopping = matches!(order, Some(Order::Command(Command::Stop)));
@@ -338,7 +352,7 @@ impl ControlLoop {
         };
         heater.disable();
         self.seen_to_cut |= proof == Proof::OpenHolds;
-        self.check = Some(SelfTest::new(proof));
+        self.check = Some(SelfTest::new(proof, &self.controller.plant()));
         Ok(())
     }
 

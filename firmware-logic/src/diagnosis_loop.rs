@@ -5,7 +5,7 @@ use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::likelihood::Readiness;
-use fdi_core::{Command, Config, ConfigError, Mode, Report};
+use fdi_core::{Command, Config, ConfigError, Mode, Report, Seconds};
 
 use crate::alarm::Alarms;
 use crate::control_loop::{OrderKind, Outcome, TickRecord};
@@ -24,6 +24,8 @@ pub struct DiagnosisLoop {
     state: DiagnosisState,
     /// In force, and what was learnt under them.
     settings: Stored,
+    /// Ts since the start: another one is in force from the next start on.
+    sample_time: Seconds,
     /// Settings that the control half has not answered yet.
     proposed: Option<Proposal>,
     /// What the rig was like when it was commissioned.
@@ -58,6 +60,7 @@ impl DiagnosisLoop {
         let mut this = Self {
             state: diagnosis.start(), // in its place: it is too large to lie on a board's stack twice
             diagnosis,
+            sample_time: settings.config.sample_time,
             settings,
             proposed: None,
             commissioning: None,
@@ -215,14 +218,32 @@ impl DiagnosisLoop {
     /// The first setting that is out of bounds; nothing has changed then.
     pub fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {
         check(config)?;
-        let controller = Controller::new(config)?;
-        self.proposed = Some(Proposal { config: config.clone(), diagnosis: Diagnosis::new(config)? });
+        let now = self.in_force(config);
+        let controller = Controller::new(&now)?;
+        self.proposed = Some(Proposal { config: config.clone(), diagnosis: Diagnosis::new(&now)? });
         Ok(controller)
     }
 
-    /// Settings in force, and what was learnt as normal under them: what a save keeps.
+    /// What of settings can be put in force before the next start: all but the sample time.
+    pub fn in_force(&self, config: &Config) -> Config {
+        Config { sample_time: self.sample_time, ..config.clone() }
+    }
+
+    /// Ts since the start.
+    pub fn sample_time(&self) -> Seconds {
+        self.sample_time
+    }
+
+    /// Settings in force, but for the sample time, and what was learnt as normal under them.
     pub fn settings(&self) -> &Stored {
         &self.settings
+    }
+
+    /// What a save keeps: settings, and what was learnt if it holds at the next start, too.
+    pub fn to_keep(&self) -> Stored {
+        let Stored { config, baseline } = self.settings.clone();
+        let baseline = baseline.filter(|_| config.sample_time == self.sample_time);
+        Stored { config, baseline }
     }
 
     /// What was learnt as normal, or restored.

@@ -7,7 +7,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Task {
-    /// Samples, decides, drives: every 110 ms.
+    /// Samples, decides, drives; looks at the rig every 110 ms at least.
     Control,
     /// Identifies and diagnoses each tick.
     Diagnosis,
@@ -19,11 +19,11 @@ pub enum Task {
     Panel,
 }
 
-/// All tasks with the longest time in ms that each may be silent. Control and diagnosis may each lose one tick; a save
-/// of the settings, which stalls everything, is followed by checking all in.
+/// All tasks with the longest time in ms that each may be silent, the diagnosis besides the period of the tick. Control and diagnosis
+/// may each lose one; a save of the settings, which stalls everything, is followed by checking all in.
 pub const DEADLINES: [(Task, u32); 5] = [
     (Task::Control, 250),
-    (Task::Diagnosis, 250),
+    (Task::Diagnosis, 140),
     (Task::Console, 500),
     (Task::Status, 1500),
     (Task::Panel, 250),
@@ -33,12 +33,25 @@ pub const DEADLINES: [(Task, u32); 5] = [
 #[derive(Debug)]
 pub struct TaskWatchdog {
     last: [AtomicU32; DEADLINES.len()],
+    /// Period of the tick, ms.
+    period: AtomicU32,
 }
 
 impl TaskWatchdog {
-    /// All tasks count as checked in at time 0.
+    /// All tasks count as checked in at time 0, and ticks come every 110 ms.
     pub const fn new() -> Self {
-        Self { last: [const { AtomicU32::new(0) }; DEADLINES.len()] }
+        Self { last: [const { AtomicU32::new(0) }; DEADLINES.len()], period: AtomicU32::new(110) }
+    }
+
+    /// Ticks come every so many ms.
+    pub fn set_period(&self, period_ms: u32) {
+        self.period.store(period_ms, Ordering::Relaxed);
+    }
+
+    /// For how long, in ms, a task of this row may be silent.
+    fn deadline(&self, (task, deadline_ms): (Task, u32)) -> u32 {
+        let period = if task == Task::Diagnosis { self.period.load(Ordering::Relaxed) } else { 0 };
+        deadline_ms + period
     }
 
     /// The task is alive.
@@ -55,7 +68,8 @@ impl TaskWatchdog {
 
     /// The first task that has been silent for longer than it may; the watchdog must not be fed then.
     pub fn overdue(&self, now_ms: u32) -> Option<Overdue> {
-        DEADLINES.iter().find_map(|&(task, deadline_ms)| {
+        DEADLINES.iter().find_map(|&row| {
+            let (task, deadline_ms) = (row.0, self.deadline(row));
             let silent_ms = now_ms.wrapping_sub(self.last[task as usize].load(Ordering::Relaxed));
             // A check-in from a higher priority between reading the clock and here lies in the future: not silent.
             let late = silent_ms > deadline_ms && silent_ms <= u32::MAX / 2;
@@ -102,8 +116,10 @@ mod tests {
 
     #[test]
     fn each_task_alone_can_stop_the_feeding() {
-        for (silent, deadline) in DEADLINES {
+        for (row, period) in DEADLINES.into_iter().zip([110, 5000, 110, 110, 50]) {
             let tasks = TaskWatchdog::new();
+            tasks.set_period(period);
+            let (silent, deadline) = (row.0, tasks.deadline(row));
             let start = u32::MAX - 20; // the clock wraps meanwhile
             tasks.check_all_in(start);
             let late = start.wrapping_add(deadline + 1);
@@ -114,6 +130,18 @@ mod tests {
             let overdue = tasks.overdue(late).expect("past its deadline");
             assert_eq!((overdue.task, overdue.silent_ms), (silent, deadline + 1));
         }
+    }
+
+    #[test]
+    fn the_diagnosis_may_lose_a_tick_of_any_period_and_control_waits_no_longer_for_it() {
+        let tasks = TaskWatchdog::new();
+        let deadlines = || {
+            [DEADLINES[Task::Control as usize], DEADLINES[Task::Diagnosis as usize]]
+                .map(|row| tasks.deadline(row))
+        };
+        assert_eq!(deadlines(), [250, 250]);
+        tasks.set_period(5000);
+        assert_eq!(deadlines(), [250, 5140]);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::likelihood::{Commissioned, PARAMETERS};
-use fdi_core::{AdcCode, Command, Config, ConfigError, Feedback, RawSample};
+use fdi_core::{AdcCode, Command, Config, ConfigError, Feedback, RawSample, Seconds};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::console::board::{Chip, ConsoleBoard};
 use firmware_logic::console::{ApplyError, Board};
@@ -208,7 +208,7 @@ fn a_save_waits_for_the_tick_that_knows_of_the_stop() {
 fn settings_are_in_force_in_both_halves_or_in_none() {
     let mut board = at_rest();
     let mut config = waived();
-    config.sample_time.0 = 0.2;
+    config.sample_time.0 = 9.0;
     assert!(matches!(now(board.apply(&config)), Err(ApplyError::Config(_))));
     config.sample_time.0 = 0.11;
     config.supervisor.over_temperature.0 += 1.0;
@@ -218,6 +218,41 @@ fn settings_are_in_force_in_both_halves_or_in_none() {
     now(board.command(Command::Stop)).expect("always");
     now(board.apply(&config)).expect("at rest it may");
     assert_eq!(board.config(), config);
+}
+
+/// The timers have begun with the old one, and what was learnt holds for it alone.
+#[test]
+fn a_sample_time_is_kept_and_in_force_from_the_next_start_on() {
+    let mut board = at_rest();
+    let config = Config { sample_time: Seconds(0.2), ..waived() };
+    now(board.apply(&config)).expect("a board can keep it");
+    assert_eq!((board.config().sample_time, board.sample_time()), (Seconds(0.2), Seconds(0.11)));
+    assert_eq!(board.chip.diagnosis.in_force(&config).sample_time, Seconds(0.11));
+    assert_eq!(board.chip.diagnosis.to_keep(), Stored { config: config.clone(), baseline: None });
+    let learnt = Some(Baseline { samples: 1637, ..Baseline::default() });
+    for (sample_time, kept) in [(0.11, learnt), (0.2, None)] {
+        let settings = Stored { config: waived(), baseline: learnt };
+        let mut diagnosis = DiagnosisLoop::new(Diagnosis::new(&waived()).expect("valid"), settings);
+        let config = Config { sample_time: Seconds(sample_time), ..waived() };
+        diagnosis.propose(&config).expect("valid");
+        let mut control = ControlLoop::new(
+            Controller::new(&waived()).expect("valid"),
+            config.setpoint,
+            Interlock::default(),
+        );
+        let order = Some(Order::Retune(Controller::new(&diagnosis.in_force(&config)).expect("valid")));
+        let raw = RawSample {
+            t0: AdcCode(2160.0),
+            t1: AdcCode(2160.0),
+            t2: AdcCode(2160.0),
+            ..RawSample::default()
+        };
+        let record =
+            control.tick(raw, Arrival::default(), order, Feedback::default(), &mut Output::default());
+        diagnosis.step(record, |_| {});
+        assert_eq!(diagnosis.to_keep().baseline, kept, "{sample_time} s");
+        assert_eq!(diagnosis.baseline().copied(), learnt, "in force until then");
+    }
 }
 
 #[test]

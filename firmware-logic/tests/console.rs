@@ -6,7 +6,7 @@ use core::task::{Context, Poll, Waker};
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::likelihood::Channel;
-use fdi_core::{Celsius, Command, Config};
+use fdi_core::{Celsius, Command, Config, Seconds};
 use firmware_logic::console::{ANSWER, ApplyError, Board, Console, line};
 use firmware_logic::control_loop::Denial;
 use firmware_logic::history::Entry;
@@ -54,6 +54,9 @@ impl Board for Mock {
     }
     fn status(&self) -> Status {
         Status::default()
+    }
+    fn sample_time(&self) -> Seconds {
+        Config::default().sample_time
     }
     fn config(&self) -> Config {
         self.config.clone()
@@ -138,8 +141,12 @@ fn settings_are_checked_by_the_core_before_they_count() {
     assert_eq!(answer(&mut board, "get pid.k"), "pid.kp = 3.5 %/degC\n");
     assert_eq!(answer(&mut board, "set pid.kp -1"), "error: pid.kp is -1, expected 0 to 1000\n");
     assert_eq!(
+        answer(&mut board, "set sample_time 0.02"),
+        "error: sample_time is 0.02, expected 0.05 to 5\n"
+    );
+    assert_eq!(
         answer(&mut board, "set sample_time 0.2"),
-        "error: sample_time is 0.2, expected 0.11 to 0.11\n"
+        "sample_time = 0.2 s\nsample_time is in force from the next start on, once saved\n"
     );
     assert_eq!(board.config.pid.kp, 3.5);
     assert_eq!(answer(&mut board, "get nothing"), "error: no setting \"nothing\", see `get`\n");

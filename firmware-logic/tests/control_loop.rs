@@ -120,6 +120,31 @@ fn does_not_arm_with_the_break_input_open() {
     assert_eq!((record.tick.mode, bench.output.enabled), (Mode::Off, false));
 }
 
+/// Between two ticks: the power goes at once, and the next tick trips by what was seen, though it is over by then.
+#[test]
+fn what_is_dangerous_by_itself_waits_for_no_tick() {
+    let (ambient, hot) = (ambient_code(), AdcCode(500.0));
+    let sample = |t1, t2| RawSample { t0: ambient, t1, t2, ..RawSample::default() };
+    for (raw, reason) in [
+        (sample(AdcCode(4095.0), ambient), TripReason::T1Open),
+        (sample(AdcCode(0.0), ambient), TripReason::T1Short),
+        (sample(hot, ambient), TripReason::T1OverTemperature),
+        (sample(ambient, hot), TripReason::T2OverTemperature),
+    ] {
+        let mut bench = Bench::heating();
+        bench.control.look(sample(ambient, AdcCode(f32::NAN)), &mut bench.output);
+        assert!(bench.output.given() > 0.0, "{reason:?}: nothing dangerous yet");
+        bench.control.look(raw, &mut bench.output);
+        assert_eq!(bench.output.given(), 0.0, "{reason:?}");
+        bench.control.look(sample(ambient, ambient), &mut bench.output);
+        assert_eq!(bench.output.given(), 0.0, "{reason:?}: it comes not back by itself");
+        let record = bench.tick();
+        let Mode::Tripped(trip) = record.tick.mode else { panic!("{reason:?}: {:?}", record.tick.mode) };
+        assert_eq!((trip.reason, record.raw), (reason, raw), "a replay sees what the board saw");
+        assert!(!bench.output.enabled);
+    }
+}
+
 #[test]
 fn the_deadline_watchdog_is_told_from_the_break_input() {
     let mut bench = Bench::heating();

@@ -172,9 +172,11 @@ fn settings_out_of_bounds_fall_back_and_say_so() {
     let mut stored = Stored::default();
     stored.config.setpoint = Celsius(f32::NAN);
     assert!(matches!(Stored::decode(&encoded(&stored)), Err(StoredError::Invalid(_))));
-    stored.config = Config { sample_time: Seconds(0.2), ..Config::default() };
-    let error = Stored::decode(&encoded(&stored)).expect_err("the timers run at 110 ms");
-    assert!(error.to_string().contains("sample_time is 0.2, expected 0.11 to 0.11"), "{error}");
+    stored.config = Config { sample_time: Seconds(0.02), ..Config::default() };
+    let error = Stored::decode(&encoded(&stored)).expect_err("shorter than a board can keep");
+    assert!(error.to_string().contains("sample_time is 0.02, expected 0.05 to 5"), "{error}");
+    stored.config.sample_time.0 = 0.2;
+    assert_eq!(Stored::decode(&encoded(&stored)), Ok(stored));
 }
 
 #[test]
@@ -437,7 +439,7 @@ fn the_listing_tells_bounds_that_the_core_enforces() {
     let config = Config::default();
     let lines: Vec<String> =
         firmware_logic::settings::listing::lines(&config).map(|l| l.to_string()).collect();
-    assert!(lines.contains(&"setpoint = 35 degC   (0 to 200)".to_owned()), "{lines:?}");
+    assert!(lines.contains(&"setpoint = 35 degC   (0 to 300)".to_owned()), "{lines:?}");
     assert!(lines.contains(&"prbs.bits = 10   (3 to 16)".to_owned()), "{lines:?}");
     assert!(lines.contains(&"diagnosis.detection.2 = 2 +1 x -1 x x".to_owned()), "{lines:?}");
 }

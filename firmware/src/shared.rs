@@ -1,6 +1,7 @@
 //! What the thread-mode tasks share: the diagnosis half, and the way to the control half.
 
 use core::cell::RefCell;
+use core::pin::pin;
 use core::sync::atomic::Ordering;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
@@ -8,6 +9,7 @@ use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Timer, with_timeout};
 use fdi_core::control::Controller;
 use fdi_core::{Config, ConfigError};
+use firmware_logic::cadence;
 use firmware_logic::console::board::Chip;
 use firmware_logic::control_loop::{Denial, Order, Outcome, TickRecord};
 use firmware_logic::diagnosis_loop::DiagnosisLoop;
@@ -19,8 +21,9 @@ use heapless::spsc::Producer;
 use crate::hardware::{heater, rtt, stack, supply};
 use crate::{link, log};
 
-/// How long an order may wait for its answer: three ticks, less than the deadline of the console.
-const ANSWER_DEADLINE: Duration = Duration::from_millis(400);
+/// How long an order may wait for its answer, besides a tick; and how long the console may wait before it checks in again.
+const ANSWER_DEADLINE_MS: u32 = 290;
+const WAIT_MS: u32 = 400;
 
 /// Shared by the tasks of thread mode, of which one runs at a time; no borrow lives across an await.
 pub(crate) struct Shared {
@@ -39,7 +42,7 @@ impl Shared {
     pub(crate) fn diagnose(&self, record: TickRecord) {
         let outcome = record.outcome;
         let mut diagnosis = self.diagnosis.borrow_mut();
-        let sample_time = diagnosis.settings().config.sample_time.0;
+        let sample_time = diagnosis.sample_time().0;
         link::feed_back(diagnosis.step(record, |notice| log::notice(&notice, sample_time)).feedback());
         if let Some(outcome) = outcome {
             self.outcomes.signal(outcome);
@@ -100,17 +103,25 @@ impl Chip for &'static Shared {
     }
 
     fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {
-        let controller = self.diagnosis.borrow_mut().propose(config)?;
-        log_line::settings(config, log::line); // a replay needs them before the order that puts them in force
+        let mut diagnosis = self.diagnosis.borrow_mut();
+        let controller = diagnosis.propose(config)?;
+        log_line::settings(&diagnosis.in_force(config), log::line); // a replay needs them before the order that puts them in force
         Ok(controller)
     }
 
     /// Until the next tick, and not so long that the watchdog takes a console that waits for one that hangs.
     async fn order(&mut self, order: Order) -> Result<(), Denial> {
-        link::check_in(Task::Console);
-        let answer = with_timeout(ANSWER_DEADLINE, self.order_and_wait(order)).await;
-        link::check_in(Task::Console);
-        answer.unwrap_or(Err(Denial::NoAnswer))
+        let period_ms = cadence::period(self.diagnosis.borrow().sample_time()).get() / 1000;
+        let mut answer = pin!(self.order_and_wait(order));
+        for _ in 0..(period_ms + ANSWER_DEADLINE_MS).div_ceil(WAIT_MS) {
+            link::check_in(Task::Console);
+            let told = with_timeout(Duration::from_millis(WAIT_MS.into()), answer.as_mut()).await;
+            link::check_in(Task::Console);
+            if let Ok(result) = told {
+                return result;
+            }
+        }
+        Err(Denial::NoAnswer)
     }
 
     fn stop(&mut self) {
@@ -122,6 +133,7 @@ impl Chip for &'static Shared {
     }
 
     async fn pause(&mut self) {
+        link::check_in(Task::Console);
         Timer::after_millis(10).await;
     }
 

@@ -5,6 +5,7 @@ use embassy_futures::block_on;
 use fdi_core::Config;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
+use firmware_logic::cadence;
 use firmware_logic::console::board::{Chip, ConsoleBoard};
 use firmware_logic::control_loop::{ControlLoop, Order};
 use firmware_logic::diagnosis_loop::DiagnosisLoop;
@@ -60,6 +61,8 @@ fn start(spawner: Spawner) {
     let config = settings.config.clone();
     log::banner(clock, cause, left.as_ref(), &origin, &config);
     let (controller, diagnosis) = halves(&config);
+    let period = cadence::period(config.sample_time);
+    link::TASKS.set_period(period.get() / 1000);
 
     let heater = HeaterOutput::new(parts.pwm_timer, (parts.heater, parts.contactor), parts.break_input);
     undervoltage::watch();
@@ -79,7 +82,7 @@ fn start(spawner: Spawner) {
     let panel = Panel::new(parts.led, parts.button);
     let port = serial::open(parts.usart, parts.rx, parts.tx);
 
-    let spawned = tasks::control::control(control, heater, inputs, records_in, orders_out);
+    let spawned = tasks::control::control(period, control, heater, inputs, records_in, orders_out);
     control_executor::start().spawn(once(spawned));
     spawner.spawn(once(tasks::diagnosis::diagnosis(records_out, shared)));
     spawner.spawn(once(tasks::status::status(shared)));

@@ -205,6 +205,22 @@ fn plants_go_by_pattern_and_large_cells_wait_for_a_large_scale() {
     assert_eq!(cells("1"), [true, true, false, true]);
 }
 
+/// With its settings, and times that are as many samples long.
+#[test]
+fn a_plant_of_another_instrument_is_as_many_samples_slower() {
+    let definition = "[[plant]]\nname = \"oven\"\nrig = { preset = \"oven\" }\ninstrument = \"oven\"\n\
+                      [[cell]]\nname = \"x\"\nruns = 1\nduration = 11.0\nplants = [\"oven\"]";
+    let (dir, file) = folder("instrument", definition);
+    let out = dir.join("run");
+    succeeds(&["show", "x @ oven", &file, "--out", out.to_str().unwrap()]);
+    let trace = std::fs::read_to_string(out.join("trace.csv")).unwrap();
+    let last = trace.lines().last().and_then(|line| line.split(',').next()).unwrap();
+    assert_eq!((trace.lines().count(), last), (1 + 100, "198"), "100 samples of 2 s");
+    let error =
+        fails(&[&folder("no-instrument", &definition.replace("ument = \"oven", "ument = \"kettle")).1]);
+    assert!(error.contains("kettle") && error.contains("expected a preset"), "{error}");
+}
+
 #[test]
 fn one_run_can_be_looked_at() {
     let (dir, file) = folder("show", SMALL);

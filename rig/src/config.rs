@@ -135,13 +135,13 @@ constants! {
         /// Time constant of the heater node, s.
         heater_time: f64 = 0.45, 0.01..=1000.0;
         /// Dead time from heater to T1, s.
-        dead_time: f64 = 0.1, 0.0..=5.0;
+        dead_time: f64 = 0.1, 0.0..=60.0;
         /// Lag of thermistor T1, s.
         t1_lag: f64 = 0.05, 0.001..=100.0;
         /// Lag of thermistor T2, s.
         t2_lag: f64 = 0.40, 0.001..=100.0;
         /// Transport from T1 to T2, s.
-        t2_delay: f64 = 0.1, 0.0..=5.0;
+        t2_delay: f64 = 0.1, 0.0..=60.0;
         /// Share of the rise lost between T1 and T2.
         heat_loss: f64 = 0.08, 0.0..=0.9;
         /// Lag of the ambient thermistor, s.

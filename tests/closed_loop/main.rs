@@ -5,4 +5,5 @@ mod contradiction;
 mod heat;
 mod known;
 mod likelihood;
+mod plants;
 mod scenarios;

@@ -19,9 +19,6 @@ use crate::units::{Celsius, Percent};
 use pid::{Pid, PidState};
 use prbs::{Prbs, PrbsState};
 
-/// Cut-off in rad/s of the mean control error by which "in regulation" is judged; the excitation itself must not count.
-const REGULATION_CUTOFF: f32 = 0.6;
-
 /// All that the first half of a tick decided; the input of the second half.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -60,7 +57,18 @@ pub struct Controller {
     supervisor: Supervisor,
     pid: Pid,
     prbs: Prbs,
+    /// By its mean control error "in regulation" is judged: as slow as the residuals are filtered, for the excitation must not count.
     error_filter: LowPass,
+    plant: Plant,
+}
+
+/// What the settings say of the rig before anything is learnt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plant {
+    /// Ticks that an answer takes; trips by the models take their time from it.
+    pub answer_ticks: u32,
+    /// Typical gain, degC per %.
+    pub gain: f32,
 }
 
 /// The memory of the [`Controller`].
@@ -94,6 +102,7 @@ impl Controller {
     /// The parameter that is out of bounds.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         config.validate_general()?;
+        config.diagnosis.validate()?;
         let ts = config.sample_time;
         let controller = Self {
             sensing: Sensing::new(&config.sensors, &config.plausibility, ts)?,
@@ -101,7 +110,11 @@ impl Controller {
             supervisor: Supervisor::new(&config.supervisor, config.pid.output_max, ts)?,
             pid: Pid::new(&config.pid, ts)?,
             prbs: Prbs::new(&config.prbs)?,
-            error_filter: LowPass::new(REGULATION_CUTOFF, ts),
+            error_filter: LowPass::new(config.diagnosis.filter_cutoff, ts),
+            plant: Plant {
+                answer_ticks: config.identification.answer_time.ticks(ts),
+                gain: config.identification.y_scale.0 / config.identification.u_scale.0,
+            },
         };
         config.validate_limits()?;
         Ok(controller)
@@ -131,6 +144,11 @@ impl Controller {
     /// Whether a board must have passed its self-test before it arms.
     pub fn checks_before_arming(&self) -> bool {
         self.supervisor.checks_before_arming()
+    }
+
+    /// What the settings say of the rig.
+    pub fn plant(&self) -> Plant {
+        self.plant
     }
 
     /// The mode.
@@ -184,6 +202,12 @@ impl Controller {
         state.asked = pid;
         state.index = state.index.wrapping_add(1);
         tick
+    }
+
+    /// Whether a sample between two ticks shows what would trip on the next, so that the power must not wait for it.
+    pub fn must_cut(&self, state: &ControllerState, raw: RawSample) -> bool {
+        let sample = self.sensing.step(&mut SensingState::default(), raw, false);
+        self.supervisor.is_hazardous(&sample, state.was_virtual)
     }
 
     /// The temperature to regulate: T1, or what stands in for it where T1 is known to be wrong and that is allowed.
@@ -284,8 +308,10 @@ impl Controller {
 
     fn widened(&self, new: &Self) -> Option<&'static str> {
         let power = self.pid.is_widened_by(&new.pid).then_some("pid.output_max");
+        let slower =
+            (new.plant.answer_ticks > self.plant.answer_ticks).then_some("identification.answer_time");
         let supply = (self.supply != new.supply).then_some("supply.nominal_voltage");
-        let limit = self.supervisor.widened(&new.supervisor).or(power).or(supply);
+        let limit = self.supervisor.widened(&new.supervisor).or(power).or(slower).or(supply);
         limit.or_else(|| self.sensing.widened(&new.sensing))
     }
 

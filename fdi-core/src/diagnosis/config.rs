@@ -26,7 +26,7 @@ settings! {
 
 impl DiagnosisConfig {
     /// Checks every setting and both tables.
-    pub(super) fn validate(&self) -> Result<(), ConfigError> {
+    pub(crate) fn validate(&self) -> Result<(), ConfigError> {
         check(Self::SETTINGS[0], self)?;
         signature::validate("diagnosis.detection", &self.detection, false)?;
         signature::validate("diagnosis.isolation", &self.isolation, true)

@@ -41,9 +41,9 @@ const MAX_STEPS: u16 = 64;
 const STEPS_A_TICK: usize = 15;
 /// Share of the static gain that ends the rise time: 3 / tr is 1 / tau for a first-order model only at 95 %.
 const RISE_LEVEL: f32 = 0.95;
-/// Bounds on the time constant by the residence time, in s.
-const TAU_MIN: f32 = 0.05;
-const TAU_MAX: f32 = 5.0;
+/// Bounds on the time constant by the residence time, in answer times.
+const TAU_MIN: f32 = 0.025;
+const TAU_MAX: f32 = 2.5;
 
 /// A validated observer.
 #[derive(Clone, Copy, Debug)]
@@ -54,6 +54,7 @@ pub struct Observer {
     sample_time: f32,
     /// Dead time and half a sample, in s.
     lag: f32,
+    answer_time: f32,
     gain_max: f32,
 }
 
@@ -106,6 +107,7 @@ impl Observer {
             bandwidth,
             sample_time: sample_time.0,
             lag: c.dead_time.0 + 0.5 * sample_time.0,
+            answer_time: c.answer_time.0,
             gain_max: c.gain_max,
         })
     }
@@ -170,7 +172,7 @@ impl Observer {
             return None;
         }
         let tau = model.residence_time()? * self.sample_time - self.lag;
-        Some(1.0 / bounded(tau, TAU_MIN, TAU_MAX))
+        Some(1.0 / bounded(tau, TAU_MIN * self.answer_time, TAU_MAX * self.answer_time))
     }
 
     /// The model as it stands.

@@ -11,21 +11,23 @@ use crate::filter::LowPass;
 const FASTEST: f32 = 1.0;
 /// Beyond so much from what is believed T0 is not followed, degC: no room moves so far from itself.
 const FOLLOWED: f32 = 3.0;
-/// At rest: no power, T1 and T2 alike to so many degC and without a trend, for so long, s. The trend is the difference of
-/// means over two memories, s: 0.1 degC is a change of 0.3 degC a minute, slower than a hot tube cools without its fan.
+/// At rest: no power, T1 and T2 alike to so many degC and without a trend, for so many answer times. The trend is the difference of
+/// means over two memories, in answer times: with an answer time of 2 s, 0.1 degC is a change of 0.3 degC a minute, slower than
+/// a hot tube cools without its fan. An answer time longer than this, s, counts as this: else what a room drifts by is a trend.
 const ALIKE: f32 = 2.0;
 const TREND: f32 = 0.1;
-const TREND_TIMES: [f32; 2] = [5.0, 25.0];
-const REST_TIME: f32 = 20.0;
-/// T0 reads wrong from so many degC on for so long, s, and right again below so many.
+const TREND_TIMES: [f32; 2] = [2.5, 12.5];
+const REST_TIME: f32 = 10.0;
+const LONGEST: f32 = 24.0;
+/// T0 reads wrong from so many degC on for so many answer times, and right again below so many.
 const WRONG: f32 = 5.0;
-const WRONG_TIME: f32 = 5.0;
+const WRONG_TIME: f32 = 2.5;
 const RIGHT: f32 = 4.0;
 /// Where the trainer stands it is no colder and no warmer, degC.
 const COLDEST: f32 = 3.0;
 const WARMEST: f32 = 40.0;
 
-/// The memories of the trend, the step of a tick in degC, and Ts in s.
+/// The memories of the trend, the step of a tick in degC, and Ts in answer times.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ambient {
     trend: [LowPass; 2],
@@ -39,20 +41,21 @@ pub(super) struct AmbientState {
     believed: Option<f32>,
     /// Means of T1 and T2 over both memories.
     means: Option<[[f32; 2]; 2]>,
-    /// For how long the rig has been at rest, s.
+    /// For how many answer times the rig has been at rest.
     rest: f32,
-    /// For how long T0 has been wrong, s, since which tick, and by how much, degC, where that is known.
+    /// For how many answer times T0 has been wrong, since which tick, and by how much, degC, where that is known.
     wrong: f32,
     since: u32,
     off: Option<f32>,
 }
 
 impl Ambient {
-    pub(super) fn new(sample_time: f32) -> Self {
+    pub(super) fn new(sample_time: f32, answer_time: f32) -> Self {
+        let answer_time = smaller(LONGEST, answer_time);
         Self {
-            trend: TREND_TIMES.map(|time| LowPass::euler(time, sample_time)),
+            trend: TREND_TIMES.map(|times| LowPass::euler(times * answer_time, sample_time)),
             fastest: FASTEST / 60.0 * sample_time,
-            sample_time,
+            sample_time: sample_time / answer_time,
         }
     }
 
@@ -142,7 +145,7 @@ mod tests {
 
     /// What is believed after `time` s, and whether T0 is reported as wrong, if readings and power are so.
     fn after(time: f32, at: impl Fn(f32) -> ([f32; 3], f32)) -> (f32, bool) {
-        let (ambient, mut s) = (Ambient::new(TS), AmbientState::default());
+        let (ambient, mut s) = (Ambient::new(TS, 2.0), AmbientState::default());
         for tick in 0..(time / TS) as u32 {
             let (readings, power) = at(tick as f32 * TS);
             ambient.step(&mut s, tick, readings.map(Some), power);
@@ -182,7 +185,7 @@ mod tests {
 
     #[test]
     fn no_trainer_stands_in_such_a_room() {
-        let (ambient, mut s) = (Ambient::new(TS), AmbientState::default());
+        let (ambient, mut s) = (Ambient::new(TS, 2.0), AmbientState::default());
         for tick in 0..60 {
             ambient.step(&mut s, tick, [Some(-3.0), Some(35.0), Some(34.0)], 40.0);
         }

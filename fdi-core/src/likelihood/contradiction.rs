@@ -31,19 +31,20 @@ const AFTER_SIGMA: f32 = 6.0;
 /// Readings that differ by more contradict each other, degC; T2 above T1 also by this share of T2's rise.
 const CONTRADICTION: f32 = 4.0;
 const CONTRADICTION_SHARE: f32 = 0.25;
-/// For so many ticks, fewer the larger the difference, but each counts for so many at most. It has ended after so many ticks without it.
-const CONTRADICTION_TICKS: f32 = 20.0;
+/// For so many steps of the response, fewer the larger the difference, but each counts for so many at most. It has ended after so many
+/// steps without it.
+const CONTRADICTION_STEPS: f32 = 20.0;
 const CONTRADICTION_WEIGHT: f32 = 4.0;
 const CONTRADICTION_END: u32 = 100;
-/// Not while T2 is so much below its own mean over so many ticks, degC: when it cools it lags behind T1.
+/// Not while T2 is so much below its own mean over so many steps, degC: when it cools it lags behind T1.
 const FALLING: f32 = 0.5;
-const T2_MEAN: LowPass = LowPass::over(20.0);
+const T2_MEAN: f32 = 20.0;
 /// A thermistor reads as the room does within this share of the other's rise, and so many degC.
 const COLD_SHARE: f32 = 0.1;
 const COLD: f32 = 1.5;
-/// The judgement is made anew every so many ticks, and holds when it is the same twice.
+/// The judgement is made anew every so many steps, and holds when it is the same twice.
 const EVERY: u32 = 8;
-/// So long after heating has ended the response to it is still judged, ticks.
+/// So long after heating has ended the response to it is still judged, steps.
 const AFTER_HEATING: u32 = 32;
 
 /// What a judgement says.
@@ -67,7 +68,7 @@ pub(super) struct Contradiction {
     cold: u32,
     judgement: Judgement,
     found: Option<Finding>,
-    /// For how many ticks T2 has been much warmer than T1, how many ago it was, and T2's running mean, degC.
+    /// For how many steps T2 has been much warmer than T1, how many ticks ago it was, and T2's running mean, degC.
     warmer: f32,
     since_warmer: u32,
     t2_mean: Option<f32>,
@@ -89,27 +90,29 @@ impl Contradiction {
         self.was_heating = heating;
         self.cold = if heating { 0 } else { self.cold.saturating_add(1) };
         response.step(&mut self.response, readings, power);
-        self.compare(readings);
-        if tick.is_multiple_of(EVERY) && self.cold < AFTER_HEATING {
-            let judgement = judge(&self.response.answers(), readings, self.warmer >= CONTRADICTION_TICKS);
+        let ticks = response.ticks();
+        self.compare(readings, ticks as f32);
+        if tick.is_multiple_of(EVERY * ticks) && self.cold < AFTER_HEATING * ticks {
+            let t2_warmer = self.warmer >= CONTRADICTION_STEPS;
+            let judgement = judge(&self.response.answers(ticks), readings, t2_warmer);
             let before = core::mem::replace(&mut self.judgement, judgement);
             if judgement == before {
-                self.conclude(tick, heating);
+                self.conclude(tick, heating, ticks);
             }
         }
         self.found
     }
 
     /// Is T2 warmer than T1, and not only because it cools later?
-    fn compare(&mut self, [t0, t1, t2]: [Option<f32>; 3]) {
+    fn compare(&mut self, [t0, t1, t2]: [Option<f32>; 3], ticks: f32) {
         let (Some(t0), Some(t1), Some(t2)) = (t0, t1, t2) else { return };
         let mean = self.t2_mean.get_or_insert(t2);
-        T2_MEAN.follow(mean, t2);
+        LowPass::over(T2_MEAN * ticks).follow(mean, t2);
         let much = larger(CONTRADICTION, CONTRADICTION_SHARE * (t2 - t0));
         self.since_warmer = self.since_warmer.saturating_add(1);
         if t2 - t1 > much && t2 > *mean - FALLING {
-            self.warmer =
-                smaller(CONTRADICTION_TICKS, self.warmer + smaller(CONTRADICTION_WEIGHT, (t2 - t1) / much));
+            let weight = smaller(CONTRADICTION_WEIGHT, (t2 - t1) / much);
+            self.warmer = smaller(CONTRADICTION_STEPS, self.warmer + weight / ticks);
             self.since_warmer = 0;
         } else {
             self.warmer = 0.0;
@@ -117,13 +120,13 @@ impl Contradiction {
     }
 
     /// Once found it stands until thermistors that are heated are seen to agree.
-    fn conclude(&mut self, tick: u32, heating: bool) {
+    fn conclude(&mut self, tick: u32, heating: bool, ticks: u32) {
         match self.judgement {
             Judgement::Contradict(class) if self.found.is_none_or(|found| found.class != class) => {
-                let onset = tick.saturating_sub(EVERY);
+                let onset = tick.saturating_sub(EVERY * ticks);
                 self.found = Some(Finding { class, confidence: 1.0, magnitude: None, onset });
             }
-            Judgement::Agree if heating && self.since_warmer > CONTRADICTION_END => self.found = None,
+            Judgement::Agree if heating && self.since_warmer > CONTRADICTION_END * ticks => self.found = None,
             _ => {}
         }
     }

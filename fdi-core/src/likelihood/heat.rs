@@ -8,23 +8,20 @@ use super::verdict::{Finding, Magnitude};
 use crate::bounds::{larger, smaller};
 use crate::filter::LowPass;
 
-// Tuned on seeds 1 to 99999 and on the hazards of the campaign's runaway cells (docs/diagnosis.md, sections 8 and 9; docs/safety.md). In degC and
-// s, they suit rigs that rise by 10 degC and more and answer within some seconds.
-/// Time constant with which T2 corrects the virtual T1, s.
-const CORRECTION_TIME: f32 = 2.0;
+// Tuned on seeds 1 to 99999 and on the hazards of the campaign's runaway cells (docs/diagnosis.md, sections 8 and 9; docs/safety.md). In degC they
+// suit rigs that rise by 10 degC and more; the memory of the rises, and of what T2 corrects of the virtual T1, is one answer time.
 /// T2 and the models may disagree by so much about T1: degC, and share of the rise. Beyond it one of them is wrong, too, and
 /// nothing is left to regulate by.
 const MAX_CORRECTION: f32 = 3.0;
 const MAX_CORRECTION_SHARE: f32 = 0.2;
-/// The heater is stuck on when a thermistor is so much hotter than expected, while no more than so much rise is expected, degC: for so
-/// long while heating, s. With the heater off the fan may be off as well: there it must be so for longer, without cooling by so much, degC.
+/// The heater is stuck on when a thermistor is so much hotter than expected, while no more than so much rise is expected, degC: for
+/// so many answer times while heating. With the heater off the fan may be off as well: there for longer, without cooling by so much, degC.
 const TOO_HOT: f32 = 4.0;
 const NO_RISE_EXPECTED: f32 = 1.5;
-const TOO_HOT_TIME: f32 = 2.0;
-const TOO_HOT_TIME_OFF: f32 = 20.0;
+const TOO_HOT_TIME: f32 = 1.0;
+const TOO_HOT_TIME_OFF: f32 = 10.0;
 const COOLING: f32 = 0.3;
-/// Memory of the rises, s, and the smallest rise that says anything of the air flow, degC.
-const RISE_TIME: f32 = 2.0;
+/// The smallest rise that says anything of the air flow, degC.
 const FLOW_MIN_RISE: f32 = 2.0;
 /// A thermistor that sees less than this share of the rise is out of the tube where the other sees all of it, give or take
 /// this share of what the one lacks, and the rise is one, degC; what nothing else explains is so from a smaller loss on.
@@ -37,11 +34,10 @@ const STUCK_SHARE: f32 = 0.2;
 /// It is asked for only so long after the onset, in memories of the rises.
 const STUCK_TIME: f32 = 2.5;
 
-/// Ts in s, and the memories.
+/// Ts in answer times, and the memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Heat {
     sample_time: f32,
-    correction: LowPass,
     rises: LowPass,
 }
 
@@ -57,7 +53,7 @@ pub(super) struct Rise {
 pub(super) struct HeatState {
     /// What T1 by the models lacks, as T2 shows it, degC.
     correction: f32,
-    /// For how long the rig has been hot without power, s, and how hot it was at its coldest since, degC.
+    /// For how many answer times the rig has been hot without power, and how hot it was at its coldest since, degC.
     too_hot: f32,
     coldest: f32,
     stuck_on: bool,
@@ -71,9 +67,8 @@ pub(super) struct HeatState {
 }
 
 impl Heat {
-    pub(super) fn new(sample_time: f32) -> Self {
-        let over = |time| LowPass::euler(time, sample_time);
-        Self { sample_time, correction: over(CORRECTION_TIME), rises: over(RISE_TIME) }
+    pub(super) fn new(sample_time: f32, answer_time: f32) -> Self {
+        Self { sample_time: sample_time / answer_time, rises: LowPass::euler(answer_time, sample_time) }
     }
 
     /// One tick: the rises of T1 and T2 where known.
@@ -134,7 +129,7 @@ impl Heat {
 
     /// `e2` is what T2 reads above what the power lets expect, degC; `gain` the share of T1's rise that reaches T2.
     pub(super) fn correct(&self, s: &mut HeatState, e2: f32, gain: f32) {
-        self.correction.follow(&mut s.correction, e2 / gain);
+        self.rises.follow(&mut s.correction, e2 / gain);
     }
 }
 
@@ -215,7 +210,7 @@ mod tests {
     /// The tube is still hot when the instrument is armed: it gets the time to cool.
     #[test]
     fn arming_a_hot_tube_is_no_heater_stuck_on() {
-        let (heat, mut s) = (Heat::new(TS), HeatState::new(20.0));
+        let (heat, mut s) = (Heat::new(TS, 2.0), HeatState::new(20.0));
         for tick in 0..120 {
             let rise = Rise { measured: 20.0, expected: 0.0 };
             heat.step(&mut s, [Some(rise); 2], tick >= 110);
@@ -225,7 +220,7 @@ mod tests {
 
     /// How long it takes until the heater counts as stuck on, with rises of 20 degC that fall by a share a second.
     fn stuck_after(heating: bool, falling: f32) -> Option<f32> {
-        let (heat, mut s) = (Heat::new(TS), HeatState::new(20.0));
+        let (heat, mut s) = (Heat::new(TS, 2.0), HeatState::new(20.0));
         (1..3000).map(|k| k as f32 * TS).find(|time| {
             let rise = Rise { measured: 20.0 * (1.0 - falling * time).max(0.0), expected: 0.0 };
             heat.step(&mut s, [Some(rise); 2], heating);
@@ -236,7 +231,7 @@ mod tests {
     /// Both rises by the definition of the flow: it goes with the inverse of the static gain. The larger of the two is reported.
     #[test]
     fn the_air_flow_is_what_the_static_gain_says() {
-        let (heat, mut s) = (Heat::new(TS), HeatState::new(20.0));
+        let (heat, mut s) = (Heat::new(TS, 2.0), HeatState::new(20.0));
         let at = |measured| Some(Rise { measured, expected: 20.0 });
         for _ in 0..400 {
             heat.step(&mut s, [at(25.0), at(16.0)], true);
@@ -251,7 +246,7 @@ mod tests {
     /// T2 shows what the models do not know of T1; where they are too far apart, neither is believed.
     #[test]
     fn the_virtual_t1_is_corrected_by_t2_up_to_a_limit() {
-        let (heat, mut s) = (Heat::new(TS), HeatState::new(20.0));
+        let (heat, mut s) = (Heat::new(TS, 2.0), HeatState::new(20.0));
         assert_eq!(s.virtual_t1(20.0), Some(20.0));
         for _ in 0..400 {
             heat.correct(&mut s, 0.9, 0.9);
@@ -267,7 +262,7 @@ mod tests {
     #[test]
     fn who_lacks_the_rise_is_detached() {
         let reviewed = |t1: f32, t2: f32| {
-            let (heat, mut s) = (Heat::new(TS), HeatState::new(20.0));
+            let (heat, mut s) = (Heat::new(TS, 2.0), HeatState::new(20.0));
             for _ in 0..400 {
                 let at = |measured| Some(Rise { measured, expected: 20.0 });
                 heat.step(&mut s, [at(t1), at(t2)], true);

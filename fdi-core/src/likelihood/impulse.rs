@@ -15,25 +15,28 @@ use crate::bounds::larger;
 use crate::root::sqrt;
 use crate::vector::{dot, shift};
 
-/// Bands of lags: 1, 2 and 3, 4 to 6, 7 to 12 ticks. The first lag is that of the power that acted until now.
+/// Bands of lags: 1, 2 and 3, 4 to 6, 7 to 12 steps. The first lag is that of the power that acted until now.
 const BANDS: usize = 4;
 const ENDS: [usize; BANDS + 1] = [0, 1, 3, 6, 12];
 const LAGS: usize = ENDS[BANDS];
-/// Time constant of the high-pass, s (docs/diagnosis.md, section 8).
-const SWING_TIME: f32 = 0.5;
-/// Memory of the sums, s (docs/diagnosis.md, section 8).
-const MEMORY: f32 = 12.0;
+/// A step is a tick, or as many as make so many steps of the rig's answer.
+const STEPS: f32 = 20.0;
+/// Time constant of the high-pass, in answer times (docs/diagnosis.md, section 8).
+const SWING_TIME: f32 = 0.25;
+/// Memory of the sums, in answer times (docs/diagnosis.md, section 8).
+const MEMORY: f32 = 6.0;
 /// While the power of no band has moved by so much nothing is learnt or forgotten, %.
 const MIN_POWER: f32 = 0.2;
 /// Ridge of the regression, %^2: it keeps R regular where little has been seen. 2 % of what the default excitation gathers.
 const RIDGE: f32 = 100.0;
-/// Ticks in a band, and these times the middle of the band.
+/// Steps in a band, and these times the middle of the band.
 const AREA: [f32; BANDS] = [1.0, 2.0, 3.0, 6.0];
 const MOMENT: [f32; BANDS] = [1.0, 5.0, 15.0, 57.0];
 
-/// Shares that are kept from tick to tick.
+/// Ticks of a step, and the shares that are kept from step to step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ImpulseResponse {
+    ticks: u32,
     high_pass: f32,
     keep: f32,
 }
@@ -41,9 +44,12 @@ pub(super) struct ImpulseResponse {
 /// The sums, and what they are made of.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ImpulseResponseState {
-    /// High-passed power, newest first, and the last power, %.
+    /// High-passed power, newest first, and that of the last step, %.
     power: [f32; LAGS],
     power_before: f32,
+    /// Ticks of the step that is under way, and the sum of their powers, %.
+    ticks: u32,
+    power_sum: f32,
     /// High-passed readings of T0, T1, T2, and the last good ones, degC.
     swing: [f32; 3],
     before: [Option<f32>; 3],
@@ -66,13 +72,35 @@ pub(super) struct Answer {
 }
 
 impl ImpulseResponse {
-    pub(super) fn new(sample_time: f32) -> Self {
-        let keep = |time: f32| libm::expf(-sample_time / time);
-        Self { high_pass: keep(SWING_TIME), keep: keep(MEMORY) }
+    pub(super) fn new(sample_time: f32, answer_time: f32) -> Self {
+        let ticks = (answer_time / (STEPS * sample_time)).max(1.0) as u32;
+        let keep = |times: f32| libm::expf(-sample_time * ticks as f32 / (times * answer_time));
+        Self { ticks, high_pass: keep(SWING_TIME), keep: keep(MEMORY) }
     }
 
-    /// One tick: the readings where there are any, and the power applied from now on, %.
+    /// Ticks of a step.
+    pub(super) fn ticks(&self) -> u32 {
+        self.ticks
+    }
+
+    /// One tick: the readings where there are any, and the power applied from now on, %. A step has the readings at its
+    /// beginning, and the mean power.
     pub(super) fn step(&self, s: &mut ImpulseResponseState, readings: [Option<f32>; 3], power: f32) {
+        if s.ticks == 0 {
+            self.answer(s, readings);
+        }
+        s.ticks += 1;
+        s.power_sum += power;
+        if s.ticks >= self.ticks {
+            let mean = s.power_sum / self.ticks as f32;
+            let swing = self.high_pass * s.power[0] + mean - s.power_before;
+            shift(&mut s.power, swing);
+            (s.power_before, s.ticks, s.power_sum) = (mean, 0, 0.0);
+        }
+    }
+
+    /// The readings as an answer to the power of the steps before.
+    fn answer(&self, s: &mut ImpulseResponseState, readings: [Option<f32>; 3]) {
         let x: [f32; BANDS] = core::array::from_fn(|b| s.power[ENDS[b]..ENDS[b + 1]].iter().sum::<f32>());
         for (m, reading) in readings.into_iter().enumerate() {
             let change = reading.zip(s.before[m]).map_or(0.0, |(now, before)| now - before);
@@ -82,9 +110,6 @@ impl ImpulseResponse {
         if dot(&x, &x) > MIN_POWER * MIN_POWER {
             self.gather(s, &x);
         }
-        let swing = self.high_pass * s.power[0] + power - s.power_before;
-        s.power_before = power;
-        shift(&mut s.power, swing);
     }
 
     #[inline(never)]
@@ -106,9 +131,9 @@ impl ImpulseResponse {
 }
 
 impl ImpulseResponseState {
-    /// How T0, T1 and T2 answer.
+    /// How T0, T1 and T2 answer, where a step has so many ticks.
     #[inline(never)]
-    pub(super) fn answers(&self) -> [Answer; 3] {
+    pub(super) fn answers(&self, ticks: u32) -> [Answer; 3] {
         let factors = Factors::new(&self.r);
         let [area, moment] = [factors.solve(&AREA), factors.solve(&MOMENT)];
         let [aa, am, mm] = [dot(&area, &AREA), dot(&area, &MOMENT), dot(&moment, &MOMENT)];
@@ -119,12 +144,9 @@ impl ImpulseResponseState {
             let variance = larger(0.0, self.energy[m] - explained) / freedom;
             let (total, moment) = (dot(&area, p), dot(&moment, p));
             let late = moment / total;
-            Answer {
-                area: total,
-                area_sd: sqrt(variance * aa),
-                late,
-                late_sd: sqrt(variance * (mm - 2.0 * late * am + late * late * aa)) / total.abs(),
-            }
+            let late_sd = sqrt(variance * (mm - 2.0 * late * am + late * late * aa)) / total.abs();
+            let ticks = ticks as f32;
+            Answer { area: total, area_sd: sqrt(variance * aa), late: late * ticks, late_sd: late_sd * ticks }
         })
     }
 }
@@ -178,7 +200,7 @@ mod tests {
     /// First-order lags of gain 0.3 and 0.2 degC per %, the second two ticks later, and a T0 that does nothing.
     #[test]
     fn known_responses_are_found() {
-        let (response, mut s) = (ImpulseResponse::new(0.11), ImpulseResponseState::default());
+        let (response, mut s) = (ImpulseResponse::new(0.11, 2.0), ImpulseResponseState::default());
         let (mut seed, mut power) = (1u32, [0.0f32; 3]);
         let (mut t1, mut t2) = (0.0, 0.0);
         for _ in 0..400 {
@@ -188,7 +210,7 @@ mod tests {
             shift(&mut power, 40.0 + if seed >> 31 == 0 { 5.0 } else { -5.0 });
             response.step(&mut s, [Some(20.0), Some(20.0 + t1), Some(20.0 + t2)], power[0]);
         }
-        let [a0, a1, a2] = s.answers();
+        let [a0, a1, a2] = s.answers(1);
         assert!(a0.area.abs() < 1e-4 && a0.area_sd < 1e-3, "{a0:?}");
         // Of the first lag 93 % lie within twelve ticks, of the second 89 %.
         assert!((a1.area / (0.3 * 0.93) - 1.0).abs() < 0.1, "{a1:?}");
@@ -196,13 +218,35 @@ mod tests {
         assert!((0.9..2.1).contains(&(a2.late - a1.late)), "{a1:?} {a2:?}");
     }
 
+    /// Sampled ten times as often as its answer takes, a rig answers alike, and as many ticks later.
+    #[test]
+    fn a_slow_rig_answers_as_a_fast_one() {
+        let answers = |often: u32| {
+            let (response, mut s) =
+                (ImpulseResponse::new(0.1, 2.0 * often as f32), ImpulseResponseState::default());
+            let (mut seed, mut t1, mut power) = (1u32, 0.0f32, 40.0f32);
+            for tick in 0..400 * often {
+                response.step(&mut s, [Some(20.0), Some(20.0 + t1), None], power);
+                t1 += 0.2 / often as f32 * (0.3 * power - t1);
+                if tick % (2 * often) == 2 * often - 1 {
+                    seed = seed.wrapping_mul(1664525).wrapping_add(1013904223);
+                    power = 40.0 + if seed >> 31 == 0 { 5.0 } else { -5.0 };
+                }
+            }
+            s.answers(response.ticks())[1]
+        };
+        let (fast, slow) = (answers(1), answers(10));
+        assert!((slow.area / fast.area - 1.0).abs() < 0.1, "{fast:?} {slow:?}");
+        assert!((slow.late / fast.late / 10.0 - 1.0).abs() < 0.2, "{fast:?} {slow:?}");
+    }
+
     #[test]
     fn nothing_seen_gives_no_answer_and_wild_input_no_panic() {
-        let (response, mut s) = (ImpulseResponse::new(0.11), ImpulseResponseState::default());
-        assert!(s.answers().iter().all(|a| !(a.area > 6.0 * a.area_sd)));
+        let (response, mut s) = (ImpulseResponse::new(0.11, 2.0), ImpulseResponseState::default());
+        assert!(s.answers(1).iter().all(|a| !(a.area > 6.0 * a.area_sd)));
         for power in [f32::NAN, 1e30, -1e30, 0.0] {
             response.step(&mut s, [None, Some(f32::MAX), Some(f32::NAN)], power);
-            let _ = s.answers();
+            let _ = s.answers(1);
         }
     }
 }

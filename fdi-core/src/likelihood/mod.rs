@@ -127,27 +127,28 @@ struct Now<'a> {
 const _: () = assert!(size_of::<LikelihoodState>() <= 12288, "more than the board has for it");
 
 impl Likelihood {
-    /// Builds the diagnosis.
+    /// Builds the diagnosis of a plant that answers within `answer_time`.
     ///
     /// # Errors
-    /// The parameter of `likelihood` or `identification` that is out of bounds.
+    /// The parameter of `likelihood` that is out of bounds.
     pub fn new(
         c: &LikelihoodConfig,
+        answer_time: Seconds,
         sample_time: Seconds,
     ) -> Result<Self, ConfigError> {
         check(LikelihoodConfig::SETTINGS[0], c)?;
-        let ts = sample_time;
+        let (ts, answer_time) = (sample_time, answer_time.0);
         Ok(Self {
             trainer: Trainer::new(c.fit_time.ticks(ts), c.check_time.ticks(ts))?,
             watch: Watch {
                 fast: Chart { allowance: c.fast_allowance, interval: c.fast_interval },
                 slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval },
-                heat: Heat::new(ts.0),
+                heat: Heat::new(ts.0, answer_time),
                 model_uncertainty: c.model_uncertainty,
                 sample_time: ts.0,
             },
-            ambient: Ambient::new(ts.0),
-            response: ImpulseResponse::new(ts.0),
+            ambient: Ambient::new(ts.0, answer_time),
+            response: ImpulseResponse::new(ts.0, answer_time),
         })
     }
 

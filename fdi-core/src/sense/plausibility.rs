@@ -20,7 +20,7 @@ settings! {
         /// Lowest temperature that the rig can have.
         min: Celsius = -20.0, -50.0..=50.0;
         /// Highest temperature that the rig can have.
-        max: Celsius = 110.0, -50.0..=250.0;
+        max: Celsius = 110.0, -50.0..=350.0;
         /// A change in one tick larger than this, not foretold by the trend either, is a jump: withheld for one tick.
         jump: Celsius = 4.0, 0.1..=200.0;
         /// T1 or T2 without any change for so long, while the heater is excited, is stuck.

@@ -20,7 +20,7 @@ settings! {
         /// Smallest excitation, after saturation, that counts as one.
         min_excitation: Percent = 0.5, 0.01..=50.0;
         /// T1 or T2 above this switches the heater off.
-        over_temperature: Celsius = 75.0, 30.0..=249.0;
+        over_temperature: Celsius = 75.0, 30.0..=349.0;
         /// T1 without a valid sample for longer than this switches the heater off, whatever the reason.
         signal_timeout: Seconds = 0.5, 0.0..=5.0;
         /// Full power for so long, while T1 has not risen by `min_response` since arming, switches the heater off. Longer
@@ -46,9 +46,9 @@ settings! {
         /// The board refuses to arm until its self-test has passed since power-on. Only its control loop enforces it.
         check_before_arming: bool = true;
         /// Lowest set-point that is accepted.
-        setpoint_min: Celsius = 20.0, 0.0..=200.0;
+        setpoint_min: Celsius = 20.0, 0.0..=300.0;
         /// Highest set-point that is accepted.
-        setpoint_max: Celsius = 65.0, 0.0..=200.0;
+        setpoint_max: Celsius = 65.0, 0.0..=300.0;
     }
 }
 

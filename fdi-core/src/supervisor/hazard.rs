@@ -2,7 +2,7 @@
 
 use super::{Mode, Situation, Supervisor, SupervisorState, Trip, TripReason};
 use crate::bounds::larger;
-use crate::sense::{Reading, Validity};
+use crate::sense::{Reading, Sample, Validity};
 use crate::units::Percent;
 
 /// A fan announced below this stands still, whatever `supervisor.min_air_flow` allows, %.
@@ -55,6 +55,12 @@ impl Supervisor {
             Validity::Missing | Validity::Spike | Validity::Rate if lost_too_long => Some(TripReason::T1Lost),
             _ => None,
         }
+    }
+
+    /// What is a hazard of one sample by itself, whatever was before: too hot, or a broken or shorted T1 where it is regulated.
+    pub fn is_hazardous(&self, sample: &Sample, virtual_t1: bool) -> bool {
+        let t1_broken = matches!(sample.t1.validity, Validity::Open | Validity::Short | Validity::OutOfRange);
+        self.is_hot(sample.t2) || !virtual_t1 && (t1_broken || self.is_hot(sample.t1))
     }
 
     /// Hotter than allowed, whatever else is thought of the reading: a jump, or more than is plausible, is hot all the

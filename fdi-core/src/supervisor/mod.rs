@@ -51,8 +51,8 @@ use unasked::{Unasked, UnaskedState};
 
 /// So many samples behind, the baseline is not merely late: the models need fewer to settle.
 const UNIDENTIFIED: u32 = 300;
-/// Time over which the power is averaged before it is judged, s.
-const POWER_TIME: f32 = 1.0;
+/// The power is averaged over this share of `response_time` before it is judged.
+const POWER_TIME: f32 = 0.125;
 
 /// What the supervisor looks at.
 #[derive(Clone, Copy, Debug)]
@@ -161,7 +161,7 @@ impl Supervisor {
             steady_ticks: c.regulation_time.ticks(ts),
             lost_ticks: c.signal_timeout.ticks(ts),
             regulation_band: c.regulation_band.0 / 100.0,
-            power: LowPass::euler(POWER_TIME, ts.0),
+            power: LowPass::euler(POWER_TIME * c.response_time.0, ts.0),
         })
     }
 

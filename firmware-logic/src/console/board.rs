@@ -3,7 +3,7 @@
 use embedded_storage_async::nor_flash::NorFlash;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::{Command, Config, ConfigError};
+use fdi_core::{Command, Config, ConfigError, Seconds};
 
 use super::{ApplyError, Board};
 use crate::control_loop::{Denial, Order};
@@ -131,6 +131,10 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
         self.chip.status()
     }
 
+    fn sample_time(&self) -> Seconds {
+        self.chip.diagnosis(DiagnosisLoop::sample_time)
+    }
+
     fn config(&self) -> Config {
         self.chip.diagnosis(|diagnosis| diagnosis.settings().config.clone())
     }
@@ -150,7 +154,7 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
         if self.may_heat() {
             return Err(SaveError::Heating);
         }
-        let settings = self.chip.diagnosis(|diagnosis| diagnosis.settings().clone());
+        let settings = self.chip.diagnosis(|diagnosis| diagnosis.to_keep());
         let result = self.store.save(&settings).await;
         self.given = None; // saving may have had to erase it
         self.chip.stalled();

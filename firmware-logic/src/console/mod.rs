@@ -10,14 +10,14 @@ use core::fmt::{self, Display, Write};
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::ALL;
-use fdi_core::{Command, Config, ConfigError, Percent};
+use fdi_core::{Command, Config, ConfigError, Percent, Seconds};
 
 use crate::control_loop::Denial;
 use crate::decimal::{self, Fixed};
 use crate::explain::Explained;
 use crate::finding::Sentence;
 use crate::history::{Entry, EntryText};
-use crate::self_test::Progress;
+use crate::self_test::{Progress, step_ticks};
 use crate::settings::schema::Name;
 use crate::settings::store::SaveError;
 use crate::settings::{Expected, SetError};
@@ -25,6 +25,9 @@ use crate::status::Status;
 use follow::Follow;
 use line::{LineReader, Step};
 use request::{COMMANDS, Request};
+
+/// Steps that a self-test takes where nothing is wrong, about.
+const USUAL_CHECK: f32 = 550.0;
 
 /// Names in the console, where the stored name is not the one of a row of residuals.
 const RESIDUAL_NAMES: [&str; ALL.len()] = ["ry1", "ry2", "Pa", "ry12", "sg1", "sg2", "bw1"];
@@ -72,7 +75,9 @@ pub trait Board {
     fn stop(&mut self);
     /// What the last tick said.
     fn status(&self) -> Status;
-    /// The settings in force.
+    /// Ts since the start.
+    fn sample_time(&self) -> Seconds;
+    /// The settings in force, but for the sample time, which is the one of the next start.
     fn config(&self) -> Config;
     /// Puts settings in force on the next tick.
     async fn apply(&mut self, config: &Config) -> Result<(), ApplyError>;
@@ -172,7 +177,10 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         Request::BrownOut => done(out, board.set_brown_out_level()),
         Request::Defaults => defaults(board, out).await,
         Request::Check => match board.check().await {
-            Ok(()) => say(out, "ok, see below for about a minute; it heats a little\n"),
+            Ok(()) => {
+                let _ =
+                    writeln!(out, "ok, see below for about {} min; it heats a little", check_minutes(board));
+            }
             Err(denial) => fail(out, &denial),
         },
         Request::Arm => arm(board, out).await,
@@ -200,6 +208,13 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
     }
 }
 
+/// How long a self-test takes, about.
+fn check_minutes(board: &impl Board) -> u32 {
+    let ts = board.sample_time();
+    let ticks = step_ticks(board.config().identification.answer_time.ticks(ts));
+    (USUAL_CHECK * ticks as f32 * ts.0 / 60.0 + 0.5).max(1.0) as u32
+}
+
 async fn arm(board: &mut impl Board, out: &mut dyn Write) {
     let result = board.command(Command::Arm).await;
     match result {
@@ -212,7 +227,7 @@ fn status(board: &impl Board, out: &mut dyn Write) {
     let status = board.status();
     let _ = writeln!(out, "{status}");
     let Some((record, report)) = &status.last else { return };
-    let sample_time = board.config().sample_time.0;
+    let sample_time = board.sample_time().0;
     match &report.likelihood.finding {
         Some(finding) => {
             let told = Sentence {
@@ -261,6 +276,9 @@ async fn set(name: &str, value: &str, board: &mut impl Board, out: &mut dyn Writ
         return fail(out, &error);
     }
     let _ = writeln!(out, "{resolved} = {}", resolved.value(&config));
+    if config.sample_time != board.sample_time() {
+        say(out, "sample_time is in force from the next start on, once saved\n");
+    }
 }
 
 async fn defaults(board: &mut impl Board, out: &mut dyn Write) {
@@ -282,7 +300,7 @@ fn baseline(baseline: Option<Baseline>, out: &mut dyn Write) {
 }
 
 fn faults(board: &impl Board, out: &mut dyn Write) {
-    let sample_time = board.config().sample_time.0;
+    let sample_time = board.sample_time().0;
     let entries = (0..).map_while(|index| board.fault(index));
     let count = entries.map(|entry| writeln!(out, "{}", EntryText { entry: &entry, sample_time })).count();
     if count == 0 {

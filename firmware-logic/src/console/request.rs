@@ -62,7 +62,7 @@ pub const COMMANDS: [(&str, &str, &str); 15] = [
     ("set", "NAME VALUE", "change a setting at once, until the next start unless saved"),
     ("save", "", "write settings and baseline to flash (heater off only)"),
     ("defaults", "", "all settings as they were made; `save` keeps them"),
-    ("check", "", "self-test of about a minute, which heats a little; `arm` wants it passed"),
+    ("check", "", "self-test of a minute on a fast rig, which heats a little; `arm` wants it passed"),
     ("arm", "", "begin to regulate"),
     ("stop", "", "heater off, in every state; so do the keys Ctrl-C, ESC and !"),
     ("ack", "", "acknowledge a trip or a lockout"),

@@ -4,7 +4,7 @@
 //! `(q0 - q1 + q2 - q3) / 2`, which a steady answer does not move. Without heat all three are noise, slow disturbance of the air
 //! included: that is how each thermistor's own noise is measured, at the very frequency at which the answer is sought.
 
-/// Ticks in a cycle: 4.4 s, so that even with 2 s of dead time the answer falls into its cycle.
+/// Steps in a cycle: 4.4 s where a step is a tick of 110 ms, so that even with 2 s of dead time the answer falls into its cycle.
 pub const CYCLE: u32 = 40;
 const QUARTER: u32 = CYCLE / 4;
 
@@ -18,9 +18,9 @@ pub(super) struct Cycle {
 }
 
 impl Cycle {
-    /// Adds the reading at a tick of the cycle, in degC above some reference near it.
-    pub(super) fn add(&mut self, tick: u32, rise: f32) {
-        if let Some(sum) = self.sums.get_mut((tick / QUARTER) as usize) {
+    /// Adds the reading at a step of the cycle, in degC above some reference near it.
+    pub(super) fn add(&mut self, step: u32, rise: f32) {
+        if let Some(sum) = self.sums.get_mut((step / QUARTER) as usize) {
             *sum += rise;
         }
     }

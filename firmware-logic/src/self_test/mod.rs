@@ -18,6 +18,7 @@ pub mod progress;
 mod rest;
 pub mod stage;
 
+use fdi_core::control::Plant;
 use fdi_core::likelihood::Channel;
 use fdi_core::{Percent, RawSample, Reading, Sample, TripReason, Validity};
 use heapless::Vec;
@@ -37,12 +38,15 @@ pub const MAX_FINDINGS: usize = 8;
 
 /// Cycles at rest that must be calm, one after the other: they measure the noise, too.
 const CALM_CYCLES: u32 = 3;
-/// Cycles (of 4.4 s) that a rig may take to come to rest: 2 minutes.
+/// A step is a tick, or as many as make so many steps of the rig's answer.
+const STEPS: u32 = 40;
+/// Cycles (of 4.4 s where a step is a tick of 110 ms) that a rig may take to come to rest: 2 minutes.
 const WAITING_CYCLES: u32 = 27;
 /// Ticks for which the contactor is closed with no power asked for: a shorted MOSFET then gives all of it. 0.11 s shows on a
 /// strong rig and warms it by 22 degC at most; only what has not shown then, on a weaker one, is given 0.66 and 2.2 s.
 const CLOSED_TICKS: [u32; 3] = [1, 6, 20];
-/// Powers of the pulses in %, stepped up until one is answered: the rig's gain may be anywhere from 0.05 to 1 degC per %.
+/// Powers of the pulses in %, stepped up until one is answered: the rig's gain may be anywhere from 0.05 to 1 degC per %. Of a rig
+/// that is said to be stronger they are divided by its gain.
 pub const LEVELS: [f32; 4] = [2.5, 5.0, 10.0, 20.0];
 /// Cycles by which order and silence are judged; at the largest power so many more where the noise asks for it.
 const ORDER_CYCLES: u32 = 4;
@@ -56,7 +60,7 @@ const MAX_LOST: u32 = 5;
 const MAX_DOUBTS: u32 = CYCLE / 10;
 /// Codes this close are no movement: half of the converter's step, on the mean of many.
 const STILL: f32 = 0.5;
-/// Ticks that no check can exceed.
+/// Steps that no check can exceed.
 pub const LONGEST: u32 = CYCLE
     * (WAITING_CYCLES
         + CALM_CYCLES
@@ -66,12 +70,21 @@ pub const LONGEST: u32 = CYCLE
         + 1
         + MOST_CYCLES);
 
+/// Ticks of a step, where the rig's answer takes `answer_ticks`.
+pub fn step_ticks(answer_ticks: u32) -> u32 {
+    (answer_ticks / STEPS).max(1)
+}
+
 /// A check that is under way.
 #[derive(Clone, Debug)]
 pub struct SelfTest {
     stage: Stage,
-    /// Tick of the cycle, cycles of the stage, ticks of all.
+    /// Ticks of a step, and what the powers are divided by.
+    step_ticks: u32,
+    gain: f32,
+    /// Tick of the step, step of the cycle, cycles of the stage, ticks of all.
     tick: u32,
+    step: u32,
     cycles: u32,
     elapsed: u32,
     /// Cycles without heat, at the beginning.
@@ -104,8 +117,8 @@ struct Reported {
 }
 
 impl SelfTest {
-    /// Begins with what the interlock's proof gave.
-    pub fn new(proof: Proof) -> Self {
+    /// Begins with what the interlock's proof gave, on a rig of which the settings say this.
+    pub fn new(proof: Proof, plant: &Plant) -> Self {
         let mut findings = Vec::new();
         let found = match proof {
             Proof::OpenHolds => Some(CheckFinding::InterlockOpen),
@@ -119,7 +132,10 @@ impl SelfTest {
         }
         Self {
             stage: Stage::Rest,
+            step_ticks: step_ticks(plant.answer_ticks),
+            gain: plant.gain.max(1.0),
             tick: 0,
+            step: 0,
             cycles: 0,
             elapsed: 0,
             waited: 0,
@@ -181,24 +197,36 @@ impl SelfTest {
         self.look(sample, raw);
         if let Some(finding) = self.danger(sample, hazard) {
             self.fail(finding);
-        } else if self.elapsed > LONGEST {
+        } else if self.is_too_long() {
             self.end();
         } else {
             self.tick += 1;
-            if self.tick >= CYCLE {
-                self.tick = 0;
-                self.end_cycle(hazard);
-                self.cycle = [Cycle::default(); 3];
+            if self.tick >= self.step_ticks {
+                self.end_step(hazard);
             }
         }
         self.output()
+    }
+
+    fn is_too_long(&self) -> bool {
+        self.elapsed > LONGEST.saturating_mul(self.step_ticks)
+    }
+
+    fn end_step(&mut self, hazard: Option<TripReason>) {
+        self.tick = 0;
+        self.step += 1;
+        if self.step >= CYCLE {
+            self.step = 0;
+            self.end_cycle(hazard);
+            self.cycle = [Cycle::default(); 3];
+        }
     }
 
     /// Follows readings and codes.
     fn look(&mut self, sample: &Sample, raw: &RawSample) {
         let readings = [sample.t0, sample.t1, sample.t2];
         let codes = [raw.t0.0, raw.t1.0, raw.t2.0];
-        let (tick, fresh) = (self.tick, self.elapsed == 1);
+        let (first, step, fresh) = (self.tick == 0, self.step, self.elapsed == 1);
         let seen = readings.iter().zip(codes).zip(&mut self.last).zip(&mut self.lost).zip(&mut self.codes);
         for ((((reading, code), last), lost), extremes) in seen {
             if reading.validity == Validity::Good {
@@ -219,7 +247,9 @@ impl SelfTest {
                 resting.see(reading.celsius.0, reading.validity);
             }
             // Not a number until the first good reading: that cycle counts for nothing, as its doubts are too many.
-            cycle.add(tick, if last.is_finite() { last - *start } else { 0.0 });
+            if first {
+                cycle.add(step, if last.is_finite() { last - *start } else { 0.0 });
+            }
         }
     }
 
@@ -258,7 +288,7 @@ impl SelfTest {
 
     fn end(&mut self) {
         let failures = self.findings.iter().filter(|finding| !finding.is_note()).count();
-        let passed = failures == 0 && self.elapsed <= LONGEST;
+        let passed = failures == 0 && !self.is_too_long();
         self.abort(if passed { Ending::Passed } else { Ending::Failed(failures as u8) });
     }
 
@@ -284,7 +314,7 @@ impl SelfTest {
         for ((resting, cycle), start) in self.resting.iter_mut().zip(&self.cycle).zip(&mut self.start) {
             resting.end_cycle(*start + cycle.mean());
         }
-        if rest::broken(&self.resting, MAX_DOUBTS, &mut self.findings) {
+        if rest::broken(&self.resting, MAX_DOUBTS * self.step_ticks, &mut self.findings) {
             return self.end();
         }
         self.waited += 1;
@@ -389,13 +419,16 @@ impl SelfTest {
 
     /// What the output is to be at this tick of this cycle.
     fn output(&self) -> Output {
-        let heated = self.tick < CYCLE / 2;
-        let level = LEVELS.get(self.level).copied().unwrap_or(0.0);
+        let heated = self.step < CYCLE / 2;
+        let level = LEVELS.get(self.level).copied().unwrap_or(0.0) / self.gain;
         let power = Percent(if heated { level } else { 0.0 });
         let closed_ticks = CLOSED_TICKS.get(self.cycles as usize).copied().unwrap_or(0);
         match self.stage {
             Stage::Rest | Stage::Cooling | Stage::Settle | Stage::Over => Output::Off,
-            Stage::MosfetOff => Output::On { power: Percent(0.0), contactor: self.tick < closed_ticks },
+            Stage::MosfetOff => Output::On {
+                power: Percent(0.0),
+                contactor: self.step * self.step_ticks + self.tick < closed_ticks,
+            },
             Stage::Pulses | Stage::Order => Output::On { power, contactor: true },
             Stage::ContactorOpen => Output::On { power, contactor: false },
         }

@@ -19,6 +19,7 @@ use fdi_core::{Config, ConfigError, Setting};
 
 use super::bits;
 use super::table::Table;
+use crate::cadence::SAMPLE_TIMES;
 use crate::crc::CRC32;
 use crate::explain::Explained;
 
@@ -26,9 +27,6 @@ use crate::explain::Explained;
 pub const MAX_BYTES: usize = 1152;
 /// Changes when the layout does, not when settings come or go.
 pub const VERSION: u8 = 1;
-/// Ts of the board. The timers are set for it, so it is no setting there.
-pub const SAMPLE_TIME: f32 = 0.11;
-
 /// What is kept.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stored {
@@ -71,10 +69,11 @@ impl fmt::Display for StoredError {
 /// # Errors
 /// The first parameter that is out of bounds.
 pub fn check(config: &Config) -> Result<(), ConfigError> {
-    let (value, fixed) = (config.sample_time.0, SAMPLE_TIME);
-    if value != fixed {
-        return Err(ConfigError::OutOfRange { name: "sample_time", value, min: fixed, max: fixed });
+    let (value, [min, max]) = (config.sample_time.0, SAMPLE_TIMES);
+    if !(value >= min && value <= max) {
+        return Err(ConfigError::OutOfRange { name: "sample_time", value, min, max });
     }
+    config.validate_times()?;
     // One half after the other, so that only one lies on the stack.
     Controller::new(config).map(drop)?;
     Diagnosis::new(config).map(drop)

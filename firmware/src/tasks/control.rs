@@ -1,8 +1,10 @@
-//! Every 110 ms: sample, decide, drive. Then tell the diagnosis.
+//! Every Ts: sample, decide, drive. Then tell the diagnosis. Where Ts is long, looks between two ticks, for what must not wait.
 
 use core::sync::atomic::Ordering;
 
-use firmware_logic::cadence::{Cadence, PERIOD};
+use core::num::NonZeroU32;
+
+use firmware_logic::cadence::Cadence;
 use firmware_logic::control_loop::{ControlLoop, Order, TickRecord, next_order};
 use firmware_logic::task_watchdog::Task;
 use heapless::spsc::{Consumer, Producer};
@@ -15,24 +17,39 @@ use crate::link;
 /// The control half of the instrument.
 #[embassy_executor::task]
 pub(crate) async fn control(
+    period: NonZeroU32,
     mut control: ControlLoop,
     mut heater: HeaterOutput,
     mut inputs: Inputs,
     mut records: Producer<'static, TickRecord>,
     mut orders: Consumer<'static, Order>,
 ) {
-    let mut cadence = Cadence::new(PERIOD, tick_timer::now().wrapping_add(PERIOD.get()));
+    let mut cadence = Cadence::new(period, tick_timer::now().wrapping_add(period.get()));
     loop {
-        tick_timer::until(cadence.due()).await;
-        let arrival = cadence.arrive(tick_timer::now());
-        for _ in 0..arrival.missed_ticks() {
-            link::send(&mut records, control.missed(arrival, &mut heater));
+        let look = cadence.look(tick_timer::now());
+        let due = look.unwrap_or(cadence.due());
+        tick_timer::until(due).await;
+        let arrival = look.is_none().then(|| cadence.arrive(tick_timer::now()));
+        if let Some(arrival) = arrival {
+            for _ in 0..arrival.missed_ticks() {
+                link::send(&mut records, control.missed(arrival, &mut heater));
+            }
         }
         let raw = inputs.sample(tick_timer::now()).await;
+        let Some(arrival) = arrival else {
+            control.look(raw, &mut heater);
+            done(cadence.deadline(due));
+            continue;
+        };
         let order = next_order(link::STOP.swap(false, Ordering::Relaxed), &mut orders);
         let record = control.tick(raw, arrival, order, link::feedback(), &mut heater);
-        tick_timer::set_deadline(arrival.deadline());
-        link::check_in(Task::Control);
+        done(cadence.deadline(arrival.due));
         link::send(&mut records, record);
     }
+}
+
+/// A look or a tick is done; the next must be by `deadline`, in µs.
+fn done(deadline: u32) {
+    tick_timer::set_deadline(deadline);
+    link::check_in(Task::Control);
 }

@@ -10,7 +10,9 @@ use toml::{Table, Value};
 use super::cell::Cell;
 use super::definition::{Campaign, CellDefinition, Expect, Plant, matches};
 use crate::experiment::scenario::Scenario;
+use crate::experiment::slowness;
 use crate::score::expectation::Expectation;
+use crate::settings::{merge, preset};
 
 impl Campaign {
     /// All cells.
@@ -48,6 +50,7 @@ impl Campaign {
     ) -> anyhow::Result<Cell> {
         let definition = variant.definition;
         let mut config = base.clone();
+        merge(&mut config, &variant.plant.preset()?);
         merge(&mut config, &variant.plant.config);
         merge(&mut config, &definition.config);
         for (key, value) in values {
@@ -67,6 +70,8 @@ impl Campaign {
             faults: variant.faults.clone(),
             actions: definition.actions.clone(),
         };
+        let slowness = if variant.plant.instrument.is_some() { slowness(&config) } else { 1.0 };
+        let scenario = scenario.slowed(slowness);
         scenario.validate()?;
         let is_fault = scenario.faults.first().is_some_and(|f| Expectation::of(f).class.is_some());
         let expect = definition.expect.unwrap_or(if is_fault { Expect::Fault } else { Expect::Silence });
@@ -74,7 +79,7 @@ impl Campaign {
         let own = scenario.faults.first().filter(|_| expect == Expect::Fault);
         let own = own.and_then(|f| Expectation::of(f).class).into_iter();
         let right = if definition.right.is_empty() { own.collect() } else { definition.classes()? };
-        let phase = definition.phase;
+        let phase = definition.phase * slowness;
         ensure!((0.0..=1e4).contains(&phase), "phase is {phase}, expected 0 to 10000 s");
         ensure!(definition.runs > 0, "runs is 0, expected 1 or more");
         definition.check_draws(&config)?;
@@ -173,6 +178,7 @@ impl CellDefinition {
                 name: String::new(),
                 noise: 1.0,
                 rig: RigConfig::default(),
+                instrument: None,
                 config: Table::new(),
             });
         }
@@ -202,21 +208,19 @@ impl CellDefinition {
 }
 
 impl Plant {
+    /// What the settings of its instrument change.
+    fn preset(&self) -> anyhow::Result<Table> {
+        let Some(name) = &self.instrument else { return Ok(Table::new()) };
+        let preset = preset(name)?;
+        ensure!(!preset.is_empty(), "instrument is {name:?}, expected a preset with settings of its own");
+        Ok(preset)
+    }
+
     fn noisy_rig(&self) -> RigConfig {
         RigConfig {
             turbulence: self.rig.turbulence * self.noise,
             white_noise: self.rig.white_noise * self.noise,
             ..self.rig.clone()
-        }
-    }
-}
-
-/// Puts every key of `over` into `table`.
-fn merge(table: &mut Table, over: &Table) {
-    for (key, value) in over {
-        match (table.get_mut(key), value) {
-            (Some(Value::Table(inner)), Value::Table(over)) => merge(inner, over),
-            _ => drop(table.insert(key.clone(), value.clone())),
         }
     }
 }

@@ -1,7 +1,9 @@
 //! `pt326 config`: the settings of the instrument.
 
+use clap::builder::PossibleValuesParser;
+
 use super::terminal::print;
-use crate::settings::{commented_toml, markdown};
+use crate::settings::{PRESET_TEXTS, commented_toml, markdown};
 
 /// Arguments of `config`.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -9,6 +11,14 @@ pub struct ConfigArgs {
     /// Print a table in Markdown instead.
     #[arg(long)]
     pub markdown: bool,
+    /// Print the settings that belong to a plant (oven, hotend, tclab) instead: those that are not the defaults.
+    #[arg(long, value_name = "NAME", conflicts_with = "markdown", value_parser = plants())]
+    pub preset: Option<String>,
+}
+
+/// The names of the plants.
+fn plants() -> PossibleValuesParser {
+    PRESET_TEXTS.map(|(name, _)| name).into()
 }
 
 /// Prints all settings with their defaults.
@@ -16,5 +26,9 @@ pub struct ConfigArgs {
 /// # Errors
 /// Standard output cannot be written.
 pub fn run(args: &ConfigArgs) -> anyhow::Result<()> {
-    print(&if args.markdown { markdown() } else { commented_toml() })
+    let preset = PRESET_TEXTS.iter().find(|(name, _)| args.preset.as_deref() == Some(*name));
+    match preset {
+        Some((_, text)) => print(text),
+        None => print(&if args.markdown { markdown() } else { commented_toml() }),
+    }
 }

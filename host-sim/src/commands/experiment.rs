@@ -6,8 +6,8 @@ use clap::Args;
 use fdi_core::Config;
 use pt326_rig::{Disturbance, RigConfig};
 
-use crate::experiment::FaultSize;
 use crate::experiment::scenario::{self, Scenario};
+use crate::experiment::{FaultSize, slowness};
 use crate::settings;
 
 /// What describes an experiment.
@@ -21,7 +21,9 @@ pub struct ExperimentArgs {
     #[arg(long, default_value = "nominal", allow_negative_numbers = true)]
     pub fault_size: FaultSize,
     /// The rig of this name: paper (the reference rig), trainer (what a real rig has besides, moderate), harsh (strong),
-    /// recorded (fitted to a real PT-326). In a scenario, `preset` in the section of the rig does the same and other keys change it.
+    /// recorded (fitted to a real PT-326); oven, hotend, tclab (other plants: with their settings, see `pt326 config --preset`, and an
+    /// experiment of as many samples). In a scenario, `preset` in the section of the rig does the same to the rig, and other
+    /// keys change it.
     #[arg(long, value_name = "NAME", conflicts_with = "scenario")]
     pub preset: Option<String>,
     /// Settings of the instrument, TOML; see `pt326 config`.
@@ -38,10 +40,12 @@ impl ExperimentArgs {
     /// # Errors
     /// The file, line, key or value that is wrong.
     pub fn load(&self) -> anyhow::Result<(Config, Scenario)> {
-        let config = settings::read(self.config.as_deref())?;
+        let preset = self.preset.as_deref();
+        let table = preset.map(settings::preset).transpose()?.unwrap_or_default();
+        let config = settings::read_over(table, self.config.as_deref())?;
         let mut scenario = scenario::read_scenario(self.scenario.as_deref())?;
-        if let Some(name) = &self.preset {
-            scenario.rig = RigConfig::preset(name)?;
+        if let Some(name) = preset {
+            scenario = Scenario { rig: RigConfig::preset(name)?, ..scenario }.slowed(slowness(&config));
         }
         scenario.disturbance = self.disturbance.unwrap_or(scenario.disturbance);
         scenario.faults = scenario.faults.iter().map(|fault| self.fault_size.apply(fault)).collect();

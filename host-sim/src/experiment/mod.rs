@@ -153,6 +153,11 @@ pub fn as_written(x: f32) -> f64 {
     x.to_string().parse().unwrap_or(f64::from(x))
 }
 
+/// How much slower than the default an instrument samples: an experiment takes as many samples on every plant.
+pub fn slowness(config: &Config) -> f64 {
+    as_written(config.sample_time.0) / as_written(Config::default().sample_time.0)
+}
+
 /// Runs a scenario on an instrument of our own, its excitation begun where the seed says.
 ///
 /// # Errors

@@ -108,6 +108,20 @@ impl Scenario {
         *self == Self { disturbance: self.disturbance, ..Self::default() }
     }
 
+    /// The same on a plant that is `factor` times slower: all times are longer by it.
+    pub fn slowed(mut self, factor: f64) -> Self {
+        self.duration *= factor;
+        self.arm_at *= factor;
+        for fault in &mut self.faults {
+            *fault = fault.slowed(factor);
+        }
+        for action in &mut self.actions {
+            action.at *= factor;
+            action.over = action.over.map(|over| over * factor);
+        }
+        self
+    }
+
     /// Checks everything.
     ///
     /// # Errors
@@ -248,8 +262,8 @@ mod tests {
         expected.gain = 0.4;
         expected.wall.time = 12.0;
         assert_eq!(scenario.rig, expected);
-        let error = toml::from_str::<Scenario>("[rig]\npreset = \"oven\"").unwrap_err().to_string();
-        assert!(error.contains("oven") && error.contains("paper, trainer, harsh, recorded"), "{error}");
+        let error = toml::from_str::<Scenario>("[rig]\npreset = \"kettle\"").unwrap_err().to_string();
+        assert!(error.contains("kettle") && error.contains("paper, trainer, harsh, recorded"), "{error}");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! setting is called, does, and may be comes from its declaration in `fdi-core`.
 
 mod markdown;
+mod preset;
 mod toml_text;
 
 use std::path::Path;
@@ -12,6 +13,7 @@ use fdi_core::{Config, Setting};
 use toml::Table;
 
 pub use markdown::markdown;
+pub use preset::{TEXTS as PRESET_TEXTS, preset};
 pub use toml_text::commented_toml;
 
 /// Reads a configuration; keys that the file leaves out have their defaults. Without a path all have.
@@ -19,12 +21,35 @@ pub use toml_text::commented_toml;
 /// # Errors
 /// The file, and the line and key that are wrong.
 pub fn read(path: Option<&Path>) -> anyhow::Result<Config> {
-    let Some(path) = path else { return Ok(Config::default()) };
+    read_over(Table::new(), path)
+}
+
+/// The same over the settings of a preset, which are those of the keys that the file leaves out.
+///
+/// # Errors
+/// The file, and the line and key that are wrong.
+pub fn read_over(preset: Table, path: Option<&Path>) -> anyhow::Result<Config> {
+    let Some(path) = path else { return from_table(preset) };
     let place = || path.display().to_string();
     let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", place()))?;
-    let config = parse(&text).with_context(place)?;
+    let mut config = parse(&text).with_context(place)?;
+    if !preset.is_empty() {
+        let mut table = preset;
+        merge(&mut table, &text.parse().with_context(place)?);
+        config = from_table(table).with_context(place)?;
+    }
     fdi_core::Instrument::new(&config).with_context(place)?;
     Ok(config)
+}
+
+/// Puts every key of `over` into `table`.
+pub fn merge(table: &mut Table, over: &Table) {
+    for (key, value) in over {
+        match (table.get_mut(key), value) {
+            (Some(toml::Value::Table(inner)), toml::Value::Table(over)) => merge(inner, over),
+            _ => drop(table.insert(key.clone(), value.clone())),
+        }
+    }
 }
 
 /// Reads a configuration from text, without a check of its bounds.
@@ -91,7 +116,9 @@ fn short(x: f32) -> String {
 
 /// The form that a value has, with its numbers.
 fn form(kind: Kind, value: Value) -> Option<(&'static Form, Vec<f32>)> {
-    let (Kind::Choice(forms), Value::Choice { form, numbers }) = (kind, value) else { return None };
+    let (Kind::Choice(forms), Value::Choice { form, numbers }) = (kind, value) else {
+        return None;
+    };
     let form = forms.get(form)?;
     Some((form, numbers[..form.numbers.len()].to_vec()))
 }

@@ -137,6 +137,21 @@ impl Fault {
         Self { name: String::new(), verb, sensor, size, lag: None, with: None, over: None, at, duration }
     }
 
+    /// The same on a plant that is `factor` times slower: all of its times are longer by it, and what grows by the minute grows
+    /// slower.
+    pub fn slowed(&self, factor: f64) -> Self {
+        let longer = |time: f64| time * factor;
+        let grows = matches!(self.verb, Verb::Drift | Verb::AmbientDrift);
+        Self {
+            size: self.size.map(|size| if grows { size / factor } else { size }),
+            lag: self.lag.map(longer),
+            over: self.over.map(longer),
+            at: longer(self.at),
+            duration: longer(self.duration),
+            ..self.clone()
+        }
+    }
+
     /// Whether it acts at a time.
     pub fn is_active(&self, t: f64) -> bool {
         t >= self.at && t < self.end()

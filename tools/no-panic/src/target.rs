@@ -71,11 +71,15 @@ extern "C" fn every_tick() {
     );
     let control = unknown(&mut memory.0);
     let diagnosis = unknown(&mut memory.1);
-    let arrival: Arrival = unknown(&mut memory.2).arrive(black_box(1));
+    let cadence = unknown(&mut memory.2);
+    black_box(cadence.look(black_box(1)));
+    let arrival: Arrival = cadence.arrive(black_box(1));
+    black_box(cadence.deadline(arrival.due));
 
     let mut mean = black_box(Mean::default());
     mean.push(black_box(Some(1)));
     let raw = black_box(RawSample { t0: mean.code(), ..RawSample::default() });
+    control.look(raw, &mut Output);
     black_box(control.missed(arrival, &mut Output));
     let mut waiting: Queue<Order, 2> = Queue::new();
     let (mut give, mut orders) = waiting.split();

@@ -79,6 +79,9 @@ pub struct Plant {
     /// Its constants, as in a scenario.
     #[serde(default)]
     pub rig: RigConfig,
+    /// The name of a preset of the instrument (`oven`, `hotend`, `tclab`) whose settings go with it; all times of a cell are longer by
+    /// the ratio of the sample times.
+    pub instrument: Option<String>,
     /// Settings of the instrument that go with it, as in a configuration.
     #[serde(default)]
     pub config: Table,
@@ -189,7 +192,7 @@ mod tests {
         expected.gain = 0.4;
         expected.fan.hunting = 0.0;
         assert_eq!(harsh, expected);
-        let error = plant("{ preset = \"oven\" }").unwrap_err().to_string();
-        assert!(error.contains("oven") && error.contains("harsh, recorded"), "{error}");
+        let error = plant("{ preset = \"kettle\" }").unwrap_err().to_string();
+        assert!(error.contains("kettle") && error.contains("harsh, recorded"), "{error}");
     }
 }

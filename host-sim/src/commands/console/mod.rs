@@ -175,8 +175,8 @@ mod tests {
 
     #[test]
     fn what_the_board_refuses_is_refused_here() {
-        let said = session("set sample_time 0.2\nget sample_time\nsave\n");
-        assert!(said.contains("error: sample_time is 0.2, expected 0.11 to 0.11"), "{said}");
+        let said = session("set sample_time 9\nget sample_time\nsave\n");
+        assert!(said.contains("error: sample_time is 9, expected 0.05 to 5"), "{said}");
         assert!(said.contains("> get sample_time\nsample_time = 0.11"), "{said}");
         assert!(said.ends_with("> save\nok\n"), "{said}");
     }

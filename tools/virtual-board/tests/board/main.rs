@@ -15,6 +15,7 @@ mod last_gasp;
 mod log;
 mod paper;
 mod pins;
+mod sample_time;
 mod sampling;
 mod settings;
 mod supply;

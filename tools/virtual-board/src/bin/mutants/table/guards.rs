@@ -12,6 +12,7 @@ const CLOCK: &str = "firmware/src/hardware/clock.rs";
 const START: &str = "firmware/src/start.rs";
 
 const HANGS: &[&str] = &["heater_off::control_task_hangs", "heater_off::control_interrupt_disabled"];
+const LONG: &[&str] = &["sample_time::the_heater_is_off_as_soon"];
 const MASKED: &[&str] = &["heater_off::all_interrupts_masked"];
 
 pub(super) const MUTANTS: &[Mutant] = &[
@@ -33,8 +34,29 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "deadline-late",
         "the same, for 880 ms",
         "firmware-logic/src/cadence.rs",
-        ["const DEADLINE_US: u32 = 4 * PERIOD.get();", "const DEADLINE_US: u32 = 8 * PERIOD.get();"],
+        ["const DEADLINE_WAITS: u32 = 4;", "const DEADLINE_WAITS: u32 = 8;"],
         HANGS,
+    ),
+    mutant(
+        "deadline-by-the-period",
+        "with a long sample time, a control task that hangs heats on for four of them",
+        "firmware-logic/src/cadence.rs",
+        ["self.period.get().min(LONGEST_WAIT)", "self.period.get()"],
+        LONG,
+    ),
+    mutant(
+        "no-look-between-ticks",
+        "with a long sample time, what is too hot heats on until the next tick",
+        "firmware-logic/src/cadence.rs",
+        ["far.then(||", "(far && false).then(||"],
+        LONG,
+    ),
+    mutant(
+        "look-does-not-cut",
+        "the same",
+        "firmware-logic/src/control_loop.rs",
+        ["self.controller.must_cut(&self.state, raw)", "self.controller.must_cut(&self.state, raw) && false"],
+        LONG,
     ),
     mutant(
         "deadline-below-control",
@@ -212,10 +234,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "order-waits-for-ever",
         "a console that waits for an answer starves the watchdog",
         "firmware/src/shared.rs",
-        [
-            "const ANSWER_DEADLINE: Duration = Duration::from_millis(400);",
-            "const ANSWER_DEADLINE: Duration = Duration::from_secs(400);",
-        ],
+        ["const WAIT_MS: u32 = 400;", "const WAIT_MS: u32 = 400_000;"],
         &["console::an_order"],
     ),
     mutant(

@@ -123,22 +123,23 @@ impl Rig {
         let heat = power * (1.0 + self.get(Curvature) * (power - 30.0) / 20.0);
         let delay1 = self.get(Delay1) * (0.25 + 0.75 / flow) - self.lead;
         let delays = [delay1, delay1 + self.get(Delay2) / flow];
-        let lags = [self.get(Lag1).exp(), self.get(Lag2).exp()];
-        let wall = self.get(WallTime).exp();
+        // Exact for an input that is constant over a small step; midpoints for what varies.
+        let share = |time: f64| 1.0 - (-dt / time).exp();
+        let [heater, lag1, lag2, wall] = [Heater, Lag1, Lag2, WallTime].map(|which| self.get(which).exp());
+        let shares = (share(heater / film), [share(lag1), share(lag2)], share(wall));
         for _ in 0..STEPS {
-            // Exact for an input that is constant over a small step; midpoints for what varies.
-            let share = |time: f64| 1.0 - (-dt / time).exp();
-            self.x += share(self.get(Heater).exp() / film) * (heat / film - self.x);
+            self.x += shares.0 * (heat / film - self.x);
             self.air.push(self.x * film / flow);
             for i in 0..2 {
                 let air = self.earlier(delays[i] + 0.5 * dt);
                 let before = self.m[i];
-                self.m[i] += share(lags[i]) * (air - before);
-                self.w[i] += share(wall) * (0.5 * (before + self.m[i]) - self.w[i]);
+                self.m[i] += shares.1[i] * (air - before);
+                self.w[i] += shares.2 * (0.5 * (before + self.m[i]) - self.w[i]);
             }
         }
-        let surplus = self.air.len() - KEPT * STEPS;
-        self.air.drain(..surplus);
+        if self.air.len() > 2 * KEPT * STEPS {
+            self.air.drain(..KEPT * STEPS);
+        }
         let gain = self.get(Gain).exp();
         let reaches = 1.0 - (1.0 - self.get(Reaches2)) / flow;
         let slow = [self.get(Wall1), self.get(Wall1) + self.get(Wall2)];

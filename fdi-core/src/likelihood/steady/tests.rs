@@ -61,7 +61,7 @@ impl Run {
     fn ticks(&mut self, n: usize, residual: impl Fn(usize, &Row) -> [f32; 2]) {
         let c = constants();
         for k in 0..n {
-            if self.ticks % 2 == 0 {
+            if self.ticks.is_multiple_of(2) {
                 self.bit = if self.random.uniform() > 0.5 { 5.0 } else { -5.0 };
             }
             self.ticks += 1;

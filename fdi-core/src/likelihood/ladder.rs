@@ -80,6 +80,11 @@ impl Ladder {
         z
     }
 
+    /// What is left of a constant residual of either by itself, as a share.
+    pub(super) fn rest(&self) -> [f32; 2] {
+        [1.0 - self.own1.iter().sum::<f32>(), 1.0 - self.own2.iter().sum::<f32>()]
+    }
+
     /// What the past lets expect; of e2 with e1 of this tick.
     #[inline(always)]
     pub(super) fn expected(&self, past: &Past, e1: f32) -> [f32; 2] {

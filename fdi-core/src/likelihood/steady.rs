@@ -15,6 +15,8 @@ use crate::filter::LowPass;
 
 /// What the mean of a residual may be off by, degC.
 const MEAN_SD: f32 = 0.1;
+/// And by which share of the distance of the rise from where training took place.
+const AWAY: f32 = 0.02;
 /// Evidence is divided by so much.
 pub(super) const KAPPA: f32 = 3.0;
 /// The fast band counts so much where a size is estimated: its sensitivities are what the model knows worst.
@@ -54,6 +56,8 @@ pub(super) struct Steady {
     /// Means of the residuals that count as trained, degC, and whether they are to be taken anew.
     base: [f32; 2],
     rebasing: bool,
+    /// Rise of T1 at which training took place, degC.
+    trained: f32,
     ticks: u32,
 }
 
@@ -74,6 +78,7 @@ impl Steady {
             referred: false,
             base: [0.0; 2],
             rebasing: false,
+            trained: rise,
             ticks: 0,
         }
     }
@@ -216,7 +221,8 @@ impl Steady {
         normal.explain(&self.reference);
         normal.scale(fast);
         let e = [self.mean_e[0] - self.base[0], self.mean_e[1] - self.base[1]];
-        normal.add(&self.mean, e, KAPPA / (MEAN_SD * MEAN_SD));
+        let away = AWAY * (self.mean[Column::Power as usize][0] - self.trained);
+        normal.add(&self.mean, e, KAPPA / (MEAN_SD * MEAN_SD + away * away));
         normal
     }
 }

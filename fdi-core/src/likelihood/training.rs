@@ -58,13 +58,15 @@ const LEAST_SIGMA: f32 = 0.02;
 const NOISE_VARIANCE: f32 = SIGMA * SIGMA / (1.0 - RHO * RHO);
 /// How much vaguer a tick is than its noise; at first by a share of the rise, dying out within so many answer times: the model is still wrong.
 const VAGUE: f32 = 2.25;
-const FIRST_ERROR: f32 = 0.05;
+const FIRST_ERROR: f32 = 0.1;
 const FIRST_ANSWERS: f32 = 6.0;
 /// No tick moves a parameter by more than this share of its prior, nor counts for more than so many standard deviations.
 const LARGEST_STEP: f32 = 0.3;
 const LIMIT: f32 = 4.0;
 /// Longest dead time of T1 and T2 together, ticks: the transport holds it for a lower air flow, too.
 const LONGEST_DELAY: f32 = 0.7 * LONGEST;
+/// What is not learnt before the lags are.
+const HELD: [Parameter; 3] = [Parameter::Curvature, Parameter::Offset1, Parameter::Offset2];
 /// What the first heat alone shows well, and the least variance that all others begin learning with, of their prior's.
 const STANDS: [usize; 3] =
     [Parameter::Offset1 as usize, Parameter::Offset2 as usize, Parameter::Curvature as usize];
@@ -373,7 +375,10 @@ impl Filter {
                 self.noise[m].follow(e[m], self.residual[m]);
             }
             if !learning {
-                gradient[m][Parameter::Curvature as usize] = 0.0; // the first heat fits anything as long as the lags are wrong
+                // The first heat fits anything as long as the lags are wrong.
+                for held in HELD {
+                    gradient[m][held as usize] = 0.0;
+                }
             }
             let (rho, sigma) = self.noise[m].whitening();
             let wrong = first * (y[m] - offsets[m]);

@@ -123,6 +123,8 @@ pub(super) struct WatchState {
     fast: [Sums; 2],
     slow: Sums,
     swing: [f32; 2],
+    /// Rise of T1 at which training took place, degC.
+    trained: f32,
     /// T0 and its mean, and what its motion may have been at T1 and at T2, degC.
     inlet: Option<(f32, f32, [f32; 2])>,
     onset: Onset,
@@ -216,6 +218,7 @@ impl Watch {
             fast: Default::default(),
             slow: Sums::default(),
             swing: [trained.rise, 0.0],
+            trained: trained.rise,
             inlet: None,
             onset: Onset::default(),
             since: Normal::default(),
@@ -344,7 +347,7 @@ impl Watch {
         if s.ticks < FIRST_TICKS {
             (z, z_trained) = ([0.0; 2], [0.0; 2]);
         }
-        let widened = self.widened(s, now.rises.y[0] + s.parameters.get(Parameter::Offset1));
+        let widened = self.widened(s, s.expected[0]);
         let clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
         if let Some(at) = std::env::var_os("FDI_AT") { let at: f32 = at.to_str().unwrap().parse().unwrap(); if (tick as f32 * self.sample_time - at).abs() < 1.2 { std::eprintln!("AT {:.2} e {:?} known {:?} left {:?} z {:?} clipped {:?}", tick as f32*self.sample_time, e, known, left, z, clipped); } } // DEBUG
         let charted = self.chart(s, if s.ticks < FIRST_TICKS { [0.0; 2] } else { clipped }, widened);
@@ -366,7 +369,7 @@ impl Watch {
         if quiet && (settling || larger(charted.fast, charted.slow) < TRACK_BELOW) {
             s.tracker.step(&whitened, [bounded(z[0], -CLIP, CLIP), bounded(z[1], -CLIP, CLIP)]);
         }
-        if quiet && s.rests == 0 && !settling && s.ticks > FIRST_TICKS {
+        if quiet && s.rests == 0 && !settling && s.swing[1] < SWING && s.ticks > FIRST_TICKS {
             s.steady.gather(&s.pace.steady, row, &whitened, e, z_trained);
             self.judge_lasting(s, tick);
         }
@@ -379,7 +382,9 @@ impl Watch {
         let kept = *swing * (1.0 - s.pace.swing.share());
         *swing = larger(kept, (rise - *mean).abs());
         let moved = self.model_uncertainty * larger(0.0, *swing - SWING);
-        [moved * s.ladder.inv_sigma[0], moved * s.ladder.inv_sigma[1]]
+        let away = self.model_uncertainty * (*mean - s.trained).abs();
+        let rest = s.ladder.rest();
+        core::array::from_fn(|m| (moved + away * rest[m]) * s.ladder.inv_sigma[m])
     }
 
     fn chart(&self, s: &mut WatchState, z: [f32; 2], widened: [f32; 2]) -> Charted {

@@ -200,3 +200,6 @@ fn along(b: &[f32; COUNT], p: Direction) -> f32 {
     let ([i, j], [first, second]) = (p.columns(), p.weights());
     first * b[i] + second * b[j]
 }
+
+#[cfg(test)]
+mod tests;

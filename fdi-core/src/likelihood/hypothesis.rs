@@ -223,3 +223,6 @@ pub(super) fn since_training(wander: &[f32; 4]) -> [Nuisance; 10] {
     }
     nuisances
 }
+
+#[cfg(test)]
+mod tests;

@@ -195,7 +195,7 @@ impl ResidualStatistics {
         let [a0, a1, a2, a3, a4] = ahead;
         let (c2, variance2) = regression(rows, ALL, [own2[1], own2[2], own2[3], a0, a1, a2, a3, a4], own2[0]);
         let sigma = [variance1, variance2].map(|variance| larger(LEAST_SIGMA, sqrt(variance)));
-        if !sigma.iter().all(|sigma| sigma.is_finite()) {
+        if !sigma.iter().chain(&c1).chain(&c2).all(|x| x.is_finite()) {
             return Err(RejectReason::PoorFit);
         }
         Ok(Ladder {
@@ -217,3 +217,6 @@ fn regression(rows: [[f32; ALL]; ALL], n: usize, cross: [f32; ALL], variance: f3
     let explained: f32 = (0..n).map(|i| c[i] * cross[i]).sum();
     (c, variance - explained)
 }
+
+#[cfg(test)]
+mod tests;

@@ -173,3 +173,6 @@ impl Onset {
 
 /// The columns of the sensors.
 pub(super) const SENSORS: core::ops::Range<usize> = Column::Offset1 as usize..Column::Wall as usize;
+
+#[cfg(test)]
+mod tests;

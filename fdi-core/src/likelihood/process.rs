@@ -209,3 +209,6 @@ impl Process {
         rises
     }
 }
+
+#[cfg(test)]
+mod tests;

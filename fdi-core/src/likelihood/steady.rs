@@ -233,3 +233,6 @@ impl Steady {
         normal
     }
 }
+
+#[cfg(test)]
+mod tests;

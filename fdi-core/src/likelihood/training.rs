@@ -252,7 +252,13 @@ impl Trainer {
             _ => None,
         };
         if let Phase::Fitting(filter) = &mut s.phase {
-            let Some(y) = whole else { return Ok(None) };
+            let Some(y) = whole else {
+                if filter.started {
+                    s.ticks = s.ticks.saturating_add(1);
+                    filter.pass(&s.parameters, &s.process, &mut s.motion, power);
+                }
+                return Ok(None);
+            };
             if !filter.started {
                 filter.begin(&mut s.parameters, &mut s.motion, cold, y, u);
                 s.process = Process::new(&s.parameters, 1.0);
@@ -340,6 +346,14 @@ impl Filter {
         }
     }
 
+    /// A tick without samples: the model goes on, and the residuals as far as they are known.
+    fn pass(&mut self, p: &Parameters, process: &Process, motion: &mut Motion, power: f32) {
+        (_, self.gradient) = self.tangent.step(p, process, motion, power);
+        for (e, noise) in self.residual.iter_mut().zip(&self.noise) {
+            *e *= noise.whitening().0;
+        }
+    }
+
     /// One tick; gives the residuals, degC.
     #[expect(clippy::too_many_arguments, reason = "the parts of a training, borrowed one by one")]
     fn step(
@@ -403,6 +417,8 @@ impl Filter {
             let later = 0.5 * (now - self.answered[0].map_or(now, |first| first as f32));
             let delay = larger(p.get(Parameter::Delay2), later);
             p.set(Parameter::Delay2, delay);
+            let sd = &mut self.sd[Parameter::Delay2 as usize];
+            *sd = larger(*sd, 0.5 * later);
         }
     }
 }
@@ -440,3 +456,6 @@ fn bound(p: &mut Parameters, answer: f32) {
     within(Parameter::Offset2, (-20.0, 20.0));
     within(Parameter::Curvature, (-0.2, 0.2));
 }
+
+#[cfg(test)]
+mod tests;

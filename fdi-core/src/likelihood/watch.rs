@@ -278,13 +278,15 @@ impl Watch {
         let expected: [f32; 2] = core::array::from_fn(|m| rises.y[m] + offsets[m] + s.mean[m]);
         s.expected = expected;
         self.follow_rises(s, believed, true);
+        // Without T1 above all: what is regulated by then must not leave T2.
+        if let Some(y2) = y[1] {
+            self.heat.correct(&mut s.heat, y2 - expected[1], s.parameters.get(Parameter::Reaches2));
+        }
         let row = s.steady.row(&s.pace.steady, &s.flows, heat, &rises, before);
         let told = match y {
             [Some(y1), Some(y2)] => {
                 let e = [y1 - expected[0], y2 - expected[1]];
                 s.ticks = s.ticks.saturating_add(1);
-                let gap = (s.tracker.x, e[1]);
-                self.heat.correct(&mut s.heat, gap.1, s.parameters.get(Parameter::Reaches2));
                 s.contradict = s.heat.contradiction() > MAX_CONTRADICTION;
                 let nominal = NowRises { heat, rises, before };
                 self.judge(s, tick, e, &row, &nominal);
@@ -711,3 +713,6 @@ impl WatchState {
         self.expected
     }
 }
+
+#[cfg(test)]
+mod tests;

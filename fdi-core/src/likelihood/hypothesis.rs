@@ -3,6 +3,7 @@
 use super::class::{Channel, FaultClass, Pair};
 use super::column::{Column, Direction};
 use super::evidence::{Free, Freed, Nuisance};
+use crate::bounds::larger;
 
 /// A hypothesis about what is seen.
 #[derive(Clone, Copy, Debug)]
@@ -141,6 +142,17 @@ impl Hypothesis {
         let (low, high) = self.range;
         freed.gain = if freed.value > low && freed.value < high { freed.gain + self.prior } else { IMPOSSIBLE };
         freed
+    }
+}
+
+/// A magnitude in the unit of its class.
+pub(super) fn in_unit(class: FaultClass, value: f32) -> f32 {
+    match class {
+        FaultClass::AirFlow => 100.0 * (1.0 / larger(0.1, 1.0 + value) - 1.0),
+        FaultClass::HeaterPower | FaultClass::T1Clogged | FaultClass::T1Detached | FaultClass::T2Detached => {
+            100.0 * value
+        }
+        _ => value,
     }
 }
 

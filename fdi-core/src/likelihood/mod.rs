@@ -49,6 +49,7 @@ mod onset;
 mod posterior;
 mod process;
 mod sensors;
+pub mod signatures;
 mod steady;
 mod tangent;
 mod tracker;

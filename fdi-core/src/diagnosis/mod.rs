@@ -131,7 +131,7 @@ impl Diagnosis {
                 onset_window: c.onset_window.ticks(ts),
                 clear_ticks: c.clear_time.ticks(ts),
             },
-            likelihood: Likelihood::new(&config.likelihood, identification.answer_time, ts)?,
+            likelihood: Likelihood::new(&config.likelihood, identification, ts)?,
         })
     }
 

@@ -23,8 +23,10 @@ const ALL: usize = OWN + OTHER;
 const RIDGE: f32 = 1.0001;
 /// No innovation is taken for smaller, degC: steps of the converter are not white.
 const LEAST_SIGMA: f32 = 0.02;
-/// The largest share of an output's variance that the model may leave unexplained.
+/// The largest share of an output's variance that the model may leave unexplained, if it is not below this share of the rise anyway: what the
+/// excitation hardly moves has little variance.
 const MAX_UNEXPLAINED: f32 = 0.6;
+const SMALL: f32 = 0.015;
 
 /// The noise model of both residuals.
 #[derive(Clone, Copy, Debug, Default)]
@@ -156,7 +158,8 @@ impl ResidualStatistics {
         for (m, variance) in [own1[0], own2[0]].into_iter().enumerate() {
             let departure = self.departure[m] / n;
             let output = self.departure_squares[m] / n - departure * departure;
-            if !(variance < MAX_UNEXPLAINED * output) {
+            let small = SMALL * self.level(m);
+            if !(variance < larger(MAX_UNEXPLAINED * output, small * small)) {
                 return Err(RejectReason::PoorFit);
             }
         }

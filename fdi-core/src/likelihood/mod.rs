@@ -59,6 +59,7 @@ mod watch;
 
 use crate::control::Tick;
 use crate::error::ConfigError;
+use crate::identify::config::IdentificationConfig;
 use crate::sense::{Reading, Validity};
 use crate::settings::check;
 use crate::supervisor::Mode;
@@ -126,19 +127,20 @@ struct Now<'a> {
 const _: () = assert!(size_of::<LikelihoodState>() <= 12288, "more than the board has for it");
 
 impl Likelihood {
-    /// Builds the diagnosis of a plant that answers within `answer_time`.
+    /// Builds the diagnosis.
     ///
     /// # Errors
-    /// The parameter of `likelihood` that is out of bounds.
+    /// The parameter of `likelihood` or `identification` that is out of bounds.
     pub fn new(
         c: &LikelihoodConfig,
-        answer_time: Seconds,
+        identification: &IdentificationConfig,
         sample_time: Seconds,
     ) -> Result<Self, ConfigError> {
         check(LikelihoodConfig::SETTINGS[0], c)?;
-        let (ts, answer_time) = (sample_time, answer_time.0);
+        let (ts, answer_time) = (sample_time, identification.answer_time.0);
+        let usual = identification.y_scale.0 / identification.u_scale.0;
         Ok(Self {
-            trainer: Trainer::new(c.fit_time.ticks(ts), c.check_time.ticks(ts))?,
+            trainer: Trainer::new(c.fit_time.ticks(ts), c.check_time.ticks(ts), answer_time / ts.0, usual)?,
             watch: Watch {
                 fast: Chart { allowance: c.fast_allowance, interval: c.fast_interval },
                 slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval },

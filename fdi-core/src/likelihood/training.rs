@@ -16,22 +16,26 @@ use crate::identify::config::{Adaptation, RlsConfig};
 use crate::identify::rls::{Rls, RlsState};
 use crate::root::sqrt;
 
-/// Priors of the parameters: mean and standard deviation.
+/// Priors of the parameters, mean and standard deviation, where neither the answer time nor the usual gain says more.
 const PRIOR: [(f32, f32); COUNT] = [
-    (-1.2, 1.2),  // gain: 0.03 to 3 degC per %
-    (1.7, 1.2),   // heater: 5 ticks
-    (0.9, 1.4),   // dead time
+    (0.0, 0.7),   // gain: by the usual one
+    (0.0, 0.8),   // heater: by the answer time
+    (0.9, 1.4),   // dead time, ticks
     (-0.1, 1.0),  // T1: a tick
     (0.03, 0.06), // wall at T1
     (0.9, 0.2),   // what reaches T2
-    (1.1, 1.4),   // transport
+    (1.1, 1.4),   // transport, ticks
     (1.3, 1.0),   // T2: 4 ticks
     (0.02, 0.06), // wall at T2
-    (5.6, 0.7),   // wall: 270 ticks
+    (0.0, 0.7),   // wall: by the answer time
     (0.0, 1.5),   // offsets
     (0.0, 1.5),
     (0.0, 0.03), // curvature
 ];
+/// The heater's time constant as a share of the answer time; the wall's, and its bounds, in answer times.
+const HEATER_SHARE: f32 = 0.22;
+const WALL_ANSWERS: f32 = 15.0;
+const WALL_BOUNDS: (f32, f32) = (2.0, 60.0);
 /// Standard deviation of the offsets where they were read from the cold rig, degC.
 const COLD_SD: f32 = 0.15;
 const COLD_LEAST_SD: f32 = 0.05;
@@ -44,7 +48,6 @@ const ANSWERS: f32 = 0.5;
 /// Bounds of what must not run away: ln of the heater's time, dead times, what reaches T2, ln of the wall's time.
 const HEATER: (f32, f32) = (-1.0, 7.0);
 const REACHES: (f32, f32) = (0.05, 1.2);
-const WALL_TIME: (f32, f32) = (3.6, 7.0);
 /// A residual is whitened by so much of the one before, and has this standard deviation, degC, until both are known.
 const RHO: f32 = 0.6;
 const SIGMA: f32 = 0.1;
@@ -53,10 +56,10 @@ const NOISE_MEMORY: LowPass = LowPass::over(200.0);
 const RHOS: (f32, f32) = (0.0, 0.95);
 const LEAST_SIGMA: f32 = 0.02;
 const NOISE_VARIANCE: f32 = SIGMA * SIGMA / (1.0 - RHO * RHO);
-/// How much vaguer a tick is than its noise; at first, dying out within so many ticks, since the model is still wrong.
+/// How much vaguer a tick is than its noise; at first by a share of the rise, dying out within so many answer times: the model is still wrong.
 const VAGUE: f32 = 2.25;
-const FIRST_VAGUE: f32 = 30.0;
-const FIRST_TICKS: f32 = 136.0;
+const FIRST_ERROR: f32 = 0.05;
+const FIRST_ANSWERS: f32 = 6.0;
 /// No tick moves a parameter by more than this share of its prior, nor counts for more than so many standard deviations.
 const LARGEST_STEP: f32 = 0.3;
 const LIMIT: f32 = 4.0;
@@ -132,6 +135,7 @@ struct Filter {
     gradient: [[f32; COUNT]; 2],
     residual: [f32; 2],
     noise: [ResidualNoise; 2],
+    answer: f32,
     /// On which tick T1 and T2 answered to the heat.
     answered: [Option<u32>; 2],
     started: bool,
@@ -179,26 +183,40 @@ pub(super) struct Trained {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trainer {
     rls: Rls<COUNT>,
+    prior: [(f32, f32); COUNT],
+    /// Dead time and four time constants, ticks.
+    answer: f32,
     pub(super) fit_samples: u32,
     pub(super) check_samples: u32,
 }
 
 impl Trainer {
-    pub(super) fn new(fit_samples: u32, check_samples: u32) -> Result<Self, ConfigError> {
+    /// Of a plant that answers within `answer` ticks and has about the gain `usual`, degC per %.
+    pub(super) fn new(
+        fit_samples: u32,
+        check_samples: u32,
+        answer: f32,
+        usual: f32,
+    ) -> Result<Self, ConfigError> {
+        let mut prior = PRIOR;
+        prior[Parameter::Gain as usize].0 = libm::logf(usual);
+        prior[Parameter::Heater as usize].0 = libm::logf(HEATER_SHARE * answer);
+        prior[Parameter::WallTime as usize].0 = libm::logf(WALL_ANSWERS * answer);
         let adaptation = Adaptation::RandomWalk { r1: 0.0, r2: 1.0 };
         let rls = Rls::new(&RlsConfig { adaptation, d_initial: 1.0, d_max: 1.0 })?;
-        Ok(Self { rls, fit_samples, check_samples })
+        Ok(Self { rls, prior, answer, fit_samples, check_samples })
     }
 
     pub(super) fn start(&self) -> Training {
-        let parameters = Parameters(PRIOR.map(|(mean, _)| mean));
+        let parameters = Parameters(self.prior.map(|(mean, _)| mean));
         Training {
             parameters,
             process: Process::new(&parameters, 1.0),
             motion: Motion::default(),
             phase: Phase::Fitting(Filter {
                 rls: self.rls.start(),
-                sd: PRIOR.map(|(_, sd)| sd),
+                sd: self.prior.map(|(_, sd)| sd),
+                answer: self.answer,
                 tangent: Tangent::default(),
                 gradient: [[0.0; COUNT]; 2],
                 residual: [0.0; 2],
@@ -332,7 +350,7 @@ impl Filter {
         let offsets = [p.get(Parameter::Offset1), p.get(Parameter::Offset2)];
         let e: [f32; 2] = core::array::from_fn(|m| y[m] - rises.y[m] - offsets[m]);
         self.listen(p, [y[0] - offsets[0], y[1] - offsets[1]], ticks);
-        let vague = VAGUE + FIRST_VAGUE * libm::expf(-(ticks as f32) / FIRST_TICKS);
+        let first = FIRST_ERROR * libm::expf(-(ticks as f32) / (FIRST_ANSWERS * self.answer));
         for m in 0..2 {
             if self.answered[m].is_none() {
                 continue;
@@ -344,7 +362,8 @@ impl Filter {
                 gradient[m][Parameter::Curvature as usize] = 0.0; // the first heat fits anything as long as the lags are wrong
             }
             let (rho, sigma) = self.noise[m].whitening();
-            let scale = 1.0 / (sigma * sqrt(vague));
+            let wrong = first * (y[m] - offsets[m]);
+            let scale = 1.0 / sqrt(VAGUE * sigma * sigma + wrong * wrong);
             let phi: [f32; COUNT] = core::array::from_fn(|i| {
                 scale * self.sd[i] * (gradient[m][i] - rho * self.gradient[m][i])
             });
@@ -357,7 +376,7 @@ impl Filter {
         }
         self.gradient = gradient;
         self.residual = e;
-        bound(p);
+        bound(p, self.answer);
         *process = Process::new(p, 1.0);
         e
     }
@@ -394,13 +413,14 @@ fn exchange_lags(p: &mut Parameters) {
 }
 
 /// Holds the parameters where the model means something.
-fn bound(p: &mut Parameters) {
+fn bound(p: &mut Parameters, answer: f32) {
     let mut within = |which: Parameter, (low, high): (f32, f32)| p.set(which, bounded(p.get(which), low, high));
     within(Parameter::Heater, HEATER);
     within(Parameter::Delay1, (0.0, LONGEST_DELAY));
     within(Parameter::Delay2, (0.0, LONGEST_DELAY));
     within(Parameter::Reaches2, REACHES);
-    within(Parameter::WallTime, WALL_TIME);
+    let wall = |answers: f32| libm::logf(answers * answer);
+    within(Parameter::WallTime, (wall(WALL_BOUNDS.0), wall(WALL_BOUNDS.1)));
     within(Parameter::Lag1, (-3.0, 6.0));
     within(Parameter::Lag2, (-3.0, 6.0));
     within(Parameter::Wall1, (-0.2, 0.6));

@@ -25,7 +25,7 @@ pub(super) fn count(watch: &mut Stopwatch, recording: &Recording, out: &mut impl
         let samples = ticks(recording).filter(|(_, report)| phase(&report.likelihood)).count();
         let mut ticks = ticks(recording);
         let c = Config::default();
-        let likelihood = Likelihood::new(&c.likelihood, c.identification.answer_time, c.sample_time).expect("valid");
+        let likelihood = Likelihood::new(&c.likelihood, &c.identification, c.sample_time).expect("valid");
         let mut state = LikelihoodState::default();
         watch.pass(out, [name], samples, |watch, _| {
             for (tick, report) in ticks.by_ref() {

@@ -3,6 +3,7 @@
 use super::class::{Channel, FaultClass, Pair};
 use super::column::{Column, Direction};
 use super::evidence::{Free, Freed, Nuisance};
+use crate::bounds::larger;
 use crate::root::sqrt;
 
 /// A hypothesis about what is seen.
@@ -161,6 +162,17 @@ impl Hypothesis {
     }
 }
 
+/// A magnitude in the unit of its class.
+pub(super) fn in_unit(class: FaultClass, value: f32) -> f32 {
+    match class {
+        FaultClass::AirFlow => 100.0 * (1.0 / larger(0.1, 1.0 + value) - 1.0),
+        FaultClass::HeaterPower | FaultClass::T1Clogged | FaultClass::T1Detached | FaultClass::T2Detached => {
+            100.0 * value
+        }
+        _ => value,
+    }
+}
+
 /// Gain of what cannot be.
 pub(super) const IMPOSSIBLE: f32 = -50.0;
 
@@ -168,7 +180,7 @@ pub(super) const IMPOSSIBLE: f32 = -50.0;
 pub(super) const POWER_SD: f32 = 0.02;
 
 /// What may move since an onset without being a fault: mains, sensors, inlet, what the model does not know of wall and time.
-const SINCE_ONSET: [Nuisance; 10] = [
+pub(super) const SINCE_ONSET: [Nuisance; 10] = [
     (of(Column::Power), POWER_SD),
     (of(Column::LessFlow), 0.006),
     (of(Column::MoreFlow), 0.006),
@@ -182,7 +194,7 @@ const SINCE_ONSET: [Nuisance; 10] = [
 ];
 
 /// The same since training.
-const SINCE_TRAINING: [Nuisance; 10] = [
+pub(super) const SINCE_TRAINING: [Nuisance; 10] = [
     (of(Column::Power), 0.025),
     (of(Column::LessFlow), 0.012),
     (of(Column::MoreFlow), 0.012),

@@ -51,6 +51,7 @@ mod process;
 #[cfg(test)]
 mod reference;
 mod sensors;
+pub mod signatures;
 mod steady;
 mod tangent;
 mod tracker;

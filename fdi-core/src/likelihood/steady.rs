@@ -192,12 +192,7 @@ impl Steady {
 
     /// Whether there is anything to judge by.
     pub(super) fn is_ready(&self, first: f32) -> bool {
-        self.referred && self.ticks % 10 == 0 && self.ticks as f32 >= first
-    }
-
-    /// Ticks gathered.
-    pub(super) fn ticks(&self) -> u32 {
-        self.ticks
+        self.referred && self.ticks.is_multiple_of(10) && self.ticks as f32 >= first
     }
 
     /// The gains of all lasting hypotheses. The size of the best is estimated again, from the means above all.

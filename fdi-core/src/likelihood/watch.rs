@@ -9,10 +9,10 @@ use super::class::FaultClass;
 use super::column::{LESS, MORE, Row};
 use super::evidence::{Freed, Nuisances};
 use super::heat::{Heat, HeatState, Rise};
-use super::hypothesis::{self, CONSTANT, HYPOTHESES, IMPOSSIBLE};
+use super::hypothesis::{self, CONSTANT, HYPOTHESES, IMPOSSIBLE, in_unit};
 use super::ladder::{Ladder, Past};
 use super::normal::Normal;
-use super::onset::{History, Nominal, Onset, OnsetConstants, SENSORS};
+use super::onset::{History, Nominal, Onset, OnsetConstants, REMEMBERED, SENSORS};
 use super::posterior::Posterior;
 use super::process::{Motion, Parameter, Parameters, Process};
 use super::steady::{Steady, SteadyConstants};
@@ -44,7 +44,7 @@ const UNUSUAL: f32 = 2.5;
 /// Memory of T0's mean, s: what the inlet moves has passed T1 and T2 by then.
 const INLET_TIME: f32 = 1.0;
 /// Evidence since an onset is divided by so much.
-const KAPPA: f32 = 1.5;
+pub(super) const KAPPA: f32 = 1.5;
 /// Log Bayes factors that raise an alarm: since the onset, and since training.
 const RAISE: f32 = 4.5;
 const RAISE_SLOW: f32 = 1.5;
@@ -630,10 +630,10 @@ fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
         FaultClass::AirFlow => {
             let inverse = larger(0.1, 1.0 + value);
             let half_width = 100.0 * with_error(SIZE_ERROR[0]) / (inverse * inverse);
-            Some(Magnitude { value: 100.0 * (1.0 / inverse - 1.0), half_width })
+            Some(Magnitude { value: in_unit(class, value), half_width })
         }
         FaultClass::HeaterPower | FaultClass::T1Clogged | FaultClass::T1Detached | FaultClass::T2Detached => {
-            Some(Magnitude { value: 100.0 * value, half_width: 100.0 * with_error(others) })
+            Some(Magnitude { value: in_unit(class, value), half_width: 100.0 * with_error(others) })
         }
         _ => Some(Magnitude { value, half_width: with_error(others) }),
     }
@@ -706,6 +706,28 @@ impl WatchState {
     /// Air flow and heater, as the heat shows them.
     pub(super) fn heat(&self) -> &HeatState {
         &self.heat
+    }
+
+    /// The columns of the last tick since an onset that is assumed; none before enough is remembered.
+    pub(super) fn columns(&self, onset: &mut Onset) -> Option<Row> {
+        let [(heat, rises), (_, before)] = [0, 1].map(|ago| self.history.at(&self.process, ago));
+        let nominal = Nominal {
+            parameters: &self.parameters,
+            fan: self.fan,
+            process: &self.process,
+            motion: &self.motion,
+            history: &self.history.before(),
+            heat,
+            rises,
+            before: before.y,
+            inlet: self.inlet.map_or([0.0; 2], |(_, _, moved)| moved),
+        };
+        (self.ticks as usize > REMEMBERED).then(|| onset.step(&self.pace.onset, &self.ladder, &nominal))
+    }
+
+    /// Rises of the model on the last tick, degC.
+    pub(super) fn rises(&self) -> [f32; 2] {
+        self.before
     }
 
     /// What T1 and T2 should be above the ambient now, degC.

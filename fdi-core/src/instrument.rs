@@ -7,7 +7,7 @@ use crate::control::{Controller, ControllerState, Tick};
 use crate::diagnosis::baseline::Baseline;
 use crate::diagnosis::{Diagnosis, DiagnosisState, Report};
 use crate::error::ConfigError;
-use crate::likelihood::{Commissioned, SinceCommissioning};
+use crate::likelihood::{Commissioned, LikelihoodState, SinceCommissioning};
 use crate::sense::RawSample;
 use crate::supervisor::{Command, Refusal};
 use crate::units::Percent;
@@ -155,5 +155,10 @@ impl Instrument {
     /// What was learnt, once monitoring has begun.
     pub fn baseline(&self) -> Option<&Baseline> {
         self.diagnosis.baseline(&self.diagnosis_state)
+    }
+
+    /// The memory of the likelihood diagnosis, for those who ask what it could tell.
+    pub fn likelihood(&self) -> &LikelihoodState {
+        &self.diagnosis_state.likelihood
     }
 }

@@ -6,6 +6,7 @@
 pub mod campaign;
 pub mod commands;
 pub mod experiment;
+pub mod isolability;
 pub mod record;
 pub mod score;
 pub mod settings;

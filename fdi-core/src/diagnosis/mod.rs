@@ -46,7 +46,7 @@ pub struct DiagnosisState {
     learner: Learner,
     baseline: Option<Baseline>,
     events: EventState,
-    likelihood: LikelihoodState,
+    pub(crate) likelihood: LikelihoodState,
 }
 
 /// The fault vectors of one form of the residuals.

@@ -175,7 +175,8 @@ impl ResidualStatistics {
             }
             rows[i][i] *= RIDGE;
         }
-        let (c1, variance1) = regression(rows, OWN, [own1[1], own1[2], own1[3], 0.0, 0.0, 0.0, 0.0, 0.0], own1[0]);
+        let (c1, variance1) =
+            regression(rows, OWN, [own1[1], own1[2], own1[3], 0.0, 0.0, 0.0, 0.0, 0.0], own1[0]);
         for i in 0..OWN {
             for j in 0..=i {
                 rows[i][j] = own2[i - j];

@@ -51,6 +51,7 @@ mod process;
 #[cfg(test)]
 mod reference;
 mod sensors;
+pub mod signatures;
 mod steady;
 mod tangent;
 mod tracker;
@@ -257,7 +258,8 @@ impl Likelihood {
         let Some(trained) = state.trained.as_mut() else { return ModelAlarm::Quiet };
         if state.current && now.tick.mode == Mode::Monitor {
             let t0 = now.tick.sample.t0.good();
-            state.reported = self.watch.step(trained, now.tick.index, now.y, t0, now.believed, [now.u, now.fan]);
+            state.reported =
+                self.watch.step(trained, now.tick.index, now.y, t0, now.believed, [now.u, now.fan]);
             return state.reported;
         }
         self.watch.idle(trained, now.believed, [now.u, now.fan], now.heating);

@@ -6,7 +6,7 @@ use super::ladder::{Ladder, Past};
 use super::process::{Motion, Parameters, Process, Rises};
 
 /// Power and motion of the last ticks, so that a change of power or flow may begin before it shows.
-const REMEMBERED: usize = 24;
+pub(super) const REMEMBERED: usize = 24;
 
 /// What the model did lately.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,6 +25,19 @@ impl History {
 
     fn place(&self, ago: usize) -> usize {
         (self.newest + REMEMBERED - ago.min(REMEMBERED - 1)) % REMEMBERED
+    }
+
+    /// Heat and rises of a tick that is remembered.
+    pub(super) fn at(&self, process: &Process, ago: usize) -> (f32, Rises) {
+        let place = self.place(ago);
+        let (_, m, w) = self.states[place];
+        (self.heat[place], process.rises(m, w))
+    }
+
+    /// As it was a tick ago.
+    pub(super) fn before(mut self) -> Self {
+        self.newest = self.place(1);
+        self
     }
 }
 

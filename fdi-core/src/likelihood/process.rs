@@ -198,13 +198,21 @@ impl Process {
     pub(super) fn step(&self, s: &mut Motion, heat: f32) -> Rises {
         s.x += self.heater * (heat * self.into - s.x);
         s.air.push(s.x * self.out_of);
-        let mut rises = Rises::default();
         for i in 0..2 {
             let (air, _) = s.air.at(self.delay[i]);
             s.m[i] += self.lag[i] * (air - s.m[i]);
             s.w[i] += self.wall * (s.m[i] - s.w[i]);
-            rises.wall[i] = self.gain[i] * (s.w[i] - s.m[i]);
-            rises.y[i] = self.gain[i] * s.m[i] + self.slow[i] * rises.wall[i];
+        }
+        self.rises(s.m, s.w)
+    }
+
+    /// The rises where the lags and the walls are there.
+    #[inline]
+    pub(super) fn rises(&self, m: [f32; 2], w: [f32; 2]) -> Rises {
+        let mut rises = Rises::default();
+        for i in 0..2 {
+            rises.wall[i] = self.gain[i] * (w[i] - m[i]);
+            rises.y[i] = self.gain[i] * m[i] + self.slow[i] * rises.wall[i];
         }
         rises
     }

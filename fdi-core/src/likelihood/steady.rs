@@ -5,8 +5,8 @@
 //! means of both residuals.
 
 use super::column::{COUNT, Column, LESS_BY, MORE_BY, Row};
-use super::evidence::{Freed, Nuisances};
-use super::hypothesis::{self, HYPOTHESES, IMPOSSIBLE, MODEL_ERRORS, SINCE_TRAINING};
+use super::evidence::{Freed, Nuisance, Nuisances};
+use super::hypothesis::{self, HYPOTHESES, IMPOSSIBLE, MODEL_ERRORS};
 use super::ladder::{Ladder, Past};
 use super::normal::Normal;
 use super::process::{Motion, Process, Rises};
@@ -132,7 +132,14 @@ impl Steady {
 
     /// Gathers a tick: columns and residuals, plain and whitened.
     #[inline(never)]
-    pub(super) fn gather(&mut self, c: &SteadyConstants, row: &Row, whitened: &Row, e: [f32; 2], z: [f32; 2]) {
+    pub(super) fn gather(
+        &mut self,
+        c: &SteadyConstants,
+        row: &Row,
+        whitened: &Row,
+        e: [f32; 2],
+        z: [f32; 2],
+    ) {
         if self.ticks == 0 {
             self.mean = *row;
         }
@@ -185,19 +192,14 @@ impl Steady {
 
     /// Whether there is anything to judge by.
     pub(super) fn is_ready(&self, first: f32) -> bool {
-        self.referred && self.ticks % 10 == 0 && self.ticks as f32 >= first
-    }
-
-    /// Ticks gathered.
-    pub(super) fn ticks(&self) -> u32 {
-        self.ticks
+        self.referred && self.ticks.is_multiple_of(10) && self.ticks as f32 >= first
     }
 
     /// The gains of all lasting hypotheses. The size of the best is estimated again, from the means above all.
     #[inline(never)]
-    pub(super) fn judge(&self, freed: &mut [Freed; hypothesis::COUNT]) {
+    pub(super) fn judge(&self, nuisances: &[Nuisance], freed: &mut [Freed; hypothesis::COUNT]) {
         let both = self.with_means(1.0);
-        let nuisances = Nuisances::new(&both, &SINCE_TRAINING, KAPPA);
+        let nuisances = Nuisances::new(&both, nuisances, KAPPA);
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
             *freed = Freed { gain: IMPOSSIBLE, ..Freed::default() };
             if row.lasting {
@@ -208,9 +210,9 @@ impl Steady {
 
     /// The size of a hypothesis, from the means above all.
     #[inline(never)]
-    pub(super) fn size(&self, h: usize) -> Freed {
+    pub(super) fn size(&self, nuisances: &[Nuisance], h: usize) -> Freed {
         let mostly_means = self.with_means(FAST_IN_SIZE);
-        let nuisances = Nuisances::new(&mostly_means, &SINCE_TRAINING, KAPPA);
+        let nuisances = Nuisances::new(&mostly_means, nuisances, KAPPA);
         let row = &HYPOTHESES[h % HYPOTHESES.len()];
         nuisances.free(row.first, row.second)
     }

@@ -268,7 +268,16 @@ impl Trainer {
             if fit_to_learn && s.count == 0 {
                 filter.reopen(&mut s.parameters);
             }
-            let e = filter.step(&self.rls, &mut s.parameters, &mut s.process, &mut s.motion, y, power, s.ticks, fit_to_learn);
+            let e = filter.step(
+                &self.rls,
+                &mut s.parameters,
+                &mut s.process,
+                &mut s.motion,
+                y,
+                power,
+                s.ticks,
+                fit_to_learn,
+            );
             if fit_to_learn {
                 s.count += 1;
                 if 2 * s.count > self.fit_samples {
@@ -294,10 +303,6 @@ impl Trainer {
         if delay >= LONGEST_DELAY {
             return Err(RejectReason::DeadTime);
         }
-        if std::env::var_os("FDI_SLOW").is_some() { // DEBUG
-            let p = &s.parameters.0;
-            std::eprintln!("TRAINED K {:.3} tau {:.2} d1 {:.2} t1 {:.2} s1 {:.3} r2 {:.3} d2 {:.2} t2 {:.2} s2 {:.3} tw {:.0} c {:.2} {:.2} q {:.4} (ticks) sigma {:?} mean {:?}", libm::expf(p[0]), libm::expf(p[1]), p[2], libm::expf(p[3]), p[4], p[5], p[6], libm::expf(p[7]), p[8], libm::expf(p[9]), p[10], p[11], p[12], s.statistics.finish().map(|l| l.sigma), s.statistics.mean());
-        } // DEBUG
         Ok(Some(Trained {
             parameters: s.parameters,
             motion: s.motion,
@@ -383,9 +388,8 @@ impl Filter {
             let (rho, sigma) = self.noise[m].whitening();
             let wrong = first * (y[m] - offsets[m]);
             let scale = 1.0 / sqrt(VAGUE * sigma * sigma + wrong * wrong);
-            let phi: [f32; COUNT] = core::array::from_fn(|i| {
-                scale * self.sd[i] * (gradient[m][i] - rho * self.gradient[m][i])
-            });
+            let phi: [f32; COUNT] =
+                core::array::from_fn(|i| scale * self.sd[i] * (gradient[m][i] - rho * self.gradient[m][i]));
             let innovation = scale * (e[m] - rho * self.residual[m]);
             self.rls.theta = [0.0; COUNT];
             rls.step_clipped(&mut self.rls, &phi, innovation, LIMIT);
@@ -435,7 +439,8 @@ fn exchange_lags(p: &mut Parameters) {
 
 /// Holds the parameters where the model means something.
 fn bound(p: &mut Parameters, answer: f32) {
-    let mut within = |which: Parameter, (low, high): (f32, f32)| p.set(which, bounded(p.get(which), low, high));
+    let mut within =
+        |which: Parameter, (low, high): (f32, f32)| p.set(which, bounded(p.get(which), low, high));
     within(Parameter::Heater, HEATER);
     within(Parameter::Delay1, (0.0, LONGEST_DELAY));
     within(Parameter::Delay2, (0.0, LONGEST_DELAY));

@@ -6,6 +6,7 @@ pub mod console;
 pub mod cosim;
 pub mod experiment;
 pub mod identify;
+pub mod isolability;
 pub mod repeat;
 pub mod replay;
 pub mod results;
@@ -21,6 +22,7 @@ use config::ConfigArgs;
 use console::ConsoleArgs;
 use cosim::CoreArgs;
 use identify::IdentifyArgs;
+use isolability::IsolabilityArgs;
 use repeat::RepeatArgs;
 use replay::ReplayArgs;
 use run::RunArgs;
@@ -40,6 +42,7 @@ use shell::{CompletionsArgs, ManArgs};
   pt326 run --scenario my.toml
   pt326 repeat --seeds 200                delays and durations over 200 runs
   pt326 campaign --quick                  every fault and disturbance, both diagnoses, in a minute
+  pt326 isolability --preset trainer      which faults can be told apart on this rig, how soon, how small
   pt326 identify record.csv --u Q1 --y T1 --order 2,2,1
   pt326 replay board.log                  a board's log through the same code again: the same bits?
   pt326 console                           the board's console on the simulated rig
@@ -61,6 +64,8 @@ enum Subcommand {
     Repeat(RepeatArgs),
     /// Run many kinds of experiment many times, and score both diagnoses against the truth.
     Campaign(Box<CampaignArgs>),
+    /// Compute which faults can be told apart on a rig, how soon, and from which size on.
+    Isolability(IsolabilityArgs),
     /// Be the instrument for another program: ADC codes on standard input, power and diagnosis on standard output.
     Core(CoreArgs),
     /// Identify an ARX model (autoregressive with external input) from a recording.
@@ -89,6 +94,7 @@ impl Cli {
             Subcommand::Run(args) => run::run(&args),
             Subcommand::Repeat(args) => repeat::run(&args),
             Subcommand::Campaign(args) => campaign::run(&args),
+            Subcommand::Isolability(args) => isolability::run(&args),
             Subcommand::Core(args) => cosim::run(&args),
             Subcommand::Identify(args) => identify::run(&args),
             Subcommand::Replay(args) => replay::run(&args),

@@ -2,6 +2,7 @@
 
 mod core;
 mod identify;
+mod isolability;
 mod replay;
 mod run;
 mod score;

@@ -4,6 +4,7 @@ use std::vec::Vec;
 
 use super::super::class::FaultClass;
 use super::super::column::{LESS, MORE};
+use super::super::hypothesis::SINCE_TRAINING;
 use super::super::posterior::Posterior;
 use super::super::process::Parameters;
 use super::super::reference::Random;
@@ -79,10 +80,10 @@ impl Run {
     /// The likeliest class, the gain of the best hypothesis, and the size of the likeliest.
     fn judged(&self) -> (FaultClass, f32, f32) {
         let mut freed = [Freed::default(); hypothesis::COUNT];
-        self.steady.judge(&mut freed);
+        self.steady.judge(&SINCE_TRAINING, &mut freed);
         let posterior = Posterior::new(&freed);
         let h = posterior.likeliest;
-        (HYPOTHESES[h].class, posterior.best_gain, self.steady.size(h).value)
+        (HYPOTHESES[h].class, posterior.best_gain, self.steady.size(&SINCE_TRAINING, h).value)
     }
 }
 

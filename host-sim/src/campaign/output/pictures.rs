@@ -14,7 +14,7 @@ use crate::campaign::run::RunRow;
 use crate::campaign::statistics::quantiles::{Quantiles, quantile};
 use crate::campaign::statistics::trade::Trade;
 use crate::record::figure::chart::{Axis, Chart, Dot, Log, Panel};
-use crate::record::figure::matrix::{Group, Matrix};
+use crate::record::figure::matrix::{self, Group, Matrix};
 use crate::record::figure::{self, BLUE, VERMILLION};
 use pt326_rig::Disturbance;
 use pt326_rig::fault::Sensor;
@@ -284,7 +284,7 @@ fn confusion(results: &Results) -> Option<Matrix> {
         columns.push("none");
         let share = |class: &str, verdict: &str| {
             let all = runs(by, class, None).max(1);
-            (f64::from(runs(by, class, Some(verdict))) / f64::from(all), class == verdict)
+            matrix::Cell::share(f64::from(runs(by, class, Some(verdict))) / f64::from(all), class == verdict)
         };
         let row = |class: &&str| columns.iter().map(|verdict| share(class, verdict)).collect();
         let cells = classes.iter().map(row).collect();
@@ -299,5 +299,6 @@ fn confusion(results: &Results) -> Option<Matrix> {
             .into(),
         "The signatures have rows for t2_offset, t1_clogged and air_flow alone.".into(),
     ];
-    Some(Matrix { title: "Which fault was taken for which".into(), rows, groups, notes })
+    let corner = "true class (runs)".into();
+    Some(Matrix { title: "Which fault was taken for which".into(), corner, rows, groups, notes })
 }

@@ -1,4 +1,4 @@
-//! Shares as a shaded table: rows that have groups of columns in common.
+//! Cells as a shaded table: rows that have groups of columns in common.
 
 use plotters::style::{Color, RGBColor, WHITE};
 
@@ -9,6 +9,8 @@ use super::plot::{BLUE, INK, Pen, VERMILLION};
 /// The table.
 pub(crate) struct Matrix {
     pub(crate) title: String,
+    /// What the rows are.
+    pub(crate) corner: String,
     /// Names of the rows.
     pub(crate) rows: Vec<String>,
     /// From left to right.
@@ -21,8 +23,25 @@ pub(crate) struct Matrix {
 pub(crate) struct Group {
     pub(crate) title: String,
     pub(crate) columns: Vec<String>,
-    /// By row, then by column: a share, 0..=1, and whether it is as it should be.
-    pub(crate) cells: Vec<Vec<(f64, bool)>>,
+    /// By row, then by column.
+    pub(crate) cells: Vec<Vec<Cell>>,
+}
+
+/// A cell.
+#[derive(Clone, Debug)]
+pub(crate) struct Cell {
+    /// How dark it is, 0..=1; nothing is written in a cell of 0.
+    pub(crate) shade: f64,
+    /// It is as it should be.
+    pub(crate) is_right: bool,
+    pub(crate) text: String,
+}
+
+impl Cell {
+    /// A share, 0..=1.
+    pub(crate) fn share(share: f64, is_right: bool) -> Self {
+        Self { shade: share, is_right, text: percent(share) }
+    }
 }
 
 const WIDTH: f64 = 1200.0;
@@ -51,15 +70,15 @@ impl Matrix {
             canvas.upright(name, (x, HEAD - 8.0), SMALL)?;
         }
         for (j, row) in group.cells.iter().enumerate() {
-            for (i, &(share, right)) in row.iter().enumerate() {
+            for (i, cell) in row.iter().enumerate() {
                 let from = (left + width * i as f64, HEAD + ROW * j as f64);
                 let to = (from.0 + width, from.1 + ROW);
-                let colour = if right { BLUE } else { VERMILLION };
-                if share > 0.0 {
-                    canvas.fill(from, to, colour.mix(0.12 + 0.78 * share))?;
-                    let ink = if share > 0.5 { WHITE } else { INK };
+                let colour = if cell.is_right { BLUE } else { VERMILLION };
+                if cell.shade > 0.0 {
+                    canvas.fill(from, to, colour.mix(0.12 + 0.78 * cell.shade))?;
+                    let ink = if cell.shade > 0.5 { WHITE } else { INK };
                     let at = (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1));
-                    canvas.text(&percent(share), at, SMALL.centred().coloured(ink))?;
+                    canvas.text(&cell.text, at, SMALL.centred().coloured(ink))?;
                 }
                 let corners = [from, (to.0, from.1), to, (from.0, to.1), from];
                 canvas.line(&corners, FRAME)?;
@@ -91,7 +110,7 @@ impl Picture for Matrix {
         let mut canvas = Canvas(backend);
         canvas.fill((0.0, 0.0), (WIDTH, f64::from(self.size().1)), WHITE)?;
         canvas.text(&self.title, (20.0, 22.0), BOLD.sized(18.0))?;
-        canvas.text("true class (runs)", (LEFT - 10.0, HEAD - 14.0), SMALL.right())?;
+        canvas.text(&self.corner, (LEFT - 10.0, HEAD - 14.0), SMALL.right())?;
         for (j, name) in self.rows.iter().enumerate() {
             canvas.text(name, (LEFT - 10.0, HEAD + ROW * (j as f64 + 0.5)), SMALL.right())?;
         }

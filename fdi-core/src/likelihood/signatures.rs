@@ -1,0 +1,135 @@
+//! What each fault would look like if it began now, for those who ask beforehand which can be told apart.
+//!
+//! The bank's own columns, whitened by the noise that was learnt and driven by the power that is applied, since an onset that is only
+//! assumed. Nothing here changes what the diagnosis says, and no board calls it.
+
+use super::LikelihoodState;
+use super::class::FaultClass;
+use super::column::{COUNT, Column, Direction};
+use super::evidence::Free;
+use super::hypothesis::{COUNT as HYPOTHESIS_COUNT, HYPOTHESES, Hypothesis, SINCE_ONSET, in_unit};
+use super::onset::Onset;
+use super::watch;
+use crate::bounds::{larger, smaller};
+
+/// How many columns there are.
+pub const COLUMNS: usize = COUNT;
+/// The bank divides its evidence by so much.
+pub const KAPPA: f32 = watch::KAPPA;
+
+/// No fault is further from the mean of what may come than so many standard deviations.
+const LARGEST: f32 = 5.0;
+
+/// Columns since an assumed onset.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Signatures {
+    onset: Onset,
+    /// Rises of T1 and T2 when it began, degC.
+    stays: Option<[f32; 2]>,
+}
+
+/// Some columns together, with the mean and standard deviation of the factor on them.
+#[derive(Clone, Copy, Debug)]
+pub struct Term {
+    /// How much of each column.
+    pub weights: [f32; COLUMNS],
+    /// Mean of the factor.
+    pub mean: f32,
+    /// Its standard deviation.
+    pub sd: f32,
+}
+
+/// A fault that the bank knows.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate {
+    /// What it is called.
+    pub class: FaultClass,
+    /// Which of those that are called the same; empty where there is no other.
+    pub which: &'static str,
+    /// Its magnitude, as [`Self::in_unit`] takes it.
+    pub first: Term,
+    /// What else it may change.
+    pub second: Option<Term>,
+    /// What its magnitude may be: no more than some standard deviations from the mean of what may come.
+    pub range: (f32, f32),
+    /// Logarithm of its odds against the common faults before anything is seen.
+    pub prior: f32,
+    /// It has a magnitude that is reported.
+    pub sized: bool,
+}
+
+impl Signatures {
+    /// Takes the tick that the diagnosis has just done; the first one is the onset. Gives the columns of T1 and T2 in standard deviations
+    /// of the innovations, or none where the diagnosis is not armed or has not been for long enough.
+    pub fn step(&mut self, state: &LikelihoodState) -> Option<[[f32; 2]; COLUMNS]> {
+        let trained = state.trained.as_ref().filter(|_| state.current)?;
+        let columns = trained.columns(&mut self.onset)?;
+        self.stays.get_or_insert(trained.rises());
+        Some(columns)
+    }
+
+    /// What the bank may call it.
+    pub fn candidates(&self) -> [Candidate; HYPOTHESIS_COUNT] {
+        HYPOTHESES.map(|row| {
+            let mut second = row.second.map(Term::of);
+            if let (Some(second), Some(m), Some(stays)) = (&mut second, row.stays, self.stays) {
+                second.mean = stays.get(m).copied().unwrap_or(0.0);
+            }
+            Candidate {
+                class: row.class,
+                which: which(row.first.direction),
+                first: Term::of(row.first),
+                second,
+                range: range(&row),
+                prior: row.prior,
+                sized: !row.class.unit().is_empty() && row.first.direction != Direction::Of(Column::Constant),
+            }
+        })
+    }
+}
+
+/// What moves without being a fault, since an onset.
+pub fn nuisances() -> [Term; SINCE_ONSET.len()] {
+    SINCE_ONSET.map(|(direction, sd)| Term::of(Free { direction, mean: 0.0, sd }))
+}
+
+impl Term {
+    fn of(free: Free) -> Self {
+        let mut weights = [0.0; COLUMNS];
+        for (column, weight) in free.direction.columns().into_iter().zip(free.direction.weights()) {
+            weights[column] += weight;
+        }
+        Self { weights, mean: free.mean, sd: free.sd }
+    }
+}
+
+impl Candidate {
+    /// It is the same but for the magnitude, which gives each its name.
+    pub fn differs_in_size_alone(&self, other: &Self) -> bool {
+        let second = |candidate: &Self| candidate.second.map(|term| term.weights);
+        self.first.weights == other.first.weights && second(self) == second(other)
+    }
+
+    /// A magnitude in the unit of the class.
+    pub fn in_unit(&self, magnitude: f32) -> f32 {
+        in_unit(self.class, magnitude)
+    }
+}
+
+fn range(row: &Hypothesis) -> (f32, f32) {
+    let (Free { mean, sd, .. }, (low, high)) = (row.first, row.range);
+    (larger(low, mean - LARGEST * sd), smaller(high, mean + LARGEST * sd))
+}
+
+fn which(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Of(Column::ShortLoss) => "short lag",
+        Direction::MidLoss => "mid lag",
+        Direction::Of(Column::LongLoss) => "long lag",
+        Direction::Of(Column::Ramp1) => "T1",
+        Direction::Of(Column::Ramp2) => "T2",
+        Direction::Ramp0 => "T0",
+        Direction::Of(Column::Constant) => "constant",
+        _ => "",
+    }
+}

@@ -201,7 +201,9 @@ fn a_warm_start_is_learnt() {
     for seed in 1..6 {
         let mut plant = Plant::reference(seed);
         let (settles, trainer) = plant.lengths();
-        (0..settles).for_each(|_| drop(plant.tick(false)));
+        for _ in 0..settles {
+            plant.tick(false);
+        }
         let mut training = trainer.start();
         let trained = loop {
             let (y, u) = plant.tick(false);

@@ -222,7 +222,8 @@ mod tests {
             history.push(heat, &motion);
             let [(heat, rises), (_, then)] = [0, 1].map(|ago| history.at(&process, ago));
             let old = history.before();
-            let columns = faulty.then(|| after.step(&constants, &ladder, &nominal(&old, heat, rises, then.y)));
+            let columns =
+                faulty.then(|| after.step(&constants, &ladder, &nominal(&old, heat, rises, then.y)));
             assert_eq!(columns, wanted, "{k}");
             before = rises.y;
         }

@@ -246,7 +246,8 @@ mod tests {
 
         let fault = candidate(term(1, 0.0, 1.0), Some(term(7, 0.8, 0.1)), (-3.0, 3.0));
         let other = candidate(term(2, 0.0, 1.0), Some(term(9, -0.4, 0.5)), (-0.3, 0.2));
-        let [a, own, b, q] = [&fault.first, fault.second.as_ref().unwrap(), &other.first, other.second.as_ref().unwrap()];
+        let [a, own, b, q] =
+            [&fault.first, fault.second.as_ref().unwrap(), &other.first, other.second.as_ref().unwrap()];
         let (mean, sd) = (f64::from(q.mean), f64::from(q.sd));
         let kullback_leibler = |theta: f64, f: f64, g: f64| {
             let c: Columns = std::array::from_fn(|i| {
@@ -265,7 +266,8 @@ mod tests {
             // A quadratic function of f and g is known from six values of it.
             let at = |f: f64, g: f64| kullback_leibler(theta, f, g);
             let zero = at(0.0, 0.0);
-            let (ff, gg) = (0.5 * (at(1.0, 0.0) + at(-1.0, 0.0)) - zero, 0.5 * (at(0.0, 1.0) + at(0.0, -1.0)) - zero);
+            let (ff, gg) =
+                (0.5 * (at(1.0, 0.0) + at(-1.0, 0.0)) - zero, 0.5 * (at(0.0, 1.0) + at(0.0, -1.0)) - zero);
             let (f1, g1) = (at(1.0, 0.0) - zero - ff, at(0.0, 1.0) - zero - gg);
             let fg = at(1.0, 1.0) - zero - ff - gg - f1 - g1;
             let penalised = |f: f64, g: f64| {

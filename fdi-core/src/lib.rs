@@ -2,7 +2,6 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-extern crate std; // DEBUG
 mod bounds;
 pub mod config;
 pub mod control;

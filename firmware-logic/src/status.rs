@@ -199,7 +199,9 @@ pub const fn readiness(readiness: Readiness) -> &'static str {
         Readiness::Refused(RejectReason::Unstable) => "refused: a model is unstable",
         Readiness::Refused(RejectReason::Gain) => "refused: a gain is not positive",
         Readiness::Refused(RejectReason::PoorFit) => "refused: the models fit badly",
-        Readiness::Refused(RejectReason::DeadTime) => "refused: the dead time is too long for this sample time",
+        Readiness::Refused(RejectReason::DeadTime) => {
+            "refused: the dead time is too long for this sample time"
+        }
         Readiness::Armed => "armed",
     }
 }

@@ -5,7 +5,6 @@ pub mod config;
 pub mod observer;
 pub mod random_walk;
 pub mod rls;
-pub(crate) mod simulation;
 pub mod step_response;
 pub mod transfer;
 

@@ -42,8 +42,8 @@ macro_rules! unrolled {
 
 use super::config::{Adaptation, RlsConfig};
 use super::random_walk;
-use crate::error::ConfigError;
 use crate::bounds::bounded;
+use crate::error::ConfigError;
 use crate::root::sqrt;
 use crate::vector::dot;
 
@@ -125,20 +125,15 @@ impl<const N: usize> Rls<N> {
     /// The same as a loop, a fifth of the code for twice the time, for an innovation that counts no more than `limit` of its standard
     /// deviations. Nothing walks at random here.
     #[inline(never)]
-    pub(crate) fn step_clipped(
-        &self,
-        state: &mut RlsState<N>,
-        phi: &[f32; N],
-        y: f32,
-        limit: f32,
-    ) -> Update {
+    pub(crate) fn step_clipped(&self, state: &mut RlsState<N>, phi: &[f32; N], y: f32, limit: f32) -> Update {
         let mut sweep = self.sweep();
         for j in 0..N {
             self.column(&mut sweep, state, phi, j);
         }
         let prediction = dot(&state.theta, phi);
         let reach = limit * sqrt(sweep.alpha);
-        let (_, innovation) = correct(&sweep, state, phi, prediction + bounded(y - prediction, -reach, reach));
+        let (_, innovation) =
+            correct(&sweep, state, phi, prediction + bounded(y - prediction, -reach, reach));
         if !(sweep.alpha + innovation * innovation < SIZE_LIMIT) {
             self.restart(state, prediction, innovation)
         } else {

@@ -80,3 +80,24 @@ impl<const NA: usize, const NB: usize> Transfer<NA, NB> {
         (a1.abs() > A1_MIN && b1.abs() > B1_MIN && time.is_finite()).then_some(time)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A constant input ends at the static gain; an impulse has its centroid at the residence time: by the difference equation, in f64.
+    #[test]
+    fn gain_and_residence_time_are_those_of_the_difference_equation() {
+        let model = Transfer { a: [-0.8, 0.0, 0.0], b: [0.1, 0.2], nk: 1 };
+        let (mut step, mut y, mut area, mut moment) = (0.0, 0.0, 0.0, 0.0);
+        for k in 0..200 {
+            let input = |at: i32| f64::from(u8::from(at == 0));
+            step = 0.8 * step + 0.1 + if k > 0 { 0.2 } else { 0.0 };
+            y = 0.8 * y + 0.1 * input(k) + 0.2 * input(k - 1);
+            area += y;
+            moment += y * f64::from(k + 1); // the input was that of a sample ago
+        }
+        assert!((step - f64::from(model.static_gain().unwrap())).abs() < 1e-4);
+        assert!((moment / area - f64::from(model.residence_time().unwrap())).abs() < 1e-3);
+    }
+}

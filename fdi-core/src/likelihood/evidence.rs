@@ -144,8 +144,10 @@ impl<'a> Nuisances<'a> {
         let (q11, q22, q12) = (1.0 + sd1 * sd1 * s11, 1.0 + sd2 * sd2 * s22, sd1 * sd2 * s12);
         let determinant = larger(1.0, q11 * q22 - q12 * q12);
         let scaled = [sd1 * left[0], sd2 * left[1]];
-        let departure =
-            [(q22 * scaled[0] - q12 * scaled[1]) / determinant, (q11 * scaled[1] - q12 * scaled[0]) / determinant];
+        let departure = [
+            (q22 * scaled[0] - q12 * scaled[1]) / determinant,
+            (q11 * scaled[1] - q12 * scaled[0]) / determinant,
+        ];
         let gain = at_means + 0.5 * (departure[0] * scaled[0] + departure[1] * scaled[1])
             - 0.5 * libm::logf(determinant);
         let (value, variance) = (mean1 + sd1 * departure[0], sd1 * sd1 * q22 / determinant);
@@ -198,3 +200,6 @@ fn along(b: &[f32; COUNT], p: Direction) -> f32 {
     let ([i, j], [first, second]) = (p.columns(), p.weights());
     first * b[i] + second * b[j]
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,6 +4,7 @@ use super::class::{Channel, FaultClass, Pair};
 use super::column::{Column, Direction};
 use super::evidence::{Free, Freed, Nuisance};
 use crate::bounds::larger;
+use crate::root::sqrt;
 
 /// A hypothesis about what is seen.
 #[derive(Clone, Copy, Debug)]
@@ -107,9 +108,24 @@ pub(super) static HYPOTHESES: [Hypothesis; COUNT] = [
     lagging(clogged(Direction::MidLoss), Direction::MidLag),
     lagging(clogged(of(Column::LongLoss)), of(Column::LongLag)),
     unclogged(),
-    brief(with(rare(row(FaultClass::Drift, of(Column::Ramp1), 0.0, 3.0), -3.0), of(Column::Offset1), 0.0, BEGINS)),
-    brief(with(rare(row(FaultClass::Drift, of(Column::Ramp2), 0.0, 3.0), -3.0), of(Column::Offset2), 0.0, BEGINS)),
-    brief(with(rare(row(FaultClass::Drift, Direction::Ramp0, 0.0, 3.0), -3.0), Direction::Offset0, 0.0, BEGINS)),
+    brief(with(
+        rare(row(FaultClass::Drift, of(Column::Ramp1), 0.0, 3.0), -3.0),
+        of(Column::Offset1),
+        0.0,
+        BEGINS,
+    )),
+    brief(with(
+        rare(row(FaultClass::Drift, of(Column::Ramp2), 0.0, 3.0), -3.0),
+        of(Column::Offset2),
+        0.0,
+        BEGINS,
+    )),
+    brief(with(
+        rare(row(FaultClass::Drift, Direction::Ramp0, 0.0, 3.0), -3.0),
+        Direction::Offset0,
+        0.0,
+        BEGINS,
+    )),
     stuck(Channel::T1, Column::Gain1, Column::Offset1, 0),
     stuck(Channel::T2, Column::Gain2, Column::Offset2, 1),
     brief(rare(
@@ -140,7 +156,8 @@ impl Hypothesis {
     /// The gain of a freed hypothesis, with its prior; none where the magnitude is not one that it can have.
     pub(super) fn judged(&self, mut freed: Freed) -> Freed {
         let (low, high) = self.range;
-        freed.gain = if freed.value > low && freed.value < high { freed.gain + self.prior } else { IMPOSSIBLE };
+        freed.gain =
+            if freed.value > low && freed.value < high { freed.gain + self.prior } else { IMPOSSIBLE };
         freed
     }
 }
@@ -159,9 +176,12 @@ pub(super) fn in_unit(class: FaultClass, value: f32) -> f32 {
 /// Gain of what cannot be.
 pub(super) const IMPOSSIBLE: f32 = -50.0;
 
+/// By how much the power steps without being a fault, where nothing else is known: a share.
+pub(super) const POWER_SD: f32 = 0.02;
+
 /// What may move since an onset without being a fault: mains, sensors, inlet, what the model does not know of wall and time.
 pub(super) const SINCE_ONSET: [Nuisance; 10] = [
-    (of(Column::Power), 0.02),
+    (of(Column::Power), POWER_SD),
     (of(Column::LessFlow), 0.006),
     (of(Column::MoreFlow), 0.006),
     (of(Column::Offset1), 0.08),
@@ -198,3 +218,23 @@ pub(super) const MODEL_ERRORS: [Nuisance; 8] = [
     (of(Column::Wall), 0.1),
     (of(Column::Shift), 0.5),
 ];
+
+/// Nuisances since an onset where the power steps by this mean square.
+pub(super) fn since_onset(steps: f32) -> [Nuisance; 10] {
+    let mut nuisances = SINCE_ONSET;
+    nuisances[0].1 = sqrt(steps);
+    nuisances
+}
+
+/// Nuisances since training where power, flow and both offsets wander by these mean squares.
+pub(super) fn since_training(wander: &[f32; 4]) -> [Nuisance; 10] {
+    let mut nuisances = SINCE_TRAINING;
+    for (place, of) in [(0, 0), (1, 1), (2, 1), (3, 2), (4, 3)] {
+        let (_, sd) = &mut nuisances[place];
+        *sd = sqrt(*sd * *sd + wander[of]);
+    }
+    nuisances
+}
+
+#[cfg(test)]
+mod tests;

@@ -80,6 +80,11 @@ impl Ladder {
         z
     }
 
+    /// What is left of a constant residual of either by itself, as a share.
+    pub(super) fn rest(&self) -> [f32; 2] {
+        [1.0 - self.own1.iter().sum::<f32>(), 1.0 - self.own2.iter().sum::<f32>()]
+    }
+
     /// What the past lets expect; of e2 with e1 of this tick.
     #[inline(always)]
     pub(super) fn expected(&self, past: &Past, e1: f32) -> [f32; 2] {
@@ -170,7 +175,8 @@ impl ResidualStatistics {
             }
             rows[i][i] *= RIDGE;
         }
-        let (c1, variance1) = regression(rows, OWN, [own1[1], own1[2], own1[3], 0.0, 0.0, 0.0, 0.0, 0.0], own1[0]);
+        let (c1, variance1) =
+            regression(rows, OWN, [own1[1], own1[2], own1[3], 0.0, 0.0, 0.0, 0.0, 0.0], own1[0]);
         for i in 0..OWN {
             for j in 0..=i {
                 rows[i][j] = own2[i - j];
@@ -189,7 +195,7 @@ impl ResidualStatistics {
         let [a0, a1, a2, a3, a4] = ahead;
         let (c2, variance2) = regression(rows, ALL, [own2[1], own2[2], own2[3], a0, a1, a2, a3, a4], own2[0]);
         let sigma = [variance1, variance2].map(|variance| larger(LEAST_SIGMA, sqrt(variance)));
-        if !sigma.iter().all(|sigma| sigma.is_finite()) {
+        if !sigma.iter().chain(&c1).chain(&c2).all(|x| x.is_finite()) {
             return Err(RejectReason::PoorFit);
         }
         Ok(Ladder {
@@ -211,3 +217,6 @@ fn regression(rows: [[f32; ALL]; ALL], n: usize, cross: [f32; ALL], variance: f3
     let explained: f32 = (0..n).map(|i| c[i] * cross[i]).sum();
     (c, variance - explained)
 }
+
+#[cfg(test)]
+mod tests;

@@ -48,6 +48,8 @@ mod normal;
 mod onset;
 mod posterior;
 mod process;
+#[cfg(test)]
+mod reference;
 mod sensors;
 pub mod signatures;
 mod steady;
@@ -256,7 +258,8 @@ impl Likelihood {
         let Some(trained) = state.trained.as_mut() else { return ModelAlarm::Quiet };
         if state.current && now.tick.mode == Mode::Monitor {
             let t0 = now.tick.sample.t0.good();
-            state.reported = self.watch.step(trained, now.tick.index, now.y, t0, now.believed, [now.u, now.fan]);
+            state.reported =
+                self.watch.step(trained, now.tick.index, now.y, t0, now.believed, [now.u, now.fan]);
             return state.reported;
         }
         self.watch.idle(trained, now.believed, [now.u, now.fan], now.heating);
@@ -294,14 +297,20 @@ fn read(reading: Reading) -> Option<f32> {
 }
 
 /// Which finding is reported. A broken wire needs no second opinion; the models see more than a contradiction does, which in turn
-/// says more than that a thermistor is lost, or that nothing fits.
+/// says more than that a thermistor is lost, or that nothing fits. Over a T0 that is known to be wrong they say nothing of heater and air: a
+/// wrong "heater power" would keep a loss of air from tripping.
 fn preferred(
     by_sensors: Option<Finding>,
     by_models: Option<Finding>,
     without_models: Option<Finding>,
 ) -> Option<Finding> {
     let broken = by_sensors.filter(|f| !matches!(f.class, FaultClass::Lost(_)));
-    let clear = by_models.filter(|f| !matches!(f.class, FaultClass::Unknown | FaultClass::Drift));
+    let misled = without_models.is_some_and(|f| f.class == FaultClass::T0Fault);
+    let clear = by_models.filter(|f| match f.class {
+        FaultClass::Unknown | FaultClass::Drift => false,
+        FaultClass::AirFlow | FaultClass::HeaterPower | FaultClass::AirFlowOrHeaterPower => !misled,
+        _ => true,
+    });
     broken.or(clear).or(without_models).or(by_sensors).or(by_models)
 }
 
@@ -337,5 +346,9 @@ mod tests {
         assert_eq!(class(lost, unknown, None), Some(FaultClass::Lost(Channel::T2)));
         assert_eq!(class(None, unknown, None), Some(FaultClass::Unknown));
         assert_eq!(class(None, None, None), None);
+        let [power, t0] = [FaultClass::HeaterPower, FaultClass::T0Fault].map(named);
+        assert_eq!(class(None, power, t0), Some(FaultClass::T0Fault), "rises over a wrong T0");
+        assert_eq!(class(None, power, detached), Some(FaultClass::HeaterPower));
+        assert_eq!(class(None, offset, t0), Some(FaultClass::T2Offset));
     }
 }

@@ -75,3 +75,6 @@ impl Normal {
         self.a.get(i * (i + 1) / 2 + j).copied().unwrap_or(0.0)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -68,3 +68,6 @@ impl Posterior {
         HYPOTHESES.iter().zip(&self.class).find_map(of).unwrap_or(0.0)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -217,3 +217,6 @@ impl Process {
         rises
     }
 }
+
+#[cfg(test)]
+mod tests;

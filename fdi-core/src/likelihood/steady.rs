@@ -5,8 +5,8 @@
 //! means of both residuals.
 
 use super::column::{COUNT, Column, LESS_BY, MORE_BY, Row};
-use super::evidence::{Freed, Nuisances};
-use super::hypothesis::{self, HYPOTHESES, IMPOSSIBLE, MODEL_ERRORS, SINCE_TRAINING};
+use super::evidence::{Freed, Nuisance, Nuisances};
+use super::hypothesis::{self, HYPOTHESES, IMPOSSIBLE, MODEL_ERRORS};
 use super::ladder::{Ladder, Past};
 use super::normal::Normal;
 use super::process::{Motion, Process, Rises};
@@ -15,6 +15,8 @@ use crate::filter::LowPass;
 
 /// What the mean of a residual may be off by, degC.
 const MEAN_SD: f32 = 0.1;
+/// And by which share of the distance of the rise from where training took place.
+const AWAY: f32 = 0.02;
 /// Evidence is divided by so much.
 pub(super) const KAPPA: f32 = 3.0;
 /// The fast band counts so much where a size is estimated: its sensitivities are what the model knows worst.
@@ -54,6 +56,8 @@ pub(super) struct Steady {
     /// Means of the residuals that count as trained, degC, and whether they are to be taken anew.
     base: [f32; 2],
     rebasing: bool,
+    /// Rise of T1 at which training took place, degC.
+    trained: f32,
     ticks: u32,
 }
 
@@ -74,6 +78,7 @@ impl Steady {
             referred: false,
             base: [0.0; 2],
             rebasing: false,
+            trained: rise,
             ticks: 0,
         }
     }
@@ -127,7 +132,14 @@ impl Steady {
 
     /// Gathers a tick: columns and residuals, plain and whitened.
     #[inline(never)]
-    pub(super) fn gather(&mut self, c: &SteadyConstants, row: &Row, whitened: &Row, e: [f32; 2], z: [f32; 2]) {
+    pub(super) fn gather(
+        &mut self,
+        c: &SteadyConstants,
+        row: &Row,
+        whitened: &Row,
+        e: [f32; 2],
+        z: [f32; 2],
+    ) {
         if self.ticks == 0 {
             self.mean = *row;
         }
@@ -180,19 +192,14 @@ impl Steady {
 
     /// Whether there is anything to judge by.
     pub(super) fn is_ready(&self, first: f32) -> bool {
-        self.referred && self.ticks % 10 == 0 && self.ticks as f32 >= first
-    }
-
-    /// Ticks gathered.
-    pub(super) fn ticks(&self) -> u32 {
-        self.ticks
+        self.referred && self.ticks.is_multiple_of(10) && self.ticks as f32 >= first
     }
 
     /// The gains of all lasting hypotheses. The size of the best is estimated again, from the means above all.
     #[inline(never)]
-    pub(super) fn judge(&self, freed: &mut [Freed; hypothesis::COUNT]) {
+    pub(super) fn judge(&self, nuisances: &[Nuisance], freed: &mut [Freed; hypothesis::COUNT]) {
         let both = self.with_means(1.0);
-        let nuisances = Nuisances::new(&both, &SINCE_TRAINING, KAPPA);
+        let nuisances = Nuisances::new(&both, nuisances, KAPPA);
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
             *freed = Freed { gain: IMPOSSIBLE, ..Freed::default() };
             if row.lasting {
@@ -203,9 +210,9 @@ impl Steady {
 
     /// The size of a hypothesis, from the means above all.
     #[inline(never)]
-    pub(super) fn size(&self, h: usize) -> Freed {
+    pub(super) fn size(&self, nuisances: &[Nuisance], h: usize) -> Freed {
         let mostly_means = self.with_means(FAST_IN_SIZE);
-        let nuisances = Nuisances::new(&mostly_means, &SINCE_TRAINING, KAPPA);
+        let nuisances = Nuisances::new(&mostly_means, nuisances, KAPPA);
         let row = &HYPOTHESES[h % HYPOTHESES.len()];
         nuisances.free(row.first, row.second)
     }
@@ -216,7 +223,11 @@ impl Steady {
         normal.explain(&self.reference);
         normal.scale(fast);
         let e = [self.mean_e[0] - self.base[0], self.mean_e[1] - self.base[1]];
-        normal.add(&self.mean, e, KAPPA / (MEAN_SD * MEAN_SD));
+        let away = AWAY * (self.mean[Column::Power as usize][0] - self.trained);
+        normal.add(&self.mean, e, KAPPA / (MEAN_SD * MEAN_SD + away * away));
         normal
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -104,9 +104,8 @@ mod tests {
     /// The derivatives against differences of two runs of the model.
     #[test]
     fn the_derivatives_are_those_of_differences() {
-        let parameters =
-            Parameters([-1.2, 1.4, 1.7, 0.2, 0.06, 0.9, 1.3, 1.1, 0.03, 4.0, 0.1, -0.2, 0.01]);
-        let power = |k: usize| if (k / 7) % 3 == 0 { 45.0 } else { 30.0 };
+        let parameters = Parameters([-1.2, 1.4, 1.7, 0.2, 0.06, 0.9, 1.3, 1.1, 0.03, 4.0, 0.1, -0.2, 0.01]);
+        let power = |k: usize| if (k / 7).is_multiple_of(3) { 45.0 } else { 30.0 };
         let run = |p: &Parameters| {
             let (process, mut motion) = (Process::new(p, 1.0), Motion::default());
             let mut y = [0.0; 2];

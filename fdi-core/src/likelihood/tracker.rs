@@ -72,3 +72,6 @@ impl Tracker {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

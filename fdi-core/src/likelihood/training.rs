@@ -58,13 +58,15 @@ const LEAST_SIGMA: f32 = 0.02;
 const NOISE_VARIANCE: f32 = SIGMA * SIGMA / (1.0 - RHO * RHO);
 /// How much vaguer a tick is than its noise; at first by a share of the rise, dying out within so many answer times: the model is still wrong.
 const VAGUE: f32 = 2.25;
-const FIRST_ERROR: f32 = 0.05;
+const FIRST_ERROR: f32 = 0.1;
 const FIRST_ANSWERS: f32 = 6.0;
 /// No tick moves a parameter by more than this share of its prior, nor counts for more than so many standard deviations.
 const LARGEST_STEP: f32 = 0.3;
 const LIMIT: f32 = 4.0;
 /// Longest dead time of T1 and T2 together, ticks: the transport holds it for a lower air flow, too.
 const LONGEST_DELAY: f32 = 0.7 * LONGEST;
+/// What is not learnt before the lags are.
+const HELD: [Parameter; 3] = [Parameter::Curvature, Parameter::Offset1, Parameter::Offset2];
 /// What the first heat alone shows well, and the least variance that all others begin learning with, of their prior's.
 const STANDS: [usize; 3] =
     [Parameter::Offset1 as usize, Parameter::Offset2 as usize, Parameter::Curvature as usize];
@@ -250,7 +252,13 @@ impl Trainer {
             _ => None,
         };
         if let Phase::Fitting(filter) = &mut s.phase {
-            let Some(y) = whole else { return Ok(None) };
+            let Some(y) = whole else {
+                if filter.started {
+                    s.ticks = s.ticks.saturating_add(1);
+                    filter.pass(&s.parameters, &s.process, &mut s.motion, power);
+                }
+                return Ok(None);
+            };
             if !filter.started {
                 filter.begin(&mut s.parameters, &mut s.motion, cold, y, u);
                 s.process = Process::new(&s.parameters, 1.0);
@@ -260,7 +268,16 @@ impl Trainer {
             if fit_to_learn && s.count == 0 {
                 filter.reopen(&mut s.parameters);
             }
-            let e = filter.step(&self.rls, &mut s.parameters, &mut s.process, &mut s.motion, y, power, s.ticks, fit_to_learn);
+            let e = filter.step(
+                &self.rls,
+                &mut s.parameters,
+                &mut s.process,
+                &mut s.motion,
+                y,
+                power,
+                s.ticks,
+                fit_to_learn,
+            );
             if fit_to_learn {
                 s.count += 1;
                 if 2 * s.count > self.fit_samples {
@@ -286,10 +303,6 @@ impl Trainer {
         if delay >= LONGEST_DELAY {
             return Err(RejectReason::DeadTime);
         }
-        if std::env::var_os("FDI_SLOW").is_some() { // DEBUG
-            let p = &s.parameters.0;
-            std::eprintln!("TRAINED K {:.3} tau {:.2} d1 {:.2} t1 {:.2} s1 {:.3} r2 {:.3} d2 {:.2} t2 {:.2} s2 {:.3} tw {:.0} c {:.2} {:.2} q {:.4} (ticks) sigma {:?} mean {:?}", libm::expf(p[0]), libm::expf(p[1]), p[2], libm::expf(p[3]), p[4], p[5], p[6], libm::expf(p[7]), p[8], libm::expf(p[9]), p[10], p[11], p[12], s.statistics.finish().map(|l| l.sigma), s.statistics.mean());
-        } // DEBUG
         Ok(Some(Trained {
             parameters: s.parameters,
             motion: s.motion,
@@ -333,6 +346,14 @@ impl Filter {
         }
     }
 
+    /// A tick without samples: the model goes on, and the residuals as far as they are known.
+    fn pass(&mut self, p: &Parameters, process: &Process, motion: &mut Motion, power: f32) {
+        (_, self.gradient) = self.tangent.step(p, process, motion, power);
+        for (e, noise) in self.residual.iter_mut().zip(&self.noise) {
+            *e *= noise.whitening().0;
+        }
+    }
+
     /// One tick; gives the residuals, degC.
     #[expect(clippy::too_many_arguments, reason = "the parts of a training, borrowed one by one")]
     fn step(
@@ -359,14 +380,16 @@ impl Filter {
                 self.noise[m].follow(e[m], self.residual[m]);
             }
             if !learning {
-                gradient[m][Parameter::Curvature as usize] = 0.0; // the first heat fits anything as long as the lags are wrong
+                // The first heat fits anything as long as the lags are wrong.
+                for held in HELD {
+                    gradient[m][held as usize] = 0.0;
+                }
             }
             let (rho, sigma) = self.noise[m].whitening();
             let wrong = first * (y[m] - offsets[m]);
             let scale = 1.0 / sqrt(VAGUE * sigma * sigma + wrong * wrong);
-            let phi: [f32; COUNT] = core::array::from_fn(|i| {
-                scale * self.sd[i] * (gradient[m][i] - rho * self.gradient[m][i])
-            });
+            let phi: [f32; COUNT] =
+                core::array::from_fn(|i| scale * self.sd[i] * (gradient[m][i] - rho * self.gradient[m][i]));
             let innovation = scale * (e[m] - rho * self.residual[m]);
             self.rls.theta = [0.0; COUNT];
             rls.step_clipped(&mut self.rls, &phi, innovation, LIMIT);
@@ -394,6 +417,8 @@ impl Filter {
             let later = 0.5 * (now - self.answered[0].map_or(now, |first| first as f32));
             let delay = larger(p.get(Parameter::Delay2), later);
             p.set(Parameter::Delay2, delay);
+            let sd = &mut self.sd[Parameter::Delay2 as usize];
+            *sd = larger(*sd, 0.5 * later);
         }
     }
 }
@@ -414,7 +439,8 @@ fn exchange_lags(p: &mut Parameters) {
 
 /// Holds the parameters where the model means something.
 fn bound(p: &mut Parameters, answer: f32) {
-    let mut within = |which: Parameter, (low, high): (f32, f32)| p.set(which, bounded(p.get(which), low, high));
+    let mut within =
+        |which: Parameter, (low, high): (f32, f32)| p.set(which, bounded(p.get(which), low, high));
     within(Parameter::Heater, HEATER);
     within(Parameter::Delay1, (0.0, LONGEST_DELAY));
     within(Parameter::Delay2, (0.0, LONGEST_DELAY));
@@ -430,3 +456,6 @@ fn bound(p: &mut Parameters, answer: f32) {
     within(Parameter::Offset2, (-20.0, 20.0));
     within(Parameter::Curvature, (-0.2, 0.2));
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,7 +7,7 @@ use super::alarm::{Alarm, ModelAlarm};
 use super::chart::{Chart, Sums};
 use super::class::FaultClass;
 use super::column::{LESS, MORE, Row};
-use super::evidence::{Freed, Nuisances};
+use super::evidence::{Freed, Nuisance, Nuisances};
 use super::heat::{Heat, HeatState, Rise};
 use super::hypothesis::{self, CONSTANT, HYPOTHESES, IMPOSSIBLE, SINCE_ONSET, in_unit};
 use super::ladder::{Ladder, Past};
@@ -21,6 +21,7 @@ use super::training::Trained;
 use super::verdict::{Finding, Magnitude};
 use crate::bounds::{bounded, larger, smaller};
 use crate::filter::LowPass;
+use crate::root::sqrt;
 
 /// Charts see no more of an innovation than so many standard deviations: a spike counts once.
 const CLIP: f32 = 6.0;
@@ -34,6 +35,12 @@ const TRACK_BELOW: f32 = 0.4;
 /// The share of a swing beyond this, degC, that the model may get wrong, and the swing's memory, s.
 const SWING: f32 = 1.5;
 const SWING_TIME: f32 = 2.0;
+/// Memory of how far power, flow and offsets wander, s.
+const WANDER_TIME: f32 = 7200.0;
+/// Weight of a new step of the power in what is known of their size.
+const STEP_SHARE: f32 = 0.2;
+/// A change is a fault only beyond so many standard deviations of what is usual here.
+const UNUSUAL: f32 = 2.5;
 /// Memory of T0's mean, s: what the inlet moves has passed T1 and T2 by then.
 const INLET_TIME: f32 = 1.0;
 /// Evidence since an onset is divided by so much.
@@ -98,6 +105,7 @@ struct Pace {
     steady: SteadyConstants,
     swing: LowPass,
     inlet: LowPass,
+    wander: LowPass,
     forgets: f32,
     windows: [f32; 2],
 }
@@ -120,9 +128,14 @@ pub(super) struct WatchState {
     past: Past,
     past_clipped: Past,
     tracker: Tracker,
+    /// Mean squares of what the tracker has followed, and of the steps of the power that were taken in.
+    wander: [f32; 4],
+    steps: f32,
     fast: [Sums; 2],
     slow: Sums,
     swing: [f32; 2],
+    /// Rise of T1 at which training took place, degC.
+    trained: f32,
     /// T0 and its mean, and what its motion may have been at T1 and at T2, degC.
     inlet: Option<(f32, f32, [f32; 2])>,
     onset: Onset,
@@ -190,6 +203,7 @@ impl Watch {
             },
             swing: LowPass::over(1.0 / share(SWING_TIME)),
             inlet: LowPass::over(1.0 / share(INLET_TIME)),
+            wander: LowPass::over(1.0 / share(WANDER_TIME)),
             forgets: 1.0 - share(FORGETS_WITH),
             windows: WINDOWS.map(|time| 1.0 - share(time)),
         }
@@ -213,9 +227,12 @@ impl Watch {
             past: Past::default(),
             past_clipped: Past::default(),
             tracker: Tracker::default(),
+            wander: [0.0; 4],
+            steps: hypothesis::POWER_SD * hypothesis::POWER_SD,
             fast: Default::default(),
             slow: Sums::default(),
             swing: [trained.rise, 0.0],
+            trained: trained.rise,
             inlet: None,
             onset: Onset::default(),
             since: Normal::default(),
@@ -261,13 +278,15 @@ impl Watch {
         let expected: [f32; 2] = core::array::from_fn(|m| rises.y[m] + offsets[m] + s.mean[m]);
         s.expected = expected;
         self.follow_rises(s, believed, true);
+        // Without T1 above all: what is regulated by then must not leave T2.
+        if let Some(y2) = y[1] {
+            self.heat.correct(&mut s.heat, y2 - expected[1], s.parameters.get(Parameter::Reaches2));
+        }
         let row = s.steady.row(&s.pace.steady, &s.flows, heat, &rises, before);
         let told = match y {
             [Some(y1), Some(y2)] => {
                 let e = [y1 - expected[0], y2 - expected[1]];
                 s.ticks = s.ticks.saturating_add(1);
-                let gap = (s.tracker.x, e[1]);
-                self.heat.correct(&mut s.heat, gap.1, s.parameters.get(Parameter::Reaches2));
                 s.contradict = s.heat.contradiction() > MAX_CONTRADICTION;
                 let nominal = NowRises { heat, rises, before };
                 self.judge(s, tick, e, &row, &nominal);
@@ -342,9 +361,8 @@ impl Watch {
         if s.ticks < FIRST_TICKS {
             (z, z_trained) = ([0.0; 2], [0.0; 2]);
         }
-        let widened = self.widened(s, now.rises.y[0] + s.parameters.get(Parameter::Offset1));
+        let widened = self.widened(s, s.expected[0]);
         let clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
-        if let Some(at) = std::env::var_os("FDI_AT") { let at: f32 = at.to_str().unwrap().parse().unwrap(); if (tick as f32 * self.sample_time - at).abs() < 1.2 { std::eprintln!("AT {:.2} e {:?} known {:?} left {:?} z {:?} clipped {:?}", tick as f32*self.sample_time, e, known, left, z, clipped); } } // DEBUG
         let charted = self.chart(s, if s.ticks < FIRST_TICKS { [0.0; 2] } else { clipped }, widened);
         self.follow_onset(s, tick, z, widened, &charted, now);
         if s.alarm.is_none() {
@@ -361,10 +379,15 @@ impl Watch {
             s.slow = Sums::default();
         }
         let quiet = s.alarm.is_none();
+        if quiet && s.lasting.is_none() {
+            for (square, x) in s.wander.iter_mut().zip(s.tracker.x) {
+                s.pace.wander.follow(square, x * x);
+            }
+        }
         if quiet && (settling || larger(charted.fast, charted.slow) < TRACK_BELOW) {
             s.tracker.step(&whitened, [bounded(z[0], -CLIP, CLIP), bounded(z[1], -CLIP, CLIP)]);
         }
-        if quiet && s.rests == 0 && !settling && s.ticks > FIRST_TICKS {
+        if quiet && s.rests == 0 && !settling && s.swing[1] < SWING && s.ticks > FIRST_TICKS {
             s.steady.gather(&s.pace.steady, row, &whitened, e, z_trained);
             self.judge_lasting(s, tick);
         }
@@ -377,7 +400,9 @@ impl Watch {
         let kept = *swing * (1.0 - s.pace.swing.share());
         *swing = larger(kept, (rise - *mean).abs());
         let moved = self.model_uncertainty * larger(0.0, *swing - SWING);
-        [moved * s.ladder.inv_sigma[0], moved * s.ladder.inv_sigma[1]]
+        let away = self.model_uncertainty * (*mean - s.trained).abs();
+        let rest = s.ladder.rest();
+        core::array::from_fn(|m| (moved + away * rest[m]) * s.ladder.inv_sigma[m])
     }
 
     fn chart(&self, s: &mut WatchState, z: [f32; 2], widened: [f32; 2]) -> Charted {
@@ -462,21 +487,13 @@ impl Watch {
         let best = &HYPOTHESES[posterior.best];
         let size = freed[posterior.best].value.abs();
         let small = match best.class {
-            FaultClass::HeaterPower => size < 0.085,
+            FaultClass::HeaterPower => size < larger(0.085, UNUSUAL * sqrt(s.steps)),
             FaultClass::Drift => size < 1.0,
             FaultClass::AirFlow => size < LEAST_FLOW,
             _ => false,
         };
         if posterior.best_gain > RAISE && !small {
             let onset = tick.saturating_sub(s.onset.age.saturating_sub(1));
-            // DEBUG
-            if std::env::var_os("FDI_SLOW").is_some() {
-                let mut order: [usize; hypothesis::COUNT] = core::array::from_fn(|i| i);
-                order.sort_by(|a, b| freed[*b].gain.total_cmp(&freed[*a].gain));
-                std::eprint!("FAST {:.1} s age {} charts {:.2} {:.2}:", tick as f32 * self.sample_time, s.onset.age, charted.fast, charted.slow);
-                for h in &order[..4] { std::eprint!(" [{h} {} {:.1} v{:.3}+-{:.3} p{:.3}]", HYPOTHESES[*h].class.name(), freed[*h].gain, freed[*h].value, freed[*h].sd, posterior.of(*h)); }
-                std::eprintln!();
-            } // DEBUG
             s.alarm = Some(Alarm::new(onset));
             s.windows = [s.since; 2];
         } else if s.candidate > TAKEN_AFTER {
@@ -498,32 +515,17 @@ impl Watch {
         }
         let posterior = Posterior::new(&freed);
         let h = posterior.likeliest;
-        // DEBUG
-        if std::env::var_os("FDI_DEBUG").is_some() && alarm.age < 6.0 {
-            let mut order: [usize; hypothesis::COUNT] = core::array::from_fn(|i| i);
-            order.sort_by(|a, b| freed[*b].gain.total_cmp(&freed[*a].gain));
-            std::eprint!("tick {tick} age {:.2} L0 chi {:.0}/{:.0}:", alarm.age, s.since.energy, s.since.count);
-            for h in &order[..5] { std::eprint!(" [{h} {} {:.1} v{:.2}+-{:.2} p{:.3}]", HYPOTHESES[*h].class.name(), freed[*h].gain, freed[*h].value, freed[*h].sd, posterior.of(*h)); }
-            std::eprintln!();
-        } // DEBUG
         let unexplained = (left - 2.0 * KAPPA * freed[h].gain) / larger(1.0, s.since.count);
-        // DEBUG
-        if std::env::var_os("FDI_RATIO").is_some() && ((alarm.age - 3.2).abs() < 0.06 || (alarm.age - 15.0).abs() < 0.06) {
-            std::eprintln!("RATIO {} {:.2} energy {:.1} class {} p {:.3}", if alarm.age > 10.0 { "late" } else { "early" }, unexplained, s.since.energy / s.since.count, HYPOTHESES[h].class.name(), posterior.of(h));
-        } // DEBUG
         let least = if alarm.age < PROCESS_TIME { ALWAYS_BOTH } else { NAME_PROCESS };
         let (class, confidence) = named(&posterior, least);
         let share = unexplained * s.since.count / larger(1.0, s.since.energy);
         let [least, least_share] = if alarm.strange { FITS } else { STRANGE };
         alarm.strange = alarm.age > UNKNOWN_AFTER && unexplained > least && share > least_share;
-        let finding = Finding {
-            class,
-            confidence,
-            magnitude: magnitude(h, class, &freed[h]),
-            onset: alarm.onset,
-        };
+        let finding =
+            Finding { class, confidence, magnitude: magnitude(h, class, &freed[h]), onset: alarm.onset };
         if alarm.strange {
-            alarm.finding = Some(Finding { class: FaultClass::Unknown, confidence: 0.0, magnitude: None, ..finding });
+            alarm.finding =
+                Some(Finding { class: FaultClass::Unknown, confidence: 0.0, magnitude: None, ..finding });
         } else if confidence > NAME
             || alarm.age > ANY_AFTER
             || alarm.finding.is_some_and(|was| was.class == class)
@@ -533,18 +535,19 @@ impl Watch {
         let value = freed[h].value;
         let over = (0..2).any(|w| {
             alarm.age > ASKED_FROM[w] && {
-                let nuisances = Nuisances::new(&s.windows[w], &SINCE_ONSET, KAPPA);
+                let nuisances = hypothesis::since_onset(s.steps);
+                let nuisances = Nuisances::new(&s.windows[w], &nuisances, KAPPA);
                 let row = &HYPOTHESES[h];
                 let both = [
                     (row.first.direction, value),
-                    row.second.map_or((row.first.direction, 0.0), |second| (second.direction, freed[h].second)),
+                    row.second
+                        .map_or((row.first.direction, 0.0), |second| (second.direction, freed[h].second)),
                 ];
                 let at = if row.second.is_some() { &both[..] } else { &both[..1] };
                 nuisances.fixed(at) < -OVER
             }
         });
         s.alarm = Some(alarm);
-        if over && std::env::var_os("FDI_SLOW").is_some() { std::eprintln!("OVER {:.1} s age {:.1}", tick as f32 * self.sample_time, alarm.age); } // DEBUG
         if over || (alarm.age > PROCESS_TIME && posterior.best_gain < 1.0) {
             s.alarm = None;
             s.rest();
@@ -561,29 +564,22 @@ impl Watch {
             return;
         }
         let mut freed = [Freed::default(); hypothesis::COUNT];
-        s.steady.judge(&mut freed);
+        let nuisances = hypothesis::since_training(&s.wander);
+        s.steady.judge(&nuisances, &mut freed);
         let posterior = Posterior::new(&freed);
         let h = posterior.likeliest;
         let row = &HYPOTHESES[h];
-        let sized = s.steady.size(h);
+        let sized = s.steady.size(&nuisances, h);
         let sized = if row.judged(sized).gain == IMPOSSIBLE { freed[h] } else { sized };
         let least = match row.class {
-            FaultClass::HeaterPower => LEAST_POWER,
-            FaultClass::AirFlow => LEAST_FLOW,
+            FaultClass::HeaterPower => larger(LEAST_POWER, UNUSUAL * sqrt(s.wander[0])),
+            FaultClass::AirFlow => larger(LEAST_FLOW, UNUSUAL * sqrt(s.wander[1])),
             FaultClass::T1Clogged => LEAST_GAIN,
             _ => LEAST_OFFSET,
         };
         let (factor, share) = if s.lasting.is_some() { (GOES_ON[0], GOES_ON[1]) } else { (1.0, 1.0) };
         let there = posterior.best_gain > factor * RAISE_SLOW && freed[h].value.abs() > share * least;
         let onset = s.lasting.map_or(tick, |was| was.onset);
-        // DEBUG
-        if std::env::var_os("FDI_SLOW").is_some() && (there != s.lasting.is_some() || s.steady.ticks() % 300 == 0) {
-            let mut order: [usize; hypothesis::COUNT] = core::array::from_fn(|i| i);
-            order.sort_by(|a, b| freed[*b].gain.total_cmp(&freed[*a].gain));
-            std::eprint!("slow {:.0} s {}:", tick as f32 * self.sample_time, there);
-            for h in &order[..4] { std::eprint!(" [{h} {} {:.1} v{:.3}+-{:.3} p{:.3}]", HYPOTHESES[*h].class.name(), freed[*h].gain, freed[*h].value, freed[*h].sd, posterior.of(*h)); }
-            std::eprintln!(" e {:.2} {:.2} tr {:.3?}", s.steady.mean_e[0], s.steady.mean_e[1], s.tracker.x);
-        } // DEBUG
         let (class, confidence) = named(&posterior, NAME_LASTING);
         s.lasting = there.then(|| Lasting {
             onset,
@@ -646,7 +642,8 @@ fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
 impl WatchState {
     /// Gains of all hypotheses since the onset.
     fn judge_since(&self) -> ([Freed; hypothesis::COUNT], f32) {
-        let nuisances = Nuisances::new(&self.since, &SINCE_ONSET, KAPPA);
+        let nuisances = hypothesis::since_onset(self.steps);
+        let nuisances = Nuisances::new(&self.since, &nuisances, KAPPA);
         let mut freed = [Freed::default(); hypothesis::COUNT];
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
             let mut second = row.second;
@@ -661,8 +658,11 @@ impl WatchState {
     /// Nuisances explain what the charts say: the tracker takes them.
     fn take_in(&mut self, row: &Row) {
         let before = self.tracker.expected(row);
-        let nuisances = Nuisances::new(&self.since, &SINCE_ONSET, KAPPA);
+        let nuisances = hypothesis::since_onset(self.steps);
+        let nuisances = Nuisances::new(&self.since, &nuisances, KAPPA);
         let [power, less, more, offset1, offset2, offset0, ..] = nuisances.values();
+        self.steps += STEP_SHARE * (power * power - self.steps);
+        self.steps = larger(hypothesis::POWER_SD * hypothesis::POWER_SD, self.steps);
         let by = [power, less + more, offset1 - offset0, offset2 - offset0];
         for (x, by) in self.tracker.x.iter_mut().zip(by) {
             *x += by;
@@ -725,6 +725,11 @@ impl WatchState {
         (self.ticks as usize > REMEMBERED).then(|| onset.step(&self.pace.onset, &self.ladder, &nominal))
     }
 
+    /// What may move since an onset without being a fault, as far as is known now.
+    pub(super) fn nuisances(&self) -> [Nuisance; SINCE_ONSET.len()] {
+        hypothesis::since_onset(self.steps)
+    }
+
     /// Rises of the model on the last tick, degC.
     pub(super) fn rises(&self) -> [f32; 2] {
         self.before
@@ -735,3 +740,6 @@ impl WatchState {
         self.expected
     }
 }
+
+#[cfg(test)]
+mod tests;

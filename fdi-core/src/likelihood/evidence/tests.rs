@@ -1,0 +1,348 @@
+extern crate std;
+
+use std::vec;
+use std::vec::Vec;
+
+use super::super::column::{Column, Row};
+use super::super::hypothesis::{HYPOTHESES, SINCE_ONSET, SINCE_TRAINING};
+use super::super::reference::{Matrix, Random, identity, inverse, solve};
+use super::*;
+
+/// Whitened residuals and signatures of some ticks.
+struct Problem {
+    rows: Vec<Row>,
+    z: Vec<[f32; 2]>,
+    kappa: f64,
+}
+
+/// A parameter with its prior.
+#[derive(Clone, Copy)]
+struct Prior {
+    direction: Direction,
+    mean: f64,
+    sd: f64,
+}
+
+fn narrow(list: &[Nuisance]) -> Vec<Prior> {
+    list.iter().map(|&(direction, sd)| Prior { direction, mean: 0.0, sd: f64::from(sd) }).collect()
+}
+
+fn wide(free: Free) -> Prior {
+    Prior { direction: free.direction, mean: f64::from(free.mean), sd: f64::from(free.sd) }
+}
+
+/// A direction's column: what it does to each residual.
+fn column(row: &Row, direction: Direction, m: usize) -> f64 {
+    let of = |column: Column| f64::from(row[column as usize][m]);
+    match direction {
+        Direction::Of(which) => of(which),
+        Direction::Offset0 => -of(Column::Offset1) - of(Column::Offset2),
+        Direction::Ramp0 => -of(Column::Ramp1) - of(Column::Ramp2),
+        Direction::MidLag => 0.5 * (of(Column::ShortLag) + of(Column::LongLag)),
+        Direction::MidLoss => 0.5 * (of(Column::ShortLoss) + of(Column::LongLoss)),
+    }
+}
+
+/// How many standard deviations a unit of a column is at most on the reference rig: a rise of 12 degC in innovations of 0.03 degC.
+fn largest(column: usize) -> f64 {
+    let is = |which: &[Column]| which.iter().any(|which| *which as usize == column);
+    if is(&[Column::Power, Column::LessFlow, Column::MoreFlow, Column::Gain1, Column::Gain2])
+        || is(&[Column::ShortLoss, Column::LongLoss])
+    {
+        400.0
+    } else if is(&[Column::ShortLag, Column::LongLag, Column::Wall]) {
+        100.0
+    } else {
+        30.0
+    }
+}
+
+impl Problem {
+    /// Signatures with slow content, as those of faults have, and residuals with some of each; `size` times those of the reference rig.
+    fn new(random: &mut Random, ticks: usize, size: f64, kappa: f64) -> Self {
+        let scale: [f64; COUNT] = core::array::from_fn(|i| size * random.between(0.3, 1.0) * largest(i));
+        let mut slow = [[0.0f64; 2]; COUNT];
+        let (mut rows, mut z) = (Vec::new(), Vec::new());
+        let truth: [f64; COUNT] = core::array::from_fn(|i| random.gaussian() / (1.0 + scale[i]));
+        for _ in 0..ticks {
+            let row: Row = core::array::from_fn(|i| {
+                core::array::from_fn(|m| {
+                    slow[i][m] += 0.1 * (2.0 + random.gaussian() - slow[i][m]);
+                    (scale[i] * (0.4 * slow[i][m] + 0.05 * random.gaussian())) as f32
+                })
+            });
+            z.push(core::array::from_fn(|m| {
+                let seen: f64 = (0..COUNT).map(|i| truth[i] * f64::from(row[i][m])).sum();
+                (random.gaussian() + seen) as f32
+            }));
+            rows.push(row);
+        }
+        Self { rows, z, kappa }
+    }
+
+    fn normal(&self) -> Normal {
+        let mut normal = Normal::default();
+        self.rows.iter().zip(&self.z).for_each(|(row, z)| normal.add(row, *z, 1.0));
+        normal
+    }
+
+    /// All residuals one below the other, and the columns of the parameters, both divided by the square root of kappa.
+    fn stacked(&self, priors: &[Prior]) -> (Vec<f64>, Matrix) {
+        let scale = 1.0 / self.kappa.sqrt();
+        let places = (0..self.z.len()).flat_map(|k| [(k, 0), (k, 1)]);
+        let z = places.clone().map(|(k, m)| scale * f64::from(self.z[k][m])).collect();
+        let phi = places
+            .map(|(k, m)| priors.iter().map(|p| scale * column(&self.rows[k], p.direction, m)).collect())
+            .collect();
+        (z, phi)
+    }
+
+    /// Quadratic forms of all residuals without parameters and with them, and the logarithm of the determinant: the joint normal
+    /// distribution of all samples, its covariance built, inverted and its determinant taken as they stand.
+    fn joint(&self, priors: &[Prior]) -> [f64; 3] {
+        let (z, phi) = self.stacked(priors);
+        let n = z.len();
+        let mut covariance = identity(n);
+        for i in 0..n {
+            for j in 0..n {
+                covariance[i][j] +=
+                    (0..priors.len()).map(|p| phi[i][p] * priors[p].sd.powi(2) * phi[j][p]).sum::<f64>();
+            }
+        }
+        let left: Vec<f64> = (0..n)
+            .map(|i| z[i] - priors.iter().zip(&phi[i]).map(|(p, phi)| phi * p.mean).sum::<f64>())
+            .collect();
+        let (solved, log_det) = solve(&covariance, &left);
+        [z.iter().map(|z| z * z).sum(), left.iter().zip(&solved).map(|(a, b)| a * b).sum(), log_det]
+    }
+
+    /// Log density of all residuals under the priors, less that under no parameter at all.
+    fn log_evidence(&self, priors: &[Prior]) -> f64 {
+        let [plain, quadratic, log_det] = self.joint(priors);
+        0.5 * (plain - quadratic - log_det)
+    }
+
+    /// What the parameters take from the residuals' sum of squares.
+    fn explained(&self, priors: &[Prior]) -> f64 {
+        let [plain, quadratic, _] = self.joint(priors);
+        self.kappa * (plain - quadratic)
+    }
+
+    /// What single precision makes of the largest numbers that a gain is the difference of: what the prior means and spreads would explain.
+    fn rounding(&self, first: Free, second: Option<Free>) -> f64 {
+        let priors: Vec<Prior> = [Some(first), second].into_iter().flatten().map(wide).collect();
+        let (_, phi) = self.stacked(&priors);
+        let square = |p: &Prior, phi: f64| phi * phi * (p.mean * p.mean + p.sd * p.sd);
+        5e-6 * phi.iter().flat_map(|phi| priors.iter().zip(phi)).map(|(p, phi)| square(p, *phi)).sum::<f64>()
+    }
+
+    /// The same in the space of the parameters, for many samples (matrix inversion lemma); with posterior means and standard deviations.
+    fn posterior(&self, priors: &[Prior]) -> (f64, Vec<f64>, Vec<f64>) {
+        let (z, phi) = self.stacked(priors);
+        let n = priors.len();
+        let left: Vec<f64> = z
+            .iter()
+            .zip(&phi)
+            .map(|(z, phi)| z - priors.iter().zip(phi).map(|(p, phi)| phi * p.mean).sum::<f64>())
+            .collect();
+        let (mut a, mut b) = (vec![vec![0.0; n]; n], vec![0.0; n]);
+        for (left, phi) in left.iter().zip(&phi) {
+            for i in 0..n {
+                b[i] += phi[i] * left;
+                (0..n).for_each(|j| a[i][j] += phi[i] * phi[j]);
+            }
+        }
+        // I + S A S with S the standard deviations.
+        let q: Matrix = (0..n)
+            .map(|i| {
+                (0..n).map(|j| f64::from(u8::from(i == j)) + priors[i].sd * a[i][j] * priors[j].sd).collect()
+            })
+            .collect();
+        let scaled: Vec<f64> = (0..n).map(|i| priors[i].sd * b[i]).collect();
+        let (solved, log_det) = solve(&q, &scaled);
+        let squares = |z: &[f64]| z.iter().map(|z| z * z).sum::<f64>();
+        let explained: f64 = scaled.iter().zip(&solved).map(|(a, b)| a * b).sum();
+        let log_evidence = 0.5 * (squares(&z) - squares(&left) + explained - log_det);
+        let covariance = inverse(&q);
+        let mean = (0..n).map(|i| priors[i].mean + priors[i].sd * solved[i]).collect();
+        let sd = (0..n).map(|i| priors[i].sd * covariance[i][i].sqrt()).collect();
+        (log_evidence, mean, sd)
+    }
+}
+
+const fn free(direction: Direction, mean: f32, sd: f32) -> Free {
+    Free { direction, mean, sd }
+}
+
+/// What hypotheses free, one or two, with and without prior means.
+const FREED: [(Free, Option<Free>); 8] = [
+    (free(Direction::Of(Column::Gain1), 0.0, 0.25), None),
+    (free(Direction::Of(Column::Gain1), -0.7, 0.2), None),
+    (free(Direction::MidLoss, 0.0, 0.25), None),
+    (free(Direction::MidLoss, 0.0, 0.25), Some(free(Direction::MidLag, 1.0, 0.15))),
+    (free(Direction::Ramp0, 0.0, 3.0), None),
+    (free(Direction::Of(Column::Constant), 40.0, 40.0), None),
+    (
+        free(Direction::Of(Column::ShortLoss), -0.7, 0.2),
+        Some(free(Direction::Of(Column::ShortLag), 1.0, 0.15)),
+    ),
+    (free(Direction::Of(Column::Ramp1), 0.0, 3.0), Some(free(Direction::Of(Column::Gain2), 0.3, 0.2))),
+];
+
+fn with(list: &[Nuisance], first: Free, second: Option<Free>) -> Vec<Prior> {
+    narrow(list).into_iter().chain([wide(first)]).chain(second.map(wide)).collect()
+}
+
+/// Within a share of the numbers that are subtracted.
+fn close(what: &str, got: f32, wanted: f64, tolerance: f64) {
+    assert!((f64::from(got) - wanted).abs() <= tolerance, "{what}: {got}, not {wanted}");
+}
+
+/// The references agree with each other: the covariance of all samples, and the space of the parameters.
+#[test]
+fn the_matrix_inversion_lemma_holds() {
+    for seed in 1..4 {
+        let problem = Problem::new(&mut Random::new(seed), 30, 0.3, 1.5);
+        for (first, second) in FREED {
+            let priors = with(&SINCE_ONSET, first, second);
+            let (dense, (small, ..)) = (problem.log_evidence(&priors), problem.posterior(&priors));
+            assert!((dense - small).abs() < 1e-6 * (1.0 + dense.abs()), "seed {seed}: {dense} {small}");
+        }
+    }
+}
+
+/// Log evidence of the nuisances and what each freed parameter gains, against the joint distribution of all samples.
+#[test]
+fn the_evidence_is_that_of_the_joint_distribution() {
+    for seed in 1..25 {
+        let mut random = Random::new(seed);
+        let problem = Problem::new(&mut random, 25, 1.0, 1.5);
+        let normal = problem.normal();
+        let list: &[Nuisance] = [&SINCE_ONSET, &SINCE_TRAINING, &SINCE_ONSET[..3], &[]][seed as usize % 4];
+        let nuisances = Nuisances::new(&normal, list, 1.5);
+        let alone = problem.log_evidence(&narrow(list));
+        let explained = problem.explained(&narrow(list));
+        close("explained", nuisances.explained, explained, 1e-4 * (1.0 + explained));
+        for (first, second) in FREED {
+            let wanted = problem.log_evidence(&with(list, first, second)) - alone;
+            let tolerance = 1e-3 * (1.0 + wanted.abs() + alone.abs()) + problem.rounding(first, second);
+            close("gain", nuisances.free(first, second).gain, wanted, tolerance);
+        }
+    }
+}
+
+/// Mean and standard deviation of what is freed, the second's mean, and what the nuisances are thought to be.
+#[test]
+fn values_are_those_of_the_posterior() {
+    for seed in 31..61 {
+        let problem = Problem::new(&mut Random::new(seed), 60, 1.0, 3.0);
+        let normal = problem.normal();
+        let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 3.0);
+        for (first, second) in FREED {
+            let (_, mean, sd) = problem.posterior(&with(&SINCE_ONSET, first, second));
+            let freed = nuisances.free(first, second);
+            let [mean1, sd1] = [mean[SINCE_ONSET.len()], sd[SINCE_ONSET.len()]];
+            close("value", freed.value, mean1, 0.01 * sd1 + 1e-3 * mean1.abs());
+            close("sd", freed.sd, sd1, 0.01 * sd1);
+            if second.is_some() {
+                let (mean2, sd2) = (mean[SINCE_ONSET.len() + 1], sd[SINCE_ONSET.len() + 1]);
+                close("second", freed.second, mean2, 0.01 * sd2 + 1e-3 * mean2.abs());
+            }
+        }
+        let (_, mean, sd) = problem.posterior(&narrow(&SINCE_ONSET));
+        for (i, value) in nuisances.values().into_iter().enumerate() {
+            close("nuisance", value, mean[i], 0.02 * sd[i]);
+        }
+    }
+}
+
+/// A freed parameter that is a nuisance as well: what is reported is the sum of both, as the data have it.
+#[test]
+fn a_parameter_that_is_a_nuisance_as_well_is_the_sum_of_both() {
+    for seed in 61..81 {
+        let problem = Problem::new(&mut Random::new(seed), 60, 1.0, 1.5);
+        let normal = problem.normal();
+        let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 1.5);
+        for row in HYPOTHESES.iter().filter(|row| row.second.is_none() && row.first.mean == 0.0) {
+            let first = row.first;
+            let Some(which) = SINCE_ONSET.iter().position(|(direction, _)| *direction == first.direction)
+            else {
+                continue;
+            };
+            // One parameter with both variances in place of the two.
+            let mut priors = narrow(&SINCE_ONSET);
+            let sd = priors[which].sd;
+            priors[which].sd = sd.hypot(f64::from(first.sd));
+            let (log_evidence, mean, sds) = problem.posterior(&priors);
+            let (alone, ..) = problem.posterior(&narrow(&SINCE_ONSET));
+            let freed = nuisances.free(first, None);
+            let wanted = log_evidence - alone;
+            close("gain", freed.gain, wanted, 2e-3 * (1.0 + wanted.abs()));
+            close("value", freed.value, mean[which], 0.02 * sds[which] + 1e-3 * mean[which].abs());
+            close("sd", freed.sd, sds[which], 0.05 * sds[which] + 0.01 * sd);
+        }
+    }
+}
+
+/// Parameters held at values: the density of what they leave, less that of the residuals as they are.
+#[test]
+fn fixed_values_are_taken_away() {
+    for seed in 81..101 {
+        let mut random = Random::new(seed);
+        let problem = Problem::new(&mut random, 60, 1.0, 1.5);
+        let normal = problem.normal();
+        let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 1.5);
+        let (alone, ..) = problem.posterior(&narrow(&SINCE_ONSET));
+        for (first, second) in FREED {
+            let at = |free: Free, random: &mut Random| {
+                (free.direction, free.mean + 0.3 * free.sd * random.gaussian() as f32)
+            };
+            let values: Vec<_> =
+                [Some(first), second].into_iter().flatten().map(|free| at(free, &mut random)).collect();
+            let held =
+                values.iter().map(|&(direction, value)| Prior { direction, mean: f64::from(value), sd: 0.0 });
+            let (log_evidence, ..) =
+                problem.posterior(&narrow(&SINCE_ONSET).into_iter().chain(held).collect::<Vec<_>>());
+            let wanted = log_evidence - alone;
+            close("gain", nuisances.fixed(&values), wanted, 1e-3 * (1.0 + wanted.abs()));
+        }
+        assert_eq!(nuisances.fixed(&[]), 0.0);
+    }
+}
+
+/// A thousand ticks and columns of 400 standard deviations: f32 tells gains to a share of a unit or a per mille, sizes to a twentieth of their
+/// standard deviation or a per mille.
+#[test]
+fn single_precision_is_enough_for_long_and_large_sums() {
+    let (mut worst, mut worst_value) = (0.0f64, 0.0f64);
+    for seed in 101..131 {
+        let problem = Problem::new(&mut Random::new(seed), 1000, 1.0, 1.5);
+        let normal = problem.normal();
+        let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 1.5);
+        let (alone, ..) = problem.posterior(&narrow(&SINCE_ONSET));
+        for (first, second) in FREED {
+            let (log_evidence, mean, sd) = problem.posterior(&with(&SINCE_ONSET, first, second));
+            let freed = nuisances.free(first, second);
+            let wanted = log_evidence - alone;
+            let tolerance = 1.0 + 1e-3 * wanted.abs() + problem.rounding(first, second);
+            worst = worst.max((f64::from(freed.gain) - wanted).abs() / tolerance);
+            let i = SINCE_ONSET.len();
+            worst_value = worst_value
+                .max((f64::from(freed.value) - mean[i]).abs() / (0.05 * sd[i] + 1e-3 * mean[i].abs()));
+        }
+    }
+    assert!(worst < 1.0 && worst_value < 1.0, "{worst} {worst_value}");
+}
+
+/// More nuisances than there is room for are left out, not written beside; nothing seen gains nothing but its cost.
+#[test]
+fn nothing_seen_gains_nothing() {
+    let normal = Normal::default();
+    let eleven = [SINCE_ONSET[0]; MOST + 1];
+    let nuisances = Nuisances::new(&normal, &eleven, 1.5);
+    assert_eq!(nuisances.explained, 0.0);
+    for (first, second) in FREED {
+        let freed = nuisances.free(first, second);
+        assert_eq!((freed.gain, freed.value, freed.sd), (0.0, first.mean, sqrt(first.sd * first.sd)));
+    }
+}

@@ -1,0 +1,129 @@
+use super::super::column::Column as C;
+use super::super::evidence::MOST;
+use super::super::posterior::Posterior;
+use super::*;
+
+#[test]
+fn the_magnitudes_have_the_units_of_their_classes() {
+    for (h, row) in HYPOTHESES.iter().enumerate() {
+        let unit = match row.first.direction {
+            Direction::Of(C::Offset1 | C::Offset2) | Direction::Offset0 => "degC",
+            Direction::Of(C::Ramp1 | C::Ramp2) | Direction::Ramp0 => "degC/min",
+            Direction::Of(C::LessFlow | C::MoreFlow) => "% of air flow",
+            Direction::Of(C::Power | C::Constant) => "% of power",
+            Direction::Of(C::Gain1 | C::ShortLoss | C::LongLoss) | Direction::MidLoss => "% of gain",
+            Direction::Of(C::Gain2) => "% of gain",
+            Direction::Of(C::Exchanged) => "",
+            other => panic!("{h}: {other:?} is no magnitude"),
+        };
+        let stuck = matches!(row.class, FaultClass::Stuck(_));
+        assert!(stuck || row.class.unit() == unit, "{h}: {} is in {}", row.class.name(), row.class.unit());
+    }
+}
+
+/// A thermistor's class moves that thermistor's columns and no other's.
+#[test]
+fn a_thermistors_hypothesis_moves_its_own_columns() {
+    let first = [C::Offset1, C::Gain1, C::ShortLag, C::LongLag, C::ShortLoss, C::LongLoss, C::Ramp1];
+    let second = [C::Offset2, C::Gain2, C::Ramp2];
+    for (h, row) in HYPOTHESES.iter().enumerate() {
+        let moved = |free: Free| free.direction.columns();
+        let columns = [Some(row.first), row.second].into_iter().flatten().flat_map(moved);
+        let of = |list: &[C], column: usize| list.iter().any(|which| *which as usize == column);
+        for column in columns {
+            let fits = match row.class.sensor() {
+                Some(Channel::T1) => of(&first, column),
+                Some(Channel::T2) => of(&second, column),
+                Some(Channel::T0) => of(&[C::Offset1, C::Offset2, C::Ramp1, C::Ramp2], column),
+                None if row.class == FaultClass::Drift => of(&first, column) || of(&second, column),
+                None => !of(&first, column) && !of(&second, column),
+            };
+            assert!(fits, "{h}: {} moves column {column}", row.class.name());
+        }
+    }
+}
+
+/// What is thought beforehand can be: each prior mean lies within its range or on its edge, and each spread is one.
+#[test]
+fn prior_means_are_possible() {
+    for (h, row) in HYPOTHESES.iter().enumerate() {
+        let (low, high) = row.range;
+        assert!(low < high && (low..=high).contains(&row.first.mean), "{h}: {row:?}");
+        assert!(
+            [Some(row.first), row.second].into_iter().flatten().all(|free| free.sd > 0.0),
+            "{h}: {row:?}"
+        );
+        assert!(row.prior <= 0.0, "{h}: none is commoner than the common ones");
+        assert!(row.stays.is_none_or(|m| m < 2 && row.second.is_some()), "{h}: {row:?}");
+    }
+}
+
+/// Rows that share a magnitude's column share none of its values: a loss is either a clog or a thermistor that is out.
+#[test]
+fn a_loss_has_one_name() {
+    for (h, row) in HYPOTHESES.iter().enumerate() {
+        for (g, other) in HYPOTHESES[..h].iter().enumerate() {
+            let same = row.first.direction == other.first.direction
+                && row.second.map(|free| free.direction) == other.second.map(|free| free.direction);
+            let apart = row.range.1 <= other.range.0 || other.range.1 <= row.range.0;
+            assert!(!same || apart, "{g} and {h}");
+        }
+    }
+}
+
+#[test]
+fn the_rows_that_are_told_apart_by_place_are_in_it() {
+    assert_eq!(HYPOTHESES[CONSTANT].class, FaultClass::HeaterPower);
+    assert_eq!(HYPOTHESES[CONSTANT].first.direction, of(C::Constant));
+    // `take_in` reads the first of these by place.
+    for list in [&SINCE_ONSET, &SINCE_TRAINING] {
+        let directions = [of(C::Power), of(C::LessFlow), of(C::MoreFlow), of(C::Offset1), of(C::Offset2)];
+        for (nuisance, direction) in list.iter().zip(directions.into_iter().chain([Direction::Offset0])) {
+            assert_eq!(nuisance.0, direction);
+        }
+    }
+}
+
+/// No direction is a nuisance twice, all have a spread, and there is room for all of them.
+#[test]
+fn nuisances_are_listed_once() {
+    for list in [&SINCE_ONSET[..], &SINCE_TRAINING, &MODEL_ERRORS] {
+        assert!(list.len() <= MOST);
+        for (i, (direction, sd)) in list.iter().enumerate() {
+            assert!(*sd > 0.0, "{direction:?}");
+            assert!(list[..i].iter().all(|(other, _)| other != direction), "{direction:?}");
+        }
+    }
+}
+
+/// A wide prior is for what may be a fault: each nuisance is far narrower than the hypothesis of the same direction.
+#[test]
+fn a_nuisance_is_narrow_beside_its_fault() {
+    for (direction, sd) in SINCE_ONSET.into_iter().chain(SINCE_TRAINING) {
+        for row in HYPOTHESES.iter().filter(|row| row.first.direction == direction && row.first.mean == 0.0) {
+            assert!(6.0 * sd < row.first.sd, "{direction:?}: {sd} beside {}", row.first.sd);
+        }
+    }
+}
+
+/// A size that it cannot have makes a hypothesis impossible, whatever it gains; no number does, too.
+#[test]
+fn impossible_sizes_gain_nothing() {
+    let flow = HYPOTHESES.iter().find(|row| row.first.direction == of(C::LessFlow)).unwrap();
+    let freed = |value: f32| Freed { gain: 100.0, value, ..Freed::default() };
+    assert_eq!(flow.judged(freed(0.3)).gain, 100.0 + flow.prior);
+    for value in [-0.01, 0.0, 5.0, f32::NAN] {
+        assert_eq!(flow.judged(freed(value)).gain, IMPOSSIBLE, "{value}");
+    }
+    let none: [Freed; COUNT] = core::array::from_fn(|h| HYPOTHESES[h].judged(freed(f32::NAN)));
+    assert_eq!(Posterior::new(&none).best_gain, IMPOSSIBLE);
+}
+
+/// What a minute's means cannot tell apart is not asked of them; every common class is.
+#[test]
+fn the_common_classes_are_judged_over_minutes() {
+    let lasting = |class: FaultClass| HYPOTHESES.iter().any(|row| row.class == class && row.lasting);
+    let common = [FaultClass::T1Offset, FaultClass::T2Offset, FaultClass::T0Fault, FaultClass::T1Clogged];
+    assert!(common.into_iter().chain([FaultClass::AirFlow, FaultClass::HeaterPower]).all(lasting));
+    assert!(![FaultClass::Drift, FaultClass::T1Detached].into_iter().any(lasting));
+}

@@ -1,0 +1,254 @@
+extern crate std;
+
+use std::vec;
+use std::vec::Vec;
+
+use super::super::process::Parameter;
+use super::super::reference::Random;
+use super::*;
+
+const MINUTES: f32 = 0.11 / 60.0;
+const LEAD: usize = 4;
+/// The last tick before the columns begin, and ticks in all.
+const QUIET: usize = 300;
+const TICKS: usize = 420;
+
+fn parameters() -> Parameters {
+    Parameters([-1.2, 1.4, 2.3, 0.2, 0.06, 0.9, 1.3, 1.1, 0.03, 4.0, 0.1, -0.2, 0.01])
+}
+
+fn constants() -> OnsetConstants {
+    OnsetConstants { lead: LEAD, lags: [0.25, 0.1], fan: 0.4, minutes: MINUTES }
+}
+
+fn powers() -> Vec<f32> {
+    let mut random = Random::new(5);
+    (0..TICKS).map(|k| 40.0 + if k % 3 == 0 { 20.0 * random.uniform() as f32 } else { 0.0 }).collect()
+}
+
+/// Whitening that changes nothing, so that columns are seen in degC.
+fn plain() -> Ladder {
+    let mut ladder = Ladder::default();
+    (ladder.sigma, ladder.inv_sigma) = ([1.0; 2], [1.0; 2]);
+    ladder
+}
+
+/// A whole simulation from the first tick on: rises of each tick, with what is changed from a tick on.
+fn simulated(heat: impl Fn(usize, f32) -> f32, process: impl Fn(usize) -> Process) -> Vec<Rises> {
+    let mut motion = Motion::default();
+    let nominal = Process::new(&parameters(), 1.0);
+    let tick = |(k, power): (usize, &f32)| process(k).step(&mut motion, heat(k, nominal.heat(*power)));
+    powers().iter().enumerate().map(tick).collect()
+}
+
+fn nominal() -> Vec<Rises> {
+    simulated(|_, heat| heat, |_| Process::new(&parameters(), 1.0))
+}
+
+/// The columns of all ticks from QUIET on.
+fn columns(restart: Option<usize>) -> Vec<Row> {
+    let (p, c, ladder) = (parameters(), constants(), plain());
+    let process = Process::new(&p, 1.0);
+    let (mut motion, mut history, mut onset) = (Motion::default(), History::default(), Onset::default());
+    let (mut before, mut rows) = ([0.0; 2], vec![]);
+    for (k, power) in powers().into_iter().enumerate() {
+        let heat = process.heat(power);
+        let rises = process.step(&mut motion, heat);
+        let now = Nominal {
+            parameters: &p,
+            fan: 1.0,
+            process: &process,
+            motion: &motion,
+            history: &history,
+            heat,
+            rises,
+            before,
+            inlet: [0.3, 0.7],
+        };
+        if restart == Some(k) {
+            onset.restart_sensors(before[0]);
+        }
+        if k >= QUIET {
+            rows.push(onset.step(&c, &ladder, &now));
+        }
+        history.push(heat, &motion);
+        before = rises.y;
+    }
+    rows
+}
+
+/// A column against the difference of a changed simulation and the nominal one, for each unit of the change.
+fn assert_difference(column: Column, changed: &[Rises], unit: f32) {
+    let (rows, nominal) = (columns(None), nominal());
+    let mut largest = 0.0f32;
+    for (row, k) in rows.iter().zip(QUIET..) {
+        for m in 0..2 {
+            let wanted = (changed[k].y[m] - nominal[k].y[m]) / unit;
+            let got = row[column as usize][m];
+            largest = largest.max(wanted.abs());
+            assert!(
+                (got - wanted).abs() < 2e-3 * (1.0 + wanted.abs()),
+                "{column:?}, T{}, {k}: {got}, not {wanted}",
+                m + 1
+            );
+        }
+    }
+    assert!(largest > 0.1, "{column:?} does something");
+}
+
+/// What changes begins so many ticks before it shows.
+const BEGINS: usize = QUIET - LEAD;
+
+#[test]
+fn power_and_a_constant_power_are_differences_of_two_simulations() {
+    let nominal_process = |_| Process::new(&parameters(), 1.0);
+    let more = simulated(|k, heat| if k >= BEGINS { 1.5 * heat } else { heat }, nominal_process);
+    assert_difference(Column::Power, &more, 0.5);
+    let constant = simulated(|k, heat| if k >= BEGINS { heat + 10.0 } else { heat }, nominal_process);
+    assert_difference(Column::Constant, &constant, 10.0);
+}
+
+/// The fan follows with its lag: the flow of each tick is that in its middle.
+#[test]
+fn air_flows_are_differences_of_two_simulations() {
+    for (column, flow, unit) in [(Column::LessFlow, LESS, LESS_BY), (Column::MoreFlow, MORE, MORE_BY)] {
+        let at = |k: usize| {
+            let age = k as f32 + 0.5 - BEGINS as f32;
+            let approach = if age > 0.0 { 1.0 - (-0.4 * age).exp() } else { 0.0 };
+            // The lag is over after eight of its time constants.
+            Process::new(&parameters(), 1.0 + (flow - 1.0) * approach)
+        };
+        assert_difference(column, &simulated(|_, heat| heat, at), unit);
+    }
+}
+
+/// The wall has always been there: its column is the derivative of the whole simulation by its share.
+#[test]
+fn the_walls_column_is_the_derivative_by_its_share() {
+    let mut p = parameters();
+    p.set(Parameter::Wall1, p.get(Parameter::Wall1) + 0.1);
+    assert_difference(Column::Wall, &simulated(|_, heat| heat, |_| Process::new(&p, 1.0)), 0.1);
+}
+
+/// A longer dead time by a tick gives what was there a tick ago.
+#[test]
+fn a_shift_is_a_longer_dead_time() {
+    let mut p = parameters();
+    p.set(Parameter::Delay1, p.get(Parameter::Delay1) + 1.0);
+    assert_difference(Column::Shift, &simulated(|_, heat| heat, |_| Process::new(&p, 1.0)), 1.0);
+}
+
+/// T1 behind a further lag that begins with the onset: what it reads less what it should; and what a lost share of the rise is behind it.
+#[test]
+fn lags_and_losses_begin_at_the_onset() {
+    let (rows, rises) = (columns(None), nominal());
+    for (place, share) in constants().lags.into_iter().enumerate() {
+        let (lag, loss) = [(Column::ShortLag, Column::ShortLoss), (Column::LongLag, Column::LongLoss)][place];
+        let share = f64::from(share);
+        for (row, k) in rows.iter().zip(QUIET..) {
+            // The lag as a sum over its past: the level before the onset decays, what came since is weighted.
+            let weight = |i: usize| share * (1.0 - share).powi((k - i) as i32);
+            let since: f64 = (QUIET..=k).map(|i| weight(i) * f64::from(rises[i].y[0])).sum();
+            let held = (1.0 - share).powi((k + 1 - QUIET) as i32) * f64::from(rises[QUIET - 1].y[0]);
+            let wanted = since + held - f64::from(rises[k].y[0]);
+            assert!((f64::from(row[lag as usize][0]) - wanted).abs() < 1e-3, "{lag:?} {k}: {row:?}");
+            assert!((f64::from(row[loss as usize][0]) - since).abs() < 1e-3, "{loss:?} {k}: {row:?}");
+            assert_eq!((row[lag as usize][1], row[loss as usize][1]), (0.0, 0.0), "T2 is not clogged");
+        }
+    }
+}
+
+#[test]
+fn sensors_columns_are_what_they_are_called() {
+    let (rows, rises) = (columns(None), nominal());
+    for (age, (row, k)) in rows.iter().zip(QUIET..).enumerate() {
+        let [y1, y2] = rises[k].y;
+        let at = |column: Column| row[column as usize];
+        assert_eq!((at(Column::Offset1), at(Column::Offset2)), ([1.0, 0.0], [0.0, 1.0]));
+        assert_eq!((at(Column::Gain1), at(Column::Gain2)), ([y1, 0.0], [0.0, y2]));
+        assert_eq!(at(Column::Exchanged), [y2 - y1, y1 - y2]);
+        assert_eq!((at(Column::Inlet1), at(Column::Inlet2)), ([0.3, 0.0], [0.0, 0.7]));
+        let minutes = age as f32 * MINUTES;
+        assert!(
+            (at(Column::Ramp1)[0] - minutes).abs() < 1e-5 && (at(Column::Ramp2)[1] - minutes).abs() < 1e-5
+        );
+        assert!(at(Column::Ramp1)[1] == 0.0 && at(Column::Ramp2)[0] == 0.0);
+    }
+}
+
+/// What sensors do begins anew, what the process does goes on.
+#[test]
+fn restarting_the_sensors_leaves_the_process() {
+    let at = QUIET + 50;
+    let (whole, restarted) = (columns(None), columns(Some(at)));
+    let (row, was) = (restarted[50], whole[50]);
+    assert_eq!(row[Column::Ramp1 as usize], [0.0; 2]);
+    assert!(row[Column::LongLoss as usize][0] < 0.2 * was[Column::LongLoss as usize][0]);
+    for column in (0..COUNT).filter(|column| !SENSORS.contains(column)) {
+        assert_eq!(restarted[100][column], whole[100][column], "column {column}");
+    }
+}
+
+/// Columns go through the same filter as the residuals: of a whitened column no level from before is left.
+#[test]
+fn the_columns_are_whitened_from_rest() {
+    let mut ladder = plain();
+    ladder.inv_sigma = [10.0, 20.0];
+    let (p, mut onset, mut history) = (parameters(), Onset::default(), History::default());
+    let (process, motion) = (Process::new(&p, 1.0), Motion::steady(30.0));
+    history.push(30.0, &motion);
+    let rises = Rises { y: [9.0, 8.0], wall: [0.0; 2] };
+    let now = Nominal {
+        parameters: &p,
+        fan: 1.0,
+        process: &process,
+        motion: &motion,
+        history: &history,
+        heat: 30.0,
+        rises,
+        before: rises.y,
+        inlet: [0.0; 2],
+    };
+    let row = onset.step(&constants(), &ladder, &now);
+    assert_eq!(row[Column::Offset1 as usize], [10.0, 0.0]);
+    assert_eq!(row[Column::Gain2 as usize], [0.0, 160.0]);
+    assert_eq!((onset.age, onset.sensors_age), (1, 1));
+}
+
+/// Who looks after the tick, when it is already remembered, sees the same columns as the watch did within it.
+#[test]
+fn a_tick_can_be_looked_at_again() {
+    let parameters = Parameters([-1.2, 1.4, 1.7, 0.2, 0.06, 0.9, 1.3, 1.1, 0.03, 4.0, 0.1, -0.2, 0.01]);
+    let process = Process::new(&parameters, 1.0);
+    let (mut motion, mut history, mut before) = (Motion::steady(30.0), History::default(), [0.0; 2]);
+    let mut ladder = Ladder::default();
+    ladder.inv_sigma = [1.0, 2.0];
+    let constants = OnsetConstants { lead: 5, lags: [0.3, 0.1], fan: 0.5, minutes: 0.002 };
+    let (mut within, mut after) = (Onset::default(), Onset::default());
+    for k in 0..3 * REMEMBERED {
+        let heat = if (k / 7) % 3 == 0 { 45.0 } else { 30.0 };
+        let rises = process.step(&mut motion, heat);
+        let nominal = |history, heat, rises, before| Nominal {
+            parameters: &parameters,
+            fan: 1.0,
+            process: &process,
+            motion: &motion,
+            history,
+            heat,
+            rises,
+            before,
+            inlet: [0.0; 2],
+        };
+        let faulty = k > REMEMBERED;
+        let remembered = history;
+        let wanted =
+            faulty.then(|| within.step(&constants, &ladder, &nominal(&remembered, heat, rises, before)));
+        history.push(heat, &motion);
+        let [(heat, rises), (_, then)] = [0, 1].map(|ago| history.at(&process, ago));
+        let old = history.before();
+        let columns = faulty.then(|| after.step(&constants, &ladder, &nominal(&old, heat, rises, then.y)));
+        assert_eq!(columns, wanted, "{k}");
+        before = rises.y;
+    }
+    assert!(after.age as usize > REMEMBERED);
+}

@@ -1,0 +1,198 @@
+extern crate std;
+
+use std::vec::Vec;
+
+use super::super::class::FaultClass;
+use super::super::column::{LESS, MORE};
+use super::super::hypothesis::SINCE_TRAINING;
+use super::super::posterior::Posterior;
+use super::super::process::Parameters;
+use super::super::reference::Random;
+use super::*;
+
+/// Innovations of both residuals, degC.
+const SIGMA: f32 = 0.05;
+/// Ticks until the fast band has its reference.
+const REFERENCE: u32 = 800;
+
+fn constants() -> SteadyConstants {
+    SteadyConstants {
+        keep: 1.0 - 1.0 / 545.0,
+        reference: REFERENCE,
+        split: LowPass::over(45.0),
+        mean: LowPass::over(227.0),
+        lags: [0.25, 0.1],
+    }
+}
+
+/// A rig that is excited as while it monitors, its model, and what is gathered of it.
+struct Run {
+    process: Process,
+    flows: [Process; 2],
+    motion: Motion,
+    steady: Steady,
+    ladder: Ladder,
+    random: Random,
+    before: [f32; 2],
+    bit: f32,
+    ticks: usize,
+}
+
+impl Run {
+    fn new(seed: u64) -> Self {
+        let p = Parameters([-1.2, 1.4, 1.0, -0.5, 0.0, 0.92, 0.9, 1.3, 0.0, 5.6, 0.0, 0.0, 0.0]);
+        let motion = Motion::steady(40.0);
+        let rise = 40.0 * libm::expf(-1.2);
+        let mut ladder = Ladder::default();
+        (ladder.sigma, ladder.inv_sigma) = ([SIGMA; 2], [1.0 / SIGMA; 2]);
+        Self {
+            process: Process::new(&p, 1.0),
+            flows: [LESS, MORE].map(|flow| Process::new(&p, flow)),
+            motion,
+            steady: Steady::new(&motion, rise),
+            ladder,
+            random: Random::new(seed),
+            before: [rise, 0.92 * rise],
+            bit: 5.0,
+            ticks: 0,
+        }
+    }
+
+    /// So many ticks whose residuals are noise and what is given of each tick's columns, by the tick of this call.
+    fn ticks(&mut self, n: usize, residual: impl Fn(usize, &Row) -> [f32; 2]) {
+        let c = constants();
+        for k in 0..n {
+            if self.ticks.is_multiple_of(2) {
+                self.bit = if self.random.uniform() > 0.5 { 5.0 } else { -5.0 };
+            }
+            self.ticks += 1;
+            let heat = self.process.heat(40.0 + self.bit);
+            let rises = self.process.step(&mut self.motion, heat);
+            let row = self.steady.row(&c, &self.flows, heat, &rises, self.before);
+            self.before = rises.y;
+            let whitened = self.steady.whitened(&self.ladder, &row);
+            let e = residual(k, &row).map(|e| e + SIGMA * self.random.gaussian() as f32);
+            let z = self.steady.residual(&self.ladder, e);
+            self.steady.gather(&c, &row, &whitened, e, z);
+        }
+    }
+
+    /// The likeliest class, the gain of the best hypothesis, and the size of the likeliest.
+    fn judged(&self) -> (FaultClass, f32, f32) {
+        let mut freed = [Freed::default(); hypothesis::COUNT];
+        self.steady.judge(&SINCE_TRAINING, &mut freed);
+        let posterior = Posterior::new(&freed);
+        let h = posterior.likeliest;
+        (HYPOTHESES[h].class, posterior.best_gain, self.steady.size(&SINCE_TRAINING, h).value)
+    }
+}
+
+fn nothing(_: usize, _: &Row) -> [f32; 2] {
+    [0.0; 2]
+}
+
+fn of(column: Column, size: f32) -> impl Fn(usize, &Row) -> [f32; 2] {
+    move |_, row| row[column as usize].map(|value| size * value)
+}
+
+/// What comes within two minutes, and stays: its name and its size, against a residual that says no more than its columns.
+#[test]
+fn what_changed_slowly_is_named_with_its_size() {
+    let cases = [
+        (Column::Power, -0.15, FaultClass::HeaterPower),
+        (Column::Power, 0.2, FaultClass::HeaterPower),
+        (Column::LessFlow, 0.2, FaultClass::AirFlow),
+        (Column::MoreFlow, -0.18, FaultClass::AirFlow),
+        (Column::Offset1, 1.5, FaultClass::T1Offset),
+        (Column::Offset2, -1.5, FaultClass::T2Offset),
+        (Column::Gain1, -0.2, FaultClass::T1Clogged),
+    ];
+    for (column, size, class) in cases {
+        for seed in 1..4 {
+            let mut run = Run::new(seed);
+            run.ticks(REFERENCE as usize + 10, nothing);
+            run.ticks(1100, |k, row| row[column as usize].map(|value| size * k as f32 / 1100.0 * value));
+            run.ticks(1500, of(column, size));
+            let (named, gain, estimate) = run.judged();
+            assert!(
+                named == class && gain > 5.0,
+                "{column:?} by {size}: {named:?}, gain {gain}, seed {seed}"
+            );
+            let error = (estimate / size - 1.0).abs();
+            assert!(error < 0.12, "{column:?} by {size}: {estimate}, seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn nothing_gains_nothing() {
+    for seed in 1..11 {
+        let mut run = Run::new(seed);
+        run.ticks(REFERENCE as usize + 2000, nothing);
+        let (_, gain, _) = run.judged();
+        assert!(gain < 1.5, "gain {gain}, seed {seed}");
+    }
+}
+
+/// A model that lets T1 lag too little, always: that is what the reference takes away, and the means do not see it.
+#[test]
+fn the_reference_takes_a_constant_model_error_away() {
+    let fast_error = of(Column::ShortLag, 0.5);
+    for seed in 1..4 {
+        let mut run = Run::new(seed);
+        run.ticks(REFERENCE as usize + 2000, &fast_error);
+        let (class, gain, _) = run.judged();
+        assert!(gain < 1.5, "{class:?} gains {gain}, seed {seed}");
+        let reference = run.steady.reference;
+        assert!(reference.iter().any(|value| *value != 0.0));
+        run.steady.reference = [0.0; COUNT];
+        let (_, without, _) = run.judged();
+        assert!(without > gain + 3.0, "without it: {without}, seed {seed}");
+    }
+}
+
+/// After a change on purpose what is there counts as trained; a change later is held against that.
+#[test]
+fn what_was_changed_on_purpose_counts_as_trained() {
+    let mut run = Run::new(1);
+    run.ticks(REFERENCE as usize + 500, nothing);
+    run.steady.rebase();
+    assert!(!run.steady.is_ready(0.0));
+    let level = |offset: f32| move |_: usize, _: &Row| [1.2 + offset, 0.9];
+    run.ticks(REFERENCE as usize + 2000, level(0.0));
+    let (class, gain, _) = run.judged();
+    assert!(gain < 1.5, "{class:?} gains {gain}");
+    run.ticks(1500, level(1.5));
+    let (class, gain, size) = run.judged();
+    assert!(
+        class == FaultClass::T1Offset && gain > 5.0 && (size - 1.5).abs() < 0.2,
+        "{class:?} {gain} {size}"
+    );
+}
+
+/// A few wild ticks are no change.
+#[test]
+fn outliers_do_not_carry_a_verdict() {
+    let mut run = Run::new(2);
+    run.ticks(REFERENCE as usize + 1500, nothing);
+    run.ticks(600, |k, _| if k % 200 == 100 { [20.0, -15.0] } else { [0.0; 2] });
+    let (class, gain, _) = run.judged();
+    assert!(gain < 1.5, "{class:?} gains {gain}");
+}
+
+/// It judges every tenth tick, and not before there is a reference and so much since.
+#[test]
+fn it_waits_for_its_reference() {
+    let mut run = Run::new(3);
+    run.ticks(REFERENCE as usize - 1, nothing);
+    assert!(!run.steady.is_ready(0.0));
+    run.ticks(1, nothing);
+    let ready: Vec<bool> = (0..40)
+        .map(|_| {
+            run.ticks(1, nothing);
+            run.steady.is_ready(20.0)
+        })
+        .collect();
+    let at: Vec<usize> = (0..40).filter(|k| ready[*k]).map(|k| k + 1).collect();
+    assert_eq!(at, [20, 30, 40]);
+}

@@ -1,0 +1,151 @@
+use super::super::column::COUNT;
+use super::super::reference::{Matrix, Random};
+use super::*;
+
+/// Whitened columns as on the reference rig, some of them moving: power, both secants of the air flow, offsets.
+fn row(random: &mut Random) -> Row {
+    let mut row = [[0.0; 2]; COUNT];
+    let mut put = |column: Column, a: f32, b: f32| row[column as usize] = [a, b];
+    let mut moving = |mean: f64| (mean + 3.0 * random.gaussian()) as f32;
+    put(Column::Power, moving(60.0), moving(40.0));
+    put(Column::LessFlow, moving(70.0), moving(55.0));
+    put(Column::MoreFlow, moving(50.0), moving(35.0));
+    put(Column::Offset1, 5.0, -2.0);
+    put(Column::Offset2, 0.0, 4.0);
+    row
+}
+
+/// The textbook's filter, one measurement at a time, with full matrices in f64.
+struct Kalman {
+    x: [f64; N],
+    p: Matrix,
+}
+
+impl Kalman {
+    fn new() -> Self {
+        let diagonal = |i: usize, j: usize| if i == j { f64::from(FIRST[i]).powi(2) } else { 0.0 };
+        Self { x: [0.0; N], p: (0..N).map(|i| (0..N).map(|j| diagonal(i, j)).collect()).collect() }
+    }
+
+    fn step(&mut self, whitened: &Row, z: [f32; 2]) {
+        let flow = if self.x[1] < 0.0 { Column::MoreFlow } else { Column::LessFlow };
+        let columns = [Column::Power, flow, Column::Offset1, Column::Offset2];
+        for i in 0..N {
+            self.p[i][i] += f64::from(WALK[i]).powi(2);
+        }
+        for m in 0..2 {
+            let phi = columns.map(|column| f64::from(whitened[column as usize][m]));
+            let p_phi: [f64; N] = core::array::from_fn(|i| (0..N).map(|j| self.p[i][j] * phi[j]).sum());
+            let variance = f64::from(NOISE) + (0..N).map(|i| phi[i] * p_phi[i]).sum::<f64>();
+            for i in 0..N {
+                self.x[i] += p_phi[i] / variance * f64::from(z[m]);
+                for j in 0..N {
+                    self.p[i][j] -= p_phi[i] * p_phi[j] / variance;
+                }
+            }
+        }
+    }
+}
+
+fn positive_definite(tracker: &Tracker) -> bool {
+    (1..=N).all(|n| {
+        let leading: Matrix = (0..n).map(|i| (0..n).map(|j| f64::from(tracker.p[i][j])).collect()).collect();
+        // The sign of each leading minor, by its pivots.
+        let mut a = leading;
+        for i in 0..n {
+            if !(a[i][i] > 0.0) {
+                return false;
+            }
+            for k in i + 1..n {
+                let factor = a[k][i] / a[i][i];
+                for j in i..n {
+                    let above = a[i][j];
+                    a[k][j] -= factor * above;
+                }
+            }
+        }
+        true
+    })
+}
+
+#[test]
+fn it_is_the_kalman_filter_of_the_textbook() {
+    let (mut tracker, mut wanted, mut random) = (Tracker::default(), Kalman::new(), Random::new(1));
+    for k in 0..3000 {
+        let (row, z) = (row(&mut random), [random.gaussian() as f32, random.gaussian() as f32]);
+        // A residual that the offset of T1 explains, so that something is learnt.
+        let shifted = [z[0] + if k > 500 { 0.5 } else { 0.0 }, z[1]];
+        tracker.step(&row, shifted);
+        wanted.step(&row, shifted);
+        for i in 0..N {
+            let sd = wanted.p[i][i].sqrt();
+            assert!(
+                (f64::from(tracker.x[i]) - wanted.x[i]).abs() < 0.02 * sd,
+                "tick {k}: {:?} {:?}",
+                tracker.x,
+                wanted.x
+            );
+            assert!((f64::from(tracker.p[i][i]) / wanted.p[i][i] - 1.0).abs() < 0.01, "tick {k}, {i}");
+        }
+    }
+}
+
+/// A power that sags by 3 % within ten minutes, and an offset of T2 that grows: which of both it is may stay open, but little of it is left.
+#[test]
+fn what_changes_slowly_is_followed() {
+    let (mut tracker, mut random) = (Tracker::default(), Random::new(2));
+    let (mut left, mut all) = (0.0, 0.0);
+    for k in 0..6000 {
+        let row = row(&mut random);
+        let share = k as f32 / 6000.0;
+        let truth = [-0.03 * share, 0.0, 0.0, 0.4 * share];
+        let z: [f32; 2] = core::array::from_fn(|m| {
+            let seen =
+                truth[0] * row[Column::Power as usize][m] + truth[3] * row[Column::Offset2 as usize][m];
+            all += seen * seen;
+            random.gaussian() as f32 + seen
+        });
+        let expected = tracker.expected(&row);
+        tracker.step(&row, [z[0] - expected[0], z[1] - expected[1]]);
+        let missed = [0, 1].map(|m| {
+            let seen =
+                truth[0] * row[Column::Power as usize][m] + truth[3] * row[Column::Offset2 as usize][m];
+            seen - expected[m]
+        });
+        left += missed[0] * missed[0] + missed[1] * missed[1];
+    }
+    assert!(left < 0.1 * all, "{left} of {all} is not followed");
+}
+
+/// A million quiet ticks: rounding neither makes the covariance indefinite nor lets it leave what the equations settle at.
+#[test]
+fn a_million_quiet_ticks_leave_it_positive_definite() {
+    let (mut tracker, mut random) = (Tracker::default(), Random::new(3));
+    let rows: [Row; 16] = core::array::from_fn(|_| row(&mut random));
+    for k in 0..1_000_000 {
+        let z = [(k % 7) as f32 - 3.0, (k % 5) as f32 - 2.0].map(|z| 0.5 * z);
+        tracker.step(&rows[k % 16], z);
+        if k % 10_000 == 0 {
+            assert!(positive_definite(&tracker), "tick {k}: {:?}", tracker.p);
+        }
+    }
+    assert!(tracker.x.iter().all(|x| x.is_finite()));
+    for i in 0..N {
+        assert!(tracker.p[i][i] <= FIRST[i] * FIRST[i] * 4.0, "{:?}", tracker.p);
+        for j in 0..i {
+            let scale = (tracker.p[i][i] * tracker.p[j][j]).sqrt();
+            assert!((tracker.p[i][j] - tracker.p[j][i]).abs() < 1e-3 * scale, "symmetric");
+        }
+    }
+}
+
+#[test]
+fn widening_adds_variances_and_nothing_else() {
+    let mut tracker = Tracker::default();
+    tracker.widen([0.1, 0.0, 0.3, 0.0]);
+    let wanted = [0.01 + 0.0001, 0.000025, 0.09 + 0.01, 0.01];
+    for (i, wanted) in wanted.into_iter().enumerate() {
+        assert!((tracker.p[i][i] - wanted).abs() < 1e-7);
+    }
+    assert_eq!(tracker.x, [0.0; N]);
+}

@@ -173,6 +173,13 @@ impl Onset {
         row
     }
 
+    /// A tick without samples: the models go on, and no column is whitened, as no residual is.
+    pub(super) fn pass(&mut self, c: &OnsetConstants, ladder: &Ladder, now: &Nominal) {
+        let past = self.past;
+        self.step(c, ladder, now);
+        self.past = past;
+    }
+
     /// The sensors' columns begin anew with the next tick, what the process does goes on.
     pub(super) fn restart_sensors(&mut self, rise: f32) {
         self.sensors_age = 0;

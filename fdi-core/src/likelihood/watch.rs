@@ -283,18 +283,23 @@ impl Watch {
             self.heat.correct(&mut s.heat, y2 - expected[1], s.parameters.get(Parameter::Reaches2));
         }
         let row = s.steady.row(&s.pace.steady, &s.flows, heat, &rises, before);
+        let now = NowRises { heat, rises, before };
         let told = match y {
             [Some(y1), Some(y2)] => {
                 let e = [y1 - expected[0], y2 - expected[1]];
                 s.ticks = s.ticks.saturating_add(1);
                 s.contradict = s.heat.contradiction() > MAX_CONTRADICTION;
-                let nominal = NowRises { heat, rises, before };
-                self.judge(s, tick, e, &row, &nominal);
+                self.judge(s, tick, e, &row, &now);
                 s.measured = [y1 - offsets[0] - s.mean[0], y2 - offsets[1] - s.mean[1]];
                 s.reported(&self.heat, tick)
             }
             _ => {
                 s.contradict = false;
+                if s.onset.age > 0 {
+                    let c = s.pace.onset;
+                    let (onset, ladder, nominal) = s.since_onset(&now);
+                    onset.pass(&c, ladder, &nominal);
+                }
                 s.reported(&self.heat, tick)
             }
         };
@@ -452,18 +457,9 @@ impl Watch {
             s.onset.restart_sensors(now.before[0]);
             s.stays = s.measured;
         }
-        let nominal = Nominal {
-            parameters: &s.parameters,
-            fan: s.fan,
-            process: &s.process,
-            motion: &s.motion,
-            history: &s.history,
-            heat: now.heat,
-            rises: now.rises,
-            before: now.before,
-            inlet: s.inlet.map_or([0.0; 2], |(_, _, moved)| moved),
-        };
-        let row = s.onset.step(&s.pace.onset, &s.ladder, &nominal);
+        let c = s.pace.onset;
+        let (onset, ladder, nominal) = s.since_onset(now);
+        let row = onset.step(&c, ladder, &nominal);
         if let Some(alarm) = &s.alarm {
             if alarm.age > FORGETS_FROM {
                 s.since.scale(s.pace.forgets);
@@ -614,7 +610,7 @@ fn named(posterior: &Posterior, least: f32) -> (FaultClass, f32) {
     let [flow, power] = [FaultClass::AirFlow, FaultClass::HeaterPower].map(|class| posterior.of_class(class));
     let process = matches!(class, FaultClass::AirFlow | FaultClass::HeaterPower);
     if process && larger(flow, power) < least {
-        return (FaultClass::AirFlowOrHeaterPower, flow + power);
+        return (FaultClass::AirFlowOrHeaterPower, smaller(1.0, flow + power));
     }
     (class, probability)
 }
@@ -640,6 +636,22 @@ fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
 }
 
 impl WatchState {
+    /// The columns' memory, and the model beside it.
+    fn since_onset(&mut self, now: &NowRises) -> (&mut Onset, &Ladder, Nominal<'_>) {
+        let nominal = Nominal {
+            parameters: &self.parameters,
+            fan: self.fan,
+            process: &self.process,
+            motion: &self.motion,
+            history: &self.history,
+            heat: now.heat,
+            rises: now.rises,
+            before: now.before,
+            inlet: self.inlet.map_or([0.0; 2], |(_, _, moved)| moved),
+        };
+        (&mut self.onset, &self.ladder, nominal)
+    }
+
     /// Gains of all hypotheses since the onset.
     fn judge_since(&self) -> ([Freed; hypothesis::COUNT], f32) {
         let nuisances = hypothesis::since_onset(self.steps);

@@ -1,5 +1,7 @@
 extern crate std;
 
+use std::vec::Vec;
+
 use super::super::reference::{Random, Rig};
 use super::*;
 
@@ -137,18 +139,22 @@ impl Plant {
     }
 }
 
-/// From priors to the truth, over the whole range of plants: how T1 and T2 answer to the power at which they were learnt.
+/// From priors to the truth, over the whole range of plants: none is refused, and how T1 and T2 answer to the power at which they were learnt
+/// is known to 5 % in the median.
 #[test]
 fn every_heater_is_learnt() {
-    let mut close = 0;
-    for seed in 1..21 {
-        let mut plant = Plant::drawn(seed);
-        let trained = plant.train().unwrap_or_else(|why| panic!("seed {seed}: {why:?}, {:?}", plant.p));
-        let error = plant.response_error(&trained.parameters).into_iter().fold(0.0, f64::max);
-        assert!(error < 0.15, "seed {seed}: {error} of the rise, {:?} as {:?}", plant.p, trained.parameters);
-        close += usize::from(error < 0.08);
-    }
-    assert!(close >= 15, "{close} of 20 within 8 %");
+    let mut errors: Vec<(f64, u64)> = (1..21)
+        .map(|seed| {
+            let mut plant = Plant::drawn(seed);
+            let trained = plant.train().unwrap_or_else(|why| panic!("seed {seed}: {why:?}, {:?}", plant.p));
+            (plant.response_error(&trained.parameters).into_iter().fold(0.0, f64::max), seed)
+        })
+        .collect();
+    errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert!(
+        errors[9].0 < 0.05 && errors[16].0 < 0.12 && errors[19].0 < 0.25,
+        "shares of the rise, seeds: {errors:.3?}"
+    );
 }
 
 /// Near what it was tuned on: gain and times one by one, noise as it is, and no mean left.
@@ -185,7 +191,147 @@ fn missing_samples_cost_time_only() {
         plant.missing = 0.2;
         let trained = plant.train().unwrap();
         let error = plant.response_error(&trained.parameters);
-        std::eprintln!("{error:?} {:?}", trained.ladder.sigma);
         assert!(error[0] < 0.05 && error[1] < 0.05, "seed {seed}: {error:?}");
     }
+}
+
+/// A rig that is warm already, as after a relearning, is learnt from where it is.
+#[test]
+fn a_warm_start_is_learnt() {
+    for seed in 1..6 {
+        let mut plant = Plant::reference(seed);
+        let (settles, trainer) = plant.lengths();
+        for _ in 0..settles {
+            plant.tick(false);
+        }
+        let mut training = trainer.start();
+        let trained = loop {
+            let (y, u) = plant.tick(false);
+            match trainer.step(&mut training, &Cold::default(), y, u, true) {
+                Ok(None) => {}
+                Ok(Some(trained)) => break trained,
+                Err(why) => panic!("seed {seed}: {why:?}"),
+            }
+        };
+        let error = plant.response_error(&trained.parameters);
+        assert!(error[0] < 0.06 && error[1] < 0.06, "seed {seed}: {error:?}");
+    }
+}
+
+/// Only ticks that are fit to learn count, and both parts take as many as they are to.
+#[test]
+fn what_is_not_fit_to_learn_does_not_count() {
+    let mut plant = Plant::reference(1);
+    let trainer = Trainer::new(300, 200, plant.answer, plant.usual).unwrap();
+    let mut training = trainer.start();
+    let (mut counted, mut done) = (0, false);
+    for k in 0..3000 {
+        let (y, u) = plant.tick(false);
+        let fit_to_learn = k > 500 && k % 3 != 0;
+        counted += u32::from(fit_to_learn);
+        done = trainer.step(&mut training, &Cold::default(), y, u, fit_to_learn).unwrap().is_some();
+        if done {
+            break;
+        }
+    }
+    assert!(done);
+    assert_eq!(counted, 500);
+}
+
+/// A rig that does not answer to its power: refused, whatever is read instead, and a training after that starts from the priors.
+#[test]
+fn what_does_not_answer_is_refused() {
+    let trainer = Trainer::new(400, 300, 20.0, 0.3).unwrap();
+    let mut random = Random::new(1);
+    for rise in [0.0, 12.0] {
+        let mut training = trainer.start();
+        let outcome = (0..2000).find_map(|k| {
+            let y = [0; 2].map(|_| Some((rise + 0.4 * random.gaussian()) as f32));
+            let u = if (k / 2) % 3 == 0 { 35.0 } else { 45.0 };
+            trainer.step(&mut training, &Cold::default(), y, u, true).transpose()
+        });
+        assert_eq!(outcome.expect("an end").err(), Some(RejectReason::PoorFit), "a rise of {rise} degC");
+    }
+    let fresh = trainer.start();
+    assert_eq!(fresh.parameters, Parameters(trainer.prior.map(|(mean, _)| mean)));
+}
+
+/// A dead time that the transport does not hold is told, not learnt as a short one.
+#[test]
+fn too_long_a_dead_time_is_refused_with_its_reason() {
+    let mut plant = Plant::reference(1);
+    plant.p.set(Parameter::Delay1, 58.0);
+    plant.rig = Rig::new(&plant.p, 0.0);
+    plant.answer += 58.0;
+    assert_eq!(plant.train().err(), Some(RejectReason::DeadTime));
+}
+
+/// Readings that may be anything a thermistor can say, and any power: parameters stay numbers within their bounds on every tick.
+#[test]
+fn wild_samples_leave_numbers() {
+    for seed in 1..21 {
+        let mut random = Random::new(seed);
+        let trainer = Trainer::new(2000, 1000, 20.0, 0.3).unwrap();
+        let (mut training, mut cold) = (trainer.start(), Cold::default());
+        for k in 0..4000 {
+            let mut reading = || (random.uniform() > 0.1).then_some(random.between(-130.0, 130.0) as f32);
+            let y = [reading(), reading()];
+            let u = if random.uniform() > 0.5 { 100.0 } else { 0.0 };
+            cold.step(y, k < 10);
+            match trainer.step(&mut training, &cold, y, u, k > 500) {
+                Ok(None) => {}
+                Ok(Some(trained)) => {
+                    assert!(trained.ladder.sigma.iter().chain(&trained.mean).all(|x| x.is_finite()));
+                    break;
+                }
+                Err(_) => break,
+            }
+            assert!(
+                training.parameters.0.iter().all(|p| p.is_finite() && p.abs() < 100.0),
+                "{:?}",
+                training.parameters
+            );
+            assert!(training.motion.m.iter().all(|m| m.is_finite()));
+        }
+    }
+}
+
+/// What thermistors differ by is read while nothing heats, with how surely; heat, or a trend, spoils it.
+#[test]
+fn thermistors_are_compared_while_it_is_cold() {
+    let mut random = Random::new(1);
+    let mut noisy = |level: f32| Some(level + 0.05 * random.gaussian() as f32);
+    let mut cold = Cold::default();
+    (0..200).for_each(|_| cold.step([noisy(0.5), noisy(-0.8)], true));
+    let [(c1, sd1), (c2, sd2)] = [cold.offset(0), cold.offset(1)];
+    assert!((c1 - 0.5).abs() < 0.05 && (c2 + 0.8).abs() < 0.05, "{c1} {c2}");
+    assert!(sd1 < 0.1 && sd2 < 0.1, "{sd1} {sd2}");
+    let known = cold;
+    cold.step([None, noisy(0.0)], true);
+    assert_eq!(cold.offset(0), known.offset(0), "half a sample says nothing");
+    for (y, resting) in [(0.5, false), (8.0, true)] {
+        let mut spoilt = known;
+        spoilt.step([Some(y), Some(y)], resting);
+        assert_eq!(spoilt.samples, 0.0);
+    }
+    let mut cooling = Cold::default();
+    (0..100u16).for_each(|k| cooling.step([Some(2.5 - 0.02 * f32::from(k)), Some(0.0)], true));
+    assert!(cooling.offset(0).1 > 0.3, "{:?}", cooling.offset(0));
+}
+
+/// T1's lag and the heater's can be exchanged: the longer is the heater's, and what T1 and T2 are delayed by in all stays.
+#[test]
+fn exchanged_lags_are_put_right() {
+    let mut p = Plant::reference(1).p;
+    let (heater, lag1) = (p.get(Parameter::Heater), p.get(Parameter::Lag1));
+    let before = p;
+    exchange_lags(&mut p);
+    assert_eq!(p, before, "as they should be");
+    p.set(Parameter::Heater, lag1);
+    p.set(Parameter::Lag1, heater);
+    let at = |p: &Parameters, which: Parameter| libm::expf(p.get(which));
+    let second = at(&p, Parameter::Heater) + at(&p, Parameter::Lag2);
+    exchange_lags(&mut p);
+    assert!((p.get(Parameter::Heater) - heater).abs() < 1e-4 && (p.get(Parameter::Lag1) - lag1).abs() < 1e-3);
+    assert!((at(&p, Parameter::Heater) + at(&p, Parameter::Lag2) - second).abs() < 0.5 * second);
 }

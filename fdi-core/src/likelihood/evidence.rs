@@ -21,7 +21,6 @@ use super::cholesky::Cholesky;
 use super::column::Direction;
 use super::normal::Normal;
 use crate::bounds::larger;
-use crate::root::sqrt;
 
 /// At most so many nuisances.
 pub(super) const MOST: usize = 10;
@@ -56,9 +55,9 @@ pub(super) struct Free {
 pub(super) struct Freed {
     /// By how much the log evidence exceeds that of the nuisances alone.
     pub(super) gain: f32,
-    /// The first parameter: posterior mean and standard deviation. The second's mean.
+    /// The first parameter: posterior mean and variance. The second's mean.
     pub(super) value: f32,
-    pub(super) sd: f32,
+    pub(super) variance: f32,
     pub(super) second: f32,
 }
 
@@ -183,7 +182,7 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
             - 0.5 * libm::logf(determinant);
         let (value, variance) = (mean1 + sd1 * departure[0], sd1 * sd1 * q22 / determinant);
         let (value, variance) = self.with_nuisance(first, value, variance);
-        Freed { gain, value, sd: sqrt(larger(0.0, variance)), second: mean2 + sd2 * departure[1] }
+        Freed { gain, value, variance: larger(0.0, variance), second: mean2 + sd2 * departure[1] }
     }
 
     /// A parameter that is a nuisance as well is the sum of both parts: what the data say of the free one says as much of the sum.

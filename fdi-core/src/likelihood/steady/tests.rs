@@ -145,7 +145,7 @@ fn the_reference_takes_a_constant_model_error_away() {
         assert!(gain < 1.5, "{class:?} gains {gain}, seed {seed}");
         let reference = run.steady.reference;
         assert!(reference.iter().any(|value| *value != 0.0));
-        run.steady.reference = [0.0; COUNT];
+        run.steady.reference = [0.0; LASTING];
         let (_, without, _) = run.judged();
         assert!(without > gain + 3.0, "without it: {without}, seed {seed}");
     }

@@ -6,10 +6,10 @@
 use super::LikelihoodState;
 use super::class::FaultClass;
 use super::column::{COUNT, Column, Direction};
-use super::evidence::Free;
+use super::evidence::{Free, Nuisance};
 use super::hypothesis::{COUNT as HYPOTHESIS_COUNT, HYPOTHESES, Hypothesis, SINCE_ONSET, in_unit};
 use super::onset::Onset;
-use super::watch;
+use super::watch::{self, WatchState};
 use crate::bounds::{larger, smaller};
 
 /// How many columns there are.
@@ -21,11 +21,12 @@ pub const KAPPA: f32 = watch::KAPPA;
 const LARGEST: f32 = 5.0;
 
 /// Columns since an assumed onset.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Signatures {
     onset: Onset,
-    /// Rises of T1 and T2 when it began, degC.
-    stays: Option<[f32; 2]>,
+    /// Rises of T1 and T2 at the onset, degC.
+    stays: [f32; 2],
+    nuisances: [Nuisance; SINCE_ONSET.len()],
 }
 
 /// Some columns together, with the mean and standard deviation of the factor on them.
@@ -59,21 +60,29 @@ pub struct Candidate {
 }
 
 impl Signatures {
-    /// Takes the tick that the diagnosis has just done; the first one is the onset. Gives the columns of T1 and T2 in standard deviations
-    /// of the innovations, or none where the diagnosis is not armed or has not been for long enough.
+    /// Assumes that a fault first shows on the tick that the diagnosis has just done; none where it is not armed.
+    pub fn begin(state: &LikelihoodState) -> Option<Self> {
+        let trained = armed(state)?;
+        Some(Self { onset: Onset::default(), stays: trained.rises(), nuisances: trained.nuisances() })
+    }
+
+    /// The columns of T1 and T2 of the tick that the diagnosis has just done, in standard deviations of the innovations; none where it is
+    /// not armed or has not been for long enough.
     pub fn step(&mut self, state: &LikelihoodState) -> Option<[[f32; 2]; COLUMNS]> {
-        let trained = state.trained.as_ref().filter(|_| state.current)?;
-        let columns = trained.columns(&mut self.onset)?;
-        self.stays.get_or_insert(trained.rises());
-        Some(columns)
+        armed(state)?.columns(&mut self.onset)
+    }
+
+    /// What moves without being a fault.
+    pub fn nuisances(&self) -> [Term; SINCE_ONSET.len()] {
+        self.nuisances.map(|(direction, sd)| Term::of(Free { direction, mean: 0.0, sd }))
     }
 
     /// What the bank may call it.
     pub fn candidates(&self) -> [Candidate; HYPOTHESIS_COUNT] {
         HYPOTHESES.map(|row| {
             let mut second = row.second.map(Term::of);
-            if let (Some(second), Some(m), Some(stays)) = (&mut second, row.stays, self.stays) {
-                second.mean = stays.get(m).copied().unwrap_or(0.0);
+            if let (Some(second), Some(m)) = (&mut second, row.stays) {
+                second.mean = self.stays.get(m).copied().unwrap_or(0.0);
             }
             Candidate {
                 class: row.class,
@@ -88,9 +97,8 @@ impl Signatures {
     }
 }
 
-/// What moves without being a fault, since an onset.
-pub fn nuisances() -> [Term; SINCE_ONSET.len()] {
-    SINCE_ONSET.map(|(direction, sd)| Term::of(Free { direction, mean: 0.0, sd }))
+fn armed(state: &LikelihoodState) -> Option<&WatchState> {
+    state.trained.as_ref().filter(|_| state.current)
 }
 
 impl Term {

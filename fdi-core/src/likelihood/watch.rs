@@ -7,9 +7,9 @@ use super::alarm::{Alarm, ModelAlarm};
 use super::chart::{Chart, Sums};
 use super::class::FaultClass;
 use super::column::{LESS, MORE, Row};
-use super::evidence::{Freed, Nuisances};
+use super::evidence::{Freed, Nuisance, Nuisances};
 use super::heat::{Heat, HeatState, Rise};
-use super::hypothesis::{self, CONSTANT, HYPOTHESES, IMPOSSIBLE, in_unit};
+use super::hypothesis::{self, CONSTANT, HYPOTHESES, IMPOSSIBLE, SINCE_ONSET, in_unit};
 use super::ladder::{Ladder, Past};
 use super::normal::Normal;
 use super::onset::{History, Nominal, Onset, OnsetConstants, REMEMBERED, SENSORS};
@@ -735,6 +735,11 @@ impl WatchState {
             inlet: self.inlet.map_or([0.0; 2], |(_, _, moved)| moved),
         };
         (self.ticks as usize > REMEMBERED).then(|| onset.step(&self.pace.onset, &self.ladder, &nominal))
+    }
+
+    /// What may move since an onset without being a fault, as far as is known now.
+    pub(super) fn nuisances(&self) -> [Nuisance; SINCE_ONSET.len()] {
+        hypothesis::since_onset(self.steps)
     }
 
     /// Rises of the model on the last tick, degC.

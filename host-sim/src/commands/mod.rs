@@ -42,7 +42,7 @@ use shell::{CompletionsArgs, ManArgs};
   pt326 run --scenario my.toml
   pt326 repeat --seeds 200                delays and durations over 200 runs
   pt326 campaign --quick                  every fault and disturbance, both diagnoses, in a minute
-  pt326 isolability --preset trainer      which faults can be told apart on this rig, how soon, how small
+  pt326 isolability --preset trainer      which faults can be told apart on this rig, and how soon
   pt326 identify record.csv --u Q1 --y T1 --order 2,2,1
   pt326 replay board.log                  a board's log through the same code again: the same bits?
   pt326 console                           the board's console on the simulated rig

@@ -9,7 +9,7 @@ pub mod output;
 use anyhow::bail;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::likelihood::Readiness;
-use fdi_core::likelihood::signatures::{Candidate, Signatures, nuisances};
+use fdi_core::likelihood::signatures::{Candidate, Signatures};
 use fdi_core::{Command, Config, FaultClass, Instrument, Mode, RawSample, Report, Tick};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -95,6 +95,12 @@ struct Onset {
     reached: Vec<Information>,
 }
 
+impl Onset {
+    fn new(signatures: Signatures) -> Self {
+        Self { signatures, ticks: 0, products: Products::default(), reached: Vec::new() }
+    }
+}
+
 /// The instrument, with onsets assumed now and then.
 struct Assuming {
     instrument: Instrument,
@@ -134,22 +140,15 @@ impl Assuming {
     fn gather(&mut self, tick: u32) {
         let since = tick - *self.armed.get_or_insert(tick);
         if since.is_multiple_of(EVERY) {
-            let onset = Onset {
-                signatures: Signatures::default(),
-                ticks: 0,
-                products: Products::default(),
-                reached: Vec::new(),
-            };
-            self.onsets.push(onset);
+            self.onsets.extend(Signatures::begin(self.instrument.likelihood()).map(Onset::new));
         }
-        let nuisances = nuisances();
         for onset in self.onsets.iter_mut().filter(|onset| onset.reached.len() < self.horizons.len()) {
             let Some(columns) = onset.signatures.step(self.instrument.likelihood()) else { continue };
             onset.products.add(&columns);
             onset.ticks += 1;
             let is_reached = |horizon: &f64| onset.ticks >= ticks(*horizon, self.sample_time);
             while self.horizons.get(onset.reached.len()).is_some_and(is_reached) {
-                onset.reached.push(Information::new(&onset.products, &nuisances));
+                onset.reached.push(Information::new(&onset.products, &onset.signatures.nuisances()));
             }
         }
     }

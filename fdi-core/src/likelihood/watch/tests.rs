@@ -133,7 +133,7 @@ const HELD: f32 = -1e6;
 /// A fault with what it is called, within how many s that is said, and its size with the error allowed.
 type Case = (&'static str, Wrong, FaultClass, f32, Option<(f32, f32)>);
 
-const CASES: [Case; 13] = [
+const CASES: [Case; 15] = [
     ("T1 +1.5", Wrong::Readings(|y, _| [y[0] + 1.5, y[1]]), FaultClass::T1Offset, 2.0, Some((1.5, 0.3))),
     ("T1 -1.5", Wrong::Readings(|y, _| [y[0] - 1.5, y[1]]), FaultClass::T1Offset, 16.0, Some((-1.5, 0.3))),
     ("T2 +1.5", Wrong::Readings(|y, _| [y[0], y[1] + 1.5]), FaultClass::T2Offset, 1.0, Some((1.5, 0.2))),
@@ -152,7 +152,21 @@ const CASES: [Case; 13] = [
     ("T2 stuck", Wrong::Readings(|y, _| [y[0], HELD]), FaultClass::Stuck(Channel::T2), 6.0, None),
     ("T1 out", Wrong::Readings(|y, _| [0.1 * y[0], y[1]]), FaultClass::T1Detached, 2.0, Some((-90.0, 8.0))),
     ("T2 out", Wrong::Readings(|y, _| [y[0], 0.1 * y[1]]), FaultClass::T2Detached, 2.0, Some((-90.0, 8.0))),
-    ("swapped", Wrong::Readings(|y, _| [y[1], y[0]]), FaultClass::Swapped(Pair::T1T2), 2.0, None),
+    ("T1, T2 swapped", Wrong::Readings(|y, _| [y[1], y[0]]), FaultClass::Swapped(Pair::T1T2), 2.0, None),
+    (
+        "T0, T1 swapped",
+        Wrong::Readings(|y, _| [-y[0], y[1] - y[0]]),
+        FaultClass::Swapped(Pair::T0T1),
+        2.0,
+        None,
+    ),
+    (
+        "T0, T2 swapped",
+        Wrong::Readings(|y, _| [y[0] - y[1], -y[1]]),
+        FaultClass::Swapped(Pair::T0T2),
+        2.0,
+        None,
+    ),
 ];
 
 /// Faults that leave the tube's wall cold, or hot: after their end it takes a minute to be as it was.

@@ -1,6 +1,6 @@
 //! The columns of the regression: what y1 and y2 would do if one thing changed by one unit.
 
-/// What may change.
+/// What may change. The first [`LASTING`] are asked over a minute, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Column {
     /// Heater power, by its whole.
@@ -11,18 +11,9 @@ pub(super) enum Column {
     /// Offsets of T1 and T2, degC.
     Offset1,
     Offset2,
-    /// Share of the rise that T1 sees on top.
+    /// Share of the rise that T1 and T2 see on top.
     Gain1,
-    /// What T1 would read behind an extra lag, less what it should; and the share of the rise that is lost behind that lag.
-    ShortLag,
-    LongLag,
-    ShortLoss,
-    LongLoss,
-    /// The same for T2's gain.
     Gain2,
-    /// Drifts, degC for each unit of time.
-    Ramp1,
-    Ramp2,
     /// Share of the wall.
     Wall,
     /// Delay of the whole answer, ticks.
@@ -30,17 +21,40 @@ pub(super) enum Column {
     /// How much T0 is above its mean of some time: the inlet's way to T1 and to T2 is not T0's, degC.
     Inlet1,
     Inlet2,
+    /// What T1 would read behind an extra lag, less what it should; and the share of the rise that is lost behind that lag.
+    ShortLag,
+    LongLag,
+    ShortLoss,
+    LongLoss,
+    /// Drifts, degC for each unit of time.
+    Ramp1,
+    Ramp2,
     /// T1 and T2 exchanged.
     Exchanged,
     /// A constant power, %.
     Constant,
 }
 
-/// How many there are.
+/// How many there are, and how many of them are asked over a minute.
 pub(super) const COUNT: usize = Column::Constant as usize + 1;
+pub(super) const LASTING: usize = Column::Shift as usize + 1;
 
-/// Values of all columns in both channels.
-pub(super) type Row = [[f32; 2]; COUNT];
+/// Values of columns in both channels.
+pub(super) type Row<const N: usize = COUNT> = [[f32; 2]; N];
+
+/// The columns of what sensors do.
+pub(super) const SENSORS: [Column; 10] = [
+    Column::Offset1,
+    Column::Offset2,
+    Column::Gain1,
+    Column::Gain2,
+    Column::ShortLag,
+    Column::LongLag,
+    Column::ShortLoss,
+    Column::LongLoss,
+    Column::Ramp1,
+    Column::Ramp2,
+];
 
 /// Relative air flows at which the secants are taken, and `1/f - 1` there.
 pub(super) const LESS: f32 = 0.77;

@@ -18,7 +18,7 @@
 //! above one, since residuals are never as independent as the sums take them for.
 
 use super::cholesky::Cholesky;
-use super::column::{COUNT, Direction};
+use super::column::Direction;
 use super::normal::Normal;
 use crate::bounds::larger;
 use crate::root::sqrt;
@@ -30,10 +30,12 @@ pub(super) const MOST: usize = 10;
 pub(super) type Nuisance = (Direction, f32);
 
 /// The residuals as the nuisances explain them.
-pub(super) struct Nuisances<'a> {
-    normal: &'a Normal,
+pub(super) struct Nuisances<'a, const N: usize, const H: usize> {
+    normal: &'a Normal<N, H>,
     list: &'a [Nuisance],
     inv_kappa: f32,
+    /// `L^-1` times what each column shares with each nuisance, where many are asked for.
+    shared: Option<[[f32; MOST]; N]>,
     factor: Cholesky<MOST>,
     /// `L^-1` times the scaled b.
     score: [f32; MOST],
@@ -60,8 +62,8 @@ pub(super) struct Freed {
     pub(super) second: f32,
 }
 
-impl<'a> Nuisances<'a> {
-    pub(super) fn new(normal: &'a Normal, list: &'a [Nuisance], kappa: f32) -> Self {
+impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
+    pub(super) fn new(normal: &'a Normal<N, H>, list: &'a [Nuisance], kappa: f32) -> Self {
         let list = if list.len() > MOST { &list[..MOST] } else { list };
         let inv_kappa = 1.0 / kappa;
         let mut rows = [[0.0; MOST]; MOST];
@@ -76,13 +78,42 @@ impl<'a> Nuisances<'a> {
         let factor = Cholesky::new(rows, list.len());
         factor.forward(&mut score);
         let quadratic: f32 = score.iter().map(|x| x * x).sum();
-        Self { normal, list, inv_kappa, factor, score, explained: kappa * quadratic }
+        Self { normal, list, inv_kappa, shared: None, factor, score, explained: kappa * quadratic }
+    }
+
+    /// Works out once what all columns share with the nuisances: cheaper where many hypotheses are asked.
+    #[inline(never)]
+    pub(super) fn for_many(mut self) -> Self {
+        let mut all = [[0.0; MOST]; N];
+        for (column, shared) in all.iter_mut().enumerate() {
+            for (shared, &(q, sd)) in shared.iter_mut().zip(self.list) {
+                let ([i, j], [first, second]) = (q.columns(), q.weights());
+                let mut sum = first * self.normal.a(column, i);
+                if second != 0.0 {
+                    sum += second * self.normal.a(column, j);
+                }
+                *shared = sd * self.inv_kappa * sum;
+            }
+            self.factor.forward(shared);
+        }
+        self.shared = Some(all);
+        self
     }
 
     /// `L^-1` times what a direction shares with each nuisance.
     #[inline(never)]
     fn shared(&self, p: Direction) -> [f32; MOST] {
         let mut shared = [0.0; MOST];
+        if let Some(all) = &self.shared {
+            let ([i, j], [first, second]) = (p.columns(), p.weights());
+            if second == 0.0 {
+                return all[i % N];
+            }
+            for (k, shared) in shared.iter_mut().enumerate() {
+                *shared = first * all[i % N][k] + second * all[j % N][k];
+            }
+            return shared;
+        }
         for (shared, &(q, sd)) in shared.iter_mut().zip(self.list) {
             *shared = sd * self.inv_kappa * between(self.normal, p, q);
         }
@@ -181,7 +212,7 @@ impl<'a> Nuisances<'a> {
 
 /// phi_p' phi_q, summed.
 #[inline(never)]
-fn between(normal: &Normal, p: Direction, q: Direction) -> f32 {
+fn between<const N: usize, const H: usize>(normal: &Normal<N, H>, p: Direction, q: Direction) -> f32 {
     if let (Direction::Of(p), Direction::Of(q)) = (p, q) {
         return normal.a(p as usize, q as usize);
     }
@@ -196,9 +227,9 @@ fn between(normal: &Normal, p: Direction, q: Direction) -> f32 {
 
 /// b along a direction.
 #[inline]
-fn along(b: &[f32; COUNT], p: Direction) -> f32 {
+fn along<const N: usize>(b: &[f32; N], p: Direction) -> f32 {
     let ([i, j], [first, second]) = (p.columns(), p.weights());
-    first * b[i] + second * b[j]
+    first * b[i % N] + second * b[j % N]
 }
 
 #[cfg(test)]

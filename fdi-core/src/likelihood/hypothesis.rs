@@ -75,7 +75,7 @@ const fn t1_detached(loss: Direction) -> Hypothesis {
 }
 
 const fn lagging(row: Hypothesis, lag: Direction) -> Hypothesis {
-    with(row, lag, LAGGING.0, LAGGING.1)
+    brief(with(row, lag, LAGGING.0, LAGGING.1))
 }
 
 const fn stuck(which: Channel, gain: Column, offset: Column, channel: usize) -> Hypothesis {
@@ -103,7 +103,7 @@ pub(super) const DETACHED: f32 = 0.4;
 const RARE: f32 = -5.0;
 
 /// All hypotheses. Spreads are those of the faults that may come: degC, shares, `1/f - 1`, degC a minute.
-pub(super) static HYPOTHESES: [Hypothesis; COUNT] = [
+pub(super) const ROWS: [Hypothesis; COUNT] = [
     row(FaultClass::T1Offset, of(Column::Offset1), 0.0, 2.0),
     row(FaultClass::T2Offset, of(Column::Offset2), 0.0, 2.0),
     row(FaultClass::T0Fault, Direction::Offset0, 0.0, 2.0),
@@ -158,6 +158,9 @@ pub(super) static HYPOTHESES: [Hypothesis; COUNT] = [
     with(swapped_with_t0(Pair::T0T1, Column::Gain1), of(Column::Gain2), HALF_SWAPPED.0, HALF_SWAPPED.1),
     with(swapped_with_t0(Pair::T0T2, Column::Gain2), of(Column::Gain1), HALF_SWAPPED.0, HALF_SWAPPED.1),
 ];
+
+/// The same in one place of memory.
+pub(super) static HYPOTHESES: [Hypothesis; COUNT] = ROWS;
 
 /// The heater that gives the same whatever is asked for: its magnitude is no share of what is asked.
 pub(super) const CONSTANT: usize = 16;
@@ -218,12 +221,11 @@ pub(super) const SINCE_TRAINING: [Nuisance; 10] = [
 ];
 
 /// By what the model may be wrong right after training, as its fast content shows.
-pub(super) const MODEL_ERRORS: [Nuisance; 8] = [
+pub(super) const MODEL_ERRORS: [Nuisance; 7] = [
     (of(Column::Power), 0.1),
     (of(Column::LessFlow), 0.1),
     (of(Column::MoreFlow), 0.1),
     (of(Column::Gain1), 0.05),
-    (of(Column::ShortLag), 0.2),
     (of(Column::Gain2), 0.05),
     (of(Column::Wall), 0.1),
     (of(Column::Shift), 0.5),

@@ -1,30 +1,36 @@
 //! Sums of a linear regression: whitened residuals on whitened signatures, `A = sum phi phi'`, `b = sum phi z`.
 
-use super::column::{COUNT, Row};
+use super::column::{COUNT, Column, LASTING, Row};
 
-/// Elements of the lower half of a symmetric matrix.
-const HALF: usize = COUNT * (COUNT + 1) / 2;
+/// Elements of the lower half of a symmetric matrix of `n` rows.
+const fn half(n: usize) -> usize {
+    n * (n + 1) / 2
+}
 
-/// The sums.
+/// The sums over `N` columns, A by its lower half of `H` elements.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Normal {
-    a: [f32; HALF],
-    pub(super) b: [f32; COUNT],
+pub(super) struct Normal<const N: usize = COUNT, const H: usize = { half(COUNT) }> {
+    a: [f32; H],
+    pub(super) b: [f32; N],
     /// sum z z, and of how many z.
     pub(super) energy: f32,
     pub(super) count: f32,
 }
 
-impl Default for Normal {
+/// Those of the columns that are asked over a minute.
+pub(super) type LastingNormal = Normal<LASTING, { half(LASTING) }>;
+
+impl<const N: usize, const H: usize> Default for Normal<N, H> {
     fn default() -> Self {
-        Self { a: [0.0; HALF], b: [0.0; COUNT], energy: 0.0, count: 0.0 }
+        const { assert!(H == half(N)) };
+        Self { a: [0.0; H], b: [0.0; N], energy: 0.0, count: 0.0 }
     }
 }
 
-impl Normal {
+impl<const N: usize, const H: usize> Normal<N, H> {
     /// A tick: residuals and signatures, whitened, with a weight.
     #[inline(never)]
-    pub(super) fn add(&mut self, row: &Row, z: [f32; 2], weight: f32) {
+    pub(super) fn add(&mut self, row: &Row<N>, z: [f32; 2], weight: f32) {
         let mut place = self.a.iter_mut();
         for (i, phi) in row.iter().enumerate() {
             let weighted = [weight * phi[0], weight * phi[1]];
@@ -46,23 +52,24 @@ impl Normal {
     }
 
     /// Takes away what these values of all columns explain.
-    pub(super) fn explain(&mut self, values: &[f32; COUNT]) {
-        for i in 0..COUNT {
-            let explained: f32 = (0..COUNT).map(|j| self.a(i, j) * values[j]).sum();
+    pub(super) fn explain(&mut self, values: &[f32; N]) {
+        for i in 0..N {
+            let explained: f32 = (0..N).map(|j| self.a(i, j) * values[j]).sum();
             self.b[i] -= explained;
         }
     }
 
     /// Forgets some columns wholly.
-    pub(super) fn forget(&mut self, columns: core::ops::Range<usize>) {
+    pub(super) fn forget(&mut self, columns: &[Column]) {
+        let forgotten = |i: usize| columns.iter().any(|column| *column as usize == i);
         let mut place = self.a.iter_mut();
-        for i in 0..COUNT {
+        for i in 0..N {
             for (j, a) in (0..=i).zip(&mut place) {
-                if columns.contains(&i) || columns.contains(&j) {
+                if forgotten(i) || forgotten(j) {
                     *a = 0.0;
                 }
             }
-            if columns.contains(&i) {
+            if forgotten(i) {
                 self.b[i] = 0.0;
             }
         }

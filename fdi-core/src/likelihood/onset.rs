@@ -1,7 +1,7 @@
 //! The columns since the assumed onset of a fault: the models since then with another air flow, more power, a constant power; lags,
 //! ramps and constants that begin there.
 
-use super::column::{COUNT, Column, LESS, LESS_BY, MORE, MORE_BY, Row};
+use super::column::{COUNT, Column, LESS, LESS_BY, MORE, MORE_BY, Row, SENSORS};
 use super::ladder::{Ladder, Past};
 use super::process::{Motion, Parameters, Process, Rises};
 
@@ -116,8 +116,8 @@ impl Onset {
         // The fan's lag: the coefficients follow while the flow still moves.
         let approach = 1.0 - libm::expf(-(self.flow_age + 0.5) * c.fan);
         if self.flow_age * c.fan < 8.0 {
-            self.less.process = Process::new(now.parameters, now.fan * (1.0 + (LESS - 1.0) * approach));
-            self.more.process = Process::new(now.parameters, now.fan * (1.0 + (MORE - 1.0) * approach));
+            self.less.process.blow(now.parameters, now.fan * (1.0 + (LESS - 1.0) * approach));
+            self.more.process.blow(now.parameters, now.fan * (1.0 + (MORE - 1.0) * approach));
             self.flow_age += 1.0;
         }
         [
@@ -186,13 +186,10 @@ impl Onset {
         self.lagged = [rise; 2];
         self.lost = [0.0; 2];
         for column in SENSORS {
-            self.past[column] = Past::default();
+            self.past[column as usize] = Past::default();
         }
     }
 }
-
-/// The columns of the sensors.
-pub(super) const SENSORS: core::ops::Range<usize> = Column::Offset1 as usize..Column::Wall as usize;
 
 #[cfg(test)]
 mod tests;

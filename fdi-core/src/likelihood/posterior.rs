@@ -2,8 +2,30 @@
 
 use super::class::FaultClass;
 use super::evidence::Freed;
-use super::hypothesis::{COUNT, HYPOTHESES};
+use super::hypothesis::{COUNT, HYPOTHESES, ROWS};
 use crate::bounds::larger;
+
+/// The first hypothesis of the class of each, and how many that class has.
+const FIRST: [usize; COUNT] = of_class().0;
+const OF_CLASS: [f32; COUNT] = of_class().1;
+
+const fn of_class() -> ([usize; COUNT], [f32; COUNT]) {
+    let (mut first, mut count) = ([0; COUNT], [0.0; COUNT]);
+    let mut h = 0;
+    while h < COUNT {
+        let (mut g, mut found) = (COUNT, 0);
+        while g > 0 {
+            g -= 1;
+            if ROWS[g].class.number() == ROWS[h].class.number() {
+                first[h] = g;
+                found += 1;
+            }
+        }
+        count[h] = found as f32;
+        h += 1;
+    }
+    (first, count)
+}
 
 /// What all hypotheses come to.
 #[derive(Clone, Copy, Debug)]
@@ -29,19 +51,17 @@ impl Posterior {
         let best_gain = freed[best].gain;
         let weights: [f32; COUNT] =
             core::array::from_fn(|h| libm::expf(larger(-60.0, freed[h].gain - best_gain)));
-        let mut class = [0.0; COUNT];
-        let mut all = 0.0;
+        // Of each class at its first hypothesis: the mean of its hypotheses.
+        let (mut class, mut all) = ([0.0; COUNT], 0.0);
+        for (h, weight) in weights.iter().enumerate() {
+            class[FIRST[h]] += weight / OF_CLASS[h];
+        }
         for h in 0..COUNT {
-            let (mut sum, mut of_class, mut first) = (0.0, 0.0, true);
-            for (g, row) in HYPOTHESES.iter().enumerate() {
-                if row.class == HYPOTHESES[h].class {
-                    sum += weights[g];
-                    of_class += 1.0;
-                    first &= g >= h;
-                }
+            if FIRST[h] == h {
+                all += class[h];
+            } else {
+                class[h] = class[FIRST[h]];
             }
-            class[h] = sum / of_class;
-            all += if first { class[h] } else { 0.0 };
         }
         for class in &mut class {
             *class /= all;

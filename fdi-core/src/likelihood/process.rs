@@ -167,24 +167,31 @@ pub(super) struct Process {
 impl Process {
     /// The model with `flow` times the air flow as learnt.
     pub(super) fn new(p: &Parameters, flow: f32) -> Self {
-        use Parameter::{
-            Curvature, Delay1, Delay2, Gain, Heater, Lag1, Lag2, Reaches2, Wall1, Wall2, WallTime,
-        };
-        let film = if flow == 1.0 { 1.0 } else { libm::powf(flow, FILM) };
+        use Parameter::{Curvature, Gain, Lag1, Lag2, Wall1, Wall2, WallTime};
         let gain = libm::expf(p.get(Gain));
-        let first = p.get(Delay1) * (FIXED_DELAY + (1.0 - FIXED_DELAY) / flow);
-        let reaches = 1.0 - (1.0 - p.get(Reaches2)) / flow;
-        Self {
-            heater: share(libm::expf(p.get(Heater)) / film),
-            into: 1.0 / film,
-            out_of: film / flow,
-            delay: [first, first + p.get(Delay2) / flow],
+        let mut process = Self {
             lag: [share(libm::expf(p.get(Lag1))), share(libm::expf(p.get(Lag2)))],
             wall: share(libm::expf(p.get(WallTime))),
-            gain: [gain, gain * reaches],
+            gain: [gain; 2],
             slow: [p.get(Wall1), p.get(Wall1) + p.get(Wall2)],
             curvature: p.get(Curvature),
-        }
+            ..Self::default()
+        };
+        process.blow(p, flow);
+        process
+    }
+
+    /// Another air flow, all else as it is.
+    pub(super) fn blow(&mut self, p: &Parameters, flow: f32) {
+        use Parameter::{Delay1, Delay2, Heater, Reaches2};
+        let film = if flow == 1.0 { 1.0 } else { libm::powf(flow, FILM) };
+        let inverse = 1.0 / flow;
+        let first = p.get(Delay1) * (FIXED_DELAY + (1.0 - FIXED_DELAY) * inverse);
+        self.heater = share(libm::expf(p.get(Heater)) / film);
+        self.into = 1.0 / film;
+        self.out_of = film * inverse;
+        self.delay = [first, first + p.get(Delay2) * inverse];
+        self.gain[1] = self.gain[0] * (1.0 - (1.0 - p.get(Reaches2)) * inverse);
     }
 
     /// The heat of a power, %.

@@ -4,11 +4,11 @@
 //! therefore kept apart: what is faster than some seconds is gathered in the sums; what is slower counts as two more measurements, the
 //! means of both residuals.
 
-use super::column::{COUNT, Column, LESS_BY, MORE_BY, Row};
+use super::column::{Column, LASTING, LESS_BY, MORE_BY, Row};
 use super::evidence::{Freed, Nuisance, Nuisances};
 use super::hypothesis::{self, HYPOTHESES, IMPOSSIBLE, MODEL_ERRORS};
 use super::ladder::{Ladder, Past};
-use super::normal::Normal;
+use super::normal::LastingNormal;
 use super::process::{Motion, Process, Rises};
 use crate::bounds::{bounded, smaller};
 use crate::filter::LowPass;
@@ -21,6 +21,8 @@ const AWAY: f32 = 0.02;
 pub(super) const KAPPA: f32 = 3.0;
 /// The fast band counts so much where a size is estimated: its sensitivities are what the model knows worst.
 const FAST_IN_SIZE: f32 = 0.1;
+/// It is judged on each so many ticks.
+const JUDGED_EVERY: u32 = 30;
 /// A tick counts no more than so many standard deviations.
 const LIMIT: f32 = 8.0;
 /// Nor does a mean see more of a residual than so much of it away from it, degC: the tick on which something jumps is gathered before there is an alarm.
@@ -35,8 +37,6 @@ pub(super) struct SteadyConstants {
     pub(super) reference: u32,
     pub(super) split: LowPass,
     pub(super) mean: LowPass,
-    /// Shares of both lags of a clogged thermistor.
-    pub(super) lags: [f32; 2],
 }
 
 /// The memory.
@@ -44,16 +44,15 @@ pub(super) struct SteadyConstants {
 pub(super) struct Steady {
     less: Motion,
     more: Motion,
-    lagged: [f32; 2],
-    past: [Past; COUNT],
+    past: [Past; LASTING],
     residual_past: Past,
-    slow: Row,
+    slow: Row<LASTING>,
     slow_z: [f32; 2],
-    mean: Row,
+    mean: Row<LASTING>,
     pub(super) mean_e: [f32; 2],
-    normal: Normal,
+    normal: LastingNormal,
     /// What the fast band seems to have changed by while nothing had: where the model is wrong.
-    reference: [f32; COUNT],
+    reference: [f32; LASTING],
     referred: bool,
     /// Means of the residuals that count as trained, degC, and whether they are to be taken anew.
     base: [f32; 2],
@@ -68,15 +67,14 @@ impl Steady {
         Self {
             less: *motion,
             more: *motion,
-            lagged: [rise; 2],
             past: Default::default(),
             residual_past: Past::default(),
-            slow: [[0.0; 2]; COUNT],
+            slow: [[0.0; 2]; LASTING],
             slow_z: [0.0; 2],
-            mean: [[0.0; 2]; COUNT],
+            mean: [[0.0; 2]; LASTING],
             mean_e: [0.0; 2],
-            normal: Normal::default(),
-            reference: [0.0; COUNT],
+            normal: LastingNormal::default(),
+            reference: [0.0; LASTING],
             referred: false,
             base: [0.0; 2],
             rebasing: false,
@@ -88,19 +86,15 @@ impl Steady {
     /// Columns of this tick, as if each thing had always been so.
     pub(super) fn row(
         &mut self,
-        c: &SteadyConstants,
         flows: &[Process; 2],
         heat: f32,
         rises: &Rises,
         before: [f32; 2],
-    ) -> Row {
+    ) -> Row<LASTING> {
         let less = flows[0].step(&mut self.less, heat);
         let more = flows[1].step(&mut self.more, heat);
         let y = rises.y;
-        for (lagged, share) in self.lagged.iter_mut().zip(c.lags) {
-            *lagged += share * (y[0] - *lagged);
-        }
-        let mut row = [[0.0; 2]; COUNT];
+        let mut row = [[0.0; 2]; LASTING];
         let mut put = |column: Column, value: [f32; 2]| row[column as usize] = value;
         put(Column::Power, y);
         put(Column::LessFlow, [(less.y[0] - y[0]) / LESS_BY, (less.y[1] - y[1]) / LESS_BY]);
@@ -108,10 +102,6 @@ impl Steady {
         put(Column::Offset1, [1.0, 0.0]);
         put(Column::Offset2, [0.0, 1.0]);
         put(Column::Gain1, [y[0], 0.0]);
-        put(Column::ShortLag, [self.lagged[0] - y[0], 0.0]);
-        put(Column::LongLag, [self.lagged[1] - y[0], 0.0]);
-        put(Column::ShortLoss, [self.lagged[0], 0.0]);
-        put(Column::LongLoss, [self.lagged[1], 0.0]);
         put(Column::Gain2, [0.0, y[1]]);
         put(Column::Wall, rises.wall);
         put(Column::Shift, [before[0] - y[0], before[1] - y[1]]);
@@ -119,7 +109,7 @@ impl Steady {
     }
 
     /// The columns whitened.
-    pub(super) fn whitened(&mut self, ladder: &Ladder, row: &Row) -> Row {
+    pub(super) fn whitened(&mut self, ladder: &Ladder, row: &Row<LASTING>) -> Row<LASTING> {
         let mut whitened = *row;
         for (value, past) in whitened.iter_mut().zip(&mut self.past) {
             *value = ladder.step(past, *value);
@@ -137,8 +127,8 @@ impl Steady {
     pub(super) fn gather(
         &mut self,
         c: &SteadyConstants,
-        row: &Row,
-        whitened: &Row,
+        row: &Row<LASTING>,
+        whitened: &Row<LASTING>,
         e: [f32; 2],
         z: [f32; 2],
     ) {
@@ -156,7 +146,7 @@ impl Steady {
             fast_z[m] -= self.slow_z[m];
             let mean = self.mean_e[m];
             c.mean.follow(&mut self.mean_e[m], bounded(e[m], mean - JUMP, mean + JUMP));
-            for i in 0..COUNT {
+            for i in 0..LASTING {
                 c.split.follow(&mut self.slow[i][m], whitened[i][m]);
                 fast[i][m] -= self.slow[i][m];
                 c.mean.follow(&mut self.mean[i][m], row[i][m]);
@@ -183,13 +173,13 @@ impl Steady {
         for ((direction, _), value) in MODEL_ERRORS.iter().zip(values) {
             self.reference[direction.columns()[0]] = value;
         }
-        self.normal = Normal::default();
+        self.normal = LastingNormal::default();
         self.ticks = 0;
     }
 
     /// The rig was changed on purpose: what it is from now on counts as trained.
     pub(super) fn rebase(&mut self) {
-        self.normal = Normal::default();
+        self.normal = LastingNormal::default();
         self.ticks = 0;
         self.referred = false;
         self.rebasing = true;
@@ -197,14 +187,14 @@ impl Steady {
 
     /// Whether there is anything to judge by.
     pub(super) fn is_ready(&self, first: f32) -> bool {
-        self.referred && self.ticks.is_multiple_of(10) && self.ticks as f32 >= first
+        self.referred && self.ticks.is_multiple_of(JUDGED_EVERY) && self.ticks as f32 >= first
     }
 
     /// The gains of all lasting hypotheses. The size of the best is estimated again, from the means above all.
     #[inline(never)]
     pub(super) fn judge(&self, nuisances: &[Nuisance], freed: &mut [Freed; hypothesis::COUNT]) {
         let both = self.with_means(1.0);
-        let nuisances = Nuisances::new(&both, nuisances, KAPPA);
+        let nuisances = Nuisances::new(&both, nuisances, KAPPA).for_many();
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
             *freed = Freed { gain: IMPOSSIBLE, ..Freed::default() };
             if row.lasting {
@@ -223,7 +213,7 @@ impl Steady {
     }
 
     /// The sums with the means as two more measurements, and a share of the fast band.
-    fn with_means(&self, fast: f32) -> Normal {
+    fn with_means(&self, fast: f32) -> LastingNormal {
         let mut normal = self.normal;
         normal.explain(&self.reference);
         normal.scale(fast);

@@ -1,6 +1,6 @@
 //! What moves slowly without being a fault yet: power, air flow and both offsets, by a Kalman filter that runs while nothing stirs.
 
-use super::column::{Column, Row};
+use super::column::{Column, LASTING, Row};
 
 const N: usize = 4;
 /// Standard deviations at the start: share of power, 1/f - 1, degC.
@@ -35,7 +35,7 @@ impl Tracker {
     }
 
     /// What it expects of both residuals, degC.
-    pub(super) fn expected(&self, row: &Row) -> [f32; 2] {
+    pub(super) fn expected(&self, row: &Row<LASTING>) -> [f32; 2] {
         let mut expected = [0.0; 2];
         for (x, column) in self.x.iter().zip(self.columns()) {
             expected[0] += x * row[column][0];
@@ -46,7 +46,7 @@ impl Tracker {
 
     /// A quiet tick: whitened columns, and what is left of the whitened residuals.
     #[inline(never)]
-    pub(super) fn step(&mut self, whitened: &Row, z: [f32; 2]) {
+    pub(super) fn step(&mut self, whitened: &Row<LASTING>, z: [f32; 2]) {
         for i in 0..N {
             self.p[i][i] += WALK[i] * WALK[i];
         }

@@ -6,13 +6,13 @@
 use super::alarm::{Alarm, ModelAlarm};
 use super::chart::{Chart, Sums};
 use super::class::FaultClass;
-use super::column::{LESS, MORE, Row};
+use super::column::{LASTING, LESS, MORE, Row, SENSORS};
 use super::evidence::{Freed, Nuisance, Nuisances};
 use super::heat::{Heat, HeatState, Rise};
 use super::hypothesis::{self, CONSTANT, HYPOTHESES, IMPOSSIBLE, SINCE_ONSET, in_unit};
 use super::ladder::{Ladder, Past};
 use super::normal::Normal;
-use super::onset::{History, Nominal, Onset, OnsetConstants, REMEMBERED, SENSORS};
+use super::onset::{History, Nominal, Onset, OnsetConstants, REMEMBERED};
 use super::posterior::Posterior;
 use super::process::{Motion, Parameter, Parameters, Process};
 use super::steady::{Steady, SteadyConstants};
@@ -199,7 +199,6 @@ impl Watch {
                 reference: (REFERENCE_TIME * stretch / ts) as u32,
                 split: LowPass::over(1.0 / share(5.0)),
                 mean: LowPass::over(1.0 / share(25.0)),
-                lags,
             },
             swing: LowPass::over(1.0 / share(SWING_TIME)),
             inlet: LowPass::over(1.0 / share(INLET_TIME)),
@@ -282,7 +281,7 @@ impl Watch {
         if let Some(y2) = y[1] {
             self.heat.correct(&mut s.heat, y2 - expected[1], s.parameters.get(Parameter::Reaches2));
         }
-        let row = s.steady.row(&s.pace.steady, &s.flows, heat, &rises, before);
+        let row = s.steady.row(&s.flows, heat, &rises, before);
         let now = NowRises { heat, rises, before };
         let told = match y {
             [Some(y1), Some(y2)] => {
@@ -322,7 +321,7 @@ impl Watch {
         let heat = s.process.heat(core::mem::replace(&mut s.power, u));
         let rises = s.process.step(&mut s.motion, heat);
         let before = core::mem::replace(&mut s.before, rises.y);
-        s.steady.row(&s.pace.steady, &s.flows, heat, &rises, before);
+        s.steady.row(&s.flows, heat, &rises, before);
         s.history.push(heat, &s.motion);
         let offsets = [s.parameters.get(Parameter::Offset1), s.parameters.get(Parameter::Offset2)];
         s.expected = core::array::from_fn(|m| rises.y[m] + offsets[m] + s.mean[m]);
@@ -357,7 +356,7 @@ impl Watch {
     }
 
     /// One whole tick: residuals since training and what the tracker leaves of them, charts, both banks.
-    fn judge(&self, s: &mut WatchState, tick: u32, e: [f32; 2], row: &Row, now: &NowRises) {
+    fn judge(&self, s: &mut WatchState, tick: u32, e: [f32; 2], row: &Row<LASTING>, now: &NowRises) {
         let known = s.tracker.expected(row);
         let left = [e[0] - known[0], e[1] - known[1]];
         let mut z = s.ladder.step(&mut s.past, left);
@@ -453,7 +452,7 @@ impl Watch {
         // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
         let evidence = smaller(z[0] * z[0], 64.0) + smaller(z[1] * z[1], 64.0);
         if s.alarm.is_none() && s.onset.age > 0 && evidence > 16.0 && evidence > 4.0 * s.since.energy {
-            s.since.forget(SENSORS);
+            s.since.forget(&SENSORS);
             s.onset.restart_sensors(now.before[0]);
             s.stays = s.measured;
         }
@@ -473,7 +472,7 @@ impl Watch {
     }
 
     /// Raises the alarm where a fault explains more than the nuisances do.
-    fn decide(&self, s: &mut WatchState, tick: u32, charted: &Charted, row: &Row) {
+    fn decide(&self, s: &mut WatchState, tick: u32, charted: &Charted, row: &Row<LASTING>) {
         if larger(charted.fast, charted.slow) <= 1.0 || s.onset.age == 0 {
             return;
         }
@@ -655,7 +654,7 @@ impl WatchState {
     /// Gains of all hypotheses since the onset.
     fn judge_since(&self) -> ([Freed; hypothesis::COUNT], f32) {
         let nuisances = hypothesis::since_onset(self.steps);
-        let nuisances = Nuisances::new(&self.since, &nuisances, KAPPA);
+        let nuisances = Nuisances::new(&self.since, &nuisances, KAPPA).for_many();
         let mut freed = [Freed::default(); hypothesis::COUNT];
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
             let mut second = row.second;
@@ -668,7 +667,7 @@ impl WatchState {
     }
 
     /// Nuisances explain what the charts say: the tracker takes them.
-    fn take_in(&mut self, row: &Row) {
+    fn take_in(&mut self, row: &Row<LASTING>) {
         let before = self.tracker.expected(row);
         let nuisances = hypothesis::since_onset(self.steps);
         let nuisances = Nuisances::new(&self.since, &nuisances, KAPPA);

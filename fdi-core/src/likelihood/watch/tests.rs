@@ -5,7 +5,7 @@ use std::vec;
 use std::vec::Vec;
 
 use super::super::class::{Channel, Pair};
-use super::super::column::{COUNT, Column};
+use super::super::column::{COUNT, Column, LASTING};
 use super::super::ladder::ResidualStatistics;
 use super::super::process::Rises;
 use super::super::reference::Random;
@@ -266,7 +266,7 @@ fn nothing_is_said_of_nothing() {
 fn taking_in_leaves_no_step() {
     let mut s = watch().start(trained(7));
     let e = [0.4, 0.3];
-    let mut row = [[0.0; 2]; COUNT];
+    let mut row = [[0.0; 2]; LASTING];
     row[Column::Offset1 as usize] = [1.0, 0.0];
     row[Column::Offset2 as usize] = [0.0, 1.0];
     row[Column::Power as usize] = s.before;
@@ -274,7 +274,10 @@ fn taking_in_leaves_no_step() {
     for _ in 0..60 {
         let z = s.ladder.step(&mut s.past, e);
         s.ladder.step_clipped(&mut s.past_clipped, e, CLIP);
-        let whitened: Row = core::array::from_fn(|i| s.ladder.step(&mut pasts[i], row[i]));
+        let whitened: Row = core::array::from_fn(|i| match row.get(i) {
+            Some(value) => s.ladder.step(&mut pasts[i], *value),
+            None => [0.0; 2],
+        });
         s.since.add(&whitened, z, 1.0);
     }
     s.take_in(&row);

@@ -67,12 +67,12 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
         let inv_kappa = 1.0 / kappa;
         let mut rows = [[0.0; MOST]; MOST];
         let mut score = [0.0; MOST];
-        for (i, &(p, sd)) in list.iter().enumerate() {
-            score[i] = sd * inv_kappa * along(&normal.b, p);
-            for (j, &(q, other)) in list[..=i].iter().enumerate() {
-                rows[i][j] = sd * other * inv_kappa * between(normal, p, q);
+        for (i, ((&(p, sd), row), score)) in list.iter().zip(&mut rows).zip(&mut score).enumerate() {
+            *score = sd * inv_kappa * along(&normal.b, p);
+            for (j, (&(q, other), element)) in list.iter().zip(row).enumerate().take(i + 1) {
+                let unit = if i == j { 1.0 } else { 0.0 };
+                *element = unit + sd * other * inv_kappa * between(normal, p, q);
             }
-            rows[i][i] += 1.0;
         }
         let factor = Cholesky::new(rows, list.len());
         factor.forward(&mut score);

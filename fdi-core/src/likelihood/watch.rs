@@ -9,7 +9,7 @@ use super::class::FaultClass;
 use super::column::{LASTING, LESS, MORE, Row, SENSORS};
 use super::evidence::{Freed, Nuisance, Nuisances};
 use super::heat::{Heat, HeatState, Rise};
-use super::hypothesis::{self, CONSTANT, HYPOTHESES, IMPOSSIBLE, SINCE_ONSET, in_unit};
+use super::hypothesis::{self, CONSTANT, COUNT, HYPOTHESES, IMPOSSIBLE, SINCE_ONSET, in_unit};
 use super::ladder::{Ladder, Past};
 use super::normal::Normal;
 use super::onset::{History, Nominal, Onset, OnsetConstants, REMEMBERED};
@@ -478,8 +478,8 @@ impl Watch {
         s.candidate += self.sample_time / s.pace.stretch;
         let (mut freed, left) = s.judge_since();
         let posterior = Posterior::new(&freed);
-        let best = &HYPOTHESES[posterior.best];
-        let size = freed[posterior.best].value.abs();
+        let best = &HYPOTHESES[posterior.best % COUNT];
+        let size = freed[posterior.best % COUNT].value.abs();
         let small = match best.class {
             FaultClass::HeaterPower => size < larger(0.085, UNUSUAL * sqrt(s.steps)),
             FaultClass::Drift => size < 1.0,
@@ -519,7 +519,7 @@ impl Watch {
     }
 
     /// Names the fault by a ranking of the hypotheses; `left` is what the nuisances leave of the residual sum of squares.
-    fn name(&self, s: &WatchState, alarm: &mut Alarm, freed: &mut [Freed; hypothesis::COUNT], left: f32) {
+    fn name(&self, s: &WatchState, alarm: &mut Alarm, freed: &mut [Freed; COUNT], left: f32) {
         if alarm.age < PROCESS_TIME {
             for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
                 if row.class == FaultClass::Drift {
@@ -528,7 +528,7 @@ impl Watch {
             }
         }
         let posterior = Posterior::new(freed);
-        let h = posterior.likeliest;
+        let h = posterior.likeliest % COUNT;
         let Freed { gain, value, second, .. } = freed[h];
         (alarm.gain, alarm.hypothesis, alarm.values) = (posterior.best_gain, h, [value, second]);
         let least = if alarm.age < PROCESS_TIME { ALWAYS_BOTH } else { NAME_PROCESS };
@@ -557,11 +557,11 @@ impl Watch {
         if !s.steady.is_ready(first) {
             return;
         }
-        let mut freed = [Freed::default(); hypothesis::COUNT];
+        let mut freed = [Freed::default(); COUNT];
         let nuisances = hypothesis::since_training(&s.wander);
         s.steady.judge(&nuisances, &mut freed);
         let posterior = Posterior::new(&freed);
-        let h = posterior.likeliest;
+        let h = posterior.likeliest % COUNT;
         let row = &HYPOTHESES[h];
         let sized = s.steady.size(&nuisances, h);
         let sized = if row.judged(sized).gain == IMPOSSIBLE { freed[h] } else { sized };
@@ -603,7 +603,7 @@ struct NowRises {
 
 /// The class that is likeliest, and how likely. Air flow and heater power are one until one of them is likely enough by itself.
 fn named(posterior: &Posterior, least: f32) -> (FaultClass, f32) {
-    let class = HYPOTHESES[posterior.likeliest].class;
+    let class = HYPOTHESES[posterior.likeliest % COUNT].class;
     let probability = posterior.of(posterior.likeliest);
     let [flow, power] = [FaultClass::AirFlow, FaultClass::HeaterPower].map(|class| posterior.of_class(class));
     let process = matches!(class, FaultClass::AirFlow | FaultClass::HeaterPower);
@@ -651,10 +651,10 @@ impl WatchState {
     }
 
     /// Gains of all hypotheses since the onset.
-    fn judge_since(&self) -> ([Freed; hypothesis::COUNT], f32) {
+    fn judge_since(&self) -> ([Freed; COUNT], f32) {
         let nuisances = hypothesis::since_onset(self.steps);
         let nuisances = Nuisances::new(&self.since, &nuisances, KAPPA).for_many();
-        let mut freed = [Freed::default(); hypothesis::COUNT];
+        let mut freed = [Freed::default(); COUNT];
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
             let mut second = row.second;
             if let (Some(second), Some(m)) = (&mut second, row.stays) {
@@ -667,7 +667,7 @@ impl WatchState {
 
     /// Whether the nuisances alone explain one of the windows better than the fault as it was.
     fn is_over(&self, alarm: &Alarm) -> bool {
-        let row = &HYPOTHESES[alarm.hypothesis % HYPOTHESES.len()];
+        let row = &HYPOTHESES[alarm.hypothesis % COUNT];
         let [value, second] = alarm.values;
         let first = (row.first.direction, value);
         let both = [first, row.second.map_or(first, |free| (free.direction, second))];

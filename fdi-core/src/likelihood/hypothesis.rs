@@ -25,7 +25,7 @@ pub(super) struct Hypothesis {
 }
 
 /// Hypotheses there are.
-pub(super) const COUNT: usize = 23;
+pub(super) const COUNT: usize = 25;
 
 const fn of(column: Column) -> Direction {
     Direction::Of(column)
@@ -84,6 +84,13 @@ const fn stuck(which: Channel, gain: Column, offset: Column, channel: usize) -> 
     brief(rare(Hypothesis { stays: Some(channel), ..row }, RARE))
 }
 
+const fn swapped_with_t0(pair: Pair, gain: Column) -> Hypothesis {
+    brief(rare(within(row(FaultClass::Swapped(pair), of(gain), -2.0, SWAPPED), -2.3, -1.7), RARE))
+}
+
+/// A thermistor exchanged with T0 loses its rise twice, give or take so much; the other one loses as much as the exchanged one rises.
+const SWAPPED: f32 = 0.05;
+const HALF_SWAPPED: (f32, f32) = (-1.0, 0.15);
 /// Lag of a clogged thermistor as a share of the column's lag, and its spread.
 const LAGGING: (f32, f32) = (1.0, 0.15);
 /// A drift begins from within so many degC.
@@ -147,6 +154,9 @@ pub(super) const ROWS: [Hypothesis; COUNT] = [
     lagging(t1_detached(of(Column::LongLoss)), of(Column::LongLag)),
     brief(rare(row(FaultClass::Swapped(Pair::T1T2), of(Column::Exchanged), 1.0, 0.05), RARE)),
     brief(rare(within(row(FaultClass::T2Detached, of(Column::Gain2), -0.7, 0.2), -1.3, -DETACHED), -3.0)),
+    // With T0 where the air is hot: T1, or T2, is below it by its own rise, the other by what is left of that.
+    with(swapped_with_t0(Pair::T0T1, Column::Gain1), of(Column::Gain2), HALF_SWAPPED.0, HALF_SWAPPED.1),
+    with(swapped_with_t0(Pair::T0T2, Column::Gain2), of(Column::Gain1), HALF_SWAPPED.0, HALF_SWAPPED.1),
 ];
 
 /// The same in one place of memory.

@@ -10,7 +10,7 @@ use super::hypothesis::{self, HYPOTHESES, IMPOSSIBLE, MODEL_ERRORS};
 use super::ladder::{Ladder, Past};
 use super::normal::LastingNormal;
 use super::process::{Motion, Process, Rises};
-use crate::bounds::smaller;
+use crate::bounds::{bounded, smaller};
 use crate::filter::LowPass;
 
 /// What the mean of a residual may be off by, degC.
@@ -25,6 +25,8 @@ const FAST_IN_SIZE: f32 = 0.1;
 const JUDGED_EVERY: u32 = 30;
 /// A tick counts no more than so many standard deviations.
 const LIMIT: f32 = 8.0;
+/// Nor does a mean see more of a residual than so much of it away from it, degC: the tick on which something jumps is gathered before there is an alarm.
+const JUMP: f32 = 1.0;
 
 /// Its memories.
 #[derive(Clone, Copy, Debug)]
@@ -138,9 +140,12 @@ impl Steady {
         let mut fast = *whitened;
         let mut fast_z = z;
         for m in 0..2 {
-            c.split.follow(&mut self.slow_z[m], z[m]);
+            let slow = self.slow_z[m];
+            fast_z[m] = bounded(z[m], slow - LIMIT, slow + LIMIT);
+            c.split.follow(&mut self.slow_z[m], fast_z[m]);
             fast_z[m] -= self.slow_z[m];
-            c.mean.follow(&mut self.mean_e[m], e[m]);
+            let mean = self.mean_e[m];
+            c.mean.follow(&mut self.mean_e[m], bounded(e[m], mean - JUMP, mean + JUMP));
             for i in 0..LASTING {
                 c.split.follow(&mut self.slow[i][m], whitened[i][m]);
                 fast[i][m] -= self.slow[i][m];
@@ -166,7 +171,7 @@ impl Steady {
         let nuisances = Nuisances::new(&self.normal, &MODEL_ERRORS, KAPPA);
         let values = nuisances.values();
         for ((direction, _), value) in MODEL_ERRORS.iter().zip(values) {
-            self.reference[direction.columns()[0]] = value;
+            self.reference[direction.columns()[0] % LASTING] = value;
         }
         self.normal = LastingNormal::default();
         self.ticks = 0;

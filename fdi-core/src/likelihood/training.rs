@@ -417,8 +417,6 @@ impl Filter {
             let later = 0.5 * (now - self.answered[0].map_or(now, |first| first as f32));
             let delay = larger(p.get(Parameter::Delay2), later);
             p.set(Parameter::Delay2, delay);
-            let sd = &mut self.sd[Parameter::Delay2 as usize];
-            *sd = larger(*sd, 0.5 * later);
         }
     }
 }

@@ -16,8 +16,13 @@ fn the_magnitudes_have_the_units_of_their_classes() {
             Direction::Of(C::Exchanged) => "",
             other => panic!("{h}: {other:?} is no magnitude"),
         };
-        let stuck = matches!(row.class, FaultClass::Stuck(_));
-        assert!(stuck || row.class.unit() == unit, "{h}: {} is in {}", row.class.name(), row.class.unit());
+        let unsized_class = matches!(row.class, FaultClass::Stuck(_) | FaultClass::Swapped(_));
+        assert!(
+            unsized_class || row.class.unit() == unit,
+            "{h}: {} is in {}",
+            row.class.name(),
+            row.class.unit()
+        );
     }
 }
 
@@ -26,6 +31,7 @@ fn the_magnitudes_have_the_units_of_their_classes() {
 fn a_thermistors_hypothesis_moves_its_own_columns() {
     let first = [C::Offset1, C::Gain1, C::ShortLag, C::LongLag, C::ShortLoss, C::LongLoss, C::Ramp1];
     let second = [C::Offset2, C::Gain2, C::Ramp2];
+    let both = [C::Exchanged];
     for (h, row) in HYPOTHESES.iter().enumerate() {
         let moved = |free: Free| free.direction.columns();
         let columns = [Some(row.first), row.second].into_iter().flatten().flat_map(moved);
@@ -35,7 +41,9 @@ fn a_thermistors_hypothesis_moves_its_own_columns() {
                 Some(Channel::T1) => of(&first, column),
                 Some(Channel::T2) => of(&second, column),
                 Some(Channel::T0) => of(&[C::Offset1, C::Offset2, C::Ramp1, C::Ramp2], column),
-                None if row.class == FaultClass::Drift => of(&first, column) || of(&second, column),
+                None if matches!(row.class, FaultClass::Drift | FaultClass::Swapped(_)) => {
+                    [&first[..], &second, &both].into_iter().any(|list| of(list, column))
+                }
                 None => !of(&first, column) && !of(&second, column),
             };
             assert!(fits, "{h}: {} moves column {column}", row.class.name());

@@ -21,7 +21,6 @@ fn constants() -> SteadyConstants {
         reference: REFERENCE,
         split: LowPass::over(45.0),
         mean: LowPass::over(227.0),
-        lags: [0.25, 0.1],
     }
 }
 
@@ -59,7 +58,7 @@ impl Run {
     }
 
     /// So many ticks whose residuals are noise and what is given of each tick's columns, by the tick of this call.
-    fn ticks(&mut self, n: usize, residual: impl Fn(usize, &Row) -> [f32; 2]) {
+    fn ticks(&mut self, n: usize, residual: impl Fn(usize, &Row<LASTING>) -> [f32; 2]) {
         let c = constants();
         for k in 0..n {
             if self.ticks.is_multiple_of(2) {
@@ -68,7 +67,7 @@ impl Run {
             self.ticks += 1;
             let heat = self.process.heat(40.0 + self.bit);
             let rises = self.process.step(&mut self.motion, heat);
-            let row = self.steady.row(&c, &self.flows, heat, &rises, self.before);
+            let row = self.steady.row(&self.flows, heat, &rises, self.before);
             self.before = rises.y;
             let whitened = self.steady.whitened(&self.ladder, &row);
             let e = residual(k, &row).map(|e| e + SIGMA * self.random.gaussian() as f32);
@@ -87,11 +86,11 @@ impl Run {
     }
 }
 
-fn nothing(_: usize, _: &Row) -> [f32; 2] {
+fn nothing(_: usize, _: &Row<LASTING>) -> [f32; 2] {
     [0.0; 2]
 }
 
-fn of(column: Column, size: f32) -> impl Fn(usize, &Row) -> [f32; 2] {
+fn of(column: Column, size: f32) -> impl Fn(usize, &Row<LASTING>) -> [f32; 2] {
     move |_, row| row[column as usize].map(|value| size * value)
 }
 
@@ -134,20 +133,17 @@ fn nothing_gains_nothing() {
     }
 }
 
-/// A model that lets T1 lag too little, always: that is what the reference takes away, and the means do not see it.
+/// A model whose answer comes too early by a share of a tick, always: that is what the reference takes away, and the means do not see it.
 #[test]
 fn the_reference_takes_a_constant_model_error_away() {
-    let fast_error = of(Column::ShortLag, 0.5);
+    let fast_error = of(Column::Shift, 0.5);
     for seed in 1..4 {
         let mut run = Run::new(seed);
         run.ticks(REFERENCE as usize + 2000, &fast_error);
         let (class, gain, _) = run.judged();
         assert!(gain < 1.5, "{class:?} gains {gain}, seed {seed}");
-        let reference = run.steady.reference;
-        assert!(reference.iter().any(|value| *value != 0.0));
-        run.steady.reference = [0.0; COUNT];
-        let (_, without, _) = run.judged();
-        assert!(without > gain + 3.0, "without it: {without}, seed {seed}");
+        let learnt = run.steady.reference[Column::Shift as usize];
+        assert!((learnt - 0.5).abs() < 0.1, "{learnt} ticks, seed {seed}");
     }
 }
 
@@ -158,7 +154,7 @@ fn what_was_changed_on_purpose_counts_as_trained() {
     run.ticks(REFERENCE as usize + 500, nothing);
     run.steady.rebase();
     assert!(!run.steady.is_ready(0.0));
-    let level = |offset: f32| move |_: usize, _: &Row| [1.2 + offset, 0.9];
+    let level = |offset: f32| move |_: usize, _: &Row<LASTING>| [1.2 + offset, 0.9];
     run.ticks(REFERENCE as usize + 2000, level(0.0));
     let (class, gain, _) = run.judged();
     assert!(gain < 1.5, "{class:?} gains {gain}");
@@ -170,29 +166,40 @@ fn what_was_changed_on_purpose_counts_as_trained() {
     );
 }
 
-/// A few wild ticks are no change.
+/// A wild tick now and then, as the first of each abrupt fault is, is no change: neither for the sums nor for the means.
 #[test]
 fn outliers_do_not_carry_a_verdict() {
-    let mut run = Run::new(2);
-    run.ticks(REFERENCE as usize + 1500, nothing);
-    run.ticks(600, |k, _| if k % 200 == 100 { [20.0, -15.0] } else { [0.0; 2] });
-    let (class, gain, _) = run.judged();
-    assert!(gain < 1.5, "{class:?} gains {gain}");
+    for seed in 1..6 {
+        let mut run = Run::new(seed);
+        run.ticks(REFERENCE as usize + 1500, nothing);
+        for _ in 0..3 {
+            let before = run.steady.mean_e;
+            run.ticks(1, |_, _| [-25.0, -12.0]);
+            assert!(
+                (0..2).all(|m| (run.steady.mean_e[m] - before[m]).abs() < 0.01),
+                "{:?}",
+                run.steady.mean_e
+            );
+            run.ticks(60, nothing);
+            let (class, gain, _) = run.judged();
+            assert!(gain < 1.5, "{class:?} gains {gain}, seed {seed}");
+        }
+    }
 }
 
-/// It judges every tenth tick, and not before there is a reference and so much since.
+/// It judges every thirtieth tick, and not before there is a reference and so much since.
 #[test]
 fn it_waits_for_its_reference() {
     let mut run = Run::new(3);
     run.ticks(REFERENCE as usize - 1, nothing);
     assert!(!run.steady.is_ready(0.0));
     run.ticks(1, nothing);
-    let ready: Vec<bool> = (0..40)
+    let ready: Vec<bool> = (0..100)
         .map(|_| {
             run.ticks(1, nothing);
             run.steady.is_ready(20.0)
         })
         .collect();
-    let at: Vec<usize> = (0..40).filter(|k| ready[*k]).map(|k| k + 1).collect();
-    assert_eq!(at, [20, 30, 40]);
+    let at: Vec<usize> = (0..100).filter(|k| ready[*k]).map(|k| k + 1).collect();
+    assert_eq!(at, [30, 60, 90]);
 }

@@ -1,10 +1,10 @@
-use super::super::column::COUNT;
+use super::super::column::LASTING;
 use super::super::reference::{Matrix, Random};
 use super::*;
 
 /// Whitened columns as on the reference rig, some of them moving: power, both secants of the air flow, offsets.
-fn row(random: &mut Random) -> Row {
-    let mut row = [[0.0; 2]; COUNT];
+fn row(random: &mut Random) -> Row<LASTING> {
+    let mut row = [[0.0; 2]; LASTING];
     let mut put = |column: Column, a: f32, b: f32| row[column as usize] = [a, b];
     let mut moving = |mean: f64| (mean + 3.0 * random.gaussian()) as f32;
     put(Column::Power, moving(60.0), moving(40.0));
@@ -27,7 +27,7 @@ impl Kalman {
         Self { x: [0.0; N], p: (0..N).map(|i| (0..N).map(|j| diagonal(i, j)).collect()).collect() }
     }
 
-    fn step(&mut self, whitened: &Row, z: [f32; 2]) {
+    fn step(&mut self, whitened: &Row<LASTING>, z: [f32; 2]) {
         let flow = if self.x[1] < 0.0 { Column::MoreFlow } else { Column::LessFlow };
         let columns = [Column::Power, flow, Column::Offset1, Column::Offset2];
         for i in 0..N {
@@ -121,7 +121,7 @@ fn what_changes_slowly_is_followed() {
 #[test]
 fn a_million_quiet_ticks_leave_it_positive_definite() {
     let (mut tracker, mut random) = (Tracker::default(), Random::new(3));
-    let rows: [Row; 16] = core::array::from_fn(|_| row(&mut random));
+    let rows: [Row<LASTING>; 16] = core::array::from_fn(|_| row(&mut random));
     for k in 0..1_000_000 {
         let z = [(k % 7) as f32 - 3.0, (k % 5) as f32 - 2.0].map(|z| 0.5 * z);
         tracker.step(&rows[k % 16], z);

@@ -57,15 +57,16 @@ impl Plant {
         Self::new(Parameters(p), 40.0, seed)
     }
 
-    /// One of those that heaters are: time constants of 2 to 60 ticks, dead times of 0 to 35, gains of 0.05 to 3 degC per %. How fast and
-    /// strong it is is known within a third.
+    /// One of those that heaters are: time constants of 2 to 60 ticks, dead times of 0 to 35, the most of them before T1, gains of 0.05
+    /// to 3 degC per %. How fast and strong it is is known within a third.
     fn drawn(seed: u64) -> Self {
         let mut random = Random::new(seed);
         let mut ln = |low: f64, high: f64| random.between(low.ln(), high.ln());
         let (gain, heater) = (ln(0.05, 3.0), ln(2.0, 60.0));
         let (lag1, lag2) = (heater + ln(0.05, 0.25), heater + ln(0.3, 1.0));
         let wrong = [ln(0.75, 1.33), ln(0.75, 1.33)].map(|ln| ln.exp() as f32);
-        let (dead, part, reaches) = (random.between(0.0, 35.0), random.uniform(), random.between(0.8, 1.0));
+        let (dead, part, reaches) =
+            (random.between(0.0, 35.0), random.between(0.6, 1.0), random.between(0.8, 1.0));
         let wall = [random.between(0.0, 0.1), random.between(0.0, 0.05), heater + random.between(1.8, 3.2)];
         let offsets = [random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
         let ([s1, s2, tw], [c1, c2]) = (wall, offsets);

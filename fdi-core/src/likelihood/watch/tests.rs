@@ -5,7 +5,7 @@ use std::vec;
 use std::vec::Vec;
 
 use super::super::class::{Channel, Pair};
-use super::super::column::{COUNT, Column};
+use super::super::column::{COUNT, Column, LASTING};
 use super::super::ladder::ResidualStatistics;
 use super::super::process::Rises;
 use super::super::reference::Random;
@@ -133,7 +133,7 @@ const HELD: f32 = -1e6;
 /// A fault with what it is called, within how many s that is said, and its size with the error allowed.
 type Case = (&'static str, Wrong, FaultClass, f32, Option<(f32, f32)>);
 
-const CASES: [Case; 13] = [
+const CASES: [Case; 15] = [
     ("T1 +1.5", Wrong::Readings(|y, _| [y[0] + 1.5, y[1]]), FaultClass::T1Offset, 2.0, Some((1.5, 0.3))),
     ("T1 -1.5", Wrong::Readings(|y, _| [y[0] - 1.5, y[1]]), FaultClass::T1Offset, 16.0, Some((-1.5, 0.3))),
     ("T2 +1.5", Wrong::Readings(|y, _| [y[0], y[1] + 1.5]), FaultClass::T2Offset, 1.0, Some((1.5, 0.2))),
@@ -152,7 +152,21 @@ const CASES: [Case; 13] = [
     ("T2 stuck", Wrong::Readings(|y, _| [y[0], HELD]), FaultClass::Stuck(Channel::T2), 6.0, None),
     ("T1 out", Wrong::Readings(|y, _| [0.1 * y[0], y[1]]), FaultClass::T1Detached, 2.0, Some((-90.0, 8.0))),
     ("T2 out", Wrong::Readings(|y, _| [y[0], 0.1 * y[1]]), FaultClass::T2Detached, 2.0, Some((-90.0, 8.0))),
-    ("swapped", Wrong::Readings(|y, _| [y[1], y[0]]), FaultClass::Swapped(Pair::T1T2), 2.0, None),
+    ("T1, T2 swapped", Wrong::Readings(|y, _| [y[1], y[0]]), FaultClass::Swapped(Pair::T1T2), 2.0, None),
+    (
+        "T0, T1 swapped",
+        Wrong::Readings(|y, _| [-y[0], y[1] - y[0]]),
+        FaultClass::Swapped(Pair::T0T1),
+        2.0,
+        None,
+    ),
+    (
+        "T0, T2 swapped",
+        Wrong::Readings(|y, _| [y[0] - y[1], -y[1]]),
+        FaultClass::Swapped(Pair::T0T2),
+        2.0,
+        None,
+    ),
 ];
 
 /// Faults that leave the tube's wall cold, or hot: after their end it takes a minute to be as it was.
@@ -252,7 +266,7 @@ fn nothing_is_said_of_nothing() {
 fn taking_in_leaves_no_step() {
     let mut s = watch().start(trained(7));
     let e = [0.4, 0.3];
-    let mut row = [[0.0; 2]; COUNT];
+    let mut row = [[0.0; 2]; LASTING];
     row[Column::Offset1 as usize] = [1.0, 0.0];
     row[Column::Offset2 as usize] = [0.0, 1.0];
     row[Column::Power as usize] = s.before;
@@ -260,7 +274,10 @@ fn taking_in_leaves_no_step() {
     for _ in 0..60 {
         let z = s.ladder.step(&mut s.past, e);
         s.ladder.step_clipped(&mut s.past_clipped, e, CLIP);
-        let whitened: Row = core::array::from_fn(|i| s.ladder.step(&mut pasts[i], row[i]));
+        let whitened: Row = core::array::from_fn(|i| match row.get(i) {
+            Some(value) => s.ladder.step(&mut pasts[i], *value),
+            None => [0.0; 2],
+        });
         s.since.add(&whitened, z, 1.0);
     }
     s.take_in(&row);
@@ -335,7 +352,7 @@ fn a_pair_is_as_likely_as_both() {
 /// Sizes in the units of their classes: `1/f - 1` is told as the air flow that it is, shares in %.
 #[test]
 fn sizes_are_told_in_their_units() {
-    let freed = |value: f32| Freed { value, sd: 0.01, ..Freed::default() };
+    let freed = |value: f32| Freed { value, variance: 1e-4, ..Freed::default() };
     let told = |class, value| magnitude(0, class, &freed(value)).map(|size| size.value);
     assert!((told(FaultClass::AirFlow, 0.25).unwrap() + 20.0).abs() < 1e-3);
     assert!((told(FaultClass::AirFlow, -0.2).unwrap() - 25.0).abs() < 1e-3);
@@ -350,7 +367,7 @@ fn sizes_are_told_in_their_units() {
         None,
         "no share of what is asked for"
     );
-    let wide =
-        magnitude(0, FaultClass::T2Offset, &Freed { value: 0.0, sd: 0.5, ..Freed::default() }).unwrap();
+    let wide = magnitude(0, FaultClass::T2Offset, &Freed { value: 0.0, variance: 0.25, ..Freed::default() })
+        .unwrap();
     assert!((wide.half_width - 0.98).abs() < 1e-3, "1.96 standard deviations");
 }

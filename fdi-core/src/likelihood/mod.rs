@@ -283,8 +283,8 @@ impl Likelihood {
         LikelihoodReport {
             expected: [ambient, y1, y2],
             virtual_rise: if known { trained.virtual_t1() } else { None },
-            air_flow: if now.heating { trained.heat().air_flow() } else { None },
-            heater_stuck_on: trained.heat().heater_stuck_on(),
+            air_flow: if now.heating { trained.air_flow() } else { None },
+            heater_stuck_on: trained.heater_stuck_on(),
             ..LikelihoodReport::default()
         }
     }

@@ -52,6 +52,10 @@ const RAISE_SLOW: f32 = 1.5;
 const GOES_ON: [f32; 2] = [0.4, 0.7];
 /// A class is named from this probability on; air flow or heater power by itself from this one on.
 const NAME: f32 = 0.95;
+/// And loses its name below this one.
+const UNNAME: f32 = 0.9;
+/// No name is surer: what is not among the hypotheses has its share (docs/diagnosis.md, section 11).
+const CERTAIN: f32 = 0.98;
 const NAME_PROCESS: f32 = 0.97;
 const ALWAYS_BOTH: f32 = 2.0;
 /// The same for what has changed since training.
@@ -63,17 +67,15 @@ const PROCESS_TIME: f32 = 3.0;
 const STRANGE: [f32; 2] = [4.0, 0.06];
 const FITS: [f32; 2] = [1.5, 0.02];
 const UNKNOWN_AFTER: f32 = 3.0;
-/// After so long the likeliest is named, s.
-const ANY_AFTER: f32 = 8.0;
 /// What nuisances explain for so long is taken into the tracker, s.
 const TAKEN_AFTER: f32 = 8.0;
 /// From so old on an alarm forgets with this memory, s.
 const FORGETS_FROM: f32 = 3.0;
 const FORGETS_WITH: f32 = 10.0;
-/// An alarm is over by these log odds in one of two windows, which are asked from so long on, s.
+/// An alarm is over by these log odds in a window, which is asked from so long on, s.
 const OVER: f32 = 5.0;
-const WINDOWS: [f32; 2] = [0.6, 4.0];
-const ASKED_FROM: [f32; 2] = [0.5, 2.0];
+const WINDOW: f32 = 0.7;
+const ASKED_FROM: f32 = 0.5;
 /// The fast band learns for so long where the model is wrong, s.
 const REFERENCE_TIME: f32 = 90.0;
 /// An alarm is young for so long, s.
@@ -109,7 +111,7 @@ struct Pace {
     inlet: LowPass,
     wander: LowPass,
     forgets: f32,
-    windows: [f32; 2],
+    window: f32,
 }
 
 /// Its memory.
@@ -142,7 +144,7 @@ pub(super) struct WatchState {
     inlet: Option<(f32, f32, [f32; 2])>,
     onset: Onset,
     since: Normal,
-    windows: [Normal; 2],
+    window: Normal,
     z_mean: [f32; 2],
     candidate: f32,
     rests: u32,
@@ -206,7 +208,7 @@ impl Watch {
             inlet: LowPass::over(1.0 / share(INLET_TIME)),
             wander: LowPass::over(1.0 / share(WANDER_TIME)),
             forgets: 1.0 - share(FORGETS_WITH),
-            windows: WINDOWS.map(|time| 1.0 - share(time)),
+            window: 1.0 - share(WINDOW),
         }
     }
 
@@ -237,7 +239,7 @@ impl Watch {
             inlet: None,
             onset: Onset::default(),
             since: Normal::default(),
-            windows: Default::default(),
+            window: Normal::default(),
             z_mean: [0.0; 2],
             candidate: 0.0,
             rests: 0,
@@ -462,10 +464,8 @@ impl Watch {
             if alarm.age > FORGETS_FROM {
                 s.since.scale(s.pace.forgets);
             }
-            for (window, keep) in s.windows.iter_mut().zip(s.pace.windows) {
-                window.scale(keep);
-                window.add(&row, z, weight);
-            }
+            s.window.scale(s.pace.window);
+            s.window.add(&row, z, weight);
         }
         s.since.add(&row, z, weight);
     }
@@ -488,7 +488,7 @@ impl Watch {
         };
         if posterior.best_gain > RAISE && !small {
             let onset = tick.saturating_sub(s.onset.age.saturating_sub(1));
-            s.windows = [s.since; 2];
+            s.window = s.since;
             let mut alarm = Alarm::new(onset);
             self.name(s, &mut alarm, &mut freed, left);
             s.alarm = Some(alarm);
@@ -543,11 +543,8 @@ impl Watch {
         if alarm.strange {
             let class = FaultClass::Unknown;
             alarm.finding = Some(Finding { class, confidence: 0.0, magnitude: None, ..finding });
-        } else if confidence > NAME
-            || alarm.age > ANY_AFTER
-            || alarm.finding.is_some_and(|was| was.class == class)
-        {
-            alarm.finding = Some(finding);
+        } else if confidence > NAME || alarm.finding.is_some_and(|was| was.class == class) {
+            alarm.finding = (confidence > UNNAME).then_some(finding);
         }
     }
 
@@ -608,9 +605,9 @@ fn named(posterior: &Posterior, least: f32) -> (FaultClass, f32) {
     let [flow, power] = [FaultClass::AirFlow, FaultClass::HeaterPower].map(|class| posterior.of_class(class));
     let process = matches!(class, FaultClass::AirFlow | FaultClass::HeaterPower);
     if process && larger(flow, power) < least {
-        return (FaultClass::AirFlowOrHeaterPower, smaller(1.0, flow + power));
+        return (FaultClass::AirFlowOrHeaterPower, smaller(CERTAIN, flow + power));
     }
-    (class, probability)
+    (class, smaller(CERTAIN, probability))
 }
 
 /// The size of a hypothesis in the unit of its class.
@@ -673,10 +670,7 @@ impl WatchState {
         let both = [first, row.second.map_or(first, |free| (free.direction, second))];
         let at = if row.second.is_some() { &both[..] } else { &both[..1] };
         let list = hypothesis::since_onset(self.steps);
-        self.windows
-            .iter()
-            .zip(ASKED_FROM)
-            .any(|(window, from)| alarm.age > from && Nuisances::new(window, &list, KAPPA).fixed(at) < -OVER)
+        alarm.age > ASKED_FROM && Nuisances::new(&self.window, &list, KAPPA).fixed(at) < -OVER
     }
 
     /// Nuisances explain what the charts say: the tracker takes them.
@@ -727,9 +721,14 @@ impl WatchState {
         self.heat.virtual_t1(self.expected[0])
     }
 
-    /// Air flow and heater, as the heat shows them.
-    pub(super) fn heat(&self) -> &HeatState {
-        &self.heat
+    /// Air flow, % of that at which the rig was learnt: an announced level of the fan is what the model expects, not what is enough.
+    pub(super) fn air_flow(&self) -> Option<f32> {
+        Some(self.fan * self.heat.air_flow()?)
+    }
+
+    /// Whether the rig has been hot without power for too long.
+    pub(super) fn heater_stuck_on(&self) -> bool {
+        self.heat.heater_stuck_on()
     }
 
     /// The columns of the last tick since an onset that is assumed; none before enough is remembered.

@@ -171,7 +171,7 @@ const CASES: [Case; 15] = [
 
 /// Faults that leave the tube's wall cold, or hot: after their end it takes a minute to be as it was.
 const THOROUGH: [Case; 2] = [
-    ("no power", Wrong::Power(0.0), FaultClass::HeaterPower, 10.0, None),
+    ("no power", Wrong::Power(0.0), FaultClass::HeaterPower, 10.0, Some((-100.0, 3.0))),
     ("all power", Wrong::Constant(100.0), FaultClass::HeaterPower, 10.0, None),
 ];
 

@@ -33,11 +33,26 @@ pub(super) struct Alarm {
     pub(super) finding: Option<Finding>,
     /// No hypothesis fits.
     pub(super) strange: bool,
+    /// Gain of the best hypothesis; the likeliest, and the values of what it frees.
+    pub(super) gain: f32,
+    pub(super) hypothesis: usize,
+    pub(super) values: [f32; 2],
+    /// Whose turn it is: the ranking's, or the end's.
+    pub(super) turn: bool,
 }
 
 impl Alarm {
     /// A fault thought to have begun on tick `onset`.
     pub(super) fn new(onset: u32) -> Self {
-        Self { onset, age: 0.0, finding: None, strange: false }
+        Self {
+            onset,
+            age: 0.0,
+            finding: None,
+            strange: false,
+            gain: 0.0,
+            hypothesis: 0,
+            values: [0.0; 2],
+            turn: false,
+        }
     }
 }

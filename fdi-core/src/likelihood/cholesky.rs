@@ -42,7 +42,7 @@ impl<const N: usize> Cholesky<N> {
     /// `L^-1 x`, in place.
     #[inline(never)]
     pub(super) fn forward(&self, x: &mut [f32; N]) {
-        for i in 0..self.n {
+        for i in 0..self.n.min(N) {
             let mut sum = x[i];
             for k in 0..i {
                 sum -= self.l[i][k] * x[k];
@@ -54,9 +54,9 @@ impl<const N: usize> Cholesky<N> {
     /// `L'^-1 x`, in place.
     #[inline(never)]
     pub(super) fn backward(&self, x: &mut [f32; N]) {
-        for i in (0..self.n).rev() {
+        for i in (0..self.n.min(N)).rev() {
             let mut sum = x[i];
-            for k in i + 1..self.n {
+            for k in i + 1..self.n.min(N) {
                 sum -= self.l[k][i] * x[k];
             }
             x[i] = sum * self.l[i][i];

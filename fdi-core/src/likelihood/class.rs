@@ -1,6 +1,6 @@
 //! The classes of fault, a row each: name, unit, thermistor, number in a record, and the sentences in which it is reported.
 //!
-//! To add a class: a variant, its row below, and where it is told by a signature its hypothesis (`hypothesis.rs`, `bank.rs`).
+//! To add a class: a variant, its row below, and where residuals tell it its hypothesis (`hypothesis.rs`, `column.rs`).
 
 /// What is faulty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

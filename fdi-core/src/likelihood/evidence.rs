@@ -21,7 +21,6 @@ use super::cholesky::Cholesky;
 use super::column::Direction;
 use super::normal::Normal;
 use crate::bounds::larger;
-use crate::root::sqrt;
 
 /// At most so many nuisances.
 pub(super) const MOST: usize = 10;
@@ -56,9 +55,9 @@ pub(super) struct Free {
 pub(super) struct Freed {
     /// By how much the log evidence exceeds that of the nuisances alone.
     pub(super) gain: f32,
-    /// The first parameter: posterior mean and standard deviation. The second's mean.
+    /// The first parameter: posterior mean and variance. The second's mean.
     pub(super) value: f32,
-    pub(super) sd: f32,
+    pub(super) variance: f32,
     pub(super) second: f32,
 }
 
@@ -68,12 +67,12 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
         let inv_kappa = 1.0 / kappa;
         let mut rows = [[0.0; MOST]; MOST];
         let mut score = [0.0; MOST];
-        for (i, &(p, sd)) in list.iter().enumerate() {
-            score[i] = sd * inv_kappa * along(&normal.b, p);
-            for (j, &(q, other)) in list[..=i].iter().enumerate() {
-                rows[i][j] = sd * other * inv_kappa * between(normal, p, q);
+        for (i, ((&(p, sd), row), score)) in list.iter().zip(&mut rows).zip(&mut score).enumerate() {
+            *score = sd * inv_kappa * along(&normal.b, p);
+            for (j, (&(q, other), element)) in list.iter().zip(row).enumerate().take(i + 1) {
+                let unit = if i == j { 1.0 } else { 0.0 };
+                *element = unit + sd * other * inv_kappa * between(normal, p, q);
             }
-            rows[i][i] += 1.0;
         }
         let factor = Cholesky::new(rows, list.len());
         factor.forward(&mut score);
@@ -183,7 +182,7 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
             - 0.5 * libm::logf(determinant);
         let (value, variance) = (mean1 + sd1 * departure[0], sd1 * sd1 * q22 / determinant);
         let (value, variance) = self.with_nuisance(first, value, variance);
-        Freed { gain, value, sd: sqrt(larger(0.0, variance)), second: mean2 + sd2 * departure[1] }
+        Freed { gain, value, variance: larger(0.0, variance), second: mean2 + sd2 * departure[1] }
     }
 
     /// A parameter that is a nuisance as well is the sum of both parts: what the data say of the free one says as much of the sum.

@@ -8,7 +8,7 @@ use super::verdict::{Finding, Magnitude};
 use crate::bounds::{larger, smaller};
 use crate::filter::LowPass;
 
-// Tuned on seeds 1 to 99999 and on the hazards of the campaign's runaway cells (docs/diagnosis.md, sections 8 and 9; docs/safety.md). In degC they
+// Tuned on seeds 1 to 99999 and on the hazards of the campaign's runaway cells (docs/diagnosis.md, sections 8 and 13; docs/safety.md). In degC they
 // suit rigs that rise by 10 degC and more; the memory of the rises, and of what T2 corrects of the virtual T1, is one answer time.
 /// T2 and the models may disagree by so much about T1: degC, and share of the rise. Beyond it one of them is wrong, too, and
 /// nothing is left to regulate by.

@@ -1,15 +1,15 @@
 //! The likelihood diagnosis: a second opinion beside the paper's signatures, faster, surer, and for more faults.
 //!
-//! Two models are trained while nothing is wrong and then frozen: power -> y1 and y1 -> y2. Run as simulations they give
-//! three structured residuals, each blind to one place: y1 against the power (T2), y2 against the power (T1), y2 against y1 (the
-//! process). Whitened, they feed cumulative sum charts; a bank of matched filters says which fault explains them best.
+//! A model of the rig from physics is trained while nothing is wrong and then frozen. Simulated, fed with the power alone, it gives two
+//! residuals, of T1 and of T2. Whitened together, they feed cumulative sum charts; a bank says which fault explains them best, all else being free to
+//! have moved a little. A second bank holds a minute against the trained state.
 //!
 //! ```text
 //!  untrained --learning--> training --gate--> armed --chart--> alarm --bank--> named --quiet again--> armed
 //!                              ^--refused--|      (a relearning, or a stop, leads back to untrained)
 //! ```
 //!
-//! Both models are driven by the power that was really applied, so the controller hides nothing; where the supply is measured, by
+//! The model is driven by the power that was really applied, so the controller hides nothing; where the supply is measured, by
 //! what the heater makes of it. Sources: docs/diagnosis.md.
 //!
 //! What it says stands in each [`Report`](crate::Report):

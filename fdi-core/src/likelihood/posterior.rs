@@ -42,36 +42,35 @@ pub(super) struct Posterior {
 impl Posterior {
     #[inline(never)]
     pub(super) fn new(freed: &[Freed; COUNT]) -> Self {
-        let mut best = 0;
-        for h in 1..COUNT {
-            if freed[h].gain > freed[best].gain {
-                best = h;
+        let (mut best, mut most) = (0, f32::MIN);
+        for (h, freed) in freed.iter().enumerate() {
+            if freed.gain > most {
+                (best, most) = (h, freed.gain);
             }
         }
-        let best_gain = freed[best].gain;
+        let best_gain = most;
         let weights: [f32; COUNT] =
             core::array::from_fn(|h| libm::expf(larger(-60.0, freed[h].gain - best_gain)));
         // Of each class at its first hypothesis: the mean of its hypotheses.
         let (mut class, mut all) = ([0.0; COUNT], 0.0);
         for (h, weight) in weights.iter().enumerate() {
-            class[FIRST[h]] += weight / OF_CLASS[h];
+            class[FIRST[h] % COUNT] += weight / OF_CLASS[h];
         }
         for h in 0..COUNT {
             if FIRST[h] == h {
                 all += class[h];
             } else {
-                class[h] = class[FIRST[h]];
+                class[h] = class[FIRST[h] % COUNT];
             }
         }
         for class in &mut class {
             *class /= all;
         }
-        let mut likeliest = 0;
-        for h in 1..COUNT {
-            let better = class[h] > class[likeliest];
-            let same = HYPOTHESES[h].class == HYPOTHESES[likeliest].class;
-            if if same { freed[h].gain > freed[likeliest].gain } else { better } {
-                likeliest = h;
+        let (mut likeliest, mut top) = (0, (f32::MIN, f32::MIN));
+        for (h, (freed, class)) in freed.iter().zip(&class).enumerate() {
+            let better = *class > top.0 || (*class == top.0 && freed.gain > top.1);
+            if better {
+                (likeliest, top) = (h, (*class, freed.gain));
             }
         }
         Self { class, best_gain, best, likeliest }

@@ -171,7 +171,7 @@ impl Steady {
         let nuisances = Nuisances::new(&self.normal, &MODEL_ERRORS, KAPPA);
         let values = nuisances.values();
         for ((direction, _), value) in MODEL_ERRORS.iter().zip(values) {
-            self.reference[direction.columns()[0]] = value;
+            self.reference[direction.columns()[0] % LASTING] = value;
         }
         self.normal = LastingNormal::default();
         self.ticks = 0;

@@ -9,7 +9,7 @@ use super::class::FaultClass;
 use super::column::{LASTING, LESS, MORE, Row, SENSORS};
 use super::evidence::{Freed, Nuisance, Nuisances};
 use super::heat::{Heat, HeatState, Rise};
-use super::hypothesis::{self, CONSTANT, HYPOTHESES, IMPOSSIBLE, SINCE_ONSET, in_unit};
+use super::hypothesis::{self, CONSTANT, COUNT, HYPOTHESES, IMPOSSIBLE, SINCE_ONSET, in_unit};
 use super::ladder::{Ladder, Past};
 use super::normal::Normal;
 use super::onset::{History, Nominal, Onset, OnsetConstants, REMEMBERED};
@@ -76,6 +76,8 @@ const WINDOWS: [f32; 2] = [0.6, 4.0];
 const ASKED_FROM: [f32; 2] = [0.5, 2.0];
 /// The fast band learns for so long where the model is wrong, s.
 const REFERENCE_TIME: f32 = 90.0;
+/// An alarm is young for so long, s.
+const YOUNG: f32 = 2.0;
 /// Smallest faults that are reported since training: share of power, `1/f - 1`, degC, share of gain.
 const LEAST_POWER: f32 = 0.1;
 const LEAST_FLOW: f32 = 0.085;
@@ -368,12 +370,11 @@ impl Watch {
         let widened = self.widened(s, s.expected[0]);
         let clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
         let charted = self.chart(s, if s.ticks < FIRST_TICKS { [0.0; 2] } else { clipped }, widened);
-        self.follow_onset(s, tick, z, widened, &charted, now);
+        self.follow_onset(s, z, widened, &charted, now);
         if s.alarm.is_none() {
             self.decide(s, tick, &charted, row);
-        }
-        if s.alarm.is_some() {
-            self.follow_alarm(s, tick);
+        } else {
+            self.follow_alarm(s);
         }
         let settling = s.settling > 0;
         s.settling = s.settling.saturating_sub(1);
@@ -422,7 +423,6 @@ impl Watch {
     fn follow_onset(
         &self,
         s: &mut WatchState,
-        tick: u32,
         z: [f32; 2],
         widened: [f32; 2],
         charted: &Charted,
@@ -437,7 +437,6 @@ impl Watch {
             }
             return;
         }
-        let _ = tick;
         if s.onset.age == 0 {
             s.stays = s.measured;
         }
@@ -477,10 +476,10 @@ impl Watch {
             return;
         }
         s.candidate += self.sample_time / s.pace.stretch;
-        let (freed, _) = s.judge_since();
+        let (mut freed, left) = s.judge_since();
         let posterior = Posterior::new(&freed);
-        let best = &HYPOTHESES[posterior.best];
-        let size = freed[posterior.best].value.abs();
+        let best = &HYPOTHESES[posterior.best % COUNT];
+        let size = freed[posterior.best % COUNT].value.abs();
         let small = match best.class {
             FaultClass::HeaterPower => size < larger(0.085, UNUSUAL * sqrt(s.steps)),
             FaultClass::Drift => size < 1.0,
@@ -489,18 +488,38 @@ impl Watch {
         };
         if posterior.best_gain > RAISE && !small {
             let onset = tick.saturating_sub(s.onset.age.saturating_sub(1));
-            s.alarm = Some(Alarm::new(onset));
             s.windows = [s.since; 2];
+            let mut alarm = Alarm::new(onset);
+            self.name(s, &mut alarm, &mut freed, left);
+            s.alarm = Some(alarm);
         } else if s.candidate > TAKEN_AFTER {
             s.take_in(row);
         }
     }
 
-    /// Names the fault while it lasts; clears the alarm when it has gone.
-    fn follow_alarm(&self, s: &mut WatchState, tick: u32) {
+    /// Names the fault while it lasts; clears the alarm when it has gone. A young alarm is ranked and asked for its end on every tick, an older one
+    /// by turns.
+    fn follow_alarm(&self, s: &mut WatchState) {
         let Some(mut alarm) = s.alarm else { return };
         alarm.age += self.sample_time / s.pace.stretch;
-        let (mut freed, left) = s.judge_since();
+        alarm.turn = !alarm.turn;
+        let young = alarm.age < YOUNG;
+        if young || alarm.turn {
+            let (mut freed, left) = s.judge_since();
+            self.name(s, &mut alarm, &mut freed, left);
+        }
+        let over = (young || !alarm.turn) && s.is_over(&alarm);
+        s.alarm = Some(alarm);
+        if over || (alarm.age > PROCESS_TIME && alarm.gain < 1.0) {
+            s.alarm = None;
+            s.rest();
+            s.rests = (s.pace.stretch / self.sample_time) as u32;
+            s.tracker.widen([0.015, 0.0, 0.05, 0.05]);
+        }
+    }
+
+    /// Names the fault by a ranking of the hypotheses; `left` is what the nuisances leave of the residual sum of squares.
+    fn name(&self, s: &WatchState, alarm: &mut Alarm, freed: &mut [Freed; COUNT], left: f32) {
         if alarm.age < PROCESS_TIME {
             for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
                 if row.class == FaultClass::Drift {
@@ -508,48 +527,28 @@ impl Watch {
                 }
             }
         }
-        let posterior = Posterior::new(&freed);
-        let h = posterior.likeliest;
-        let unexplained = (left - 2.0 * KAPPA * freed[h].gain) / larger(1.0, s.since.count);
+        let posterior = Posterior::new(freed);
+        let h = posterior.likeliest % COUNT;
+        let Freed { gain, value, second, .. } = freed[h];
+        (alarm.gain, alarm.hypothesis, alarm.values) = (posterior.best_gain, h, [value, second]);
         let least = if alarm.age < PROCESS_TIME { ALWAYS_BOTH } else { NAME_PROCESS };
         let (class, confidence) = named(&posterior, least);
-        let share = unexplained * s.since.count / larger(1.0, s.since.energy);
-        let [least, least_share] = if alarm.strange { FITS } else { STRANGE };
-        alarm.strange = alarm.age > UNKNOWN_AFTER && unexplained > least && share > least_share;
-        let finding =
-            Finding { class, confidence, magnitude: magnitude(h, class, &freed[h]), onset: alarm.onset };
+        let unexplained = left - 2.0 * KAPPA * gain;
+        let [most, most_share] = if alarm.strange { FITS } else { STRANGE };
+        alarm.strange = alarm.age > UNKNOWN_AFTER
+            && unexplained > most * larger(1.0, s.since.count)
+            && unexplained > most_share * larger(1.0, s.since.energy);
+        let magnitude = magnitude(h, class, &freed[h]);
+        let finding = Finding { class, confidence, magnitude, onset: alarm.onset };
         if alarm.strange {
-            alarm.finding =
-                Some(Finding { class: FaultClass::Unknown, confidence: 0.0, magnitude: None, ..finding });
+            let class = FaultClass::Unknown;
+            alarm.finding = Some(Finding { class, confidence: 0.0, magnitude: None, ..finding });
         } else if confidence > NAME
             || alarm.age > ANY_AFTER
             || alarm.finding.is_some_and(|was| was.class == class)
         {
             alarm.finding = Some(finding);
         }
-        let value = freed[h].value;
-        let over = (0..2).any(|w| {
-            alarm.age > ASKED_FROM[w] && {
-                let nuisances = hypothesis::since_onset(s.steps);
-                let nuisances = Nuisances::new(&s.windows[w], &nuisances, KAPPA);
-                let row = &HYPOTHESES[h];
-                let both = [
-                    (row.first.direction, value),
-                    row.second
-                        .map_or((row.first.direction, 0.0), |second| (second.direction, freed[h].second)),
-                ];
-                let at = if row.second.is_some() { &both[..] } else { &both[..1] };
-                nuisances.fixed(at) < -OVER
-            }
-        });
-        s.alarm = Some(alarm);
-        if over || (alarm.age > PROCESS_TIME && posterior.best_gain < 1.0) {
-            s.alarm = None;
-            s.rest();
-            s.rests = (s.pace.stretch / self.sample_time) as u32;
-            s.tracker.widen([0.015, 0.0, 0.05, 0.05]);
-        }
-        let _ = tick;
     }
 
     /// The minute, against the trained state.
@@ -558,11 +557,11 @@ impl Watch {
         if !s.steady.is_ready(first) {
             return;
         }
-        let mut freed = [Freed::default(); hypothesis::COUNT];
+        let mut freed = [Freed::default(); COUNT];
         let nuisances = hypothesis::since_training(&s.wander);
         s.steady.judge(&nuisances, &mut freed);
         let posterior = Posterior::new(&freed);
-        let h = posterior.likeliest;
+        let h = posterior.likeliest % COUNT;
         let row = &HYPOTHESES[h];
         let sized = s.steady.size(&nuisances, h);
         let sized = if row.judged(sized).gain == IMPOSSIBLE { freed[h] } else { sized };
@@ -604,7 +603,7 @@ struct NowRises {
 
 /// The class that is likeliest, and how likely. Air flow and heater power are one until one of them is likely enough by itself.
 fn named(posterior: &Posterior, least: f32) -> (FaultClass, f32) {
-    let class = HYPOTHESES[posterior.likeliest].class;
+    let class = HYPOTHESES[posterior.likeliest % COUNT].class;
     let probability = posterior.of(posterior.likeliest);
     let [flow, power] = [FaultClass::AirFlow, FaultClass::HeaterPower].map(|class| posterior.of_class(class));
     let process = matches!(class, FaultClass::AirFlow | FaultClass::HeaterPower);
@@ -616,8 +615,8 @@ fn named(posterior: &Posterior, least: f32) -> (FaultClass, f32) {
 
 /// The size of a hypothesis in the unit of its class.
 fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
-    let Freed { value, sd, .. } = *freed;
-    let with_error = |share: f32| libm::sqrtf(sd * sd + share * share * value * value) * HALF_OF_95;
+    let Freed { value, variance, .. } = *freed;
+    let with_error = |share: f32| sqrt(variance + share * share * value * value) * HALF_OF_95;
     let others = SIZE_ERROR[1];
     match class {
         FaultClass::AirFlowOrHeaterPower | FaultClass::Stuck(_) | FaultClass::Swapped(_) => None,
@@ -652,10 +651,10 @@ impl WatchState {
     }
 
     /// Gains of all hypotheses since the onset.
-    fn judge_since(&self) -> ([Freed; hypothesis::COUNT], f32) {
+    fn judge_since(&self) -> ([Freed; COUNT], f32) {
         let nuisances = hypothesis::since_onset(self.steps);
         let nuisances = Nuisances::new(&self.since, &nuisances, KAPPA).for_many();
-        let mut freed = [Freed::default(); hypothesis::COUNT];
+        let mut freed = [Freed::default(); COUNT];
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
             let mut second = row.second;
             if let (Some(second), Some(m)) = (&mut second, row.stays) {
@@ -664,6 +663,20 @@ impl WatchState {
             *freed = row.judged(nuisances.free(row.first, second));
         }
         (freed, self.since.energy - nuisances.explained)
+    }
+
+    /// Whether the nuisances alone explain one of the windows better than the fault as it was.
+    fn is_over(&self, alarm: &Alarm) -> bool {
+        let row = &HYPOTHESES[alarm.hypothesis % COUNT];
+        let [value, second] = alarm.values;
+        let first = (row.first.direction, value);
+        let both = [first, row.second.map_or(first, |free| (free.direction, second))];
+        let at = if row.second.is_some() { &both[..] } else { &both[..1] };
+        let list = hypothesis::since_onset(self.steps);
+        self.windows
+            .iter()
+            .zip(ASKED_FROM)
+            .any(|(window, from)| alarm.age > from && Nuisances::new(window, &list, KAPPA).fixed(at) < -OVER)
     }
 
     /// Nuisances explain what the charts say: the tracker takes them.

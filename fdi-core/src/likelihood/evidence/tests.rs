@@ -7,6 +7,7 @@ use super::super::column::{COUNT, Column, Row};
 use super::super::hypothesis::{HYPOTHESES, SINCE_ONSET, SINCE_TRAINING};
 use super::super::reference::{Matrix, Random, identity, inverse, solve};
 use super::*;
+use crate::root::sqrt;
 
 /// Whitened residuals and signatures of some ticks.
 struct Problem {
@@ -245,7 +246,7 @@ fn values_are_those_of_the_posterior() {
             let freed = nuisances.free(first, second);
             let [mean1, sd1] = [mean[SINCE_ONSET.len()], sd[SINCE_ONSET.len()]];
             close("value", freed.value, mean1, 0.01 * sd1 + 1e-3 * mean1.abs());
-            close("sd", freed.sd, sd1, 0.01 * sd1);
+            close("sd", sqrt(freed.variance), sd1, 0.01 * sd1);
             if second.is_some() {
                 let (mean2, sd2) = (mean[SINCE_ONSET.len() + 1], sd[SINCE_ONSET.len() + 1]);
                 close("second", freed.second, mean2, 0.01 * sd2 + 1e-3 * mean2.abs());
@@ -281,7 +282,7 @@ fn a_parameter_that_is_a_nuisance_as_well_is_the_sum_of_both() {
             let wanted = log_evidence - alone;
             close("gain", freed.gain, wanted, 2e-3 * (1.0 + wanted.abs()));
             close("value", freed.value, mean[which], 0.02 * sds[which] + 1e-3 * mean[which].abs());
-            close("sd", freed.sd, sds[which], 0.05 * sds[which] + 0.01 * sd);
+            close("sd", sqrt(freed.variance), sds[which], 0.05 * sds[which] + 0.01 * sd);
         }
     }
 }
@@ -345,6 +346,6 @@ fn nothing_seen_gains_nothing() {
     assert_eq!(nuisances.explained, 0.0);
     for (first, second) in FREED {
         let freed = nuisances.free(first, second);
-        assert_eq!((freed.gain, freed.value, freed.sd), (0.0, first.mean, sqrt(first.sd * first.sd)));
+        assert_eq!((freed.gain, freed.value, freed.variance), (0.0, first.mean, first.sd * first.sd));
     }
 }

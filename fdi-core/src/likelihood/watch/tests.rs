@@ -352,7 +352,7 @@ fn a_pair_is_as_likely_as_both() {
 /// Sizes in the units of their classes: `1/f - 1` is told as the air flow that it is, shares in %.
 #[test]
 fn sizes_are_told_in_their_units() {
-    let freed = |value: f32| Freed { value, sd: 0.01, ..Freed::default() };
+    let freed = |value: f32| Freed { value, variance: 1e-4, ..Freed::default() };
     let told = |class, value| magnitude(0, class, &freed(value)).map(|size| size.value);
     assert!((told(FaultClass::AirFlow, 0.25).unwrap() + 20.0).abs() < 1e-3);
     assert!((told(FaultClass::AirFlow, -0.2).unwrap() - 25.0).abs() < 1e-3);
@@ -367,7 +367,7 @@ fn sizes_are_told_in_their_units() {
         None,
         "no share of what is asked for"
     );
-    let wide =
-        magnitude(0, FaultClass::T2Offset, &Freed { value: 0.0, sd: 0.5, ..Freed::default() }).unwrap();
+    let wide = magnitude(0, FaultClass::T2Offset, &Freed { value: 0.0, variance: 0.25, ..Freed::default() })
+        .unwrap();
     assert!((wide.half_width - 0.98).abs() < 1e-3, "1.96 standard deviations");
 }

@@ -276,8 +276,8 @@ fn a_lockout_is_told_kept_in_the_history_and_told_when_released() {
     let mut board = heating();
     assert_eq!(
         board.chip.told(),
-        ["order 1 arm", "armed without a check", "mode 1 off -> settle"],
-        "and the record of each tick"
+        ["order 1 arm", "armed without a check", "mode 1 off -> settle", "likelihood 1 in training"],
+        "and the record of each tick: training begins with the first heat"
     );
     board.chip.output.open = true;
     board.chip.output.enabled = false;
@@ -285,7 +285,12 @@ fn a_lockout_is_told_kept_in_the_history_and_told_when_released() {
     assert!(board.chip.notices.contains(&Notice::Lockout { tick: 2, lockout: Some(Lockout::BreakInput) }));
     assert_eq!(
         board.chip.told(),
-        ["mode 2 settle -> off", "lockout 2 the interlock on the break input opened"]
+        [
+            "mode 2 settle -> off",
+            "lockout 2 the interlock on the break input opened",
+            "likelihood 2 not trained"
+        ],
+        "training ends with the heat"
     );
     assert_eq!(board.fault(0), Some(Entry::Lockout { lockout: Lockout::BreakInput, tick: 2 }));
     let denied = now(board.command(Command::Arm)).expect_err("locked out");
@@ -308,7 +313,7 @@ fn a_trip_and_missed_ticks_are_told_and_kept() {
     board.chip.diagnosis.step(record.clone(), |notice| board.chip.notices.push(notice));
     let told = board.chip.told();
     assert!(told[0] == "mode 2 settle -> tripped" && told[1].contains(" s trip: "), "{told:?}");
-    assert_eq!(told[2], "2 ticks missed before tick 2");
+    assert_eq!(told[2..], ["likelihood 2 not trained", "2 ticks missed before tick 2"]);
     assert!(matches!(board.fault(0), Some(Entry::Trip(_))));
     let jitter = board.status().health.jitter;
     assert_eq!((jitter.ticks, jitter.missed, jitter.worst_us), (3, 2, 30));

@@ -30,6 +30,10 @@ fn alarms(record: &Record) -> Vec<f64> {
     record.rows.windows(2).filter(|w| !on(&w[0]) && on(&w[1])).map(|w| record.time(w[1].tick.index)).collect()
 }
 
+fn is(row: &Row, class: FaultClass) -> bool {
+    row.report.likelihood.finding.is_some_and(|finding| finding.class == class)
+}
+
 #[test]
 fn every_class_is_named_with_its_size() {
     use Sensor::{T0, T1, T2};
@@ -46,7 +50,7 @@ fn every_class_is_named_with_its_size() {
         (fault(Verb::AirFlow, None, 1.26, None, 25.0), FaultClass::AirFlow, 5.0, Some((26.0, 4.0))),
         (fault(Verb::AirFlow, None, 0.8, None, 25.0), FaultClass::AirFlow, 5.0, Some((-20.0, 4.0))),
         (fault(Verb::HeaterPower, None, 0.7, None, 25.0), FaultClass::HeaterPower, 12.0, Some((-30.0, 3.0))),
-        (fault(Verb::HeaterPower, None, 0.0, None, 5.0), FaultClass::HeaterPower, 2.0, Some((-100.0, 3.0))),
+        (fault(Verb::HeaterPower, None, 0.0, None, 5.0), FaultClass::HeaterPower, 5.0, Some((-100.0, 3.0))),
         (fault(Verb::Drift, Some(T2), 3.0, None, 60.0), FaultClass::Drift, 25.0, Some((3.0, 1.0))),
         (fault(Verb::Stuck, Some(T2), 0.0, None, 25.0), FaultClass::Stuck(Channel::T2), 4.0, None),
         (fault(Verb::Open, Some(T2), 0.0, None, 25.0), FaultClass::Open(Channel::T2), 0.4, None),
@@ -56,17 +60,24 @@ fn every_class_is_named_with_its_size() {
     for (fault, class, latest, magnitude) in cases {
         for seed in [11, 12, 13] {
             let record = run(&Config::default(), &scenario(vec![fault.clone()], 470.0), seed).unwrap();
-            let told = since_onset(&record)
-                .find(|(_, row)| row.report.likelihood.finding.is_some_and(|finding| finding.class == class));
+            let told = since_onset(&record).find(|(_, row)| is(row, class));
             let (delay, _) = told.unwrap_or_else(|| panic!("{} is never named, seed {seed}", fault.label()));
             assert!(delay <= latest, "{}: named after {delay} s, seed {seed}", fault.label());
+            // The two look alike at first: that it is one of them is said as soon as anything is.
+            if matches!(class, FaultClass::AirFlow | FaultClass::HeaterPower) {
+                let alike = since_onset(&record).find(|(_, row)| is(row, FaultClass::AirFlowOrHeaterPower));
+                let (delay, _) = alike.unwrap_or_else(|| panic!("{}: the pair, seed {seed}", fault.label()));
+                assert!(delay <= 1.5, "{}: the pair after {delay} s, seed {seed}", fault.label());
+            }
             // A T1 that only lags shows only when something moves: its alarm may come and go.
             let during = since_onset(&record).take_while(|(t, _)| *t < fault.duration);
             let finding =
                 during.filter_map(|(_, row)| row.report.likelihood.finding).last().expect("named above");
             assert_eq!(finding.class, class, "{}, seed {seed}", fault.label());
             if let Some((truth, error)) = magnitude {
-                let value = finding.magnitude.expect("this class has one").value;
+                let magnitude =
+                    finding.magnitude.unwrap_or_else(|| panic!("{}: no size, seed {seed}", fault.label()));
+                let value = magnitude.value;
                 assert!((value - truth).abs() <= error, "{}: {value}, seed {seed}", fault.label());
             }
         }
@@ -254,11 +265,13 @@ fn a_fault_during_training_is_not_learnt() {
     assert_eq!(alarms(&record), [0.0; 0], "what was learnt is the rig without the fault");
 }
 
+/// A heater that is stuck at 60 % is as hot after 3 s as one with half the air, and until then the two are not told apart: either reason
+/// switches it off.
 #[test]
 fn heat_without_air_or_without_being_asked_for_trips() {
-    // More heat than is asked for looks like too little air, until the two can be told apart: either switches off.
-    let hot = [TripReason::HeaterStuckOn, TripReason::AirFlowLost];
-    for (verb, size, reasons) in [(Verb::AirFlow, 0.35, &hot[1..]), (Verb::HeaterStuck, 60.0, &hot[..])] {
+    let [air, stuck] = [TripReason::AirFlowLost, TripReason::HeaterStuckOn];
+    for (verb, size, reasons) in [(Verb::AirFlow, 0.35, [air, air]), (Verb::HeaterStuck, 60.0, [stuck, air])]
+    {
         let record =
             run(&Config::default(), &scenario(vec![fault(verb, None, size, None, 60.0)], 440.0), 41).unwrap();
         let (t, row) = since_onset(&record).find(|(_, row)| !row.tick.mode.is_heating()).expect("a trip");
@@ -273,5 +286,5 @@ fn heat_without_air_or_without_being_asked_for_trips() {
 
 #[test]
 fn the_memory_is_bounded() {
-    assert!(size_of::<LikelihoodState>() <= 4096, "{} bytes", size_of::<LikelihoodState>());
+    assert!(size_of::<LikelihoodState>() <= 8192, "{} bytes", size_of::<LikelihoodState>());
 }

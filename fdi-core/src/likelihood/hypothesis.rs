@@ -91,6 +91,8 @@ const fn swapped_with_t0(pair: Pair, gain: Column) -> Hypothesis {
 /// A thermistor exchanged with T0 loses its rise twice, give or take so much; the other one loses as much as the exchanged one rises.
 const SWAPPED: f32 = 0.05;
 const HALF_SWAPPED: (f32, f32) = (-1.0, 0.15);
+/// A constant power below this is none, %: a share that is lost, with its size.
+const LEAST_CONSTANT: f32 = 5.0;
 /// Lag of a clogged thermistor as a share of the column's lag, and its spread.
 const LAGGING: (f32, f32) = (1.0, 0.15);
 /// A drift begins from within so many degC.
@@ -143,7 +145,7 @@ pub(super) const ROWS: [Hypothesis; COUNT] = [
                 -1.0,
                 0.02,
             ),
-            0.0,
+            LEAST_CONSTANT,
             110.0,
         ),
         RARE,

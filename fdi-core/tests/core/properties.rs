@@ -42,6 +42,15 @@ fn check_report(report: &Report) -> Result<(), TestCaseError> {
     {
         numbers.extend(residuals.into_iter().flatten().map(Some));
     }
+    let likelihood = &report.likelihood;
+    numbers.extend(likelihood.expected);
+    numbers.extend([likelihood.virtual_rise, likelihood.air_flow]);
+    if let Some(finding) = likelihood.finding {
+        prop_assert!((0.0..=1.0).contains(&finding.confidence), "{finding:?}");
+        prop_assert!(finding.onset <= report.tick, "{finding:?}");
+        numbers.push(finding.magnitude.map(|size| size.value));
+        numbers.push(finding.magnitude.map(|size| size.half_width));
+    }
     prop_assert!(numbers.iter().flatten().all(|x| x.is_finite()), "{report:?}");
     Ok(())
 }
@@ -51,6 +60,8 @@ fn impatient() -> Config {
     let mut config = Config::default();
     config.supervisor.learn_start.0 = 5.0;
     config.supervisor.learn_end.0 = 17.0;
+    config.likelihood.fit_time.0 = 10.0;
+    config.likelihood.check_time.0 = 10.0;
     config.supervisor.regulation_time.0 = 0.0;
     config.supervisor.regulation_band.0 = 100.0;
     config

@@ -3,6 +3,7 @@ extern crate std;
 use std::vec;
 use std::vec::Vec;
 
+use super::super::ladder::ResidualStatistics;
 use super::super::process::Parameter;
 use super::super::reference::Random;
 use super::*;
@@ -252,4 +253,50 @@ fn a_tick_can_be_looked_at_again() {
         before = rises.y;
     }
     assert!(after.age as usize > REMEMBERED);
+}
+
+/// A tick without samples: the models and ramps go on, and whitening takes up where it stopped, as that of the residuals does.
+#[test]
+fn without_samples_the_models_go_on() {
+    let mut statistics = ResidualStatistics::default();
+    let mut random = Random::new(1);
+    let mut e = [0.0f32; 2];
+    for k in 0..2000 {
+        e = e.map(|e| 0.6 * e + 0.1 * random.gaussian() as f32);
+        statistics.push(e, [if k % 20 < 10 { 9.0 } else { 15.0 }; 2]);
+    }
+    let (p, c, coloured) = (parameters(), constants(), statistics.finish().unwrap());
+    let (process, history) = (Process::new(&p, 1.0), History::default());
+    // Each tick of three, seen or not: the last row.
+    let run = |ladder: &Ladder, seen: [bool; 3]| {
+        let (mut motion, mut onset, mut before) = (Motion::steady(30.0), Onset::default(), [9.0; 2]);
+        let mut row = [[0.0; 2]; COUNT];
+        for seen in seen {
+            let rises = process.step(&mut motion, 60.0);
+            let now = Nominal {
+                parameters: &p,
+                fan: 1.0,
+                process: &process,
+                motion: &motion,
+                history: &history,
+                heat: 60.0,
+                rises,
+                before,
+                inlet: [0.0; 2],
+            };
+            if seen {
+                row = onset.step(&c, ladder, &now);
+            } else {
+                onset.pass(&c, ladder, &now);
+            }
+            before = rises.y;
+        }
+        row
+    };
+    let [whole, holed] = [[true; 3], [true, false, true]].map(|seen| run(&plain(), seen));
+    assert_eq!(whole, holed, "unwhitened, a tick that is missing is missed by nothing");
+    let offset = Column::Offset1 as usize;
+    let mut past = Past::default();
+    let wanted = [0; 2].map(|_| coloured.step(&mut past, [1.0, 0.0])[0])[1];
+    assert_eq!(run(&coloured, [true, false, true])[offset][0], wanted, "the second that is whitened");
 }

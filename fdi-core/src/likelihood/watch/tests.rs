@@ -148,7 +148,7 @@ const CASES: [Case; 15] = [
     ),
     ("less air", Wrong::Flow(0.75), FaultClass::AirFlow, 5.0, Some((-25.0, 5.0))),
     ("more air", Wrong::Flow(1.3), FaultClass::AirFlow, 5.0, Some((30.0, 6.0))),
-    ("less power", Wrong::Power(0.75), FaultClass::HeaterPower, 16.0, Some((-25.0, 3.0))),
+    ("less power", Wrong::Power(0.75), FaultClass::HeaterPower, 18.0, Some((-25.0, 3.0))),
     ("T2 stuck", Wrong::Readings(|y, _| [y[0], HELD]), FaultClass::Stuck(Channel::T2), 6.0, None),
     ("T1 out", Wrong::Readings(|y, _| [0.1 * y[0], y[1]]), FaultClass::T1Detached, 2.0, Some((-90.0, 8.0))),
     ("T2 out", Wrong::Readings(|y, _| [y[0], 0.1 * y[1]]), FaultClass::T2Detached, 2.0, Some((-90.0, 8.0))),
@@ -171,7 +171,7 @@ const CASES: [Case; 15] = [
 
 /// Faults that leave the tube's wall cold, or hot: after their end it takes a minute to be as it was.
 const THOROUGH: [Case; 2] = [
-    ("no power", Wrong::Power(0.0), FaultClass::HeaterPower, 10.0, None),
+    ("no power", Wrong::Power(0.0), FaultClass::HeaterPower, 10.0, Some((-100.0, 3.0))),
     ("all power", Wrong::Constant(100.0), FaultClass::HeaterPower, 10.0, None),
 ];
 

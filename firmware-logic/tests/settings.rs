@@ -139,16 +139,16 @@ fn what_another_program_saved_is_read_as_far_as_it_is_known() {
     assert_eq!(stored.config.pid, Config::default().pid);
 }
 
-/// `likelihood.margin` was saved as `parity.margin`; its id is that of the former name.
+/// `likelihood.fit_time` was saved as `parity.fit_time`; its id is that of the former name.
 #[test]
 fn what_was_saved_under_a_former_name_is_read() {
     let mut content = vec![VERSION, 1];
-    content.extend(0x1cb8_u16.to_le_bytes());
+    content.extend(0x6bd0_u16.to_le_bytes());
     content.extend(12.5f32.to_le_bytes());
     content.extend([0xFF; 4]);
     content.extend([0, 0, 0]); // no rows, no rows, no baseline
     let stored = Stored::decode(&with_crc(content)).expect("readable");
-    assert_eq!(stored.config.likelihood.margin, 12.5);
+    assert_eq!(stored.config.likelihood.fit_time, Seconds(12.5));
 }
 
 /// What boards have in their flash must be read by every later release: version 1, no settings, two empty tables, no

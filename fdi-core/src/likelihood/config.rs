@@ -19,15 +19,12 @@ settings! {
         slow_allowance: f32 = 0.5, 0.1..=10.0, was "parity.slow_slack";
         /// Decision interval h of the slow chart, in standard deviations.
         slow_interval: f32 = 20.0, 1.0..=1000.0, was "parity.slow_limit";
-        /// Has no effect any more: a tracker follows slow change.
-        mean_time: Seconds = 120.0, 10.0..=1e5, was "parity.mean_time";
         /// Share of a swing of the temperature, and of its distance from where it was trained, that the model may get wrong.
         model_uncertainty: f32 = 0.02, 0.0..=1.0, was "parity.model_uncertainty";
-        /// Has no effect any more: how the power comes and goes is learnt.
-        tolerated_sag: f32 = 0.045, 0.0..=0.5, was "parity.tolerated_sag";
-        /// Has no effect any more: a fault is named by its probability.
-        margin: f32 = 9.0, 0.0..=1000.0, was "parity.margin";
-        /// Has no effect any more, for the same reason.
-        power_margin: f32 = 20.0, 0.0..=1000.0, was "parity.power_margin";
+        /// Probability from which on a fault is named.
+        naming: f32 = 0.95, 0.5..=0.98;
+        /// The smallest sudden change of the heater's power that is a fault, a share: mains come and go. Where they are seen to do so by more,
+        /// that counts.
+        least_power: f32 = 0.085, 0.0..=0.5;
     }
 }

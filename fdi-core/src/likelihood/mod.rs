@@ -148,6 +148,8 @@ impl Likelihood {
                 slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval },
                 heat: Heat::new(ts.0, answer_time),
                 model_uncertainty: c.model_uncertainty,
+                naming: c.naming,
+                least_power: c.least_power,
                 sample_time: ts.0,
             },
             ambient: Ambient::new(ts.0, answer_time),

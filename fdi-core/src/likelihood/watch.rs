@@ -50,12 +50,11 @@ const RAISE: f32 = 4.5;
 const RAISE_SLOW: f32 = 1.5;
 /// An alarm since training goes on above this share of both the factor and the size that raised it.
 const GOES_ON: [f32; 2] = [0.4, 0.7];
-/// A class is named from this probability on; air flow or heater power by itself from this one on.
-const NAME: f32 = 0.95;
-/// And loses its name below this one.
-const UNNAME: f32 = 0.9;
+/// What is named loses its name below the probability that named it less this.
+const UNNAME: f32 = 0.05;
 /// No name is surer: what is not among the hypotheses has its share (docs/diagnosis.md, section 11).
 const CERTAIN: f32 = 0.98;
+/// Air flow or heater power is named by itself from this probability on.
 const NAME_PROCESS: f32 = 0.97;
 const ALWAYS_BOTH: f32 = 2.0;
 /// The same for what has changed since training.
@@ -97,6 +96,8 @@ pub(super) struct Watch {
     pub(super) slow: Chart,
     pub(super) heat: Heat,
     pub(super) model_uncertainty: f32,
+    pub(super) naming: f32,
+    pub(super) least_power: f32,
     pub(super) sample_time: f32,
 }
 
@@ -481,7 +482,7 @@ impl Watch {
         let best = &HYPOTHESES[posterior.best % COUNT];
         let size = freed[posterior.best % COUNT].value.abs();
         let small = match best.class {
-            FaultClass::HeaterPower => size < larger(0.085, UNUSUAL * sqrt(s.steps)),
+            FaultClass::HeaterPower => size < larger(self.least_power, UNUSUAL * sqrt(s.steps)),
             FaultClass::Drift => size < 1.0,
             FaultClass::AirFlow => size < LEAST_FLOW,
             _ => false,
@@ -543,8 +544,8 @@ impl Watch {
         if alarm.strange {
             let class = FaultClass::Unknown;
             alarm.finding = Some(Finding { class, confidence: 0.0, magnitude: None, ..finding });
-        } else if confidence > NAME || alarm.finding.is_some_and(|was| was.class == class) {
-            alarm.finding = (confidence > UNNAME).then_some(finding);
+        } else if confidence > self.naming || alarm.finding.is_some_and(|was| was.class == class) {
+            alarm.finding = (confidence > self.naming - UNNAME).then_some(finding);
         }
     }
 

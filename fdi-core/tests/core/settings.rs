@@ -53,7 +53,7 @@ fn a_renamed_setting_keeps_its_id() {
             renamed += u32::from(about.was.is_some());
         }
     }
-    assert!(renamed >= 12, "{renamed}");
+    assert!(renamed >= 8, "{renamed}");
 }
 
 /// A number just outside of its bounds is refused with its name and them; the default and the bounds are allowed.

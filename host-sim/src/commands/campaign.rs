@@ -31,7 +31,7 @@ use crate::campaign::store::{self, Header, Shard, Store};
   pt326 campaign my.toml
   pt326 campaign --only nominal/ --config tuning.toml --seeds-from 1
   pt326 campaign --quick --sweep diagnosis.sigma_factor=2.5,3,3.5,4
-  pt326 campaign --seeds-from 1 --vary likelihood.margin=0,4 --vary likelihood.tolerated_sag=0
+  pt326 campaign --seeds-from 1 --vary likelihood.naming=0.8,0.98 --vary likelihood.least_power=0
   pt326 campaign --shard 2/8 --out part       one of eight jobs of a cluster, then
   pt326 campaign merge part/runs.*.jsonl
   pt326 campaign show \"nominal/mfs1\" --run 17   that run with its trace, figures and report

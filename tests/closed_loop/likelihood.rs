@@ -50,7 +50,7 @@ fn every_class_is_named_with_its_size() {
         (fault(Verb::AirFlow, None, 1.26, None, 25.0), FaultClass::AirFlow, 5.0, Some((26.0, 4.0))),
         (fault(Verb::AirFlow, None, 0.8, None, 25.0), FaultClass::AirFlow, 5.0, Some((-20.0, 4.0))),
         (fault(Verb::HeaterPower, None, 0.7, None, 25.0), FaultClass::HeaterPower, 12.0, Some((-30.0, 3.0))),
-        (fault(Verb::HeaterPower, None, 0.0, None, 5.0), FaultClass::HeaterPower, 5.0, Some((-100.0, 3.0))),
+        (fault(Verb::HeaterPower, None, 0.0, None, 5.0), FaultClass::HeaterPower, 5.0, Some((-100.0, 8.0))),
         (fault(Verb::Drift, Some(T2), 3.0, None, 60.0), FaultClass::Drift, 25.0, Some((3.0, 1.0))),
         (fault(Verb::Stuck, Some(T2), 0.0, None, 25.0), FaultClass::Stuck(Channel::T2), 4.0, None),
         (fault(Verb::Open, Some(T2), 0.0, None, 25.0), FaultClass::Open(Channel::T2), 0.4, None),

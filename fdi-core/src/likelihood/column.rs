@@ -29,6 +29,8 @@ pub(super) enum Column {
     /// Drifts, degC for each unit of time.
     Ramp1,
     Ramp2,
+    /// By how much more power's answer is later than assumed, ticks times its share: a fault begins between two samples.
+    Late,
     /// T1 and T2 exchanged.
     Exchanged,
     /// A constant power, %.

@@ -61,6 +61,11 @@ const fn rare(row: Hypothesis, prior: f32) -> Hypothesis {
     Hypothesis { prior, ..row }
 }
 
+/// One that begins a little earlier or later than the columns do.
+const fn late(row: Hypothesis) -> Hypothesis {
+    with(row, of(Column::Late), 0.0, LATE)
+}
+
 const fn clogged(loss: Direction) -> Hypothesis {
     within(row(FaultClass::T1Clogged, loss, 0.0, 0.25), -DETACHED, 0.0)
 }
@@ -93,6 +98,8 @@ const SWAPPED: f32 = 0.05;
 const HALF_SWAPPED: (f32, f32) = (-1.0, 0.15);
 /// A constant power below this is none, %: a share that is lost, with its size.
 const LEAST_CONSTANT: f32 = 5.0;
+/// Spread of how late a change of the process begins, ticks times its share. With more, the time that tells air flow from power is lost.
+const LATE: f32 = 0.03;
 /// Lag of a clogged thermistor as a share of the column's lag, and its spread.
 const LAGGING: (f32, f32) = (1.0, 0.15);
 /// A drift begins from within so many degC.
@@ -109,9 +116,9 @@ pub(super) const ROWS: [Hypothesis; COUNT] = [
     row(FaultClass::T1Offset, of(Column::Offset1), 0.0, 2.0),
     row(FaultClass::T2Offset, of(Column::Offset2), 0.0, 2.0),
     row(FaultClass::T0Fault, Direction::Offset0, 0.0, 2.0),
-    within(row(FaultClass::AirFlow, of(Column::LessFlow), 0.0, 0.3), 0.0, 4.0),
-    within(row(FaultClass::AirFlow, of(Column::MoreFlow), 0.0, 0.3), -0.7, 0.0),
-    within(row(FaultClass::HeaterPower, of(Column::Power), 0.0, 0.25), -1.1, 1.1),
+    late(within(row(FaultClass::AirFlow, of(Column::LessFlow), 0.0, 0.3), 0.0, 4.0)),
+    late(within(row(FaultClass::AirFlow, of(Column::MoreFlow), 0.0, 0.3), -0.7, 0.0)),
+    late(within(row(FaultClass::HeaterPower, of(Column::Power), 0.0, 0.25), -1.1, 1.1)),
     clogged(of(Column::Gain1)),
     lagging(clogged(of(Column::ShortLoss)), of(Column::ShortLag)),
     lagging(clogged(Direction::MidLoss), Direction::MidLag),

@@ -61,6 +61,7 @@ pub(super) struct Onset {
     constant: Motion,
     lagged: [f32; 2],
     lost: [f32; 2],
+    power_before: [f32; 2],
     past: [Past; COUNT],
 }
 
@@ -149,6 +150,8 @@ impl Onset {
         let mut put = |column: Column, value: [f32; 2]| row[column as usize] = value;
         let change = |to: Rises, by: f32| [(to.y[0] - y[0]) / by, (to.y[1] - y[1]) / by];
         put(Column::Power, power.y);
+        let before = core::mem::replace(&mut self.power_before, power.y);
+        put(Column::Late, [before[0] - power.y[0], before[1] - power.y[1]]);
         put(Column::LessFlow, change(less, LESS_BY));
         put(Column::MoreFlow, change(more, MORE_BY));
         put(Column::Constant, constant.y);

@@ -198,7 +198,7 @@ impl Steady {
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
             *freed = Freed { gain: IMPOSSIBLE, ..Freed::default() };
             if row.lasting {
-                *freed = row.judged(nuisances.free(row.first, row.second));
+                *freed = row.judged(nuisances.free(row.first, None));
             }
         }
     }
@@ -209,7 +209,7 @@ impl Steady {
         let mostly_means = self.with_means(FAST_IN_SIZE);
         let nuisances = Nuisances::new(&mostly_means, nuisances, KAPPA);
         let row = &HYPOTHESES[h % HYPOTHESES.len()];
-        nuisances.free(row.first, row.second)
+        nuisances.free(row.first, None)
     }
 
     /// The sums with the means as two more measurements, and a share of the fast band.

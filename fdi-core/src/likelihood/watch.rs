@@ -35,6 +35,8 @@ const TRACK_BELOW: f32 = 0.4;
 /// The share of a swing beyond this, degC, that the model may get wrong, and the swing's memory, s.
 const SWING: f32 = 1.5;
 const SWING_TIME: f32 = 2.0;
+/// T0 is above its mean by so much without moving, degC: its noise.
+const INLET_NOISE: f32 = 0.15;
 /// Memory of how far power, flow and offsets wander, s.
 const WANDER_TIME: f32 = 7200.0;
 /// Weight of a new step of the power in what is known of their size.
@@ -395,7 +397,10 @@ impl Watch {
         }
         let widened = self.widened(s, s.expected[0]);
         let clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
-        let charted = self.chart(s, if s.ticks < FIRST_TICKS { [0.0; 2] } else { clipped }, widened);
+        // T1 answers to the inlet sooner than T0 does: it is not charted by what the inlet does, but the bank sees all of it.
+        let inlet = s.inlet.map_or(0.0, |(_, _, [_, above])| larger(0.0, above.abs() - INLET_NOISE));
+        let allowed = [widened[0] + inlet * s.ladder.inv_sigma[0], widened[1]];
+        let charted = self.chart(s, if s.ticks < FIRST_TICKS { [0.0; 2] } else { clipped }, allowed);
         self.follow_onset(s, g, z, widened, &charted, now);
         if s.alarm.is_none() {
             self.decide(s, g, tick, &charted, row);

@@ -15,13 +15,13 @@ constants! {
 /// The heater in motion.
 pub(crate) struct Heater {
     config: HeaterConfig,
-    /// What the wire gives to the air, % of the power.
-    given: f64,
+    /// The wire's temperature above the air, as the power that it gives at nominal flow, % of the power.
+    wire: f64,
 }
 
 impl Heater {
     pub(crate) fn new(config: &HeaterConfig) -> Self {
-        Self { config: config.clone(), given: 0.0 }
+        Self { config: config.clone(), wire: 0.0 }
     }
 
     /// Whether the power given changes within a tick.
@@ -43,9 +43,10 @@ impl Heater {
         if self.config.wire_time == 0.0 {
             return power;
         }
-        let (time, before) = (self.config.wire_time * slowness, self.given);
-        self.given = power + (before - power) * libm::exp(-span / time);
-        power + (before - self.given) * time / span
+        let (time, before) = (self.config.wire_time * slowness, self.wire / slowness);
+        let given = power + (before - power) * libm::exp(-span / time);
+        self.wire = given * slowness;
+        power + (before - given) * time / span
     }
 }
 
@@ -71,9 +72,12 @@ mod tests {
         let slowness = 0.8;
         let spans = [0.01, 0.1, 0.02, 0.37];
         let arrived: f64 = spans.iter().map(|&span| heater.warm(40.0, slowness, span) * span).sum();
-        let stored = heater.given * 0.3 * slowness;
+        let stored = heater.wire * 0.3;
         assert!((arrived + stored - 40.0 * 0.5).abs() < 1e-12);
-        assert!((heater.given - 40.0 * (1.0 - (-0.5_f64 / 0.24).exp())).abs() < 1e-12);
+        assert!((heater.wire / slowness - 40.0 * (1.0 - (-0.5_f64 / 0.24).exp())).abs() < 1e-12);
+        // Less air takes less from a wire of the same temperature, until it is hotter.
+        let before = heater.wire;
+        assert!((heater.warm(40.0, 1.6, 1e-6) - before / 1.6).abs() < 1e-3);
         assert!(Heater::new(&HeaterConfig::default()).warm(41.7, 1.0, 0.11) == 41.7);
     }
 }

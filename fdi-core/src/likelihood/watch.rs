@@ -687,6 +687,15 @@ impl WatchState {
         (freed, g.since.energy - nuisances.explained)
     }
 
+    /// Shares, 0 to 1, of what nuisances leave of the residuals since the onset that each hypothesis would take away by itself, with its class; None
+    /// without an alarm.
+    pub(super) fn explained(&self, g: &Gathered) -> Option<[(FaultClass, f32); COUNT]> {
+        self.alarm.as_ref()?;
+        let (freed, left) = self.judge_since(g);
+        let share = |h: usize| bounded(2.0 * KAPPA * freed[h].gain / larger(1.0, left), 0.0, 1.0);
+        Some(core::array::from_fn(|h| (HYPOTHESES[h].class, share(h))))
+    }
+
     /// Whether the nuisances alone explain one of the windows better than the fault as it was.
     fn is_over(&self, g: &Gathered, alarm: &Alarm) -> bool {
         let row = &HYPOTHESES[alarm.hypothesis % COUNT];

@@ -4,6 +4,7 @@
 //! No clock, no files, no threads: whoever holds a session decides when it ticks.
 
 pub mod fields;
+pub mod page;
 pub mod protocol;
 pub mod scene;
 pub mod session;

@@ -70,19 +70,27 @@ export class Pen {
     c.stroke();
   }
 
-  // A curve of `value(k)`, k from a to b, NaN where there is a gap. Where there are several k in a pixel, from the least to the largest of it.
+  // A curve of `value(k)`, k from a to b, NaN where there is a gap.
   curve(a, b, value, X, Y, css, { width = 1.6, dash = [], step = false } = {}) {
+    this.begin(css, width, dash);
+    points(this.c, a, b, value, X, Y, step);
+    this.c.stroke();
+  }
+
+  // The same of blocks of k: from the least to the largest of each pixel. Dashes would not be seen, and take long.
+  band(a, b, low, high, X, Y, css, { width = 1.6, dash = [] } = {}) {
+    this.begin(css, dash.length ? 0.6 : Math.min(width, 1.2), []);
+    spans(this.c, a, b, low, high, X, Y);
+    this.c.stroke();
+  }
+
+  begin(css, width, dash) {
     const { c } = this;
     c.strokeStyle = colour(css);
     c.lineWidth = width;
     c.setLineDash(dash);
     c.lineJoin = "round";
     c.beginPath();
-    const many = b > a && (b - a) / Math.max(1, X(b) - X(a)) > 1.5;
-    if (many) spans(c, a, b, value, X, Y);
-    else points(c, a, b, value, X, Y, step);
-    c.stroke();
-    c.setLineDash([]);
   }
 
   within(x, y, w, h, draw) {
@@ -112,31 +120,30 @@ function points(c, a, b, value, X, Y, step) {
   }
 }
 
-function spans(c, a, b, value, X, Y) {
-  let [pixel, low, high, last, open] = [NaN, 0, 0, 0, false];
+function spans(c, a, b, low, high, X, Y) {
+  let [pixel, least, most, open] = [NaN, 0, 0, false];
   const flush = () => {
-    if (!open) c.moveTo(pixel, Y(low));
-    else c.lineTo(pixel, Y(low));
-    c.lineTo(pixel, Y(high));
-    c.lineTo(pixel, Y(last));
+    if (open) c.lineTo(pixel, Y(least));
+    else c.moveTo(pixel, Y(least));
+    c.lineTo(pixel, Y(most));
     open = true;
   };
   for (let k = a; k <= b; k++) {
-    const v = value(k);
+    const v = low(k);
     if (v !== v) {
       if (pixel === pixel) flush();
       [pixel, open] = [NaN, false];
       continue;
     }
+    const w = high(k);
     const x = Math.round(X(k));
     if (x === pixel) {
-      if (v < low) low = v;
-      if (v > high) high = v;
+      if (v < least) least = v;
+      if (w > most) most = w;
     } else {
       if (pixel === pixel) flush();
-      [pixel, low, high] = [x, v, v];
+      [pixel, least, most] = [x, v, w];
     }
-    last = v;
   }
   if (pixel === pixel) flush();
 }

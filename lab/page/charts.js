@@ -1,6 +1,7 @@
 // The stack of charts over one time axis, the overview below it, and the close-up of a fault.
 import { Pen, colour, niceStep, spread } from "lab/canvas.js";
 import { namedAt } from "lab/events.js";
+import { BLOCK } from "lab/store.js";
 import { num, say } from "lab/strings.js";
 import { blamed, short } from "lab/say.js";
 
@@ -18,7 +19,7 @@ const PANELS = [
   {
     id: "temperature", unit: () => "°C", high: [150, 132], least: 4, decimals: 1,
     series: [
-      one("setpoint", "--ink", { dash: [5, 4], width: 1, label: () => say("setpoint") }),
+      one("setpoint", "--ink", { dash: [5, 4], width: 1, label: (narrow) => say(narrow ? "setpoint_short" : "setpoint") }),
       one("t1_expected", "--t1", { dash: [2, 3], width: 1.1, label: () => "T1 " + say("expected"), silent: true }),
       one("t2_expected", "--t2", { dash: [2, 3], width: 1.1, label: () => "T2 " + say("expected"), silent: true }),
       one("t0", "--t0", { label: () => "T0", off: true }),
@@ -36,8 +37,8 @@ const PANELS = [
   {
     id: "departure", unit: () => "°C", high: [70, 62], least: 2, even: true, decimals: 2,
     series: [
-      { id: "d1", css: "--t1", field: "t1", less: "t1_expected", label: () => "T1" },
-      { id: "d2", css: "--t2", field: "t2", less: "t2_expected", label: () => "T2" },
+      one("t1_left", "--t1", { label: () => "T1" }),
+      one("t2_left", "--t2", { label: () => "T2" }),
     ],
   },
   {
@@ -50,6 +51,8 @@ const PANELS = [
   },
 ];
 const RIBBON = 21;
+const MOST_A_PIXEL = 4; // ticks
+const TOOLS = 84; // width of what stands over the corner of the charts
 const SPANS = [2, 7200]; // s
 
 export class Charts {
@@ -68,12 +71,11 @@ export class Charts {
     this.follow();
     for (const panel of PANELS) {
       for (const series of panel.series) {
-        const [at, less] = [store.at[series.field], store.at[series.less]];
-        const scale = series.scale ?? 1;
-        const { ring } = store;
-        series.value = series.less
-          ? (tick) => ring[store.place(tick) + at] - ring[store.place(tick) + less]
-          : (tick) => ring[store.place(tick) + at] * scale;
+        const { ring, low, high } = store;
+        const [at, scale] = [store.at[series.field], series.scale ?? 1];
+        series.value = (tick) => ring[store.place(tick) + at] * scale;
+        series.low = (block) => low[store.block(block) + at] * scale;
+        series.high = (block) => high[store.block(block) + at] * scale;
       }
     }
   }
@@ -228,14 +230,14 @@ export class Charts {
       pen.text(num(v, panel.ticks ? 0 : decimals), left - 7, Y(v) + 4, { css: "--faint", align: "right" });
     }
     if (panel.verdict && hide) {
-      pen.text(say("hidden"), (left + edge) / 2, y + high / 2 + 4, { css: "--faint", align: "center" });
+      pen.text(say("hidden"), (left + edge) / 2, y + high / 4 + 4, { css: "--faint", align: "center" });
       return;
     }
     for (const bound of panel.bounds ?? []) pen.line(left, Y(bound), edge, Y(bound), "--soft", { dash: [5, 4] });
     const labels = [];
     pen.within(left, y - 2, edge - left, high + 4, () => {
       for (const series of shown) {
-        pen.curve(a, b, series.value, X, Y, series.css, series);
+        this.drawSeries(pen, series, a, b, X, Y);
         if (series.beyond) this.drawBeyond(pen, series, a, b, X, Y);
       }
     });
@@ -243,35 +245,42 @@ export class Charts {
       const v = series.value(at);
       if (v !== v || series.silent || (series.quiet && v < series.quiet)) continue;
       const out = series.beyond && Math.abs(v) > series.beyond;
-      labels.push({ y: Y(v), v, label: series.label(), css: out ? "--ink" : series.css, rank: series.beyond ? Math.abs(v) : v });
+      labels.push({ y: Y(v), v, label: series.label(narrow), css: out ? "--ink" : series.css, rank: series.beyond ? Math.abs(v) : v });
     }
     if (panel.most) labels.sort((p, q) => q.rank - p.rank).splice(panel.most);
-    if (panel.verdict && !labels.length) pen.text(say("nothing_to_explain"), edge - 8, y + high / 2 + 4, { css: "--faint", align: "right" });
+    if (panel.verdict && !labels.length) pen.text(say("nothing_to_explain"), edge - 8, y + high / 4 + 4, { css: "--faint", align: "right" });
     for (const { y: place, v, label, css } of spread(labels, y + 4, y + high - 2)) {
       const value = num(v, panel.decimals);
       if (narrow) pen.text(panel.verdict ? value : `${label} ${value}`, edge + 6, place + 4, { css, bold: true });
       else {
         const room = pen.width - edge - 8 - pen.measure(value) - 6;
-        pen.within(edge, place - 12, room + 8, 18, () => pen.text(label, edge + 8, place + 4, { css, bold: true }));
+        pen.within(edge, place - 12, room + 8, 22, () => pen.text(label, edge + 8, place + 4, { css, bold: true }));
         pen.text(value, pen.width, place + 4, { css, align: "right" });
       }
     }
   }
 
+  // Every tick where there is room for it, else blocks.
+  drawSeries(pen, series, a, b, X, Y, style = series) {
+    if (b - a < MOST_A_PIXEL * (X(b) - X(a))) pen.curve(a, b, series.value, X, Y, style.css, style);
+    else pen.band(Math.ceil(a / BLOCK), Math.floor(b / BLOCK), series.low, series.high, (k) => X((k + 0.5) * BLOCK), Y, style.css, style);
+  }
+
   // Where a residual is beyond its threshold it is drawn strongly.
   drawBeyond(pen, series, a, b, X, Y) {
-    const beyond = (tick) => {
-      const v = series.value(tick);
+    const beyond = (of) => (k) => {
+      const v = of(k);
       return Math.abs(v) > series.beyond ? v : NaN;
     };
-    pen.curve(a, b, beyond, X, Y, "--ink", { width: 2 });
+    const strong = { value: beyond(series.value), low: beyond(series.low), high: beyond(series.high), css: "--ink", width: 2 };
+    this.drawSeries(pen, strong, a, b, X, Y);
   }
 
   // Between which values a panel shows what is in view: round, and no narrower than it must be.
   range(panel, shown, a, b) {
     if (panel.range) return panel.range;
     let [low, top] = [Infinity, -Infinity];
-    const stride = Math.max(1, Math.floor((b - a) / 4000));
+    const stride = Math.max(1, Math.floor((b - a) / 2000));
     for (const series of shown) {
       for (let k = a; k <= b; k += stride) {
         const v = series.value(k);
@@ -305,7 +314,8 @@ export class Charts {
     for (const event of events.list.filter((e) => e.truth)) bar(T(event.from), T(event.to ?? t1), event.label(), "--soft", y);
     const runs = (top, word, css) => {
       let [from, text] = [0, ""];
-      for (let k = a; k <= b + 1; k++) {
+      const stride = Math.max(1, Math.floor((b - a) / (2 * (edge - left))));
+      for (let k = a; k <= b + stride; k += stride) {
         const now = k <= b ? word(k) : "";
         if (now === text) continue;
         if (text) bar(X(from), X(k), text, css, top);
@@ -351,7 +361,7 @@ export class Charts {
     if (event.isolated <= t1) {
       const paper = say("paper_s", { s: num(event.isolated - event.from, 2) });
       const place = Math.max(T(event.isolated), x + w) + 7;
-      if (place + pen.measure(paper) < pen.width) pen.text(paper, place, 14);
+      if (place + pen.measure(paper) < pen.width - TOOLS) pen.text(paper, place, 14);
     }
   }
 
@@ -370,7 +380,7 @@ export class Charts {
     const Y = (v) => 29 - ((Math.min(top, Math.max(low, v)) - low) / (top - low)) * 26;
     for (const id of ["t2", "t1"]) {
       const series = PANELS[0].series.find((s) => s.id === id);
-      pen.curve(store.first, store.last, series.value, X, Y, series.css, { width: 1 });
+      this.drawSeries(pen, series, store.first, store.last, X, Y, { css: series.css, width: 1 });
     }
     for (const event of events.list) {
       if (hide && event === events.last) continue;

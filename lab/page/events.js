@@ -58,10 +58,9 @@ export class Events {
       this.list.push(now);
     }
     if (now) {
-      const mine = now.to === undefined || t - now.to < CALM;
+      if (now.truth ? !truth : !alarm) now.to ??= t;
+      const mine = now.to === undefined; // what is said after the end is about the end
       if (alarm && mine) now.alarm ??= t;
-      if (now.truth && !truth) now.to ??= t;
-      if (!now.truth && !alarm) now.to ??= t;
       if (mine && number === number) {
         const name = this.names.get(number);
         now.named = name;
@@ -75,5 +74,10 @@ export class Events {
   }
 }
 
-// When an event was named as it is named now; undefined before.
-export const namedAt = (event) => event?.names.get(event.named);
+// When an event was named as it is named now, or as one of two of which one is that; undefined before.
+export function namedAt(event) {
+  const { names, named } = event ?? {};
+  const either = ["air_flow", "heater_power"].includes(named) ? names.get("air_flow_or_heater_power") : undefined;
+  const own = names?.get(named);
+  return own === undefined ? own : Math.min(own, either ?? own);
+}

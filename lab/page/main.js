@@ -69,7 +69,7 @@ const HEAR = {
   rows({ from, values }) {
     const { store, events } = lab;
     store.push(from, values);
-    events.push(from, values, store.at, store.width);
+    events.push(from, values, store.at, store.given);
     for (let tick = from; tick < store.end; tick++) {
       const mode = store.get(tick, "mode");
       if (mode !== lab.stateOf) [lab.stateOf, lab.since] = [mode, tick * store.ts];

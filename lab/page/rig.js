@@ -7,7 +7,7 @@ const WIDE = {
 };
 const NARROW = {
   size: [368, 300], tube: [4, 364, 104, 176], fan: 42, coil: [86, 142], turns: 3, T0: 44, T1: 222, T2: 316,
-  box: [176, 232, 108, 50], mains: [62, 238], door: [4, 238], lanes: 14,
+  box: [126, 232, 84, 50], mains: [48, 238], door: [0, 238], lanes: 14,
 };
 const FLOW = 60; // units a second at the usual flow
 const RAMP = [[18, 112, 146, 184], [27, 172, 180, 180], [34, 238, 178, 106], [41, 228, 112, 48], [56, 184, 36, 60]];
@@ -174,7 +174,7 @@ export class RigDrawing {
       put(value, read(row[id.toLowerCase()]));
       put(want, wanted?.part === id ? say(wide ? "expected_short" : "expected_narrow", { x: num(wanted.celsius) }) : "");
     }
-    put(this.wants, off ? say("controller_off") : say("wants", { x: num(row.setpoint) }));
+    put(this.wants, off ? say("controller_off") : say(wide ? "wants" : "wants_narrow", { x: num(row.setpoint) }));
     put(this.power, `${num(row.drive, 0)} %`);
     const heat = Math.min(1, Math.max(0, row.drive / 80));
     this.glow.setAttribute("opacity", heat.toFixed(2));

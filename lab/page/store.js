@@ -1,13 +1,19 @@
-// The numbers of the last two hours, a row a tick, in one ring: memory is bounded however long a session lasts.
+// The numbers of the last two hours, a row a tick, in one ring: memory is bounded however long a session lasts. Beside it, for views of long
+// times, the least and the largest of each block of ticks.
 const CAPACITY = 1 << 16;
+export const BLOCK = 16;
 
 export class Store {
   constructor(hello) {
-    this.fields = hello.fields;
-    this.width = hello.fields.length;
     this.ts = hello.ts;
-    this.at = Object.fromEntries(hello.fields.map((name, i) => [name, i]));
+    this.given = hello.fields.length;
+    // What the models leave unexplained is a column of its own.
+    this.fields = [...hello.fields, "t1_left", "t2_left"];
+    this.width = this.fields.length;
+    this.at = Object.fromEntries(this.fields.map((name, i) => [name, i]));
     this.ring = new Float32Array(CAPACITY * this.width);
+    this.low = new Float32Array((CAPACITY / BLOCK) * this.width);
+    this.high = new Float32Array((CAPACITY / BLOCK) * this.width);
     this.clear();
   }
 
@@ -16,16 +22,29 @@ export class Store {
     this.end = 0; // one past the last tick
   }
 
-  // Rows from a tick on, one after another.
+  // Rows from a tick on, one after another, as a source gives them.
   push(from, values) {
-    const rows = values.length / this.width;
+    const rows = values.length / this.given;
     if (from !== this.end) this.first = this.end = from;
-    for (let i = Math.max(0, rows - CAPACITY); i < rows; i++) {
-      const row = values.subarray(i * this.width, (i + 1) * this.width);
-      this.ring.set(row, ((from + i) % CAPACITY) * this.width);
-    }
+    for (let i = Math.max(0, rows - CAPACITY); i < rows; i++) this.set(from + i, values.subarray(i * this.given, (i + 1) * this.given));
     this.end = from + rows;
-    this.first = Math.max(this.first, this.end - CAPACITY);
+    // A block that is written over is no more.
+    this.first = Math.max(this.first, Math.ceil((this.end - CAPACITY) / BLOCK) * BLOCK);
+  }
+
+  set(tick, row) {
+    const { ring, at, low, high, width } = this;
+    const place = this.place(tick);
+    ring.set(row, place);
+    ring[place + at.t1_left] = ring[place + at.t1] - ring[place + at.t1_expected];
+    ring[place + at.t2_left] = ring[place + at.t2] - ring[place + at.t2_expected];
+    const block = this.block(Math.floor(tick / BLOCK));
+    const fresh = tick % BLOCK === 0 || tick === this.first;
+    for (let i = 0; i < width; i++) {
+      const v = ring[place + i];
+      if (fresh || !(low[block + i] <= v)) if (fresh || v === v) low[block + i] = v;
+      if (fresh || !(high[block + i] >= v)) if (fresh || v === v) high[block + i] = v;
+    }
   }
 
   get last() {
@@ -40,9 +59,13 @@ export class Store {
     return tick >= this.first && tick < this.end;
   }
 
-  // Where a row begins in the ring.
+  // Where a row begins in the ring, and where a block does.
   place(tick) {
     return (tick % CAPACITY) * this.width;
+  }
+
+  block(number) {
+    return (number % (CAPACITY / BLOCK)) * this.width;
   }
 
   get(tick, name) {

@@ -64,6 +64,8 @@ const TABLE = {
     "O que vê é antigo. Tenta de novo por si; nada do que foi registado se perde.",
   ],
   skip: ["Skip to monitoring", "Saltar para a vigilância"],
+  quick_t2: ["T2 reads too high", "T2 lê a mais"],
+  quick_air: ["More air", "Mais ar"],
   surprise: ["Surprise me", "Surpreenda-me"],
   acknowledge: ["Acknowledge", "Confirmar"],
   mend: ["Mend", "Reparar"],
@@ -148,6 +150,7 @@ const TABLE = {
   room: ["room", "ambiente"],
   controller: ["Controller", "Controlador"],
   wants: ["wants {x} °C", "quer {x} °C"],
+  wants_narrow: ["{x} °C", "{x} °C"],
   controller_off: ["off", "desligado"],
   expected_short: ["{x} expected", "{x} esperado"],
   expected_narrow: ["{x} exp.", "{x} esp."],
@@ -180,6 +183,7 @@ const TABLE = {
   residuals: ["Paper's residuals", "Resíduos do artigo"],
   residuals_unit: ["÷ threshold", "÷ limiar"],
   setpoint: ["set-point", "referência"],
+  setpoint_short: ["set", "ref."],
   expected: ["expected", "esperado"],
   sent: ["sent", "enviado"],
   truth: ["truth", "verdade"],
@@ -292,7 +296,7 @@ export function speak(name) {
 // A string with its blanks filled in.
 export function say(key, values = {}) {
   const text = TABLE[key]?.[language] ?? key;
-  return text.replace(/\{(\w+)\}/g, (blank, name) => values[name] ?? blank);
+  return text.replace(/\{(\w+)\}/g, (blank, name) => values[name] ?? blank).replace(/(?<=\d|\u2013) (?=°C|%|s\b)/g, "\u00a0");
 }
 
 // The same as HTML: parts in their colours. Values must be safe.

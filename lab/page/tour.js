@@ -27,10 +27,10 @@ export class Tour {
     const doing = button ? `<button class="primary" data-do="1">${words(button)}</button>` : "";
     const back = `<button class="plain" data-step="-1" ${this.at ? "" : "disabled"}>${say("tour_back")}</button>`;
     const next = `<button class="plain" data-step="1" ${this.at < STEPS.length - 1 ? "" : "disabled"}>${say("tour_next")}</button>`;
-    this.host.innerHTML = `<p class="note">${num(this.at + 1, 0)} / ${num(STEPS.length, 0)}</p><h2>${words(title)}</h2>${words(text)
+    this.host.innerHTML = `<p class="note">${num(this.at + 1, 0)} / ${num(STEPS.length, 0)}</p><h2>${words(title)}</h2><div class="text">${words(text)
       .split("\n")
       .map((p) => `<p>${p}</p>`)
-      .join("")}<div class="row">${doing}${back}${next}</div>`;
+      .join("")}</div><div class="row">${doing}${back}${next}</div>`;
     this.mark(look);
     this.again();
   }

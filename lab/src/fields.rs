@@ -4,7 +4,7 @@ use fdi_core::diagnosis::baseline::Normal;
 use fdi_core::diagnosis::residual::Residual;
 use fdi_core::likelihood::{Channel, FaultClass, Pair, Readiness};
 use fdi_core::supervisor::Blocker;
-use fdi_core::{Mode, TripReason};
+use fdi_core::{Mode, Reading, TripReason, Validity};
 
 use crate::session::Row;
 
@@ -42,10 +42,10 @@ use Channel::{T1, T2};
 /// Every field, in its order. New ones come last.
 pub static FIELDS: [Field; 43] = [
     field("tick", |on| Some(on.row.tick.index as f32)),
-    // What the thermistors read, and what they should by the models, degC.
-    field("t0", |on| Some(on.row.tick.sample.t0.celsius.0)),
-    field("t1", |on| Some(on.row.tick.sample.t1.celsius.0)),
-    field("t2", |on| Some(on.row.tick.sample.t2.celsius.0)),
+    // What the thermistors read, where they read anything, and what they should by the models, degC.
+    field("t0", |on| read(on.row.tick.sample.t0)),
+    field("t1", |on| read(on.row.tick.sample.t1)),
+    field("t2", |on| read(on.row.tick.sample.t2)),
     field("t0_expected", |on| on.row.report.likelihood.expected[0]),
     field("t1_expected", |on| on.row.report.likelihood.expected[1]),
     field("t2_expected", |on| on.row.report.likelihood.expected[2]),
@@ -147,6 +147,12 @@ impl Moment<'_> {
         let all = self.row.explained.as_ref()?.iter();
         all.filter(|(of, _)| *of == class).map(|(_, share)| *share).reduce(f32::max)
     }
+}
+
+/// What a thermistor reads, be it believed or not.
+fn read(reading: Reading) -> Option<f32> {
+    let none = matches!(reading.validity, Validity::Missing | Validity::Open | Validity::Short);
+    (!none).then_some(reading.celsius.0)
 }
 
 fn mode(mode: &Mode) -> f32 {

@@ -51,6 +51,7 @@ export class Events {
     const was = this.before;
     let now = this.last;
     if (truth && truth !== was.truth) {
+      if (now) now.to ??= t;
       now = { label, from: t, truth, fault: this.orders.findLast((put) => put.from <= t + 1e-9)?.fault, names: new Map() };
       this.list.push(now);
     } else if (alarm && !was.alarm && !(now && (now.to === undefined || t - now.to < CALM))) {
@@ -68,7 +69,8 @@ export class Events {
         [now.onset, now.magnitude] = [onset * this.ts, magnitude];
       }
       if (mine && fdv > 0) now.detected ??= t;
-      if (mine && fiv > 0) [now.isolated, now.fiv] = [now.isolated ?? t, fiv];
+      // The paper's tables know the first three faults: another name is no answer to them, and any is none to the rest.
+      if (mine && fiv > 0 && fiv === (now.truth || fiv)) now.isolated ??= t;
     }
     this.before = { truth, alarm };
   }

@@ -5,7 +5,7 @@ export const FOREVER = 1e6; // s; until mended
 
 const percent = (min, max, value, step = 1) => ({ min, max, value, step, unit: "%", decimals: 0 });
 const degrees = (max, value) => ({ min: -max, max, value, step: 0.1, unit: "°C", decimals: 1 });
-const drift = { min: -6, max: 6, value: 2, step: 0.5, unit: "°C/min", decimals: 1 };
+const drift = { min: -6, max: 6, value: 4, step: 0.5, unit: "°C/min", decimals: 1 };
 const share = (x) => 1 + x / 100;
 
 const sensor = (t) => {
@@ -50,7 +50,9 @@ export function recognise(fault) {
   if (!kind) return { part: null, name: null, verb: null };
   const factor = ["clog", "air-flow", "heater-power", "supply-voltage"].includes(fault.do);
   const size = factor ? 100 * (fault.size - 1) : fault.do === "detach" ? 100 * fault.size : fault.size;
-  return { ...kind, value: kind.size ? size : null };
+  // As the instrument means it: a supply counts by the power that it leaves, a power that is stuck is no share.
+  const means = { "supply-voltage": 100 * (fault.size ** 2 - 1), "heater-stuck": null };
+  return { ...kind, value: kind.size ? size : null, magnitude: fault.do in means ? means[fault.do] : kind.size ? size : null };
 }
 
 // "T2 reads wrong, +1.5 °C"
@@ -62,7 +64,7 @@ export function describe(fault) {
 }
 
 export function signed(value, { decimals, unit, min }) {
-  return `${value > 0 && min < 0 ? "+" : ""}${num(value, decimals)} ${unit}`;
+  return `${value > 0 && min < 0 ? "+" : ""}${num(value, decimals)}\u00a0${unit}`;
 }
 
 // For the quiz: faults that a student can tell, of a size that can be seen.

@@ -33,7 +33,10 @@ const quiz = new Quiz();
 const charts = new Charts({ stack: $("stack"), overview: $("overview") }, () => (dirty = true));
 const rig = new RigDrawing($("rig"), (part, place) => lab.can.has("order") && (sheet.open(part, place), (dirty = true)));
 const sheet = new Sheet($("sheet"), { order, closed: (part) => ((dirty = true), part && rig.parts[part]?.focus({ preventScroll: true })) });
-const tour = new Tour($("tour"), { act, order, again: () => (dirty = true) });
+const tour = new Tour($("tour"), {
+  act, order, again: () => (dirty = true),
+  busy: () => lab.store.get(lab.store.last, "alarm") > 0 || lab.events.active(lab.store.now).length > 0,
+});
 let source = null;
 let dirty = true;
 let asked = 0;

@@ -3,8 +3,8 @@ import { STEPS } from "lab/tour_steps.js";
 import { current, num, say } from "lab/strings.js";
 
 export class Tour {
-  constructor(host, { act, order, again }) {
-    Object.assign(this, { host, act, order, again });
+  constructor(host, doing) {
+    Object.assign(this, { host, ...doing }); // act, order, again, busy
     this.at = 0;
     host.addEventListener("click", ({ target }) => {
       const by = Number(target.closest("[data-step]")?.dataset.step);
@@ -35,10 +35,12 @@ export class Tour {
     this.again();
   }
 
+  // What still is wrong is mended, and has some seconds to be over.
   does() {
+    const at = this.busy() ? 9 : 0.5;
     for (const what of STEPS[this.at].does ?? []) {
       if (typeof what === "string") this.act(what);
-      else this.order(what);
+      else this.order({ ...what, fault: { ...what.fault, at } });
     }
   }
 

@@ -5,7 +5,7 @@ const T1_HIGH = fault({ do: "offset", sensor: "t1", size: 1.5 });
 const CLOGGED = fault({ do: "clog", sensor: "t1", size: 0.85, lag: 0.4 });
 const MORE_AIR = fault({ do: "air-flow", size: 1.26 }, 40);
 const LESS_POWER = fault({ do: "heater-power", size: 0.75 }, 40);
-const DRIFT = fault({ do: "drift", sensor: "t2", size: 2 }, 90);
+const DRIFT = fault({ do: "drift", sensor: "t2", size: 4 }, 90);
 
 export const STEPS = [
   {
@@ -96,8 +96,8 @@ export const STEPS = [
     look: ".charts",
     title: ["Slow faults", "Falhas lentas"],
     text: [
-      "A drift of 2 °C a minute begins with nothing at all. At 10× you wait less. A detector that forgets, or a model that adapts, would learn the drift as normal; so the model here is frozen, and the state is held against the learnt one over a minute.",
-      "Uma deriva de 2 °C por minuto começa com nada. A 10× espera menos. Um detetor que esquece, ou um modelo que se adapta, tomaria a deriva por normal; por isso aqui o modelo está congelado e o estado é comparado com o aprendido durante um minuto.",
+      "A drift of 4 °C a minute begins with nothing at all. At 10× you wait less. A detector that forgets, or a model that adapts, would learn the drift as normal; so the model here is frozen, and the state is held against the learnt one over a minute.",
+      "Uma deriva de 4 °C por minuto começa com nada. A 10× espera menos. Um detetor que esquece, ou um modelo que se adapta, tomaria a deriva por normal; por isso aqui o modelo está congelado e o estado é comparado com o aprendido durante um minuto.",
     ],
     button: ["Let T2 drift", "Pôr T2 a derivar"],
     does: ["mend", DRIFT],

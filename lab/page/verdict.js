@@ -96,7 +96,7 @@ function howMuch(name, now, event) {
   const decimals = unit === "%" ? 1 : 2;
   const [value, half] = [Math.abs(now.magnitude), Number.isFinite(now.half_width) ? now.half_width : 0];
   const known = event?.fault && recognise(event.fault);
-  const truth = known && known.name === name && known.value != null ? Math.abs(known.value) : null;
+  const truth = known && known.name === name && known.magnitude != null ? Math.abs(known.magnitude) : null;
   const most = Math.max(value + half, truth ?? 0) * 1.15;
   const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100].find((s) => most / s <= 6) ?? 200;
   const end = Math.ceil(most / step) * step;

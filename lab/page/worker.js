@@ -51,6 +51,10 @@ const COMMANDS = {
     [speed, owed, before] = [command.speed, 0, performance.now()];
     postMessage({ type: "running", speed });
   },
+  step({ ticks, id }) {
+    for (let left = ticks; left > 0; left -= 1000) run(Math.min(1000, left));
+    postMessage({ type: "stepped", id, tick });
+  },
   skip(_, hello) {
     untilMonitoring(hello.fields.indexOf("mode"));
   },

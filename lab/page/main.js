@@ -397,7 +397,7 @@ function beside(row, said, hide) {
   $("why").hidden = hide;
   const shares = CLASSES.map((c) => ({ ...c, share: row[c.field] })).filter((c) => c.share > 0.005);
   const any = row.alarm > 0 && shares.length > 0;
-  const sensor = row.alarm > 0 && !shares.length && said.name;
+  const sensor = row.alarm > 0 && !shares.length && said.name && lab.hello.kind !== "recording";
   const s = num(Math.max(0.1, row.t - row.onset * lab.store.ts), 1);
   put("whynote", any ? say("why_note", { s }) : sensor ? say("why_sensor") : say("nothing_to_explain"));
   const order = (any ? shares.sort((a, b) => b.share - a.share) : []).slice(0, 7);

@@ -15,15 +15,20 @@ export function inWorker(hear, { worker, wasm }) {
 
 // A server: server-sent events to here, commands by POST with the token of the page. What was missed is asked for when it comes back.
 export function fromServer(hear, token) {
-  let [events, next, id, again] = [null, 0, null, null];
+  let [events, next, id, again, opened] = [null, 0, null, null, true];
+  const told = new Set(); // orders since the last row: they may come twice
   const lost = () => {
     events?.close();
     hear({ type: "lost" });
     clearTimeout(again);
-    again = setTimeout(connect, 1500);
+    again = setTimeout(() => fetch("metrics").then(connect, lost), 1500);
   };
   function connect() {
+    // It answers, but not to this page any more: it has begun anew, with another token.
+    if (!opened) return location.reload();
+    opened = false;
     events = new EventSource(`events?token=${token}&from=${next}&session=${id ?? ""}`);
+    events.onopen = () => (opened = true);
     events.onerror = lost;
     events.onmessage = ({ data }) => {
       const message = JSON.parse(data);
@@ -31,11 +36,14 @@ export function fromServer(hear, token) {
         if (message.session !== id) next = 0;
         id = message.session;
       }
-      if (message.type === "opened") next = 0;
+      if (message.type === "order") {
+        if (told.has(data)) return;
+        told.add(data);
+      }
       if (message.type === "rows") {
         message.values = floats(message.values);
-        if (message.from + message.count <= next) return;
         next = message.from + message.count;
+        told.clear();
       }
       hear(message);
     };

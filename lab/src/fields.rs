@@ -2,17 +2,24 @@
 
 use fdi_core::diagnosis::baseline::Normal;
 use fdi_core::diagnosis::residual::Residual;
-use fdi_core::likelihood::{Channel, FaultClass, Pair, Readiness};
+use fdi_core::likelihood::{Channel, FaultClass, HYPOTHESES, Pair, Readiness};
 use fdi_core::supervisor::Blocker;
-use fdi_core::{Mode, Reading, TripReason, Validity};
+use fdi_core::{Mode, Reading, Report, Tick, TripReason, Validity};
 
-use crate::session::Row;
+/// Class and share of each hypothesis.
+pub type Explained = [(FaultClass, f32); HYPOTHESES];
 
 /// What the numbers are made of.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'a> {
-    /// The tick.
-    pub row: &'a Row,
+    /// First half of the tick.
+    pub tick: &'a Tick,
+    /// Second half of the tick.
+    pub report: &'a Report,
+    /// Number of the fault that acts, 0 for none.
+    pub truth: u8,
+    /// What each hypothesis explains of an alarm, where that was asked.
+    pub explained: Option<&'a Explained>,
     /// What was learnt of the low-passed features.
     pub normal: Option<Normal>,
     /// Thresholds lie this many standard deviations from the mean.
@@ -41,42 +48,42 @@ use Channel::{T1, T2};
 
 /// Every field, in its order. New ones come last.
 pub static FIELDS: [Field; 43] = [
-    field("tick", |on| Some(on.row.tick.index as f32)),
+    field("tick", |on| Some(on.tick.index as f32)),
     // What the thermistors read, where they read anything, and what they should by the models, degC.
-    field("t0", |on| read(on.row.tick.sample.t0)),
-    field("t1", |on| read(on.row.tick.sample.t1)),
-    field("t2", |on| read(on.row.tick.sample.t2)),
-    field("t0_expected", |on| on.row.report.likelihood.expected[0]),
-    field("t1_expected", |on| on.row.report.likelihood.expected[1]),
-    field("t2_expected", |on| on.row.report.likelihood.expected[2]),
-    field("setpoint", |on| Some(on.row.tick.setpoint.0)),
+    field("t0", |on| read(on.tick.sample.t0)),
+    field("t1", |on| read(on.tick.sample.t1)),
+    field("t2", |on| read(on.tick.sample.t2)),
+    field("t0_expected", |on| on.report.likelihood.expected[0]),
+    field("t1_expected", |on| on.report.likelihood.expected[1]),
+    field("t2_expected", |on| on.report.likelihood.expected[2]),
+    field("setpoint", |on| Some(on.tick.setpoint.0)),
     // The controller's power, and what drives the heater: that with the excitation, %.
-    field("pid", |on| Some(on.row.tick.pid.0)),
-    field("drive", |on| Some(on.row.tick.drive.0)),
+    field("pid", |on| Some(on.tick.pid.0)),
+    field("drive", |on| Some(on.tick.drive.0)),
     // 0 off, 1 settle, 2 learn, 3 monitor, 4 tripped; why, as in the list of trips.
-    field("mode", |on| Some(mode(&on.row.tick.mode))),
+    field("mode", |on| Some(mode(&on.tick.mode))),
     field("trip", |on| on.trip()),
-    field("blocked", |on| on.row.tick.blocked.map(|b| position(&BLOCKERS, &b))),
-    field("learned", |on| Some(on.row.report.learned as f32)),
+    field("blocked", |on| on.tick.blocked.map(|b| position(&BLOCKERS, &b))),
+    field("learned", |on| Some(on.report.learned as f32)),
     // 0 untrained, 1 training, 2 refused, 3 armed.
-    field("readiness", |on| Some(readiness(on.row.report.likelihood.readiness))),
+    field("readiness", |on| Some(readiness(on.report.likelihood.readiness))),
     // The paper's low-passed residuals, in units of their thresholds.
     field("rap", |on| on.residual(Residual::Rap)),
     field("ry12", |on| on.residual(Residual::Ry12)),
     field("rsg1", |on| on.residual(Residual::Rsg1)),
     field("rsg2", |on| on.residual(Residual::Rsg2)),
     field("rbw1", |on| on.residual(Residual::Rbw1)),
-    field("fdv", |on| on.row.report.filtered.map(|v| v.fdv.into())),
-    field("fiv", |on| on.row.report.filtered.map(|v| v.fiv.into())),
+    field("fdv", |on| on.report.filtered.map(|v| v.fdv.into())),
+    field("fiv", |on| on.report.filtered.map(|v| v.fiv.into())),
     // The likelihood diagnosis: alarm, number of the class, probability, size with half of its 95 % interval, tick of the onset.
-    field("alarm", |on| Some(f32::from(u8::from(on.row.report.likelihood.alarm)))),
+    field("alarm", |on| Some(f32::from(u8::from(on.report.likelihood.alarm)))),
     field("class", |on| on.finding().map(|f| f.class.number() as f32)),
     field("confidence", |on| on.finding().map(|f| f.confidence)),
     field("magnitude", |on| on.finding().and_then(|f| f.magnitude).map(|m| m.value)),
     field("half_width", |on| on.finding().and_then(|f| f.magnitude).map(|m| m.half_width)),
     field("onset", |on| on.finding().map(|f| f.onset as f32)),
     // Number of the true fault, of a simulated rig.
-    field("truth", |on| Some(on.row.truth.into())),
+    field("truth", |on| Some(on.truth.into())),
     // Share, 0 to 1, of what is unusual since the onset that each class would explain by itself.
     explained!("x_t1_offset", FaultClass::T1Offset),
     explained!("x_t2_offset", FaultClass::T2Offset),
@@ -127,11 +134,11 @@ pub fn numbers(on: &Moment) -> [f32; FIELDS.len()] {
 
 impl Moment<'_> {
     fn finding(&self) -> Option<fdi_core::Finding> {
-        self.row.report.likelihood.finding
+        self.report.likelihood.finding
     }
 
     fn trip(&self) -> Option<f32> {
-        match &self.row.tick.mode {
+        match &self.tick.mode {
             Mode::Tripped(trip) => Some(position(&TRIPS, &trip.reason)),
             _ => None,
         }
@@ -139,12 +146,12 @@ impl Moment<'_> {
 
     fn residual(&self, residual: Residual) -> Option<f32> {
         let (i, normal) = (residual as usize, self.normal?);
-        self.row.report.filtered?;
-        Some((self.row.report.features_filtered?[i] - normal.mean[i]) / (self.sigma_factor * normal.sigma[i]))
+        self.report.filtered?;
+        Some((self.report.features_filtered?[i] - normal.mean[i]) / (self.sigma_factor * normal.sigma[i]))
     }
 
     fn explained(&self, class: FaultClass) -> Option<f32> {
-        let all = self.row.explained.as_ref()?.iter();
+        let all = self.explained?.iter();
         all.filter(|(of, _)| *of == class).map(|(_, share)| *share).reduce(f32::max)
     }
 }

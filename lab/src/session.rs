@@ -1,13 +1,12 @@
 //! A session: one instrument on one simulated rig, tick by tick, with orders in between.
 
 use anyhow::{Context, bail, ensure};
-use fdi_core::likelihood::{FaultClass, HYPOTHESES};
 use fdi_core::settings::Value;
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample, Report, Tick};
 use pt326_rig::Rig;
 use pt326_rig::fault::Fault;
 
-use crate::fields::{self, FIELDS};
+use crate::fields::{self, Explained, FIELDS};
 use crate::scene::{Order, Scene};
 use crate::time::as_written;
 use crate::trace::{COLUMNS, OneTick, append_cells, header};
@@ -39,7 +38,7 @@ pub struct Row {
     /// Number of the fault that acts, 0 for none.
     pub truth: u8,
     /// What each hypothesis explains of an alarm.
-    pub explained: Option<[(FaultClass, f32); HYPOTHESES]>,
+    pub explained: Option<Explained>,
 }
 
 impl Session {
@@ -160,7 +159,14 @@ impl Session {
     /// The numbers of a row, in the order of [`FIELDS`].
     pub fn numbers(&self, row: &Row) -> [f32; FIELDS.len()] {
         let normal = self.instrument.baseline().map(|baseline| baseline.filtered);
-        fields::numbers(&fields::Moment { row, normal, sigma_factor: self.config.diagnosis.sigma_factor })
+        fields::numbers(&fields::Moment {
+            tick: &row.tick,
+            report: &row.report,
+            truth: row.truth,
+            explained: row.explained.as_ref(),
+            normal,
+            sigma_factor: self.config.diagnosis.sigma_factor,
+        })
     }
 
     /// The trace of all ticks so far, as `pt326 run` writes it: the scene is run anew, so nothing needs to be kept.

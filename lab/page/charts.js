@@ -69,7 +69,9 @@ export class Charts {
   use(store) {
     this.store = store;
     this.follow();
-    for (const panel of PANELS) {
+    // A recording lacks what was not recorded.
+    this.panels = PANELS.filter((panel) => panel.series.some((series) => series.field in store.at));
+    for (const panel of this.panels) {
       for (const series of panel.series) {
         const { ring, low, high } = store;
         const [at, scale] = [store.at[series.field], series.scale ?? 1];
@@ -170,7 +172,7 @@ export class Charts {
     const [head, gap] = [20, 12];
     const [left, right] = narrow ? [30, 66] : [38, 116];
     const ribbons = hide ? 0 : 3;
-    const total = 24 + PANELS.reduce((sum, panel) => sum + panel.high[k] + head + gap, 0) + ribbons * RIBBON + 26;
+    const total = 24 + this.panels.reduce((sum, panel) => sum + panel.high[k] + head + gap, 0) + ribbons * RIBBON + 26;
     const pen = new Pen(this.stack, total);
     const width = pen.width - left - right;
     this.area = { left, width };
@@ -190,7 +192,7 @@ export class Charts {
       }
     }
     let y = 24;
-    for (const panel of PANELS) {
+    for (const panel of this.panels) {
       const high = panel.high[k];
       this.drawPanel(pen, panel, { y: y + head, high, left, edge, a, b, X, at: hovered ?? Math.min(b, store.last), narrow, hide });
       y += head + high + gap;
@@ -458,7 +460,7 @@ export class Charts {
 
   // The curves that can be shown or not, for the list of them.
   get choices() {
-    return PANELS.map((panel) => ({
+    return (this.panels ?? PANELS).map((panel) => ({
       title: say(panel.id),
       series: panel.series.filter((s) => !s.quiet).map((s) => ({ id: s.id, label: s.label(), css: s.css, on: !this.off.has(s.id) })),
     })).filter((group) => group.series.length);

@@ -52,7 +52,9 @@ export class Events {
     let now = this.last;
     if (truth && truth !== was.truth) {
       if (now) now.to ??= t;
-      now = { label, from: t, truth, fault: this.orders.findLast((put) => put.from <= t + 1e-9)?.fault, names: new Map() };
+      // An onset lies between two ticks: the order knows when.
+      const put = this.orders.findLast((order) => order.from <= t + 1e-9);
+      now = { label, from: put?.from ?? t, truth, fault: put?.fault, names: new Map() };
       this.list.push(now);
     } else if (alarm && !was.alarm && !(now && (now.to === undefined || t - now.to < CALM))) {
       now = { label, from: t, truth: 0, names: new Map() };

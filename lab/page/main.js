@@ -5,6 +5,7 @@ import { readTrace } from "lab/csv.js";
 import { Events, namedAt } from "lab/events.js";
 import { FOREVER, PARTS, describe } from "lab/faults.js";
 import { Quiz } from "lab/quiz.js";
+import { Review } from "lab/review.js";
 import { RigDrawing } from "lab/rig.js";
 import { short } from "lab/say.js";
 import { DEFAULT, fromLink, toLink } from "lab/scene.js";
@@ -37,6 +38,7 @@ const tour = new Tour($("tour"), {
   act, order, again: () => (dirty = true),
   busy: () => lab.store.get(lab.store.last, "alarm") > 0 || lab.events.active(lab.store.now).length > 0,
 });
+const review = new Review($("review"));
 let source = null;
 let dirty = true;
 let asked = 0;
@@ -80,6 +82,9 @@ const HEAR = {
     quiz.follow(events);
     lab.heard = performance.now();
     lab.lost = 0;
+    if (store.end !== lab.hello.count) return;
+    review.show({ ...lab, charts });
+    charts.show(Infinity, store.now - store.first * store.ts);
   },
   order({ tick, order }) {
     lab.events.order(tick, order);
@@ -160,7 +165,7 @@ const ACTS = {
   "quiz-answer": ({ name }) => quiz.answer(name),
   "quiz-end": () => setMode("explore"),
   setpoint: ({ by }) => order({ order: "setpoint", celsius: Math.round(lab.store.get(lab.store.last, "setpoint")) + Number(by) }),
-  rig: () => useRig(),
+  look: ({ at }) => charts.show(Number(at) + 15, 20),
 };
 function act(name, data = {}) {
   ACTS[name]?.(data);
@@ -206,7 +211,7 @@ $("theme").addEventListener("click", () => {
   dataset.theme = dataset.theme === "dark" ? "light" : "dark";
   keep.set("theme", dataset.theme);
   forgetColours();
-  dirty = true;
+  show();
 });
 $("excite").addEventListener("change", ({ target }) => order({ order: "excite", on: target.checked }));
 for (const input of document.querySelectorAll("[data-set]")) {
@@ -254,7 +259,11 @@ $("file").addEventListener("change", async ({ target }) => {
   target.value = "";
 });
 addEventListener("hashchange", () => lab.hello?.kind === "simulated" && location.hash && begin());
-addEventListener("resize", () => ((dirty = true), sheet.part && sheet.arrange()));
+addEventListener("resize", () => {
+  dirty = true;
+  if (sheet.part) sheet.arrange();
+  if (!$("review").hidden) review.show({ ...lab, charts });
+});
 addEventListener("keydown", (event) => {
   if (/INPUT|SELECT|TEXTAREA/.test(event.target.tagName) || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === "!" ) act("stop");
@@ -283,7 +292,9 @@ function put(id, html) {
 function show() {
   for (const node of document.querySelectorAll("[data-say]")) node.textContent = say(node.dataset.say);
   for (const node of document.querySelectorAll("[data-label]")) node.setAttribute("aria-label", say(node.dataset.label));
-  document.title = say("title");
+  document.title = lab.hello?.kind === "recording" ? `PT-326: ${lab.hello.name}` : say("title");
+  if (lab.hello?.kind !== "recording") $("review").hidden = true;
+  else if (lab.store.end === lab.hello.count) review.show({ ...lab, charts });
   $("language").textContent = current() === "en" ? "PT" : "EN";
   $("language").lang = current() === "en" ? "pt" : "en";
   const { kind, name } = lab.hello ?? {};
@@ -394,7 +405,7 @@ function hint(row, hide) {
 }
 
 function beside(row, said, hide) {
-  $("why").hidden = hide;
+  $("why").hidden = hide || !("x_drift" in lab.store.at);
   const shares = CLASSES.map((c) => ({ ...c, share: row[c.field] })).filter((c) => c.share > 0.005);
   const any = row.alarm > 0 && shares.length > 0;
   const sensor = row.alarm > 0 && !shares.length && said.name && lab.hello.kind !== "recording";
@@ -418,7 +429,7 @@ function beside(row, said, hide) {
   const delay = (t, from) => (t === undefined ? "–" : `${num(t - from, 2)} s`);
   const lines = list.slice(-8).reverse().map((event) => {
     const now = event === last && row.alarm > 0;
-    return `<tr class="${now ? "now" : ""}"><td>${num(event.from, 0)}</td><td>${event.label()}</td><td>${event.truth ? delay(namedAt(event), event.from) : ""}</td><td>${event.truth ? delay(event.isolated, event.from) : ""}</td></tr>`;
+    return `<tr class="${now ? "now" : ""}"><td>${num(event.from, 0)}</td><td><button data-act="look" data-at="${event.from}">${event.label()}</button></td><td>${event.truth ? delay(namedAt(event), event.from) : ""}</td><td>${event.truth ? delay(event.isolated, event.from) : ""}</td></tr>`;
   });
   put("events", lines.join("") || `<tr><td></td><td colspan="3">${say("nothing_yet")}</td></tr>`);
 }
@@ -444,8 +455,8 @@ speak(keep.get("language") ?? (navigator.language?.startsWith("pt") ? "pt" : "en
 document.documentElement.dataset.theme = keep.get("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
 show();
 if ($("recording")) {
-  const { hello, name, values, orders } = JSON.parse(embedded("recording"));
-  use((hear) => fromRecording(hear, { hello, name, orders, values: floats(values) }));
+  const { hello, name, values, orders, first } = JSON.parse(embedded("recording"));
+  use((hear) => fromRecording(hear, { hello, name, orders, first, values: floats(values) }));
 } else if ($("token")) use((hear) => fromServer(hear, embedded("token")));
 else useRig();
 requestAnimationFrame(frame);

@@ -65,20 +65,20 @@ export function fromServer(hear, token) {
 }
 
 // A recording: all rows are there; a clock walks through them.
-export function fromRecording(hear, { hello, name, values, orders = [] }) {
+export function fromRecording(hear, { hello, name, values, orders = [], first = 0 }) {
   const width = hello.fields.length;
   const count = values.length / width;
   let [at, speed, owed, before] = [0, 0, 0, performance.now()];
   const show = (to) => {
     if (to <= at) return;
-    for (const [tick, order] of orders) if (tick >= at && tick < to) hear({ type: "order", tick, order });
-    hear({ type: "rows", from: at, values: values.subarray(at * width, to * width) });
+    if (at === 0) for (const [tick, order] of orders) hear({ type: "order", tick, order });
+    hear({ type: "rows", from: first + at, values: values.subarray(at * width, to * width) });
     at = to;
   };
   const seek = (tick) => {
     at = 0;
     hear({ type: "opened" });
-    show(Math.min(count, Math.max(1, tick)));
+    show(Math.min(count, Math.max(1, tick - first)));
   };
   const beat = setInterval(() => {
     const now = performance.now();
@@ -93,7 +93,7 @@ export function fromRecording(hear, { hello, name, values, orders = [] }) {
     seek: ({ tick }) => seek(tick),
   };
   queueMicrotask(() => {
-    hear({ ...hello, kind: "recording", name, can: ["run", "seek"], count });
+    hear({ ...hello, kind: "recording", name, can: ["run", "seek"], count: first + count });
     seek(count);
   });
   return { send: (command) => commands[command.command]?.(command), close: () => clearInterval(beat) };

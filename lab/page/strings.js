@@ -210,6 +210,7 @@ const TABLE = {
   col_fault: ["fault", "falha"],
   nothing_yet: ["Nothing has happened yet.", "Ainda não aconteceu nada."],
   no_fault: ["alarm without a fault: {what}", "alarme sem falha: {what}"],
+  review_unnamed: ["The likelihood diagnosis did not name it.", "A verosimilhança não lhe deu nome."],
   // Desk
   setpoint_c: ["Set-point", "Referência"],
   excitation: ["Excitation", "Excitação"],

@@ -6,6 +6,7 @@ use base64::engine::general_purpose::STANDARD;
 const INDEX: &str = include_str!("../page/index.html");
 const STYLE: &str = include_str!("../page/lab.css");
 const WORKER: &str = include_str!("../page/worker.js");
+const REPORT: &str = "<!-- report -->";
 const PLACE: &str = "<!-- bundle: style, modules, worker, data -->";
 
 macro_rules! modules {
@@ -23,6 +24,7 @@ modules!(
     "faults",
     "main",
     "quiz",
+    "review",
     "rig",
     "say",
     "scene",
@@ -42,8 +44,13 @@ pub enum Source<'a> {
     InPage(&'a [u8]),
     /// The server that sent the page, with the token for its commands.
     Server(&'a str),
-    /// A recording, as [`crate::recording`] makes it.
-    Recording(&'a str),
+    /// A recording.
+    Recording {
+        /// `hello`, `name`, `values` and `orders` of PROTOCOL.md, as JSON.
+        json: &'a str,
+        /// What is told of it beside, as HTML.
+        report: &'a str,
+    },
 }
 
 /// The page. Its modules go by an import map of data, since a file has no siblings that it may load.
@@ -62,7 +69,7 @@ pub fn html(source: Source) -> String {
             )
         }
         Source::Server(token) => format!("<script type=\"text/plain\" id=\"token\">{token}</script>"),
-        Source::Recording(json) => {
+        Source::Recording { json, .. } => {
             format!(
                 "<script type=\"application/json\" id=\"recording\">{}</script>",
                 json.replace('<', "\\u003c")
@@ -74,7 +81,13 @@ pub fn html(source: Source) -> String {
          <script type=\"module\">import \"lab/main.js\";</script>",
         imports.join(",")
     );
-    INDEX.replacen(PLACE, &head, 1)
+    let report = match source {
+        Source::Recording { report, .. } if !report.is_empty() => {
+            format!("<section class=\"report\">\n{report}</section>")
+        }
+        _ => String::new(),
+    };
+    INDEX.replacen(REPORT, &report, 1).replacen(PLACE, &head, 1)
 }
 
 #[cfg(test)]

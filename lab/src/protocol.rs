@@ -13,8 +13,7 @@ pub const ROW_BYTES: usize = FIELDS.len() * size_of::<f32>();
 
 /// What a client is told first: what the numbers mean, and what it may ask for.
 pub fn hello(kind: &str, can: &[&str]) -> String {
-    let class =
-        |class: &FaultClass| json!({ "number": class.number(), "name": class.name(), "unit": class.unit() });
+    let class = |class: &FaultClass| json!({ "number": class.number(), "name": class.name(), "unit": class.unit().replace("degC", "°C") });
     json!({
         "type": "hello",
         "protocol": VERSION,

@@ -24,12 +24,22 @@ pub fn of(record: &Record) -> Vec<[f32; FIELDS.len()]> {
     record.rows.iter().map(row).collect()
 }
 
-/// The recording as it stands in a page.
+/// Rows that a page keeps: of a longer recording, the last.
+const MOST: usize = 1 << 16;
+
+/// The recording as it stands in a page, without the fields that no recording has.
 pub fn json(record: &Record) -> String {
-    let bytes: Vec<u8> = of(record).iter().flatten().flat_map(|number| number.to_le_bytes()).collect();
+    let recorded = |name: &str| !name.starts_with("x_");
+    let rows = of(record);
+    let first = rows.len().saturating_sub(MOST);
+    let kept = rows[first..].iter().flat_map(|row| row.iter().zip(&FIELDS));
+    let bytes: Vec<u8> =
+        kept.filter(|(_, field)| recorded(field.name)).flat_map(|(number, _)| number.to_le_bytes()).collect();
     let mut hello: Value = serde_json::from_str(&protocol::hello("recording", &[])).unwrap_or_default();
+    hello["fields"] = FIELDS.iter().map(|field| field.name).filter(|name| recorded(name)).collect();
     hello["ts"] = json!(record.sample_time);
-    let faults = record.faults.iter().filter(|fault| fault.size.is_some());
+    // Of a recording without its summary nothing but the number of a fault is known, which is in the rows.
+    let faults = record.faults.iter().filter(|fault| fault.validate("").is_ok());
     let orders: Vec<Value> = faults.map(|fault| json!([0, Order::Break { fault: fault.clone() }])).collect();
-    json!({ "hello": hello, "name": record.origin.to_string(), "orders": orders, "values": STANDARD.encode(bytes) }).to_string()
+    json!({ "hello": hello, "name": record.origin.to_string(), "orders": orders, "first": first, "values": STANDARD.encode(bytes) }).to_string()
 }

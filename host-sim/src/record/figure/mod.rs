@@ -53,18 +53,17 @@ pub(crate) trait Picture: Sync {
     fn paint<M: Medium>(&self, backend: &mut M) -> anyhow::Result<()>;
 }
 
-/// Writes `figure4.svg`, `figure4.png` and so on into a folder that exists; the same SVGs, in the order of [`ALL`], are
-/// given back to be parts of a page.
+/// Writes `figure4.svg`, `figure4.png` and so on into a folder that exists.
 ///
 /// # Errors
 /// The file that can't be written.
-pub fn draw_all(record: &Record, folder: &Path) -> anyhow::Result<Vec<String>> {
+pub fn draw_all(record: &Record, folder: &Path) -> anyhow::Result<()> {
     canvas::register_fonts()?;
     let draw_one = |number| {
         let figure = content::figure(number, record);
-        draw(&Layout::new(&figure)?, &label(number), folder, &format!("figure{number}"))
+        draw(&Layout::new(&figure)?, &label(number), folder, &format!("figure{number}")).map(drop)
     };
-    ALL.into_par_iter().map(draw_one).collect()
+    ALL.into_par_iter().try_for_each(draw_one)
 }
 
 /// Writes a picture as `name.svg` and `name.png` into a folder that exists, and gives the SVG.

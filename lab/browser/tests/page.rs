@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use host_sim::commands::replay::{ReplayArgs, run as replay};
+use host_sim::commands::run::carry_out as run_experiment;
 use pt326_lab::scene::Scene;
 use pt326_lab::session::Session;
 use pt326_lab_browser::Browser;
@@ -386,4 +387,34 @@ fn no_tick_is_dropped_and_old_ones_give_way() {
         &[],
     );
     assert_eq!(kept, json!([true, true, true, true]));
+}
+
+/// A report tells of each fault first, in a sentence, and walks through the run.
+#[test]
+fn a_report_is_the_page_with_the_run_within_it() {
+    let folder = std::env::temp_dir().join(format!("pt326-report-{}", std::process::id()));
+    let (config, scenario) = Default::default();
+    run_experiment(&config, &scenario, 1, &folder).expect("the paper's run");
+    let file = folder.join("report.html");
+    assert!(std::fs::metadata(&file).expect("the report").len() < 3_000_000);
+    let browser = Browser::start().expect("a browser");
+    browser.open(&format!("file://{}", file.display())).expect("the report");
+    let told = script_on(
+        &browser,
+        r##"await until(() => document.querySelectorAll(".review article").length === 3);
+           const heads = [...document.querySelectorAll(".review .head")].map((n) => n.innerText.replace(/\d+(\.\d+)?/g, "#").replaceAll("\u00a0", " "));
+           const [width, orders] = [document.documentElement.scrollWidth <= innerWidth, $("#stop").hidden];
+           lab.send({ command: "seek", tick: 3530 });
+           await until(() => /T2/.test($("#head").innerText));
+           return [heads, width, orders, document.querySelectorAll(".report table").length > 3];"##,
+        &[],
+    );
+    let heads = [
+        "T# reads # °C too high.",
+        "T# sees # % of the rise too little.",
+        "The air flow is # % stronger than learnt.",
+    ];
+    assert_eq!(told, json!([heads, true, true, true]));
+    assert_untroubled(&browser);
+    let _ = std::fs::remove_dir_all(folder);
 }

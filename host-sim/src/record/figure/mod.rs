@@ -223,7 +223,7 @@ mod tests {
         let record = record(30.0);
         let folder = std::env::temp_dir().join(format!("pt326-figures-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let drawn = draw_all(&record, &folder).unwrap();
+        draw_all(&record, &folder).unwrap();
         let again = content::figure(Number::Four, &record);
         draw_png(&Layout::new(&again).unwrap(), &folder.join("again.png")).unwrap();
         let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
@@ -235,7 +235,6 @@ mod tests {
         assert!(pictures[0] == pictures[3] && pictures[0] != pictures[1]);
         for (file, number) in svgs.into_iter().zip(ALL) {
             assert!(file == svg(number, &record).unwrap().into_bytes(), "figure {number}");
-            assert!(file == drawn[number as usize - 4].as_bytes(), "figure {number}");
         }
     }
 

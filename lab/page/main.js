@@ -411,7 +411,8 @@ function beside(row, said, hide) {
   const sensor = row.alarm > 0 && !shares.length && said.name && lab.hello.kind !== "recording";
   const s = num(Math.max(0.1, row.t - row.onset * lab.store.ts), 1);
   put("whynote", any ? say("why_note", { s }) : sensor ? say("why_sensor") : say("nothing_to_explain"));
-  const order = (any ? shares.sort((a, b) => b.share - a.share) : []).slice(0, 7);
+  const rank = (c) => c.share + (c.name === said.name ? 0.01 : 0); // of two that explain it alike, the one that is named
+  const order = (any ? shares.sort((a, b) => rank(b) - rank(a)) : []).slice(0, 7);
   const bar = ({ name, css, share }) => {
     const p = num(100 * share, 0);
     return `<li class="${name === said.name ? "best" : ""}" style="--c:var(${css})"><span>${short(name)}</span><span class="track"><i style="width:${(100 * share).toFixed(1)}%"></i></span><output>${p} %</output></li>`;

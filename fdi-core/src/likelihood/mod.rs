@@ -339,7 +339,7 @@ fn preferred(
 
 impl LikelihoodState {
     /// What each hypothesis explains of an alarm, for those who show it: the class, and the share, 0 to 1, of what is unusual in the residuals
-    /// since the onset. Several hypotheses belong to some classes. None without an alarm of the models.
+    /// since the onset that it would take away all by itself. Several hypotheses belong to some classes. None without an alarm of the models.
     pub fn explained(&self) -> Option<[(FaultClass, f32); HYPOTHESES]> {
         match (&self.work, &self.trained) {
             (Work::Watching(gathered), Some(trained)) => trained.explained(gathered),

@@ -175,13 +175,20 @@ impl WatchState {
         (freed, g.since.energy - nuisances.explained)
     }
 
-    /// Shares, 0 to 1, of what nuisances leave of the residuals since the onset that each hypothesis would take away by itself, with its class; None
-    /// without an alarm.
+    /// Shares, 0 to 1, of the residuals since the onset that each hypothesis would take away all by itself, with its class; None without an alarm.
     pub(in crate::likelihood) fn explained(&self, g: &Gathered) -> Option<[(FaultClass, f32); COUNT]> {
         self.alarm.as_ref()?;
-        let (freed, left) = self.judge_since(g);
-        let share = |h: usize| bounded(2.0 * KAPPA * freed[h].gain / larger(1.0, left), 0.0, 1.0);
-        Some(core::array::from_fn(|h| (HYPOTHESES[h].class, share(h))))
+        let alone = Nuisances::new(&g.since, &[], KAPPA);
+        let energy = larger(1.0, g.since.energy - g.since.count);
+        Some(core::array::from_fn(|h| {
+            let row = &HYPOTHESES[h];
+            let mut second = row.second;
+            if let (Some(second), Some(m)) = (&mut second, row.stays) {
+                second.mean = self.stays[m];
+            }
+            let freed = row.judged(alone.free(row.first, second));
+            (row.class, bounded(2.0 * KAPPA * (freed.gain - row.prior) / energy, 0.0, 1.0))
+        }))
     }
 
     /// Whether the nuisances alone explain one of the windows better than the fault as it was.

@@ -89,6 +89,7 @@ fn serve(args: &LiveArgs, source: impl Source) -> anyhow::Result<()> {
     let server = Server {
         name: source.name(),
         can: source.can(),
+        sample_time: source.sample_time(),
         scene: json!(source.scene()),
         access,
         clock: clock::start(source, args.speed),

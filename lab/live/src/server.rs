@@ -41,6 +41,8 @@ pub struct Server {
     pub name: String,
     /// Which commands make sense.
     pub can: &'static [&'static str],
+    /// Ts in s.
+    pub sample_time: f64,
     /// Its scene at the start, of a simulated rig.
     pub scene: Value,
     /// Who may ask.
@@ -182,6 +184,7 @@ fn event(message: String) -> Result<Event, Infallible> {
 fn greeting(app: &Shared) -> String {
     let mut hello: Value = serde_json::from_str(&protocol::hello("live", app.server.can)).unwrap_or_default();
     hello["session"] = json!(app.session);
+    hello["ts"] = json!(app.server.sample_time);
     hello["name"] = json!(app.server.name);
     hello["scene"] = app.server.scene.clone();
     hello.to_string()

@@ -8,17 +8,22 @@ use pt326_lab::session::Session;
 
 use super::*;
 use crate::clock;
+use crate::source::{Recording, Source};
 
 const TOKEN: &str = "0123456789abcdef";
 
-/// A server of its own in a thread; it ends with the tests.
 fn serve(speed: f64) -> SocketAddr {
-    let session = Session::new(Scene::default()).unwrap();
+    serve_source(Session::new(Scene::default()).unwrap(), speed)
+}
+
+/// A server of its own in a thread; it ends with the tests.
+fn serve_source(source: impl Source, speed: f64) -> SocketAddr {
     let server = Server {
-        clock: clock::start(session, speed),
-        name: "test".into(),
-        can: &["order", "run"],
-        scene: json!(Scene::default()),
+        name: source.name(),
+        can: source.can(),
+        sample_time: source.sample_time(),
+        scene: json!(source.scene()),
+        clock: clock::start(source, speed),
         access: Access { token: TOKEN.into(), open: false },
     };
     let (tell, told) = channel();
@@ -289,4 +294,27 @@ fn malformed(count: u32) {
     let (_, text) = get_text(address, "/metrics", "");
     assert!(text.contains("pt326_clients 0"), "no stream is left open: {text}");
     assert!(text.contains("pt326_mode 3"), "the session is as it was: {text}");
+}
+
+/// A recording goes by with its own sample time, and takes no orders.
+#[test]
+fn a_recording_is_served_to_its_end() {
+    let rows =
+        (0..120).map(|tick| std::array::from_fn(|i| if i == 0 { tick as f32 } else { f32::NAN })).collect();
+    let address = serve_source(Recording::new("old.csv".into(), 0.5, rows), 100.0);
+    let all = stream(address, 0, "", until(120));
+    assert_eq!(
+        (&all[0]["ts"], &all[0]["name"], &all[0]["scene"]),
+        (&json!(0.5), &json!("old.csv"), &Value::Null)
+    );
+    assert_eq!(rows_in(&all), 120);
+    for body in
+        [r#"{"command":"order","order":{"order":"stop"}}"#, r#"{"command":"skip"}"#, r#"{"command":"trace"}"#]
+    {
+        assert_eq!(post_text(address, &with_token(), body).0, 409, "{body}");
+    }
+}
+
+fn rows_in(messages: &[Value]) -> u64 {
+    rows(messages).iter().map(|(_, count)| count).sum()
 }

@@ -213,6 +213,13 @@ $("theme").addEventListener("click", () => {
   forgetColours();
   show();
 });
+// On paper it is light.
+addEventListener("beforeprint", () => {
+  document.documentElement.dataset.theme = "light";
+  forgetColours();
+  show();
+  if (lab.store?.end) charts.draw(lab.events, quiz.hides);
+});
 $("excite").addEventListener("change", ({ target }) => order({ order: "excite", on: target.checked }));
 for (const input of document.querySelectorAll("[data-set]")) {
   input.addEventListener("change", () => order({ order: "set", name: input.dataset.set, value: Number(input.value) }));

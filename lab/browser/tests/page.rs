@@ -389,6 +389,33 @@ fn no_tick_is_dropped_and_old_ones_give_way() {
     assert_eq!(kept, json!([true, true, true, true]));
 }
 
+/// Every step of the tour has its words in both languages, looks at something, and its button does something.
+#[test]
+fn the_tour_goes_to_its_end() {
+    let steps = on_page(
+        r##"await monitoring();
+           click("[data-mode=tour]");
+           const steps = [];
+           for (;;) {
+             const does = $("[data-do]");
+             const before = lab.events().orders.length + lab.quiz.phase;
+             if (does) { does.click(); await step(120); }
+             const done = !does || lab.events().orders.length + lab.quiz.phase !== before || lab.events().list.length > 0;
+             const english = $("#tour .text").textContent;
+             const words = $("#tour h2").textContent.length > 5 && $("#tour .text").textContent.length > 100;
+             click("#language");
+             const other = lab.lab.mode !== "tour" || $("#tour .text").textContent.length > 100 && $("#tour .text").textContent !== english;
+             click("#language");
+             steps.push([!!document.querySelector(".looked") || lab.lab.mode !== "tour", done, words, other]);
+             if (lab.lab.mode !== "tour" || $("[data-step='1']").disabled) return steps;
+             click("[data-step='1']");
+           }"##,
+        &[],
+    );
+    let steps: Vec<Vec<bool>> = serde_json::from_value(steps).expect("steps");
+    assert!(steps.len() > 10 && steps.iter().flatten().all(|good| *good), "{steps:?}");
+}
+
 /// A report tells of each fault first, in a sentence, and walks through the run.
 #[test]
 fn a_report_is_the_page_with_the_run_within_it() {

@@ -30,9 +30,9 @@ export const PARTS = {
   T0: { wrong: { ...wrong, name: "t0_fault" }, drifts, open },
   T1: { wrong: wrong1, clogged, ...rest1, swap },
   T2: sensor("T2"),
-  fan: { more: { verb: "v_more", name: "air_flow", size: percent(-50, 50, 26), fault: (x) => ({ do: "air-flow", size: share(x) }) } },
+  fan: { more: { verb: "v_more", either: ["v_less_air", "v_more_air"], name: "air_flow", size: percent(-50, 50, 26), fault: (x) => ({ do: "air-flow", size: share(x) }) } },
   heater: {
-    weak: { verb: "v_weak", name: "heater_power", size: percent(-60, 30, -25), fault: (x) => ({ do: "heater-power", size: share(x) }) },
+    weak: { verb: "v_weak", either: ["v_weaker", "v_stronger"], name: "heater_power", size: percent(-60, 30, -25), fault: (x) => ({ do: "heater-power", size: share(x) }) },
     stuck: { verb: "v_stuck_on", name: "heater_power", size: percent(0, 100, 60), fault: (size) => ({ do: "heater-stuck", size }) },
   },
   mains: { sags: { verb: "v_sags", name: "heater_power", size: percent(-20, 10, -10), fault: (x) => ({ do: "supply-voltage", size: share(x) }) } },
@@ -57,9 +57,10 @@ export function recognise(fault) {
 
 // "T2 reads wrong, +1.5 °C"
 export function describe(fault) {
-  const { part, verb, size, value } = recognise(fault);
+  const { part, verb, either, size, value } = recognise(fault);
   if (!verb) return fault.name || fault.do;
-  const what = `${say("part_" + part).split(",")[0]}: ${say(verb).toLowerCase()}`;
+  const did = either ? either[value < 0 ? 0 : 1] : verb;
+  const what = `${say("part_" + part).split(",")[0]}: ${say(did).toLowerCase()}`;
   return size ? `${what}, ${signed(value, size)}` : what;
 }
 

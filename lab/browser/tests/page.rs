@@ -306,7 +306,7 @@ fn a_link_leads_to_the_same_scene() {
            return [more < 200, (await lab.ask({ command: "digest" })).digest, lab.events().last.label()];"##,
         &[Value::Null, link[1].clone()],
     );
-    assert_eq!(again, json!([true, link[2], "Fan: more or less air, +26\u{a0}%"]));
+    assert_eq!(again, json!([true, link[2], "Fan: more air, +26\u{a0}%"]));
     browser.open(&format!("{}#s=broken", address())).expect("the page");
     let toast = script_on(
         &browser,

@@ -19,6 +19,7 @@ mod heater;
 mod mains;
 mod meter;
 mod noise;
+mod normal;
 mod pickup;
 mod preset;
 mod rig;

@@ -1,10 +1,10 @@
 //! Randomness of the rig: one seeded generator, and the processes that it feeds.
 
 use rand::{RngExt, SeedableRng};
-use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::air::phi1;
+use crate::normal::standard_normal;
 
 /// The seeded source.
 pub(crate) struct Noise {
@@ -34,7 +34,7 @@ impl Noise {
 
     /// Standard normal.
     pub(crate) fn normal(&mut self) -> f64 {
-        self.generator.sample(StandardNormal)
+        standard_normal(&mut self.generator)
     }
 
     pub(crate) fn uniform(&mut self, low: f64, high: f64) -> f64 {

@@ -25,7 +25,7 @@ pub(super) struct Hypothesis {
 }
 
 /// Hypotheses there are.
-pub(super) const COUNT: usize = 25;
+pub const COUNT: usize = 25;
 
 const fn of(column: Column) -> Direction {
     Direction::Of(column)

@@ -74,6 +74,7 @@ pub use commissioned::{Commissioned, PARAMETERS, SinceCommissioning};
 use config::LikelihoodConfig;
 use contradiction::Contradiction;
 use heat::Heat;
+pub use hypothesis::COUNT as HYPOTHESES;
 use impulse::ImpulseResponse;
 use sensors::Sensors;
 use training::{Cold, Trainer, Training};
@@ -337,6 +338,15 @@ fn preferred(
 }
 
 impl LikelihoodState {
+    /// What each hypothesis explains of an alarm, for those who show it: the class, and the share, 0 to 1, of what is unusual in the residuals
+    /// since the onset that it would take away all by itself. Several hypotheses belong to some classes. None without an alarm of the models.
+    pub fn explained(&self) -> Option<[(FaultClass, f32); HYPOTHESES]> {
+        match (&self.work, &self.trained) {
+            (Work::Watching(gathered), Some(trained)) => trained.explained(gathered),
+            _ => None,
+        }
+    }
+
     fn readiness(&self) -> Readiness {
         match self.refused {
             _ if self.current => Readiness::Armed,

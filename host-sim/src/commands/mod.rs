@@ -7,6 +7,8 @@ pub mod cosim;
 pub mod experiment;
 pub mod identify;
 pub mod isolability;
+#[cfg(feature = "live")]
+pub mod live;
 pub mod repeat;
 pub mod replay;
 pub mod results;
@@ -23,6 +25,8 @@ use console::ConsoleArgs;
 use cosim::CoreArgs;
 use identify::IdentifyArgs;
 use isolability::IsolabilityArgs;
+#[cfg(feature = "live")]
+use live::LiveArgs;
 use repeat::RepeatArgs;
 use replay::ReplayArgs;
 use run::RunArgs;
@@ -72,6 +76,9 @@ enum Subcommand {
     Identify(IdentifyArgs),
     /// Run a recording (a board's log, a trace.csv) through the same code again and compare.
     Replay(ReplayArgs),
+    /// Serve the lab to a browser: the simulated rig, or a recording, as it goes on.
+    #[cfg(feature = "live")]
+    Live(LiveArgs),
     /// Use the board's console, with the simulated rig in place of a board.
     Console(ConsoleArgs),
     /// Print the instrument's settings with their defaults as commented TOML.
@@ -98,6 +105,8 @@ impl Cli {
             Subcommand::Core(args) => cosim::run(&args),
             Subcommand::Identify(args) => identify::run(&args),
             Subcommand::Replay(args) => replay::run(&args),
+            #[cfg(feature = "live")]
+            Subcommand::Live(args) => live::run(&args),
             Subcommand::Console(args) => console::run(&args),
             Subcommand::Config(args) => config::run(&args),
             Subcommand::Scenario => terminal::print(&scenario::commented_toml()),

@@ -4,9 +4,11 @@ mod fault_size;
 pub mod scenario;
 
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::{AdcCode, Command, Config, Instrument, RawSample, Report, Tick};
+use fdi_core::{Command, Config, Instrument, RawSample, Report, Tick};
 
 pub use fault_size::{FaultSize, paper_sequence};
+pub use pt326_lab::session::{sample, truth, with_prbs_phase};
+pub use pt326_lab::time::{as_written, tick_time};
 use pt326_rig::fault::Fault;
 use pt326_rig::{Disturbance, Rig};
 use scenario::{Scenario, commands};
@@ -143,16 +145,6 @@ impl Record {
     }
 }
 
-/// Time of a tick in s, free of the rounding of a long product: to the microsecond.
-pub fn tick_time(tick: u32, sample_time: f64) -> f64 {
-    (f64::from(tick) * sample_time * 1e6).round() / 1e6
-}
-
-/// The number that the user wrote: 0.11 and not the 0.10999999940 that an `f32` holds.
-pub fn as_written(x: f32) -> f64 {
-    x.to_string().parse().unwrap_or(f64::from(x))
-}
-
 /// How much slower than the default an instrument samples: an experiment takes as many samples on every plant.
 pub fn slowness(config: &Config) -> f64 {
     as_written(config.sample_time.0) / as_written(Config::default().sample_time.0)
@@ -166,16 +158,6 @@ pub fn run(config: &Config, scenario: &Scenario, seed: u64) -> anyhow::Result<Re
     let config = with_prbs_phase(config, seed);
     let mut instrument = Instrument::new(&config)?;
     Ok(run_on(&mut instrument, &config, scenario, seed))
-}
-
-/// The faults come at fixed times, so a fixed PRBS would meet each at the same phase in every run. The seed moves it;
-/// seed 1 leaves the configured start, which is the board's.
-pub fn with_prbs_phase(config: &Config, seed: u64) -> Config {
-    let mut config = config.clone();
-    let period = (1u64 << config.prbs.bits.min(16)) - 1;
-    let shift = seed.wrapping_sub(1).wrapping_mul(0x9E37_79B9) % period;
-    config.prbs.start = ((u64::from(config.prbs.start) + shift - 1) % period + 1) as u16;
-    config
 }
 
 /// Runs a scenario on any backend.
@@ -229,16 +211,4 @@ pub fn drive(
         rig.advance(drive);
     }
     refused
-}
-
-/// What the inputs of the board read of the rig at the present tick.
-pub fn sample(rig: &mut Rig) -> RawSample {
-    let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));
-    RawSample { t0, t1, t2, supply: AdcCode(rig.supply() as f32) }
-}
-
-/// The true fault at a time.
-pub fn truth(faults: &[Fault], t: f64) -> u8 {
-    let active = faults.iter().filter(|f| f.is_active(t));
-    active.max_by(|a, b| a.at.total_cmp(&b.at)).map_or(0, Fault::truth)
 }

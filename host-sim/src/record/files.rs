@@ -31,6 +31,6 @@ pub fn write(record: &Record, summary: &Summary, dir: &Path) -> anyhow::Result<(
         serde_json::to_writer_pretty(&mut *out, summary)?;
         Ok(writeln!(out)?)
     })?;
-    let figures = figure::draw_all(record, dir)?;
-    write("report.html", &|out| Ok(out.write_all(report::html(record, summary, &figures).as_bytes())?))
+    figure::draw_all(record, dir)?;
+    write("report.html", &|out| Ok(out.write_all(report::html(record, summary).as_bytes())?))
 }

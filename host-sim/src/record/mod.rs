@@ -2,6 +2,7 @@
 
 pub mod figure;
 pub mod files;
+pub mod numbers;
 pub mod paper;
 pub mod report;
 pub mod summary;

@@ -3,7 +3,7 @@
 
 use super::naming::PROCESS_TIME;
 use super::{Charted, Gathered, KAPPA, LEAST_FLOW, NowRises, OVERSURE, UNUSUAL, Watch, WatchState};
-use crate::bounds::{larger, smaller};
+use crate::bounds::{bounded, larger, smaller};
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::class::FaultClass;
 use crate::likelihood::column::{LASTING, PROCESS, Row, SENSORS};
@@ -182,6 +182,22 @@ impl WatchState {
             }
         }
         (freed, g.since.energy - nuisances.explained)
+    }
+
+    /// Shares, 0 to 1, of the residuals since the onset that each hypothesis would take away all by itself, with its class; None without an alarm.
+    pub(in crate::likelihood) fn explained(&self, g: &Gathered) -> Option<[(FaultClass, f32); COUNT]> {
+        self.alarm.as_ref()?;
+        let alone = Nuisances::new(&g.since, &[], KAPPA);
+        let energy = larger(1.0, g.since.energy - g.since.count);
+        Some(core::array::from_fn(|h| {
+            let row = &HYPOTHESES[h];
+            let mut second = row.second;
+            if let (Some(second), Some(m)) = (&mut second, row.stays) {
+                second.mean = self.stays[m];
+            }
+            let freed = row.judged(alone.free(row.first, second));
+            (row.class, bounded(2.0 * KAPPA * (freed.gain - row.prior) / energy, 0.0, 1.0))
+        }))
     }
 
     /// Whether the nuisances alone explain one of the windows better than the fault as it was.

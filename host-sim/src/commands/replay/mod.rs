@@ -146,6 +146,18 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// The numbers of a recording for the lab's page, and its sample time in s.
+///
+/// # Errors
+/// A file that is no recording, by line.
+#[cfg(feature = "live")]
+pub fn numbers(file: &Path) -> anyhow::Result<(f64, Vec<pt326_live::source::Numbers>)> {
+    let text = std::fs::read_to_string(file).with_context(|| format!("can't read {}", file.display()))?;
+    let args = ReplayArgs { file: file.into(), config: None, seed: None, out: PathBuf::new() };
+    let (record, _) = rerun(&read(&text, &args).with_context(|| file.display().to_string())?, file)?;
+    Ok((record.sample_time, crate::record::numbers::of(&record)))
+}
+
 fn read(text: &str, args: &ReplayArgs) -> anyhow::Result<Recording> {
     let config = settings::read(args.config.as_deref())?;
     if text.starts_with("t_s,") {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, ensure};
+use fdi_core::sense::plausibility::PlausibilityConfig;
 use fdi_core::sense::supply::{Supply, SupplyState};
 use fdi_core::sense::thermistor::Thermistor;
 use fdi_core::{AdcCode, Celsius, Command, Config, Percent, RawSample, Report, Tick};
@@ -32,7 +33,15 @@ pub(super) fn read(text: &str, config: &Config) -> anyhow::Result<Recording> {
     let thermistors = [Thermistor::new(&s.t0, 0)?, Thermistor::new(&s.t1, 1)?, Thermistor::new(&s.t2, 2)?];
     let inputs = Inputs::find(&header).context("line 1")?;
     let supply = Supply::new(&config.supply)?;
-    let mut reader = Reader { thermistors, supply, inputs, compared, width: header.len(), before: None };
+    let mut reader = Reader {
+        thermistors,
+        supply,
+        limits: config.plausibility,
+        inputs,
+        compared,
+        width: header.len(),
+        before: None,
+    };
     let ticks =
         lines.zip(2..).map(|(line, number)| reader.row(line).with_context(|| format!("line {number}")));
     let ticks = ticks.collect::<anyhow::Result<Vec<Recorded>>>()?;
@@ -84,11 +93,13 @@ struct Before {
     excited: bool,
     heating: bool,
     monitoring: bool,
+    tripped: bool,
 }
 
 struct Reader {
     thermistors: [Thermistor; 3],
     supply: Supply,
+    limits: PlausibilityConfig,
     inputs: Inputs,
     /// Columns that the core must come to again, with their places.
     compared: Vec<(&'static Column, usize)>,
@@ -110,11 +121,12 @@ impl Reader {
         let at = &self.inputs;
         let celsius = [number(at.celsius[0])?, number(at.celsius[1])?, number(at.celsius[2])?];
         let heating = !matches!(cells[at.mode], "off" | "tripped");
-        let monitoring = cells[at.mode] == "monitor";
+        let [monitoring, tripped] = ["monitor", "tripped"].map(|mode| cells[at.mode] == mode);
         let excited = number(at.prbs)? != 0.0;
         let known = |at: Option<usize>| at.filter(|i| !cells[*i].is_empty()).map(number).transpose();
         let (supply, fan) = (known(at.supply)?, known(at.fan)?);
-        let now = Before { celsius, setpoint: number(at.setpoint)?, fan, excited, heating, monitoring };
+        let now =
+            Before { celsius, setpoint: number(at.setpoint)?, fan, excited, heating, monitoring, tripped };
         let (no_y1, no_y2) = (cells[at.y1].is_empty(), cells[at.y2].is_empty());
         let [t0, t1, t2] = std::array::from_fn(|i| {
             // A sample that went missing repeats the temperature before, and has no rise.
@@ -124,7 +136,10 @@ impl Reader {
                 1 => no_y1,
                 _ => no_y2,
             };
-            AdcCode(if repeats && blank { f32::NAN } else { code(&self.thermistors[i], celsius[i]) })
+            let code = code(&self.thermistors[i], celsius[i]);
+            // A broken wire, or wires that touch, read the same from tick to tick, and are no missing sample.
+            let connected = code > self.limits.short_code.0 && code < self.limits.open_code.0;
+            AdcCode(if repeats && blank && connected { f32::NAN } else { code })
         });
         let supply = AdcCode(supply.map_or(0.0, |share| supply_code(&self.supply, share)));
         let orders = orders(self.before.as_ref(), &now);
@@ -158,10 +173,17 @@ fn exact(about: f32, reads: impl Fn(f32) -> bool) -> f32 {
 /// What must have been asked for between two rows.
 fn orders(before: Option<&Before>, now: &Before) -> Vec<Order> {
     let mut commands = Vec::new();
-    match before {
-        None if now.heating => commands.push(Command::Arm),
-        Some(b) if now.setpoint != b.setpoint => commands.push(Command::SetPoint(Celsius(now.setpoint))),
-        _ => {}
+    let (was_heating, was_tripped) = before.map_or((false, false), |b| (b.heating, b.tripped));
+    if before.is_some_and(|b| now.setpoint != b.setpoint) {
+        commands.push(Command::SetPoint(Celsius(now.setpoint)));
+    }
+    if was_tripped && !now.tripped {
+        commands.push(Command::Acknowledge);
+    }
+    if now.heating && !was_heating {
+        commands.push(Command::Arm);
+    } else if was_heating && !now.heating && !now.tripped {
+        commands.push(Command::Stop);
     }
     if let Some(level) = now.fan.filter(|level| before.and_then(|b| b.fan) != Some(*level)) {
         commands.push(Command::Fan(Percent(level)));
@@ -234,4 +256,36 @@ pub(super) fn differences(
         (ours != *theirs).then(|| format!("{}: trace {theirs:?}, core {ours:?}", column.name))
     };
     said.iter().filter_map(difference).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use pt326_lab::scene::{Order as Asked, Scene};
+    use pt326_lab::session::Session;
+    use pt326_rig::fault::{Sensor, Verb};
+
+    use super::*;
+
+    /// A session in which the user stops, arms, acknowledges a trip: what was asked for is found again from its trace.
+    #[test]
+    fn what_the_user_did_is_found_again() {
+        let mut session = Session::new(Scene::default()).unwrap();
+        let broken = Fault::new(Verb::Open, Some(Sensor::T1), None, 0.0, 1.0);
+        for order in [
+            Asked::Setpoint { celsius: 36.0 },
+            Asked::Stop,
+            Asked::Arm,
+            Asked::Break { fault: broken },
+            Asked::Acknowledge,
+            Asked::Arm,
+        ] {
+            (0..50).for_each(|_| drop(session.step()));
+            session.order(order).unwrap();
+        }
+        (0..50).for_each(|_| drop(session.step()));
+        let text = session.trace().unwrap().collect::<Vec<_>>().join("\n");
+        let recording = read(&text, &Config::default()).unwrap();
+        let (_, agreement) = super::super::rerun(&recording, Path::new("trace.csv")).unwrap();
+        assert!(agreement.to_string().contains("on all 350 ticks"), "{agreement}");
+    }
 }

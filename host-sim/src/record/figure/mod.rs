@@ -53,18 +53,17 @@ pub(crate) trait Picture: Sync {
     fn paint<M: Medium>(&self, backend: &mut M) -> anyhow::Result<()>;
 }
 
-/// Writes `figure4.svg`, `figure4.png` and so on into a folder that exists; the same SVGs, in the order of [`ALL`], are
-/// given back to be parts of a page.
+/// Writes `figure4.svg`, `figure4.png` and so on into a folder that exists.
 ///
 /// # Errors
 /// The file that can't be written.
-pub fn draw_all(record: &Record, folder: &Path) -> anyhow::Result<Vec<String>> {
+pub fn draw_all(record: &Record, folder: &Path) -> anyhow::Result<()> {
     canvas::register_fonts()?;
     let draw_one = |number| {
         let figure = content::figure(number, record);
-        draw(&Layout::new(&figure)?, &label(number), folder, &format!("figure{number}"))
+        draw(&Layout::new(&figure)?, &label(number), folder, &format!("figure{number}")).map(drop)
     };
-    ALL.into_par_iter().map(draw_one).collect()
+    ALL.into_par_iter().try_for_each(draw_one)
 }
 
 /// Writes a picture as `name.svg` and `name.png` into a folder that exists, and gives the SVG.
@@ -224,7 +223,7 @@ mod tests {
         let record = record(30.0);
         let folder = std::env::temp_dir().join(format!("pt326-figures-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let drawn = draw_all(&record, &folder).unwrap();
+        draw_all(&record, &folder).unwrap();
         let again = content::figure(Number::Four, &record);
         draw_png(&Layout::new(&again).unwrap(), &folder.join("again.png")).unwrap();
         let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
@@ -236,7 +235,6 @@ mod tests {
         assert!(pictures[0] == pictures[3] && pictures[0] != pictures[1]);
         for (file, number) in svgs.into_iter().zip(ALL) {
             assert!(file == svg(number, &record).unwrap().into_bytes(), "figure {number}");
-            assert!(file == drawn[number as usize - 4].as_bytes(), "figure {number}");
         }
     }
 

@@ -1,65 +1,31 @@
-//! `report.html`: a run explained on one page that needs nothing else, neither scripts nor a network.
+//! `report.html`: a run explained on one page that needs nothing else: the lab's page, which walks through it, and tables.
 
 mod numbers;
 mod tables;
 
 use crate::experiment::{Origin, Record};
-use crate::record::figure::{self, Number};
-use crate::record::paper;
 use crate::record::summary::Summary;
+use crate::record::{numbers as numbers_of, paper};
 use crate::score::expectation::Expectation;
-use numbers::{NOTHING, count, escape, significant, written};
+use pt326_lab::page::{self, Source};
 
-/// The look of the page.
-const STYLE: &str = include_str!("style.css");
+use numbers::{NOTHING, count, escape, significant, written};
 
 /// How the method works, for whoever opens the page first.
 const HOW_TO_READ: &str = include_str!("how_to_read.html");
 
-/// What each figure teaches.
-fn caption(number: Number) -> &'static str {
-    match number {
-        Number::Four => {
-            "Measurements and predictions. The controller brings T1 back to the set-point R whatever happens, so a fault of \
-             T1 or of the process shows in the power Pa instead. An offset of T2 moves T2 alone. The \
-             predictions follow the measurements within a sample even during a fault, because the models adapt: what \
-             gives a fault away is how the models change."
-        }
-        Number::Five => {
-            "Output residuals and model features. The output residuals jump when a fault begins or ends and settle once \
-             the models have adapted, so they are shown but decide nothing. The static gains and the bandwidth stay \
-             changed as long as the fault lasts. The start-up and single extreme samples may lie beyond a panel."
-        }
-        Number::Six => {
-            "The five residuals that decide, and the fault vectors. Dashed: thresholds of the low-passed residual. Read a \
-             signature downwards within a shaded fault: which residuals are above (+1), below (\u{2212}1) or between (0) their \
-             thresholds. Before monitoring began, the residuals are drawn with the baseline that was learnt later. The \
-             raw vectors, behind, show what the same tables say without the low-pass. Last, what the likelihood diagnosis calls it."
-        }
-    }
-}
-
-/// The page; `figures` are the SVGs of [`figure::ALL`].
-pub fn html(record: &Record, summary: &Summary, figures: &[String]) -> String {
-    let figures: String = figure::ALL.into_iter().zip(figures).map(|(n, svg)| figure(n, svg)).collect();
-    let title = format!("PT-326 fault diagnosis {}", escape(&record.origin.to_string()));
-    let body = [
+/// The page: the lab's, with the recording within it and what is told here below.
+pub fn html(record: &Record, summary: &Summary) -> String {
+    let report = [
         introduction(record, summary),
         warnings(record, summary),
         key_numbers(record, summary),
         tables::faults(record, summary),
         tables::false_alarms(summary),
-        "<h2>The run</h2>\n".into(),
-        figures,
         tables::baseline(record, summary),
         HOW_TO_READ.into(),
     ];
-    format!(
-        "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n\
-         <meta name='viewport' content='width=device-width, initial-scale=1'>\n<title>{title}</title>\n\
-         <style>\n{STYLE}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
-        body.concat()
-    )
+    page::html(Source::Recording { json: &numbers_of::json(record), report: &report.concat() })
 }
 
 /// What was run.
@@ -161,13 +127,6 @@ fn key_numbers(record: &Record, summary: &Summary) -> String {
     format!("<dl class='keys'>\n{}</dl>\n", cards.concat())
 }
 
-fn figure(number: Number, svg: &str) -> String {
-    let caption = caption(number);
-    format!(
-        "<figure>\n{svg}<figcaption><strong>Figure {number}.</strong> {caption}</figcaption>\n</figure>\n"
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use fdi_core::Config;
@@ -179,8 +138,7 @@ mod tests {
 
     fn page(scenario: &Scenario) -> String {
         let record = run(&Config::default(), scenario, 1).unwrap();
-        let figures = figure::ALL.map(|number| figure::svg(number, &record).unwrap());
-        html(&record, &Summary::new(&record), &figures)
+        html(&record, &Summary::new(&record))
     }
 
     #[test]
@@ -188,7 +146,7 @@ mod tests {
         let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
         scenario.faults[1] = Fault { name: "<b>&".into(), at: 5.0, ..scenario.faults[1].clone() };
         let page = page(&scenario);
-        assert!(page.contains("<td>&lt;b&gt;&amp;</td>") && !page.contains("<b>"));
+        assert!(page.contains("<td>&lt;b&gt;&amp;</td>") && !page.contains("<b>&"));
         assert!(page.contains("No baseline was learnt"));
         assert!(page.contains("before monitoring") && page.contains("after the end"));
         assert!(page.contains("<td>AFS2</td>") && page.contains("<td>MFP</td>"));
@@ -199,8 +157,8 @@ mod tests {
         let page = page(&Scenario { duration: 415.0, ..Scenario::default() });
         assert!(page.contains("What is normal") && page.contains("Static gain of MS1"));
         assert!(page.contains("1 of 1") && !page.contains("class='warning'"));
-        assert_eq!(page.matches("<svg ").count(), 3);
-        for outside in ["<script", "<link", "<img", "src=", "href=", "url(", "@import"] {
+        assert!(page.contains("id=\"recording\"") && page.len() < 3_000_000);
+        for outside in ["<img", "src=", "url(", "@import", "http:", "https:"] {
             assert!(!page.contains(outside), "{outside}");
         }
     }

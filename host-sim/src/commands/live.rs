@@ -1,0 +1,120 @@
+//! `pt326 live`: the lab served to browsers on this machine.
+
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+use anyhow::Context;
+use pt326_lab::scene::Scene;
+use pt326_lab::session::Session;
+use pt326_live::source::{Recording, Source};
+use pt326_live::{Access, Server, clock, listen};
+use pt326_rig::Disturbance;
+use serde_json::json;
+
+use super::replay;
+use super::terminal::print;
+
+/// Arguments of `live`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+All who open the page see the same rig; whoever has it may break it and stop it. It is served to this machine only, unless \
+--listen names an address, which needs --token: then everybody who can reach that address and knows the token may.
+
+Numbers for Prometheus: /metrics (with --listen, the token as bearer).
+
+Examples:
+  pt326 live                              the simulated rig, where it monitors
+  pt326 live --preset trainer --seed 7
+  pt326 live --recording out/trace.csv --speed 10
+  pt326 live --listen 192.168.1.7 --token $(openssl rand -hex 16)")]
+pub struct LiveArgs {
+    /// Which rig: paper, trainer, harsh or recorded.
+    #[arg(long, default_value = "paper")]
+    pub preset: String,
+    /// Seed of the rig's noise and of the phase of the excitation.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// How much the surroundings move: none, calm or lively.
+    #[arg(long, default_value_t = Disturbance::default())]
+    pub disturbance: Disturbance,
+    /// A recording in place of the rig: a board's log as text, or a trace.csv.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["preset", "seed", "disturbance"])]
+    pub recording: Option<PathBuf>,
+    /// How many times as fast as time it goes, 0 to 100.
+    #[arg(long, default_value_t = 1.0)]
+    pub speed: f64,
+    /// Port; another one where it is taken.
+    #[arg(long, default_value_t = 8326)]
+    pub port: u16,
+    /// Address to listen on, for other machines; needs --token.
+    #[arg(long, value_name = "ADDRESS", requires = "token")]
+    pub listen: Option<IpAddr>,
+    /// What everybody must know who opens the page: 16 letters and digits or more.
+    #[arg(long, requires = "listen")]
+    pub token: Option<String>,
+    /// Do not open a browser.
+    #[arg(long)]
+    pub no_open: bool,
+}
+
+/// Serves until it is interrupted.
+///
+/// # Errors
+/// A bad file or value; no port that is free.
+pub fn run(args: &LiveArgs) -> anyhow::Result<()> {
+    match &args.recording {
+        Some(file) => {
+            let (sample_time, rows) = replay::numbers(file)?;
+            let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            serve(args, Recording::new(name, sample_time, rows))
+        }
+        None => {
+            let scene = Scene {
+                seed: args.seed,
+                preset: args.preset.clone(),
+                disturbance: args.disturbance,
+                ..Scene::default()
+            };
+            serve(args, Session::new(scene)?)
+        }
+    }
+}
+
+fn serve(args: &LiveArgs, source: impl Source) -> anyhow::Result<()> {
+    let access = match (&args.listen, &args.token) {
+        (Some(_), Some(token)) => Access::open(token)?,
+        _ => Access::local()?,
+    };
+    let server = Server {
+        name: source.name(),
+        can: source.can(),
+        sample_time: source.sample_time(),
+        scene: json!(source.scene()),
+        access,
+        clock: clock::start(source, args.speed),
+    };
+    let address = SocketAddr::new(args.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), args.port);
+    listen(server, address, |address, query| {
+        let page = format!("http://{address}/{query}");
+        print(&format!("The lab is at {page}\nCtrl-C ends it.\n"))?;
+        if !args.no_open {
+            open(&page);
+        }
+        Ok(())
+    })
+    .with_context(|| format!("can't serve on {address}"))
+}
+
+/// Opens a browser, where there is one.
+fn open(page: &str) {
+    let opener = if cfg!(target_os = "macos") {
+        "open"
+    } else if cfg!(target_os = "windows") {
+        "explorer"
+    } else {
+        "xdg-open"
+    };
+    let silent = Stdio::null;
+    let _ = Command::new(opener).arg(page).stdin(silent()).stdout(silent()).stderr(silent()).spawn();
+}

@@ -1,0 +1,168 @@
+//! A headless Chromium, driven by its WebDriver: as much of a client as tests of one page need. WebDriver is HTTP with JSON in it
+//! (w3.org/TR/webdriver), to a program on this machine.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use anyhow::{Context, bail, ensure};
+use base64::Engine;
+use serde_json::{Value, json};
+
+/// How long a script may take.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A browser with one page. It ends with the value.
+pub struct Browser {
+    driver: Child,
+    port: u16,
+    session: String,
+}
+
+impl Browser {
+    /// Starts one.
+    ///
+    /// # Errors
+    /// chromedriver or chromium is not there (Debian: packages chromium-driver and chromium), or does not start.
+    pub fn start() -> anyhow::Result<Self> {
+        let port = TcpListener::bind(("127.0.0.1", 0))?.local_addr()?.port();
+        let driver = Command::new("chromedriver")
+            .arg(format!("--port={port}"))
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .context("chromedriver can't be run: install chromium-driver")?;
+        let mut browser = Self { driver, port, session: String::new() };
+        browser.wait_until_it_listens()?;
+        let arguments = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"];
+        let options = json!({ "args": arguments });
+        let wanted = json!({ "browserName": "chrome", "goog:chromeOptions": options, "goog:loggingPrefs": { "browser": "ALL" } });
+        let session =
+            browser.ask("POST", "/session", &json!({ "capabilities": { "alwaysMatch": wanted } }))?;
+        browser.session = format!("/session/{}", session["sessionId"].as_str().context("no session")?);
+        let timeouts = json!({ "script": PATIENCE.as_millis() as u64 });
+        browser.order("/timeouts", &timeouts)?;
+        Ok(browser)
+    }
+
+    fn wait_until_it_listens(&mut self) -> anyhow::Result<()> {
+        // It says nothing when it is ready; a refused connection takes no time.
+        for _ in 0..200_000 {
+            if TcpStream::connect(("127.0.0.1", self.port)).is_ok() {
+                return Ok(());
+            }
+            ensure!(self.driver.try_wait()?.is_none(), "chromedriver has ended");
+            std::thread::yield_now();
+        }
+        bail!("chromedriver does not listen")
+    }
+
+    /// Opens an address and waits until the page has loaded.
+    ///
+    /// # Errors
+    /// Those of the driver.
+    pub fn open(&self, address: &str) -> anyhow::Result<()> {
+        self.order("/url", &json!({ "url": address })).map(drop)
+    }
+
+    /// What a script, the body of an asynchronous function, returns; `arguments` are its arguments.
+    ///
+    /// # Errors
+    /// What it throws.
+    pub fn run(&self, script: &str, arguments: &[Value]) -> anyhow::Result<Value> {
+        let script = format!(
+            "const arguments_ = [...arguments].slice(0, -1), done = arguments[arguments.length - 1];\n\
+             (async (...args) => {{ {script} }})(...arguments_).then(value => done({{ value }}), error => done({{ error: String(error.stack ?? error) }}));"
+        );
+        let answer = self.order("/execute/async", &json!({ "script": script, "args": arguments }))?;
+        if let Some(error) = answer["error"].as_str() {
+            bail!("{error}");
+        }
+        Ok(answer["value"].clone())
+    }
+
+    /// Makes the page so wide and high, px; narrower than any window may be.
+    ///
+    /// # Errors
+    /// Those of the driver.
+    pub fn resize(&self, width: u32, height: u32) -> anyhow::Result<()> {
+        let size = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        self.tools("Emulation.setDeviceMetricsOverride", size).map(drop)
+    }
+
+    /// Writes what can be seen as a PNG.
+    ///
+    /// # Errors
+    /// Those of the driver or of the file.
+    pub fn picture(&self, file: &Path) -> anyhow::Result<()> {
+        let picture = self.tools("Page.captureScreenshot", json!({ "format": "png" }))?;
+        let data = picture["data"].as_str().context("no picture")?;
+        Ok(std::fs::write(file, base64::engine::general_purpose::STANDARD.decode(data)?)?)
+    }
+
+    /// Chooses a file in the input that `selector` finds.
+    ///
+    /// # Errors
+    /// There is no such input.
+    pub fn choose(&self, selector: &str, file: &Path) -> anyhow::Result<()> {
+        let found = self.order("/element", &json!({ "using": "css selector", "value": selector }))?;
+        let id = found.as_object().and_then(|o| o.values().next()?.as_str()).context("no such element")?;
+        let text = json!({ "text": file.to_str().context("no UTF-8")? });
+        self.order(&format!("/element/{id}/value"), &text).map(drop)
+    }
+
+    /// What stands in the console since this was asked last: warnings and errors of scripts, and requests that failed.
+    ///
+    /// # Errors
+    /// Those of the driver.
+    pub fn complaints(&self) -> anyhow::Result<Vec<String>> {
+        let log = self.order("/se/log", &json!({ "type": "browser" }))?;
+        Ok(log.as_array().into_iter().flatten().map(|entry| entry["message"].to_string()).collect())
+    }
+
+    fn tools(&self, command: &str, parameters: Value) -> anyhow::Result<Value> {
+        self.order("/goog/cdp/execute", &json!({ "cmd": command, "params": parameters }))
+    }
+
+    fn order(&self, path: &str, body: &Value) -> anyhow::Result<Value> {
+        self.ask("POST", &format!("{}{path}", self.session), body)
+    }
+
+    fn ask(&self, method: &str, path: &str, body: &Value) -> anyhow::Result<Value> {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port))?;
+        let body = body.to_string();
+        write!(
+            stream,
+            "{method} {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nContent-Type: application/json\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{body}",
+            self.port,
+            body.len()
+        )?;
+        let mut reader = BufReader::new(stream);
+        let mut length = 0;
+        let mut line = String::new();
+        while reader.read_line(&mut line)? > 0 && line.trim() != "" {
+            if let Some(value) = line.to_ascii_lowercase().strip_prefix("content-length:") {
+                length = value.trim().parse()?;
+            }
+            line.clear();
+        }
+        let mut answer = vec![0; length];
+        reader.read_exact(&mut answer)?;
+        let mut answer: Value = serde_json::from_slice(&answer)?;
+        let value = answer["value"].take();
+        match value["error"].as_str() {
+            Some(error) if value.get("message").is_some() => bail!("{error}: {}", value["message"]),
+            _ => Ok(value),
+        }
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.ask("DELETE", &self.session, &json!({}));
+        let _ = self.driver.kill();
+        let _ = self.driver.wait();
+    }
+}

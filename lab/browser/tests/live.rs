@@ -1,0 +1,106 @@
+//! The page as `pt326 live` serves it: faults, two pages at once, and a server that is killed and comes back.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
+
+use pt326_lab_browser::Browser;
+use serde_json::{Value, json};
+
+const HELPERS: &str = r##"
+const $ = (selector) => document.querySelector(selector);
+const frame = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+const until = async (what) => { while (!(await what())) await frame(); };
+const click = (selector) => $(selector).dispatchEvent(new MouseEvent("click", { bubbles: true }));
+"##;
+
+/// `pt326 live`; it ends with the value.
+struct Server {
+    process: Child,
+    address: String,
+}
+
+impl Server {
+    /// `LAB_LIVE` names the program, built with the feature `live`; without it, that of the workspace's debug build.
+    fn start(port: u16) -> Self {
+        let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/debug/pt326");
+        let program = std::env::var_os("LAB_LIVE").unwrap_or_else(|| default.into());
+        let mut process = Command::new(program)
+            .args(["live", "--no-open", "--port", &port.to_string()])
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("pt326, built with `cargo build -p host-sim --features live`");
+        let mut line = String::new();
+        BufReader::new(process.stdout.take().expect("its output")).read_line(&mut line).expect("a line");
+        let address = line.trim().strip_prefix("The lab is at ").expect(&line).to_owned();
+        Self { process, address }
+    }
+
+    fn port(&self) -> u16 {
+        self.address
+            .trim_end_matches('/')
+            .rsplit(':')
+            .next()
+            .and_then(|port| port.parse().ok())
+            .expect("a port")
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+fn on(browser: &Browser, script: &str) -> Value {
+    browser.run(&format!("{HELPERS}{script}"), &[]).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+#[test]
+fn a_fault_put_in_on_one_page_is_named_on_another() {
+    let server = Server::start(0);
+    let [one, other] = [(); 2].map(|()| {
+        let browser = Browser::start().expect("a browser");
+        browser.open(&server.address).expect("the page");
+        on(&browser, r#"await until(() => lab.lab.store?.end > 3300 && lab.row().mode === 3)"#);
+        browser
+    });
+    on(&one, r##"click("[data-speed='10']"); click("[data-part=T2]"); $("#sheet .primary").click();"##);
+    let seen = r##"await until(() => /T2/.test($("#head").innerText)); return [lab.events().last.named, lab.events().last.label(), $("#source").textContent.trim()]"##;
+    let expected = json!(["t2_offset", "T2: reads wrong, +1.5\u{a0}°C", "Live: paper, seed 1"]);
+    assert_eq!(on(&other, seen), expected);
+    assert_eq!(on(&one, seen), expected);
+    let trace = on(
+        &one,
+        r#"const { parts } = await lab.ask({ command: "trace" }); return parts[0].split("\n").length > 3300"#,
+    );
+    assert_eq!(trace, json!(true));
+    let refused = r##"lab.send({ command: "order", order: { order: "setpoint", celsius: 500 } }); await until(() => $("#toast").textContent); return $("#toast").textContent"##;
+    assert!(on(&other, refused).as_str().is_some_and(|text| text.contains("set-point 500")));
+    on(&one, r##"click("#stop"); await until(() => lab.row().drive === 0)"##);
+    assert_eq!(
+        on(&other, r##"await until(() => lab.row().mode === 0); return $("#stop").textContent"##),
+        json!("Arm")
+    );
+    assert_eq!(one.complaints().expect("the console"), Vec::<String>::new());
+}
+
+#[test]
+fn a_page_says_when_its_server_is_gone_and_goes_on_when_it_is_back() {
+    let server = Server::start(0);
+    let port = server.port();
+    let browser = Browser::start().expect("a browser");
+    browser.open(&server.address).expect("the page");
+    on(&browser, r#"await until(() => lab.lab.store?.end > 3300)"#);
+    drop(server);
+    let said = on(
+        &browser,
+        r##"await until(() => document.body.dataset.state === "lost"); return $("#state").textContent.trim()"##,
+    );
+    assert_eq!(said, json!("No connection"));
+    let server = Server::start(port);
+    assert_eq!(server.port(), port);
+    // The page may load anew in the middle of a script: until then it is asked again.
+    let back = (0..50).find_map(|_| browser.run(&format!("{HELPERS} await until(() => window.lab?.lab.store?.end > 3300 && document.body.dataset.state === 'monitor'); return 1"), &[]).ok());
+    assert_eq!(back, Some(json!(1)));
+}

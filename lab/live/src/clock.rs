@@ -1,0 +1,164 @@
+//! The session's time, in a thread of its own: so many ticks as have become due, and orders between them.
+
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::{Duration, Instant};
+
+use pt326_lab::scene::Order;
+use serde_json::json;
+use tokio::sync::{oneshot, watch};
+
+use crate::history::History;
+use crate::source::Source;
+
+/// How often it is looked whether a tick is due.
+const BEAT: Duration = Duration::from_millis(20);
+/// Ticks at a time: after a long sleep of the machine the past is not made up for.
+const MOST_AT_ONCE: f64 = 2000.0;
+/// Fastest clock.
+pub const FASTEST: f64 = 100.0;
+
+/// What the clock is asked for.
+pub(crate) enum Ask {
+    Order(Order),
+    Run(f64),
+    Skip,
+    Scene,
+    Trace,
+}
+
+/// A question, and where its answer goes: a message, or why not.
+type Question = (Ask, oneshot::Sender<Result<serde_json::Value, String>>);
+
+/// A session that goes by its clock.
+#[derive(Clone)]
+pub struct Clock {
+    pub(crate) history: Arc<Mutex<History>>,
+    /// Changes with every row and note.
+    pub(crate) changed: watch::Receiver<()>,
+    asks: Sender<Question>,
+}
+
+/// Starts the clock, of a simulated rig where it monitors; it ends when nobody can ask any more.
+pub fn start(source: impl Source, speed: f64) -> Clock {
+    let (asks, asked) = channel();
+    let (tell, changed) = watch::channel(());
+    let history = Arc::<Mutex<History>>::default();
+    let keeper =
+        Keeper { source, history: history.clone(), tell, speed: speed.clamp(0.0, FASTEST), owed: 0.0 };
+    std::thread::spawn(move || keeper.run(&asked));
+    Clock { history, changed, asks }
+}
+
+impl Clock {
+    /// Asks for something.
+    pub(crate) async fn ask(&self, ask: Ask) -> Result<serde_json::Value, String> {
+        let (answer, answered) = oneshot::channel();
+        let ended = |_| "the session has ended".to_owned();
+        self.asks.send((ask, answer)).map_err(|_| ended(()))?;
+        answered.await.map_err(|_| ended(()))?
+    }
+
+    pub(crate) fn history(&self) -> MutexGuard<'_, History> {
+        lock(&self.history)
+    }
+}
+
+/// Nobody can leave a history half written: what is done to it does not panic.
+fn lock(history: &Mutex<History>) -> MutexGuard<'_, History> {
+    history.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+struct Keeper<S> {
+    source: S,
+    history: Arc<Mutex<History>>,
+    tell: watch::Sender<()>,
+    speed: f64,
+    /// Ticks that are due, and a part of one.
+    owed: f64,
+}
+
+impl<S: Source> Keeper<S> {
+    fn run(mut self, asked: &Receiver<Question>) {
+        if self.source.scene().is_some() {
+            self.skip();
+        }
+        let mut before = Instant::now();
+        loop {
+            match asked.recv_timeout(BEAT) {
+                Ok((ask, answer)) => {
+                    let _ = answer.send(self.answer(ask)); // who asked may have gone
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
+            let now = Instant::now();
+            let due = (now - before).as_secs_f64() / self.source.sample_time() * self.speed;
+            before = now;
+            self.owed = (self.owed + due).min(MOST_AT_ONCE);
+            let ticks = self.owed.floor();
+            self.owed -= ticks;
+            self.ticks(ticks as usize);
+        }
+    }
+
+    fn ticks(&mut self, count: usize) {
+        let rows: Vec<_> = (0..count).map_while(|_| self.source.tick()).collect();
+        if !rows.is_empty() {
+            let mut history = lock(&self.history);
+            rows.into_iter().for_each(|row| history.push_row(row));
+            drop(history);
+            self.tell.send_replace(());
+        }
+    }
+
+    fn note(&self, note: &serde_json::Value) {
+        lock(&self.history).push_note(note.to_string());
+        self.tell.send_replace(());
+    }
+
+    fn answer(&mut self, ask: Ask) -> Result<serde_json::Value, String> {
+        const SIMULATED: &str = "only a simulated rig can do this";
+        match ask {
+            Ask::Order(order) => {
+                let told = json!(order);
+                self.source.order(order).map_err(|error| format!("{error:#}"))?;
+                let tick = lock(&self.history).end();
+                self.note(&json!({ "type": "order", "tick": tick, "order": told }));
+                Ok(json!({ "type": "done" }))
+            }
+            Ask::Run(speed) if (0.0..=FASTEST).contains(&speed) => {
+                self.speed = speed;
+                self.note(&json!({ "type": "running", "speed": speed }));
+                Ok(json!({ "type": "done" }))
+            }
+            Ask::Run(speed) => Err(format!("speed is {speed}, expected 0 to {FASTEST}")),
+            Ask::Skip => {
+                self.source.scene().ok_or(SIMULATED)?;
+                self.skip();
+                Ok(json!({ "type": "done" }))
+            }
+            Ask::Scene => {
+                let scene = self.source.scene().ok_or(SIMULATED)?;
+                Ok(json!({ "type": "scene", "tick": lock(&self.history).end(), "scene": scene }))
+            }
+            Ask::Trace => {
+                let lines = self.source.trace().ok_or(SIMULATED)?;
+                let text: String = lines.into_iter().flat_map(|line| [line, "\n".into()]).collect();
+                Ok(json!({ "type": "trace", "parts": [text] }))
+            }
+        }
+    }
+
+    /// On until it monitors, or heats no more; not forever, for it may never.
+    fn skip(&mut self) {
+        const WARMING: [f32; 2] = [1.0, 2.0];
+        let mode = pt326_lab::fields::FIELDS.iter().position(|field| field.name == "mode").unwrap_or(0);
+        for _ in 0..120 {
+            self.ticks(50);
+            if !lock(&self.history).last().is_some_and(|row| WARMING.contains(&row[mode])) {
+                return;
+            }
+        }
+    }
+}

@@ -1,0 +1,35 @@
+// A trace.csv as rows of the protocol. What the file does not hold is NaN.
+const MODES = ["off", "settle", "learn", "monitor", "tripped"];
+const SAME = {
+  t0: "t0_c", t1: "t1_c", t2: "t2_c", setpoint: "setpoint_c", pid: "u_pid_pct", drive: "pa_pct", fdv: "fdv", fiv: "fiv",
+  alarm: "alarm", confidence: "confidence", magnitude: "magnitude", truth: "truth",
+};
+
+export function readTrace(text, hello) {
+  const lines = text.split(/\r?\n/).filter((line) => line);
+  const header = lines[0]?.split(",") ?? [];
+  for (const need of ["t_s", "t1_c", "t2_c", "pa_pct", "mode"]) {
+    if (!header.includes(need)) throw new Error(need);
+  }
+  const column = (name) => header.indexOf(name);
+  const width = hello.fields.length;
+  const at = Object.fromEntries(hello.fields.map((name, i) => [name, i]));
+  const numbers = new Map(hello.classes.map((c) => [c.name, c.number]));
+  const same = Object.entries(SAME).map(([field, name]) => [at[field], column(name)]).filter(([, from]) => from >= 0);
+  const [mode, verdict, onset, time] = ["mode", "verdict", "onset_s", "t_s"].map(column);
+  const values = new Float32Array((lines.length - 1) * width).fill(NaN);
+  const cells = lines.length > 2 ? lines[2].split(",") : [];
+  const ts = Number(cells[time]) || hello.ts;
+  for (let i = 1; i < lines.length; i++) {
+    const cell = lines[i].split(",");
+    if (cell.length < header.length) throw new Error(`${i + 1}`);
+    const place = (i - 1) * width;
+    values[place + at.tick] = i - 1;
+    for (const [to, from] of same) if (cell[from] !== "") values[place + to] = Number(cell[from]);
+    values[place + at.mode] = MODES.indexOf(cell[mode]);
+    if (cell[verdict]) values[place + at.class] = numbers.get(cell[verdict]) ?? NaN;
+    if (cell[onset]) values[place + at.onset] = Math.round(Number(cell[onset]) / ts);
+    values[place + at.readiness] = 3;
+  }
+  return { values, ts };
+}

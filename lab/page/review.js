@@ -1,0 +1,37 @@
+// Of a recording: what was said of each fault at its end, with its close-up, before anything else.
+import { namedAt } from "lab/events.js";
+import { headline, support } from "lab/say.js";
+import { num, say } from "lab/strings.js";
+
+const MOST = 12;
+
+export class Review {
+  constructor(host) {
+    this.host = host;
+  }
+
+  show({ store, events, charts, hello }) {
+    const faults = events.list.filter((event) => event.truth).slice(0, MOST);
+    this.host.hidden = faults.length === 0;
+    this.host.replaceChildren(...faults.map((event) => this.card(event, store, hello)));
+    faults.forEach((event, i) => charts.drawCloseup(this.host.querySelectorAll("canvas")[i], event));
+  }
+
+  card(event, store, hello) {
+    const row = lastNamed(event, store);
+    const name = row && hello.classes.find((c) => c.number === row.class)?.name;
+    const delay = (t) => (t === undefined ? "–" : `${num(t - event.from, 2)} s`);
+    const card = document.createElement("article");
+    const delays = `${say("likelihood")} ${delay(namedAt(event))}, ${say("paper")} ${delay(event.isolated)}`;
+    card.innerHTML = `<h2>${num(event.from, 1)} s: ${event.label()}</h2><p class="head">${name ? headline(name, row.magnitude) : say("review_unnamed")}</p>
+      <p>${name ? support(name, row, store.ts) : ""}</p><p>${say("how_soon")}: ${delays}</p><div><canvas role="img" aria-label="${say("closeup", { s: num(event.from) })}"></canvas></div>`;
+    return card;
+  }
+}
+
+// The last row of a fault on which it had its name.
+function lastNamed(event, store) {
+  const [from, to] = [store.tickAt(event.from), Math.min(store.last, store.tickAt(event.to ?? store.now))];
+  for (let tick = to - 1; tick >= from; tick--) if (store.get(tick, "class") > 0) return store.row(tick);
+  return null;
+}

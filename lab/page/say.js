@@ -1,0 +1,74 @@
+// What a row says, in words.
+import { num, say } from "lab/strings.js";
+
+const PART = { t0: "T0", t1: "T1", t2: "T2" };
+
+// Class of a finding -> the part that it blames.
+export function blamed(name) {
+  if (!name) return null;
+  if (/^t\d_(?!t)/.test(name)) return PART[name.slice(0, 2)];
+  return { air_flow: "fan", heater_power: "heater" }[name] ?? null;
+}
+
+// The short name of a class.
+export function short(name) {
+  if (!name) return say("c_alarm");
+  const [, t, kind] = /^(t\d)_(stuck|open|short|lost)$/.exec(name) ?? [];
+  if (kind) return say("c_" + kind, { t: PART[t] });
+  const pair = /^(t\d)_(t\d)_swapped$/.exec(name);
+  if (pair) return say("c_swapped", { t: `${PART[pair[1]]}, ${PART[pair[2]]}` });
+  return say("c_" + name);
+}
+
+const part = (label, css) => `<span class="part-${css}">${label}</span>`;
+
+// The sentence of a finding, as HTML.
+export function headline(name, magnitude) {
+  const signed = (plus, minus, decimals, label) =>
+    say(magnitude >= 0 ? plus : minus, { part: label, size: num(Math.abs(magnitude), decimals) });
+  const t = PART[name.slice(0, 2)];
+  const T = t && part(t, t.toLowerCase());
+  const air = part(say("air_flow"), "flow");
+  const heater = part(say("heater"), "power");
+  if (/_offset$|^t0_fault$/.test(name)) return signed("f_offset_high", "f_offset_low", 2, T);
+  if (name === "t1_clogged") return signed("f_clogged_more", "f_clogged_less", 1, T);
+  if (/_detached$/.test(name)) return say("f_detached", { part: T, seen: num(Math.max(0, 100 + (magnitude || -100)), 0) });
+  if (name === "air_flow") return signed("f_flow_more", "f_flow_less", 1, air);
+  if (name === "heater_power") {
+    return Number.isFinite(magnitude) ? signed("f_power_more", "f_power_less", 1, heater) : say("f_power_same", { part: heater });
+  }
+  if (name === "air_flow_or_heater_power") return say("f_either", { part: part(say("Air_flow"), "flow") });
+  if (name === "drift") return signed("f_drift_up", "f_drift_down", 2);
+  const kind = /^t\d_(stuck|open|short|lost)$/.exec(name)?.[1];
+  if (kind) return say("f_" + kind, { part: T });
+  const pair = /^(t\d)_(t\d)_swapped$/.exec(name);
+  if (pair) return say("f_swapped", { a: part(PART[pair[1]], pair[1]), b: part(PART[pair[2]], pair[2]) });
+  return say("f_unknown");
+}
+
+// Measured against expected, since when, how surely.
+export function support(name, row, ts) {
+  const t = /^t[012]/.exec(name)?.[0];
+  const out = [];
+  if (t && !/open|short|lost|swapped/.test(name)) {
+    const measured = row[t];
+    const offset = /_offset$|^t0_fault$/.test(name) && Number.isFinite(row.magnitude);
+    const expected = offset ? measured - row.magnitude : row[t + "_expected"];
+    if (Number.isFinite(expected)) out.push(say("measured_expected", { measured: num(measured), expected: num(expected) }));
+  }
+  if (name === "air_flow_or_heater_power") out.push(say("sub_either"));
+  if (name !== "unknown") {
+    const confidence = row.confidence >= 0.995 ? say("above", { x: num(0.99, 2) }) : num(row.confidence, 2);
+    out.push(say("since", { s: num(row.onset * ts), confidence }));
+  }
+  if (name === "air_flow" || name === "heater_power") out.push(say("others_true"));
+  return out.join(" ");
+}
+
+// What fdv and fiv say.
+export function papers(fdv, fiv) {
+  if (!(fdv > 0)) return say("paper_says_nothing");
+  return say(`paper_says_${fiv <= 3 ? fiv : 0}`);
+}
+
+export const unitOf = (name) => (/_offset$|^t0_fault$/.test(name) ? "°C" : name === "drift" ? "°C/min" : "%");

@@ -1,0 +1,88 @@
+// The numbers of the last two hours, a row a tick, in one ring: memory is bounded however long a session lasts. Beside it, for views of long
+// times, the least and the largest of each block of ticks.
+const CAPACITY = 1 << 16;
+export const BLOCK = 16;
+
+export class Store {
+  constructor(hello) {
+    this.ts = hello.ts;
+    this.given = hello.fields.length;
+    // What the models leave unexplained is a column of its own.
+    this.fields = [...hello.fields, "t1_left", "t2_left"];
+    this.width = this.fields.length;
+    this.at = Object.fromEntries(this.fields.map((name, i) => [name, i]));
+    this.ring = new Float32Array(CAPACITY * this.width);
+    this.low = new Float32Array((CAPACITY / BLOCK) * this.width);
+    this.high = new Float32Array((CAPACITY / BLOCK) * this.width);
+    this.clear();
+  }
+
+  clear() {
+    this.first = 0;
+    this.end = 0; // one past the last tick
+  }
+
+  // Rows from a tick on, one after another, as a source gives them.
+  push(from, values) {
+    const rows = values.length / this.given;
+    if (from !== this.end) this.first = this.end = from;
+    for (let i = Math.max(0, rows - CAPACITY); i < rows; i++) this.set(from + i, values.subarray(i * this.given, (i + 1) * this.given));
+    this.end = from + rows;
+    // A block that is written over is no more.
+    this.first = Math.max(this.first, Math.ceil((this.end - CAPACITY) / BLOCK) * BLOCK);
+  }
+
+  set(tick, row) {
+    const { ring, at, low, high, width } = this;
+    const place = this.place(tick);
+    ring.set(row, place);
+    ring[place + at.t1_left] = ring[place + at.t1] - ring[place + at.t1_expected];
+    ring[place + at.t2_left] = ring[place + at.t2] - ring[place + at.t2_expected];
+    const block = this.block(Math.floor(tick / BLOCK));
+    const fresh = tick % BLOCK === 0 || tick === this.first;
+    for (let i = 0; i < width; i++) {
+      const v = ring[place + i];
+      if (fresh || !(low[block + i] <= v)) if (fresh || v === v) low[block + i] = v;
+      if (fresh || !(high[block + i] >= v)) if (fresh || v === v) high[block + i] = v;
+    }
+  }
+
+  get last() {
+    return this.end - 1;
+  }
+
+  get now() {
+    return this.last * this.ts;
+  }
+
+  has(tick) {
+    return tick >= this.first && tick < this.end;
+  }
+
+  // Where a row begins in the ring, and where a block does.
+  place(tick) {
+    return (tick % CAPACITY) * this.width;
+  }
+
+  block(number) {
+    return (number % (CAPACITY / BLOCK)) * this.width;
+  }
+
+  get(tick, name) {
+    return this.has(tick) ? this.ring[this.place(tick) + this.at[name]] : NaN;
+  }
+
+  // A row by names.
+  row(tick) {
+    if (!this.has(tick)) return null;
+    const place = this.place(tick);
+    const row = {};
+    this.fields.forEach((name, i) => (row[name] = this.ring[place + i]));
+    row.t = tick * this.ts;
+    return row;
+  }
+
+  tickAt(t) {
+    return Math.round(t / this.ts);
+  }
+}

@@ -1,0 +1,140 @@
+// The large sentence: the state, one claim, what it rests on, how much and how soon.
+import { namedAt } from "lab/events.js";
+import { recognise } from "lab/faults.js";
+import { blamed, headline, papers, support, unitOf } from "lab/say.js";
+import { num, say, sayHtml } from "lab/strings.js";
+
+const ICONS = {
+  alarm: '<path d="M9 1.5 17 16H1z" fill="currentColor"/><path d="M9 6.5v4.6M9 13v.8" stroke="var(--bg)" stroke-width="1.8" stroke-linecap="round"/>',
+  ok: '<circle cx="9" cy="9" r="8" fill="currentColor"/><path d="m5.2 9.4 2.6 2.6 5-5.6" fill="none" stroke="var(--bg)" stroke-width="1.9"/>',
+  learn: '<circle cx="9" cy="9" r="7" fill="none" stroke="currentColor" stroke-width="2" stroke-dasharray="30 14"/>',
+  off: '<circle cx="9" cy="9" r="7.2" fill="none" stroke="currentColor" stroke-width="2"/><path d="M4 14 14 4" stroke="currentColor" stroke-width="2"/>',
+  ask: '<circle cx="9" cy="9" r="8" fill="currentColor"/><path d="M6.6 7a2.4 2.4 0 1 1 3.4 2.2c-.7.3-1 .7-1 1.5M9 13v.5" fill="none" stroke="var(--bg)" stroke-width="1.7" stroke-linecap="round"/>',
+};
+const icon = (name) => `<svg viewBox="0 0 18 18" width="18" height="18" aria-hidden="true">${ICONS[name]}</svg>`;
+const button = (act, key, primary) => `<button class="${primary ? "primary" : "plain"}" data-act="${act}">${say(key)}</button>`;
+const row = (...buttons) => `<div class="row">${buttons.join("")}</div>`;
+const LEARN_END = 363; // s: when a run of the usual settings monitors
+
+// What to say of a row. `can` tells which buttons make sense, `since` when the state began.
+export function verdict({ row: now, hello, events, since, can, lost }) {
+  const at = now.t;
+  const aside = say("for_s", { s: num(Math.max(0, at - since), 0) });
+  const order = can.has("order");
+  if (lost) {
+    const s = num(lost / 1000, 0);
+    return { state: "lost", icon: "off", word: say("state_lost"), aside: "", head: say("head_lost", { s }), sub: say("sub_lost"), more: "" };
+  }
+  if (now.mode === 4) {
+    const more = order ? row(button("ack", "acknowledge", true), button("mend", "mend_all")) : "";
+    const reason = hello.trips[now.trip];
+    const off = say("heater_off_since", { s: num(since, 1) });
+    return { state: "tripped", icon: "off", word: say("state_tripped"), aside: off, head: say(`trip_${reason}`), sub: say("acknowledge_first"), more };
+  }
+  if (now.alarm > 0) return alarm(now, hello, events);
+  if (now.mode === 0) {
+    return { state: "off", icon: "off", word: say("state_off"), aside, head: say("head_off"), sub: say("sub_off"), more: order ? row(button("arm", "arm", true)) : "" };
+  }
+  if (now.mode < 3) {
+    const left = Math.max(0, LEARN_END - (at - since) - (now.mode === 2 ? 180 : 0));
+    const blocked = hello.blockers[now.blocked];
+    const waits = blocked && say("sub_blocked", { why: say(`block_${blocked}`) });
+    const share = now.mode === 2 ? Math.min(1, now.learned / 1640) : Math.min(1, (at - since) / 180);
+    const bar = `<div class="progress"><i style="width:${(100 * share).toFixed(0)}%"></i></div>`;
+    const head = now.mode === 2 ? say("head_learn") : say("head_settle", { setpoint: num(now.setpoint) });
+    const word = say(now.mode === 2 ? "state_learn" : "state_settle");
+    const sub = waits || say("sub_learn", { s: num(left, 0) });
+    return { state: "learn", icon: "learn", word, aside: "", head, sub, more: bar + (order ? row(button("skip", "skip", true)) : "") };
+  }
+  if (now.readiness === 2) {
+    return { state: "learn", icon: "learn", word: say("state_monitor"), aside, head: say("head_refused"), sub: say("sub_refused"), more: "" };
+  }
+  const expected = Number.isFinite(now.t1_expected);
+  const sub = expected
+    ? sayHtml("sub_monitor", { t1: num(now.t1), e1: num(now.t1_expected), t2: num(now.t2), e2: num(now.t2_expected) })
+    : "";
+  const more = order ? row(button("surprise", "surprise", true), ...QUICK.map(([act, key]) => button(act, key))) : "";
+  return { state: "monitor", icon: "ok", word: say("state_monitor"), aside, head: say("head_monitor"), sub, more };
+}
+
+// Two faults that are one click away.
+const QUICK = [
+  ["quick-t2", "quick_t2"],
+  ["quick-air", "quick_air"],
+];
+
+function alarm(now, hello, events) {
+  const name = hello.classes.find((c) => c.number === now.class)?.name;
+  const event = events.last;
+  const aside = event?.alarm === undefined ? "" : say("for_s", { s: num(now.t - event.alarm, 0) });
+  const common = { state: "alarm", icon: "alarm", word: say("state_alarm"), aside };
+  if (!name) return { ...common, head: say("head_unnamed"), sub: say("sub_unnamed"), more: "" };
+  const more = [];
+  if (Number.isFinite(now.magnitude)) more.push(howMuch(name, now, event));
+  if (event?.truth && namedAt(event) !== undefined) more.push(howSoon(event, now.t));
+  const gauges = more.length ? `<div class="gauge">${more.join("")}</div>` : "";
+  return { ...common, name, head: headline(name, now.magnitude), sub: support(name, now, hello.ts), more: gauges };
+}
+
+export const secondOpinion = (now) => (now.fdv >= 0 ? say("paper_says", { what: papers(now.fdv, now.fiv) }) : "");
+
+// The part that is blamed, and what its thermistor should read.
+export function blame(now, name) {
+  const part = blamed(name);
+  const t = /^T[12]$/.test(part) ? part.toLowerCase() : null;
+  if (!t) return { part, wanted: null };
+  const celsius = /_offset$/.test(name) ? now[t] - now.magnitude : now[t + "_expected"];
+  return { part, wanted: Number.isFinite(celsius) && !/open|short|lost/.test(name) ? { part, celsius } : null };
+}
+
+const WIDTH = 330;
+const svg = (label, body) => `<svg viewBox="0 0 ${WIDTH} 44" role="img" aria-label="${label}">${body}</svg>`;
+const text = (x, y, words, more = "") => `<text x="${x.toFixed(1)}" y="${y}" ${more}>${words}</text>`;
+
+function howMuch(name, now, event) {
+  const unit = unitOf(name);
+  const decimals = unit === "%" ? 1 : 2;
+  const [value, half] = [Math.abs(now.magnitude), Number.isFinite(now.half_width) ? now.half_width : 0];
+  const known = event?.fault && recognise(event.fault);
+  const truth = known && known.name === name && known.magnitude != null ? Math.abs(known.magnitude) : null;
+  const most = Math.max(value + half, truth ?? 0) * 1.15;
+  const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100].find((s) => most / s <= 6) ?? 200;
+  const end = Math.ceil(most / step) * step;
+  const X = (v) => 4 + (Math.max(0, v) / end) * (WIDTH - 8);
+  let body = `<path d="M4 22H${WIDTH - 4}" class="axis"/>`;
+  for (let v = 0; v <= end + 1e-9; v += step) {
+    const last = v + step > end + 1e-9;
+    body += `<path d="M${X(v)} 22v4" class="tick"/>`;
+    body += text(X(v), 40, num(v, step < 1 ? 1 : 0) + (last ? ` ${unit}` : ""), `text-anchor="${last ? "end" : v ? "middle" : "start"}"`);
+  }
+  body += `<rect x="${X(value - half)}" y="15" width="${X(value + half) - X(value - half)}" height="14" rx="3" class="interval"/>`;
+  body += `<path d="M${X(value)} 12v20" class="value"/>`;
+  if (truth !== null) body += `<path d="M${X(truth)} 4l4 5-4 5-4-5z" class="truth"/>`;
+  const interval = say("to", { a: num(value - half, decimals), b: num(value + half, decimals) });
+  const place = Math.max(X(value + half), truth === null ? 0 : X(truth)) + 9;
+  const fits = place + 84 < WIDTH;
+  if (half) body += text(fits ? place : X(Math.min(value - half, truth ?? Infinity)) - 9, 11, interval, `class="strong" text-anchor="${fits ? "start" : "end"}"`);
+  const label = `${say("how_much")}: ${num(value, decimals)} ${unit}, ${interval}`;
+  return `<span>${say("how_much")}${truth === null ? "" : `<small>${say("truth_mark")}</small>`}</span>${svg(label, body)}`;
+}
+
+function howSoon(event, now) {
+  const [a, b] = [namedAt(event) - event.from, event.isolated - event.from];
+  const detected = event.detected - event.from;
+  const end = [2, 5, 10, 20, 40, 100].find((s) => s >= Math.max(a, b || 0) * 1.2) ?? 1000;
+  const X = (s) => 4 + (Math.min(end, s) / end) * (WIDTH - 8);
+  let body = `<path d="M4 22H${WIDTH - 4}" class="axis"/><path d="M4 22H${X(a)}" class="value"/><circle cx="${X(a)}" cy="22" r="5" class="dot"/>`;
+  const own = say("delay", { who: say("likelihood"), s: num(a, 2) });
+  body += text(Math.min(Math.max(4, X(a) - 4), WIDTH - 110), 10, own, 'class="strong"');
+  let paper = say("paper_nothing");
+  if (b >= 0) {
+    body += `<circle cx="${X(b)}" cy="22" r="5" class="other"/>`;
+    paper = say("paper_s", { s: num(b, 2) });
+  } else if (detected >= 0) paper = say("paper_detected", { s: num(detected, 2) });
+  const right = !(b >= 0) || X(b) > WIDTH - 110;
+  body += text(right ? WIDTH - 4 : Math.max(4, X(b) - 6), 40, paper, `text-anchor="${right ? "end" : "start"}"`);
+  return `<span>${say("how_soon")}</span>${svg(`${say("how_soon")}: ${own}, ${paper}`, body)}`;
+}
+
+export const stateLine = ({ icon: name, word, aside }) => `${icon(name)}<span>${word}${aside ? ` <span class="aside">${aside}</span>` : ""}</span>`;
+export const quizLine = (score) => stateLine({ icon: "ask", word: say("state_quiz"), aside: score });

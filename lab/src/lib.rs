@@ -1,0 +1,12 @@
+//! The lab: the instrument and the simulated rig in a session that is talked to, the numbers that it gives on each tick, and the page that
+//! shows them. `PROTOCOL.md` says what goes over the wire; the same session runs in a browser (`lab/wasm`) and behind `pt326 live`.
+//!
+//! No clock, no files, no threads: whoever holds a session decides when it ticks.
+
+pub mod fields;
+pub mod page;
+pub mod protocol;
+pub mod scene;
+pub mod session;
+pub mod time;
+pub mod trace;

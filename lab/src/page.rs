@@ -1,0 +1,130 @@
+//! The page as one file: style, modules, worker and data lie within it, so that it needs no network and opens from anywhere.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+const INDEX: &str = include_str!("../page/index.html");
+const STYLE: &str = include_str!("../page/lab.css");
+const WORKER: &str = include_str!("../page/worker.js");
+const REPORT: &str = "<!-- report -->";
+const PLACE: &str = "<!-- bundle: style, modules, worker, data -->";
+
+macro_rules! modules {
+    ($($name:literal),+ $(,)?) => {
+        /// The modules, by the names under which they import each other.
+        const MODULES: [(&str, &str); [$($name),+].len()] =
+            [$((concat!("lab/", $name, ".js"), include_str!(concat!("../page/", $name, ".js")))),+];
+    };
+}
+modules!(
+    "canvas",
+    "charts",
+    "csv",
+    "events",
+    "faults",
+    "main",
+    "quiz",
+    "review",
+    "rig",
+    "say",
+    "scene",
+    "sheet",
+    "sources",
+    "store",
+    "strings",
+    "tour",
+    "tour_steps",
+    "verdict",
+);
+
+/// What the page gets its numbers from.
+#[derive(Clone, Copy, Debug)]
+pub enum Source<'a> {
+    /// The session as WebAssembly, these bytes.
+    InPage(&'a [u8]),
+    /// The server that sent the page, with the token for its commands.
+    Server(&'a str),
+    /// A recording.
+    Recording {
+        /// `hello`, `name`, `values` and `orders` of PROTOCOL.md, as JSON.
+        json: &'a str,
+        /// What is told of it beside, as HTML.
+        report: &'a str,
+    },
+}
+
+/// The page. Its modules go by an import map of data, since a file has no siblings that it may load.
+pub fn html(source: Source) -> String {
+    let imports: Vec<String> = MODULES
+        .iter()
+        .map(|(name, text)| format!("\"{name}\":\"data:text/javascript;base64,{}\"", STANDARD.encode(text)))
+        .collect();
+    let data = match source {
+        Source::InPage(wasm) => {
+            let worker = WORKER.replace("</script", "<\\/script");
+            format!(
+                "<script type=\"text/plain\" id=\"worker\">{worker}</script>\n\
+                 <script type=\"text/plain\" id=\"wasm\">{}</script>",
+                STANDARD.encode(wasm)
+            )
+        }
+        Source::Server(token) => format!("<script type=\"text/plain\" id=\"token\">{token}</script>"),
+        Source::Recording { json, .. } => {
+            format!(
+                "<script type=\"application/json\" id=\"recording\">{}</script>",
+                json.replace('<', "\\u003c")
+            )
+        }
+    };
+    let head = format!(
+        "<style>{STYLE}</style>\n<script type=\"importmap\">{{\"imports\":{{{}}}}}</script>\n{data}\n\
+         <script type=\"module\">import \"lab/main.js\";</script>",
+        imports.join(",")
+    );
+    let report = match source {
+        Source::Recording { report, .. } if !report.is_empty() => {
+            format!("<section class=\"report\">\n{report}</section>")
+        }
+        _ => String::new(),
+    };
+    INDEX.replacen(REPORT, &report, 1).replacen(PLACE, &head, 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a module imports is in the page; none asks for anything else, and none is there for nothing.
+    #[test]
+    fn every_import_is_a_module_of_the_page() {
+        let mut imported = vec!["lab/main.js"];
+        for (name, text) in MODULES {
+            let from = text
+                .lines()
+                .filter_map(|line| line.strip_suffix("\";")?.split_once("from \""))
+                .map(|(_, of)| of);
+            for of in from {
+                assert!(MODULES.iter().any(|(known, _)| *known == of), "{name} imports {of}");
+                imported.push(of);
+            }
+        }
+        assert!(MODULES.iter().all(|(name, _)| imported.contains(name)));
+    }
+
+    #[test]
+    fn nothing_of_the_page_lies_elsewhere() {
+        let page = html(Source::InPage(b"\0asm"));
+        let texts = MODULES.iter().map(|(_, text)| *text).chain([INDEX, STYLE, WORKER]);
+        for text in texts {
+            let links =
+                text.match_indices("http").map(|(i, _)| &text[i..]).filter(|link| link.contains("://"));
+            let foreign = links.filter(|link| link.starts_with("http://") || link.starts_with("https://"));
+            assert!(
+                foreign.clone().all(|link| link.starts_with("http://www.w3.org/2000/svg")),
+                "{:?}",
+                foreign.last()
+            );
+        }
+        assert!(page.contains("AGFzbQ==") && !page.contains(PLACE));
+    }
+}

@@ -1,0 +1,91 @@
+use pt326_rig::fault::{Sensor, Verb};
+
+use super::*;
+
+fn place(name: &str) -> usize {
+    FIELDS.iter().position(|field| field.name == name).unwrap()
+}
+
+/// A session that monitors.
+fn monitoring() -> Session {
+    let mut session = Session::new(Scene::default()).unwrap();
+    while session.step().tick.mode != fdi_core::Mode::Monitor {}
+    (0..100).for_each(|_| drop(session.step()));
+    session
+}
+
+fn offset() -> Order {
+    Order::Break { fault: Fault::new(Verb::Offset, Some(Sensor::T2), Some(1.5), 0.0, 25.0) }
+}
+
+#[test]
+fn a_fault_that_is_put_in_is_named_and_explained() {
+    let mut session = monitoring();
+    session.order(offset()).unwrap();
+    let row = (0..40).map(|_| session.step()).last().unwrap();
+    let last = session.numbers(&row);
+    assert_eq!(last[place("class")], 2.0, "t2_offset");
+    assert_eq!(last[place("truth")], 1.0);
+    let [right, wrong] = ["x_t2_offset", "x_t1_offset"].map(|name| last[place(name)]);
+    assert!(right > 0.8 && wrong < 0.8 * right, "{right} {wrong}");
+    assert!((last[place("t2")] - last[place("t2_expected")] - 1.5).abs() < 0.4);
+    session.order(Order::Mend).unwrap();
+    assert_eq!(session.step().truth, 0);
+}
+
+/// The trace of a session is that of its scene, whenever it is asked for, orders and all.
+#[test]
+fn a_scene_leads_to_the_same_bits_again() {
+    let mut session = Session::new(Scene { seed: 5, ..Scene::default() }).unwrap();
+    let mut lines = vec![header(COLUMNS.iter())];
+    let mut step = |session: &mut Session| {
+        let row = session.step();
+        let mut line = String::new();
+        let on = OneTick { tick: &row.tick, report: &row.report, truth: row.truth, sample_time: 0.11 };
+        append_cells(&mut line, COLUMNS.iter(), &on);
+        lines.push(line);
+    };
+    (0..300).for_each(|_| step(&mut session));
+    session.order(Order::Setpoint { celsius: 38.0 }).unwrap();
+    session.order(offset()).unwrap();
+    session.order(Order::Set { name: "pid.kp".into(), value: 2.0 }).unwrap();
+    (0..300).for_each(|_| step(&mut session));
+    session.order(Order::Mend).unwrap();
+    session.order(Order::Stop).unwrap();
+    (0..50).for_each(|_| step(&mut session));
+    let text = serde_json::to_string(&session.scene()).unwrap();
+    let mut again = Session::new(serde_json::from_str(&text).unwrap()).unwrap();
+    (0..650).for_each(|_| drop(again.step()));
+    assert!(again.trace().unwrap().eq(lines.iter().cloned()));
+    assert!(session.trace().unwrap().eq(lines));
+}
+
+#[test]
+fn what_cannot_be_is_refused_and_changes_nothing() {
+    let mut session = monitoring();
+    let before = session.scene();
+    let fault = Fault { size: Some(1e9), ..Fault::new(Verb::Offset, Some(Sensor::T2), None, 0.0, 25.0) };
+    for (order, words) in [
+        (Order::Setpoint { celsius: 500.0 }, "set-point 500"),
+        (Order::Fan { percent: -1.0 }, "fan level -1"),
+        (Order::Arm, "not possible in mode monitor"),
+        (Order::Set { name: "pid.kp".into(), value: -1.0 }, "pid.kp is -1"),
+        (Order::Set { name: "sample_time".into(), value: 1.0 }, "sample_time"),
+        (Order::Set { name: "supervisor.over_temperature".into(), value: 90.0 }, "can't be widened"),
+        (Order::Break { fault }, "size is 1000000000"),
+    ] {
+        let error = format!("{:#}", session.order(order).unwrap_err());
+        assert!(error.contains(words), "{error}");
+    }
+    assert_eq!(session.scene(), before);
+    let scene = |text: &str| Session::new(serde_json::from_str(text)?).map(drop);
+    for (text, words) in [
+        (r#"{"preset":"kettle"}"#, "kettle"),
+        (r#"{"preset":"oven"}"#, "another plant"),
+        (r#"{"orders":[[5,{"order":"arm"}],[4,{"order":"stop"}]]}"#, "order of time"),
+        (r#"{"orders":[[0,{"order":"melt"}]]}"#, "melt"),
+    ] {
+        let error = format!("{:#}", scene(text).unwrap_err());
+        assert!(error.contains(words), "{error}");
+    }
+}

@@ -1,0 +1,46 @@
+//! `cargo lab`: the page with the session within it, one file that opens with a double click.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use pt326_lab::page::{Source, html};
+
+const TARGET: &str = "wasm32-unknown-unknown";
+const SESSION: &str = "pt326_lab_wasm.wasm";
+/// A file that fits where mail and courses put it, bytes.
+const LIMIT: usize = 1_500_000;
+
+fn main() -> ExitCode {
+    match write(std::env::args_os().nth(1).as_deref()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("lab: {why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Builds the session for a browser and writes the page to `file`, or to lab.html.
+fn write(file: Option<&OsStr>) -> Result<(), String> {
+    let cargo = || Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let build = ["build", "--quiet", "--profile", "lab", "-p", "pt326-lab-wasm", "--lib", "--target", TARGET];
+    let status = cargo().args(build).status().map_err(|error| format!("cargo cannot be run: {error}"))?;
+    if !status.success() {
+        return Err(format!("the session was not built; is the target there? (rustup target add {TARGET})"));
+    }
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
+    let wasm = target.join(TARGET).join("lab").join(SESSION);
+    let wasm = std::fs::read(&wasm).map_err(|error| format!("{}: {error}", wasm.display()))?;
+    let page = html(Source::InPage(&wasm));
+    let file = Path::new(file.unwrap_or(OsStr::new("lab.html")));
+    std::fs::write(file, &page).map_err(|error| format!("{}: {error}", file.display()))?;
+    println!("{}: {} kB, of these {} kB the session", file.display(), page.len() / 1000, wasm.len() / 1000);
+    if page.len() > LIMIT { Err(format!("more than {LIMIT} bytes")) } else { Ok(()) }
+}
+
+/// The folder of the workspace.
+fn root() -> PathBuf {
+    let here = std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(PathBuf::new, PathBuf::from);
+    here.ancestors().nth(2).map_or_else(PathBuf::new, Path::to_path_buf)
+}

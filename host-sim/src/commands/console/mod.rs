@@ -6,7 +6,7 @@
 mod bench;
 mod flash;
 mod output_stage;
-mod play;
+pub mod play;
 
 use std::io::{BufRead, IsTerminal, Write};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -17,7 +17,7 @@ use anyhow::Context;
 use super::experiment::ExperimentArgs;
 use super::terminal::print;
 pub use bench::Bench;
-pub use output_stage::OutputStage;
+pub use output_stage::{Defect, OutputStage};
 
 /// Use the board's console, with the simulated rig in place of a board.
 #[derive(Clone, Debug, clap::Args)]

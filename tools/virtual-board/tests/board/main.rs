@@ -12,6 +12,7 @@ mod flash;
 mod halt;
 mod heater_off;
 mod last_gasp;
+mod live;
 mod log;
 mod paper;
 mod pins;

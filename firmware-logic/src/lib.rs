@@ -24,4 +24,5 @@ pub mod sampling;
 pub mod self_test;
 pub mod settings;
 pub mod status;
+pub mod stream;
 pub mod task_watchdog;

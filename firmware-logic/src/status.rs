@@ -22,6 +22,8 @@ pub struct Health {
     pub records_lost: u32,
     /// Frames of the log that did not fit.
     pub log_dropped: u32,
+    /// Lines of the stream that did not fit.
+    pub stream_dropped: u32,
     /// Most bytes of stack ever used.
     pub stack_used: u32,
     /// Bytes of stack.
@@ -179,12 +181,13 @@ impl fmt::Display for Health {
         let p = &self.jitter;
         write!(
             f,
-            "ticks {} missed {} worst {} us late, diagnosis lost {}, log dropped {}, stack {} of {} bytes",
+            "ticks {} missed {} worst {} us late, diagnosis lost {}, log dropped {}, stream dropped {}, stack {} of {} bytes",
             p.ticks,
             p.missed,
             p.worst_us,
             self.records_lost,
             self.log_dropped,
+            self.stream_dropped,
             self.stack_used,
             self.stack_size
         )

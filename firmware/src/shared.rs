@@ -1,6 +1,7 @@
 //! What the thread-mode tasks share: the diagnosis half, and the way to the control half.
 
 use core::cell::RefCell;
+use core::fmt::Display;
 use core::pin::pin;
 use core::sync::atomic::Ordering;
 
@@ -13,12 +14,15 @@ use firmware_logic::cadence;
 use firmware_logic::console::board::Chip;
 use firmware_logic::control_loop::{Denial, Order, Outcome, TickRecord};
 use firmware_logic::diagnosis_loop::DiagnosisLoop;
-use firmware_logic::log_line;
+use firmware_logic::log_line::{self, LogLine};
+use firmware_logic::reset_cause::{ResetCause, Restart};
+use firmware_logic::retained::Retained;
 use firmware_logic::status::{Health, Status};
+use firmware_logic::stream::Stream;
 use firmware_logic::task_watchdog::Task;
 use heapless::spsc::Producer;
 
-use crate::hardware::{heater, rtt, stack, supply};
+use crate::hardware::{heater, reset, retained, rtt, stack, supply};
 use crate::{link, log};
 
 /// How long an order may wait for its answer, besides a tick; and how long the console may wait before it checks in again.
@@ -30,12 +34,50 @@ pub(crate) struct Shared {
     diagnosis: RefCell<DiagnosisLoop>,
     orders: RefCell<Producer<'static, Order>>,
     outcomes: Signal<NoopRawMutex, Outcome>,
+    stream: RefCell<Stream>,
+    /// The stream has something to send.
+    streaming: Signal<NoopRawMutex, ()>,
 }
 
 impl Shared {
     /// Nothing has happened yet.
     pub(crate) fn new(diagnosis: DiagnosisLoop, orders: Producer<'static, Order>) -> Self {
-        Self { diagnosis: RefCell::new(diagnosis), orders: RefCell::new(orders), outcomes: Signal::new() }
+        Self {
+            diagnosis: RefCell::new(diagnosis),
+            orders: RefCell::new(orders),
+            outcomes: Signal::new(),
+            stream: RefCell::new(Stream::default()),
+            streaming: Signal::new(),
+        }
+    }
+
+    /// What a replay has to know before the first tick.
+    pub(crate) fn begin(&self, cause: ResetCause, config: &Config) {
+        self.stream.borrow_mut().switch(matches!(cause, ResetCause::Restarted(_)));
+        self.line(LogLine::Start { version: log_line::VERSION });
+        log_line::settings(config, |line| self.line(line));
+    }
+
+    /// A line that a program reads.
+    pub(crate) fn line(&self, line: LogLine<'_>) {
+        log::line(line);
+        self.send(&line);
+    }
+
+    fn send(&self, line: &impl Display) {
+        self.stream.borrow_mut().push(line);
+        self.streaming.signal(());
+    }
+
+    /// Takes what the stream sends next, and waits while it has nothing to send.
+    pub(crate) async fn take_streamed(&self, bytes: &mut [u8]) -> usize {
+        loop {
+            match self.stream.borrow_mut().take(bytes) {
+                0 => {}
+                n => return n,
+            }
+            self.streaming.wait().await;
+        }
     }
 
     /// The second half of a tick.
@@ -43,7 +85,11 @@ impl Shared {
         let outcome = record.outcome;
         let mut diagnosis = self.diagnosis.borrow_mut();
         let sample_time = diagnosis.sample_time().0;
-        link::feed_back(diagnosis.step(record, |notice| log::notice(&notice, sample_time)).feedback());
+        let report = diagnosis.step(record, |notice| {
+            log::notice(&notice, sample_time);
+            self.send(&notice.text(sample_time));
+        });
+        link::feed_back(report.feedback());
         if let Some(outcome) = outcome {
             self.outcomes.signal(outcome);
         }
@@ -60,6 +106,7 @@ impl Shared {
         status.health = Health {
             records_lost: link::RECORDS_LOST.load(Ordering::Relaxed),
             log_dropped: rtt::dropped(),
+            stream_dropped: self.stream.borrow().dropped(),
             stack_used: stack::high_water() as u32,
             stack_size: stack::size() as u32,
             ..status.health
@@ -105,7 +152,8 @@ impl Chip for &'static Shared {
     fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {
         let mut diagnosis = self.diagnosis.borrow_mut();
         let controller = diagnosis.propose(config)?;
-        log_line::settings(&diagnosis.in_force(config), log::line); // a replay needs them before the order that puts them in force
+        // A replay needs them before the order that puts them in force.
+        log_line::settings(&diagnosis.in_force(config), |line| self.line(line));
         Ok(controller)
     }
 
@@ -143,6 +191,17 @@ impl Chip for &'static Shared {
 
     fn status(&self) -> Status {
         Shared::status(self)
+    }
+
+    fn stream(&mut self, on: bool) -> bool {
+        self.stream.borrow_mut().switch(on);
+        true
+    }
+
+    fn restart(&mut self, how: Restart) {
+        heater::cut();
+        retained::store(&Retained { restart: Some(how), ..Retained::EMPTY });
+        reset::reset()
     }
 
     fn program_brown_out_level(&mut self) -> bool {

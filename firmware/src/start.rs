@@ -42,7 +42,8 @@ fn start(spawner: Spawner) {
     // Before anything that could hang: the clocks are the first candidates.
     watchdog::start();
     let left = retained::load();
-    let cause = ResetCause::new(reset::take_flags(), left.as_ref().and_then(|left| left.death));
+    let (death, restart) = left.as_ref().map_or((None, None), |left| (left.death, left.restart));
+    let cause = ResetCause::new(reset::take_flags(), death, restart);
     let mut interlock = Interlock::at_boot(cause, left.as_ref().and_then(|left| left.lockout));
     // The crash record is in `left`; a lockout must outlive the next reset, too.
     retained::store(&Retained { lockout: interlock.lockout(), ..Retained::EMPTY });
@@ -59,7 +60,7 @@ fn start(spawner: Spawner) {
     let commissioning = block_on(store.commissioning());
     interlock.marked(cause, marked);
     let config = settings.config.clone();
-    log::banner(clock, cause, left.as_ref(), &origin, &config);
+    log::banner(clock, cause, left.as_ref(), &origin);
     let (controller, diagnosis) = halves(&config);
     let period = cadence::period(config.sample_time);
     link::TASKS.set_period(period.get() / 1000);
@@ -72,10 +73,11 @@ fn start(spawner: Spawner) {
     let (records_out, records_in) = link::records();
     let mut control = ControlLoop::new(controller, config.setpoint, interlock);
     let mut shared = share(diagnosis, settings, orders_in);
+    shared.begin(cause, &config);
     shared.change(|diagnosis| diagnosis.commissioned(commissioning));
     shared.diagnosis(|diagnosis| {
         if let Some(baseline) = diagnosis.baseline() {
-            log_line::baseline(baseline, log::line);
+            log_line::baseline(baseline, |line| shared.line(line));
             control.restored(baseline);
         }
     });
@@ -88,7 +90,12 @@ fn start(spawner: Spawner) {
     spawner.spawn(once(tasks::status::status(shared)));
     spawner.spawn(once(tasks::panel::panel(panel, shared)));
     if let Some((tx, rx)) = port {
-        spawner.spawn(once(tasks::console::console(tx, rx, ConsoleBoard::new(shared, store, marked))));
+        spawner.spawn(once(tasks::console::console(
+            tx,
+            rx,
+            shared,
+            ConsoleBoard::new(shared, store, marked),
+        )));
     }
     spawner.spawn(once(tasks::watchdog::watchdog()));
 }

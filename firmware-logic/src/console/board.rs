@@ -5,10 +5,11 @@ use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Command, Config, ConfigError, Seconds};
 
-use super::{ApplyError, Board};
+use super::{ApplyError, Board, BoardError};
 use crate::control_loop::{Denial, Order};
 use crate::diagnosis_loop::DiagnosisLoop;
 use crate::history::Entry;
+use crate::reset_cause::Restart;
 use crate::self_test::Progress;
 use crate::settings::commissioning::Commissioning;
 use crate::settings::store::{SaveError, Store};
@@ -44,6 +45,10 @@ pub trait Chip {
     fn stalled(&mut self);
     /// How the instrument is, the health of the board included.
     fn status(&self) -> Status;
+    /// Sends the log over the port, or no more; `false` where there is no port.
+    fn stream(&mut self, on: bool) -> bool;
+    /// Starts anew, with both outputs off before anything else. It comes back only where there is no board.
+    fn restart(&mut self, how: Restart);
     /// Programs the brown-out level, which stalls the processor; `false` if the chip refuses.
     fn program_brown_out_level(&mut self) -> bool;
 }
@@ -176,6 +181,23 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
 
     fn decommission(&mut self) {
         self.chip.change(|diagnosis| diagnosis.commissioned(None));
+    }
+
+    fn stream(&mut self, on: bool) -> Result<(), BoardError> {
+        self.chip.stream(on).then_some(()).ok_or(BoardError::NoBoard)
+    }
+
+    /// Nobody has looked at a board that starts anew because a program asked for it: what is latched has to stay so, and a trip
+    /// does not outlive a reset.
+    fn restart(&mut self, how: Restart) -> Result<(), BoardError> {
+        if self.may_heat() {
+            return Err(BoardError::NotOff);
+        }
+        if self.chip.diagnosis(|diagnosis| diagnosis.status().is_latched()) {
+            return Err(BoardError::Latched);
+        }
+        self.chip.restart(how);
+        Err(BoardError::NoBoard)
     }
 
     fn baseline(&self) -> Option<Baseline> {

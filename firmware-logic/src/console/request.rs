@@ -52,10 +52,17 @@ pub enum Request<'a> {
     Decommission,
     /// What went wrong since the start.
     Faults,
+    /// The log over the port, beside the answers.
+    Stream {
+        /// Begin, or end.
+        on: bool,
+    },
+    /// Start anew, with the log over the port from the first tick on.
+    Restart,
 }
 
 /// All commands: name, what follows it, what it does.
-pub const COMMANDS: [(&str, &str, &str); 15] = [
+pub const COMMANDS: [(&str, &str, &str); 17] = [
     ("help", "", "this list"),
     ("status", "", "mode, temperatures, diagnosis, health"),
     ("get", "[NAME]", "settings, all or those that begin with NAME"),
@@ -75,6 +82,8 @@ pub const COMMANDS: [(&str, &str, &str); 15] = [
     ),
     ("brownout", "set", "reset below 2.7 V, from the next power-up (heater off only)"),
     ("faults", "", "what went wrong since the start"),
+    ("stream", "on|off", "the log over this port: each tick a line with a checksum, beside the answers"),
+    ("restart", "", "start anew, with the stream on from the first tick (heater off, nothing latched)"),
 ];
 
 /// Why a line is no request.
@@ -163,6 +172,13 @@ impl<'a> Request<'a> {
                 ("", _) => Err(RequestError::Missing { command, expected: "set" }),
                 ("set", word) | (word, _) => Err(RequestError::Extra { command, word }),
             },
+            "stream" => match split_word(rest) {
+                ("on", "") => Ok(Self::Stream { on: true }),
+                ("off", "") => Ok(Self::Stream { on: false }),
+                ("on" | "off", word) => Err(RequestError::Extra { command, word: split_word(word).0 }),
+                _ => Err(RequestError::Missing { command, expected: "on or off" }),
+            },
+            "restart" => alone(Self::Restart),
             unknown => Err(RequestError::Unknown(unknown)),
         }
     }
@@ -189,6 +205,7 @@ mod tests {
             let line = match arguments {
                 "NAME VALUE" => format!("{name} pid.kp 2.4"),
                 "set" => format!("{name} set"),
+                "on|off" => format!("{name} on"),
                 "LEVEL" => format!("{name} 80"),
                 _ => name.to_owned(),
             };
@@ -219,6 +236,7 @@ mod tests {
         assert_eq!(text("set pid.kp"), "set: expected NAME VALUE");
         assert_eq!(text("baseline forget"), "baseline: \"forget\" is too much");
         assert_eq!(text("brownout"), "brownout: expected set");
+        assert_eq!(text("stream of"), "stream: expected on or off");
         assert!(text("ARM").starts_with("unknown command \"ARM\""), "no guessing what heats");
     }
 

@@ -11,6 +11,7 @@
 //! denied 12 a check is under way, ..
 //! lockout 77 the interlock on the break input opened
 //! tick 0 ..
+//! dropped 3
 //! ```
 //!
 //! Behind what is parsed a line may go on in words, and a logger may put its own in front.
@@ -73,6 +74,11 @@ pub enum LogLine<'a> {
     },
     /// All that a tick gave.
     Tick(TickLine),
+    /// So many lines are missing here: the port had no room for them.
+    Dropped {
+        /// How many.
+        count: u32,
+    },
 }
 
 impl fmt::Display for LogLine<'_> {
@@ -89,6 +95,7 @@ impl fmt::Display for LogLine<'_> {
             Self::Denied { tick } => write!(f, "denied {tick}"),
             Self::Lockout { tick } => write!(f, "lockout {tick}"),
             Self::Tick(tick) => tick.fmt(f),
+            Self::Dropped { count } => write!(f, "dropped {count}"),
         }
     }
 }
@@ -189,7 +196,8 @@ impl<'a> LogLine<'a> {
         Ok(numbered("denied ")
             .map(|tick| Self::Denied { tick })
             .or_else(|| numbered("lockout ").map(|tick| Self::Lockout { tick }))
-            .or_else(|| numbered("log format ").map(|version| Self::Start { version })))
+            .or_else(|| numbered("log format ").map(|version| Self::Start { version }))
+            .or_else(|| numbered("dropped ").map(|count| Self::Dropped { count })))
     }
 }
 
@@ -320,6 +328,7 @@ mod tests {
             comes_back(LogLine::Order { tick, order })?;
             comes_back(LogLine::Denied { tick })?;
             comes_back(LogLine::Lockout { tick })?;
+            comes_back(LogLine::Dropped { count: tick })?;
             comes_back(LogLine::Setting { name: &name, value: &value })?;
             comes_back(LogLine::Tick(TickLine(words)))?;
             comes_back(LogLine::Commissioned(None))?;
@@ -336,7 +345,7 @@ mod tests {
         #[test]
         fn no_text_panics(text in "\\PC{0,120}", rest in "[ -~]{0,80}") {
             let _ = LogLine::find(&text);
-            for keyword in ["tick", "order", "baseline", "commissioned", "setting", "denied", "lockout", "log format"] {
+            for keyword in ["tick", "order", "baseline", "commissioned", "setting", "denied", "lockout", "log format", "dropped"] {
                 let _ = LogLine::find(&format!("{keyword} {rest}"));
             }
         }

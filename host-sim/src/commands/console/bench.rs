@@ -13,6 +13,7 @@ use firmware_logic::control_loop::{ControlLoop, Denial, Heater, Order};
 use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::interlock::Interlock;
 use firmware_logic::notice::Notice;
+use firmware_logic::reset_cause::Restart;
 use firmware_logic::self_test::Ending;
 use firmware_logic::settings::store::Store;
 use firmware_logic::settings::stored::Stored;
@@ -209,6 +210,12 @@ impl Chip for SimulatedChip {
     fn status(&self) -> Status {
         self.diagnosis.status().clone()
     }
+
+    fn stream(&mut self, _: bool) -> bool {
+        false
+    }
+
+    fn restart(&mut self, _: Restart) {}
 
     /// There are no option bytes here.
     fn program_brown_out_level(&mut self) -> bool {

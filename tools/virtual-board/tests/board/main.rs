@@ -19,6 +19,7 @@ mod pins;
 mod sample_time;
 mod sampling;
 mod settings;
+mod stream;
 mod supply;
 mod wraps;
 

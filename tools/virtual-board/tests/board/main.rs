@@ -11,6 +11,7 @@ mod erase;
 mod flash;
 mod halt;
 mod heater_off;
+mod host;
 mod last_gasp;
 mod live;
 mod log;

@@ -1,0 +1,9 @@
+//! A real board at the other end of a serial port: who is there, what it says, what it is asked.
+
+mod port;
+pub mod record;
+mod session;
+pub mod settings;
+
+pub use port::{find, open};
+pub use session::{Heard, Session};

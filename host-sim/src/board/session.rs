@@ -1,0 +1,183 @@
+//! A conversation with a board: lines of its stream, text of its console, commands and their answers.
+
+use std::io::{self, Read, Write};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail, ensure};
+use firmware_logic::stream::frame::{Reader, Step};
+use serialport::SerialPort;
+
+use super::port;
+
+/// Forgets what was typed of a line: whoever was here before may have left half of `arm`, which must not be ended now.
+const FORGET: u8 = 0x15;
+/// Ctrl-C: heater off, at once.
+const STOP: u8 = 0x03;
+/// What ends an answer.
+const PROMPT: &str = "> ";
+/// How long an answer may take: a save erases the flash, an order waits for a tick of up to 5 s.
+const PATIENCE: Duration = Duration::from_secs(15);
+/// How often a board is asked whether it is there, and how long each time.
+const GREETINGS: u32 = 8;
+const GREETING: Duration = Duration::from_millis(400);
+/// Longest frame.
+const FRAME: usize = 1024;
+
+/// Something that the board has said.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Heard {
+    /// A line of its stream.
+    Line(String),
+    /// A piece of its console's text.
+    Text(String),
+    /// A line of its stream that did not come whole.
+    Broken,
+}
+
+/// A board that is connected.
+pub struct Session {
+    port: Box<dyn SerialPort>,
+    reader: Reader<FRAME>,
+    /// Lines of the stream that came while an answer was waited for.
+    waiting: Vec<Heard>,
+}
+
+impl Session {
+    /// Opens a port, and asks who is there.
+    ///
+    /// # Errors
+    /// The port cannot be opened, or nobody answers as a board does.
+    pub fn open(name: &str) -> anyhow::Result<Self> {
+        let mut session = Self { port: port::open(name)?, reader: Reader::default(), waiting: Vec::new() };
+        session.port.clear(serialport::ClearBuffer::All)?;
+        // A board that has just got its power hears nothing at first.
+        let asked = (0..GREETINGS).find_map(|_| session.greet().transpose());
+        asked
+            .unwrap_or_else(|| bail!("no answer, expected a prompt: is this the board's port?"))
+            .with_context(|| format!("on {name}"))?;
+        Ok(session)
+    }
+
+    /// Asks who is there; `None` while nobody answers.
+    fn greet(&mut self) -> anyhow::Result<Option<()>> {
+        self.send(&[FORGET])?;
+        Ok(self.hear_prompt(GREETING)?.map(drop))
+    }
+
+    /// Sends bytes.
+    ///
+    /// # Errors
+    /// The port has gone.
+    pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.port.write_all(bytes)
+    }
+
+    /// Heater off, at once.
+    ///
+    /// # Errors
+    /// The port has gone.
+    pub fn stop(&mut self) -> io::Result<()> {
+        self.send(&[STOP])
+    }
+
+    /// What has come since the last call, and what comes while it waits a moment for something to come.
+    ///
+    /// # Errors
+    /// The port has gone.
+    pub fn hear(&mut self) -> io::Result<Vec<Heard>> {
+        let mut heard = std::mem::take(&mut self.waiting);
+        let mut bytes = [0; 1024];
+        let n = match self.port.read(&mut bytes) {
+            Ok(0) => return Err(io::ErrorKind::BrokenPipe.into()),
+            Ok(n) => n,
+            Err(error) if port::has_gone(&error) => return Err(error),
+            Err(_) => 0,
+        };
+        for &byte in bytes.iter().take(n) {
+            match self.reader.push(byte) {
+                Step::Text(byte) => match heard.last_mut() {
+                    Some(Heard::Text(text)) => text.push(byte.into()),
+                    _ => heard.push(Heard::Text(char::from(byte).into())),
+                },
+                Step::Line(line) => heard.push(Heard::Line(line.to_owned())),
+                Step::Broken => heard.push(Heard::Broken),
+                Step::Nothing => {}
+            }
+        }
+        Ok(heard)
+    }
+
+    /// Types a line; its answer, without echo and prompt.
+    ///
+    /// # Errors
+    /// The port has gone, or no answer comes.
+    pub fn ask(&mut self, line: &str) -> anyhow::Result<String> {
+        ensure!(line.bytes().all(|byte| (b' '..=b'~').contains(&byte)), "\"{line}\" is no line for a board");
+        self.send(format!("{line}\r").as_bytes())?;
+        let heard = self.hear_prompt(PATIENCE).with_context(|| format!("after `{line}`"))?;
+        let text = heard.with_context(|| format!("no answer to `{line}` within {} s", PATIENCE.as_secs()))?;
+        // What a check told meanwhile may stand before the echo.
+        let answer = text.split_once(&format!("{line}\n")).map_or(&*text, |(_, answer)| answer);
+        Ok(answer.to_owned())
+    }
+
+    /// The same where the answer must not be an error.
+    ///
+    /// # Errors
+    /// Also what the board says.
+    pub fn order(&mut self, line: &str) -> anyhow::Result<String> {
+        let answer = self.ask(line)?;
+        if let Some(error) = answer.lines().find_map(|line| line.strip_prefix("error: ")) {
+            bail!("the board says to `{line}`: {error}");
+        }
+        Ok(answer)
+    }
+
+    /// Has the board start anew, its stream on from the first tick.
+    ///
+    /// # Errors
+    /// It refuses, or does not come back.
+    pub fn restart(&mut self) -> anyhow::Result<()> {
+        self.send(b"restart\r")?;
+        let (begin, mut text) = (Instant::now(), String::new());
+        while begin.elapsed() < PATIENCE {
+            let mut heard = self.hear()?;
+            let is_start =
+                |heard: &Heard| matches!(heard, Heard::Line(line) if line.starts_with("log format "));
+            if let Some(start) = heard.iter().position(is_start) {
+                self.waiting = heard.split_off(start);
+                return Ok(());
+            }
+            text.extend(heard.iter().filter_map(|heard| match heard {
+                Heard::Text(text) => Some(&**text),
+                _ => None,
+            }));
+            if let Some((_, error)) = text.split_once("error: ").filter(|_| text.ends_with(PROMPT)) {
+                bail!("the board does not start anew: {}", error.trim_end_matches(PROMPT).trim_end());
+            }
+        }
+        bail!("the board does not start anew within {} s", PATIENCE.as_secs())
+    }
+
+    /// All text up to the next prompt; `None` where none comes.
+    fn hear_prompt(&mut self, patience: Duration) -> io::Result<Option<String>> {
+        let (begin, mut text, mut lines) = (Instant::now(), String::new(), Vec::new());
+        loop {
+            for heard in self.hear()? {
+                match heard {
+                    Heard::Text(more) => text += &more.replace('\r', ""),
+                    line => lines.push(line),
+                }
+            }
+            let ended = text.strip_suffix(PROMPT).filter(|text| text.is_empty() || text.ends_with('\n'));
+            if let Some(text) = ended {
+                self.waiting = lines;
+                return Ok(Some(text.to_owned()));
+            }
+            if begin.elapsed() > patience {
+                self.waiting = lines;
+                return Ok(None);
+            }
+        }
+    }
+}

@@ -40,6 +40,8 @@ pub enum Death {
 pub enum Restart {
     /// With the stream on from the first tick.
     Streaming,
+    /// The same, with codes from the port in place of the converter's, and both outputs locked off.
+    Simulating,
 }
 
 /// Why the board has started.
@@ -103,6 +105,7 @@ impl ResetCause {
             Self::Died(Death::ClockFailure) => "clock failure",
             Self::Died(Death::StrayInterrupt) => "stray interrupt",
             Self::Restarted(Restart::Streaming) => "restart",
+            Self::Restarted(Restart::Simulating) => "restart, simulated",
             Self::Software => "software reset",
             Self::Unexpected => "unexpected reset",
         }

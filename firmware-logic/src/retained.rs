@@ -130,11 +130,12 @@ fn death_from(number: u8) -> Option<Death> {
 fn restart_number(restart: Restart) -> u8 {
     match restart {
         Restart::Streaming => 1,
+        Restart::Simulating => 2,
     }
 }
 
 fn restart_from(number: u8) -> Option<Restart> {
-    [Restart::Streaming].into_iter().find(|restart| restart_number(*restart) == number)
+    [Restart::Streaming, Restart::Simulating].into_iter().find(|restart| restart_number(*restart) == number)
 }
 
 /// CRC of all words but the last.
@@ -171,8 +172,10 @@ mod tests {
             assert_eq!(Retained::unpack(&retained.pack()), Some(retained));
         }
         assert_eq!(Retained::unpack(&Retained::EMPTY.pack()), Some(Retained::EMPTY));
-        let restarted = Retained { restart: Some(Restart::Streaming), ..Retained::EMPTY };
-        assert_eq!(Retained::unpack(&restarted.pack()), Some(restarted));
+        for restart in [Restart::Streaming, Restart::Simulating] {
+            let restarted = Retained { restart: Some(restart), ..Retained::EMPTY };
+            assert_eq!(Retained::unpack(&restarted.pack()), Some(restarted));
+        }
     }
 
     /// A program reads what the one before it left, which may be an older one. The checksum was computed elsewhere.

@@ -85,7 +85,7 @@ impl Board for Mock {
         self.asked.push(format!("stream {on}"));
         Ok(())
     }
-    fn restart(&mut self, _: Restart) -> Result<(), BoardError> {
+    async fn restart(&mut self, _: Restart) -> Result<(), BoardError> {
         if self.heating { Err(BoardError::NotOff) } else { Err(BoardError::NoBoard) }
     }
     fn baseline(&self) -> Option<Baseline> {

@@ -22,8 +22,9 @@ use firmware_logic::stream::Stream;
 use firmware_logic::task_watchdog::Task;
 use heapless::spsc::Producer;
 
-use crate::hardware::{heater, reset, retained, rtt, stack, supply};
-use crate::{link, log};
+use crate::hardware::clock::{self, Source};
+use crate::hardware::{board, cycles, heater, reset, retained, rtt, stack, supply};
+use crate::{link, log, simulation};
 
 /// How long an order may wait for its answer, besides a tick; and how long the console may wait before it checks in again.
 const ANSWER_DEADLINE_MS: u32 = 290;
@@ -52,9 +53,18 @@ impl Shared {
     }
 
     /// What a replay has to know before the first tick.
-    pub(crate) fn begin(&self, cause: ResetCause, config: &Config) {
+    pub(crate) fn begin(&self, cause: ResetCause, clock: Source, config: &Config) {
         self.stream.borrow_mut().switch(matches!(cause, ResetCause::Restarted(_)));
         self.line(LogLine::Start { version: log_line::VERSION });
+        self.send(&format_args!(
+            "PT-326 FDI {} ({}) on {}, {} Hz from {}, {}",
+            env!("CARGO_PKG_VERSION"),
+            env!("GIT_DESCRIBE"),
+            board::NAME,
+            clock::core_hz(),
+            clock.name(),
+            cause.name(),
+        ));
         log_line::settings(config, |line| self.line(line));
     }
 
@@ -82,6 +92,7 @@ impl Shared {
 
     /// The second half of a tick.
     pub(crate) fn diagnose(&self, record: TickRecord) {
+        let (begin, tick, control) = (cycles::now(), record.tick.index, record.cycles);
         let outcome = record.outcome;
         let mut diagnosis = self.diagnosis.borrow_mut();
         let sample_time = diagnosis.sample_time().0;
@@ -90,6 +101,7 @@ impl Shared {
             self.send(&notice.text(sample_time));
         });
         link::feed_back(report.feedback());
+        self.send(&LogLine::Cycles { tick, control, diagnosis: cycles::now().wrapping_sub(begin) });
         if let Some(outcome) = outcome {
             self.outcomes.signal(outcome);
         }
@@ -103,6 +115,7 @@ impl Shared {
     /// How it is, the health of the board included.
     pub(crate) fn status(&self) -> Status {
         let mut status = self.read(Status::clone);
+        status.simulated = simulation::is_on();
         status.health = Health {
             records_lost: link::RECORDS_LOST.load(Ordering::Relaxed),
             log_dropped: rtt::dropped(),

@@ -102,6 +102,15 @@ impl<C: Chip, F: NorFlash> ConsoleBoard<C, F> {
         self.chip.diagnosis(|diagnosis| diagnosis.status().may_heat()) || self.chip.is_output_enabled()
     }
 
+    /// After a `stop` the output is off at once, and the control half says so on its next tick.
+    async fn follow_stop(&mut self) {
+        while self.chip.diagnosis(|diagnosis| diagnosis.status().is_heating())
+            && !self.chip.is_output_enabled()
+        {
+            self.chip.pause().await;
+        }
+    }
+
     async fn mark(&mut self, stands: bool) -> Result<(), SaveError> {
         let result = self.store.mark(stands).await;
         self.chip.stalled();
@@ -150,12 +159,7 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
     }
 
     async fn save(&mut self) -> Result<(), SaveError> {
-        // After a `stop` the output is off at once, and the control half says so on its next tick.
-        while self.chip.diagnosis(|diagnosis| diagnosis.status().is_heating())
-            && !self.chip.is_output_enabled()
-        {
-            self.chip.pause().await;
-        }
+        self.follow_stop().await;
         if self.may_heat() {
             return Err(SaveError::Heating);
         }
@@ -189,7 +193,8 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
 
     /// Nobody has looked at a board that starts anew because a program asked for it: what is latched has to stay so, and a trip
     /// does not outlive a reset.
-    fn restart(&mut self, how: Restart) -> Result<(), BoardError> {
+    async fn restart(&mut self, how: Restart) -> Result<(), BoardError> {
+        self.follow_stop().await;
         if self.may_heat() {
             return Err(BoardError::NotOff);
         }

@@ -116,7 +116,7 @@ pub trait Board {
     /// Sends the log over the port, or no more.
     fn stream(&mut self, on: bool) -> Result<(), BoardError>;
     /// Starts anew; a board does not come back from it.
-    fn restart(&mut self, how: Restart) -> Result<(), BoardError>;
+    async fn restart(&mut self, how: Restart) -> Result<(), BoardError>;
     /// What went wrong, the oldest first.
     fn fault(&self, index: usize) -> Option<Entry>;
 }
@@ -232,7 +232,8 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         }
         Request::Faults => faults(board, out),
         Request::Stream { on } => done(out, board.stream(on)),
-        Request::Restart => done(out, board.restart(Restart::Streaming)),
+        Request::Restart => done(out, board.restart(Restart::Streaming).await),
+        Request::Simulate => done(out, board.restart(Restart::Simulating).await),
     }
 }
 

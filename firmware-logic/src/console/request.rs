@@ -59,10 +59,12 @@ pub enum Request<'a> {
     },
     /// Start anew, with the log over the port from the first tick on.
     Restart,
+    /// The same, with codes from the port and the outputs locked off.
+    Simulate,
 }
 
 /// All commands: name, what follows it, what it does.
-pub const COMMANDS: [(&str, &str, &str); 17] = [
+pub const COMMANDS: [(&str, &str, &str); 18] = [
     ("help", "", "this list"),
     ("status", "", "mode, temperatures, diagnosis, health"),
     ("get", "[NAME]", "settings, all or those that begin with NAME"),
@@ -84,6 +86,7 @@ pub const COMMANDS: [(&str, &str, &str); 17] = [
     ("faults", "", "what went wrong since the start"),
     ("stream", "on|off", "the log over this port: each tick a line with a checksum, beside the answers"),
     ("restart", "", "start anew, with the stream on from the first tick (heater off, nothing latched)"),
+    ("simulate", "on", "the same with codes from this port, both outputs locked off; a reset ends it"),
 ];
 
 /// Why a line is no request.
@@ -179,6 +182,11 @@ impl<'a> Request<'a> {
                 _ => Err(RequestError::Missing { command, expected: "on or off" }),
             },
             "restart" => alone(Self::Restart),
+            "simulate" => match split_word(rest) {
+                ("on", "") => Ok(Self::Simulate),
+                ("", _) => Err(RequestError::Missing { command, expected: "on" }),
+                ("on", word) | (word, _) => Err(RequestError::Extra { command, word }),
+            },
             unknown => Err(RequestError::Unknown(unknown)),
         }
     }
@@ -205,7 +213,7 @@ mod tests {
             let line = match arguments {
                 "NAME VALUE" => format!("{name} pid.kp 2.4"),
                 "set" => format!("{name} set"),
-                "on|off" => format!("{name} on"),
+                "on|off" | "on" => format!("{name} on"),
                 "LEVEL" => format!("{name} 80"),
                 _ => name.to_owned(),
             };

@@ -18,7 +18,7 @@ pub use order::{Denial, Order, OrderKind, Outcome, next_order};
 pub use record::TickRecord;
 
 /// The code of "no sample".
-const NO_SAMPLE: RawSample = {
+pub const NO_SAMPLE: RawSample = {
     const NONE: AdcCode = AdcCode(f32::NAN);
     RawSample { t0: NONE, t1: NONE, t2: NONE, supply: NONE }
 };

@@ -27,6 +27,8 @@ pub struct TickRecord {
     pub outcome: Option<Outcome>,
     /// What the self-test has to say.
     pub news: Option<News>,
+    /// Cycles of the core that this half took, where the board counts them.
+    pub cycles: u32,
     /// A self-test has passed since the start, and no other has begun.
     pub checked: bool,
 }
@@ -43,6 +45,7 @@ impl TickRecord {
             lockout: None,
             outcome: None,
             news: None,
+            cycles: 0,
             checked: false,
         }
     }

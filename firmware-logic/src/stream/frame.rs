@@ -54,25 +54,31 @@ pub enum Step<'a> {
     Nothing,
 }
 
-/// Takes the frames out of a text, those of up to `N` bytes.
+/// Takes the frames out of a text, those of up to `N` bytes. A carriage return ends a frame as well: a stray byte that looks like the
+/// begin of one costs no more than the line that somebody types after it.
 #[derive(Clone, Debug, Default)]
 pub struct Reader<const N: usize> {
     frame: Vec<u8, N>,
     inside: bool,
     too_long: bool,
+    /// A carriage return has ended a frame: a line feed now belongs to it.
+    returned: bool,
 }
 
 impl<const N: usize> Reader<N> {
     /// One byte.
     pub fn push(&mut self, byte: u8) -> Step<'_> {
+        let after_return = core::mem::take(&mut self.returned);
         match byte {
+            END if after_return => Step::Nothing,
             START => {
                 self.frame.clear();
                 self.too_long = false;
                 if core::mem::replace(&mut self.inside, true) { Step::Broken } else { Step::Nothing }
             }
             text if !self.inside => Step::Text(text),
-            END => {
+            b'\r' | END => {
+                self.returned = byte == b'\r';
                 self.inside = false;
                 read(&self.frame).filter(|_| !self.too_long).map_or(Step::Broken, Step::Line)
             }
@@ -145,6 +151,12 @@ mod tests {
         assert_eq!(parted(&half), (String::new(), vec!["tick 2".to_owned()], 1));
         let long = [&*framed(&"x".repeat(40)), &*b].concat();
         assert_eq!(parted(&long), (String::new(), vec!["tick 2".to_owned()], 1));
+    }
+
+    #[test]
+    fn a_stray_begin_costs_one_line() {
+        assert_eq!(parted(b"\x02stop\rstatus\r\n"), ("status\r\n".to_owned(), vec![], 1));
+        assert_eq!(parted(b"\x02\nstatus\n"), ("status\n".to_owned(), vec![], 1));
     }
 
     proptest! {

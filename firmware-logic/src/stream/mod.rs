@@ -2,6 +2,7 @@
 //! says. A line that finds no room is dropped whole and counted, and the next that finds some is told after the number of those
 //! dropped; nobody ever waits.
 
+pub mod codes;
 pub mod frame;
 
 use core::fmt::{self, Display, Write};

@@ -12,7 +12,8 @@ use embassy_time::Timer;
 use embedded_io_async::{Read, Write};
 use firmware_logic::console::board::ConsoleBoard;
 use firmware_logic::console::{ANSWER, Console, line};
-use firmware_logic::stream::frame;
+use firmware_logic::stream::codes::Codes;
+use firmware_logic::stream::frame::{self, Reader, Step};
 use firmware_logic::task_watchdog::Task;
 use static_cell::ConstStaticCell;
 
@@ -20,9 +21,13 @@ use crate::hardware::serial;
 use crate::hardware::settings_flash::SettingsFlash;
 use crate::link::check_in;
 use crate::shared::{Shared, stop};
+use crate::simulation;
 
 /// The board, as the console reaches it.
 type Reached = ConsoleBoard<&'static Shared, SettingsFlash>;
+
+/// Longest frame that comes: codes, and no more.
+const FRAME: usize = 80;
 
 /// An answer on its way to the terminal.
 type Answer = heapless::String<ANSWER>;
@@ -53,6 +58,7 @@ pub(crate) async fn console(
 /// key. So the reader also comes by itself.
 async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting) {
     let mut bytes = [0; 16];
+    let mut frames = Reader::<FRAME>::default();
     loop {
         // A line error (noise, overrun) loses bytes.
         if let Either::First(Ok(n)) = select(rx.read(&mut bytes), Timer::after_millis(20)).await {
@@ -61,19 +67,25 @@ async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting) {
                 stop();
                 // What was typed before a stop must not be carried out after it.
                 waiting.clear();
+                frames = Reader::default();
                 came = came.get(key..).unwrap_or_default();
             }
-            keep(waiting, came);
+            for &byte in came {
+                match frames.push(byte) {
+                    Step::Text(byte) => keep(waiting, byte),
+                    Step::Line(line) => {
+                        Codes::parse(line).as_ref().map(simulation::receive);
+                    }
+                    Step::Broken | Step::Nothing => {}
+                }
+            }
         }
     }
 }
 
-/// Keeps bytes for their turn, as far as there is room. One write ends where the ring does.
-fn keep(waiting: &Waiting, mut bytes: &[u8]) {
-    while !bytes.is_empty() {
-        let Ok(n) = waiting.try_write(bytes) else { return };
-        bytes = bytes.get(n..).unwrap_or_default();
-    }
+/// Keeps a byte for its turn, if there is room.
+fn keep(waiting: &Waiting, byte: u8) {
+    let _ = waiting.try_write(&[byte]);
 }
 
 /// Answers the lines.

@@ -4,6 +4,7 @@ mod port;
 pub mod record;
 mod session;
 pub mod settings;
+pub mod simulate;
 
 pub use port::{find, open};
 pub use session::{Heard, Session};

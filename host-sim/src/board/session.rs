@@ -4,10 +4,11 @@ use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail, ensure};
-use firmware_logic::stream::frame::{Reader, Step};
+use firmware_logic::stream::frame::{self, Reader, Step};
 use serialport::SerialPort;
 
 use super::port;
+use super::simulate::SimulatedRig;
 
 /// Forgets what was typed of a line: whoever was here before may have left half of `arm`, which must not be ended now.
 const FORGET: u8 = 0x15;
@@ -34,12 +35,13 @@ pub enum Heard {
     Broken,
 }
 
-/// A board that is connected.
-pub struct Session {
-    port: Box<dyn SerialPort>,
+/// A board that is connected. Its port is one of this machine, or whatever else bytes go in and out of.
+pub struct Session<P = Box<dyn SerialPort>> {
+    port: P,
     reader: Reader<FRAME>,
     /// Lines of the stream that came while an answer was waited for.
     waiting: Vec<Heard>,
+    rig: Option<SimulatedRig>,
 }
 
 impl Session {
@@ -48,14 +50,28 @@ impl Session {
     /// # Errors
     /// The port cannot be opened, or nobody answers as a board does.
     pub fn open(name: &str) -> anyhow::Result<Self> {
-        let mut session = Self { port: port::open(name)?, reader: Reader::default(), waiting: Vec::new() };
-        session.port.clear(serialport::ClearBuffer::All)?;
+        let port = port::open(name)?;
+        port.clear(serialport::ClearBuffer::All)?;
+        Self::over(port).with_context(|| format!("on {name}"))
+    }
+}
+
+impl<P: Read + Write> Session<P> {
+    /// Asks who is at the other end of a port that is open.
+    ///
+    /// # Errors
+    /// Nobody answers as a board does.
+    pub fn over(port: P) -> anyhow::Result<Self> {
+        let mut session = Self { port, reader: Reader::default(), waiting: Vec::new(), rig: None };
         // A board that has just got its power hears nothing at first.
         let asked = (0..GREETINGS).find_map(|_| session.greet().transpose());
-        asked
-            .unwrap_or_else(|| bail!("no answer, expected a prompt: is this the board's port?"))
-            .with_context(|| format!("on {name}"))?;
+        asked.unwrap_or_else(|| bail!("no answer, expected a prompt: is this the board's port?"))?;
         Ok(session)
+    }
+
+    /// From now on, what the board streams is answered by a rig.
+    pub fn simulate(&mut self, rig: SimulatedRig) {
+        self.rig = Some(rig);
     }
 
     /// Asks who is there; `None` while nobody answers.
@@ -99,7 +115,15 @@ impl Session {
                     Some(Heard::Text(text)) => text.push(byte.into()),
                     _ => heard.push(Heard::Text(char::from(byte).into())),
                 },
-                Step::Line(line) => heard.push(Heard::Line(line.to_owned())),
+                Step::Line(line) => {
+                    let codes = self.rig.as_ref().and_then(|rig| rig.answer(line));
+                    heard.push(Heard::Line(line.to_owned()));
+                    if let Some(codes) = codes {
+                        let mut answer = String::new();
+                        let _ = frame::write(&codes, &mut answer);
+                        self.port.write_all(answer.as_bytes())?;
+                    }
+                }
                 Step::Broken => heard.push(Heard::Broken),
                 Step::Nothing => {}
             }
@@ -133,12 +157,12 @@ impl Session {
         Ok(answer)
     }
 
-    /// Has the board start anew, its stream on from the first tick.
+    /// Has the board start anew, its stream on from the first tick: by `restart`, or `simulate on`.
     ///
     /// # Errors
     /// It refuses, or does not come back.
-    pub fn restart(&mut self) -> anyhow::Result<()> {
-        self.send(b"restart\r")?;
+    pub fn restart(&mut self, command: &str) -> anyhow::Result<()> {
+        self.send(format!("{command}\r").as_bytes())?;
         let (begin, mut text) = (Instant::now(), String::new());
         while begin.elapsed() < PATIENCE {
             let mut heard = self.hear()?;

@@ -1,5 +1,7 @@
 //! A board's settings and a file's: read from `get`, told with `set`.
 
+use std::io::{Read, Write};
+
 use anyhow::Context;
 use fdi_core::Config;
 use firmware_logic::settings::schema::Name;
@@ -10,7 +12,7 @@ use super::Session;
 ///
 /// # Errors
 /// The port has gone, or the board has a setting that is not known here.
-pub fn read(session: &mut Session) -> anyhow::Result<Config> {
+pub fn read<P: Read + Write>(session: &mut Session<P>) -> anyhow::Result<Config> {
     let mut config = Config::default();
     for line in session.order("get")?.lines() {
         let Some((name, value)) = line.split_once(" = ") else { continue };
@@ -35,7 +37,7 @@ fn told(config: &mut Config, name: &str, value: &str) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// The first setting that the board refuses, with its reason.
-pub fn write(session: &mut Session, wanted: &Config) -> anyhow::Result<Vec<String>> {
+pub fn write<P: Read + Write>(session: &mut Session<P>, wanted: &Config) -> anyhow::Result<Vec<String>> {
     let mut now = read(session)?;
     let mut changed = Vec::new();
     loop {

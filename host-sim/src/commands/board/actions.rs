@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail, ensure};
 
 use crate::board::{Heard, Session, settings};
-use crate::commands::terminal::print;
+use crate::commands::terminal::{print, progress};
 use crate::settings::{commented_toml_of, read};
 
 /// No stage of a check takes as long.
@@ -57,6 +57,27 @@ pub(super) fn faults(mut session: Session) -> anyhow::Result<bool> {
     let answer = session.order("faults")?;
     print(&answer)?;
     Ok(answer.trim() == "none")
+}
+
+/// Runs the paper's experiment on the board by itself, and writes what was found; whether all is as it should be.
+pub(super) fn verify(mut session: Session, file: &Path, seconds: Option<f64>) -> anyhow::Result<bool> {
+    let bar = progress(0, "ticks");
+    let found = super::verify(&mut session, seconds, |ticks, of| {
+        bar.set_length(of);
+        bar.set_position(ticks);
+    })?;
+    bar.finish_and_clear();
+    let log = file.with_extension("log");
+    for (path, text) in [(file, &found.report), (&log, &found.log)] {
+        std::fs::write(path, text).with_context(|| format!("{} cannot be written", path.display()))?;
+    }
+    print(&format!(
+        "{}\nwritten to {}, and its stream to {}\n",
+        found.report,
+        file.display(),
+        log.display()
+    ))?;
+    Ok(found.passed)
 }
 
 /// Writes the board's settings into a file.

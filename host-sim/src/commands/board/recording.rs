@@ -54,7 +54,7 @@ fn record(
     let enough = seconds.map(|seconds| (seconds / sample_time).round() as u64);
     let mut recorder = Recorder::new(out);
     if from_start {
-        session.restart()?;
+        session.restart("restart")?;
     } else {
         session.order("stream on")?;
     }

@@ -5,7 +5,7 @@ use std::io::{BufRead, IsTerminal};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use fdi_core::Config;
 use firmware_logic::console::request::COMMANDS;
 use firmware_logic::log_line::LogLine;
@@ -18,27 +18,29 @@ use rustyline::history::DefaultHistory;
 use rustyline::validate::Validator;
 use rustyline::{Cmd, Context, Editor, ExternalPrinter, Helper, KeyCode, KeyEvent, Modifiers};
 
+use crate::board::simulate::SimulatedRig;
 use crate::board::{Heard, Session};
+use crate::commands::console::play::Play;
 use crate::commands::terminal::print;
 
 /// Talks until the person leaves, or the input ends.
-pub(super) fn run(session: Session, name: &str) -> anyhow::Result<()> {
+pub(super) fn run(session: Session, name: &str, rig: Option<&SimulatedRig>) -> anyhow::Result<()> {
     if !std::io::stdin().is_terminal() {
-        return scripted(session, std::io::stdin().lock());
+        return scripted(session, std::io::stdin().lock(), rig);
     }
     print(&format!(
         "Board on {name}. Ctrl-C, ESC and ! stop the heater; help lists commands; Ctrl-D leaves.\n"
     ))?;
-    interactive(session)
+    interactive(session, rig)
 }
 
 /// Each line is a command; `wait SECONDS` shows what the board tells meanwhile.
-fn scripted(mut session: Session, input: impl BufRead) -> anyhow::Result<()> {
+fn scripted(mut session: Session, input: impl BufRead, rig: Option<&SimulatedRig>) -> anyhow::Result<()> {
     for line in input.lines() {
         let line = line.context("the input can't be read")?;
         print(&format!("> {line}\n"))?;
         let Some(wait) = line.trim().strip_prefix("wait ") else {
-            print(&session.ask(line.trim())?)?;
+            print(&answer(&mut session, line.trim(), rig)?)?;
             continue;
         };
         let seconds: f64 =
@@ -55,6 +57,21 @@ fn scripted(mut session: Session, input: impl BufRead) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// What the board says to a line; or what the rig beside it does.
+fn answer(session: &mut Session, line: &str, rig: Option<&SimulatedRig>) -> anyhow::Result<String> {
+    let Some(rig) = rig else { return session.ask(line) };
+    match Play::parse(line) {
+        Ok(Some(Play::Rig(faults))) => {
+            rig.touch(|rig| faults.into_iter().for_each(|fault| rig.inject(fault)))
+        }
+        Ok(Some(Play::Mend)) => rig.touch(|rig| rig.clear()),
+        Ok(Some(Play::Power(_) | Play::Wait(_))) => bail!("not on a board: its output stage is the real one"),
+        Ok(None) => return session.ask(line),
+        Err(error) => return Err(error),
+    }
+    Ok("ok, to the rig\n".into())
+}
+
 /// What of the board's words a person wants to see: no prompt, no ticks.
 fn shown(heard: &Heard) -> Option<String> {
     match heard {
@@ -65,7 +82,7 @@ fn shown(heard: &Heard) -> Option<String> {
 }
 
 /// A person types, and the board may speak at any time.
-fn interactive(session: Session) -> anyhow::Result<()> {
+fn interactive(session: Session, rig: Option<&SimulatedRig>) -> anyhow::Result<()> {
     let config = rustyline::Config::builder().keyseq_timeout(Some(50)).build();
     let mut editor: Editor<Words, DefaultHistory> = Editor::with_config(config)?;
     editor.set_helper(Some(Words::new()));
@@ -102,7 +119,7 @@ fn interactive(session: Session) -> anyhow::Result<()> {
         match typed {
             Ok(line) => {
                 let _ = editor.add_history_entry(&line);
-                match session.ask(line.trim()) {
+                match answer(&mut session, line.trim(), rig) {
                     Ok(answer) => print(&answer)?,
                     Err(error) => print(&format!("error: {error:#}\n"))?,
                 }

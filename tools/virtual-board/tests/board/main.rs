@@ -20,6 +20,7 @@ mod pins;
 mod sample_time;
 mod sampling;
 mod settings;
+mod simulated;
 mod stream;
 mod supply;
 mod wraps;

@@ -5,91 +5,39 @@
 
 use super::alarm::{Alarm, ModelAlarm};
 use super::chart::{Chart, Sums};
-use super::class::FaultClass;
-use super::column::{LASTING, LESS, MORE, Row, SENSORS};
-use super::evidence::{Freed, Nuisance, Nuisances};
+use super::column::{LASTING, LESS, MORE, Row};
+use super::evidence::Nuisance;
 use super::heat::{Heat, HeatState, Rise};
-use super::hypothesis::{self, CONSTANT, COUNT, HYPOTHESES, IMPOSSIBLE, SINCE_ONSET, in_unit};
+use super::hypothesis::{self, SINCE_ONSET};
 use super::ladder::{Ladder, Past};
 use super::normal::Normal;
-use super::onset::{History, Nominal, Onset, OnsetConstants, REMEMBERED};
-use super::posterior::Posterior;
+use super::onset::{History, Nominal, Onset, REMEMBERED};
 use super::process::{Motion, Parameter, Parameters, Process};
-use super::steady::{Steady, SteadyConstants};
+use super::steady::Steady;
 use super::tracker::Tracker;
 use super::training::Trained;
-use super::verdict::{Finding, Magnitude};
-use crate::bounds::{bounded, larger, smaller};
-use crate::filter::LowPass;
-use crate::root::sqrt;
+use crate::bounds::{bounded, larger};
+use lasting::Lasting;
+use pace::Pace;
 
 /// Charts see no more of an innovation than so many standard deviations: a spike counts once.
 const CLIP: f32 = 6.0;
 /// Ticks without a chart at the start.
 const FIRST_TICKS: u32 = 10;
-/// All columns begin anew while the fast charts are below so many standard deviations, and the slow one below this share of its interval.
-const NEAR: f32 = 0.5;
-const NEAR_SLOW: f32 = 0.14;
 /// The tracker runs while all charts are below this share of their intervals.
 const TRACK_BELOW: f32 = 0.4;
 /// The share of a swing beyond this, degC, that the model may get wrong, and the swing's memory, s.
 const SWING: f32 = 1.5;
-const SWING_TIME: f32 = 2.0;
 /// T0 is above its mean by so much without moving, degC: its noise.
 const INLET_NOISE: f32 = 0.15;
-/// Memory of how far power, flow and offsets wander, s.
-const WANDER_TIME: f32 = 7200.0;
-/// Weight of a new step of the power in what is known of their size.
-const STEP_SHARE: f32 = 0.2;
+/// Errors of what was learnt are so many times those that the filter believes in, which takes slow surroundings for noise.
+const OVERSURE: f32 = 2.5;
+/// Smallest change of the air flow that is reported, `1/f - 1`.
+const LEAST_FLOW: f32 = 0.085;
 /// A change is a fault only beyond so many standard deviations of what is usual here.
 const UNUSUAL: f32 = 2.5;
-/// Memory of T0's mean, s: what the inlet moves has passed T1 and T2 by then.
-const INLET_TIME: f32 = 1.0;
 /// Evidence since an onset is divided by so much.
 pub(super) const KAPPA: f32 = 1.5;
-/// Log Bayes factors that raise an alarm: since the onset, and since training.
-const RAISE: f32 = 4.5;
-const RAISE_SLOW: f32 = 1.5;
-/// An alarm since training goes on above this share of both the factor and the size that raised it.
-const GOES_ON: [f32; 2] = [0.4, 0.7];
-/// What is named loses its name below the probability that named it less this.
-const UNNAME: f32 = 0.05;
-/// No name is surer: what is not among the hypotheses has its share (docs/diagnosis.md, section 11).
-const CERTAIN: f32 = 0.98;
-/// Air flow or heater power is named by itself from this probability on.
-const NAME_PROCESS: f32 = 0.97;
-const ALWAYS_BOTH: f32 = 2.0;
-/// The same for what has changed since training.
-const NAME_LASTING: f32 = 0.9;
-/// Flow and power are told apart only after so long, s.
-const PROCESS_TIME: f32 = 3.0;
-/// The best hypothesis does not fit where it leaves more than so much of each whitened residual's square (1 is noise), and such a share of what there
-/// was; it fits again below these. Asked after so long, s.
-const STRANGE: [f32; 2] = [4.0, 0.06];
-const FITS: [f32; 2] = [1.5, 0.02];
-const UNKNOWN_AFTER: f32 = 3.0;
-/// What nuisances explain for so long is taken into the tracker, s.
-const TAKEN_AFTER: f32 = 8.0;
-/// From so old on an alarm forgets with this memory, s.
-const FORGETS_FROM: f32 = 3.0;
-const FORGETS_WITH: f32 = 10.0;
-/// An alarm is over by these log odds in a window, which is asked from so long on, s.
-const OVER: f32 = 5.0;
-const WINDOW: f32 = 0.7;
-const ASKED_FROM: f32 = 0.5;
-/// The fast band learns for so long where the model is wrong, s.
-const REFERENCE_TIME: f32 = 90.0;
-/// An alarm is young for so long, s.
-const YOUNG: f32 = 2.0;
-/// Smallest faults that are reported since training: share of power, `1/f - 1`, degC, share of gain.
-const LEAST_POWER: f32 = 0.1;
-const LEAST_FLOW: f32 = 0.085;
-const LEAST_OFFSET: f32 = 0.8;
-const LEAST_GAIN: f32 = 0.08;
-/// Error of the models in a size: of air flow, of all others.
-const SIZE_ERROR: [f32; 2] = [0.10, 0.04];
-/// Half of the width of a 95 % interval, in standard deviations.
-const HALF_OF_95: f32 = 1.96;
 
 /// A validated watch.
 #[derive(Clone, Copy, Debug)]
@@ -101,20 +49,6 @@ pub(super) struct Watch {
     pub(super) naming: f32,
     pub(super) least_power: f32,
     pub(super) sample_time: f32,
-}
-
-/// What follows from the model: how fast everything goes.
-#[derive(Clone, Copy, Debug)]
-struct Pace {
-    /// Seconds here for each of the reference rig.
-    stretch: f32,
-    onset: OnsetConstants,
-    steady: SteadyConstants,
-    swing: LowPass,
-    inlet: LowPass,
-    wander: LowPass,
-    forgets: f32,
-    window: f32,
 }
 
 /// Its memory.
@@ -141,8 +75,9 @@ pub(super) struct WatchState {
     fast: [Sums; 2],
     slow: Sums,
     swing: [f32; 2],
-    /// Rise of T1 at which training took place, degC.
+    /// Rise of T1 at which training took place, degC, and standard deviation of how the gain grows with the power from there.
     trained: f32,
+    curvature_error: f32,
     /// T0 and its mean, and what its motion may have been at T1 and at T2, degC.
     inlet: Option<(f32, f32, [f32; 2])>,
     z_mean: [f32; 2],
@@ -192,9 +127,6 @@ const MAX_CONTRADICTION: f32 = 6.0;
 const FAN_STEP: f32 = 1e-3;
 const FAN_SETTLES: f32 = 10.0;
 
-/// Residence time of the reference rig, s: what all times here were tuned on.
-const REFERENCE: f32 = 1.1;
-
 impl WatchState {
     /// Static gain from the power to T1, degC per %.
     pub(super) fn gain(&self) -> f32 {
@@ -203,33 +135,6 @@ impl WatchState {
 }
 
 impl Watch {
-    fn pace(&self, p: &Parameters) -> Pace {
-        let ts = self.sample_time;
-        let stretch = bounded(p.residence() * ts / REFERENCE, 0.5, 100.0);
-        let share = |time: f32| 1.0 - libm::expf(-ts / (time * stretch));
-        let lags = [0.35, 1.0].map(share);
-        Pace {
-            stretch,
-            onset: OnsetConstants {
-                lead: (p.get(Parameter::Delay1) + 1.5) as usize,
-                lags,
-                fan: ts / (0.2 * stretch),
-                minutes: ts / 60.0,
-            },
-            steady: SteadyConstants {
-                keep: 1.0 - share(60.0),
-                reference: (REFERENCE_TIME * stretch / ts) as u32,
-                split: LowPass::over(1.0 / share(5.0)),
-                mean: LowPass::over(1.0 / share(25.0)),
-            },
-            swing: LowPass::over(1.0 / share(SWING_TIME)),
-            inlet: LowPass::over(1.0 / share(INLET_TIME)),
-            wander: LowPass::over(1.0 / share(WANDER_TIME)),
-            forgets: 1.0 - share(FORGETS_WITH),
-            window: 1.0 - share(WINDOW),
-        }
-    }
-
     pub(super) fn start(&self, trained: Trained) -> WatchState {
         let p = trained.parameters;
         let process = Process::new(&p, 1.0);
@@ -241,7 +146,7 @@ impl Watch {
             motion: trained.motion,
             ladder: trained.ladder,
             mean: trained.mean,
-            pace: self.pace(&p),
+            pace: Pace::new(&p, self.sample_time),
             power: trained.power,
             before: [trained.rise; 2],
             history: History::default(),
@@ -254,6 +159,7 @@ impl Watch {
             slow: Sums::default(),
             swing: [trained.rise, 0.0],
             trained: trained.rise,
+            curvature_error: trained.curvature_error,
             inlet: None,
             z_mean: [0.0; 2],
             candidate: 0.0,
@@ -449,172 +355,6 @@ impl Watch {
         let slow = self.slow.step(&mut s.slow, z[1], widened[1]);
         Charted { fast: fast / self.fast.interval, slow: slow / self.slow.interval }
     }
-
-    /// Gathers since the onset, or begins anew while nothing stirs.
-    fn follow_onset(
-        &self,
-        s: &mut WatchState,
-        g: &mut Gathered,
-        z: [f32; 2],
-        widened: [f32; 2],
-        charted: &Charted,
-        now: &NowRises,
-    ) {
-        if s.alarm.is_none() && charted.fast * self.fast.interval < NEAR && charted.slow < NEAR_SLOW {
-            g.begin_anew();
-            s.z_mean = [0.0; 2];
-            s.candidate = 0.0;
-            return;
-        }
-        if g.onset.age == 0 {
-            s.stays = s.measured;
-        }
-        let mut weight = 1.0 / (1.0 + 0.25 * widened[0] * widened[0]);
-        let mut jump: f32 = 0.0;
-        for m in 0..2 {
-            s.z_mean[m] += 0.3 * (z[m] - s.z_mean[m]);
-            jump = larger(jump, (z[m] - s.z_mean[m]).abs());
-        }
-        let transient = 1.0 + 0.1 * larger(0.0, jump - 3.0);
-        weight /= transient * transient;
-        // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
-        let evidence = smaller(z[0] * z[0], 64.0) + smaller(z[1] * z[1], 64.0);
-        if s.alarm.is_none() && g.onset.age > 0 && evidence > 16.0 && evidence > 4.0 * g.since.energy {
-            g.since.forget(&SENSORS);
-            g.onset.restart_sensors(now.before[0]);
-            s.stays = s.measured;
-        }
-        let row = g.onset.step(&s.pace.onset, &s.ladder, &s.nominal(now));
-        if let Some(alarm) = &s.alarm {
-            if alarm.age > FORGETS_FROM {
-                g.since.scale(s.pace.forgets);
-            }
-            g.window.scale(s.pace.window);
-            g.window.add(&row, z, weight);
-        }
-        g.since.add(&row, z, weight);
-    }
-
-    /// Raises the alarm where a fault explains more than the nuisances do.
-    fn decide(&self, s: &mut WatchState, g: &mut Gathered, tick: u32, charted: &Charted, row: &Row<LASTING>) {
-        if larger(charted.fast, charted.slow) <= 1.0 || g.onset.age == 0 {
-            return;
-        }
-        s.candidate += self.sample_time / s.pace.stretch;
-        let (mut freed, left) = s.judge_since(g);
-        let posterior = Posterior::new(&freed);
-        let best = &HYPOTHESES[posterior.best % COUNT];
-        let size = freed[posterior.best % COUNT].value.abs();
-        let small = match best.class {
-            FaultClass::HeaterPower => size < larger(self.least_power, UNUSUAL * sqrt(s.steps)),
-            FaultClass::Drift => size < 1.0,
-            FaultClass::AirFlow => size < LEAST_FLOW,
-            _ => false,
-        };
-        if posterior.best_gain > RAISE && !small {
-            let onset = tick.saturating_sub(g.onset.age.saturating_sub(1));
-            g.window = g.since;
-            let mut alarm = Alarm::new(onset);
-            self.name(g, &mut alarm, &mut freed, left);
-            s.alarm = Some(alarm);
-        } else if s.candidate > TAKEN_AFTER {
-            s.take_in(g, row);
-        }
-    }
-
-    /// Names the fault while it lasts; clears the alarm when it has gone. A young alarm is ranked and asked for its end on every tick, an older one
-    /// by turns.
-    fn follow_alarm(&self, s: &mut WatchState, g: &mut Gathered) {
-        let Some(mut alarm) = s.alarm else { return };
-        alarm.age += self.sample_time / s.pace.stretch;
-        alarm.turn = !alarm.turn;
-        let young = alarm.age < YOUNG;
-        if young || alarm.turn {
-            let (mut freed, left) = s.judge_since(g);
-            self.name(g, &mut alarm, &mut freed, left);
-        }
-        let over = (young || !alarm.turn) && s.is_over(g, &alarm);
-        s.alarm = Some(alarm);
-        if over || (alarm.age > PROCESS_TIME && alarm.gain < 1.0) {
-            s.alarm = None;
-            s.rest();
-            g.begin_anew();
-            s.rests = (s.pace.stretch / self.sample_time) as u32;
-            s.tracker.widen([0.015, 0.0, 0.05, 0.05]);
-        }
-    }
-
-    /// Names the fault by a ranking of the hypotheses; `left` is what the nuisances leave of the residual sum of squares.
-    fn name(&self, g: &Gathered, alarm: &mut Alarm, freed: &mut [Freed; COUNT], left: f32) {
-        if alarm.age < PROCESS_TIME {
-            for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
-                if row.class == FaultClass::Drift {
-                    freed.gain = smaller(freed.gain, 0.0);
-                }
-            }
-        }
-        let posterior = Posterior::new(freed);
-        let h = posterior.likeliest % COUNT;
-        let Freed { gain, value, second, .. } = freed[h];
-        (alarm.gain, alarm.hypothesis, alarm.values) = (posterior.best_gain, h, [value, second]);
-        let least = if alarm.age < PROCESS_TIME { ALWAYS_BOTH } else { NAME_PROCESS };
-        let (class, confidence) = named(&posterior, least);
-        let unexplained = left - 2.0 * KAPPA * gain;
-        let [most, most_share] = if alarm.strange { FITS } else { STRANGE };
-        alarm.strange = alarm.age > UNKNOWN_AFTER
-            && unexplained > most * larger(1.0, g.since.count)
-            && unexplained > most_share * larger(1.0, g.since.energy);
-        let magnitude = magnitude(h, class, &freed[h]);
-        let finding = Finding { class, confidence, magnitude, onset: alarm.onset };
-        if alarm.strange {
-            let class = FaultClass::Unknown;
-            alarm.finding = Some(Finding { class, confidence: 0.0, magnitude: None, ..finding });
-        } else if confidence > self.naming || alarm.finding.is_some_and(|was| was.class == class) {
-            alarm.finding = (confidence > self.naming - UNNAME).then_some(finding);
-        }
-    }
-
-    /// The minute, against the trained state.
-    fn judge_lasting(&self, s: &mut WatchState, tick: u32) {
-        let first = 20.0 * s.pace.stretch / self.sample_time;
-        if !s.steady.is_ready(first) {
-            return;
-        }
-        let mut freed = [Freed::default(); COUNT];
-        let nuisances = hypothesis::since_training(&s.wander);
-        s.steady.judge(&nuisances, &mut freed);
-        let posterior = Posterior::new(&freed);
-        let h = posterior.likeliest % COUNT;
-        let row = &HYPOTHESES[h];
-        let sized = s.steady.size(&nuisances, h);
-        let sized = if row.judged(sized).gain == IMPOSSIBLE { freed[h] } else { sized };
-        let least = match row.class {
-            FaultClass::HeaterPower => larger(LEAST_POWER, UNUSUAL * sqrt(s.wander[0])),
-            FaultClass::AirFlow => larger(LEAST_FLOW, UNUSUAL * sqrt(s.wander[1])),
-            FaultClass::T1Clogged => LEAST_GAIN,
-            _ => LEAST_OFFSET,
-        };
-        let (factor, share) = if s.lasting.is_some() { (GOES_ON[0], GOES_ON[1]) } else { (1.0, 1.0) };
-        let there = posterior.best_gain > factor * RAISE_SLOW && freed[h].value.abs() > share * least;
-        let onset = s.lasting.map_or(tick, |was| was.onset);
-        let (class, confidence) = named(&posterior, NAME_LASTING);
-        s.lasting = there.then(|| Lasting {
-            onset,
-            finding: (confidence > NAME_LASTING).then(|| Finding {
-                class,
-                confidence,
-                magnitude: magnitude(h, class, &sized),
-                onset,
-            }),
-        });
-    }
-}
-
-/// What has changed since training: when that was seen, and what it is, once that can be told.
-#[derive(Clone, Copy, Debug)]
-struct Lasting {
-    onset: u32,
-    finding: Option<Finding>,
 }
 
 /// Power and rises of this tick, and the rises before.
@@ -622,38 +362,6 @@ struct NowRises {
     heat: f32,
     rises: super::process::Rises,
     before: [f32; 2],
-}
-
-/// The class that is likeliest, and how likely. Air flow and heater power are one until one of them is likely enough by itself.
-fn named(posterior: &Posterior, least: f32) -> (FaultClass, f32) {
-    let class = HYPOTHESES[posterior.likeliest % COUNT].class;
-    let probability = posterior.of(posterior.likeliest);
-    let [flow, power] = [FaultClass::AirFlow, FaultClass::HeaterPower].map(|class| posterior.of_class(class));
-    let process = matches!(class, FaultClass::AirFlow | FaultClass::HeaterPower);
-    if process && larger(flow, power) < least {
-        return (FaultClass::AirFlowOrHeaterPower, smaller(CERTAIN, flow + power));
-    }
-    (class, smaller(CERTAIN, probability))
-}
-
-/// The size of a hypothesis in the unit of its class.
-fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
-    let Freed { value, variance, .. } = *freed;
-    let with_error = |share: f32| sqrt(variance + share * share * value * value) * HALF_OF_95;
-    let others = SIZE_ERROR[1];
-    match class {
-        FaultClass::AirFlowOrHeaterPower | FaultClass::Stuck(_) | FaultClass::Swapped(_) => None,
-        FaultClass::HeaterPower if h == CONSTANT => None,
-        FaultClass::AirFlow => {
-            let inverse = larger(0.1, 1.0 + value);
-            let half_width = 100.0 * with_error(SIZE_ERROR[0]) / (inverse * inverse);
-            Some(Magnitude { value: in_unit(class, value), half_width })
-        }
-        FaultClass::HeaterPower | FaultClass::T1Clogged | FaultClass::T1Detached | FaultClass::T2Detached => {
-            Some(Magnitude { value: in_unit(class, value), half_width: 100.0 * with_error(others) })
-        }
-        _ => Some(Magnitude { value, half_width: with_error(others) }),
-    }
 }
 
 impl WatchState {
@@ -670,53 +378,6 @@ impl WatchState {
             before: now.before,
             inlet: self.inlet.map_or([0.0; 2], |(_, _, moved)| moved),
         }
-    }
-
-    /// Gains of all hypotheses since the onset.
-    fn judge_since(&self, g: &Gathered) -> ([Freed; COUNT], f32) {
-        let nuisances = hypothesis::since_onset(self.steps);
-        let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA).for_many();
-        let mut freed = [Freed::default(); COUNT];
-        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
-            let mut second = row.second;
-            if let (Some(second), Some(m)) = (&mut second, row.stays) {
-                second.mean = self.stays[m];
-            }
-            *freed = row.judged(nuisances.free(row.first, second));
-        }
-        (freed, g.since.energy - nuisances.explained)
-    }
-
-    /// Whether the nuisances alone explain one of the windows better than the fault as it was.
-    fn is_over(&self, g: &Gathered, alarm: &Alarm) -> bool {
-        let row = &HYPOTHESES[alarm.hypothesis % COUNT];
-        let [value, second] = alarm.values;
-        let first = (row.first.direction, value);
-        let both = [first, row.second.map_or(first, |free| (free.direction, second))];
-        let at = if row.second.is_some() { &both[..] } else { &both[..1] };
-        let list = hypothesis::since_onset(self.steps);
-        alarm.age > ASKED_FROM && Nuisances::new(&g.window, &list, KAPPA).fixed(at) < -OVER
-    }
-
-    /// Nuisances explain what the charts say: the tracker takes them.
-    fn take_in(&mut self, g: &mut Gathered, row: &Row<LASTING>) {
-        let before = self.tracker.expected(row);
-        let nuisances = hypothesis::since_onset(self.steps);
-        let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA);
-        let [power, less, more, offset1, offset2, offset0, ..] = nuisances.values();
-        self.steps += STEP_SHARE * (power * power - self.steps);
-        self.steps = larger(hypothesis::POWER_SD * hypothesis::POWER_SD, self.steps);
-        let by = [power, less + more, offset1 - offset0, offset2 - offset0];
-        for (x, by) in self.tracker.x.iter_mut().zip(by) {
-            *x += by;
-        }
-        self.tracker.widen([0.01, 0.0, 0.1, 0.1]);
-        let after = self.tracker.expected(row);
-        let change = [after[0] - before[0], after[1] - before[1]];
-        self.past.lower(change);
-        self.past_clipped.lower(change);
-        self.rest();
-        g.begin_anew();
     }
 
     /// Charts and bank as if nothing had happened.
@@ -774,7 +435,7 @@ impl WatchState {
 
     /// What may move since an onset without being a fault, as far as is known now.
     pub(super) fn nuisances(&self) -> [Nuisance; SINCE_ONSET.len()] {
-        hypothesis::since_onset(self.steps)
+        hypothesis::since_onset(self.steps, self.bent())
     }
 
     /// Rises of the model on the last tick, degC.
@@ -788,5 +449,9 @@ impl WatchState {
     }
 }
 
+mod alarmed;
+mod lasting;
+mod naming;
+mod pace;
 #[cfg(test)]
 mod tests;

@@ -4,6 +4,7 @@
 
 pub mod alarm;
 pub mod cadence;
+pub mod calibration;
 pub mod console;
 pub mod control_loop;
 pub mod crc;

@@ -7,6 +7,7 @@ use core::task::{Context, Poll, Waker};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::likelihood::Channel;
 use fdi_core::{Celsius, Command, Config, Seconds};
+use firmware_logic::calibration::{Calibration, Still};
 use firmware_logic::console::{ANSWER, ApplyError, Board, BoardError, Console, line};
 use firmware_logic::control_loop::Denial;
 use firmware_logic::history::Entry;
@@ -27,6 +28,7 @@ struct Mock {
     heating: bool,
     progress: Progress,
     trained: bool,
+    calibration: Calibration,
 }
 
 impl Board for Mock {
@@ -80,6 +82,12 @@ impl Board for Mock {
     }
     fn decommission(&mut self) {
         self.asked.push("decommission".into());
+    }
+    fn still(&self) -> Still {
+        Still::default()
+    }
+    fn calibration(&mut self) -> &mut Calibration {
+        &mut self.calibration
     }
     fn stream(&mut self, on: bool) -> Result<(), BoardError> {
         self.asked.push(format!("stream {on}"));

@@ -6,6 +6,7 @@ use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Command, Config, ConfigError, Seconds};
 
 use super::{ApplyError, Board, BoardError};
+use crate::calibration::{Calibration, Still};
 use crate::control_loop::{Denial, Order};
 use crate::diagnosis_loop::DiagnosisLoop;
 use crate::history::Entry;
@@ -62,13 +63,14 @@ pub struct ConsoleBoard<C, F: NorFlash> {
     marked: bool,
     /// The commissioning that the flash was given last. What it refuses is not offered again until a save has mended it.
     given: Option<Commissioning>,
+    calibration: Calibration,
 }
 
 impl<C: Chip, F: NorFlash> ConsoleBoard<C, F> {
     /// A board whose settings and commissioning are kept in `store`; `marked` says whether the mark of a power failure stands there.
     pub fn new(chip: C, store: Store<F>, marked: bool) -> Self {
         let given = chip.diagnosis(|diagnosis| diagnosis.commissioning().copied());
-        Self { chip, store, marked, given }
+        Self { chip, store, marked, given, calibration: Calibration::default() }
     }
 
     /// Takes the mark away once the heater is off and nothing is latched, and keeps a new commissioning. To be called while there is
@@ -185,6 +187,14 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
 
     fn decommission(&mut self) {
         self.chip.change(|diagnosis| diagnosis.commissioned(None));
+    }
+
+    fn still(&self) -> Still {
+        self.chip.diagnosis(|diagnosis| *diagnosis.still())
+    }
+
+    fn calibration(&mut self) -> &mut Calibration {
+        &mut self.calibration
     }
 
     fn stream(&mut self, on: bool) -> Result<(), BoardError> {

@@ -2,6 +2,7 @@
 //! in common is [`Board`]. The text of one answer is at most [`ANSWER`] bytes; line feeds end its lines.
 
 pub mod board;
+mod calibrate;
 pub mod follow;
 pub mod line;
 pub mod request;
@@ -12,6 +13,7 @@ use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::ALL;
 use fdi_core::{Command, Config, ConfigError, Percent, Seconds};
 
+use crate::calibration::{Calibration, Still};
 use crate::control_loop::Denial;
 use crate::decimal::{self, Fixed};
 use crate::explain::Explained;
@@ -113,6 +115,10 @@ pub trait Board {
     fn decommission(&mut self);
     /// What was learnt as normal.
     fn baseline(&self) -> Option<Baseline>;
+    /// What the thermistors read at rest.
+    fn still(&self) -> Still;
+    /// The calibration that is under way.
+    fn calibration(&mut self) -> &mut Calibration;
     /// Sends the log over the port, or no more.
     fn stream(&mut self, on: bool) -> Result<(), BoardError>;
     /// Starts anew; a board does not come back from it.
@@ -231,6 +237,7 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
             say(out, "ok\n");
         }
         Request::Faults => faults(board, out),
+        Request::Calibrate { what, celsius } => calibrate::carry_out(what, celsius, board, out).await,
         Request::Stream { on } => done(out, board.stream(on)),
         Request::Restart => done(out, board.restart(Restart::Streaming).await),
         Request::Simulate => done(out, board.restart(Restart::Simulating).await),

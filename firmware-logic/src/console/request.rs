@@ -57,6 +57,13 @@ pub enum Request<'a> {
         /// Begin, or end.
         on: bool,
     },
+    /// Calibrate a thermistor, or put what came of it in force.
+    Calibrate {
+        /// `t0` .. `t2`, `all`, `apply`, `undo` or `clear`.
+        what: &'a str,
+        /// The true temperature, where there is one.
+        celsius: &'a str,
+    },
     /// Start anew, with the log over the port from the first tick on.
     Restart,
     /// The same, with codes from the port and the outputs locked off.
@@ -64,7 +71,7 @@ pub enum Request<'a> {
 }
 
 /// All commands: name, what follows it, what it does.
-pub const COMMANDS: [(&str, &str, &str); 18] = [
+pub const COMMANDS: [(&str, &str, &str); 19] = [
     ("help", "", "this list"),
     ("status", "", "mode, temperatures, diagnosis, health"),
     ("get", "[NAME]", "settings, all or those that begin with NAME"),
@@ -84,6 +91,11 @@ pub const COMMANDS: [(&str, &str, &str); 18] = [
     ),
     ("brownout", "set", "reset below 2.7 V, from the next power-up (heater off only)"),
     ("faults", "", "what went wrong since the start"),
+    (
+        "calibrate",
+        "t0|t1|t2|all DEGC",
+        "the thermistor is at DEGC now; then `calibrate apply`, `undo` or `clear` (heater off only)",
+    ),
     ("stream", "on|off", "the log over this port: each tick a line with a checksum, beside the answers"),
     ("restart", "", "start anew, with the stream on from the first tick (heater off, nothing latched)"),
     ("simulate", "on", "the same with codes from this port, both outputs locked off; a reset ends it"),
@@ -181,6 +193,16 @@ impl<'a> Request<'a> {
                 ("on" | "off", word) => Err(RequestError::Extra { command, word: split_word(word).0 }),
                 _ => Err(RequestError::Missing { command, expected: "on or off" }),
             },
+            "calibrate" => match split_word(rest) {
+                ("apply" | "undo" | "clear", "") => Ok(Self::Calibrate { what: rest, celsius: "" }),
+                ("t0" | "t1" | "t2" | "all", celsius) if !celsius.is_empty() => {
+                    Ok(Self::Calibrate { what: split_word(rest).0, celsius })
+                }
+                _ => Err(RequestError::Missing {
+                    command,
+                    expected: "t0, t1, t2 or all and a temperature in degC, or apply, undo, clear",
+                }),
+            },
             "restart" => alone(Self::Restart),
             "simulate" => match split_word(rest) {
                 ("on", "") => Ok(Self::Simulate),
@@ -215,6 +237,7 @@ mod tests {
                 "set" => format!("{name} set"),
                 "on|off" | "on" => format!("{name} on"),
                 "LEVEL" => format!("{name} 80"),
+                "t0|t1|t2|all DEGC" => format!("{name} t1 25.0"),
                 _ => name.to_owned(),
             };
             assert!(Request::parse(&line).is_ok(), "{line}");

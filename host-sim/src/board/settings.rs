@@ -25,6 +25,8 @@ pub fn read<P: Read + Write>(session: &mut Session<P>) -> anyhow::Result<Config>
 /// Puts a value as the board tells it, perhaps with a unit behind, into a configuration.
 fn told(config: &mut Config, name: &str, value: &str) -> anyhow::Result<()> {
     let known = Name::find(name).map_err(|error| anyhow::anyhow!("{error}"))?;
+    // A number with more digits than the board shows.
+    let value = value.trim_start_matches('~');
     let number = value.rsplit_once(' ').map_or(value, |(number, _unit)| number);
     known
         .set(config, name, value)

@@ -227,6 +227,27 @@ mod tests {
     }
 
     #[test]
+    fn thermistors_are_calibrated_at_rest_and_uncalibrated_again() {
+        let said = session(
+            "calibrate t1 22\nwait 20\ncalibrate t1 23.5\ncalibrate all 22\ncalibrate t1 60\ncalibrate apply\nwait 2\n\
+             get sensors.t1.offset\ncalibrate undo\nget sensors.t1.offset\ncheck\narm\nwait 1\ncalibrate t1 22\n",
+        );
+        for word in [
+            "error: t1: the thermistor does not stand still",
+            "t1 reads 22.5",
+            "from 1 point\n",
+            "from 2 points, at most 0.75 degC beside them",
+            "error: t1: that is gain",
+            "in force; `save` keeps it",
+            "sensors.t1.offset = 0.197 degC",
+            "sensors.t1.offset = 0 degC",
+            "error: not while the heater may be on",
+        ] {
+            assert!(said.contains(word), "{word} in:\n{said}");
+        }
+    }
+
+    #[test]
     fn errors_name_what_was_wrong() {
         let said = session(
             "sett x 1\nset pid.kq 1\nset pid.kp -1\nwait forever\nwire upside down\nwire swap t1 t3\nwire detached t0\n\

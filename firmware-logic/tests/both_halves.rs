@@ -43,6 +43,7 @@ struct TestChip {
     late: Option<Order>,
     stalls: usize,
     restarted: Option<Restart>,
+    simulated: bool,
 }
 
 impl TestChip {
@@ -60,6 +61,7 @@ impl TestChip {
             late: None,
             stalls: 0,
             restarted: None,
+            simulated: false,
         }
     }
 
@@ -123,6 +125,9 @@ impl Chip for TestChip {
     fn restart(&mut self, how: Restart) {
         assert!(!self.output.enabled, "started anew while it heats");
         self.restarted = Some(how);
+    }
+    fn is_simulated(&self) -> bool {
+        self.simulated
     }
     fn program_brown_out_level(&mut self) -> bool {
         true
@@ -425,4 +430,19 @@ fn a_restart_is_refused_while_it_heats_checks_or_is_latched() {
     now(cut.command(Command::Acknowledge)).expect("acknowledged");
     let _ = restart(&mut cut);
     assert_eq!(cut.chip.restarted, Some(Restart::Streaming));
+}
+
+/// Models of the simulated rig would be those that the real one is held against later.
+#[test]
+fn a_board_that_is_simulated_writes_nothing_to_its_flash() {
+    let mut board = at_rest();
+    board.chip.simulated = true;
+    now(board.command(Command::Arm)).expect("arms");
+    let models = Commissioned { parameters: [0.3; PARAMETERS] };
+    board.chip.change(|diagnosis| diagnosis.commissioned(Some(Commissioning { number: 1, models })));
+    now(board.command(Command::Stop)).expect("always");
+    now(board.settle());
+    assert_eq!(now(board.save()), Err(SaveError::Simulated));
+    assert_eq!(board.chip.stalls, 0);
+    assert_eq!(kept(board), None);
 }

@@ -217,6 +217,10 @@ impl Chip for &'static Shared {
         reset::reset()
     }
 
+    fn is_simulated(&self) -> bool {
+        simulation::is_on()
+    }
+
     fn program_brown_out_level(&mut self) -> bool {
         supply::set_brown_out_level()
     }

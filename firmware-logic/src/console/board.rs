@@ -50,6 +50,8 @@ pub trait Chip {
     fn stream(&mut self, on: bool) -> bool;
     /// Starts anew, with both outputs off before anything else. It comes back only where there is no board.
     fn restart(&mut self, how: Restart);
+    /// Whether its codes come from the port, and its outputs are locked off.
+    fn is_simulated(&self) -> bool;
     /// Programs the brown-out level, which stalls the processor; `false` if the chip refuses.
     fn program_brown_out_level(&mut self) -> bool;
 }
@@ -76,6 +78,9 @@ impl<C: Chip, F: NorFlash> ConsoleBoard<C, F> {
     /// Takes the mark away once the heater is off and nothing is latched, and keeps a new commissioning. To be called while there is
     /// nothing else to do.
     pub async fn settle(&mut self) {
+        if self.chip.is_simulated() {
+            return; // what is learnt is of no rig, and no power failure has ever left it hot
+        }
         self.keep().await;
         let latched = self.chip.diagnosis(|diagnosis| diagnosis.status().is_latched());
         if self.marked && !latched && !self.may_heat() {
@@ -125,7 +130,7 @@ impl<C: Chip, F: NorFlash> ConsoleBoard<C, F> {
 
 impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
     async fn command(&mut self, command: Command) -> Result<(), Denial> {
-        if command == Command::Arm && !self.marked && !self.may_heat() {
+        if command == Command::Arm && !self.marked && !self.may_heat() && !self.chip.is_simulated() {
             self.mark(true).await.map_err(|_| Denial::NoMark)?;
         }
         self.chip.order(Order::Command(command)).await
@@ -162,6 +167,9 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
 
     async fn save(&mut self) -> Result<(), SaveError> {
         self.follow_stop().await;
+        if self.chip.is_simulated() {
+            return Err(SaveError::Simulated);
+        }
         if self.may_heat() {
             return Err(SaveError::Heating);
         }

@@ -217,6 +217,10 @@ impl Chip for SimulatedChip {
 
     fn restart(&mut self, _: Restart) {}
 
+    fn is_simulated(&self) -> bool {
+        false
+    }
+
     /// There are no option bytes here.
     fn program_brown_out_level(&mut self) -> bool {
         true

@@ -17,6 +17,7 @@ mod root;
 pub mod sense;
 pub mod settings;
 pub mod supervisor;
+pub mod tune;
 pub mod units;
 mod vector;
 

@@ -8,6 +8,7 @@ use fdi_core::likelihood::Readiness;
 use fdi_core::{Command, Config, ConfigError, Mode, Report, Seconds};
 
 use crate::alarm::Alarms;
+use crate::calibration::Still;
 use crate::control_loop::{OrderKind, Outcome, TickRecord};
 use crate::history::{Entry, History};
 use crate::interlock::Lockout;
@@ -34,6 +35,7 @@ pub struct DiagnosisLoop {
     untold: bool,
     status: Status,
     history: History,
+    still: Still,
     before: Before,
 }
 
@@ -67,6 +69,7 @@ impl DiagnosisLoop {
             untold: false,
             status: Status::default(),
             history: History::default(),
+            still: Still::default(),
             before: Before {
                 mode: Mode::Off,
                 lockout: None,
@@ -96,6 +99,7 @@ impl DiagnosisLoop {
         if core::mem::take(&mut self.untold) {
             tell(Notice::Commissioning(self.commissioning));
         }
+        self.still.step(&record.tick.sample, record.applied.0 > 0.0);
         let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
         tell(Notice::Tick(TickLine::new(&record, &report)));
         self.notice_mode(&record, &mut tell);
@@ -254,6 +258,11 @@ impl DiagnosisLoop {
     /// How the instrument is.
     pub fn status(&self) -> &Status {
         &self.status
+    }
+
+    /// What the thermistors read at rest.
+    pub fn still(&self) -> &Still {
+        &self.still
     }
 
     /// What went wrong since the start.

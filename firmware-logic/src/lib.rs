@@ -4,6 +4,7 @@
 
 pub mod alarm;
 pub mod cadence;
+pub mod calibration;
 pub mod console;
 pub mod control_loop;
 pub mod crc;
@@ -24,4 +25,5 @@ pub mod sampling;
 pub mod self_test;
 pub mod settings;
 pub mod status;
+pub mod stream;
 pub mod task_watchdog;

@@ -34,6 +34,16 @@ pub enum Death {
     StrayInterrupt,
 }
 
+/// How the board was told to start anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Restart {
+    /// With the stream on from the first tick.
+    Streaming,
+    /// The same, with codes from the port in place of the converter's, and both outputs locked off.
+    Simulating,
+}
+
 /// Why the board has started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -48,6 +58,8 @@ pub enum ResetCause {
     Watchdog,
     /// The program died and said how.
     Died(Death),
+    /// Somebody asked for it, with the heater off.
+    Restarted(Restart),
     /// A software reset that nobody signed.
     Software,
     /// Flags that should never be seen.
@@ -57,7 +69,7 @@ pub enum ResetCause {
 impl ResetCause {
     /// Judges flags and legacy. A watchdog flag outranks the rest, since a program may well die and then hang; a crash record
     /// outrank power-on, since a sag of the supply looks like it and leaves the memory as it was.
-    pub fn new(flags: ResetFlags, death: Option<Death>) -> Self {
+    pub fn new(flags: ResetFlags, death: Option<Death>, restart: Option<Restart>) -> Self {
         match (flags, death) {
             (ResetFlags { power_on: true, .. }, None) => Self::PowerOn,
             (ResetFlags { power_on: true, .. }, Some(death)) => Self::Died(death),
@@ -66,7 +78,7 @@ impl ResetCause {
             (ResetFlags { watchdog: true, .. } | ResetFlags { software: true, .. }, Some(death)) => {
                 Self::Died(death)
             }
-            (ResetFlags { software: true, .. }, None) => Self::Software,
+            (ResetFlags { software: true, .. }, None) => restart.map_or(Self::Software, Self::Restarted),
             (ResetFlags { window_watchdog: true, .. } | ResetFlags { low_power: true, .. }, _) => {
                 Self::Unexpected
             }
@@ -78,7 +90,7 @@ impl ResetCause {
 
     /// Whether the heater must stay off until somebody has acknowledged it.
     pub fn is_fault(self) -> bool {
-        !matches!(self, Self::PowerOn | Self::Pin)
+        !matches!(self, Self::PowerOn | Self::Pin | Self::Restarted(_))
     }
 
     /// Name for people.
@@ -92,6 +104,8 @@ impl ResetCause {
             Self::Died(Death::HardFault) => "HardFault",
             Self::Died(Death::ClockFailure) => "clock failure",
             Self::Died(Death::StrayInterrupt) => "stray interrupt",
+            Self::Restarted(Restart::Streaming) => "restart",
+            Self::Restarted(Restart::Simulating) => "restart, simulated",
             Self::Software => "software reset",
             Self::Unexpected => "unexpected reset",
         }
@@ -131,18 +145,24 @@ mod tests {
             (ResetFlags::default(), None, ResetCause::Unexpected),
         ];
         for (flags, death, cause) in cases {
-            assert_eq!(ResetCause::new(flags, death), cause, "{flags:?}");
+            assert_eq!(ResetCause::new(flags, death, None), cause, "{flags:?}");
         }
+        let ordered = |flags, death| ResetCause::new(flags, death, Some(Restart::Streaming));
+        let software = ResetFlags { software: true, ..PIN };
+        assert_eq!(ordered(software, None), ResetCause::Restarted(Restart::Streaming));
+        assert_eq!(ordered(ResetFlags { watchdog: true, ..software }, None), ResetCause::Watchdog);
+        assert_eq!(ordered(software, Some(Death::Panic)), ResetCause::Died(Death::Panic));
+        assert_eq!(ordered(PIN, None), ResetCause::Pin, "the button was quicker");
     }
 
     #[test]
     fn last_words_that_a_sag_has_left_are_believed() {
         let flags = ResetFlags { power_on: true, brown_out: true, ..PIN };
-        assert_eq!(ResetCause::new(flags, Some(Death::Panic)), ResetCause::Died(Death::Panic));
+        assert_eq!(ResetCause::new(flags, Some(Death::Panic), None), ResetCause::Died(Death::Panic));
     }
 
     #[test]
-    fn only_power_and_the_reset_button_are_no_faults() {
+    fn only_power_the_reset_button_and_an_order_are_no_faults() {
         let all = [
             ResetCause::PowerOn,
             ResetCause::Pin,
@@ -150,9 +170,13 @@ mod tests {
             ResetCause::Watchdog,
             ResetCause::Died(Death::Panic),
             ResetCause::Software,
+            ResetCause::Restarted(Restart::Streaming),
             ResetCause::Unexpected,
         ];
         let harmless: Vec<_> = all.into_iter().filter(|cause| !cause.is_fault()).collect();
-        assert_eq!(harmless, [ResetCause::PowerOn, ResetCause::Pin]);
+        assert_eq!(
+            harmless,
+            [ResetCause::PowerOn, ResetCause::Pin, ResetCause::Restarted(Restart::Streaming)]
+        );
     }
 }

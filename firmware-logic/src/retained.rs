@@ -4,14 +4,14 @@
 //! whether it is believed.
 //!
 //! ```text
-//! word 0 magic and version   word 1 death | lockout << 8 | length << 16   words 2.. text   last word CRC-32 of the rest
+//! word 0 magic and version   word 1 death | restart << 4 | lockout << 8 | length << 16   words 2.. text   last word CRC-32 of the rest
 //! ```
 
 use core::fmt;
 
 use crate::crc::CRC32;
 use crate::interlock::Lockout;
-use crate::reset_cause::Death;
+use crate::reset_cause::{Death, Restart};
 
 /// Size in words.
 pub const WORDS: usize = 64;
@@ -63,6 +63,8 @@ impl fmt::Write for CrashMessage {
 pub struct Retained {
     /// How the program died, if it did.
     pub death: Option<Death>,
+    /// How it was told to start anew, if it was.
+    pub restart: Option<Restart>,
     /// What holds the heater off.
     pub lockout: Option<Lockout>,
     /// Its message.
@@ -71,15 +73,19 @@ pub struct Retained {
 
 impl Retained {
     /// Nothing to tell.
-    pub const EMPTY: Self = Self { death: None, lockout: None, words: CrashMessage::EMPTY };
+    pub const EMPTY: Self = Self { death: None, restart: None, lockout: None, words: CrashMessage::EMPTY };
 
     /// As it lies in RAM.
     pub fn pack(&self) -> Words {
         let mut words = [0; WORDS];
         let death = self.death.map_or(0, death_number);
+        let restart = self.restart.map_or(0, restart_number);
         let lockout = self.lockout.map_or(0, Lockout::number);
         words[0] = MAGIC;
-        words[1] = u32::from(death) | u32::from(lockout) << 8 | (self.words.length as u32) << 16;
+        words[1] = u32::from(death)
+            | u32::from(restart) << 4
+            | u32::from(lockout) << 8
+            | (self.words.length as u32) << 16;
         for (word, bytes) in words[2..WORDS - 1].iter_mut().zip(self.words.text.chunks_exact(4)) {
             *word = bytes.iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte));
         }
@@ -98,7 +104,8 @@ impl Retained {
             bytes.copy_from_slice(&word.to_le_bytes());
         }
         Some(Self {
-            death: death_from(words[1] as u8),
+            death: death_from(words[1] as u8 & 0xF),
+            restart: restart_from(words[1] as u8 >> 4),
             lockout: Lockout::from_number((words[1] >> 8) as u8),
             words: CrashMessage { text, length },
         })
@@ -120,6 +127,17 @@ fn death_from(number: u8) -> Option<Death> {
         .find(|death| death_number(*death) == number)
 }
 
+fn restart_number(restart: Restart) -> u8 {
+    match restart {
+        Restart::Streaming => 1,
+        Restart::Simulating => 2,
+    }
+}
+
+fn restart_from(number: u8) -> Option<Restart> {
+    [Restart::Streaming, Restart::Simulating].into_iter().find(|restart| restart_number(*restart) == number)
+}
+
 /// CRC of all words but the last.
 fn checksum(words: &Words) -> u32 {
     let mut bytes = [0; 4 * (WORDS - 1)];
@@ -139,7 +157,12 @@ mod tests {
     fn example() -> Retained {
         let mut words = CrashMessage::EMPTY;
         write!(words, "src/main.rs:42: index 7, length 5 (T1 \u{b0}C)").expect("never fails");
-        Retained { death: Some(Death::Panic), lockout: Some(Lockout::Reset(ResetCause::Watchdog)), words }
+        Retained {
+            death: Some(Death::Panic),
+            restart: None,
+            lockout: Some(Lockout::Reset(ResetCause::Watchdog)),
+            words,
+        }
     }
 
     #[test]
@@ -149,6 +172,10 @@ mod tests {
             assert_eq!(Retained::unpack(&retained.pack()), Some(retained));
         }
         assert_eq!(Retained::unpack(&Retained::EMPTY.pack()), Some(Retained::EMPTY));
+        for restart in [Restart::Streaming, Restart::Simulating] {
+            let restarted = Retained { restart: Some(restart), ..Retained::EMPTY };
+            assert_eq!(Retained::unpack(&restarted.pack()), Some(restarted));
+        }
     }
 
     /// A program reads what the one before it left, which may be an older one. The checksum was computed elsewhere.

@@ -22,6 +22,8 @@ pub struct Health {
     pub records_lost: u32,
     /// Frames of the log that did not fit.
     pub log_dropped: u32,
+    /// Lines of the stream that did not fit.
+    pub stream_dropped: u32,
     /// Most bytes of stack ever used.
     pub stack_used: u32,
     /// Bytes of stack.
@@ -39,6 +41,8 @@ pub struct Status {
     pub check: Progress,
     /// The commissioning, where there was one.
     pub commissioned: Option<Since>,
+    /// Codes come from the port, and the outputs are locked off.
+    pub simulated: bool,
 }
 
 /// A commissioning, and what has become of the rig since.
@@ -117,7 +121,8 @@ impl fmt::Display for StatusLine<'_> {
         f.write_str(" bandwidth")?;
         number(f, report.ms1.bandwidth, 2)?;
         let (fdv, fiv) = report.filtered.map_or((0, 0), |verdict| (verdict.fdv, verdict.fiv));
-        write!(f, ", fdv {fdv} fiv {fiv}")
+        write!(f, ", fdv {fdv} fiv {fiv}")?;
+        f.write_str(if self.0.simulated { ", simulated" } else { "" })
     }
 }
 
@@ -125,6 +130,9 @@ impl fmt::Display for Status {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some((record, report)) = &self.last else { return f.write_str("no tick yet") };
         let tick = &record.tick;
+        if self.simulated {
+            writeln!(f, "SIMULATED: codes come from the port, both outputs are locked off until a reset")?;
+        }
         write!(f, "mode {}", tick.mode.name())?;
         if let Mode::Tripped(trip) = tick.mode {
             write!(f, " ({}), `ack` when its cause has gone", trip.reason.words())?;
@@ -179,12 +187,13 @@ impl fmt::Display for Health {
         let p = &self.jitter;
         write!(
             f,
-            "ticks {} missed {} worst {} us late, diagnosis lost {}, log dropped {}, stack {} of {} bytes",
+            "ticks {} missed {} worst {} us late, diagnosis lost {}, log dropped {}, stream dropped {}, stack {} of {} bytes",
             p.ticks,
             p.missed,
             p.worst_us,
             self.records_lost,
             self.log_dropped,
+            self.stream_dropped,
             self.stack_used,
             self.stack_size
         )

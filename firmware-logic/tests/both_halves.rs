@@ -16,12 +16,13 @@ use fdi_core::likelihood::{Commissioned, PARAMETERS};
 use fdi_core::{AdcCode, Command, Config, ConfigError, Feedback, RawSample, Seconds};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::console::board::{Chip, ConsoleBoard};
-use firmware_logic::console::{ApplyError, Board};
+use firmware_logic::console::{ApplyError, Board, BoardError};
 use firmware_logic::control_loop::{ControlLoop, Denial, Heater, Order, OrderKind, next_order};
 use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::history::Entry;
 use firmware_logic::interlock::{Interlock, Lockout};
 use firmware_logic::notice::{Level, Notice};
+use firmware_logic::reset_cause::Restart;
 use firmware_logic::settings::commissioning::Commissioning;
 use firmware_logic::settings::store::{SaveError, Store};
 use firmware_logic::settings::stored::Stored;
@@ -41,6 +42,8 @@ struct TestChip {
     deaf: bool,
     late: Option<Order>,
     stalls: usize,
+    restarted: Option<Restart>,
+    simulated: bool,
 }
 
 impl TestChip {
@@ -57,6 +60,8 @@ impl TestChip {
             deaf: false,
             late: None,
             stalls: 0,
+            restarted: None,
+            simulated: false,
         }
     }
 
@@ -113,6 +118,16 @@ impl Chip for TestChip {
     }
     fn status(&self) -> Status {
         self.diagnosis.status().clone()
+    }
+    fn stream(&mut self, _: bool) -> bool {
+        true
+    }
+    fn restart(&mut self, how: Restart) {
+        assert!(!self.output.enabled, "started anew while it heats");
+        self.restarted = Some(how);
+    }
+    fn is_simulated(&self) -> bool {
+        self.simulated
     }
     fn program_brown_out_level(&mut self) -> bool {
         true
@@ -397,4 +412,37 @@ fn a_stop_overtakes_and_forgets_what_heats() {
     assert_eq!(kinds(true, &[arm, Order::Check, ack]), [stop, acknowledged]);
     assert_eq!(kinds(true, &[]), [stop]);
     assert_eq!(kinds(false, &[]), [None]);
+}
+
+#[test]
+fn a_restart_is_refused_while_it_heats_checks_or_is_latched() {
+    let restart = |board: &mut ConsoleBoard<TestChip, Flash>| now(Board::restart(board, Restart::Streaming));
+    assert_eq!(restart(&mut heating()), Err(BoardError::NotOff));
+
+    let mut checking = at_rest();
+    now(checking.check()).expect("begins");
+    assert_eq!(restart(&mut checking), Err(BoardError::NotOff));
+
+    let mut cut = heating();
+    cut.chip.output.enabled = false; // the interlock opens
+    assert_eq!(restart(&mut cut), Err(BoardError::Latched), "it waits for the tick that latches it");
+    assert_eq!(cut.chip.restarted, None);
+    now(cut.command(Command::Acknowledge)).expect("acknowledged");
+    let _ = restart(&mut cut);
+    assert_eq!(cut.chip.restarted, Some(Restart::Streaming));
+}
+
+/// Models of the simulated rig would be those that the real one is held against later.
+#[test]
+fn a_board_that_is_simulated_writes_nothing_to_its_flash() {
+    let mut board = at_rest();
+    board.chip.simulated = true;
+    now(board.command(Command::Arm)).expect("arms");
+    let models = Commissioned { parameters: [0.3; PARAMETERS] };
+    board.chip.change(|diagnosis| diagnosis.commissioned(Some(Commissioning { number: 1, models })));
+    now(board.command(Command::Stop)).expect("always");
+    now(board.settle());
+    assert_eq!(now(board.save()), Err(SaveError::Simulated));
+    assert_eq!(board.chip.stalls, 0);
+    assert_eq!(kept(board), None);
 }

@@ -7,10 +7,12 @@ use core::task::{Context, Poll, Waker};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::likelihood::Channel;
 use fdi_core::{Celsius, Command, Config, Seconds};
-use firmware_logic::console::{ANSWER, ApplyError, Board, Console, line};
+use firmware_logic::calibration::{Calibration, Still};
+use firmware_logic::console::{ANSWER, ApplyError, Board, BoardError, Console, line};
 use firmware_logic::control_loop::Denial;
 use firmware_logic::history::Entry;
 use firmware_logic::interlock::Lockout;
+use firmware_logic::reset_cause::Restart;
 use firmware_logic::self_test::{CheckFinding, Ending, News, Progress, Stage};
 use firmware_logic::settings::store::SaveError;
 use firmware_logic::settings::stored::check;
@@ -26,6 +28,7 @@ struct Mock {
     heating: bool,
     progress: Progress,
     trained: bool,
+    calibration: Calibration,
 }
 
 impl Board for Mock {
@@ -79,6 +82,19 @@ impl Board for Mock {
     }
     fn decommission(&mut self) {
         self.asked.push("decommission".into());
+    }
+    fn still(&self) -> Still {
+        Still::default()
+    }
+    fn calibration(&mut self) -> &mut Calibration {
+        &mut self.calibration
+    }
+    fn stream(&mut self, on: bool) -> Result<(), BoardError> {
+        self.asked.push(format!("stream {on}"));
+        Ok(())
+    }
+    async fn restart(&mut self, _: Restart) -> Result<(), BoardError> {
+        if self.heating { Err(BoardError::NotOff) } else { Err(BoardError::NoBoard) }
     }
     fn baseline(&self) -> Option<Baseline> {
         Some(Baseline { samples: 1637, ..Baseline::default() })

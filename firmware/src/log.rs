@@ -1,8 +1,7 @@
 //! The log: how the board came up, what each tick has to tell, and a line of status each second.
 
 use defmt::Display2Format;
-use fdi_core::Config;
-use firmware_logic::log_line::{self, LogLine};
+use firmware_logic::log_line::LogLine;
 use firmware_logic::notice::{Level, Notice};
 use firmware_logic::reset_cause::ResetCause;
 use firmware_logic::retained::Retained;
@@ -13,13 +12,7 @@ use crate::hardware::clock::Source;
 use crate::hardware::{board, retained, stack, supply};
 
 /// Who this is, and how it came up.
-pub(crate) fn banner(
-    clock: Source,
-    cause: ResetCause,
-    left: Option<&Retained>,
-    origin: &Origin,
-    config: &Config,
-) {
+pub(crate) fn banner(clock: Source, cause: ResetCause, left: Option<&Retained>, origin: &Origin) {
     defmt::info!(
         "PT-326 FDI {=str} ({=str}) on {=str}",
         env!("CARGO_PKG_VERSION"),
@@ -27,7 +20,6 @@ pub(crate) fn banner(
         board::NAME
     );
     defmt::info!("clock {}, stack {=usize} bytes", clock, stack::size());
-    line(LogLine::Start { version: log_line::VERSION });
     match cause.is_fault() {
         true => defmt::error!("reset cause: {=str}", cause.name()),
         false => defmt::info!("reset cause: {=str}", cause.name()),
@@ -42,7 +34,6 @@ pub(crate) fn banner(
         Origin::Flash | Origin::Default => defmt::info!("settings {}", Display2Format(origin)),
         _ => defmt::error!("settings {}", Display2Format(origin)),
     }
-    log_line::settings(config, line);
 }
 
 /// A line that a program reads.

@@ -12,6 +12,8 @@ mod panic;
 #[cfg(target_os = "none")]
 mod shared;
 #[cfg(target_os = "none")]
+mod simulation;
+#[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]
 mod tasks;

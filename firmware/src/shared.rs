@@ -1,6 +1,7 @@
 //! What the thread-mode tasks share: the diagnosis half, and the way to the control half.
 
 use core::cell::RefCell;
+use core::fmt::Display;
 use core::pin::pin;
 use core::sync::atomic::Ordering;
 
@@ -13,13 +14,17 @@ use firmware_logic::cadence;
 use firmware_logic::console::board::Chip;
 use firmware_logic::control_loop::{Denial, Order, Outcome, TickRecord};
 use firmware_logic::diagnosis_loop::DiagnosisLoop;
-use firmware_logic::log_line;
+use firmware_logic::log_line::{self, LogLine};
+use firmware_logic::reset_cause::{ResetCause, Restart};
+use firmware_logic::retained::Retained;
 use firmware_logic::status::{Health, Status};
+use firmware_logic::stream::Stream;
 use firmware_logic::task_watchdog::Task;
 use heapless::spsc::Producer;
 
-use crate::hardware::{heater, rtt, stack, supply};
-use crate::{link, log};
+use crate::hardware::clock::{self, Source};
+use crate::hardware::{board, cycles, heater, reset, retained, rtt, stack, supply};
+use crate::{link, log, simulation};
 
 /// How long an order may wait for its answer, besides a tick; and how long the console may wait before it checks in again.
 const ANSWER_DEADLINE_MS: u32 = 290;
@@ -30,20 +35,73 @@ pub(crate) struct Shared {
     diagnosis: RefCell<DiagnosisLoop>,
     orders: RefCell<Producer<'static, Order>>,
     outcomes: Signal<NoopRawMutex, Outcome>,
+    stream: RefCell<Stream>,
+    /// The stream has something to send.
+    streaming: Signal<NoopRawMutex, ()>,
 }
 
 impl Shared {
     /// Nothing has happened yet.
     pub(crate) fn new(diagnosis: DiagnosisLoop, orders: Producer<'static, Order>) -> Self {
-        Self { diagnosis: RefCell::new(diagnosis), orders: RefCell::new(orders), outcomes: Signal::new() }
+        Self {
+            diagnosis: RefCell::new(diagnosis),
+            orders: RefCell::new(orders),
+            outcomes: Signal::new(),
+            stream: RefCell::new(Stream::default()),
+            streaming: Signal::new(),
+        }
+    }
+
+    /// What a replay has to know before the first tick.
+    pub(crate) fn begin(&self, cause: ResetCause, clock: Source, config: &Config) {
+        self.stream.borrow_mut().switch(matches!(cause, ResetCause::Restarted(_)));
+        self.line(LogLine::Start { version: log_line::VERSION });
+        self.send(&format_args!(
+            "PT-326 FDI {} ({}) on {}, {} Hz from {}, {}",
+            env!("CARGO_PKG_VERSION"),
+            env!("GIT_DESCRIBE"),
+            board::NAME,
+            clock::core_hz(),
+            clock.name(),
+            cause.name(),
+        ));
+        log_line::settings(config, |line| self.line(line));
+    }
+
+    /// A line that a program reads.
+    pub(crate) fn line(&self, line: LogLine<'_>) {
+        log::line(line);
+        self.send(&line);
+    }
+
+    fn send(&self, line: &impl Display) {
+        self.stream.borrow_mut().push(line);
+        self.streaming.signal(());
+    }
+
+    /// Takes what the stream sends next, and waits while it has nothing to send.
+    pub(crate) async fn take_streamed(&self, bytes: &mut [u8]) -> usize {
+        loop {
+            match self.stream.borrow_mut().take(bytes) {
+                0 => {}
+                n => return n,
+            }
+            self.streaming.wait().await;
+        }
     }
 
     /// The second half of a tick.
     pub(crate) fn diagnose(&self, record: TickRecord) {
+        let (begin, tick, control) = (cycles::now(), record.tick.index, record.cycles);
         let outcome = record.outcome;
         let mut diagnosis = self.diagnosis.borrow_mut();
         let sample_time = diagnosis.sample_time().0;
-        link::feed_back(diagnosis.step(record, |notice| log::notice(&notice, sample_time)).feedback());
+        let report = diagnosis.step(record, |notice| {
+            log::notice(&notice, sample_time);
+            self.send(&notice.text(sample_time));
+        });
+        link::feed_back(report.feedback());
+        self.send(&LogLine::Cycles { tick, control, diagnosis: cycles::now().wrapping_sub(begin) });
         if let Some(outcome) = outcome {
             self.outcomes.signal(outcome);
         }
@@ -57,9 +115,11 @@ impl Shared {
     /// How it is, the health of the board included.
     pub(crate) fn status(&self) -> Status {
         let mut status = self.read(Status::clone);
+        status.simulated = simulation::is_on();
         status.health = Health {
             records_lost: link::RECORDS_LOST.load(Ordering::Relaxed),
             log_dropped: rtt::dropped(),
+            stream_dropped: self.stream.borrow().dropped(),
             stack_used: stack::high_water() as u32,
             stack_size: stack::size() as u32,
             ..status.health
@@ -105,7 +165,8 @@ impl Chip for &'static Shared {
     fn propose(&mut self, config: &Config) -> Result<Controller, ConfigError> {
         let mut diagnosis = self.diagnosis.borrow_mut();
         let controller = diagnosis.propose(config)?;
-        log_line::settings(&diagnosis.in_force(config), log::line); // a replay needs them before the order that puts them in force
+        // A replay needs them before the order that puts them in force.
+        log_line::settings(&diagnosis.in_force(config), |line| self.line(line));
         Ok(controller)
     }
 
@@ -143,6 +204,21 @@ impl Chip for &'static Shared {
 
     fn status(&self) -> Status {
         Shared::status(self)
+    }
+
+    fn stream(&mut self, on: bool) -> bool {
+        self.stream.borrow_mut().switch(on);
+        true
+    }
+
+    fn restart(&mut self, how: Restart) {
+        heater::cut();
+        retained::store(&Retained { restart: Some(how), ..Retained::EMPTY });
+        reset::reset()
+    }
+
+    fn is_simulated(&self) -> bool {
+        simulation::is_on()
     }
 
     fn program_brown_out_level(&mut self) -> bool {

@@ -12,7 +12,7 @@ use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::explain::Explained;
 use firmware_logic::interlock::Interlock;
 use firmware_logic::log_line;
-use firmware_logic::reset_cause::ResetCause;
+use firmware_logic::reset_cause::{ResetCause, Restart};
 use firmware_logic::retained::Retained;
 use firmware_logic::settings::store::Store;
 use firmware_logic::settings::stored::Stored;
@@ -25,10 +25,10 @@ use crate::hardware::inputs::Inputs;
 use crate::hardware::panel::Panel;
 use crate::hardware::settings_flash::SettingsFlash;
 use crate::hardware::{
-    self, clock, control_executor, halt, reset, retained, serial, tick_timer, undervoltage, watchdog,
+    self, clock, control_executor, cycles, halt, reset, retained, serial, tick_timer, undervoltage, watchdog,
 };
 use crate::shared::Shared;
-use crate::{link, log, tasks};
+use crate::{link, log, simulation, tasks};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
@@ -42,7 +42,8 @@ fn start(spawner: Spawner) {
     // Before anything that could hang: the clocks are the first candidates.
     watchdog::start();
     let left = retained::load();
-    let cause = ResetCause::new(reset::take_flags(), left.as_ref().and_then(|left| left.death));
+    let (death, restart) = left.as_ref().map_or((None, None), |left| (left.death, left.restart));
+    let cause = ResetCause::new(reset::take_flags(), death, restart);
     let mut interlock = Interlock::at_boot(cause, left.as_ref().and_then(|left| left.lockout));
     // The crash record is in `left`; a lockout must outlive the next reset, too.
     retained::store(&Retained { lockout: interlock.lockout(), ..Retained::EMPTY });
@@ -52,6 +53,7 @@ fn start(spawner: Spawner) {
     halt::freeze_output_not_guard();
     let parts = Parts::new(peripherals);
     tick_timer::start(parts.tick_timer); // the log's clock, too
+    count_cycles();
 
     let mut store = Store::new(SettingsFlash::new(parts.flash));
     let (settings, origin) = block_on(store.load());
@@ -59,12 +61,17 @@ fn start(spawner: Spawner) {
     let commissioning = block_on(store.commissioning());
     interlock.marked(cause, marked);
     let config = settings.config.clone();
-    log::banner(clock, cause, left.as_ref(), &origin, &config);
+    log::banner(clock, cause, left.as_ref(), &origin);
     let (controller, diagnosis) = halves(&config);
     let period = cadence::period(config.sample_time);
     link::TASKS.set_period(period.get() / 1000);
 
-    let heater = HeaterOutput::new(parts.pwm_timer, (parts.heater, parts.contactor), parts.break_input);
+    let simulated = cause == ResetCause::Restarted(Restart::Simulating);
+    let outputs = (parts.heater, parts.contactor);
+    let heater = HeaterOutput::new(parts.pwm_timer, outputs, parts.break_input, simulated);
+    if simulated {
+        simulation::begin();
+    }
     undervoltage::watch();
     tick_timer::enable_interrupt();
     let inputs = Inputs::new(parts.adc, parts.thermistors, parts.supply);
@@ -72,10 +79,11 @@ fn start(spawner: Spawner) {
     let (records_out, records_in) = link::records();
     let mut control = ControlLoop::new(controller, config.setpoint, interlock);
     let mut shared = share(diagnosis, settings, orders_in);
+    shared.begin(cause, clock, &config);
     shared.change(|diagnosis| diagnosis.commissioned(commissioning));
     shared.diagnosis(|diagnosis| {
         if let Some(baseline) = diagnosis.baseline() {
-            log_line::baseline(baseline, log::line);
+            log_line::baseline(baseline, |line| shared.line(line));
             control.restored(baseline);
         }
     });
@@ -88,9 +96,21 @@ fn start(spawner: Spawner) {
     spawner.spawn(once(tasks::status::status(shared)));
     spawner.spawn(once(tasks::panel::panel(panel, shared)));
     if let Some((tx, rx)) = port {
-        spawner.spawn(once(tasks::console::console(tx, rx, ConsoleBoard::new(shared, store, marked))));
+        spawner.spawn(once(tasks::console::console(
+            tx,
+            rx,
+            shared,
+            ConsoleBoard::new(shared, store, marked),
+        )));
     }
     spawner.spawn(once(tasks::watchdog::watchdog()));
+}
+
+/// Not part of what the tasks lie on, as the core's peripherals are taken whole.
+fn count_cycles() {
+    if let Some(mut core) = cortex_m::Peripherals::take() {
+        cycles::start(&mut core.DCB, &mut core.DWT);
+    }
 }
 
 /// Both halves of the instrument. What was read from flash has been checked, and the defaults are tested.

@@ -3,6 +3,7 @@
 // `println!` panics when the reader of a pipe goes away (`pt326 run | head`): `commands::terminal::print`.
 #![warn(clippy::print_stdout)]
 
+pub mod board;
 pub mod campaign;
 pub mod commands;
 pub mod experiment;

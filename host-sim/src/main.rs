@@ -9,7 +9,7 @@ use host_sim::commands::terminal::{BAD, in_words, styled};
 
 fn main() -> ExitCode {
     match Cli::parse().run() {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             // Standard error may be closed, too: then there is nobody to tell.

@@ -7,3 +7,4 @@ mod known;
 mod likelihood;
 mod plants;
 mod scenarios;
+mod tuning;

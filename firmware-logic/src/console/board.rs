@@ -5,10 +5,12 @@ use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Command, Config, ConfigError, Seconds};
 
-use super::{ApplyError, Board};
+use super::{ApplyError, Board, BoardError};
+use crate::calibration::{Calibration, Still};
 use crate::control_loop::{Denial, Order};
 use crate::diagnosis_loop::DiagnosisLoop;
 use crate::history::Entry;
+use crate::reset_cause::Restart;
 use crate::self_test::Progress;
 use crate::settings::commissioning::Commissioning;
 use crate::settings::store::{SaveError, Store};
@@ -44,6 +46,12 @@ pub trait Chip {
     fn stalled(&mut self);
     /// How the instrument is, the health of the board included.
     fn status(&self) -> Status;
+    /// Sends the log over the port, or no more; `false` where there is no port.
+    fn stream(&mut self, on: bool) -> bool;
+    /// Starts anew, with both outputs off before anything else. It comes back only where there is no board.
+    fn restart(&mut self, how: Restart);
+    /// Whether its codes come from the port, and its outputs are locked off.
+    fn is_simulated(&self) -> bool;
     /// Programs the brown-out level, which stalls the processor; `false` if the chip refuses.
     fn program_brown_out_level(&mut self) -> bool;
 }
@@ -57,18 +65,22 @@ pub struct ConsoleBoard<C, F: NorFlash> {
     marked: bool,
     /// The commissioning that the flash was given last. What it refuses is not offered again until a save has mended it.
     given: Option<Commissioning>,
+    calibration: Calibration,
 }
 
 impl<C: Chip, F: NorFlash> ConsoleBoard<C, F> {
     /// A board whose settings and commissioning are kept in `store`; `marked` says whether the mark of a power failure stands there.
     pub fn new(chip: C, store: Store<F>, marked: bool) -> Self {
         let given = chip.diagnosis(|diagnosis| diagnosis.commissioning().copied());
-        Self { chip, store, marked, given }
+        Self { chip, store, marked, given, calibration: Calibration::default() }
     }
 
     /// Takes the mark away once the heater is off and nothing is latched, and keeps a new commissioning. To be called while there is
     /// nothing else to do.
     pub async fn settle(&mut self) {
+        if self.chip.is_simulated() {
+            return; // what is learnt is of no rig, and no power failure has ever left it hot
+        }
         self.keep().await;
         let latched = self.chip.diagnosis(|diagnosis| diagnosis.status().is_latched());
         if self.marked && !latched && !self.may_heat() {
@@ -97,6 +109,15 @@ impl<C: Chip, F: NorFlash> ConsoleBoard<C, F> {
         self.chip.diagnosis(|diagnosis| diagnosis.status().may_heat()) || self.chip.is_output_enabled()
     }
 
+    /// After a `stop` the output is off at once, and the control half says so on its next tick.
+    async fn follow_stop(&mut self) {
+        while self.chip.diagnosis(|diagnosis| diagnosis.status().is_heating())
+            && !self.chip.is_output_enabled()
+        {
+            self.chip.pause().await;
+        }
+    }
+
     async fn mark(&mut self, stands: bool) -> Result<(), SaveError> {
         let result = self.store.mark(stands).await;
         self.chip.stalled();
@@ -109,7 +130,7 @@ impl<C: Chip, F: NorFlash> ConsoleBoard<C, F> {
 
 impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
     async fn command(&mut self, command: Command) -> Result<(), Denial> {
-        if command == Command::Arm && !self.marked && !self.may_heat() {
+        if command == Command::Arm && !self.marked && !self.may_heat() && !self.chip.is_simulated() {
             self.mark(true).await.map_err(|_| Denial::NoMark)?;
         }
         self.chip.order(Order::Command(command)).await
@@ -145,11 +166,9 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
     }
 
     async fn save(&mut self) -> Result<(), SaveError> {
-        // After a `stop` the output is off at once, and the control half says so on its next tick.
-        while self.chip.diagnosis(|diagnosis| diagnosis.status().is_heating())
-            && !self.chip.is_output_enabled()
-        {
-            self.chip.pause().await;
+        self.follow_stop().await;
+        if self.chip.is_simulated() {
+            return Err(SaveError::Simulated);
         }
         if self.may_heat() {
             return Err(SaveError::Heating);
@@ -176,6 +195,32 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
 
     fn decommission(&mut self) {
         self.chip.change(|diagnosis| diagnosis.commissioned(None));
+    }
+
+    fn still(&self) -> Still {
+        self.chip.diagnosis(|diagnosis| *diagnosis.still())
+    }
+
+    fn calibration(&mut self) -> &mut Calibration {
+        &mut self.calibration
+    }
+
+    fn stream(&mut self, on: bool) -> Result<(), BoardError> {
+        self.chip.stream(on).then_some(()).ok_or(BoardError::NoBoard)
+    }
+
+    /// Nobody has looked at a board that starts anew because a program asked for it: what is latched has to stay so, and a trip
+    /// does not outlive a reset.
+    async fn restart(&mut self, how: Restart) -> Result<(), BoardError> {
+        self.follow_stop().await;
+        if self.may_heat() {
+            return Err(BoardError::NotOff);
+        }
+        if self.chip.diagnosis(|diagnosis| diagnosis.status().is_latched()) {
+            return Err(BoardError::Latched);
+        }
+        self.chip.restart(how);
+        Err(BoardError::NoBoard)
     }
 
     fn baseline(&self) -> Option<Baseline> {

@@ -2,6 +2,7 @@
 //! in common is [`Board`]. The text of one answer is at most [`ANSWER`] bytes; line feeds end its lines.
 
 pub mod board;
+mod calibrate;
 pub mod follow;
 pub mod line;
 pub mod request;
@@ -12,11 +13,13 @@ use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::ALL;
 use fdi_core::{Command, Config, ConfigError, Percent, Seconds};
 
+use crate::calibration::{Calibration, Still};
 use crate::control_loop::Denial;
 use crate::decimal::{self, Fixed};
 use crate::explain::Explained;
 use crate::finding::Sentence;
 use crate::history::{Entry, EntryText};
+use crate::reset_cause::Restart;
 use crate::self_test::{Progress, step_ticks};
 use crate::settings::schema::Name;
 use crate::settings::store::SaveError;
@@ -62,6 +65,27 @@ impl Display for ApplyError {
     }
 }
 
+/// Why a board does not start anew, or send its log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoardError {
+    /// The heater may be on.
+    NotOff,
+    /// A trip or a lockout waits for its acknowledgement.
+    Latched,
+    /// It is no board.
+    NoBoard,
+}
+
+impl Display for BoardError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NotOff => "not while the heater may be on, expected `stop` first",
+            Self::Latched => "a trip or a lockout is latched, expected `ack` first",
+            Self::NoBoard => "only a board has a port of its own",
+        })
+    }
+}
+
 /// What a console can ask of an instrument.
 #[expect(async_fn_in_trait, reason = "its implementation does not cross threads")]
 pub trait Board {
@@ -91,6 +115,14 @@ pub trait Board {
     fn decommission(&mut self);
     /// What was learnt as normal.
     fn baseline(&self) -> Option<Baseline>;
+    /// What the thermistors read at rest.
+    fn still(&self) -> Still;
+    /// The calibration that is under way.
+    fn calibration(&mut self) -> &mut Calibration;
+    /// Sends the log over the port, or no more.
+    fn stream(&mut self, on: bool) -> Result<(), BoardError>;
+    /// Starts anew; a board does not come back from it.
+    async fn restart(&mut self, how: Restart) -> Result<(), BoardError>;
     /// What went wrong, the oldest first.
     fn fault(&self, index: usize) -> Option<Entry>;
 }
@@ -205,6 +237,10 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
             say(out, "ok\n");
         }
         Request::Faults => faults(board, out),
+        Request::Calibrate { what, celsius } => calibrate::carry_out(what, celsius, board, out).await,
+        Request::Stream { on } => done(out, board.stream(on)),
+        Request::Restart => done(out, board.restart(Restart::Streaming).await),
+        Request::Simulate => done(out, board.restart(Restart::Simulating).await),
     }
 }
 

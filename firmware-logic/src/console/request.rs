@@ -52,10 +52,26 @@ pub enum Request<'a> {
     Decommission,
     /// What went wrong since the start.
     Faults,
+    /// The log over the port, beside the answers.
+    Stream {
+        /// Begin, or end.
+        on: bool,
+    },
+    /// Calibrate a thermistor, or put what came of it in force.
+    Calibrate {
+        /// `t0` .. `t2`, `all`, `apply`, `undo` or `clear`.
+        what: &'a str,
+        /// The true temperature, where there is one.
+        celsius: &'a str,
+    },
+    /// Start anew, with the log over the port from the first tick on.
+    Restart,
+    /// The same, with codes from the port and the outputs locked off.
+    Simulate,
 }
 
 /// All commands: name, what follows it, what it does.
-pub const COMMANDS: [(&str, &str, &str); 15] = [
+pub const COMMANDS: [(&str, &str, &str); 19] = [
     ("help", "", "this list"),
     ("status", "", "mode, temperatures, diagnosis, health"),
     ("get", "[NAME]", "settings, all or those that begin with NAME"),
@@ -75,6 +91,14 @@ pub const COMMANDS: [(&str, &str, &str); 15] = [
     ),
     ("brownout", "set", "reset below 2.7 V, from the next power-up (heater off only)"),
     ("faults", "", "what went wrong since the start"),
+    (
+        "calibrate",
+        "t0|t1|t2|all DEGC",
+        "the thermistor is at DEGC now; then `calibrate apply`, `undo` or `clear` (heater off only)",
+    ),
+    ("stream", "on|off", "the log over this port: each tick a line with a checksum, beside the answers"),
+    ("restart", "", "start anew, with the stream on from the first tick (heater off, nothing latched)"),
+    ("simulate", "on", "the same with codes from this port, both outputs locked off; a reset ends it"),
 ];
 
 /// Why a line is no request.
@@ -163,6 +187,28 @@ impl<'a> Request<'a> {
                 ("", _) => Err(RequestError::Missing { command, expected: "set" }),
                 ("set", word) | (word, _) => Err(RequestError::Extra { command, word }),
             },
+            "stream" => match split_word(rest) {
+                ("on", "") => Ok(Self::Stream { on: true }),
+                ("off", "") => Ok(Self::Stream { on: false }),
+                ("on" | "off", word) => Err(RequestError::Extra { command, word: split_word(word).0 }),
+                _ => Err(RequestError::Missing { command, expected: "on or off" }),
+            },
+            "calibrate" => match split_word(rest) {
+                ("apply" | "undo" | "clear", "") => Ok(Self::Calibrate { what: rest, celsius: "" }),
+                ("t0" | "t1" | "t2" | "all", celsius) if !celsius.is_empty() => {
+                    Ok(Self::Calibrate { what: split_word(rest).0, celsius })
+                }
+                _ => Err(RequestError::Missing {
+                    command,
+                    expected: "t0, t1, t2 or all and a temperature in degC, or apply, undo, clear",
+                }),
+            },
+            "restart" => alone(Self::Restart),
+            "simulate" => match split_word(rest) {
+                ("on", "") => Ok(Self::Simulate),
+                ("", _) => Err(RequestError::Missing { command, expected: "on" }),
+                ("on", word) | (word, _) => Err(RequestError::Extra { command, word }),
+            },
             unknown => Err(RequestError::Unknown(unknown)),
         }
     }
@@ -189,7 +235,9 @@ mod tests {
             let line = match arguments {
                 "NAME VALUE" => format!("{name} pid.kp 2.4"),
                 "set" => format!("{name} set"),
+                "on|off" | "on" => format!("{name} on"),
                 "LEVEL" => format!("{name} 80"),
+                "t0|t1|t2|all DEGC" => format!("{name} t1 25.0"),
                 _ => name.to_owned(),
             };
             assert!(Request::parse(&line).is_ok(), "{line}");
@@ -219,6 +267,7 @@ mod tests {
         assert_eq!(text("set pid.kp"), "set: expected NAME VALUE");
         assert_eq!(text("baseline forget"), "baseline: \"forget\" is too much");
         assert_eq!(text("brownout"), "brownout: expected set");
+        assert_eq!(text("stream of"), "stream: expected on or off");
         assert!(text("ARM").starts_with("unknown command \"ARM\""), "no guessing what heats");
     }
 

@@ -11,6 +11,8 @@
 //! denied 12 a check is under way, ..
 //! lockout 77 the interlock on the break input opened
 //! tick 0 ..
+//! dropped 3
+//! cycles 77 5210 61022
 //! ```
 //!
 //! Behind what is parsed a line may go on in words, and a logger may put its own in front.
@@ -73,6 +75,20 @@ pub enum LogLine<'a> {
     },
     /// All that a tick gave.
     Tick(TickLine),
+    /// What the halves of a tick took, in cycles of the core.
+    Cycles {
+        /// The tick.
+        tick: u32,
+        /// The first half.
+        control: u32,
+        /// The second.
+        diagnosis: u32,
+    },
+    /// So many lines are missing here: the port had no room for them.
+    Dropped {
+        /// How many.
+        count: u32,
+    },
 }
 
 impl fmt::Display for LogLine<'_> {
@@ -89,6 +105,8 @@ impl fmt::Display for LogLine<'_> {
             Self::Denied { tick } => write!(f, "denied {tick}"),
             Self::Lockout { tick } => write!(f, "lockout {tick}"),
             Self::Tick(tick) => tick.fmt(f),
+            Self::Cycles { tick, control, diagnosis } => write!(f, "cycles {tick} {control} {diagnosis}"),
+            Self::Dropped { count } => write!(f, "dropped {count}"),
         }
     }
 }
@@ -185,11 +203,15 @@ impl<'a> LogLine<'a> {
         if let Some((name, value)) = after(text, "setting ").and_then(|rest| rest.split_once(" = ")) {
             return Ok(Some(Self::Setting { name: name.trim(), value: without_place(value).trim() }));
         }
+        if let Some(cycles) = after(text, "cycles ").and_then(cycles) {
+            return Ok(Some(cycles));
+        }
         let numbered = |keyword| Some(number(after(text, keyword)?)?.0);
         Ok(numbered("denied ")
             .map(|tick| Self::Denied { tick })
             .or_else(|| numbered("lockout ").map(|tick| Self::Lockout { tick }))
-            .or_else(|| numbered("log format ").map(|version| Self::Start { version })))
+            .or_else(|| numbered("log format ").map(|version| Self::Start { version }))
+            .or_else(|| numbered("dropped ").map(|count| Self::Dropped { count })))
     }
 }
 
@@ -211,6 +233,14 @@ fn without_place(text: &str) -> &str {
 fn number(text: &str) -> Option<(u32, &str)> {
     let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     Some((word.parse().ok()?, rest))
+}
+
+/// Three numbers.
+fn cycles(text: &str) -> Option<LogLine<'static>> {
+    let (tick, text) = number(text)?;
+    let (control, text) = number(text)?;
+    let (diagnosis, _) = number(text)?;
+    Some(LogLine::Cycles { tick, control, diagnosis })
 }
 
 /// `VERB [ARGUMENT]`.
@@ -320,6 +350,8 @@ mod tests {
             comes_back(LogLine::Order { tick, order })?;
             comes_back(LogLine::Denied { tick })?;
             comes_back(LogLine::Lockout { tick })?;
+            comes_back(LogLine::Dropped { count: tick })?;
+            comes_back(LogLine::Cycles { tick, control: version, diagnosis: tick })?;
             comes_back(LogLine::Setting { name: &name, value: &value })?;
             comes_back(LogLine::Tick(TickLine(words)))?;
             comes_back(LogLine::Commissioned(None))?;
@@ -336,7 +368,7 @@ mod tests {
         #[test]
         fn no_text_panics(text in "\\PC{0,120}", rest in "[ -~]{0,80}") {
             let _ = LogLine::find(&text);
-            for keyword in ["tick", "order", "baseline", "commissioned", "setting", "denied", "lockout", "log format"] {
+            for keyword in ["tick", "order", "baseline", "commissioned", "setting", "denied", "lockout", "log format", "dropped", "cycles"] {
                 let _ = LogLine::find(&format!("{keyword} {rest}"));
             }
         }

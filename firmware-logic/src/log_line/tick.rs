@@ -16,6 +16,9 @@ use crate::control_loop::TickRecord;
 /// Words in a record.
 pub const WORDS: usize = 32;
 
+/// Characters of the longest record: "tick", and a blank and 8 digits a word.
+pub const LONGEST: usize = 4 + 9 * WORDS;
+
 /// Names of the words. Plain numbers are `f32` bits.
 #[rustfmt::skip]
 pub const FIELDS: [&str; WORDS] = [

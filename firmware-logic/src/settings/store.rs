@@ -50,6 +50,8 @@ impl fmt::Display for Origin {
 pub enum SaveError {
     /// The heater is on: writing stalls the processor.
     Heating,
+    /// The board is simulated: what it has learnt is of no rig.
+    Simulated,
     /// The record is too long.
     Record(StoredError),
     /// The flash refused.
@@ -60,6 +62,7 @@ impl fmt::Display for SaveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Heating => f.write_str("not while heating, expected `stop` first"),
+            Self::Simulated => f.write_str("not while simulated, expected a reset first"),
             Self::Record(error) => error.fmt(f),
             Self::Flash => f.write_str("the flash could not be written"),
         }

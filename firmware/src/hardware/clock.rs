@@ -22,6 +22,21 @@ pub(crate) enum Source {
     Internal,
 }
 
+impl Source {
+    /// Name for people.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::StLink => "the ST-LINK's crystal",
+            Self::Internal => "the internal oscillator",
+        }
+    }
+}
+
+/// Frequency of the core, Hz: that of the timer of the PWM, whose bus is not divided.
+pub(crate) fn core_hz() -> u32 {
+    embassy_stm32::rcc::frequency::<board::PwmTimer>().0
+}
+
 /// Polls at the 16 MHz of the reset state: some 20 ms, a hundred times what a clock that is there needs.
 const START_POLLS: u32 = 40_000;
 

@@ -69,6 +69,6 @@ unsafe fn DefaultHandler(irq: i16) -> ! {
 /// Keeps the crash record and starts all over. The heater must be off already. What held it off is not repeated: the
 /// death is a reason of its own.
 pub(crate) fn die(death: Death, words: CrashMessage) -> ! {
-    retained::store(&Retained { death: Some(death), lockout: None, words });
+    retained::store(&Retained { death: Some(death), words, ..Retained::EMPTY });
     reset::reset()
 }

@@ -5,6 +5,9 @@
 //! clears the main output enable (MOE) and drives both pins low, whatever the program does; only the program can set
 //! MOE again, and only while the input is closed. Whatever cuts the heater therefore opens the contactor in the same
 //! moment, and a power stage that has failed on is switched off by it.
+//!
+//! On a board that is simulated neither pin is the timer's: both are driven low, and the port is locked so until the next
+//! reset. All else is as ever, so that the whole instrument runs; the break input, which may lead nowhere, is pulled down.
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
@@ -69,11 +72,13 @@ impl HeaterOutput {
         timer: Peri<'static, PwmTimer>,
         (heater, contactor): (Peri<'static, HeaterPin>, Peri<'static, ContactorPin>),
         break_pin: Peri<'static, BreakPin>,
+        simulated: bool,
     ) -> Self {
         rcc::enable_and_reset::<PwmTimer>();
         let period = (rcc::frequency::<PwmTimer>().0 / PWM_HZ) as u16;
         let mut break_input = Flex::new(break_pin);
-        break_input.set_as_af_unchecked(board::PWM_AF, AfType::input(Pull::Up));
+        let pull = if simulated { Pull::Down } else { Pull::Up };
+        break_input.set_as_af_unchecked(board::PWM_AF, AfType::input(pull));
         let t = board::PWM_TIMER;
         set_period(period);
         for channel in [board::HEATER_CHANNEL, board::CONTACTOR_CHANNEL] {
@@ -99,10 +104,15 @@ impl HeaterOutput {
         });
         t.egr().write(|w| w.set_ug(true));
         run();
-        // Only now, with the level defined by the timer, are the pins handed over to it.
+        // Only now, with the level defined by the timer, are the pins handed over to it; where it is simulated, never.
         let mut pins = [Flex::new(heater), Flex::new(contactor)];
         for pin in &mut pins {
-            pin.set_as_af_unchecked(board::PWM_AF, AfType::output(OutputType::PushPull, Speed::Low));
+            if simulated {
+                pin.set_low();
+                pin.set_as_output(Speed::Low);
+            } else {
+                pin.set_as_af_unchecked(board::PWM_AF, AfType::output(OutputType::PushPull, Speed::Low));
+            }
         }
         lock_pins();
         Self { _timer: timer, _pins: pins, break_input, period }

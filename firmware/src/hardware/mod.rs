@@ -12,6 +12,7 @@ mod nucleo_64;
 
 pub(crate) mod clock;
 pub(crate) mod control_executor;
+pub(crate) mod cycles;
 pub(crate) mod fault;
 pub(crate) mod halt;
 pub(crate) mod heater;

@@ -2,6 +2,7 @@
 
 use embassy_stm32::Peri;
 use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx, Config};
+use firmware_logic::stream::BAUD;
 use static_cell::ConstStaticCell;
 
 use super::board::{ConsoleInterrupts, RxPin, TxPin, Usart};
@@ -19,7 +20,7 @@ pub(crate) fn open(
     tx: Peri<'static, TxPin>,
 ) -> Option<(BufferedUartTx<'static>, BufferedUartRx<'static>)> {
     let mut config = Config::default();
-    config.baudrate = 115_200;
+    config.baudrate = BAUD;
     let port = BufferedUart::new(usart, rx, tx, TX.take(), RX.take(), ConsoleInterrupts, config).ok()?;
     Some(port.split())
 }

@@ -1,15 +1,19 @@
 //! The line console on the serial port. Stop keys are looked for as the bytes come in, not when their line has its turn:
-//! a long answer, or a command that waits for its tick, delays no stop.
+//! a long answer, or a command that waits for its tick, delays no stop. The stream shares the way out with the answers, a frame or a line at
+//! a time.
 
-use embassy_futures::join::join;
+use embassy_futures::join::join3;
 use embassy_futures::select::{Either, select};
 use embassy_stm32::usart::{BufferedUartRx, BufferedUartTx};
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use embassy_sync::mutex::Mutex;
 use embassy_sync::pipe::Pipe;
 use embassy_time::Timer;
 use embedded_io_async::{Read, Write};
 use firmware_logic::console::board::ConsoleBoard;
 use firmware_logic::console::{ANSWER, Console, line};
+use firmware_logic::stream::codes::Codes;
+use firmware_logic::stream::frame::{self, Reader, Step};
 use firmware_logic::task_watchdog::Task;
 use static_cell::ConstStaticCell;
 
@@ -17,9 +21,13 @@ use crate::hardware::serial;
 use crate::hardware::settings_flash::SettingsFlash;
 use crate::link::check_in;
 use crate::shared::{Shared, stop};
+use crate::simulation;
 
 /// The board, as the console reaches it.
 type Reached = ConsoleBoard<&'static Shared, SettingsFlash>;
+
+/// Longest frame that comes: codes, and no more.
+const FRAME: usize = 80;
 
 /// An answer on its way to the terminal.
 type Answer = heapless::String<ANSWER>;
@@ -28,13 +36,21 @@ type Answer = heapless::String<ANSWER>;
 /// likely no command.
 type Waiting = Pipe<NoopRawMutex, 256>;
 
+/// The way out: whoever has it sends what must not be parted.
+type Out = Mutex<NoopRawMutex, BufferedUartTx<'static>>;
+
 static ANSWER_TEXT: ConstStaticCell<Answer> = ConstStaticCell::new(Answer::new());
 
 /// Reads bytes, answers lines.
 #[embassy_executor::task]
-pub(crate) async fn console(tx: BufferedUartTx<'static>, rx: BufferedUartRx<'static>, board: Reached) {
-    let waiting = Waiting::new();
-    join(listen(rx, &waiting), answer(tx, &waiting, board)).await;
+pub(crate) async fn console(
+    tx: BufferedUartTx<'static>,
+    rx: BufferedUartRx<'static>,
+    shared: &'static Shared,
+    board: Reached,
+) {
+    let (waiting, out) = (Waiting::new(), Out::new(tx));
+    join3(listen(rx, &waiting), answer(&out, &waiting, board), stream(&out, shared)).await;
 }
 
 /// Takes bytes in as they come, and stops at once where one is a stop key. The driver (embassy-stm32 0.6.0) wakes the reader when
@@ -42,6 +58,7 @@ pub(crate) async fn console(tx: BufferedUartTx<'static>, rx: BufferedUartRx<'sta
 /// key. So the reader also comes by itself.
 async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting) {
     let mut bytes = [0; 16];
+    let mut frames = Reader::<FRAME>::default();
     loop {
         // A line error (noise, overrun) loses bytes.
         if let Either::First(Ok(n)) = select(rx.read(&mut bytes), Timer::after_millis(20)).await {
@@ -50,23 +67,29 @@ async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting) {
                 stop();
                 // What was typed before a stop must not be carried out after it.
                 waiting.clear();
+                frames = Reader::default();
                 came = came.get(key..).unwrap_or_default();
             }
-            keep(waiting, came);
+            for &byte in came {
+                match frames.push(byte) {
+                    Step::Text(byte) => keep(waiting, byte),
+                    Step::Line(line) => {
+                        Codes::parse(line).as_ref().map(simulation::receive);
+                    }
+                    Step::Broken | Step::Nothing => {}
+                }
+            }
         }
     }
 }
 
-/// Keeps bytes for their turn, as far as there is room. One write ends where the ring does.
-fn keep(waiting: &Waiting, mut bytes: &[u8]) {
-    while !bytes.is_empty() {
-        let Ok(n) = waiting.try_write(bytes) else { return };
-        bytes = bytes.get(n..).unwrap_or_default();
-    }
+/// Keeps a byte for its turn, if there is room.
+fn keep(waiting: &Waiting, byte: u8) {
+    let _ = waiting.try_write(&[byte]);
 }
 
 /// Answers the lines.
-async fn answer(mut tx: BufferedUartTx<'static>, waiting: &Waiting, mut board: Reached) {
+async fn answer(out: &Out, waiting: &Waiting, mut board: Reached) {
     let mut console = Console::default();
     let answer = ANSWER_TEXT.take();
     let mut bytes = [0; 16];
@@ -76,31 +99,49 @@ async fn answer(mut tx: BufferedUartTx<'static>, waiting: &Waiting, mut board: R
             Either::First(n) => {
                 for &byte in bytes.iter().take(n) {
                     console.push(byte, &mut board, answer).await;
-                    print(&mut tx, answer).await;
+                    print(out, answer).await;
                 }
             }
             Either::Second(()) => board.settle().await,
         }
         console.follow(&board, answer);
-        print(&mut tx, answer).await;
+        print(out, answer).await;
     }
 }
 
 /// Sends the answer, with the line ends that terminals want, and empties it.
-async fn print(tx: &mut BufferedUartTx<'static>, answer: &mut Answer) {
+async fn print(out: &Out, answer: &mut Answer) {
     for line in answer.split_inclusive('\n') {
         check_in(Task::Console); // a whole `get` takes 0.3 s on the wire
         let (text, end) = line.strip_suffix('\n').map_or((line, ""), |text| (text, "\r\n"));
-        send(tx, text).await;
-        send(tx, end).await;
+        let mut tx = out.lock().await;
+        send(&mut tx, text.as_bytes()).await;
+        send(&mut tx, end.as_bytes()).await;
     }
     answer.clear();
 }
 
-/// Sends text. A piece is taken whole or, for want of room, not at all; the driver (embassy-stm32 0.6.0) then never wakes
+/// Sends the frames of the stream.
+async fn stream(out: &Out, shared: &Shared) {
+    let mut bytes = [0; 64];
+    loop {
+        let mut n = shared.take_streamed(&mut bytes).await;
+        let mut tx = out.lock().await;
+        loop {
+            let piece = bytes.get(..n).unwrap_or_default();
+            send(&mut tx, piece).await;
+            if piece.last() == Some(&frame::END) {
+                break;
+            }
+            n = shared.take_streamed(&mut bytes).await;
+        }
+    }
+}
+
+/// Sends bytes. A piece is taken whole or, for want of room, not at all; the driver (embassy-stm32 0.6.0) then never wakes
 /// the writer, who has to come back by itself.
-async fn send(tx: &mut BufferedUartTx<'static>, text: &str) {
-    for piece in text.as_bytes().chunks(serial::SENDING / 2) {
+async fn send(tx: &mut BufferedUartTx<'static>, bytes: &[u8]) {
+    for piece in bytes.chunks(serial::SENDING / 2) {
         while let Either::Second(()) = select(tx.write(piece), Timer::after_millis(5)).await {}
     }
 }

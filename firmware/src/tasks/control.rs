@@ -9,10 +9,11 @@ use firmware_logic::control_loop::{ControlLoop, Order, TickRecord, next_order};
 use firmware_logic::task_watchdog::Task;
 use heapless::spsc::{Consumer, Producer};
 
+use crate::hardware::cycles;
 use crate::hardware::heater::HeaterOutput;
 use crate::hardware::inputs::Inputs;
 use crate::hardware::tick_timer;
-use crate::link;
+use crate::{link, simulation};
 
 /// The control half of the instrument.
 #[embassy_executor::task]
@@ -25,6 +26,7 @@ pub(crate) async fn control(
     mut orders: Consumer<'static, Order>,
 ) {
     let mut cadence = Cadence::new(period, tick_timer::now().wrapping_add(period.get()));
+    let mut next = 0;
     loop {
         let look = cadence.look(tick_timer::now());
         let due = look.unwrap_or(cadence.due());
@@ -32,17 +34,26 @@ pub(crate) async fn control(
         let arrival = look.is_none().then(|| cadence.arrive(tick_timer::now()));
         if let Some(arrival) = arrival {
             for _ in 0..arrival.missed_ticks() {
-                link::send(&mut records, control.missed(arrival, &mut heater));
+                let record = control.missed(arrival, &mut heater);
+                next = record.tick.index.wrapping_add(1);
+                link::send(&mut records, record);
             }
         }
         let raw = inputs.sample(tick_timer::now()).await;
         let Some(arrival) = arrival else {
-            control.look(raw, &mut heater);
+            // A look at what is simulated shows nothing that its ticks do not.
+            if !simulation::is_on() {
+                control.look(raw, &mut heater);
+            }
             done(cadence.deadline(due));
             continue;
         };
         let order = next_order(link::STOP.swap(false, Ordering::Relaxed), &mut orders);
-        let record = control.tick(raw, arrival, order, link::feedback(), &mut heater);
+        let begin = cycles::now();
+        let raw = simulation::seen(next, raw);
+        let mut record = control.tick(raw, arrival, order, link::feedback(), &mut heater);
+        record.cycles = cycles::now().wrapping_sub(begin);
+        next = record.tick.index.wrapping_add(1);
         done(cadence.deadline(arrival.due));
         link::send(&mut records, record);
     }

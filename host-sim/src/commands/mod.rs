@@ -1,5 +1,6 @@
 //! The command line: what can be asked for. Arguments stand beside the command that takes them.
 
+pub mod board;
 pub mod campaign;
 pub mod config;
 pub mod console;
@@ -16,9 +17,12 @@ pub mod run;
 pub mod shell;
 pub mod terminal;
 
+use std::process::ExitCode;
+
 use clap::{CommandFactory, Parser};
 
 use crate::experiment::scenario;
+use board::BoardArgs;
 use campaign::CampaignArgs;
 use config::ConfigArgs;
 use console::ConsoleArgs;
@@ -49,10 +53,11 @@ use shell::{CompletionsArgs, ManArgs};
   pt326 isolability --preset trainer      which faults can be told apart on this rig, and how soon
   pt326 identify record.csv --u Q1 --y T1 --order 2,2,1
   pt326 replay board.log                  a board's log through the same code again: the same bits?
+  pt326 board --record board.log          what a board over its serial port does, until Ctrl-C
   pt326 console                           the board's console on the simulated rig
   my-plant | pt326 core                   ADC codes in, power and diagnosis out, line by line
 
-`pt326 COMMAND --help` explains each. Exit code: 0, or 2 after an error."
+`pt326 COMMAND --help` explains each. Exit code: 0, or 2 after an error; `board` also gives 1."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -81,6 +86,8 @@ enum Subcommand {
     Live(LiveArgs),
     /// Use the board's console, with the simulated rig in place of a board.
     Console(ConsoleArgs),
+    /// Use a real board over its serial port: its console, a record of what it does, its settings.
+    Board(BoardArgs),
     /// Print the instrument's settings with their defaults as commented TOML.
     Config(ConfigArgs),
     /// Print the default rig and faults as commented TOML.
@@ -96,8 +103,8 @@ impl Cli {
     ///
     /// # Errors
     /// Those of the command.
-    pub fn run(self) -> anyhow::Result<()> {
-        match self.command.unwrap_or_else(|| Subcommand::Run(RunArgs::default())) {
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        let done = match self.command.unwrap_or_else(|| Subcommand::Run(RunArgs::default())) {
             Subcommand::Run(args) => run::run(&args),
             Subcommand::Repeat(args) => repeat::run(&args),
             Subcommand::Campaign(args) => campaign::run(&args),
@@ -108,11 +115,13 @@ impl Cli {
             #[cfg(feature = "live")]
             Subcommand::Live(args) => live::run(&args),
             Subcommand::Console(args) => console::run(&args),
+            Subcommand::Board(args) => return board::run(&args),
             Subcommand::Config(args) => config::run(&args),
             Subcommand::Scenario => terminal::print(&scenario::commented_toml()),
             Subcommand::Completions(args) => shell::completions(&args, Self::command()),
             Subcommand::Man(args) => shell::man(&args, Self::command()),
-        }
+        };
+        done.map(|()| ExitCode::SUCCESS)
     }
 }
 

@@ -14,7 +14,7 @@ use toml::Table;
 
 pub use markdown::markdown;
 pub use preset::{TEXTS as PRESET_TEXTS, preset};
-pub use toml_text::commented_toml;
+pub use toml_text::{commented_toml, commented_toml_of};
 
 /// Reads a configuration; keys that the file leaves out have their defaults. Without a path all have.
 ///

@@ -20,8 +20,12 @@ const TABLES: &str = "
 
 /// All settings with their defaults, as commented TOML.
 pub fn commented_toml() -> String {
-    let config = Config::default();
-    let mut text = HEAD.to_owned();
+    HEAD.to_owned() + &commented_toml_of(&Config::default())
+}
+
+/// All settings with these values, as commented TOML.
+pub fn commented_toml_of(config: &Config) -> String {
+    let mut text = String::new();
     let mut about = "";
     for group in Config::documented() {
         let table = table_of(group.settings);

@@ -52,6 +52,11 @@ impl ClosedLoop {
         self.power.clear();
     }
 
+    /// The rig, once it has been started.
+    pub fn rig(&mut self) -> Option<&mut Rig> {
+        self.rig.as_mut()
+    }
+
     /// Moves the rig to the tick of a conversion.
     fn follow(&mut self, now: Ps, power: f64) {
         let Some(rig) = &mut self.rig else { return };

@@ -26,7 +26,14 @@ pub const BFAR: u32 = 0xD38;
 /// Coprocessor access: whether the FPU is on.
 pub const CPACR: u32 = 0xD88;
 
-static TABLE: [Register; 17] = [
+/// Debug exception and monitor control; its bit that gives the counter of cycles its clock.
+const DEMCR: u32 = 0xDFC;
+const TRCENA: u32 = 1 << 24;
+
+/// The counter of cycles (DWT): control, whose read-only half says that there are four comparators, and count.
+static CYCLES: [Register; 2] = [register(0, "DWT_CTRL", 0x4000_0000, 1), register(4, "DWT_CYCCNT", 0, ALL)];
+
+static TABLE: [Register; 18] = [
     register(STCSR, "SYST_CSR", 0, 7),
     register(STRVR, "SYST_RVR", 0, 0x00FF_FFFF),
     register(STCVR, "SYST_CVR", 0, ALL),
@@ -41,6 +48,7 @@ static TABLE: [Register; 17] = [
     register(HFSR, "HFSR", 0, ALL),
     register(0xD34, "MMFAR", 0, ALL),
     register(BFAR, "BFAR", 0, ALL),
+    register(DEMCR, "DEMCR", 0, TRCENA),
     register(CPACR, "CPACR", 0, 0x00F0_0000),
     register(0xF34, "FPCCR", 0xC000_0000, 0xC000_0000),
     register(0xF3C, "FPDSCR", 0, 0),
@@ -54,6 +62,9 @@ pub struct Scs {
     /// Period of the core clock.
     pub cycle: Ps,
     systick_from: Ps,
+    cycles: File,
+    /// When the counter of cycles was 0, or would have been.
+    cycles_from: Ps,
     /// The program has asked for a reset.
     pub reset_request: bool,
 }
@@ -65,6 +76,8 @@ impl Default for Scs {
             nvic: Nvic::new(),
             cycle: 62_500,
             systick_from: 0,
+            cycles: File::new(&CYCLES),
+            cycles_from: 0,
             reset_request: false,
         }
     }
@@ -143,6 +156,28 @@ impl Scs {
             ICSR => self.icsr(),
             _ => self.file.read(offset)?,
         })
+    }
+
+    /// Reads a word of the counter of cycles.
+    ///
+    /// # Errors
+    /// It is not modelled.
+    pub fn read_cycles(&self, offset: u32, now: Ps) -> Result<u32, Refusal> {
+        let runs = bit(self.cycles.get(0), 0) && self.file.get(DEMCR) & TRCENA != 0;
+        match offset {
+            4 if runs => Ok(((now - self.cycles_from) / self.cycle) as u32),
+            _ => self.cycles.read(offset),
+        }
+    }
+
+    /// Writes a word of the counter of cycles, which begins to count from 0 then.
+    ///
+    /// # Errors
+    /// It is not modelled.
+    pub fn write_cycles(&mut self, offset: u32, value: u32, now: Ps) -> Result<(), Refusal> {
+        self.cycles_from = now;
+        // What the control register says of itself is written back with the rest.
+        self.cycles.write(offset, if offset == 0 { value & 1 } else { value })
     }
 
     fn priorities(&self, first: u32) -> u32 {

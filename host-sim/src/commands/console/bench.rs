@@ -13,6 +13,7 @@ use firmware_logic::control_loop::{ControlLoop, Denial, Heater, Order};
 use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::interlock::Interlock;
 use firmware_logic::notice::Notice;
+use firmware_logic::reset_cause::Restart;
 use firmware_logic::self_test::Ending;
 use firmware_logic::settings::store::Store;
 use firmware_logic::settings::stored::Stored;
@@ -208,6 +209,16 @@ impl Chip for SimulatedChip {
 
     fn status(&self) -> Status {
         self.diagnosis.status().clone()
+    }
+
+    fn stream(&mut self, _: bool) -> bool {
+        false
+    }
+
+    fn restart(&mut self, _: Restart) {}
+
+    fn is_simulated(&self) -> bool {
+        false
     }
 
     /// There are no option bytes here.

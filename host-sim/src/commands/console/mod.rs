@@ -6,7 +6,7 @@
 mod bench;
 mod flash;
 mod output_stage;
-mod play;
+pub mod play;
 
 use std::io::{BufRead, IsTerminal, Write};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -17,7 +17,7 @@ use anyhow::Context;
 use super::experiment::ExperimentArgs;
 use super::terminal::print;
 pub use bench::Bench;
-pub use output_stage::OutputStage;
+pub use output_stage::{Defect, OutputStage};
 
 /// Use the board's console, with the simulated rig in place of a board.
 #[derive(Clone, Debug, clap::Args)]
@@ -224,6 +224,27 @@ mod tests {
         );
         let armed = said.matches("> arm\nok\n").count();
         assert!(said.contains("> ack\nok\n") && armed == 2, "{said}");
+    }
+
+    #[test]
+    fn thermistors_are_calibrated_at_rest_and_uncalibrated_again() {
+        let said = session(
+            "calibrate t1 22\nwait 20\ncalibrate t1 23.5\ncalibrate all 22\ncalibrate t1 60\ncalibrate apply\nwait 2\n\
+             get sensors.t1.offset\ncalibrate undo\nget sensors.t1.offset\ncheck\narm\nwait 1\ncalibrate t1 22\n",
+        );
+        for word in [
+            "error: t1: the thermistor does not stand still",
+            "t1 reads 22.5",
+            "from 1 point\n",
+            "from 2 points, at most 0.75 degC beside them",
+            "error: t1: that is gain",
+            "in force; `save` keeps it",
+            "sensors.t1.offset = 0.197 degC",
+            "sensors.t1.offset = 0 degC",
+            "error: not while the heater may be on",
+        ] {
+            assert!(said.contains(word), "{word} in:\n{said}");
+        }
     }
 
     #[test]

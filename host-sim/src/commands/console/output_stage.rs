@@ -6,7 +6,7 @@ use firmware_logic::interlock::Lockout;
 
 /// What can be wrong with the way from the timer to the heater.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Defect {
+pub enum Defect {
     /// The MOSFET conducts whatever its gate says.
     MosfetShorted,
     /// The contactor never opens; none fitted is the same.

@@ -16,7 +16,7 @@ fault VERB [tN] [SIZE] [SECONDS]\tsomething happens to the rig, such as: fault o
 
 /// One of these requests.
 #[derive(Debug)]
-pub(super) enum Play {
+pub enum Play {
     /// Time passes, s.
     Wait(f64),
     /// Something happens to the rig.
@@ -32,7 +32,7 @@ impl Play {
     ///
     /// # Errors
     /// The word that is wrong, and what was expected.
-    pub(super) fn parse(line: &str) -> anyhow::Result<Option<Self>> {
+    pub fn parse(line: &str) -> anyhow::Result<Option<Self>> {
         let words: Vec<&str> = line.split_whitespace().collect();
         Ok(Some(match words[..] {
             ["wait", seconds] => match seconds.parse() {

@@ -19,6 +19,8 @@ struct Start {
     baseline: Option<Baseline>,
     records: Vec<TickLine>,
     orders: Vec<(u32, Order)>,
+    /// Lines that the board's port had no room for.
+    dropped: u32,
 }
 
 /// Reads a log; of several starts in it, the longest.
@@ -50,6 +52,9 @@ pub(super) fn read(text: &str, config: Config) -> anyhow::Result<Recording> {
             "records are missing from tick {whole} on: the {after} records behind are not replayed"
         ));
     }
+    if start.dropped > 0 {
+        remarks.push(format!("{} lines are missing that the port had no room for", start.dropped));
+    }
     let mut orders = start.orders;
     let ticks = start.records.into_iter().take(whole).map(|record| {
         let now = orders.extract_if(.., |(tick, _)| *tick == record.tick()).map(|(_, order)| order).collect();
@@ -76,6 +81,7 @@ fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
         baseline: None,
         records: Vec::new(),
         orders: Vec::new(),
+        dropped: 0,
     };
     let mut starts = vec![fresh()];
     for (line, number) in text.lines().zip(1..) {
@@ -112,6 +118,8 @@ fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
                 let tick = start.records.len() as u32;
                 start.orders.push((tick, Order::Commission(kept.map(|kept| kept.models))));
             }
+            LogLine::Cycles { .. } => {} // times of the board
+            LogLine::Dropped { count } => start.dropped += count,
             LogLine::Baseline(part) => part.restore(start.baseline.get_or_insert_default()),
         }
     }

@@ -158,6 +158,18 @@ pub fn numbers(file: &Path) -> anyhow::Result<(f64, Vec<pt326_live::source::Numb
     Ok((record.sample_time, crate::record::numbers::of(&record)))
 }
 
+/// What became of a board's log that was run through the core again: whether every bit agrees, and that in words.
+///
+/// # Errors
+/// It is no log of a board, or does not begin with its start.
+pub fn agreement(log: &str) -> anyhow::Result<(bool, String)> {
+    let recording = board_log::read(log, Config::default())?;
+    let (_, agreement) = rerun(&recording, Path::new("the board"))?;
+    let remarks: String = recording.remarks.iter().map(|remark| format!("note: {remark}\n")).collect();
+    let agrees = agreement.differing == 0 && recording.remarks.is_empty();
+    Ok((agrees, format!("{remarks}{agreement}")))
+}
+
 fn read(text: &str, args: &ReplayArgs) -> anyhow::Result<Recording> {
     let config = settings::read(args.config.as_deref())?;
     if text.starts_with("t_s,") {

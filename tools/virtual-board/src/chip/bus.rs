@@ -42,6 +42,7 @@ impl Chip {
             Block::Exti => self.exti.read(offset),
             Block::Syscfg => self.exti.syscfg.read(offset),
             Block::Scs => self.scs.read(offset, now),
+            Block::Cycles => self.scs.read_cycles(offset, now),
             Block::Debug => self.debug.read(offset),
         }
         .map_err(|why| format!("{block:?}: {why}"))?;
@@ -116,6 +117,7 @@ impl Chip {
             Block::Exti => self.exti.write(offset, value),
             Block::Syscfg => self.exti.syscfg.write(offset, value),
             Block::Scs => self.scs.write(offset, value, now),
+            Block::Cycles => self.scs.write_cycles(offset, value, now),
             Block::Debug => self.debug.write(offset, value),
         }
     }

@@ -20,6 +20,7 @@ pub(super) enum Block {
     Exti,
     Syscfg,
     Scs,
+    Cycles,
     Debug,
 }
 
@@ -40,7 +41,7 @@ const APB1: u32 = 0x10;
 pub(super) const APB2: u32 = 0x14;
 
 /// The memory map.
-pub(super) static MAP: [Place; 19] = [
+pub(super) static MAP: [Place; 20] = [
     place(0x4000_0000, 0x400, Block::Tim2, Some((APB1, 0))),
     place(0x4000_0C00, 0x400, Block::Tim5, Some((APB1, 3))),
     place(0x4000_3000, 0x400, Block::Watchdog, None),
@@ -58,6 +59,7 @@ pub(super) static MAP: [Place; 19] = [
     place(0x4002_3800, 0x400, Block::Clocks, None),
     place(0x4002_3C00, 0x400, Block::Flash, None),
     place(flash::BASE, 2 * flash::SECTOR as u32, Block::FlashMemory, None),
+    place(0xE000_1000, 0x1000, Block::Cycles, None),
     place(0xE000_E000, 0x1000, Block::Scs, None),
     place(0xE004_2000, 0x400, Block::Debug, None),
 ];

@@ -11,13 +11,17 @@ mod erase;
 mod flash;
 mod halt;
 mod heater_off;
+mod host;
 mod last_gasp;
+mod live;
 mod log;
 mod paper;
 mod pins;
 mod sample_time;
 mod sampling;
 mod settings;
+mod simulated;
+mod stream;
 mod supply;
 mod wraps;
 

@@ -50,7 +50,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "the next start does not know how the last one ended",
         FAULT,
         [
-            "    retained::store(&Retained { death: Some(death), lockout: None, words });\n",
+            "    retained::store(&Retained { death: Some(death), words, ..Retained::EMPTY });\n",
             "    let _ = (death, words);\n",
         ],
         &["heater_off::panic_in_each_task"],
@@ -67,8 +67,8 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "after a fault reset it can be armed at once",
         "firmware-logic/src/reset_cause.rs",
         [
-            "        !matches!(self, Self::PowerOn | Self::Pin)",
-            "        !matches!(self, Self::PowerOn | Self::Pin) && false",
+            "        !matches!(self, Self::PowerOn | Self::Pin | Self::Restarted(_))",
+            "        !matches!(self, Self::PowerOn | Self::Pin | Self::Restarted(_)) && false",
         ],
         &["heater_off::resets_while_heating"],
     ),

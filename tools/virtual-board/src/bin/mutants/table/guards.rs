@@ -54,7 +54,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
         "look-does-not-cut",
         "the same",
-        "firmware-logic/src/control_loop.rs",
+        "firmware-logic/src/control_loop/mod.rs",
         ["self.controller.must_cut(&self.state, raw)", "self.controller.must_cut(&self.state, raw) && false"],
         LONG,
     ),

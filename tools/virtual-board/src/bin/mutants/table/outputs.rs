@@ -3,7 +3,7 @@
 use super::{Mutant, mutant};
 
 const FILE: &str = "firmware/src/hardware/heater.rs";
-const LOOP: &str = "firmware-logic/src/control_loop.rs";
+const LOOP: &str = "firmware-logic/src/control_loop/mod.rs";
 
 pub(super) const MUTANTS: &[Mutant] = &[
     mutant(
@@ -53,15 +53,49 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "break-pull-up-off",
         "a pulled plug is not seen",
         FILE,
-        ["AfType::input(Pull::Up)", "AfType::input(Pull::None)"],
+        ["else { Pull::Up };", "else { Pull::None };"],
         &["heater_off::break_input"],
     ),
     mutant(
         "break-pin-not-connected",
         "the timer does not see the break input",
         FILE,
-        ["break_input.set_as_af_unchecked(board::PWM_AF, AfType::input(Pull::Up));", "break_input.set_as_input(Pull::Up);"],
+        ["break_input.set_as_af_unchecked(board::PWM_AF, AfType::input(pull));", "break_input.set_as_input(pull);"],
         &["heater_off::break_input"],
+    ),
+    mutant(
+        "simulated-pins",
+        "a board that is simulated heats by codes from its port",
+        FILE,
+        ["            if simulated {\n", "            if false {\n"],
+        &["simulated::nothing_reaches", "simulated::the_experiment"],
+    ),
+    mutant(
+        "codes-believed",
+        "codes from the port stand in for those of the converter",
+        "firmware/src/simulation.rs",
+        ["    if !is_on() {\n", "    if false {\n"],
+        &["simulated::it_begins"],
+    ),
+    mutant(
+        "restart-while-heating",
+        "a board that heats is started anew from afar",
+        "firmware-logic/src/console/board.rs",
+        [
+            "        if self.may_heat() {\n            return Err(BoardError::NotOff);\n        }\n",
+            "",
+        ],
+        &["stream::a_restart", "simulated::it_begins"],
+    ),
+    mutant(
+        "restart-lifts-latch",
+        "a trip is acknowledged from afar by starting anew",
+        "firmware-logic/src/console/board.rs",
+        [
+            "        if self.chip.diagnosis(|diagnosis| diagnosis.status().is_latched()) {\n            return Err(BoardError::Latched);\n        }\n",
+            "",
+        ],
+        &["stream::a_restart"],
     ),
     mutant(
         "automatic-output",
@@ -183,7 +217,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "stop-waits-for-the-tick",
         "`stop` takes up to 110 ms",
         "firmware/src/shared.rs",
-        ["    heater::cut();\n", ""],
+        ["    link::STOP.store(true, Ordering::Relaxed);\n    heater::cut();\n", "    link::STOP.store(true, Ordering::Relaxed);\n"],
         &["heater_off::stop_works"],
     ),
     mutant(

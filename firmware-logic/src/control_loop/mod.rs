@@ -1,187 +1,24 @@
 //! One tick of the control half on the board: the controller of the core, the interlock around it, and the heater
 //! that both act on. No lock, no log, no allocation; nothing in it waits.
 
-use core::fmt;
+mod heater;
+mod order;
+mod record;
 
 use fdi_core::control::{Controller, ControllerState};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{AdcCode, Celsius, Command, Feedback, Mode, Percent, RawSample, Refusal, Tick};
 
-use heapless::spsc::Consumer;
-
 use crate::cadence::Arrival;
-use crate::explain::Explained;
 use crate::interlock::{Interlock, Lockout};
-use crate::self_test::{Ending, News, Output, Proof, SelfTest};
+use crate::self_test::{Ending, Output, Proof, SelfTest};
 
-/// The power output as the loop sees it.
-pub trait Heater {
-    /// Sets the power; has an effect at the output only while it is enabled.
-    fn drive(&mut self, power: Percent);
-    /// Closes or opens the contactor in series with the heater; it is closed only while the output is enabled, too.
-    fn contactor(&mut self, closed: bool);
-    /// Enables the output. Without effect while the break input is open.
-    fn enable(&mut self);
-    /// Disables the output at once.
-    fn disable(&mut self);
-    /// Whether the output is enabled; hardware may have disabled it.
-    fn is_enabled(&self) -> bool;
-    /// Whether the break input is open, which means "stop".
-    fn break_is_open(&self) -> bool;
-    /// What disabled the output, where the loop did not.
-    fn cut_by(&self) -> Lockout;
-    /// Enables the output and breaks it by the hardware that the break input acts on; whether that has disabled it. The
-    /// caller has set the power to zero and opened the contactor.
-    fn test_break(&mut self) -> bool;
-}
-
-/// An order to the control half.
-#[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "copied once a second at most, into a queue of two")]
-pub enum Order {
-    /// A command of the user. `Acknowledge` releases the interlock, too.
-    Command(Command),
-    /// New settings.
-    Retune(Controller),
-    /// Begin the self-test.
-    Check,
-}
-
-/// An order without what it brings along.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum OrderKind {
-    /// [`Order::Command`].
-    Command(Command),
-    /// [`Order::Retune`].
-    Settings,
-    /// [`Order::Check`].
-    Check,
-}
-
-impl Order {
-    /// Whether it switches the heater on.
-    pub fn heats(&self) -> bool {
-        matches!(self, Self::Check | Self::Command(Command::Arm))
-    }
-
-    /// What it is, without what it brings along.
-    pub fn kind(&self) -> OrderKind {
-        match self {
-            Self::Command(command) => OrderKind::Command(*command),
-            Self::Retune(_) => OrderKind::Settings,
-            Self::Check => OrderKind::Check,
-        }
-    }
-}
-
-/// The order for a tick, from those that wait. A stop comes first, and what heats and was ordered before it must not come
-/// after it.
-pub fn next_order(stop: bool, waiting: &mut Consumer<'_, Order>) -> Option<Order> {
-    if !stop {
-        return waiting.dequeue();
-    }
-    while waiting.peek().is_some_and(Order::heats) {
-        waiting.dequeue();
-    }
-    Some(Order::Command(Command::Stop))
-}
-
-/// Why an order was not carried out.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Denial {
-    /// The supervisor refused.
-    Refused(Refusal),
-    /// Something holds the heater off until it is acknowledged.
-    LockedOut(Lockout),
-    /// The interlock on the break input is open.
-    BreakOpen,
-    /// No self-test has passed since the start.
-    Unchecked,
-    /// The self-test is under way.
-    Checking,
-    /// The flash did not take the mark that tells of a power failure.
-    NoMark,
-    /// The control half has not said what became of the order.
-    NoAnswer,
-}
-
-impl fmt::Display for Denial {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Refused(refusal) => Explained(refusal).fmt(f),
-            Self::LockedOut(lockout) => write!(f, "locked out: {lockout}; expected `ack` first"),
-            Self::BreakOpen => {
-                f.write_str("the interlock on the break input is open, expected it closed to ground")
-            }
-            Self::Unchecked => f.write_str(
-                "no `check` has passed since the start, expected one; `set supervisor.check_before_arming false` waives it",
-            ),
-            Self::Checking => f.write_str("a check is under way, expected its end; `stop` ends it"),
-            Self::NoMark => f.write_str(
-                "the flash did not take the mark of a power failure, expected `save` first to mend it",
-            ),
-            Self::NoAnswer => {
-                f.write_str("not carried out, or not told so on the next tick as expected; see `status`")
-            }
-        }
-    }
-}
-
-/// What became of an order on a tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Outcome {
-    /// The order.
-    pub order: OrderKind,
-    /// Whether it was carried out.
-    pub result: Result<(), Denial>,
-}
-
-/// The record of a tick: all that this half gives to the other.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct TickRecord {
-    /// Codes as they came.
-    pub raw: RawSample,
-    /// What the controller decided.
-    pub tick: Tick,
-    /// What the heater really gets until the next tick.
-    pub applied: Percent,
-    /// When the tick began; no sample was taken on a tick that was missed.
-    pub arrival: Arrival,
-    /// It stands for a tick that was missed.
-    pub missed: bool,
-    /// What holds the heater off.
-    pub lockout: Option<Lockout>,
-    /// The order carried out or denied before this tick.
-    pub outcome: Option<Outcome>,
-    /// What the self-test has to say.
-    pub news: Option<News>,
-    /// A self-test has passed since the start, and no other has begun.
-    pub checked: bool,
-}
-
-impl TickRecord {
-    /// The record of a tick on which nothing but control took place.
-    pub fn new(raw: RawSample, tick: Tick, applied: Percent) -> Self {
-        Self {
-            raw,
-            tick,
-            applied,
-            arrival: Arrival::default(),
-            missed: false,
-            lockout: None,
-            outcome: None,
-            news: None,
-            checked: false,
-        }
-    }
-}
+pub use heater::Heater;
+pub use order::{Denial, Order, OrderKind, Outcome, next_order};
+pub use record::TickRecord;
 
 /// The code of "no sample".
-const NO_SAMPLE: RawSample = {
+pub const NO_SAMPLE: RawSample = {
     const NONE: AdcCode = AdcCode(f32::NAN);
     RawSample { t0: NONE, t1: NONE, t2: NONE, supply: NONE }
 };

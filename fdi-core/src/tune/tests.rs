@@ -1,0 +1,58 @@
+extern crate std;
+
+use super::*;
+
+/// Runs the experiment on a lag with dead time in samples.
+fn run(gain: f32, time: f32, dead: usize, noise: f32) -> Result<Lag, Unclear> {
+    let ts = 0.11;
+    let mut tuning = Tuning::new(Powers::for_gain(0.3), Seconds(ts));
+    let (mut y, mut waiting, mut random) = (0.0f32, std::vec![0.0f32; dead], 1u32);
+    for _ in 0..100_000 {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let shaken = 22.0 + y + noise * (random as f32 / u32::MAX as f32 - 0.5);
+        let power = match tuning.step(Some(Celsius(shaken))) {
+            Next::Power(Percent(power)) => power,
+            Next::Over(result) => return result,
+        };
+        assert!((0.0..=64.0).contains(&power));
+        waiting.push(power);
+        y += (1.0 - libm::expf(-ts / time)) * (gain * waiting.remove(0) - y);
+    }
+    panic!("it does not end");
+}
+
+#[test]
+fn a_lag_with_dead_time_is_found() {
+    for (gain, time, dead) in [(0.3, 0.5, 1), (0.15, 1.0, 3), (0.6, 0.4, 2), (0.3, 3.0, 4)] {
+        let lag = run(gain, time, dead, 0.1).expect("clear");
+        let sampled = dead as f32 * 0.11 + 0.055; // a power that is held lags by half a sample
+        assert!((lag.gain / gain - 1.0).abs() < 0.05, "{lag:?} of {gain} {time} {dead}");
+        assert!((lag.time / time - 1.0).abs() < 0.25, "{lag:?} of {gain} {time} {dead}");
+        assert!((lag.dead - sampled).abs() < 0.06, "{lag:?} of {gain} {time} {dead}");
+    }
+}
+
+#[test]
+fn what_is_unclear_ends_it() {
+    assert_eq!(run(0.01, 0.5, 1, 0.1), Err(Unclear::NoAnswer));
+    assert_eq!(run(3.0, 0.5, 1, 0.1), Err(Unclear::TooHot));
+    assert_eq!(run(0.3, 300.0, 1, 0.0), Err(Unclear::NotStill));
+    let mut tuning = Tuning::new(Powers::for_gain(0.3), Seconds(0.11));
+    assert_eq!(tuning.step(None), Next::Over(Err(Unclear::NoSample)));
+    assert_eq!(tuning.step(Some(Celsius(22.0))), Next::Over(Err(Unclear::NoSample)), "for good");
+}
+
+#[test]
+fn rules_have_the_margins_that_they_are_known_for() {
+    let lag = Lag { gain: 0.3, time: 2.0, dead: 0.4 };
+    let ts = Seconds(0.01);
+    let margins = lag.margins(&lag.by_model(), ts).expect("stable");
+    assert!(
+        (margins.gain - core::f32::consts::PI).abs() < 0.1 && (margins.phase - 61.4).abs() < 2.0,
+        "{margins:?}"
+    );
+    let tyreus = lag.margins(&lag.by_oscillation(ts).expect("oscillates"), ts).expect("stable");
+    assert!((2.5..4.0).contains(&tyreus.gain), "{tyreus:?}");
+    let wild = Tuned { kp: 100.0, ..lag.by_model() };
+    assert_eq!(lag.margins(&wild, ts), None);
+}

@@ -1,0 +1,10 @@
+//! A real board at the other end of a serial port: who is there, what it says, what it is asked.
+
+mod port;
+pub mod record;
+mod session;
+pub mod settings;
+pub mod simulate;
+
+pub use port::{find, open};
+pub use session::{Heard, Session};

@@ -1,0 +1,89 @@
+//! A board's settings and a file's: read from `get`, told with `set`.
+
+use std::io::{Read, Write};
+
+use anyhow::Context;
+use fdi_core::Config;
+use firmware_logic::settings::schema::Name;
+
+use super::Session;
+
+/// The settings of the board.
+///
+/// # Errors
+/// The port has gone, or the board has a setting that is not known here.
+pub fn read<P: Read + Write>(session: &mut Session<P>) -> anyhow::Result<Config> {
+    let mut config = Config::default();
+    for line in session.order("get")?.lines() {
+        let Some((name, value)) = line.split_once(" = ") else { continue };
+        let told = told(&mut config, name, value);
+        told.with_context(|| format!("the board has {line}: use the pt326 of its release"))?;
+    }
+    Ok(config)
+}
+
+/// Puts a value as the board tells it, perhaps with a unit behind, into a configuration.
+fn told(config: &mut Config, name: &str, value: &str) -> anyhow::Result<()> {
+    let known = Name::find(name).map_err(|error| anyhow::anyhow!("{error}"))?;
+    // A number with more digits than the board shows.
+    let value = value.trim_start_matches('~');
+    let number = value.rsplit_once(' ').map_or(value, |(number, _unit)| number);
+    known
+        .set(config, name, value)
+        .or_else(|_| known.set(config, name, number))
+        .map_err(|error| anyhow::anyhow!("{error}"))
+}
+
+/// Gives the board each setting that differs from its own; their names. What one refuses only until another has changed comes in the
+/// end, too.
+///
+/// # Errors
+/// The first setting that the board refuses, with its reason.
+pub fn write<P: Read + Write>(session: &mut Session<P>, wanted: &Config) -> anyhow::Result<Vec<String>> {
+    let mut now = read(session)?;
+    let mut changed = Vec::new();
+    loop {
+        let differing: Vec<Name> = Name::all(wanted).filter(|name| !name.same(wanted, &now)).collect();
+        let (mut refused, before) = (None, changed.len());
+        for name in &differing {
+            let value = name.value(wanted).to_string();
+            let bare = bare(*name, &value);
+            match session.order(&format!("set {name} {bare}")) {
+                Ok(_) => changed.push(name.to_string()),
+                Err(error) => refused = refused.or(Some(error)),
+            }
+        }
+        let Some(error) = refused else { return Ok(changed) };
+        if changed.len() == before {
+            return Err(error);
+        }
+        now = read(session)?;
+    }
+}
+
+/// A value without its unit.
+fn bare(name: Name, value: &str) -> String {
+    let text = name.to_string();
+    let takes = |value: &str| name.set(&mut Config::default(), &text, value).is_ok();
+    match value.rsplit_once(' ') {
+        Some((number, _unit)) if !takes(value) => number.to_owned(),
+        _ => value.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_setting_is_read_as_the_board_tells_it_and_told_as_it_takes_it() {
+        let usual = Config::default();
+        let mut config = Config::default();
+        for name in Name::all(&usual) {
+            let (text, value) = (name.to_string(), name.value(&usual).to_string());
+            told(&mut config, &text, &value).unwrap_or_else(|error| panic!("{text} = {value}: {error:#}"));
+            assert!(name.set(&mut config, &text, &bare(name, &value)).is_ok(), "{text} = {value}");
+            assert!(name.same(&config, &usual), "{text} = {value}");
+        }
+    }
+}

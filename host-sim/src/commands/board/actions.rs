@@ -1,0 +1,104 @@
+//! Actions for scripts: one question, one answer, and whether it is yes.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail, ensure};
+
+use crate::board::{Heard, Session, settings};
+use crate::commands::terminal::{print, progress};
+use crate::settings::{commented_toml_of, read};
+
+/// No stage of a check takes as long.
+const SILENCE: Duration = Duration::from_secs(600);
+
+/// Runs the self-test and shows how it goes; whether it has passed.
+pub(super) fn check(mut session: Session) -> anyhow::Result<bool> {
+    let mut told = session.order("check")?;
+    let mut last = Instant::now();
+    loop {
+        ensure!(last.elapsed() < SILENCE, "nothing of the check for {} s: see `status`", SILENCE.as_secs());
+        for line in take_lines(&mut told) {
+            print(&format!("{line}\n"))?;
+            last = Instant::now();
+            let ended = line.trim_start_matches("> ");
+            if ended.starts_with("check passed") {
+                return Ok(true);
+            }
+            if ended.starts_with("check failed") || ended.starts_with("check ended") {
+                return Ok(false);
+            }
+        }
+        let heard = session.hear().context("the port has gone; the board ends the check by itself")?;
+        let texts = heard.into_iter().filter_map(|heard| match heard {
+            Heard::Text(text) => Some(text.replace('\r', "")),
+            _ => None,
+        });
+        told.extend(texts);
+    }
+}
+
+/// Takes the whole lines that have come.
+fn take_lines(text: &mut String) -> Vec<String> {
+    let end = text.rfind('\n').map_or(0, |at| at + 1);
+    let whole: String = text.drain(..end).collect();
+    whole.lines().filter(|line| !matches!(*line, "" | ">" | "> ")).map(str::to_owned).collect()
+}
+
+/// Prints how it is; whether nothing is latched.
+pub(super) fn status(mut session: Session) -> anyhow::Result<bool> {
+    let answer = session.order("status")?;
+    print(&answer)?;
+    Ok(!answer.starts_with("mode tripped") && !answer.contains("heater locked out"))
+}
+
+/// Prints what went wrong; whether nothing did.
+pub(super) fn faults(mut session: Session) -> anyhow::Result<bool> {
+    let answer = session.order("faults")?;
+    print(&answer)?;
+    Ok(answer.trim() == "none")
+}
+
+/// Runs the paper's experiment on the board by itself, and writes what was found; whether all is as it should be.
+pub(super) fn verify(mut session: Session, file: &Path, seconds: Option<f64>) -> anyhow::Result<bool> {
+    let bar = progress(0, "ticks");
+    let found = super::verify(&mut session, seconds, |ticks, of| {
+        bar.set_length(of);
+        bar.set_position(ticks);
+    })?;
+    bar.finish_and_clear();
+    let log = file.with_extension("log");
+    for (path, text) in [(file, &found.report), (&log, &found.log)] {
+        std::fs::write(path, text).with_context(|| format!("{} cannot be written", path.display()))?;
+    }
+    print(&format!(
+        "{}\nwritten to {}, and its stream to {}\n",
+        found.report,
+        file.display(),
+        log.display()
+    ))?;
+    Ok(found.passed)
+}
+
+/// Writes the board's settings into a file.
+pub(super) fn save(mut session: Session, name: &str, file: &Path) -> anyhow::Result<bool> {
+    let head =
+        format!("# The settings of the board on {name}: `pt326 board settings load` gives them back.\n");
+    let text = head + &commented_toml_of(&settings::read(&mut session)?);
+    std::fs::write(file, text).with_context(|| format!("{} cannot be written", file.display()))?;
+    print(&format!("written to {}\n", file.display()))?;
+    Ok(true)
+}
+
+/// Gives the board the settings of a file, and has it keep them.
+pub(super) fn load(mut session: Session, file: &Path) -> anyhow::Result<bool> {
+    let changed = settings::write(&mut session, &read(Some(file))?)?;
+    for name in &changed {
+        print(&session.order(&format!("get {name}"))?)?;
+    }
+    if let Err(error) = session.order("save") {
+        bail!("{} settings are in force until the next start, and not kept: {error:#}", changed.len());
+    }
+    print(&format!("{} settings changed, all kept\n", changed.len()))?;
+    Ok(true)
+}

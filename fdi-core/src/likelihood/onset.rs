@@ -57,7 +57,7 @@ pub(super) struct Onset {
     flow_age: f32,
     less: Flowing,
     more: Flowing,
-    power: Motion,
+    pub(super) power: Motion,
     constant: Motion,
     lagged: [f32; 2],
     lost: [f32; 2],

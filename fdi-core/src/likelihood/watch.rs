@@ -4,13 +4,17 @@
 //! the onset. Beside that the state is held against the trained one, over a minute.
 
 use super::alarm::{Alarm, ModelAlarm};
+use super::beside::Beside;
 use super::chart::{Chart, Sums};
 use super::class::FaultClass;
-use super::column::{LASTING, LESS, MORE, Row, SENSORS};
-use super::evidence::{Freed, Nuisance, Nuisances};
+use super::column::{Column, Direction, LASTING, LESS, MORE, Row, SENSORS};
+use super::evidence::{Free, Freed, Nuisance, Nuisances};
+use super::gone::Gone;
 use super::heat::{Heat, HeatState, Rise};
 use super::hypothesis::{self, CONSTANT, COUNT, HYPOTHESES, IMPOSSIBLE, SINCE_ONSET, in_unit};
+use super::inputs::Inputs;
 use super::ladder::{Ladder, Past};
+use super::model::Model;
 use super::normal::Normal;
 use super::onset::{History, Nominal, Onset, OnsetConstants, REMEMBERED};
 use super::posterior::Posterior;
@@ -25,6 +29,9 @@ use crate::root::sqrt;
 
 /// Charts see no more of an innovation than so many standard deviations: a spike counts once.
 const CLIP: f32 = 6.0;
+/// Ticks from which the intercept is taken, where a recording is not the one that was trained on. A rig that answers within half of these is waited
+/// for before; a slower one is taken to be at rest.
+const ANCHORED: u32 = 30;
 /// Ticks without a chart at the start.
 const FIRST_TICKS: u32 = 10;
 /// All columns begin anew while the fast charts are below so many standard deviations, and the slow one below this share of its interval.
@@ -75,6 +82,10 @@ const FORGETS_FROM: f32 = 3.0;
 const FORGETS_WITH: f32 = 10.0;
 /// An alarm is over by these log odds in a window, which is asked from so long on, s.
 const OVER: f32 = 5.0;
+/// Where a constant leaves less than this share of itself after whitening, a sensor's error that goes at once is asked for by itself, with these
+/// log odds.
+const SLOW_NOISE: f32 = 0.15;
+const GOES: f32 = 10.0;
 const WINDOW: f32 = 0.7;
 const ASKED_FROM: f32 = 0.5;
 /// The fast band learns for so long where the model is wrong, s.
@@ -101,6 +112,7 @@ pub(super) struct Watch {
     pub(super) naming: f32,
     pub(super) least_power: f32,
     pub(super) sample_time: f32,
+    pub(super) inputs: Inputs,
 }
 
 /// What follows from the model: how fast everything goes.
@@ -121,6 +133,7 @@ struct Pace {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WatchState {
     parameters: Parameters,
+    beside: Beside,
     /// The fan's level as announced, behind its lag, and the model there.
     fan: f32,
     process: Process,
@@ -151,6 +164,8 @@ pub(super) struct WatchState {
     /// Ticks for which a change of the fan settles.
     settling: u32,
     ticks: u32,
+    /// Ticks that the intercept is still taken from.
+    anchoring: u32,
     alarm: Option<Alarm>,
     steady: Steady,
     lasting: Option<Lasting>,
@@ -167,6 +182,9 @@ pub(super) struct Gathered {
     onset: Onset,
     since: Normal,
     window: Normal,
+    gone: Gone,
+    /// The whitened answer to the power since the onset, on the last tick.
+    answer: [f32; 2],
 }
 
 impl Gathered {
@@ -196,6 +214,29 @@ const FAN_SETTLES: f32 = 10.0;
 const REFERENCE: f32 = 1.1;
 
 impl WatchState {
+    /// What was learnt.
+    pub(super) fn model(&self, sample_time: f32) -> Model {
+        let p = |which| self.parameters.get(which);
+        let time = |which| sample_time * libm::expf(p(which));
+        let (gain_beside, lag_beside) = self.beside.learnt();
+        Model {
+            gain: self.gain(),
+            curvature: p(Parameter::Curvature),
+            offset: p(Parameter::Offset1),
+            heater: time(Parameter::Heater),
+            lag: time(Parameter::Lag1),
+            wall: time(Parameter::WallTime),
+            dead_time: sample_time * p(Parameter::Delay1),
+            wall_share: p(Parameter::Wall1),
+            reaches: p(Parameter::Reaches2),
+            lag2: time(Parameter::Lag2),
+            transport: sample_time * p(Parameter::Delay2),
+            gain_beside,
+            lag_beside: sample_time * lag_beside,
+            noise: self.ladder.sigma,
+        }
+    }
+
     /// Static gain from the power to T1, degC per %.
     pub(super) fn gain(&self) -> f32 {
         libm::expf(self.parameters.get(Parameter::Gain))
@@ -235,6 +276,7 @@ impl Watch {
         let process = Process::new(&p, 1.0);
         WatchState {
             parameters: p,
+            beside: trained.beside,
             fan: 1.0,
             process,
             flows: [Process::new(&p, LESS), Process::new(&p, MORE)],
@@ -260,6 +302,7 @@ impl Watch {
             rests: 0,
             settling: 0,
             ticks: 0,
+            anchoring: 0,
             alarm: None,
             steady: Steady::new(&trained.motion, trained.rise),
             lasting: None,
@@ -271,7 +314,8 @@ impl Watch {
         }
     }
 
-    /// What the models say of a tick: rises over T0 and over the ambient that is believed, degC, and the power applied from now on, %.
+    /// What the models say of a tick: rises over T0 and over the ambient that is believed, degC, and the power applied from now on, %, with
+    /// the fan's level and the power of a heater beside.
     #[expect(clippy::too_many_arguments, reason = "a tick as all parts see it")]
     pub(super) fn step(
         &self,
@@ -281,8 +325,10 @@ impl Watch {
         y: [Option<f32>; 2],
         t0: Option<f32>,
         believed: [Option<f32>; 2],
-        [u, fan]: [f32; 2],
+        [u, fan, beside]: [f32; 3],
     ) -> ModelAlarm {
+        let added = s.beside.step(beside);
+        let [y, believed] = [y, believed].map(|rises| rises.map(|rise| Some(rise? - added)));
         if self.follow_fan(s, fan) {
             g.begin_anew();
         }
@@ -292,7 +338,7 @@ impl Watch {
             s.pace.inlet.follow(&mut mean, t0);
             s.inlet = Some((t0, mean, [5.0 * (t0 - before), above]));
         }
-        let heat = s.process.heat(core::mem::replace(&mut s.power, u));
+        let heat = s.process.heat(self.inputs.drove(&mut s.power, u));
         let before = s.before;
         let rises = s.process.step(&mut s.motion, heat);
         s.before = rises.y;
@@ -309,6 +355,10 @@ impl Watch {
         let told = match y {
             [Some(y1), Some(y2)] => {
                 let e = [y1 - expected[0], y2 - expected[1]];
+                if s.anchoring > 0 {
+                    Self::anchor(s, e);
+                    return ModelAlarm::Quiet;
+                }
                 s.ticks = s.ticks.saturating_add(1);
                 s.contradict = s.heat.contradiction() > MAX_CONTRADICTION;
                 self.judge(s, g, tick, e, &row, &now);
@@ -327,19 +377,56 @@ impl Watch {
         told
     }
 
+    /// Another recording of the same rig begins, long after its power was last changed. Where nothing says how warm the room is by now, the
+    /// first ticks do.
+    pub(super) fn resume(&self, s: &mut WatchState, [u, fan, beside]: [f32; 3]) {
+        let heat = s.process.heat(u);
+        s.motion = Motion::steady(heat);
+        s.power = u;
+        s.beside = s.beside.resumed(beside);
+        s.steady.resume(&s.motion);
+        s.history = History::default();
+        for _ in 0..REMEMBERED {
+            s.history.push(heat, &s.motion);
+        }
+        s.before = s.process.rises(s.motion.m, s.motion.w).y;
+        (s.fan, s.tracker, s.alarm, s.lasting) = (fan, Tracker::default(), None, None);
+        (s.past, s.past_clipped) = (Past::default(), Past::default());
+        s.swing = [s.before[0] + s.parameters.get(Parameter::Offset1), 0.0];
+        let settles = 2.0 * s.parameters.residence();
+        let settles = if settles <= ANCHORED as f32 { settles as u32 } else { 0 };
+        s.anchoring = settles + if self.inputs.t0 { 0 } else { ANCHORED };
+        s.ticks = 0;
+        s.rest();
+    }
+
+    /// The first ticks of a recording say what the intercept is there, after those in which the rig has forgotten how it began.
+    fn anchor(s: &mut WatchState, e: [f32; 2]) {
+        s.anchoring -= 1;
+        if s.anchoring >= ANCHORED {
+            return;
+        }
+        let share = 1.0 / (ANCHORED - s.anchoring) as f32;
+        for (mean, e) in s.mean.iter_mut().zip(e) {
+            *mean += share * e;
+        }
+    }
+
     /// Keeps the models going while the instrument does not watch by them.
     pub(super) fn idle(
         &self,
         s: &mut WatchState,
         believed: [Option<f32>; 2],
-        [u, fan]: [f32; 2],
+        [u, fan, beside]: [f32; 3],
         heating: bool,
     ) {
+        let added = s.beside.step(beside);
+        let believed = believed.map(|rise| Some(rise? - added));
         self.follow_fan(s, fan);
         s.alarm = None;
         s.lasting = None;
         s.rest();
-        let heat = s.process.heat(core::mem::replace(&mut s.power, u));
+        let heat = s.process.heat(self.inputs.drove(&mut s.power, u));
         let rises = s.process.step(&mut s.motion, heat);
         let before = core::mem::replace(&mut s.before, rises.y);
         s.steady.row(&s.flows, heat, &rises, before);
@@ -405,7 +492,7 @@ impl Watch {
         if s.alarm.is_none() {
             self.decide(s, g, tick, &charted, row);
         } else {
-            self.follow_alarm(s, g);
+            self.follow_alarm(s, g, z, row, now.heat);
         }
         let settling = s.settling > 0;
         s.settling = s.settling.saturating_sub(1);
@@ -475,7 +562,7 @@ impl Watch {
             s.z_mean[m] += 0.3 * (z[m] - s.z_mean[m]);
             jump = larger(jump, (z[m] - s.z_mean[m]).abs());
         }
-        let transient = 1.0 + 0.1 * larger(0.0, jump - 3.0);
+        let transient = if s.is_slow() { 1.0 } else { 1.0 + 0.1 * larger(0.0, jump - 3.0) };
         weight /= transient * transient;
         // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
         let evidence = smaller(z[0] * z[0], 64.0) + smaller(z[1] * z[1], 64.0);
@@ -485,6 +572,7 @@ impl Watch {
             s.stays = s.measured;
         }
         let row = g.onset.step(&s.pace.onset, &s.ladder, &s.nominal(now));
+        g.answer = row[Column::Power as usize];
         if let Some(alarm) = &s.alarm {
             if alarm.age > FORGETS_FROM {
                 g.since.scale(s.pace.forgets);
@@ -501,7 +589,7 @@ impl Watch {
             return;
         }
         s.candidate += self.sample_time / s.pace.stretch;
-        let (mut freed, left) = s.judge_since(g);
+        let (mut freed, left) = s.judge_since(g, self.inputs);
         let posterior = Posterior::new(&freed);
         let best = &HYPOTHESES[posterior.best % COUNT];
         let size = freed[posterior.best % COUNT].value.abs();
@@ -524,24 +612,55 @@ impl Watch {
 
     /// Names the fault while it lasts; clears the alarm when it has gone. A young alarm is ranked and asked for its end on every tick, an older one
     /// by turns.
-    fn follow_alarm(&self, s: &mut WatchState, g: &mut Gathered) {
+    fn follow_alarm(&self, s: &mut WatchState, g: &mut Gathered, z: [f32; 2], row: &Row<LASTING>, heat: f32) {
         let Some(mut alarm) = s.alarm else { return };
         alarm.age += self.sample_time / s.pace.stretch;
         alarm.turn = !alarm.turn;
         let young = alarm.age < YOUNG;
         if young || alarm.turn {
-            let (mut freed, left) = s.judge_since(g);
+            let (mut freed, left) = s.judge_since(g, self.inputs);
             self.name(g, &mut alarm, &mut freed, left);
         }
         let over = (young || !alarm.turn) && s.is_over(g, &alarm);
         s.alarm = Some(alarm);
-        if over || (alarm.age > PROCESS_TIME && alarm.gain < 1.0) {
+        if let Some(change) = s.goes_at_once(&alarm, z, row) {
+            s.goes_on_without(g, change);
+        } else if let Some(change) = self.has_gone(s, g, &alarm, z, heat) {
+            s.goes_on_without(g, change);
+        } else if over || (alarm.age > PROCESS_TIME && alarm.gain < 1.0) {
             s.alarm = None;
             s.rest();
             g.begin_anew();
             s.rests = (s.pace.stretch / self.sample_time) as u32;
             s.tracker.widen([0.015, 0.0, 0.05, 0.05]);
         }
+    }
+
+    /// Whether the heater's power is right again. What it did lately the rig still has: the model goes on from there.
+    fn has_gone(
+        &self,
+        s: &mut WatchState,
+        g: &mut Gathered,
+        alarm: &Alarm,
+        z: [f32; 2],
+        heat: f32,
+    ) -> Option<[f32; 2]> {
+        let of_power = HYPOTHESES[alarm.hypothesis % COUNT].first.direction == Direction::Of(Column::Power);
+        if !of_power || !s.is_slow() || alarm.age < ASKED_FROM {
+            g.gone = Gone::default();
+            return None;
+        }
+        let theta = alarm.values[0];
+        let longest = (s.pace.stretch / self.sample_time) as u32;
+        if !g.gone.step((&s.process, &s.ladder), heat, [z, g.answer], theta, (KAPPA, longest)) {
+            return None;
+        }
+        let before = s.process.rises(s.motion.m, s.motion.w).y;
+        s.motion.add(&g.onset.power, theta);
+        s.motion.add(&g.gone.power, -theta);
+        let after = s.process.rises(s.motion.m, s.motion.w).y;
+        g.gone = Gone::default();
+        Some([after[0] - before[0], after[1] - before[1]])
     }
 
     /// Names the fault by a ranking of the hypotheses; `left` is what the nuisances leave of the residual sum of squares.
@@ -558,7 +677,7 @@ impl Watch {
         let Freed { gain, value, second, .. } = freed[h];
         (alarm.gain, alarm.hypothesis, alarm.values) = (posterior.best_gain, h, [value, second]);
         let least = if alarm.age < PROCESS_TIME { ALWAYS_BOTH } else { NAME_PROCESS };
-        let (class, confidence) = named(&posterior, least);
+        let (class, confidence) = named(&posterior, if self.inputs.fan { least } else { 0.0 });
         let unexplained = left - 2.0 * KAPPA * gain;
         let [most, most_share] = if alarm.strange { FITS } else { STRANGE };
         alarm.strange = alarm.age > UNKNOWN_AFTER
@@ -582,11 +701,11 @@ impl Watch {
         }
         let mut freed = [Freed::default(); COUNT];
         let nuisances = hypothesis::since_training(&s.wander);
-        s.steady.judge(&nuisances, &mut freed);
+        s.steady.judge(&nuisances, &mut freed, self.inputs);
         let posterior = Posterior::new(&freed);
         let h = posterior.likeliest % COUNT;
         let row = &HYPOTHESES[h];
-        let sized = s.steady.size(&nuisances, h);
+        let sized = s.steady.size(&nuisances, h, self.inputs);
         let sized = if row.judged(sized).gain == IMPOSSIBLE { freed[h] } else { sized };
         let least = match row.class {
             FaultClass::HeaterPower => larger(LEAST_POWER, UNUSUAL * sqrt(s.wander[0])),
@@ -597,7 +716,8 @@ impl Watch {
         let (factor, share) = if s.lasting.is_some() { (GOES_ON[0], GOES_ON[1]) } else { (1.0, 1.0) };
         let there = posterior.best_gain > factor * RAISE_SLOW && freed[h].value.abs() > share * least;
         let onset = s.lasting.map_or(tick, |was| was.onset);
-        let (class, confidence) = named(&posterior, NAME_LASTING);
+        let least = if self.inputs.fan { NAME_LASTING } else { 0.0 };
+        let (class, confidence) = named(&posterior, least);
         s.lasting = there.then(|| Lasting {
             onset,
             finding: (confidence > NAME_LASTING).then(|| Finding {
@@ -673,11 +793,11 @@ impl WatchState {
     }
 
     /// Gains of all hypotheses since the onset.
-    fn judge_since(&self, g: &Gathered) -> ([Freed; COUNT], f32) {
+    fn judge_since(&self, g: &Gathered, inputs: Inputs) -> ([Freed; COUNT], f32) {
         let nuisances = hypothesis::since_onset(self.steps);
         let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA).for_many();
-        let mut freed = [Freed::default(); COUNT];
-        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
+        let mut freed = [Freed { gain: IMPOSSIBLE, ..Freed::default() }; COUNT];
+        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES).filter(|(_, row)| inputs.tell(row.class)) {
             let mut second = row.second;
             if let (Some(second), Some(m)) = (&mut second, row.stays) {
                 second.mean = self.stays[m];
@@ -696,6 +816,43 @@ impl WatchState {
         let at = if row.second.is_some() { &both[..] } else { &both[..1] };
         let list = hypothesis::since_onset(self.steps);
         alarm.age > ASKED_FROM && Nuisances::new(&g.window, &list, KAPPA).fixed(at) < -OVER
+    }
+
+    /// Whether the surroundings move so slowly that a constant residual says hardly anything.
+    fn is_slow(&self) -> bool {
+        self.ladder.rest()[0] < SLOW_NOISE
+    }
+
+    /// The alarm is over, and what it changed of the residuals with it.
+    fn goes_on_without(&mut self, g: &mut Gathered, change: [f32; 2]) {
+        self.past.lower(change);
+        self.past_clipped.lower(change);
+        self.alarm = None;
+        self.rest();
+        g.begin_anew();
+        self.rests = FIRST_TICKS;
+    }
+
+    /// By how much T1 and T2 read other where all that this tick shows is that a thermistor reads right again. What follows shows hardly
+    /// anything of it where the surroundings move as slowly as an offset does.
+    fn goes_at_once(&self, alarm: &Alarm, z: [f32; 2], row: &Row<LASTING>) -> Option<[f32; 2]> {
+        let hypothesis = &HYPOTHESES[alarm.hypothesis % COUNT];
+        let Free { direction, .. } = hypothesis.first;
+        let of_a_sensor = hypothesis.second.is_none() && hypothesis.class.sensor().is_some();
+        if !of_a_sensor || !self.is_slow() {
+            return None;
+        }
+        let mut change = [0.0; 2];
+        for (column, weight) in direction.columns().into_iter().zip(direction.weights()) {
+            for (change, value) in change.iter_mut().zip(row[column % LASTING]) {
+                *change += weight * value * alarm.values[0];
+            }
+        }
+        let explained = |m: usize| {
+            let left = z[m] + change[m] * self.ladder.inv_sigma[m];
+            (z[m] * z[m] - left * left) / (2.0 * KAPPA)
+        };
+        (explained(0) + explained(1) > GOES).then_some(change)
     }
 
     /// Nuisances explain what the charts say: the tracker takes them.
@@ -784,7 +941,7 @@ impl WatchState {
 
     /// What T1 and T2 should be above the ambient now, degC.
     pub(super) fn expected(&self) -> [f32; 2] {
-        self.expected
+        self.expected.map(|rise| rise + self.beside.added())
     }
 }
 

@@ -201,6 +201,9 @@ pub(super) const IMPOSSIBLE: f32 = -50.0;
 /// By how much the power steps without being a fault, where nothing else is known: a share.
 pub(super) const POWER_SD: f32 = 0.02;
 
+/// By how much the dead time may be wrong where it is known well, ticks.
+pub(super) const SHIFT: f32 = 0.07;
+
 /// What may move since an onset without being a fault: mains, sensors, inlet, what the model does not know of wall and time.
 pub(super) const SINCE_ONSET: [Nuisance; 10] = [
     (of(Column::Power), POWER_SD),
@@ -210,7 +213,7 @@ pub(super) const SINCE_ONSET: [Nuisance; 10] = [
     (of(Column::Offset2), 0.08),
     (Direction::Offset0, 0.12),
     (of(Column::Wall), 0.03),
-    (of(Column::Shift), 0.07),
+    (of(Column::Shift), SHIFT),
     (of(Column::Inlet1), 1.0),
     (of(Column::Inlet2), 1.0),
 ];
@@ -226,7 +229,7 @@ pub(super) const SINCE_TRAINING: [Nuisance; 10] = [
     (of(Column::Gain1), 0.01),
     (of(Column::Gain2), 0.01),
     (of(Column::Wall), 0.03),
-    (of(Column::Shift), 0.07),
+    (of(Column::Shift), SHIFT),
 ];
 
 /// By what the model may be wrong right after training, as its fast content shows.
@@ -240,10 +243,11 @@ pub(super) const MODEL_ERRORS: [Nuisance; 7] = [
     (of(Column::Shift), 0.5),
 ];
 
-/// Nuisances since an onset where the power steps by this mean square.
-pub(super) fn since_onset(steps: f32) -> [Nuisance; 10] {
+/// Nuisances since an onset where the power steps by this mean square and the dead time may be wrong by `shift` ticks.
+pub(super) fn since_onset(steps: f32, shift: f32) -> [Nuisance; 10] {
     let mut nuisances = SINCE_ONSET;
     nuisances[0].1 = sqrt(steps);
+    nuisances[7].1 = shift;
     nuisances
 }
 

@@ -11,7 +11,7 @@ use super::column::{Column, Direction, LASTING, LESS, MORE, Row, SENSORS};
 use super::evidence::{Free, Freed, Nuisance, Nuisances};
 use super::gone::Gone;
 use super::heat::{Heat, HeatState, Rise};
-use super::hypothesis::{self, CONSTANT, COUNT, HYPOTHESES, IMPOSSIBLE, SINCE_ONSET, in_unit};
+use super::hypothesis::{self, CONSTANT, COUNT, HYPOTHESES, Hypothesis, IMPOSSIBLE, SINCE_ONSET, in_unit};
 use super::inputs::Inputs;
 use super::ladder::{Ladder, Past};
 use super::model::Model;
@@ -86,6 +86,8 @@ const OVER: f32 = 5.0;
 /// log odds.
 const SLOW_NOISE: f32 = 0.15;
 const GOES: f32 = 10.0;
+/// There the dead time is not known better than this, ticks.
+const VAGUE_SHIFT: f32 = 0.7;
 const WINDOW: f32 = 0.7;
 const ASKED_FROM: f32 = 0.5;
 /// The fast band learns for so long where the model is wrong, s.
@@ -794,10 +796,10 @@ impl WatchState {
 
     /// Gains of all hypotheses since the onset.
     fn judge_since(&self, g: &Gathered, inputs: Inputs) -> ([Freed; COUNT], f32) {
-        let nuisances = hypothesis::since_onset(self.steps);
+        let nuisances = self.nuisances();
         let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA).for_many();
         let mut freed = [Freed { gain: IMPOSSIBLE, ..Freed::default() }; COUNT];
-        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES).filter(|(_, row)| inputs.tell(row.class)) {
+        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES).filter(|(_, row)| self.asks(inputs, row)) {
             let mut second = row.second;
             if let (Some(second), Some(m)) = (&mut second, row.stays) {
                 second.mean = self.stays[m];
@@ -814,8 +816,16 @@ impl WatchState {
         let first = (row.first.direction, value);
         let both = [first, row.second.map_or(first, |free| (free.direction, second))];
         let at = if row.second.is_some() { &both[..] } else { &both[..1] };
-        let list = hypothesis::since_onset(self.steps);
+        let list = self.nuisances();
         alarm.age > ASKED_FROM && Nuisances::new(&g.window, &list, KAPPA).fixed(at) < -OVER
+    }
+
+    /// Whether a fault can be told here. What a controller holds looks stuck, or as if the heater gave always the same, where only slow answers
+    /// would tell.
+    fn asks(&self, inputs: Inputs, row: &Hypothesis) -> bool {
+        let stands = matches!(row.class, FaultClass::Stuck(_))
+            || row.first.direction == Direction::Of(Column::Constant);
+        inputs.tell(row.class) && !(self.is_slow() && stands)
     }
 
     /// Whether the surroundings move so slowly that a constant residual says hardly anything.
@@ -858,7 +868,7 @@ impl WatchState {
     /// Nuisances explain what the charts say: the tracker takes them.
     fn take_in(&mut self, g: &mut Gathered, row: &Row<LASTING>) {
         let before = self.tracker.expected(row);
-        let nuisances = hypothesis::since_onset(self.steps);
+        let nuisances = self.nuisances();
         let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA);
         let [power, less, more, offset1, offset2, offset0, ..] = nuisances.values();
         self.steps += STEP_SHARE * (power * power - self.steps);
@@ -931,7 +941,8 @@ impl WatchState {
 
     /// What may move since an onset without being a fault, as far as is known now.
     pub(super) fn nuisances(&self) -> [Nuisance; SINCE_ONSET.len()] {
-        hypothesis::since_onset(self.steps)
+        let shift = if self.is_slow() { VAGUE_SHIFT } else { hypothesis::SHIFT };
+        hypothesis::since_onset(self.steps, shift)
     }
 
     /// Rises of the model on the last tick, degC.

@@ -33,6 +33,32 @@ fn faster(config: &Config, factor: f32) -> Config {
     config
 }
 
+/// For how long a thermistor has repeated itself, samples, and for how long it ever did in training.
+#[derive(Clone, Copy, Debug, Default)]
+struct Still {
+    value: Option<f32>,
+    run: u32,
+    longest: u32,
+}
+
+/// A thermistor is stuck when it has repeated itself for so many times as long as it ever did in training, and for so many samples.
+const REPEATS: u32 = 5;
+const LEAST_REPEATS: u32 = 60;
+
+impl Still {
+    fn step(&mut self, value: Option<f32>, learning: bool) -> bool {
+        if value.is_none() {
+            return false;
+        }
+        self.run = if value == self.value { self.run.saturating_add(1) } else { 0 };
+        self.value = value;
+        if learning {
+            self.longest = self.longest.max(self.run);
+        }
+        self.run > self.longest.saturating_mul(REPEATS).max(LEAST_REPEATS)
+    }
+}
+
 /// A diagnosis that only looks on, at one sample time.
 #[derive(Clone, Debug)]
 pub(super) struct OneRate {
@@ -49,6 +75,7 @@ pub(super) struct OneRate {
     /// The first T1, which stands for a T0 that is missing.
     base: Option<f32>,
     last: [f32; 3],
+    still: [Still; 3],
     power: f32,
     setpoint: Celsius,
 }
@@ -78,6 +105,7 @@ impl OneRate {
             resuming,
             base,
             last,
+            still: [Still::default(); 3],
             power,
             setpoint,
         })
@@ -168,7 +196,12 @@ impl OneRate {
     }
 
     fn reading(&mut self, which: usize, t: Option<f32>) -> Reading {
-        let validity = if t.is_some() { Validity::Good } else { Validity::Missing };
+        let stuck = self.still.get_mut(which).is_some_and(|still| still.step(t, !self.armed));
+        let validity = match t {
+            Some(_) if stuck => Validity::Stuck,
+            Some(_) => Validity::Good,
+            None => Validity::Missing,
+        };
         if let (Some(last), Some(t)) = (self.last.get_mut(which), t) {
             *last = t;
         }

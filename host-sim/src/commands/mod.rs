@@ -4,6 +4,7 @@ pub mod campaign;
 pub mod config;
 pub mod console;
 pub mod cosim;
+pub mod diagnose;
 pub mod experiment;
 pub mod identify;
 pub mod isolability;
@@ -21,6 +22,7 @@ use campaign::CampaignArgs;
 use config::ConfigArgs;
 use console::ConsoleArgs;
 use cosim::CoreArgs;
+use diagnose::DiagnoseArgs;
 use identify::IdentifyArgs;
 use isolability::IsolabilityArgs;
 use repeat::RepeatArgs;
@@ -43,6 +45,7 @@ use shell::{CompletionsArgs, ManArgs};
   pt326 repeat --seeds 200                delays and durations over 200 runs
   pt326 campaign --quick                  every fault and disturbance, both diagnoses, in a minute
   pt326 isolability --preset trainer      which faults can be told apart on this rig, and how soon
+  pt326 diagnose record.csv --train 0:300   what was wrong while somebody else's heater was recorded?
   pt326 identify record.csv --u Q1 --y T1 --order 2,2,1
   pt326 replay board.log                  a board's log through the same code again: the same bits?
   pt326 console                           the board's console on the simulated rig
@@ -68,6 +71,8 @@ enum Subcommand {
     Isolability(IsolabilityArgs),
     /// Be the instrument for another program: ADC codes on standard input, power and diagnosis on standard output.
     Core(CoreArgs),
+    /// Diagnose a recording of a heater that something else controls.
+    Diagnose(Box<DiagnoseArgs>),
     /// Identify an ARX model (autoregressive with external input) from a recording.
     Identify(IdentifyArgs),
     /// Run a recording (a board's log, a trace.csv) through the same code again and compare.
@@ -96,6 +101,7 @@ impl Cli {
             Subcommand::Campaign(args) => campaign::run(&args),
             Subcommand::Isolability(args) => isolability::run(&args),
             Subcommand::Core(args) => cosim::run(&args),
+            Subcommand::Diagnose(args) => diagnose::run(&args),
             Subcommand::Identify(args) => identify::run(&args),
             Subcommand::Replay(args) => replay::run(&args),
             Subcommand::Console(args) => console::run(&args),

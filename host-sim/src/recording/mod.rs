@@ -1,8 +1,11 @@
 //! Recordings of heaters that others made, as samples on an even grid of time.
 
 pub mod format;
+pub mod run;
+pub mod score;
 pub mod table;
 pub mod training;
+pub mod truth;
 
 use std::path::Path;
 
@@ -28,6 +31,16 @@ pub struct Reading {
     pub celsius: Option<f64>,
     /// Whether a fan moves the air; none: as the format says, else yes.
     pub fan: Option<bool>,
+    /// Each row is a sample, whatever its time says.
+    pub untimed: bool,
+}
+
+impl Reading {
+    /// The same where each row is a sample, whatever its time says.
+    pub fn untimed(mut self) -> Self {
+        self.untimed = true;
+        self
+    }
 }
 
 /// One heater of a recording.
@@ -50,16 +63,21 @@ pub struct Recording {
     pub format: &'static str,
     /// Ts, s.
     pub sample_time: f64,
-    /// Time of its first sample, s.
-    pub start: f64,
     /// What its units are.
     pub units: Units,
     /// Its heaters.
     pub heaters: Vec<Heater>,
     /// What whoever reads the results must know.
     pub remarks: Vec<String>,
+    /// The row of the file at each sample; none where it is missing.
+    rows: Vec<Option<usize>>,
 }
 
+/// A T1 that moves by so much is in degC; one that does not is made to move by so much.
+const SPANS: (f64, f64) = (5.0, 1000.0);
+const TYPICAL_SPAN: f64 = 30.0;
+/// Samples of rest that are put before a recording which began at rest.
+const REST: usize = 60;
 /// Stamps may be off the grid by so much of Ts.
 const UNEVEN: f64 = 0.2;
 /// A sample that is older than so many Ts is missing, where uneven ones are brought to a grid.
@@ -98,9 +116,15 @@ impl Recording {
         let full_power = how.full_power.or(guess.as_ref().map(|guess| guess.full_power)).unwrap_or(100.0);
         let fan = how.fan.or(guess.as_ref().map(|guess| guess.fan)).unwrap_or(true);
         let grid = Grid::new(&table, &maps[0], how)?;
-        let heaters =
-            maps.into_iter().map(|map| heater(&table, map, &grid, fan)).collect::<anyhow::Result<_>>()?;
+        let heaters = maps
+            .into_iter()
+            .map(|map| heater(&table, map, &grid, fan))
+            .collect::<anyhow::Result<Vec<_>>>()?;
         let mut remarks = grid.remarks.clone();
+        let celsius = how.celsius.unwrap_or_else(|| celsius(&heaters));
+        if celsius != 1.0 {
+            remarks.push(format!("One unit of T1 counts for {celsius} °C, since the diagnosis was made for rises of some 30; --degc says otherwise."));
+        }
         let format = guess.filter(|_| how.map.is_empty()).map_or("as told", |guess| guess.name);
         if format != "as told" {
             remarks.push(format!("Taken for {format}; --map says otherwise."));
@@ -109,10 +133,10 @@ impl Recording {
             file: table.file().to_owned(),
             format,
             sample_time: grid.sample_time,
-            start: grid.start,
-            units: Units { celsius: how.celsius.unwrap_or(1.0) as f32, full_power: full_power as f32 },
+            units: Units { celsius: celsius as f32, full_power: full_power as f32 },
             heaters,
             remarks,
+            rows: grid.rows,
         })
     }
 
@@ -121,28 +145,43 @@ impl Recording {
         self.heaters.first().map_or(0, |heater| heater.samples.len())
     }
 
+    /// The rig was cold and its heater off before the first sample, which then says how warm the room is. Returns for how long, s.
+    pub fn put_rest_before(&mut self) -> f64 {
+        for heater in &mut self.heaters {
+            let room = heater.samples.iter().find_map(|sample| sample.t[1]);
+            heater.inputs.t0 = true;
+            heater.samples.iter_mut().for_each(|sample| sample.t[0] = sample.t[0].or(room));
+            let mut rest = heater.samples[0];
+            rest.power = Some(0.0);
+            rest.beside = rest.beside.map(|_| 0.0);
+            rest.t = rest.t.map(|t| t.and(room));
+            heater.samples.splice(0..0, std::iter::repeat_n(rest, REST));
+        }
+        self.rows.splice(0..0, std::iter::repeat_n(None, REST));
+        REST as f64 * self.sample_time
+    }
+
     /// Whether it has none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The sample at or after a time, s.
+    /// The sample at or after a time since the first, s.
     pub fn at(&self, time: f64) -> usize {
-        ((time - self.start) / self.sample_time - 1e-6).ceil().max(0.0) as usize
+        (time / self.sample_time - 1e-6).ceil().max(0.0) as usize
     }
 }
 
 /// Which row stands at each place of an even grid of time.
 struct Grid {
     sample_time: f64,
-    start: f64,
     rows: Vec<Option<usize>>,
     remarks: Vec<String>,
 }
 
 impl Grid {
     fn new(table: &Table, map: &Map, how: &Reading) -> anyhow::Result<Self> {
-        let Some(column) = map.column(Role::Time) else {
+        let Some(column) = map.column(Role::Time).filter(|_| !how.untimed) else {
             let Some(sample_time) = how.sample_time else {
                 bail!(
                     "{}: no column is said to be the time: add --map time=COLUMN, or --ts with the sample time in s",
@@ -150,7 +189,7 @@ impl Grid {
                 )
             };
             let rows = (0..table.rows()).map(Some).collect();
-            return Ok(Self { sample_time, start: 0.0, rows, remarks: Vec::new() });
+            return Ok(Self { sample_time, rows, remarks: Vec::new() });
         };
         let column = table.column(column)?;
         let stamps = table.values_or_gaps(column)?;
@@ -203,8 +242,22 @@ impl Grid {
         let gaps = rows.iter().filter(|row| row.is_none()).count();
         let remarks =
             if gaps > 0 { vec![format!("{gaps} of {} samples are missing.", rows.len())] } else { vec![] };
-        Ok(Self { sample_time, start, rows, remarks })
+        Ok(Self { sample_time, rows, remarks })
     }
+}
+
+/// How many degC one unit of a temperature should count for: 1, but where T1 moves by so little or so much that its unit is no degC.
+fn celsius(heaters: &[Heater]) -> f64 {
+    let t1 =
+        || heaters.iter().flat_map(|heater| &heater.samples).filter_map(|sample| sample.t[1]).map(f64::from);
+    let span = t1().fold(f64::MIN, f64::max) - t1().fold(f64::MAX, f64::min);
+    if !(span > 0.0) || (SPANS.0..SPANS.1).contains(&span) {
+        return 1.0;
+    }
+    let exact = TYPICAL_SPAN / span;
+    let decade = 10f64.powf(exact.log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * decade);
+    steps.into_iter().min_by(|a, b| (a / exact).ln().abs().total_cmp(&(b / exact).ln().abs())).unwrap_or(1.0)
 }
 
 /// A sample time as someone would write it: stamps are rounded.

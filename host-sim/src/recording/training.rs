@@ -21,7 +21,7 @@ const LEAST: usize = 60;
 /// A power whose values are within so much of its full one never changes.
 const STILL: f64 = 1e-3;
 /// A rig that answers over more samples than this is looked at by means, too.
-const MOST_SAMPLES: f64 = 30.0;
+const MOST_SAMPLES: f64 = 20.0;
 /// Samples that the intercept is taken from come before a fit is judged.
 const SETTLED: usize = 60;
 

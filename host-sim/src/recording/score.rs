@@ -62,7 +62,7 @@ pub fn score(record: &Record, from: f64) -> Score {
         let name =
             |row: &crate::experiment::Row| row.report.likelihood.finding.map(|finding| finding.class.name());
         let is_right = |row: &&crate::experiment::Row| name(row).is_some_and(|name| is_right(&right, name));
-        let last = during().filter(is_right).last();
+        let last = during().rfind(is_right);
         let finding = last.and_then(|row| row.report.likelihood.finding);
         let after = rows().find(|row| {
             let t = record.time(row.tick.index);
@@ -76,7 +76,7 @@ pub fn score(record: &Record, from: f64) -> Score {
             duration: fault.duration,
             alarmed: during().find(|row| row.report.likelihood.alarm).map(since),
             named: during().find(is_right).map(since),
-            said: during().filter_map(name).last(),
+            said: during().rev().find_map(name),
             size: finding.and_then(|finding| finding.magnitude).map(|m| f64::from(m.value)),
             size_true: right.first().and_then(|class| size_as(fault, *class, fault.at)),
             tail,

@@ -58,6 +58,10 @@ pub(super) const SENSORS: [Column; 10] = [
     Column::Ramp2,
 ];
 
+/// The columns of what the process does.
+pub(super) const PROCESS: [Column; 5] =
+    [Column::Power, Column::LessFlow, Column::MoreFlow, Column::Late, Column::Constant];
+
 /// Relative air flows at which the secants are taken, and `1/f - 1` there.
 pub(super) const LESS: f32 = 0.77;
 pub(super) const MORE: f32 = 1.3;

@@ -100,6 +100,9 @@ const HALF_SWAPPED: (f32, f32) = (-1.0, 0.15);
 const LEAST_CONSTANT: f32 = 5.0;
 /// Spread of how late a change of the process begins, ticks times its share. With more, the time that tells air flow from power is lost.
 const LATE: f32 = 0.03;
+/// A change by more than this share is judged once more, with the spread that a beginning anywhere within a tick gives such a share.
+const LARGE: f32 = 0.4;
+const WITHIN_A_TICK: f32 = 0.3;
 /// Lag of a clogged thermistor as a share of the column's lag, and its spread.
 const LAGGING: (f32, f32) = (1.0, 0.15);
 /// A drift begins from within so many degC.
@@ -175,6 +178,12 @@ pub(super) static HYPOTHESES: [Hypothesis; COUNT] = ROWS;
 pub(super) const CONSTANT: usize = 16;
 
 impl Hypothesis {
+    /// How late a change of the process by `value` may begin, where it is a large one.
+    pub(super) fn later(&self, value: f32) -> Option<Free> {
+        let second = self.second.filter(|second| matches!(second.direction, Direction::Of(Column::Late)))?;
+        (value.abs() > LARGE).then(|| Free { sd: WITHIN_A_TICK * value.abs(), ..second })
+    }
+
     /// The gain of a freed hypothesis, with its prior; none where the magnitude is not one that it can have.
     pub(super) fn judged(&self, mut freed: Freed) -> Freed {
         let (low, high) = self.range;
@@ -201,9 +210,6 @@ pub(super) const IMPOSSIBLE: f32 = -50.0;
 /// By how much the power steps without being a fault, where nothing else is known: a share.
 pub(super) const POWER_SD: f32 = 0.02;
 
-/// By how much the dead time may be wrong where it is known well, ticks.
-pub(super) const SHIFT: f32 = 0.07;
-
 /// What may move since an onset without being a fault: mains, sensors, inlet, what the model does not know of wall and time.
 pub(super) const SINCE_ONSET: [Nuisance; 10] = [
     (of(Column::Power), POWER_SD),
@@ -213,7 +219,7 @@ pub(super) const SINCE_ONSET: [Nuisance; 10] = [
     (of(Column::Offset2), 0.08),
     (Direction::Offset0, 0.12),
     (of(Column::Wall), 0.03),
-    (of(Column::Shift), SHIFT),
+    (of(Column::Shift), 0.07),
     (of(Column::Inlet1), 1.0),
     (of(Column::Inlet2), 1.0),
 ];
@@ -229,7 +235,7 @@ pub(super) const SINCE_TRAINING: [Nuisance; 10] = [
     (of(Column::Gain1), 0.01),
     (of(Column::Gain2), 0.01),
     (of(Column::Wall), 0.03),
-    (of(Column::Shift), SHIFT),
+    (of(Column::Shift), 0.07),
 ];
 
 /// By what the model may be wrong right after training, as its fast content shows.
@@ -243,23 +249,34 @@ pub(super) const MODEL_ERRORS: [Nuisance; 7] = [
     (of(Column::Shift), 0.5),
 ];
 
-/// Nuisances since an onset where the power steps by this mean square and the dead time may be wrong by `shift` ticks.
-pub(super) fn since_onset(steps: f32, shift: f32) -> [Nuisance; 10] {
-    let mut nuisances = SINCE_ONSET;
-    nuisances[0].1 = sqrt(steps);
-    nuisances[7].1 = shift;
-    nuisances
-}
+/// Where the dead time's error stands among [`SINCE_ONSET`].
+pub(super) const SHIFT: usize = 7;
 
-/// Nuisances since training where power, flow and both offsets wander by these mean squares.
-pub(super) fn since_training(wander: &[f32; 4]) -> [Nuisance; 10] {
-    let mut nuisances = SINCE_TRAINING;
-    for (place, of) in [(0, 0), (1, 1), (2, 1), (3, 2), (4, 3)] {
-        let (_, sd) = &mut nuisances[place];
-        *sd = sqrt(*sd * *sd + wander[of]);
+/// Nuisances since an onset where the power steps by the mean square `steps`; `bent` is that of the gain's error here. What was learnt wrong
+/// with the gain looks like flow, too.
+pub(super) fn since_onset(steps: f32, bent: f32) -> [Nuisance; 10] {
+    let mut nuisances = SINCE_ONSET;
+    nuisances[0].1 = sqrt(steps + bent);
+    for (_, sd) in &mut nuisances[FLOW] {
+        *sd = sqrt(*sd * *sd + bent);
     }
     nuisances
 }
+
+/// Nuisances since training where power, flow and both offsets wander by these mean squares, and T1 rises by `rise`, degC: the gain's error at
+/// the mean power is another than that of its moves, so that an offset of both is left.
+pub(super) fn since_training(wander: &[f32; 4], bent: f32, rise: f32) -> [Nuisance; 10] {
+    let mut nuisances = SINCE_TRAINING;
+    let [power, flow, offset1, offset2] = *wander;
+    let more = [power + bent, flow + bent, flow + bent, offset1, offset2, bent * rise * rise];
+    for ((_, sd), more) in nuisances.iter_mut().zip(more) {
+        *sd = sqrt(*sd * *sd + more);
+    }
+    nuisances
+}
+
+/// Places of the flow in both lists.
+const FLOW: core::ops::Range<usize> = 1..3;
 
 #[cfg(test)]
 mod tests;

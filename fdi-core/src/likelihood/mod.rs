@@ -255,8 +255,8 @@ impl Likelihood {
     pub fn resume(&self, state: &mut LikelihoodState, power: f32, known: &KnownInputs) {
         if let Some(trained) = &mut state.trained {
             let beside = known.beside.map_or(0.0, |power| power.0);
-            state.work = Work::Watching(Gathered::default());
-            self.watch.resume(trained, [known.effective(power), known.fan_share(), beside]);
+            let inputs = [known.effective(power), known.fan_share(), beside];
+            state.work = Work::Watching(self.watch.resume(trained, inputs));
         }
     }
 

@@ -1,7 +1,7 @@
 //! The columns since the assumed onset of a fault: the models since then with another air flow, more power, a constant power; lags,
 //! ramps and constants that begin there.
 
-use super::column::{COUNT, Column, LESS, LESS_BY, MORE, MORE_BY, Row, SENSORS};
+use super::column::{COUNT, Column, LESS, LESS_BY, MORE, MORE_BY, PROCESS, Row, SENSORS};
 use super::ladder::{Ladder, Past};
 use super::process::{Motion, Parameters, Process, Rises};
 
@@ -55,6 +55,8 @@ pub(super) struct Onset {
     pub(super) age: u32,
     pub(super) sensors_age: u32,
     flow_age: f32,
+    /// What the process does begins anew with the next tick.
+    pub(super) process_again: bool,
     less: Flowing,
     more: Flowing,
     pub(super) power: Motion,
@@ -98,6 +100,17 @@ impl Onset {
     #[inline(never)]
     fn begin(&mut self, c: &OnsetConstants, now: &Nominal) {
         *self = Self { lagged: [now.before[0]; 2], ..Self::default() };
+        self.begin_process(c, now);
+    }
+
+    /// What the process does begins as long before this tick as it takes to show.
+    fn begin_process(&mut self, c: &OnsetConstants, now: &Nominal) {
+        self.process_again = false;
+        for column in PROCESS {
+            self.past[column as usize] = Past::default();
+        }
+        (self.flow_age, self.power, self.constant) = (0.0, Motion::default(), Motion::default());
+        self.power_before = [0.0; 2];
         let lead = c.lead.min(REMEMBERED - 2);
         let (x, m, w) = now.history.states[now.history.place(lead)];
         // The air that has left the heater since is pushed again, so that the ring must be that of then.
@@ -134,6 +147,8 @@ impl Onset {
     pub(super) fn step(&mut self, c: &OnsetConstants, ladder: &Ladder, now: &Nominal) -> Row {
         if self.age == 0 {
             self.begin(c, now);
+        } else if self.process_again {
+            self.begin_process(c, now);
         }
         let [less, more, power, constant] = self.advance(c, now, now.heat);
         let y = now.rises.y;

@@ -32,7 +32,7 @@ const PRIOR: [(f32, f32); COUNT] = [
     (0.0, 0.7),   // wall: by the answer time
     (0.0, 1.5),   // offsets
     (0.0, 1.5),
-    (0.0, 0.03), // curvature
+    (0.0, 0.015), // curvature
 ];
 /// The heater's time constant as a share of the answer time; the wall's, and its bounds, in answer times.
 const HEATER_SHARE: f32 = 0.22;
@@ -123,6 +123,7 @@ pub(super) struct Training {
     statistics: ResidualStatistics,
     beside: Beside,
     power: f32,
+    curvature_error: f32,
     ticks: u32,
     count: u32,
 }
@@ -189,6 +190,8 @@ pub(super) struct Trained {
     pub(super) power: f32,
     /// Rise of T1 at which it was learnt, degC.
     pub(super) rise: f32,
+    /// Standard deviation of [`Parameter::Curvature`].
+    pub(super) curvature_error: f32,
 }
 
 /// Lengths of both parts in samples.
@@ -256,6 +259,7 @@ impl Trainer {
             statistics: ResidualStatistics::default(),
             beside: Beside::default(),
             power: 0.0,
+            curvature_error: 0.0,
             ticks: 0,
             count: 0,
         }
@@ -317,6 +321,7 @@ impl Trainer {
             }
             if s.count >= self.fit_samples {
                 s.count = 0;
+                s.curvature_error = filter.error(Parameter::Curvature);
                 s.phase = Phase::Checking;
             }
             return Ok(None);
@@ -347,6 +352,7 @@ impl Trainer {
             beside: s.beside,
             power: u,
             rise: s.statistics.level(0),
+            curvature_error: s.curvature_error,
         }))
     }
 }
@@ -384,6 +390,11 @@ impl Filter {
             p.set(Parameter::Gain, libm::logf(y[0] / u));
             *motion = Motion::steady(u);
         }
+    }
+
+    /// Standard deviation of a parameter as far as it is known.
+    fn error(&self, of: Parameter) -> f32 {
+        self.sd[of as usize] * sqrt(larger(0.0, self.rls.variances()[of as usize]))
     }
 
     /// The first heat has shown about how the rig answers, from a model that was wrong: what moves is learnt anew from there.

@@ -6,103 +6,42 @@
 use super::alarm::{Alarm, ModelAlarm};
 use super::beside::Beside;
 use super::chart::{Chart, Sums};
-use super::class::FaultClass;
-use super::column::{Column, Direction, LASTING, LESS, MORE, Row, SENSORS};
-use super::evidence::{Free, Freed, Nuisance, Nuisances};
+use super::column::{LASTING, LESS, MORE, Row};
+use super::evidence::Nuisance;
 use super::gone::Gone;
 use super::heat::{Heat, HeatState, Rise};
-use super::hypothesis::{self, CONSTANT, COUNT, HYPOTHESES, Hypothesis, IMPOSSIBLE, SINCE_ONSET, in_unit};
+use super::hypothesis::{self, SINCE_ONSET};
 use super::inputs::Inputs;
 use super::ladder::{Ladder, Past};
 use super::model::Model;
 use super::normal::Normal;
-use super::onset::{History, Nominal, Onset, OnsetConstants, REMEMBERED};
-use super::posterior::Posterior;
+use super::onset::{History, Nominal, Onset, REMEMBERED};
 use super::process::{Motion, Parameter, Parameters, Process};
-use super::steady::{Steady, SteadyConstants};
+use super::steady::Steady;
 use super::tracker::Tracker;
 use super::training::Trained;
-use super::verdict::{Finding, Magnitude};
-use crate::bounds::{bounded, larger, smaller};
-use crate::filter::LowPass;
-use crate::root::sqrt;
+use crate::bounds::{bounded, larger};
+use lasting::Lasting;
+use pace::Pace;
 
 /// Charts see no more of an innovation than so many standard deviations: a spike counts once.
 const CLIP: f32 = 6.0;
-/// Ticks from which the intercept is taken, where a recording is not the one that was trained on. A rig that answers within half of these is waited
-/// for before; a slower one is taken to be at rest.
-const ANCHORED: u32 = 30;
 /// Ticks without a chart at the start.
 const FIRST_TICKS: u32 = 10;
-/// All columns begin anew while the fast charts are below so many standard deviations, and the slow one below this share of its interval.
-const NEAR: f32 = 0.5;
-const NEAR_SLOW: f32 = 0.14;
 /// The tracker runs while all charts are below this share of their intervals.
 const TRACK_BELOW: f32 = 0.4;
 /// The share of a swing beyond this, degC, that the model may get wrong, and the swing's memory, s.
 const SWING: f32 = 1.5;
-const SWING_TIME: f32 = 2.0;
 /// T0 is above its mean by so much without moving, degC: its noise.
 const INLET_NOISE: f32 = 0.15;
-/// Memory of how far power, flow and offsets wander, s.
-const WANDER_TIME: f32 = 7200.0;
-/// Weight of a new step of the power in what is known of their size.
-const STEP_SHARE: f32 = 0.2;
+/// Errors of what was learnt are so many times those that the filter believes in, which takes slow surroundings for noise.
+const OVERSURE: f32 = 2.5;
+/// Smallest change of the air flow that is reported, `1/f - 1`.
+const LEAST_FLOW: f32 = 0.085;
 /// A change is a fault only beyond so many standard deviations of what is usual here.
 const UNUSUAL: f32 = 2.5;
-/// Memory of T0's mean, s: what the inlet moves has passed T1 and T2 by then.
-const INLET_TIME: f32 = 1.0;
 /// Evidence since an onset is divided by so much.
 pub(super) const KAPPA: f32 = 1.5;
-/// Log Bayes factors that raise an alarm: since the onset, and since training.
-const RAISE: f32 = 4.5;
-const RAISE_SLOW: f32 = 1.5;
-/// An alarm since training goes on above this share of both the factor and the size that raised it.
-const GOES_ON: [f32; 2] = [0.4, 0.7];
-/// What is named loses its name below the probability that named it less this.
-const UNNAME: f32 = 0.05;
-/// No name is surer: what is not among the hypotheses has its share (docs/diagnosis.md, section 11).
-const CERTAIN: f32 = 0.98;
-/// Air flow or heater power is named by itself from this probability on.
-const NAME_PROCESS: f32 = 0.97;
-const ALWAYS_BOTH: f32 = 2.0;
-/// The same for what has changed since training.
-const NAME_LASTING: f32 = 0.9;
-/// Flow and power are told apart only after so long, s.
-const PROCESS_TIME: f32 = 3.0;
-/// The best hypothesis does not fit where it leaves more than so much of each whitened residual's square (1 is noise), and such a share of what there
-/// was; it fits again below these. Asked after so long, s.
-const STRANGE: [f32; 2] = [4.0, 0.06];
-const FITS: [f32; 2] = [1.5, 0.02];
-const UNKNOWN_AFTER: f32 = 3.0;
-/// What nuisances explain for so long is taken into the tracker, s.
-const TAKEN_AFTER: f32 = 8.0;
-/// From so old on an alarm forgets with this memory, s.
-const FORGETS_FROM: f32 = 3.0;
-const FORGETS_WITH: f32 = 10.0;
-/// An alarm is over by these log odds in a window, which is asked from so long on, s.
-const OVER: f32 = 5.0;
-/// Where a constant leaves less than this share of itself after whitening, a sensor's error that goes at once is asked for by itself, with these
-/// log odds.
-const SLOW_NOISE: f32 = 0.15;
-const GOES: f32 = 10.0;
-/// There the dead time is not known better than this, ticks.
-const VAGUE_SHIFT: f32 = 0.7;
-const WINDOW: f32 = 0.7;
-const ASKED_FROM: f32 = 0.5;
-/// The fast band learns for so long where the model is wrong, s.
-const REFERENCE_TIME: f32 = 90.0;
-/// An alarm is young for so long, s.
-const YOUNG: f32 = 2.0;
-/// Smallest faults that are reported since training: share of power, `1/f - 1`, degC, share of gain.
-const LEAST_POWER: f32 = 0.1;
-const LEAST_FLOW: f32 = 0.085;
-const LEAST_OFFSET: f32 = 0.8;
-const LEAST_GAIN: f32 = 0.08;
-/// Error of the models in a size: of air flow, of all others.
-const SIZE_ERROR: [f32; 2] = [0.10, 0.04];
-/// Half of the width of a 95 % interval, in standard deviations.
-const HALF_OF_95: f32 = 1.96;
 
 /// A validated watch.
 #[derive(Clone, Copy, Debug)]
@@ -115,20 +54,6 @@ pub(super) struct Watch {
     pub(super) least_power: f32,
     pub(super) sample_time: f32,
     pub(super) inputs: Inputs,
-}
-
-/// What follows from the model: how fast everything goes.
-#[derive(Clone, Copy, Debug)]
-struct Pace {
-    /// Seconds here for each of the reference rig.
-    stretch: f32,
-    onset: OnsetConstants,
-    steady: SteadyConstants,
-    swing: LowPass,
-    inlet: LowPass,
-    wander: LowPass,
-    forgets: f32,
-    window: f32,
 }
 
 /// Its memory.
@@ -156,8 +81,9 @@ pub(super) struct WatchState {
     fast: [Sums; 2],
     slow: Sums,
     swing: [f32; 2],
-    /// Rise of T1 at which training took place, degC.
+    /// Rise of T1 at which training took place, degC, and standard deviation of how the gain grows with the power from there.
     trained: f32,
+    curvature_error: f32,
     /// T0 and its mean, and what its motion may have been at T1 and at T2, degC.
     inlet: Option<(f32, f32, [f32; 2])>,
     z_mean: [f32; 2],
@@ -212,9 +138,6 @@ const MAX_CONTRADICTION: f32 = 6.0;
 const FAN_STEP: f32 = 1e-3;
 const FAN_SETTLES: f32 = 10.0;
 
-/// Residence time of the reference rig, s: what all times here were tuned on.
-const REFERENCE: f32 = 1.1;
-
 impl WatchState {
     /// What was learnt.
     pub(super) fn model(&self, sample_time: f32) -> Model {
@@ -246,33 +169,6 @@ impl WatchState {
 }
 
 impl Watch {
-    fn pace(&self, p: &Parameters) -> Pace {
-        let ts = self.sample_time;
-        let stretch = bounded(p.residence() * ts / REFERENCE, 0.5, 100.0);
-        let share = |time: f32| 1.0 - libm::expf(-ts / (time * stretch));
-        let lags = [0.35, 1.0].map(share);
-        Pace {
-            stretch,
-            onset: OnsetConstants {
-                lead: (p.get(Parameter::Delay1) + 1.5) as usize,
-                lags,
-                fan: ts / (0.2 * stretch),
-                minutes: ts / 60.0,
-            },
-            steady: SteadyConstants {
-                keep: 1.0 - share(60.0),
-                reference: (REFERENCE_TIME * stretch / ts) as u32,
-                split: LowPass::over(1.0 / share(5.0)),
-                mean: LowPass::over(1.0 / share(25.0)),
-            },
-            swing: LowPass::over(1.0 / share(SWING_TIME)),
-            inlet: LowPass::over(1.0 / share(INLET_TIME)),
-            wander: LowPass::over(1.0 / share(WANDER_TIME)),
-            forgets: 1.0 - share(FORGETS_WITH),
-            window: 1.0 - share(WINDOW),
-        }
-    }
-
     pub(super) fn start(&self, trained: Trained) -> WatchState {
         let p = trained.parameters;
         let process = Process::new(&p, 1.0);
@@ -285,7 +181,7 @@ impl Watch {
             motion: trained.motion,
             ladder: trained.ladder,
             mean: trained.mean,
-            pace: self.pace(&p),
+            pace: Pace::new(&p, self.sample_time),
             power: trained.power,
             before: [trained.rise; 2],
             history: History::default(),
@@ -298,6 +194,7 @@ impl Watch {
             slow: Sums::default(),
             swing: [trained.rise, 0.0],
             trained: trained.rise,
+            curvature_error: trained.curvature_error,
             inlet: None,
             z_mean: [0.0; 2],
             candidate: 0.0,
@@ -357,8 +254,7 @@ impl Watch {
         let told = match y {
             [Some(y1), Some(y2)] => {
                 let e = [y1 - expected[0], y2 - expected[1]];
-                if s.anchoring > 0 {
-                    Self::anchor(s, e);
+                if s.anchors(e) {
                     return ModelAlarm::Quiet;
                 }
                 s.ticks = s.ticks.saturating_add(1);
@@ -377,41 +273,6 @@ impl Watch {
         };
         s.history.push(heat, &s.motion);
         told
-    }
-
-    /// Another recording of the same rig begins, long after its power was last changed. Where nothing says how warm the room is by now, the
-    /// first ticks do.
-    pub(super) fn resume(&self, s: &mut WatchState, [u, fan, beside]: [f32; 3]) {
-        let heat = s.process.heat(u);
-        s.motion = Motion::steady(heat);
-        s.power = u;
-        s.beside = s.beside.resumed(beside);
-        s.steady.resume(&s.motion);
-        s.history = History::default();
-        for _ in 0..REMEMBERED {
-            s.history.push(heat, &s.motion);
-        }
-        s.before = s.process.rises(s.motion.m, s.motion.w).y;
-        (s.fan, s.tracker, s.alarm, s.lasting) = (fan, Tracker::default(), None, None);
-        (s.past, s.past_clipped) = (Past::default(), Past::default());
-        s.swing = [s.before[0] + s.parameters.get(Parameter::Offset1), 0.0];
-        let settles = 2.0 * s.parameters.residence();
-        let settles = if settles <= ANCHORED as f32 { settles as u32 } else { 0 };
-        s.anchoring = settles + if self.inputs.t0 { 0 } else { ANCHORED };
-        s.ticks = 0;
-        s.rest();
-    }
-
-    /// The first ticks of a recording say what the intercept is there, after those in which the rig has forgotten how it began.
-    fn anchor(s: &mut WatchState, e: [f32; 2]) {
-        s.anchoring -= 1;
-        if s.anchoring >= ANCHORED {
-            return;
-        }
-        let share = 1.0 / (ANCHORED - s.anchoring) as f32;
-        for (mean, e) in s.mean.iter_mut().zip(e) {
-            *mean += share * e;
-        }
     }
 
     /// Keeps the models going while the instrument does not watch by them.
@@ -538,205 +399,6 @@ impl Watch {
         let slow = self.slow.step(&mut s.slow, z[1], widened[1]);
         Charted { fast: fast / self.fast.interval, slow: slow / self.slow.interval }
     }
-
-    /// Gathers since the onset, or begins anew while nothing stirs.
-    fn follow_onset(
-        &self,
-        s: &mut WatchState,
-        g: &mut Gathered,
-        z: [f32; 2],
-        widened: [f32; 2],
-        charted: &Charted,
-        now: &NowRises,
-    ) {
-        if s.alarm.is_none() && charted.fast * self.fast.interval < NEAR && charted.slow < NEAR_SLOW {
-            g.begin_anew();
-            s.z_mean = [0.0; 2];
-            s.candidate = 0.0;
-            return;
-        }
-        if g.onset.age == 0 {
-            s.stays = s.measured;
-        }
-        let mut weight = 1.0 / (1.0 + 0.25 * widened[0] * widened[0]);
-        let mut jump: f32 = 0.0;
-        for m in 0..2 {
-            s.z_mean[m] += 0.3 * (z[m] - s.z_mean[m]);
-            jump = larger(jump, (z[m] - s.z_mean[m]).abs());
-        }
-        let transient = if s.is_slow() { 1.0 } else { 1.0 + 0.1 * larger(0.0, jump - 3.0) };
-        weight /= transient * transient;
-        // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
-        let evidence = smaller(z[0] * z[0], 64.0) + smaller(z[1] * z[1], 64.0);
-        if s.alarm.is_none() && g.onset.age > 0 && evidence > 16.0 && evidence > 4.0 * g.since.energy {
-            g.since.forget(&SENSORS);
-            g.onset.restart_sensors(now.before[0]);
-            s.stays = s.measured;
-        }
-        let row = g.onset.step(&s.pace.onset, &s.ladder, &s.nominal(now));
-        g.answer = row[Column::Power as usize];
-        if let Some(alarm) = &s.alarm {
-            if alarm.age > FORGETS_FROM {
-                g.since.scale(s.pace.forgets);
-            }
-            g.window.scale(s.pace.window);
-            g.window.add(&row, z, weight);
-        }
-        g.since.add(&row, z, weight);
-    }
-
-    /// Raises the alarm where a fault explains more than the nuisances do.
-    fn decide(&self, s: &mut WatchState, g: &mut Gathered, tick: u32, charted: &Charted, row: &Row<LASTING>) {
-        if larger(charted.fast, charted.slow) <= 1.0 || g.onset.age == 0 {
-            return;
-        }
-        s.candidate += self.sample_time / s.pace.stretch;
-        let (mut freed, left) = s.judge_since(g, self.inputs);
-        let posterior = Posterior::new(&freed);
-        let best = &HYPOTHESES[posterior.best % COUNT];
-        let size = freed[posterior.best % COUNT].value.abs();
-        let small = match best.class {
-            FaultClass::HeaterPower => size < larger(self.least_power, UNUSUAL * sqrt(s.steps)),
-            FaultClass::Drift => size < 1.0,
-            FaultClass::AirFlow => size < LEAST_FLOW,
-            _ => false,
-        };
-        if posterior.best_gain > RAISE && !small {
-            let onset = tick.saturating_sub(g.onset.age.saturating_sub(1));
-            g.window = g.since;
-            let mut alarm = Alarm::new(onset);
-            self.name(g, &mut alarm, &mut freed, left);
-            s.alarm = Some(alarm);
-        } else if s.candidate > TAKEN_AFTER {
-            s.take_in(g, row);
-        }
-    }
-
-    /// Names the fault while it lasts; clears the alarm when it has gone. A young alarm is ranked and asked for its end on every tick, an older one
-    /// by turns.
-    fn follow_alarm(&self, s: &mut WatchState, g: &mut Gathered, z: [f32; 2], row: &Row<LASTING>, heat: f32) {
-        let Some(mut alarm) = s.alarm else { return };
-        alarm.age += self.sample_time / s.pace.stretch;
-        alarm.turn = !alarm.turn;
-        let young = alarm.age < YOUNG;
-        if young || alarm.turn {
-            let (mut freed, left) = s.judge_since(g, self.inputs);
-            self.name(g, &mut alarm, &mut freed, left);
-        }
-        let over = (young || !alarm.turn) && s.is_over(g, &alarm);
-        s.alarm = Some(alarm);
-        if let Some(change) = s.goes_at_once(&alarm, z, row) {
-            s.goes_on_without(g, change);
-        } else if let Some(change) = self.has_gone(s, g, &alarm, z, heat) {
-            s.goes_on_without(g, change);
-        } else if over || (alarm.age > PROCESS_TIME && alarm.gain < 1.0) {
-            s.alarm = None;
-            s.rest();
-            g.begin_anew();
-            s.rests = (s.pace.stretch / self.sample_time) as u32;
-            s.tracker.widen([0.015, 0.0, 0.05, 0.05]);
-        }
-    }
-
-    /// Whether the heater's power is right again. What it did lately the rig still has: the model goes on from there.
-    fn has_gone(
-        &self,
-        s: &mut WatchState,
-        g: &mut Gathered,
-        alarm: &Alarm,
-        z: [f32; 2],
-        heat: f32,
-    ) -> Option<[f32; 2]> {
-        let of_power = HYPOTHESES[alarm.hypothesis % COUNT].first.direction == Direction::Of(Column::Power);
-        if !of_power || !s.is_slow() || alarm.age < ASKED_FROM {
-            g.gone = Gone::default();
-            return None;
-        }
-        let theta = alarm.values[0];
-        let longest = (s.pace.stretch / self.sample_time) as u32;
-        if !g.gone.step((&s.process, &s.ladder), heat, [z, g.answer], theta, (KAPPA, longest)) {
-            return None;
-        }
-        let before = s.process.rises(s.motion.m, s.motion.w).y;
-        s.motion.add(&g.onset.power, theta);
-        s.motion.add(&g.gone.power, -theta);
-        let after = s.process.rises(s.motion.m, s.motion.w).y;
-        g.gone = Gone::default();
-        Some([after[0] - before[0], after[1] - before[1]])
-    }
-
-    /// Names the fault by a ranking of the hypotheses; `left` is what the nuisances leave of the residual sum of squares.
-    fn name(&self, g: &Gathered, alarm: &mut Alarm, freed: &mut [Freed; COUNT], left: f32) {
-        if alarm.age < PROCESS_TIME {
-            for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
-                if row.class == FaultClass::Drift {
-                    freed.gain = smaller(freed.gain, 0.0);
-                }
-            }
-        }
-        let posterior = Posterior::new(freed);
-        let h = posterior.likeliest % COUNT;
-        let Freed { gain, value, second, .. } = freed[h];
-        (alarm.gain, alarm.hypothesis, alarm.values) = (posterior.best_gain, h, [value, second]);
-        let least = if alarm.age < PROCESS_TIME { ALWAYS_BOTH } else { NAME_PROCESS };
-        let (class, confidence) = named(&posterior, if self.inputs.fan { least } else { 0.0 });
-        let unexplained = left - 2.0 * KAPPA * gain;
-        let [most, most_share] = if alarm.strange { FITS } else { STRANGE };
-        alarm.strange = alarm.age > UNKNOWN_AFTER
-            && unexplained > most * larger(1.0, g.since.count)
-            && unexplained > most_share * larger(1.0, g.since.energy);
-        let magnitude = magnitude(h, class, &freed[h]);
-        let finding = Finding { class, confidence, magnitude, onset: alarm.onset };
-        if alarm.strange {
-            let class = FaultClass::Unknown;
-            alarm.finding = Some(Finding { class, confidence: 0.0, magnitude: None, ..finding });
-        } else if confidence > self.naming || alarm.finding.is_some_and(|was| was.class == class) {
-            alarm.finding = (confidence > self.naming - UNNAME).then_some(finding);
-        }
-    }
-
-    /// The minute, against the trained state.
-    fn judge_lasting(&self, s: &mut WatchState, tick: u32) {
-        let first = 20.0 * s.pace.stretch / self.sample_time;
-        if !s.steady.is_ready(first) {
-            return;
-        }
-        let mut freed = [Freed::default(); COUNT];
-        let nuisances = hypothesis::since_training(&s.wander);
-        s.steady.judge(&nuisances, &mut freed, self.inputs);
-        let posterior = Posterior::new(&freed);
-        let h = posterior.likeliest % COUNT;
-        let row = &HYPOTHESES[h];
-        let sized = s.steady.size(&nuisances, h, self.inputs);
-        let sized = if row.judged(sized).gain == IMPOSSIBLE { freed[h] } else { sized };
-        let least = match row.class {
-            FaultClass::HeaterPower => larger(LEAST_POWER, UNUSUAL * sqrt(s.wander[0])),
-            FaultClass::AirFlow => larger(LEAST_FLOW, UNUSUAL * sqrt(s.wander[1])),
-            FaultClass::T1Clogged => LEAST_GAIN,
-            _ => LEAST_OFFSET,
-        };
-        let (factor, share) = if s.lasting.is_some() { (GOES_ON[0], GOES_ON[1]) } else { (1.0, 1.0) };
-        let there = posterior.best_gain > factor * RAISE_SLOW && freed[h].value.abs() > share * least;
-        let onset = s.lasting.map_or(tick, |was| was.onset);
-        let least = if self.inputs.fan { NAME_LASTING } else { 0.0 };
-        let (class, confidence) = named(&posterior, least);
-        s.lasting = there.then(|| Lasting {
-            onset,
-            finding: (confidence > NAME_LASTING).then(|| Finding {
-                class,
-                confidence,
-                magnitude: magnitude(h, class, &sized),
-                onset,
-            }),
-        });
-    }
-}
-
-/// What has changed since training: when that was seen, and what it is, once that can be told.
-#[derive(Clone, Copy, Debug)]
-struct Lasting {
-    onset: u32,
-    finding: Option<Finding>,
 }
 
 /// Power and rises of this tick, and the rises before.
@@ -744,38 +406,6 @@ struct NowRises {
     heat: f32,
     rises: super::process::Rises,
     before: [f32; 2],
-}
-
-/// The class that is likeliest, and how likely. Air flow and heater power are one until one of them is likely enough by itself.
-fn named(posterior: &Posterior, least: f32) -> (FaultClass, f32) {
-    let class = HYPOTHESES[posterior.likeliest % COUNT].class;
-    let probability = posterior.of(posterior.likeliest);
-    let [flow, power] = [FaultClass::AirFlow, FaultClass::HeaterPower].map(|class| posterior.of_class(class));
-    let process = matches!(class, FaultClass::AirFlow | FaultClass::HeaterPower);
-    if process && larger(flow, power) < least {
-        return (FaultClass::AirFlowOrHeaterPower, smaller(CERTAIN, flow + power));
-    }
-    (class, smaller(CERTAIN, probability))
-}
-
-/// The size of a hypothesis in the unit of its class.
-fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
-    let Freed { value, variance, .. } = *freed;
-    let with_error = |share: f32| sqrt(variance + share * share * value * value) * HALF_OF_95;
-    let others = SIZE_ERROR[1];
-    match class {
-        FaultClass::AirFlowOrHeaterPower | FaultClass::Stuck(_) | FaultClass::Swapped(_) => None,
-        FaultClass::HeaterPower if h == CONSTANT => None,
-        FaultClass::AirFlow => {
-            let inverse = larger(0.1, 1.0 + value);
-            let half_width = 100.0 * with_error(SIZE_ERROR[0]) / (inverse * inverse);
-            Some(Magnitude { value: in_unit(class, value), half_width })
-        }
-        FaultClass::HeaterPower | FaultClass::T1Clogged | FaultClass::T1Detached | FaultClass::T2Detached => {
-            Some(Magnitude { value: in_unit(class, value), half_width: 100.0 * with_error(others) })
-        }
-        _ => Some(Magnitude { value, half_width: with_error(others) }),
-    }
 }
 
 impl WatchState {
@@ -792,98 +422,6 @@ impl WatchState {
             before: now.before,
             inlet: self.inlet.map_or([0.0; 2], |(_, _, moved)| moved),
         }
-    }
-
-    /// Gains of all hypotheses since the onset.
-    fn judge_since(&self, g: &Gathered, inputs: Inputs) -> ([Freed; COUNT], f32) {
-        let nuisances = self.nuisances();
-        let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA).for_many();
-        let mut freed = [Freed { gain: IMPOSSIBLE, ..Freed::default() }; COUNT];
-        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES).filter(|(_, row)| self.asks(inputs, row)) {
-            let mut second = row.second;
-            if let (Some(second), Some(m)) = (&mut second, row.stays) {
-                second.mean = self.stays[m];
-            }
-            *freed = row.judged(nuisances.free(row.first, second));
-        }
-        (freed, g.since.energy - nuisances.explained)
-    }
-
-    /// Whether the nuisances alone explain one of the windows better than the fault as it was.
-    fn is_over(&self, g: &Gathered, alarm: &Alarm) -> bool {
-        let row = &HYPOTHESES[alarm.hypothesis % COUNT];
-        let [value, second] = alarm.values;
-        let first = (row.first.direction, value);
-        let both = [first, row.second.map_or(first, |free| (free.direction, second))];
-        let at = if row.second.is_some() { &both[..] } else { &both[..1] };
-        let list = self.nuisances();
-        alarm.age > ASKED_FROM && Nuisances::new(&g.window, &list, KAPPA).fixed(at) < -OVER
-    }
-
-    /// Whether a fault can be told here. What a controller holds looks stuck, or as if the heater gave always the same, where only slow answers
-    /// would tell.
-    fn asks(&self, inputs: Inputs, row: &Hypothesis) -> bool {
-        let stands = matches!(row.class, FaultClass::Stuck(_))
-            || row.first.direction == Direction::Of(Column::Constant);
-        inputs.tell(row.class) && !(self.is_slow() && stands)
-    }
-
-    /// Whether the surroundings move so slowly that a constant residual says hardly anything.
-    fn is_slow(&self) -> bool {
-        self.ladder.rest()[0] < SLOW_NOISE
-    }
-
-    /// The alarm is over, and what it changed of the residuals with it.
-    fn goes_on_without(&mut self, g: &mut Gathered, change: [f32; 2]) {
-        self.past.lower(change);
-        self.past_clipped.lower(change);
-        self.alarm = None;
-        self.rest();
-        g.begin_anew();
-        self.rests = FIRST_TICKS;
-    }
-
-    /// By how much T1 and T2 read other where all that this tick shows is that a thermistor reads right again. What follows shows hardly
-    /// anything of it where the surroundings move as slowly as an offset does.
-    fn goes_at_once(&self, alarm: &Alarm, z: [f32; 2], row: &Row<LASTING>) -> Option<[f32; 2]> {
-        let hypothesis = &HYPOTHESES[alarm.hypothesis % COUNT];
-        let Free { direction, .. } = hypothesis.first;
-        let of_a_sensor = hypothesis.second.is_none() && hypothesis.class.sensor().is_some();
-        if !of_a_sensor || !self.is_slow() {
-            return None;
-        }
-        let mut change = [0.0; 2];
-        for (column, weight) in direction.columns().into_iter().zip(direction.weights()) {
-            for (change, value) in change.iter_mut().zip(row[column % LASTING]) {
-                *change += weight * value * alarm.values[0];
-            }
-        }
-        let explained = |m: usize| {
-            let left = z[m] + change[m] * self.ladder.inv_sigma[m];
-            (z[m] * z[m] - left * left) / (2.0 * KAPPA)
-        };
-        (explained(0) + explained(1) > GOES).then_some(change)
-    }
-
-    /// Nuisances explain what the charts say: the tracker takes them.
-    fn take_in(&mut self, g: &mut Gathered, row: &Row<LASTING>) {
-        let before = self.tracker.expected(row);
-        let nuisances = self.nuisances();
-        let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA);
-        let [power, less, more, offset1, offset2, offset0, ..] = nuisances.values();
-        self.steps += STEP_SHARE * (power * power - self.steps);
-        self.steps = larger(hypothesis::POWER_SD * hypothesis::POWER_SD, self.steps);
-        let by = [power, less + more, offset1 - offset0, offset2 - offset0];
-        for (x, by) in self.tracker.x.iter_mut().zip(by) {
-            *x += by;
-        }
-        self.tracker.widen([0.01, 0.0, 0.1, 0.1]);
-        let after = self.tracker.expected(row);
-        let change = [after[0] - before[0], after[1] - before[1]];
-        self.past.lower(change);
-        self.past_clipped.lower(change);
-        self.rest();
-        g.begin_anew();
     }
 
     /// Charts and bank as if nothing had happened.
@@ -941,8 +479,11 @@ impl WatchState {
 
     /// What may move since an onset without being a fault, as far as is known now.
     pub(super) fn nuisances(&self) -> [Nuisance; SINCE_ONSET.len()] {
-        let shift = if self.is_slow() { VAGUE_SHIFT } else { hypothesis::SHIFT };
-        hypothesis::since_onset(self.steps, shift)
+        let mut nuisances = hypothesis::since_onset(self.steps, self.bent());
+        if self.is_slow() {
+            nuisances[hypothesis::SHIFT].1 = slow::VAGUE_SHIFT;
+        }
+        nuisances
     }
 
     /// Rises of the model on the last tick, degC.
@@ -956,5 +497,11 @@ impl WatchState {
     }
 }
 
+mod alarmed;
+mod lasting;
+mod naming;
+mod pace;
+mod resumed;
+mod slow;
 #[cfg(test)]
 mod tests;

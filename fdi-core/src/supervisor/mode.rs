@@ -47,7 +47,7 @@ impl TripReason {
             Self::T1Stuck => "T1 did not move although the heater did",
             Self::T1OverTemperature => "T1 is above the limit",
             Self::T2OverTemperature => "T2 is above the limit",
-            Self::AirFlowLost => "too little air to heat",
+            Self::AirFlowLost => "too little air to heat, or a heater that gives more than it is asked for",
             Self::HeaterStuckOn => "the rig heats although the heater is off",
             Self::SensorsDisagree => {
                 "T2 is far hotter than T1: T1 is out of the tube or stands still, or wires are swapped"

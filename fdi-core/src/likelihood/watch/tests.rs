@@ -4,7 +4,7 @@ use std::string::String;
 use std::vec;
 use std::vec::Vec;
 
-use super::super::class::{Channel, Pair};
+use super::super::class::{Channel, FaultClass, Pair};
 use super::super::column::{COUNT, Column, LASTING};
 use super::super::ladder::ResidualStatistics;
 use super::super::process::Rises;
@@ -67,6 +67,7 @@ fn trained(seed: u64) -> Trained {
         beside: Beside::default(),
         power: 40.0,
         rise,
+        curvature_error: 0.0,
     }
 }
 
@@ -336,42 +337,4 @@ fn without_samples_the_verdict_stands() {
         step(&mut s, &mut noise, tick, -10.0, true);
     }
     assert_eq!(s.virtual_t1(), None, "T2 and the models disagree");
-}
-
-/// Both names share a probability that never exceeds one.
-#[test]
-fn a_pair_is_as_likely_as_both() {
-    let mut freed = [Freed { gain: -10.0, ..Freed::default() }; hypothesis::COUNT];
-    let place = |class: FaultClass| HYPOTHESES.iter().position(|row| row.class == class).unwrap();
-    freed[place(FaultClass::AirFlow)].gain = 12.0;
-    freed[place(FaultClass::HeaterPower)].gain = 11.0;
-    let posterior = Posterior::new(&freed);
-    let (class, confidence) = named(&posterior, NAME_PROCESS);
-    assert_eq!(class, FaultClass::AirFlowOrHeaterPower);
-    assert_eq!(confidence, CERTAIN);
-    let (class, confidence) = named(&posterior, 0.6);
-    assert!(class == FaultClass::AirFlow && confidence < 0.8, "{class:?} {confidence}");
-}
-
-/// Sizes in the units of their classes: `1/f - 1` is told as the air flow that it is, shares in %.
-#[test]
-fn sizes_are_told_in_their_units() {
-    let freed = |value: f32| Freed { value, variance: 1e-4, ..Freed::default() };
-    let told = |class, value| magnitude(0, class, &freed(value)).map(|size| size.value);
-    assert!((told(FaultClass::AirFlow, 0.25).unwrap() + 20.0).abs() < 1e-3);
-    assert!((told(FaultClass::AirFlow, -0.2).unwrap() - 25.0).abs() < 1e-3);
-    assert!((told(FaultClass::HeaterPower, -0.3).unwrap() + 30.0).abs() < 1e-3);
-    assert_eq!(told(FaultClass::T2Offset, 1.5), Some(1.5));
-    assert_eq!(
-        (told(FaultClass::AirFlowOrHeaterPower, 0.3), told(FaultClass::Stuck(Channel::T1), -1.0)),
-        (None, None)
-    );
-    assert_eq!(
-        magnitude(CONSTANT, FaultClass::HeaterPower, &freed(60.0)),
-        None,
-        "no share of what is asked for"
-    );
-    let wide = magnitude(0, FaultClass::T2Offset, &Freed { value: 0.0, variance: 0.25, ..Freed::default() })
-        .unwrap();
-    assert!((wide.half_width - 0.98).abs() < 1e-3, "1.96 standard deviations");
 }

@@ -1,6 +1,8 @@
 //! Recordings of heaters that others made, as samples on an even grid of time.
 
 pub mod format;
+pub mod harness;
+pub mod inject;
 pub mod run;
 pub mod score;
 pub mod table;
@@ -17,21 +19,25 @@ use format::{Map, Role};
 use table::Table;
 
 /// How a file is to be read; what is not said is guessed where it is obvious.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Reading {
     /// `role=column` each; none: guessed from the header.
     pub map: Vec<String>,
     /// Sample time, s; none: by the time stamps.
+    #[serde(rename = "ts")]
     pub sample_time: Option<f64>,
     /// Uneven time stamps are brought to an even grid.
     pub resample: bool,
     /// The power that is 100 %; none: 100, or as the format says.
     pub full_power: Option<f64>,
     /// How many degC one unit of a temperature counts for.
+    #[serde(rename = "degc")]
     pub celsius: Option<f64>,
     /// Whether a fan moves the air; none: as the format says, else yes.
     pub fan: Option<bool>,
     /// Each row is a sample, whatever its time says.
+    #[serde(skip)]
     pub untimed: bool,
 }
 

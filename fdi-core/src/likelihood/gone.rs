@@ -38,7 +38,7 @@ impl Gone {
             let goes = stays + theta * after[m];
             self.odds += (stays * stays - goes * goes) / (2.0 * kappa);
         }
-        self.age += 1;
+        self.age = self.age.saturating_add(1);
         let gone = self.odds > DECIDES;
         if !gone && (self.odds < -DECIDES || self.age > longest) {
             *self = Self::default();

@@ -445,8 +445,8 @@ impl Filter {
         let e: [f32; 2] = core::array::from_fn(|m| y[m] - rises.y[m] - offsets[m]);
         self.listen(p, [y[0] - offsets[0], y[1] - offsets[1]], ticks);
         let first = FIRST_ERROR * libm::expf(-(ticks as f32) / (FIRST_ANSWERS * self.answer));
-        for m in 0..inputs.channels() {
-            if self.answered[m].is_none() {
+        for m in 0..2 {
+            if self.answered[m].is_none() || (m == 1 && !inputs.t2) {
                 continue;
             }
             if learning {

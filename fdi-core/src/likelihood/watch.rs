@@ -87,6 +87,8 @@ pub(super) struct WatchState {
     /// T0 and its mean, and what its motion may have been at T1 and at T2, degC.
     inlet: Option<(f32, f32, [f32; 2])>,
     z_mean: [f32; 2],
+    /// What jumped on the tick before, standard deviations; 0 where nothing did.
+    jumped: [f32; 2],
     candidate: f32,
     rests: u32,
     /// Ticks for which a change of the fan settles.
@@ -197,6 +199,7 @@ impl Watch {
             curvature_error: trained.curvature_error,
             inlet: None,
             z_mean: [0.0; 2],
+            jumped: [0.0; 2],
             candidate: 0.0,
             rests: 0,
             settling: 0,
@@ -346,7 +349,10 @@ impl Watch {
             (z, z_trained) = ([0.0; 2], [0.0; 2]);
         }
         let widened = self.widened(s, s.expected[0]);
-        let clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
+        let mut clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
+        if s.is_slow() && s.rests == 0 {
+            s.confirm(z, &mut clipped);
+        }
         // T1 answers to the inlet sooner than T0 does: it is not charted by what the inlet does, but the bank sees all of it.
         let inlet = s.inlet.map_or(0.0, |(_, _, [_, above])| larger(0.0, above.abs() - INLET_NOISE));
         let allowed = [widened[0] + inlet * s.ladder.inv_sigma[0], widened[1]];
@@ -428,6 +434,7 @@ impl WatchState {
     fn rest(&mut self) {
         self.fast = Default::default();
         self.slow = Sums::default();
+        self.jumped = [0.0; 2];
         self.candidate = 0.0;
     }
 

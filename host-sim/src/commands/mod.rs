@@ -6,6 +6,7 @@ pub mod console;
 pub mod cosim;
 pub mod diagnose;
 pub mod experiment;
+pub mod fit_rig;
 pub mod identify;
 pub mod isolability;
 pub mod repeat;
@@ -23,6 +24,7 @@ use config::ConfigArgs;
 use console::ConsoleArgs;
 use cosim::CoreArgs;
 use diagnose::DiagnoseArgs;
+use fit_rig::FitRigArgs;
 use identify::IdentifyArgs;
 use isolability::IsolabilityArgs;
 use repeat::RepeatArgs;
@@ -73,6 +75,8 @@ enum Subcommand {
     Core(CoreArgs),
     /// Diagnose a recording of a heater that something else controls.
     Diagnose(Box<DiagnoseArgs>),
+    /// Fit a simulated rig to a recording, for `run --scenario`.
+    FitRig(FitRigArgs),
     /// Identify an ARX model (autoregressive with external input) from a recording.
     Identify(IdentifyArgs),
     /// Run a recording (a board's log, a trace.csv) through the same code again and compare.
@@ -102,6 +106,7 @@ impl Cli {
             Subcommand::Isolability(args) => isolability::run(&args),
             Subcommand::Core(args) => cosim::run(&args),
             Subcommand::Diagnose(args) => diagnose::run(&args),
+            Subcommand::FitRig(args) => fit_rig::run(&args),
             Subcommand::Identify(args) => identify::run(&args),
             Subcommand::Replay(args) => replay::run(&args),
             Subcommand::Console(args) => console::run(&args),

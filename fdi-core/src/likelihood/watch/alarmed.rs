@@ -178,7 +178,7 @@ impl WatchState {
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES).filter(|(_, row)| self.asks(inputs, row)) {
             let mut second = row.second;
             if let (Some(second), Some(m)) = (&mut second, row.stays) {
-                second.mean = self.stays[m];
+                second.mean = self.stays[m % 2];
             }
             *freed = row.judged(nuisances.free(row.first, second));
             if let Some(second) = row.later(freed.value) {

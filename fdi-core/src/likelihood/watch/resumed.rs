@@ -41,9 +41,10 @@ impl WatchState {
         if self.anchoring == 0 {
             return false;
         }
-        self.anchoring -= 1;
-        if self.anchoring < ANCHORED {
-            let share = 1.0 / (ANCHORED - self.anchoring) as f32;
+        self.anchoring = self.anchoring.saturating_sub(1);
+        let taken = ANCHORED.saturating_sub(self.anchoring);
+        if taken > 0 {
+            let share = 1.0 / taken as f32;
             for (mean, e) in self.mean.iter_mut().zip(e) {
                 *mean += share * e;
             }

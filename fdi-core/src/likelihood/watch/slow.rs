@@ -1,7 +1,8 @@
 //! Where the surroundings move as slowly as the rig answers, what lasts says hardly anything: faults are seen by how they come and go. There a sensor's
 //! error that goes is asked for by itself, and so is a heater that is right again.
 
-use super::{Gathered, KAPPA, Watch, WatchState};
+use super::{CLIP, Gathered, KAPPA, Watch, WatchState};
+use crate::bounds::{larger, smaller};
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::class::FaultClass;
 use crate::likelihood::column::{Column, Direction, LASTING, Row};
@@ -15,6 +16,8 @@ const SLOW: f32 = 0.15;
 const GOES: f32 = 10.0;
 /// The dead time is not known better than this there, ticks.
 pub(super) const VAGUE_SHIFT: f32 = 0.7;
+/// What goes back by more than this share of a jump has gone.
+const BACK: f32 = 0.5;
 /// Ticks without a chart after an end that was seen as such.
 const RESTS: u32 = 10;
 
@@ -63,6 +66,20 @@ impl WatchState {
     /// Whether the surroundings move so slowly that a constant residual says hardly anything.
     pub(super) fn is_slow(&self) -> bool {
         self.ladder.rest()[0] < SLOW
+    }
+
+    /// A jump that has not gone back on the next tick is no spike, and counts again, in full: what stays shows nothing more.
+    pub(super) fn confirm(&mut self, z: [f32; 2], charted: &mut [f32; 2]) {
+        for m in 0..2 {
+            let jumped = core::mem::take(&mut self.jumped[m]);
+            if jumped * (z[m] + BACK * jumped) > 0.0 {
+                charted[m] =
+                    if jumped > 0.0 { larger(charted[m], jumped) } else { smaller(charted[m], jumped) };
+            }
+            if z[m].abs() > CLIP {
+                self.jumped[m] = z[m];
+            }
+        }
     }
 
     /// Whether a fault can be told here. What a controller holds looks stuck, or as if the heater gave always the same, where only slow answers

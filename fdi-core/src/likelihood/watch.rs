@@ -37,7 +37,7 @@ const INLET_NOISE: f32 = 0.15;
 /// Errors of what was learnt are so many times those that the filter believes in, which takes slow surroundings for noise.
 const OVERSURE: f32 = 2.5;
 /// Smallest change of the air flow that is reported, `1/f - 1`.
-const LEAST_FLOW: f32 = 0.085;
+const LEAST_FLOW: f32 = 0.06;
 /// A change is a fault only beyond so many standard deviations of what is usual here.
 const UNUSUAL: f32 = 2.5;
 /// Evidence since an onset is divided by so much.

@@ -28,12 +28,16 @@ const YOUNG: f32 = 2.0;
 const STIRRED: f32 = 0.4;
 /// It was, where more than so much of each whitened residual's square is left.
 const INEXPLICABLE: f32 = 10.0;
+/// Least sum of both squares of what begins in one tick, in variances.
+const JUMP: f32 = 16.0;
 /// Ticks after which one that shows much more than they did in the mean is the beginning of something else; before, more than all of them.
 const OUTLASTED: u32 = 4;
 /// What nuisances explain for so long is taken into the tracker, s.
 const TAKEN_AFTER: f32 = 8.0;
 /// From so old on an alarm forgets with this memory, s.
 const FORGETS_FROM: f32 = 3.0;
+/// So many steps of the power around the trained one count as excited.
+const EXCITED: f32 = 0.5;
 /// Weight of a new step of the power in what is known of their size.
 const STEP_SHARE: f32 = 0.2;
 
@@ -67,9 +71,12 @@ impl Watch {
         weight /= transient * transient;
         // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
         let evidence = smaller(z[0] * z[0], 64.0) + smaller(z[1] * z[1], 64.0);
-        let ticks = if g.onset.age < OUTLASTED { 1.0 } else { g.onset.age as f32 };
-        if s.alarm.is_none() && g.onset.age > 0 && evidence > 16.0 && evidence > 4.0 * g.since.energy / ticks
-        {
+        let begins = if g.onset.age < OUTLASTED {
+            evidence > JUMP && evidence > 4.0 * g.since.energy
+        } else {
+            evidence > 2.0 * JUMP && evidence * g.onset.age as f32 > 4.0 * g.since.energy
+        };
+        if s.alarm.is_none() && g.onset.age > 0 && begins {
             g.since.forget(&SENSORS);
             g.onset.restart_sensors(now.before[0]);
             s.stays = s.measured;
@@ -162,11 +169,13 @@ impl Watch {
 impl WatchState {
     /// Mean square of the gain's error as far from the trained power as the rig is now: a share.
     pub(super) fn bent(&self) -> f32 {
-        let [mean, swing] = self.swing;
-        let away = ((mean - self.trained).abs() + swing) / self.gain();
+        // A fault moves either what is expected or, where the controller cannot help it, what is measured; a new set-point moves both.
+        let from_trained = |rise: f32| (rise - self.trained).abs();
+        let away = smaller(from_trained(self.swing[0]), from_trained(self.measured[0])) / self.gain();
+        // Where it was excited the gain is known.
         // Surroundings that are slower still are learnt as such, in the noise model.
         let oversure = if self.is_slow() { 1.0 } else { OVERSURE };
-        let error = oversure * self.curvature_error * away / STEP;
+        let error = oversure * self.curvature_error * larger(0.0, away / STEP - EXCITED);
         error * error
     }
 

@@ -11,13 +11,13 @@ use crate::likelihood::verdict::Finding;
 use crate::root::sqrt;
 
 /// Log Bayes factor that raises an alarm.
-const RAISE_SLOW: f32 = 1.5;
+const RAISE_SLOW: f32 = 0.8;
 /// An alarm since training goes on above this share of both the factor and the size that raised it.
 const GOES_ON: [f32; 2] = [0.4, 0.7];
 /// What has changed since training is named from this probability on.
 const NAME_LASTING: f32 = 0.9;
 /// Smallest faults that are reported since training, beside [`LEAST_FLOW`]: share of power, degC, share of gain.
-const LEAST_POWER: f32 = 0.1;
+const LEAST_POWER: f32 = 0.085;
 const LEAST_OFFSET: f32 = 0.8;
 const LEAST_GAIN: f32 = 0.08;
 

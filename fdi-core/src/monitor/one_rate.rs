@@ -196,7 +196,9 @@ impl OneRate {
     }
 
     fn reading(&mut self, which: usize, t: Option<f32>) -> Reading {
-        let stuck = self.still.get_mut(which).is_some_and(|still| still.step(t, !self.armed));
+        let measured = [self.inputs.t0, true, self.inputs.t2].get(which) == Some(&true);
+        let still = self.still.get_mut(which).filter(|_| measured);
+        let stuck = still.is_some_and(|still| still.step(t, !self.armed));
         let validity = match t {
             Some(_) if stuck => Validity::Stuck,
             Some(_) => Validity::Good,

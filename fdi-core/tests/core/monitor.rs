@@ -1,7 +1,7 @@
 //! The passive monitor on a heater that answers slowly, beside another one, with one thermistor and no T0.
 
-use fdi_core::likelihood::Readiness;
 use fdi_core::likelihood::inputs::Inputs;
+use fdi_core::likelihood::{Channel, Readiness};
 use fdi_core::{Celsius, Config, FaultClass, Monitor, Observed, Seconds, Units};
 
 /// Samples of the training, and of the means.
@@ -124,6 +124,26 @@ fn a_heater_that_gives_less_is_named_by_the_means() {
         assert!((size + 40.0).abs() < 10.0, "seed {seed}: {size}");
         assert!(said[1600..].iter().all(|(alarm, _)| !alarm), "seed {seed}");
     }
+}
+
+/// What T1 repeats for far longer than it ever did in training is no temperature; what stands for a T0 that is missing never moves, and is none.
+#[test]
+fn a_thermistor_that_repeats_itself_is_stuck() {
+    let (mut monitor, said) = run(1, 1.0, 0.0, 0.0);
+    assert!(said.iter().all(|(alarm, _)| !alarm));
+    let mut named = None;
+    for k in 0..200 {
+        let observed = Observed {
+            t: [None, Some(41.0), None],
+            power: Some(30.0),
+            beside: Some(30.0),
+            ..Observed::default()
+        };
+        let (_, report) = monitor.step(&observed);
+        let finding = report.likelihood.finding.filter(|f| f.class == FaultClass::Stuck(Channel::T1));
+        named = named.or(finding.map(|_| k));
+    }
+    assert!(named.is_some_and(|k| k < 100), "{named:?}");
 }
 
 #[test]

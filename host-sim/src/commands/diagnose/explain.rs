@@ -74,11 +74,9 @@ pub(super) fn learnt(
         "Fit, simulated: {:.1} % of T1 where it was learnt{}; what is left is white with {:.3} {unit}",
         trained.fit,
         match training {
-            Training::Own(..) if done.fit_on_the_rest.is_finite() =>
-                format!(", {:.1} % on the rest", done.fit_on_the_rest),
-            Training::Other(_) =>
-                format!(", {:.1} % here, with what was wrong here in it", done.fit_on_the_rest),
-            _ => String::new(),
+            _ if !done.fit_on_the_rest.is_finite() => String::new(),
+            Training::Own(..) => format!(", {:.1} % on the rest", done.fit_on_the_rest),
+            Training::Other(_) => format!(", {:.1} % here, faults and all", done.fit_on_the_rest),
         },
         f64::from(model.noise[0]) / degc
     );

@@ -47,7 +47,7 @@ use shell::{CompletionsArgs, ManArgs};
   pt326 repeat --seeds 200                delays and durations over 200 runs
   pt326 campaign --quick                  every fault and disturbance, both diagnoses, in a minute
   pt326 isolability --preset trainer      which faults can be told apart on this rig, and how soon
-  pt326 diagnose record.csv --train 0:300   what was wrong while somebody else's heater was recorded?
+  pt326 diagnose record.csv               a recording of somebody else's heater: what was wrong?
   pt326 identify record.csv --u Q1 --y T1 --order 2,2,1
   pt326 replay board.log                  a board's log through the same code again: the same bits?
   pt326 console                           the board's console on the simulated rig

@@ -20,7 +20,7 @@ cannot tell (T2, where there is none; the fan) is the reference rig's.
 Examples:
   pt326 fit-rig prbs.csv -o my-rig.toml
   pt326 fit-rig dryer.csv --map t1=y --map power=u --ts 0.08 --full-power 10 --degc 10 -o dryer.toml
-  pt326 run --scenario my-rig.toml --config my-settings.toml      settings: pt326 diagnose --write-config")]
+  pt326 run --scenario my-rig.toml --config my-settings.toml")]
 pub struct FitRigArgs {
     /// The recording, without a fault and with a power that moves.
     #[arg(value_name = "RECORD")]

@@ -13,6 +13,8 @@ pub struct KnownInputs {
     pub supply_lost: u32,
     /// Level of the fan as last announced; 100 % is the level at which the rig is learnt.
     pub fan: Option<Percent>,
+    /// Power of a second heater beside T1's own, where there is one that warms T1 too.
+    pub beside: Option<Percent>,
 }
 
 impl KnownInputs {

@@ -281,7 +281,8 @@ mod tests {
     fn known_inputs_are_shown_where_there_are_any() {
         let text = |inputs| fmt::from_fn(move |f| known(f, &inputs)).to_string();
         assert_eq!(text(KnownInputs::default()), "");
-        let inputs = KnownInputs { supply: Some(0.9512), supply_lost: 3, fan: Some(Percent(80.0)) };
+        let inputs =
+            KnownInputs { supply: Some(0.9512), supply_lost: 3, fan: Some(Percent(80.0)), beside: None };
         let expected = "\nsupply 95.1 % of nominal\nsupply not read on 3 ticks\nfan at 80.0 %, as announced";
         assert_eq!(text(inputs), expected);
     }

@@ -9,5 +9,6 @@ pub mod commands;
 pub mod experiment;
 pub mod isolability;
 pub mod record;
+pub mod recording;
 pub mod score;
 pub mod settings;

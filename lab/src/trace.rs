@@ -180,6 +180,7 @@ impl std::fmt::Display for Value {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Empty => Ok(()),
+            Self::Single(x) if x.is_nan() => Ok(()),
             Self::Single(x) => x.fmt(f),
             Self::Double(x) => x.fmt(f),
             Self::Whole(x) => x.fmt(f),

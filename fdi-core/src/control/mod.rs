@@ -166,8 +166,12 @@ impl Controller {
         let excited = state.excitation.0.abs() >= self.supervisor.min_excitation();
         let sample = self.sensing.step(&mut state.sensing, raw, excited);
         self.supply.step(&mut state.supply, raw.supply);
-        let known =
-            KnownInputs { supply: state.supply.share(), supply_lost: state.supply.lost(), fan: state.fan };
+        let known = KnownInputs {
+            supply: state.supply.share(),
+            supply_lost: state.supply.lost(),
+            fan: state.fan,
+            beside: None,
+        };
         let regulated = self.regulated(state, &sample);
         let error = self.mean_error(state, regulated.value);
         let situation = Situation {

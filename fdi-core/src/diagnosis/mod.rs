@@ -13,6 +13,9 @@ use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Observation, Observer, ObserverState};
+use crate::known::KnownInputs;
+use crate::likelihood::inputs::Inputs;
+use crate::likelihood::model::Model;
 use crate::likelihood::{
     Channel, Commissioned, FaultClass, Likelihood, LikelihoodReport, LikelihoodState, SinceCommissioning,
 };
@@ -133,6 +136,22 @@ impl Diagnosis {
             },
             likelihood: Likelihood::new(&config.likelihood, identification, ts)?,
         })
+    }
+
+    /// The same for a rig that lacks some inputs.
+    pub fn with(mut self, inputs: Inputs) -> Self {
+        self.likelihood = self.likelihood.with(inputs);
+        self
+    }
+
+    /// Another recording of the same rig begins with this power, %.
+    pub fn resume(&self, state: &mut DiagnosisState, power: f32, known: &KnownInputs) {
+        self.likelihood.resume(&mut state.likelihood, power, known);
+    }
+
+    /// The model in force; none before one was learnt.
+    pub fn model(&self, state: &DiagnosisState) -> Option<Model> {
+        self.likelihood.model(&state.likelihood)
     }
 
     /// A diagnosis that has seen nothing.

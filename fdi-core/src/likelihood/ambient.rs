@@ -106,6 +106,11 @@ impl Ambient {
 }
 
 impl AmbientState {
+    /// Nothing measures it: what stands for it is believed.
+    pub(super) fn assume(&mut self, t0: Option<f32>) {
+        self.believed = t0.or(self.believed);
+    }
+
     fn is_wrong(&self) -> bool {
         self.wrong >= WRONG_TIME
     }

@@ -249,6 +249,9 @@ pub(super) const MODEL_ERRORS: [Nuisance; 7] = [
     (of(Column::Shift), 0.5),
 ];
 
+/// Where the dead time's error stands among [`SINCE_ONSET`].
+pub(super) const SHIFT: usize = 7;
+
 /// Nuisances since an onset where the power steps by the mean square `steps`; `bent` is that of the gain's error here. What was learnt wrong
 /// with the gain looks like flow, too.
 pub(super) fn since_onset(steps: f32, bent: f32) -> [Nuisance; 10] {

@@ -55,6 +55,15 @@ impl Past {
 }
 
 impl Ladder {
+    /// That of e1 alone: whatever e2 is counts for nothing.
+    fn of_t1(c1: [f32; ALL], variance: f32) -> Result<Self, RejectReason> {
+        let sigma = larger(LEAST_SIGMA, sqrt(variance));
+        let finite = sigma.is_finite() && c1.iter().all(|x| x.is_finite());
+        let own1 = [c1[0], c1[1], c1[2]];
+        let ladder = Self { own1, sigma: [sigma, 0.0], inv_sigma: [1.0 / sigma, 0.0], ..Self::default() };
+        finite.then_some(ladder).ok_or(RejectReason::PoorFit)
+    }
+
     /// Innovations of a tick, in standard deviations.
     #[inline(never)]
     pub(super) fn step(&self, past: &mut Past, e: [f32; 2]) -> [f32; 2] {
@@ -152,15 +161,15 @@ impl ResidualStatistics {
         self.first[m] + self.departure[m] / larger(1.0, self.count)
     }
 
-    /// The noise model, or why it can't be trusted.
-    pub(super) fn finish(&self) -> Result<Ladder, RejectReason> {
+    /// The noise model of `channels` residuals, or why it can't be trusted. With one, what is said of T2 says nothing.
+    pub(super) fn finish(&self, channels: usize) -> Result<Ladder, RejectReason> {
         let n = larger(1.0, self.count);
         let [m1, m2] = self.mean();
         let own1 = self.own1.map(|sum| sum / n - m1 * m1);
         let own2 = self.own2.map(|sum| sum / n - m2 * m2);
         let ahead = self.ahead.map(|sum| sum / n - m1 * m2);
         let behind = self.behind.map(|sum| sum / n - m1 * m2);
-        for (m, variance) in [own1[0], own2[0]].into_iter().enumerate() {
+        for (m, variance) in [own1[0], own2[0]].into_iter().take(channels).enumerate() {
             let departure = self.departure[m] / n;
             let output = self.departure_squares[m] / n - departure * departure;
             let small = SMALL * self.level(m);
@@ -177,6 +186,9 @@ impl ResidualStatistics {
         }
         let (c1, variance1) =
             regression(rows, OWN, [own1[1], own1[2], own1[3], 0.0, 0.0, 0.0, 0.0, 0.0], own1[0]);
+        if channels < 2 {
+            return Ladder::of_t1(c1, variance1);
+        }
         for i in 0..OWN {
             for j in 0..=i {
                 rows[i][j] = own2[i - j];

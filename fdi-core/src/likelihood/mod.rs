@@ -32,6 +32,7 @@
 
 mod alarm;
 mod ambient;
+mod beside;
 mod chart;
 mod cholesky;
 pub mod class;
@@ -40,10 +41,13 @@ mod commissioned;
 pub mod config;
 mod contradiction;
 mod evidence;
+mod gone;
 mod heat;
 mod hypothesis;
 mod impulse;
+pub mod inputs;
 mod ladder;
+pub mod model;
 mod normal;
 mod onset;
 mod posterior;
@@ -62,6 +66,7 @@ mod watch;
 use crate::control::Tick;
 use crate::error::ConfigError;
 use crate::identify::config::IdentificationConfig;
+use crate::known::KnownInputs;
 use crate::sense::{Reading, Validity};
 use crate::settings::check;
 use crate::supervisor::Mode;
@@ -76,6 +81,8 @@ use contradiction::Contradiction;
 use heat::Heat;
 pub use hypothesis::COUNT as HYPOTHESES;
 use impulse::ImpulseResponse;
+use inputs::Inputs;
+use model::Model;
 use sensors::Sensors;
 use training::{Cold, Trainer, Training};
 pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
@@ -88,6 +95,7 @@ pub struct Likelihood {
     watch: Watch,
     ambient: Ambient,
     response: ImpulseResponse,
+    inputs: Inputs,
 }
 
 /// The memory of the [`Likelihood`] diagnosis.
@@ -133,6 +141,8 @@ struct Now<'a> {
     believed: [Option<f32>; 2],
     /// What drives the heater from now on, as at the nominal supply, %.
     u: f32,
+    /// Power of a heater beside T1's own, %.
+    beside: f32,
     /// Level of the fan as announced, share of that at which the rig is learnt; 1 where nothing was.
     fan: f32,
 }
@@ -162,10 +172,20 @@ impl Likelihood {
                 naming: c.naming,
                 least_power: c.least_power,
                 sample_time: ts.0,
+                inputs: Inputs::ALL,
             },
             ambient: Ambient::new(ts.0, answer_time),
             response: ImpulseResponse::new(ts.0, answer_time),
+            inputs: Inputs::ALL,
         })
+    }
+
+    /// The same for a rig that lacks some inputs. In place of a T2 that is missing T1 is fed, in place of a T0 something that never changes.
+    pub fn with(mut self, inputs: Inputs) -> Self {
+        self.inputs = inputs;
+        self.watch.inputs = inputs;
+        self.trainer = self.trainer.with(inputs);
+        self
     }
 
     /// Diagnoses one tick: `y` are the rises of T1 and T2 over T0 in degC where valid, `applied` is what drives
@@ -183,11 +203,24 @@ impl Likelihood {
         let [t0, t1, t2] = readings;
         let heating = tick.mode.is_heating();
         self.follow_mode(state, tick);
-        self.ambient.step(&mut state.ambient, tick.index, readings, power);
-        let read = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(read);
-        let contradiction = state.contradiction.step(&self.response, tick.index, heating, read, power);
+        let contradiction = if self.inputs == Inputs::ALL {
+            self.ambient.step(&mut state.ambient, tick.index, readings, power);
+            let read = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(read);
+            state.contradiction.step(&self.response, tick.index, heating, read, power)
+        } else {
+            state.ambient.assume(t0);
+            None
+        };
         let believed = state.ambient.rises([t1, t2]);
-        let now = Now { tick, heating, y, believed, u: power, fan: tick.known.fan_share() };
+        let now = Now {
+            tick,
+            heating,
+            y,
+            believed,
+            u: power,
+            fan: tick.known.fan_share(),
+            beside: tick.known.beside.map_or(0.0, |power| power.0),
+        };
         let undisturbed = undisturbed && contradiction.is_none();
         state.cold.step(y, applied <= 0.0);
         let by_models = self.watch(state, &now);
@@ -217,6 +250,20 @@ impl Likelihood {
     /// What has become of the rig since it was commissioned, by the models in force.
     pub fn since_commissioning(&self, state: &LikelihoodState) -> Option<SinceCommissioning> {
         Some(state.commissioned?.until(&self.trained(state)?))
+    }
+
+    /// Another recording of the same rig begins with these inputs.
+    pub fn resume(&self, state: &mut LikelihoodState, power: f32, known: &KnownInputs) {
+        if let Some(trained) = &mut state.trained {
+            let beside = known.beside.map_or(0.0, |power| power.0);
+            let inputs = [known.effective(power), known.fan_share(), beside];
+            state.work = Work::Watching(self.watch.resume(trained, inputs));
+        }
+    }
+
+    /// What was learnt; none before.
+    pub fn model(&self, state: &LikelihoodState) -> Option<Model> {
+        Some(state.trained.as_ref()?.model(self.watch.sample_time))
     }
 
     /// Training starts afresh whenever learning does, and ends with heating. What was trained outlives both, unless the
@@ -254,7 +301,7 @@ impl Likelihood {
         let known_wrong =
             t0.is_some() && state.ambient.believed().is_some() && !state.ambient.is_followed(t0);
         let y = if known_wrong { now.believed } else { now.y };
-        match self.trainer.step(training, &state.cold, y, now.u, fit_to_learn) {
+        match self.trainer.step(training, &state.cold, y, [now.u, now.beside], fit_to_learn) {
             Ok(None) => {}
             Ok(Some(trained)) => {
                 state.refused = None;
@@ -278,14 +325,21 @@ impl Likelihood {
             }
             let Work::Watching(gathered) = &mut state.work else { return state.reported };
             let t0 = now.tick.sample.t0.good();
-            state.reported =
-                self.watch.step(trained, gathered, now.tick.index, now.y, t0, now.believed, [now.u, now.fan]);
+            state.reported = self.watch.step(
+                trained,
+                gathered,
+                now.tick.index,
+                now.y,
+                t0,
+                now.believed,
+                [now.u, now.fan, now.beside],
+            );
             return state.reported;
         }
         if matches!(state.work, Work::Watching(_)) {
             state.work = Work::Nothing;
         }
-        self.watch.idle(trained, now.believed, [now.u, now.fan], now.heating);
+        self.watch.idle(trained, now.believed, [now.u, now.fan, now.beside], now.heating);
         // What is found afterwards is only how the rig cools: what was reported before a trip is what can be said of it.
         if !matches!(now.tick.mode, Mode::Tripped(_)) {
             state.reported = ModelAlarm::Quiet;

@@ -59,7 +59,7 @@ pub(super) struct Onset {
     pub(super) process_again: bool,
     less: Flowing,
     more: Flowing,
-    power: Motion,
+    pub(super) power: Motion,
     constant: Motion,
     lagged: [f32; 2],
     lost: [f32; 2],

@@ -111,6 +111,14 @@ impl Transport {
         self.newest = (self.newest + MEMORY - ticks % MEMORY) % MEMORY;
     }
 
+    /// The same with `share` of another on top.
+    fn add(&mut self, other: &Self, share: f32) {
+        for ago in 0..MEMORY {
+            let theirs = other.values[(other.newest + MEMORY - ago) % MEMORY];
+            self.values[(self.newest + MEMORY - ago) % MEMORY] += share * theirs;
+        }
+    }
+
     /// The value of `delay` ticks ago, and how much more a tick earlier gives.
     #[inline]
     pub(super) fn at(&self, delay: f32) -> (f32, f32) {
@@ -133,6 +141,16 @@ pub(super) struct Motion {
 }
 
 impl Motion {
+    /// The same with `share` of another motion on top: the model is linear in what moves.
+    pub(super) fn add(&mut self, other: &Self, share: f32) {
+        self.x += share * other.x;
+        for i in 0..2 {
+            self.m[i] += share * other.m[i];
+            self.w[i] += share * other.w[i];
+        }
+        self.air.add(&other.air, share);
+    }
+
     /// Long after the power was last changed.
     pub(super) fn steady(power: f32) -> Self {
         let air = Transport { values: [power; MEMORY], newest: 0 };

@@ -7,6 +7,7 @@
 use super::column::{Column, LASTING, LESS_BY, MORE_BY, Row};
 use super::evidence::{Freed, Nuisance, Nuisances};
 use super::hypothesis::{self, HYPOTHESES, IMPOSSIBLE, MODEL_ERRORS};
+use super::inputs::Inputs;
 use super::ladder::{Ladder, Past};
 use super::normal::LastingNormal;
 use super::process::{Motion, Process, Rises};
@@ -81,6 +82,11 @@ impl Steady {
             trained: rise,
             ticks: 0,
         }
+    }
+
+    /// The models begin anew from a motion.
+    pub(super) fn resume(&mut self, motion: &Motion) {
+        *self = Self { base: self.base, ..Self::new(motion, self.trained) };
     }
 
     /// Columns of this tick, as if each thing had always been so.
@@ -192,12 +198,17 @@ impl Steady {
 
     /// The gains of all lasting hypotheses. The size of the best is estimated again, from the means above all.
     #[inline(never)]
-    pub(super) fn judge(&self, nuisances: &[Nuisance], freed: &mut [Freed; hypothesis::COUNT]) {
-        let both = self.with_means(1.0);
+    pub(super) fn judge(
+        &self,
+        nuisances: &[Nuisance],
+        freed: &mut [Freed; hypothesis::COUNT],
+        inputs: Inputs,
+    ) {
+        let both = self.with_means(1.0, inputs);
         let nuisances = Nuisances::new(&both, nuisances, KAPPA).for_many();
         for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
             *freed = Freed { gain: IMPOSSIBLE, ..Freed::default() };
-            if row.lasting {
+            if row.lasting && inputs.tell(row.class) {
                 *freed = row.judged(nuisances.free(row.first, None));
             }
         }
@@ -205,21 +216,25 @@ impl Steady {
 
     /// The size of a hypothesis, from the means above all.
     #[inline(never)]
-    pub(super) fn size(&self, nuisances: &[Nuisance], h: usize) -> Freed {
-        let mostly_means = self.with_means(FAST_IN_SIZE);
+    pub(super) fn size(&self, nuisances: &[Nuisance], h: usize, inputs: Inputs) -> Freed {
+        let mostly_means = self.with_means(FAST_IN_SIZE, inputs);
         let nuisances = Nuisances::new(&mostly_means, nuisances, KAPPA);
         let row = &HYPOTHESES[h % HYPOTHESES.len()];
         nuisances.free(row.first, None)
     }
 
     /// The sums with the means as two more measurements, and a share of the fast band.
-    fn with_means(&self, fast: f32) -> LastingNormal {
+    fn with_means(&self, fast: f32, inputs: Inputs) -> LastingNormal {
         let mut normal = self.normal;
         normal.explain(&self.reference);
         normal.scale(fast);
         let e = [self.mean_e[0] - self.base[0], self.mean_e[1] - self.base[1]];
         let away = AWAY * (self.mean[Column::Power as usize][0] - self.trained);
-        normal.add(&self.mean, e, KAPPA / (MEAN_SD * MEAN_SD + away * away));
+        let mut mean = self.mean;
+        if !inputs.t2 {
+            mean.iter_mut().for_each(|column| column[1] = 0.0);
+        }
+        normal.add(&mean, e, KAPPA / (MEAN_SD * MEAN_SD + away * away));
         normal
     }
 }

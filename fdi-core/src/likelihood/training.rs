@@ -5,6 +5,8 @@
 //! before. Parameters are scaled by the standard deviations of their priors, which are wide, and in ticks: a sample time that suits the plant is all
 //! that it asks for.
 
+use super::beside::{self, Beside, BesideTangent};
+use super::inputs::Inputs;
 use super::ladder::{Ladder, ResidualStatistics};
 use super::process::{COUNT, LONGEST, Motion, Parameter, Parameters, Process};
 use super::tangent::Tangent;
@@ -48,6 +50,9 @@ const ANSWERS: f32 = 0.5;
 /// Bounds of what must not run away: ln of the heater's time, dead times, what reaches T2, ln of the wall's time.
 const HEATER: (f32, f32) = (-1.0, 7.0);
 const REACHES: (f32, f32) = (0.05, 1.2);
+/// And of the offsets, degC; of an intercept in its standard deviations.
+const OFFSET: f32 = 20.0;
+const OFFSET_SPAN: f32 = 10.0;
 /// A residual is whitened by so much of the one before, and has this standard deviation, degC, until both are known.
 const RHO: f32 = 0.6;
 const SIGMA: f32 = 0.1;
@@ -73,6 +78,8 @@ const STANDS: [usize; 3] =
 const REOPENED: f32 = 0.1;
 /// T1's own lag is no more than this share of it and the heater's, when learning begins.
 const OWN_SHARE: f32 = 0.3;
+/// Without T0 the intercept is known no better than this, degC.
+const INTERCEPT_SD: f32 = 30.0;
 /// Residual means are taken over by this share.
 const MEAN_SHARE: f32 = 0.7;
 
@@ -114,6 +121,7 @@ pub(super) struct Training {
     motion: Motion,
     phase: Phase,
     statistics: ResidualStatistics,
+    beside: Beside,
     power: f32,
     curvature_error: f32,
     ticks: u32,
@@ -135,6 +143,7 @@ struct Filter {
     rls: RlsState<COUNT>,
     sd: [f32; COUNT],
     tangent: Tangent,
+    beside: BesideTangent,
     gradient: [[f32; COUNT]; 2],
     residual: [f32; 2],
     noise: [ResidualNoise; 2],
@@ -176,6 +185,7 @@ pub(super) struct Trained {
     pub(super) motion: Motion,
     pub(super) ladder: Ladder,
     pub(super) mean: [f32; 2],
+    pub(super) beside: Beside,
     /// Power applied since the last tick, %.
     pub(super) power: f32,
     /// Rise of T1 at which it was learnt, degC.
@@ -191,6 +201,7 @@ pub(super) struct Trainer {
     prior: [(f32, f32); COUNT],
     /// Dead time and four time constants, ticks.
     answer: f32,
+    inputs: Inputs,
     pub(super) fit_samples: u32,
     pub(super) check_samples: u32,
 }
@@ -209,7 +220,22 @@ impl Trainer {
         prior[Parameter::WallTime as usize].0 = libm::logf(WALL_ANSWERS * answer);
         let adaptation = Adaptation::RandomWalk { r1: 0.0, r2: 1.0 };
         let rls = Rls::new(&RlsConfig { adaptation, d_initial: 1.0, d_max: 1.0 })?;
-        Ok(Self { rls, prior, answer, fit_samples, check_samples })
+        Ok(Self { rls, prior, answer, inputs: Inputs::ALL, fit_samples, check_samples })
+    }
+
+    /// The same of a rig that lacks some inputs.
+    pub(super) fn with(mut self, inputs: Inputs) -> Self {
+        self.inputs = inputs;
+        if !inputs.t0 {
+            self.prior[Parameter::Offset1 as usize].1 = INTERCEPT_SD;
+            self.prior[Parameter::Offset2 as usize].1 = INTERCEPT_SD;
+        }
+        if !inputs.t2 {
+            let (heater, _) = self.prior[Parameter::Heater as usize];
+            self.prior[Parameter::Reaches2 as usize] = beside::SHARE;
+            self.prior[Parameter::Lag2 as usize] = (heater + beside::LAG.0, beside::LAG.1);
+        }
+        self
     }
 
     pub(super) fn start(&self) -> Training {
@@ -223,6 +249,7 @@ impl Trainer {
                 sd: self.prior.map(|(_, sd)| sd),
                 answer: self.answer,
                 tangent: Tangent::default(),
+                beside: BesideTangent::default(),
                 gradient: [[0.0; COUNT]; 2],
                 residual: [0.0; 2],
                 noise: [ResidualNoise::UNKNOWN; 2],
@@ -230,6 +257,7 @@ impl Trainer {
                 started: false,
             }),
             statistics: ResidualStatistics::default(),
+            beside: Beside::default(),
             power: 0.0,
             curvature_error: 0.0,
             ticks: 0,
@@ -237,7 +265,7 @@ impl Trainer {
         }
     }
 
-    /// One tick: rises over T0 where valid, degC, and the power applied from now on, %. `fit_to_learn` says whether it is one of undisturbed
+    /// One tick: rises over T0 where valid, degC, and the powers applied from now on, %: T1's own, and that beside it. `fit_to_learn` says whether it is one of undisturbed
     /// operation; those before, while it heats up, serve the fit as well.
     ///
     /// # Errors
@@ -247,10 +275,10 @@ impl Trainer {
         s: &mut Training,
         cold: &Cold,
         y: [Option<f32>; 2],
-        u: f32,
+        [u, beside]: [f32; 2],
         fit_to_learn: bool,
     ) -> Result<Option<Trained>, RejectReason> {
-        let power = core::mem::replace(&mut s.power, u);
+        let power = self.inputs.drove(&mut s.power, u);
         let whole = match y {
             [Some(y1), Some(y2)] => Some([y1, y2]),
             _ => None,
@@ -260,23 +288,26 @@ impl Trainer {
                 if filter.started {
                     s.ticks = s.ticks.saturating_add(1);
                     filter.pass(&s.parameters, &s.process, &mut s.motion, power);
+                    s.beside.step(beside);
                 }
                 return Ok(None);
             };
             if !filter.started {
-                filter.begin(&mut s.parameters, &mut s.motion, cold, y, u);
+                filter.begin(&mut s.parameters, &mut s.motion, cold, y, u, self.inputs);
+                s.beside = Beside::steady(&s.parameters, beside);
                 s.process = Process::new(&s.parameters, 1.0);
                 return Ok(None);
             }
             s.ticks = s.ticks.saturating_add(1);
             if fit_to_learn && s.count == 0 {
-                filter.reopen(&mut s.parameters);
+                filter.reopen(&mut s.parameters, self.inputs);
             }
             let e = filter.step(
-                &self.rls,
+                self,
                 &mut s.parameters,
                 &mut s.process,
                 &mut s.motion,
+                (&mut s.beside, beside),
                 y,
                 power,
                 s.ticks,
@@ -296,13 +327,18 @@ impl Trainer {
             return Ok(None);
         }
         let rises = s.process.step(&mut s.motion, s.process.heat(power));
+        let added = if self.inputs.t2 { 0.0 } else { s.beside.step(beside) };
         if let (Some(y), true) = (whole, fit_to_learn) {
+            let y = y.map(|y| y - added);
             let offsets = [s.parameters.get(Parameter::Offset1), s.parameters.get(Parameter::Offset2)];
             s.statistics.push(core::array::from_fn(|m| y[m] - rises.y[m] - offsets[m]), y);
             s.count += 1;
         }
         if s.count < self.check_samples {
             return Ok(None);
+        }
+        if !self.inputs.t2 {
+            make_twin(&mut s.parameters, &mut s.motion);
         }
         let delay = s.parameters.get(Parameter::Delay1) + s.parameters.get(Parameter::Delay2);
         if delay >= LONGEST_DELAY {
@@ -311,8 +347,9 @@ impl Trainer {
         Ok(Some(Trained {
             parameters: s.parameters,
             motion: s.motion,
-            ladder: s.statistics.finish()?,
+            ladder: s.statistics.finish(self.inputs.channels())?,
             mean: s.statistics.mean().map(|mean| MEAN_SHARE * mean),
+            beside: s.beside,
             power: u,
             rise: s.statistics.level(0),
             curvature_error: s.curvature_error,
@@ -322,8 +359,22 @@ impl Trainer {
 
 impl Filter {
     /// Begins cold, with the offsets as they are read, or warm, from about where the rig is.
-    fn begin(&mut self, p: &mut Parameters, motion: &mut Motion, cold: &Cold, y: [f32; 2], u: f32) {
+    fn begin(
+        &mut self,
+        p: &mut Parameters,
+        motion: &mut Motion,
+        cold: &Cold,
+        y: [f32; 2],
+        u: f32,
+        inputs: Inputs,
+    ) {
         self.started = true;
+        if !inputs.t0 {
+            self.answered = [Some(0); 2];
+            *motion = Motion::steady(u);
+            p.set(Parameter::Offset1, y[0] - libm::expf(p.get(Parameter::Gain)) * u);
+            return;
+        }
         if y.iter().all(|y| y.abs() < COLD) {
             let mut cold = *cold;
             cold.step(y.map(Some), true);
@@ -347,8 +398,10 @@ impl Filter {
     }
 
     /// The first heat has shown about how the rig answers, from a model that was wrong: what moves is learnt anew from there.
-    fn reopen(&mut self, p: &mut Parameters) {
-        exchange_lags(p);
+    fn reopen(&mut self, p: &mut Parameters, inputs: Inputs) {
+        if inputs.t2 {
+            exchange_lags(p);
+        }
         let variances = self.rls.variances();
         self.rls.forget_correlations();
         for (i, (d, was)) in self.rls.d_mut().iter_mut().zip(variances).enumerate() {
@@ -369,22 +422,31 @@ impl Filter {
     #[expect(clippy::too_many_arguments, reason = "the parts of a training, borrowed one by one")]
     fn step(
         &mut self,
-        rls: &Rls<COUNT>,
+        trainer: &Trainer,
         p: &mut Parameters,
         process: &mut Process,
         motion: &mut Motion,
+        (beside, power_beside): (&mut Beside, f32),
         y: [f32; 2],
         power: f32,
         ticks: u32,
         learning: bool,
     ) -> [f32; 2] {
-        let (rises, mut gradient) = self.tangent.step(p, process, motion, power);
+        let (mut rises, mut gradient) = self.tangent.step(p, process, motion, power);
+        let inputs = trainer.inputs;
+        if !inputs.t2 {
+            let (added, by) = self.beside.step(beside, p, power_beside);
+            rises.y = rises.y.map(|y| y + added);
+            for (which, by) in [Parameter::Gain, Parameter::Reaches2, Parameter::Lag2].into_iter().zip(by) {
+                gradient[0][which as usize] += by;
+            }
+        }
         let offsets = [p.get(Parameter::Offset1), p.get(Parameter::Offset2)];
         let e: [f32; 2] = core::array::from_fn(|m| y[m] - rises.y[m] - offsets[m]);
         self.listen(p, [y[0] - offsets[0], y[1] - offsets[1]], ticks);
         let first = FIRST_ERROR * libm::expf(-(ticks as f32) / (FIRST_ANSWERS * self.answer));
         for m in 0..2 {
-            if self.answered[m].is_none() {
+            if self.answered[m].is_none() || (m == 1 && !inputs.t2) {
                 continue;
             }
             if learning {
@@ -403,15 +465,18 @@ impl Filter {
                 core::array::from_fn(|i| scale * self.sd[i] * (gradient[m][i] - rho * self.gradient[m][i]));
             let innovation = scale * (e[m] - rho * self.residual[m]);
             self.rls.theta = [0.0; COUNT];
-            rls.step_clipped(&mut self.rls, &phi, innovation, LIMIT);
+            trainer.rls.step_clipped(&mut self.rls, &phi, innovation, LIMIT);
             for i in 0..COUNT {
                 p.0[i] += self.sd[i] * bounded(self.rls.theta[i], -LARGEST_STEP, LARGEST_STEP);
             }
         }
         self.gradient = gradient;
         self.residual = e;
-        bound(p, self.answer);
+        bound(p, self.answer, inputs);
         *process = Process::new(p, 1.0);
+        if !inputs.t2 {
+            beside.follow(p);
+        }
         e
     }
 
@@ -446,14 +511,26 @@ fn exchange_lags(p: &mut Parameters) {
     }
 }
 
+/// A T2 that is missing is T1's twin: what was learnt in its place is kept elsewhere.
+fn make_twin(p: &mut Parameters, motion: &mut Motion) {
+    use Parameter::{Delay2, Lag1, Lag2, Offset1, Offset2, Reaches2, Wall2};
+    for (which, value) in
+        [(Reaches2, 1.0), (Delay2, 0.0), (Wall2, 0.0), (Lag2, p.get(Lag1)), (Offset2, p.get(Offset1))]
+    {
+        p.set(which, value);
+    }
+    motion.m[1] = motion.m[0];
+    motion.w[1] = motion.w[0];
+}
+
 /// Holds the parameters where the model means something.
-fn bound(p: &mut Parameters, answer: f32) {
+fn bound(p: &mut Parameters, answer: f32, inputs: Inputs) {
     let mut within =
         |which: Parameter, (low, high): (f32, f32)| p.set(which, bounded(p.get(which), low, high));
     within(Parameter::Heater, HEATER);
     within(Parameter::Delay1, (0.0, LONGEST_DELAY));
     within(Parameter::Delay2, (0.0, LONGEST_DELAY));
-    within(Parameter::Reaches2, REACHES);
+    within(Parameter::Reaches2, if inputs.t2 { REACHES } else { beside::SHARES });
     let wall = |answers: f32| libm::logf(answers * answer);
     within(Parameter::WallTime, (wall(WALL_BOUNDS.0), wall(WALL_BOUNDS.1)));
     within(Parameter::Lag1, (-3.0, 6.0));
@@ -461,8 +538,9 @@ fn bound(p: &mut Parameters, answer: f32) {
     within(Parameter::Wall1, (-0.2, 0.6));
     within(Parameter::Wall2, (-0.2, 0.6));
     within(Parameter::Gain, (-6.0, 3.0));
-    within(Parameter::Offset1, (-20.0, 20.0));
-    within(Parameter::Offset2, (-20.0, 20.0));
+    let offset = if inputs.t0 { OFFSET } else { OFFSET_SPAN * INTERCEPT_SD };
+    within(Parameter::Offset1, (-offset, offset));
+    within(Parameter::Offset2, (-offset, offset));
     within(Parameter::Curvature, (-0.2, 0.2));
 }
 

@@ -4,12 +4,16 @@
 //! the onset. Beside that the state is held against the trained one, over a minute.
 
 use super::alarm::{Alarm, ModelAlarm};
+use super::beside::Beside;
 use super::chart::{Chart, Sums};
 use super::column::{LASTING, LESS, MORE, Row};
 use super::evidence::Nuisance;
+use super::gone::Gone;
 use super::heat::{Heat, HeatState, Rise};
 use super::hypothesis::{self, SINCE_ONSET};
+use super::inputs::Inputs;
 use super::ladder::{Ladder, Past};
+use super::model::Model;
 use super::normal::Normal;
 use super::onset::{History, Nominal, Onset, REMEMBERED};
 use super::process::{Motion, Parameter, Parameters, Process};
@@ -49,12 +53,14 @@ pub(super) struct Watch {
     pub(super) naming: f32,
     pub(super) least_power: f32,
     pub(super) sample_time: f32,
+    pub(super) inputs: Inputs,
 }
 
 /// Its memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WatchState {
     parameters: Parameters,
+    beside: Beside,
     /// The fan's level as announced, behind its lag, and the model there.
     fan: f32,
     process: Process,
@@ -81,11 +87,15 @@ pub(super) struct WatchState {
     /// T0 and its mean, and what its motion may have been at T1 and at T2, degC.
     inlet: Option<(f32, f32, [f32; 2])>,
     z_mean: [f32; 2],
+    /// What jumped on the tick before, standard deviations; 0 where nothing did.
+    jumped: [f32; 2],
     candidate: f32,
     rests: u32,
     /// Ticks for which a change of the fan settles.
     settling: u32,
     ticks: u32,
+    /// Ticks that the intercept is still taken from.
+    anchoring: u32,
     alarm: Option<Alarm>,
     steady: Steady,
     lasting: Option<Lasting>,
@@ -102,6 +112,9 @@ pub(super) struct Gathered {
     onset: Onset,
     since: Normal,
     window: Normal,
+    gone: Gone,
+    /// The whitened answer to the power since the onset, on the last tick.
+    answer: [f32; 2],
 }
 
 impl Gathered {
@@ -128,6 +141,29 @@ const FAN_STEP: f32 = 1e-3;
 const FAN_SETTLES: f32 = 10.0;
 
 impl WatchState {
+    /// What was learnt.
+    pub(super) fn model(&self, sample_time: f32) -> Model {
+        let p = |which| self.parameters.get(which);
+        let time = |which| sample_time * libm::expf(p(which));
+        let (gain_beside, lag_beside) = self.beside.learnt();
+        Model {
+            gain: self.gain(),
+            curvature: p(Parameter::Curvature),
+            offset: p(Parameter::Offset1),
+            heater: time(Parameter::Heater),
+            lag: time(Parameter::Lag1),
+            wall: time(Parameter::WallTime),
+            dead_time: sample_time * p(Parameter::Delay1),
+            wall_share: p(Parameter::Wall1),
+            reaches: p(Parameter::Reaches2),
+            lag2: time(Parameter::Lag2),
+            transport: sample_time * p(Parameter::Delay2),
+            gain_beside,
+            lag_beside: sample_time * lag_beside,
+            noise: self.ladder.sigma,
+        }
+    }
+
     /// Static gain from the power to T1, degC per %.
     pub(super) fn gain(&self) -> f32 {
         libm::expf(self.parameters.get(Parameter::Gain))
@@ -140,6 +176,7 @@ impl Watch {
         let process = Process::new(&p, 1.0);
         WatchState {
             parameters: p,
+            beside: trained.beside,
             fan: 1.0,
             process,
             flows: [Process::new(&p, LESS), Process::new(&p, MORE)],
@@ -162,10 +199,12 @@ impl Watch {
             curvature_error: trained.curvature_error,
             inlet: None,
             z_mean: [0.0; 2],
+            jumped: [0.0; 2],
             candidate: 0.0,
             rests: 0,
             settling: 0,
             ticks: 0,
+            anchoring: 0,
             alarm: None,
             steady: Steady::new(&trained.motion, trained.rise),
             lasting: None,
@@ -177,7 +216,8 @@ impl Watch {
         }
     }
 
-    /// What the models say of a tick: rises over T0 and over the ambient that is believed, degC, and the power applied from now on, %.
+    /// What the models say of a tick: rises over T0 and over the ambient that is believed, degC, and the power applied from now on, %, with
+    /// the fan's level and the power of a heater beside.
     #[expect(clippy::too_many_arguments, reason = "a tick as all parts see it")]
     pub(super) fn step(
         &self,
@@ -187,8 +227,10 @@ impl Watch {
         y: [Option<f32>; 2],
         t0: Option<f32>,
         believed: [Option<f32>; 2],
-        [u, fan]: [f32; 2],
+        [u, fan, beside]: [f32; 3],
     ) -> ModelAlarm {
+        let added = s.beside.step(beside);
+        let [y, believed] = [y, believed].map(|rises| rises.map(|rise| Some(rise? - added)));
         if self.follow_fan(s, fan) {
             g.begin_anew();
         }
@@ -198,7 +240,7 @@ impl Watch {
             s.pace.inlet.follow(&mut mean, t0);
             s.inlet = Some((t0, mean, [5.0 * (t0 - before), above]));
         }
-        let heat = s.process.heat(core::mem::replace(&mut s.power, u));
+        let heat = s.process.heat(self.inputs.drove(&mut s.power, u));
         let before = s.before;
         let rises = s.process.step(&mut s.motion, heat);
         s.before = rises.y;
@@ -215,6 +257,9 @@ impl Watch {
         let told = match y {
             [Some(y1), Some(y2)] => {
                 let e = [y1 - expected[0], y2 - expected[1]];
+                if s.anchors(e) {
+                    return ModelAlarm::Quiet;
+                }
                 s.ticks = s.ticks.saturating_add(1);
                 s.contradict = s.heat.contradiction() > MAX_CONTRADICTION;
                 self.judge(s, g, tick, e, &row, &now);
@@ -238,14 +283,16 @@ impl Watch {
         &self,
         s: &mut WatchState,
         believed: [Option<f32>; 2],
-        [u, fan]: [f32; 2],
+        [u, fan, beside]: [f32; 3],
         heating: bool,
     ) {
+        let added = s.beside.step(beside);
+        let believed = believed.map(|rise| Some(rise? - added));
         self.follow_fan(s, fan);
         s.alarm = None;
         s.lasting = None;
         s.rest();
-        let heat = s.process.heat(core::mem::replace(&mut s.power, u));
+        let heat = s.process.heat(self.inputs.drove(&mut s.power, u));
         let rises = s.process.step(&mut s.motion, heat);
         let before = core::mem::replace(&mut s.before, rises.y);
         s.steady.row(&s.flows, heat, &rises, before);
@@ -302,7 +349,10 @@ impl Watch {
             (z, z_trained) = ([0.0; 2], [0.0; 2]);
         }
         let widened = self.widened(s, s.expected[0]);
-        let clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
+        let mut clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
+        if s.is_slow() && s.rests == 0 {
+            s.confirm(z, &mut clipped);
+        }
         // T1 answers to the inlet sooner than T0 does: it is not charted by what the inlet does, but the bank sees all of it.
         let inlet = s.inlet.map_or(0.0, |(_, _, [_, above])| larger(0.0, above.abs() - INLET_NOISE));
         let allowed = [widened[0] + inlet * s.ladder.inv_sigma[0], widened[1]];
@@ -311,7 +361,7 @@ impl Watch {
         if s.alarm.is_none() {
             self.decide(s, g, tick, &charted, row);
         } else {
-            self.follow_alarm(s, g);
+            self.follow_alarm(s, g, z, row, now.heat);
         }
         let settling = s.settling > 0;
         s.settling = s.settling.saturating_sub(1);
@@ -384,6 +434,7 @@ impl WatchState {
     fn rest(&mut self) {
         self.fast = Default::default();
         self.slow = Sums::default();
+        self.jumped = [0.0; 2];
         self.candidate = 0.0;
     }
 
@@ -435,7 +486,11 @@ impl WatchState {
 
     /// What may move since an onset without being a fault, as far as is known now.
     pub(super) fn nuisances(&self) -> [Nuisance; SINCE_ONSET.len()] {
-        hypothesis::since_onset(self.steps, self.bent())
+        let mut nuisances = hypothesis::since_onset(self.steps, self.bent());
+        if self.is_slow() {
+            nuisances[hypothesis::SHIFT].1 = slow::VAGUE_SHIFT;
+        }
+        nuisances
     }
 
     /// Rises of the model on the last tick, degC.
@@ -445,7 +500,7 @@ impl WatchState {
 
     /// What T1 and T2 should be above the ambient now, degC.
     pub(super) fn expected(&self) -> [f32; 2] {
-        self.expected
+        self.expected.map(|rise| rise + self.beside.added())
     }
 }
 
@@ -453,5 +508,7 @@ mod alarmed;
 mod lasting;
 mod naming;
 mod pace;
+mod resumed;
+mod slow;
 #[cfg(test)]
 mod tests;

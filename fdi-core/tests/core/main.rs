@@ -3,6 +3,7 @@
 mod endurance;
 mod estimator;
 mod known;
+mod monitor;
 mod oracle;
 mod properties;
 mod reference;

@@ -18,6 +18,7 @@ use crate::campaign::output;
 use crate::campaign::results::Results;
 use crate::campaign::runner::{Progress, Remaining};
 use crate::campaign::store::{self, Header, Shard, Store};
+use crate::recording::harness;
 
 /// Arguments of `campaign`.
 #[derive(Clone, Debug, Args)]
@@ -34,6 +35,7 @@ use crate::campaign::store::{self, Header, Shard, Store};
   pt326 campaign --seeds-from 1 --vary likelihood.naming=0.8,0.98 --vary likelihood.least_power=0
   pt326 campaign --shard 2/8 --out part       one of eight jobs of a cluster, then
   pt326 campaign merge part/runs.*.jsonl
+  pt326 campaign records DIR                  recordings of real heaters
   pt326 campaign show \"nominal/mfs1\" --run 17   that run with its trace, figures and report
 
 A campaign that was interrupted (Ctrl-C) goes on where it stopped when the same command is given again. Results of \
@@ -63,10 +65,26 @@ pub enum CampaignCommand {
     Merge(MergeArgs),
     /// Repeat one run of a cell, with its trace, figures and report.
     Show(ShowArgs),
+    /// Diagnose the recordings of a folder, and hold what is said against what is expected of each (docs/records.md).
+    Records(RecordsArgs),
+}
+
+/// Which recordings.
+#[derive(Clone, Debug, Args)]
+pub struct RecordsArgs {
+    /// The folder: a TOML a recording, or without any the recordings that docs/records.md names.
+    #[arg(value_name = "DIR")]
+    pub dir: PathBuf,
+    /// Settings of the diagnosis, TOML; see `pt326 config`.
+    #[arg(long, value_name = "FILE.toml")]
+    pub config: Option<PathBuf>,
+    /// Folder for records.md, made if need be.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
 }
 
 /// Names of the subcommands: a word near one of them is no file.
-const SUBCOMMANDS: [&str; 3] = ["define", "merge", "show"];
+const SUBCOMMANDS: [&str; 4] = ["define", "merge", "show", "records"];
 
 /// What describes a campaign.
 #[derive(Clone, Debug, Args)]
@@ -230,6 +248,7 @@ pub fn run(args: &CampaignArgs) -> anyhow::Result<()> {
         Some(CampaignCommand::Define { physics }) => print(built_in(*physics)),
         Some(CampaignCommand::Merge(args)) => merge(args),
         Some(CampaignCommand::Show(args)) => show(args),
+        Some(CampaignCommand::Records(args)) => records(args),
     }
 }
 
@@ -301,6 +320,23 @@ fn progress(remaining: &Remaining) -> anyhow::Result<ProgressBar> {
     };
     bar.set_message(format!("{} runs, {:.0} h{before}", remaining.count(), remaining.seconds() / 3600.0));
     Ok(bar)
+}
+
+fn records(args: &RecordsArgs) -> anyhow::Result<()> {
+    let config = crate::settings::read(args.config.as_deref())?;
+    Folder::open(&args.out)?;
+    let mut text = String::new();
+    for definition in harness::Definition::all(&args.dir)? {
+        let said = match definition.run(&args.dir, &config) {
+            Ok(outcomes) => harness::report(&outcomes),
+            Err(error) => format!("### {}\n\nNot diagnosed: {error:#}.\n\n", definition.name),
+        };
+        print(&said)?;
+        text += &said;
+    }
+    let path = args.out.join("records.md");
+    std::fs::write(&path, text).with_context(|| format!("can't write {}", path.display()))?;
+    print(&format!("Written to {}\n", path.display()))
 }
 
 fn merge(args: &MergeArgs) -> anyhow::Result<()> {

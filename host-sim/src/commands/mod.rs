@@ -5,7 +5,9 @@ pub mod campaign;
 pub mod config;
 pub mod console;
 pub mod cosim;
+pub mod diagnose;
 pub mod experiment;
+pub mod fit_rig;
 pub mod identify;
 pub mod isolability;
 #[cfg(feature = "live")]
@@ -27,6 +29,8 @@ use campaign::CampaignArgs;
 use config::ConfigArgs;
 use console::ConsoleArgs;
 use cosim::CoreArgs;
+use diagnose::DiagnoseArgs;
+use fit_rig::FitRigArgs;
 use identify::IdentifyArgs;
 use isolability::IsolabilityArgs;
 #[cfg(feature = "live")]
@@ -51,6 +55,7 @@ use shell::{CompletionsArgs, ManArgs};
   pt326 repeat --seeds 200                delays and durations over 200 runs
   pt326 campaign --quick                  every fault and disturbance, both diagnoses, in a minute
   pt326 isolability --preset trainer      which faults can be told apart on this rig, and how soon
+  pt326 diagnose record.csv               a recording of somebody else's heater: what was wrong?
   pt326 identify record.csv --u Q1 --y T1 --order 2,2,1
   pt326 replay board.log                  a board's log through the same code again: the same bits?
   pt326 board --record board.log          what a board over its serial port does, until Ctrl-C
@@ -77,6 +82,10 @@ enum Subcommand {
     Isolability(IsolabilityArgs),
     /// Be the instrument for another program: ADC codes on standard input, power and diagnosis on standard output.
     Core(CoreArgs),
+    /// Diagnose a recording of a heater that something else controls.
+    Diagnose(Box<DiagnoseArgs>),
+    /// Fit a simulated rig to a recording, for `run --scenario`.
+    FitRig(FitRigArgs),
     /// Identify an ARX model (autoregressive with external input) from a recording.
     Identify(IdentifyArgs),
     /// Run a recording (a board's log, a trace.csv) through the same code again and compare.
@@ -110,6 +119,8 @@ impl Cli {
             Subcommand::Campaign(args) => campaign::run(&args),
             Subcommand::Isolability(args) => isolability::run(&args),
             Subcommand::Core(args) => cosim::run(&args),
+            Subcommand::Diagnose(args) => diagnose::run(&args),
+            Subcommand::FitRig(args) => fit_rig::run(&args),
             Subcommand::Identify(args) => identify::run(&args),
             Subcommand::Replay(args) => replay::run(&args),
             #[cfg(feature = "live")]

@@ -69,6 +69,11 @@ pub enum Origin {
         /// Its file.
         file: String,
     },
+    /// A recording of a rig that something else controlled, only looked at.
+    Watched {
+        /// Its file.
+        file: String,
+    },
 }
 
 impl std::fmt::Display for Origin {
@@ -78,6 +83,7 @@ impl std::fmt::Display for Origin {
                 write!(f, "on the simulated rig, seed {seed}, disturbance {disturbance}")
             }
             Self::Recorded { file } => write!(f, "recorded in {file}, replayed"),
+            Self::Watched { file } => write!(f, "recorded in {file}"),
         }
     }
 }

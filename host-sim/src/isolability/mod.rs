@@ -8,9 +8,10 @@ pub mod output;
 
 use anyhow::bail;
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::likelihood::Readiness;
+use fdi_core::likelihood::inputs::Inputs;
 use fdi_core::likelihood::signatures::{Candidate, Signatures};
-use fdi_core::{Command, Config, FaultClass, Instrument, Mode, RawSample, Report, Tick};
+use fdi_core::likelihood::{LikelihoodState, Readiness};
+use fdi_core::{Command, Config, FaultClass, Instrument, Mode, Monitor, Observed, RawSample, Report, Tick};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
@@ -101,13 +102,19 @@ impl Onset {
     }
 }
 
-/// The instrument, with onsets assumed now and then.
-struct Assuming {
-    instrument: Instrument,
+/// Onsets assumed now and then.
+#[derive(Default)]
+struct Onsets {
     sample_time: f64,
     horizons: Vec<f64>,
     armed: Option<u32>,
     onsets: Vec<Onset>,
+}
+
+/// The instrument, with onsets assumed now and then.
+struct Assuming {
+    instrument: Instrument,
+    onsets: Onsets,
     bar: ProgressBar,
 }
 
@@ -120,9 +127,9 @@ impl Backend for Assuming {
         self.bar.inc(1);
         let report = Backend::diagnose(&mut self.instrument, tick);
         if tick.mode == Mode::Monitor && report.likelihood.readiness == Readiness::Armed {
-            self.gather(tick.index);
+            self.onsets.gather(self.instrument.likelihood(), tick.index);
         } else {
-            self.onsets.retain(|onset| onset.reached.len() == self.horizons.len());
+            self.onsets.forget_those_under_way();
         }
         report
     }
@@ -136,14 +143,18 @@ impl Backend for Assuming {
     }
 }
 
-impl Assuming {
-    fn gather(&mut self, tick: u32) {
+impl Onsets {
+    fn forget_those_under_way(&mut self) {
+        self.onsets.retain(|onset| onset.reached.len() == self.horizons.len());
+    }
+
+    fn gather(&mut self, likelihood: &LikelihoodState, tick: u32) {
         let since = tick - *self.armed.get_or_insert(tick);
         if since.is_multiple_of(EVERY) {
-            self.onsets.extend(Signatures::begin(self.instrument.likelihood()).map(Onset::new));
+            self.onsets.extend(Signatures::begin(likelihood).map(Onset::new));
         }
         for onset in self.onsets.iter_mut().filter(|onset| onset.reached.len() < self.horizons.len()) {
-            let Some(columns) = onset.signatures.step(self.instrument.likelihood()) else { continue };
+            let Some(columns) = onset.signatures.step(likelihood) else { continue };
             onset.products.add(&columns);
             onset.ticks += 1;
             let is_reached = |horizon: &f64| onset.ticks >= ticks(*horizon, self.sample_time);
@@ -175,22 +186,19 @@ impl Isolability {
         let healthy = Scenario { faults: Vec::new(), ..scenario.clone() };
         let mut assuming = Assuming {
             instrument: Instrument::new(&config)?,
-            sample_time,
-            horizons: horizons.clone(),
-            armed: None,
-            onsets: Vec::new(),
+            onsets: Onsets { sample_time, horizons: horizons.clone(), ..Onsets::default() },
             bar: bar.clone(),
         };
         let mut readiness = Readiness::Untrained;
         experiment::drive(&mut assuming, &config, &healthy, *seed, |row, _| {
             readiness = row.report.likelihood.readiness;
         });
-        let began = assuming.armed.map(|tick| experiment::tick_time(tick, sample_time));
-        let mut onsets = assuming.onsets;
-        onsets.retain(|onset| onset.reached.len() == horizons.len());
+        let began = assuming.onsets.armed.map(|tick| experiment::tick_time(tick, sample_time));
+        assuming.onsets.forget_those_under_way();
+        let onsets = assuming.onsets.onsets;
         let longest = horizons.last().copied().unwrap_or_default();
         match began {
-            Some(armed_at) if !onsets.is_empty() => Ok(Self::new(&onsets, question, armed_at)),
+            Some(armed_at) if !onsets.is_empty() => Ok(Self::new(&onsets, question, Inputs::ALL, armed_at)),
             Some(at) => bail!(
                 "it watched from {at:.0} s on: expected a duration of {:.0} s or more",
                 at + longest + sample_time * f64::from(EVERY)
@@ -201,11 +209,40 @@ impl Isolability {
         }
     }
 
-    fn new(onsets: &[Onset], question: &Question, armed_at: f64) -> Self {
-        let faults = asked(&onsets[0].signatures.candidates());
+    /// Lets a trained monitor look on and finds what could have been told. Its ticks are of `every` samples.
+    ///
+    /// # Errors
+    /// There are too few samples.
+    pub fn watched(
+        monitor: &Monitor,
+        samples: &[Observed],
+        (inputs, sample_time, every): (Inputs, f64, u32),
+        question: &Question,
+    ) -> anyhow::Result<Self> {
+        let mut monitor = monitor.clone();
+        let mut onsets = Onsets {
+            sample_time: sample_time * f64::from(every),
+            horizons: question.horizons.clone(),
+            ..Onsets::default()
+        };
+        for (sample, k) in samples.iter().zip(1..) {
+            let (_, report) = monitor.step(&Observed { learn: false, ..*sample });
+            if report.likelihood.readiness == Readiness::Armed && k % every == 0 {
+                onsets.gather(monitor.likelihood(), k / every);
+            }
+        }
+        onsets.forget_those_under_way();
+        if onsets.onsets.is_empty() {
+            bail!("{} samples are too few to say what could be told in them", samples.len());
+        }
+        Ok(Self::new(&onsets.onsets, question, inputs, 0.0))
+    }
+
+    fn new(onsets: &[Onset], question: &Question, inputs: Inputs, armed_at: f64) -> Self {
+        let faults = asked(&told(&onsets[0], inputs));
         let rivals = rivals(&faults);
         let each: Vec<Vec<Vec<Vec<Told>>>> =
-            onsets.par_iter().map(|onset| tell(onset, &rivals, question.equal_odds)).collect();
+            onsets.par_iter().map(|onset| tell(onset, &rivals, inputs, question.equal_odds)).collect();
         let median = |h: usize, i: usize, j: usize| {
             let mut told: Vec<Told> = each.iter().map(|told| told[h][i][j]).collect();
             told.sort_by(|a, b| a.order().total_cmp(&b.order()));
@@ -227,6 +264,13 @@ impl Told {
             Self::Never => f64::INFINITY,
         }
     }
+}
+
+/// The faults that a rig with these inputs can have told.
+fn told(onset: &Onset, inputs: Inputs) -> Vec<Candidate> {
+    let candidates = onset.signatures.candidates().into_iter();
+    let there = |which: &str| (inputs.t0 || which != "T0") && (inputs.t2 || which != "T2");
+    candidates.filter(|candidate| inputs.tell(candidate.class) && there(candidate.which)).collect()
 }
 
 /// Every fault with either sign that it may have; what has no magnitude once.
@@ -257,8 +301,8 @@ fn rivals(faults: &[Asked]) -> Vec<From> {
 }
 
 /// By horizon, fault, rival.
-fn tell(onset: &Onset, rivals: &[From], equal_odds: bool) -> Vec<Vec<Vec<Told>>> {
-    let mut candidates = onset.signatures.candidates();
+fn tell(onset: &Onset, rivals: &[From], inputs: Inputs, equal_odds: bool) -> Vec<Vec<Vec<Told>>> {
+    let mut candidates = told(onset, inputs);
     if equal_odds {
         candidates.iter_mut().for_each(|candidate| candidate.prior = 0.0);
     }

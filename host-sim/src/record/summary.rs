@@ -164,7 +164,7 @@ impl Summary {
         let error = control_error_max(record);
         let (seed, disturbance) = match record.origin {
             Origin::Simulated { seed, disturbance } => (Some(seed), Some(disturbance)),
-            Origin::Recorded { .. } => (None, None),
+            Origin::Recorded { .. } | Origin::Watched { .. } => (None, None),
         };
         Self {
             seed,

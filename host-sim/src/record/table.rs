@@ -26,13 +26,15 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
         events(&mut text, record);
     }
     let _ = writeln!(text);
-    let _ = writeln!(text, "Largest control error  {}", control_error(record, summary));
+    if record.setpoint.is_finite() {
+        let _ = writeln!(text, "Largest control error  {}", control_error(record, summary));
+    }
     let f = &s.false_alarms;
     let count = |alarms: Option<u32>| alarms.map_or("-".into(), |n| n.to_string());
     let _ = writeln!(
         text,
         "{:<22} fdv {}, fiv {} (low-passed)   fdv {}, fiv {} (raw)   likelihood {}",
-        if matches!(record.origin, Origin::Recorded { .. }) && s.faults.is_empty() {
+        if matches!(record.origin, Origin::Recorded { .. } | Origin::Watched { .. }) && s.faults.is_empty() {
             "Alarms"
         } else {
             "False alarms"
@@ -43,7 +45,7 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
         count(f.fiv_raw),
         count(f.likelihood)
     );
-    if s.baseline.is_none() {
+    if s.baseline.is_none() && !matches!(record.origin, Origin::Watched { .. }) {
         let _ = writeln!(text, "No baseline learnt     {}", why_not_learnt(record));
     }
     if let Some(w) = &s.without_t1 {

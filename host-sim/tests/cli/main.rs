@@ -1,6 +1,7 @@
 //! The command as a user calls it, one file a command.
 
 mod core;
+mod diagnose;
 mod identify;
 mod isolability;
 mod replay;

@@ -76,7 +76,8 @@ impl Digest {
         self.word(u32::from(forget));
         self.option(blocked, |d, blocker| d.word(blocker as u32));
         self.option(virtual_t1, |d, celsius| d.number(celsius.0));
-        let KnownInputs { supply, supply_lost, fan } = known;
+        // A board knows of no heater beside.
+        let KnownInputs { supply, supply_lost, fan, beside: _ } = known;
         self.option(supply, Self::number);
         self.word(supply_lost);
         self.option(fan, |d, level| d.number(level.0));

@@ -265,7 +265,7 @@ fn without_samples_the_models_go_on() {
         e = e.map(|e| 0.6 * e + 0.1 * random.gaussian() as f32);
         statistics.push(e, [if k % 20 < 10 { 9.0 } else { 15.0 }; 2]);
     }
-    let (p, c, coloured) = (parameters(), constants(), statistics.finish().unwrap());
+    let (p, c, coloured) = (parameters(), constants(), statistics.finish(2).unwrap());
     let (process, history) = (Process::new(&p, 1.0), History::default());
     // Each tick of three, seen or not: the last row.
     let run = |ladder: &Ladder, seen: [bool; 3]| {

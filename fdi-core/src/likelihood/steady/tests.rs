@@ -79,10 +79,10 @@ impl Run {
     /// The likeliest class, the gain of the best hypothesis, and the size of the likeliest.
     fn judged(&self) -> (FaultClass, f32, f32) {
         let mut freed = [Freed::default(); hypothesis::COUNT];
-        self.steady.judge(&SINCE_TRAINING, &mut freed);
+        self.steady.judge(&SINCE_TRAINING, &mut freed, Inputs::ALL);
         let posterior = Posterior::new(&freed);
         let h = posterior.likeliest;
-        (HYPOTHESES[h].class, posterior.best_gain, self.steady.size(&SINCE_TRAINING, h).value)
+        (HYPOTHESES[h].class, posterior.best_gain, self.steady.size(&SINCE_TRAINING, h, Inputs::ALL).value)
     }
 }
 

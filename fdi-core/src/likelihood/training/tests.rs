@@ -115,7 +115,7 @@ impl Plant {
         }
         for k in 0.. {
             let (y, u) = self.tick(false);
-            if let Some(trained) = trainer.step(&mut training, &cold, y, u, k >= settles)? {
+            if let Some(trained) = trainer.step(&mut training, &cold, y, [u, 0.0], k >= settles)? {
                 return Ok(trained);
             }
             assert!(k < 100 * settles, "never trained");
@@ -208,7 +208,7 @@ fn a_warm_start_is_learnt() {
         let mut training = trainer.start();
         let trained = loop {
             let (y, u) = plant.tick(false);
-            match trainer.step(&mut training, &Cold::default(), y, u, true) {
+            match trainer.step(&mut training, &Cold::default(), y, [u, 0.0], true) {
                 Ok(None) => {}
                 Ok(Some(trained)) => break trained,
                 Err(why) => panic!("seed {seed}: {why:?}"),
@@ -230,7 +230,7 @@ fn what_is_not_fit_to_learn_does_not_count() {
         let (y, u) = plant.tick(false);
         let fit_to_learn = k > 500 && k % 3 != 0;
         counted += u32::from(fit_to_learn);
-        done = trainer.step(&mut training, &Cold::default(), y, u, fit_to_learn).unwrap().is_some();
+        done = trainer.step(&mut training, &Cold::default(), y, [u, 0.0], fit_to_learn).unwrap().is_some();
         if done {
             break;
         }
@@ -249,7 +249,7 @@ fn what_does_not_answer_is_refused() {
         let outcome = (0..2000).find_map(|k| {
             let y = [0; 2].map(|_| Some((rise + 0.4 * random.gaussian()) as f32));
             let u = if (k / 2) % 3 == 0 { 35.0 } else { 45.0 };
-            trainer.step(&mut training, &Cold::default(), y, u, true).transpose()
+            trainer.step(&mut training, &Cold::default(), y, [u, 0.0], true).transpose()
         });
         assert_eq!(outcome.expect("an end").err(), Some(RejectReason::PoorFit), "a rise of {rise} degC");
     }
@@ -279,7 +279,7 @@ fn wild_samples_leave_numbers() {
             let y = [reading(), reading()];
             let u = if random.uniform() > 0.5 { 100.0 } else { 0.0 };
             cold.step(y, k < 10);
-            match trainer.step(&mut training, &cold, y, u, k > 500) {
+            match trainer.step(&mut training, &cold, y, [u, 0.0], k > 500) {
                 Ok(None) => {}
                 Ok(Some(trained)) => {
                     assert!(trained.ladder.sigma.iter().chain(&trained.mean).all(|x| x.is_finite()));

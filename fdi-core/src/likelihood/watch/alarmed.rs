@@ -6,9 +6,10 @@ use super::{Charted, Gathered, KAPPA, LEAST_FLOW, NowRises, OVERSURE, UNUSUAL, W
 use crate::bounds::{bounded, larger, smaller};
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::class::FaultClass;
-use crate::likelihood::column::{LASTING, PROCESS, Row, SENSORS};
+use crate::likelihood::column::{Column, LASTING, PROCESS, Row, SENSORS};
 use crate::likelihood::evidence::{Freed, Nuisances};
-use crate::likelihood::hypothesis::{self, COUNT, HYPOTHESES};
+use crate::likelihood::hypothesis::{self, COUNT, HYPOTHESES, IMPOSSIBLE};
+use crate::likelihood::inputs::Inputs;
 use crate::likelihood::posterior::Posterior;
 use crate::likelihood::process::STEP;
 use crate::root::sqrt;
@@ -66,7 +67,7 @@ impl Watch {
             s.z_mean[m] += 0.3 * (z[m] - s.z_mean[m]);
             jump = larger(jump, (z[m] - s.z_mean[m]).abs());
         }
-        let transient = 1.0 + 0.1 * larger(0.0, jump - 3.0);
+        let transient = if s.is_slow() { 1.0 } else { 1.0 + 0.1 * larger(0.0, jump - 3.0) };
         weight /= transient * transient;
         // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
         let evidence = smaller(z[0] * z[0], 64.0) + smaller(z[1] * z[1], 64.0);
@@ -81,6 +82,7 @@ impl Watch {
             s.stays = s.measured;
         }
         let row = g.onset.step(&s.pace.onset, &s.ladder, &s.nominal(now));
+        g.answer = row[Column::Power as usize];
         if let Some(alarm) = &s.alarm {
             if alarm.age > FORGETS_FROM {
                 g.since.scale(s.pace.forgets);
@@ -104,7 +106,7 @@ impl Watch {
             return;
         }
         s.candidate += self.sample_time / s.pace.stretch;
-        let (mut freed, left) = s.judge_since(g);
+        let (mut freed, left) = s.judge_since(g, self.inputs);
         let posterior = Posterior::new(&freed);
         let best = &HYPOTHESES[posterior.best % COUNT];
         let size = freed[posterior.best % COUNT].value.abs();
@@ -134,18 +136,27 @@ impl Watch {
 
     /// Names the fault while it lasts; clears the alarm when it has gone. A young alarm is ranked and asked for its end on every tick, an older one
     /// by turns.
-    pub(super) fn follow_alarm(&self, s: &mut WatchState, g: &mut Gathered) {
+    pub(super) fn follow_alarm(
+        &self,
+        s: &mut WatchState,
+        g: &mut Gathered,
+        z: [f32; 2],
+        row: &Row<LASTING>,
+        heat: f32,
+    ) {
         let Some(mut alarm) = s.alarm else { return };
         alarm.age += self.sample_time / s.pace.stretch;
         alarm.turn = !alarm.turn;
         let young = alarm.age < YOUNG;
         if young || alarm.turn {
-            let (mut freed, left) = s.judge_since(g);
+            let (mut freed, left) = s.judge_since(g, self.inputs);
             self.name(g, &mut alarm, &mut freed, left);
         }
         let over = (young || !alarm.turn) && s.is_over(g, &alarm);
         s.alarm = Some(alarm);
-        if over || (alarm.age > PROCESS_TIME && alarm.gain < 1.0) {
+        if let Some(change) = self.goes(s, g, z, row, heat) {
+            s.goes_on_without(g, change);
+        } else if over || (alarm.age > PROCESS_TIME && alarm.gain < 1.0) {
             s.alarm = None;
             s.rest();
             g.begin_anew();
@@ -162,19 +173,21 @@ impl WatchState {
         let from_trained = |rise: f32| (rise - self.trained).abs();
         let away = smaller(from_trained(self.swing[0]), from_trained(self.measured[0])) / self.gain();
         // Where it was excited the gain is known.
-        let error = OVERSURE * self.curvature_error * larger(0.0, away / STEP - EXCITED);
+        // Surroundings that are slower still are learnt as such, in the noise model.
+        let oversure = if self.is_slow() { 1.0 } else { OVERSURE };
+        let error = oversure * self.curvature_error * larger(0.0, away / STEP - EXCITED);
         error * error
     }
 
     /// Gains of all hypotheses since the onset.
-    fn judge_since(&self, g: &Gathered) -> ([Freed; COUNT], f32) {
-        let nuisances = hypothesis::since_onset(self.steps, self.bent());
+    fn judge_since(&self, g: &Gathered, inputs: Inputs) -> ([Freed; COUNT], f32) {
+        let nuisances = self.nuisances();
         let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA).for_many();
-        let mut freed = [Freed::default(); COUNT];
-        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
+        let mut freed = [Freed { gain: IMPOSSIBLE, ..Freed::default() }; COUNT];
+        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES).filter(|(_, row)| self.asks(inputs, row)) {
             let mut second = row.second;
             if let (Some(second), Some(m)) = (&mut second, row.stays) {
-                second.mean = self.stays[m];
+                second.mean = self.stays[m % 2];
             }
             *freed = row.judged(nuisances.free(row.first, second));
             if let Some(second) = row.later(freed.value) {
@@ -207,14 +220,14 @@ impl WatchState {
         let first = (row.first.direction, value);
         let both = [first, row.second.map_or(first, |free| (free.direction, second))];
         let at = if row.second.is_some() { &both[..] } else { &both[..1] };
-        let list = hypothesis::since_onset(self.steps, self.bent());
+        let list = self.nuisances();
         alarm.age > ASKED_FROM && Nuisances::new(&g.window, &list, KAPPA).fixed(at) < -OVER
     }
 
     /// Nuisances explain what the charts say: the tracker takes them.
     pub(super) fn take_in(&mut self, g: &mut Gathered, row: &Row<LASTING>) {
         let before = self.tracker.expected(row);
-        let nuisances = hypothesis::since_onset(self.steps, self.bent());
+        let nuisances = self.nuisances();
         let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA);
         let [power, less, more, offset1, offset2, offset0, ..] = nuisances.values();
         self.steps += STEP_SHARE * (power * power - self.steps);

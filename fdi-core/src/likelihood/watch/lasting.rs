@@ -37,11 +37,11 @@ impl Watch {
         }
         let mut freed = [Freed::default(); COUNT];
         let nuisances = hypothesis::since_training(&s.wander, s.bent(), s.expected[0]);
-        s.steady.judge(&nuisances, &mut freed);
+        s.steady.judge(&nuisances, &mut freed, self.inputs);
         let posterior = Posterior::new(&freed);
         let h = posterior.likeliest % COUNT;
         let row = &HYPOTHESES[h];
-        let sized = s.steady.size(&nuisances, h);
+        let sized = s.steady.size(&nuisances, h, self.inputs);
         let sized = if row.judged(sized).gain == IMPOSSIBLE { freed[h] } else { sized };
         let least = match row.class {
             FaultClass::HeaterPower => larger(LEAST_POWER, UNUSUAL * sqrt(s.wander[0] + s.bent())),
@@ -52,7 +52,8 @@ impl Watch {
         let (factor, share) = if s.lasting.is_some() { (GOES_ON[0], GOES_ON[1]) } else { (1.0, 1.0) };
         let there = posterior.best_gain > factor * RAISE_SLOW && freed[h].value.abs() > share * least;
         let onset = s.lasting.map_or(tick, |was| was.onset);
-        let (class, confidence) = named(&posterior, NAME_LASTING);
+        let least = if self.inputs.fan { NAME_LASTING } else { 0.0 };
+        let (class, confidence) = named(&posterior, least);
         s.lasting = there.then(|| Lasting {
             onset,
             finding: (confidence > NAME_LASTING).then(|| Finding {

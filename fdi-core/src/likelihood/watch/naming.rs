@@ -46,6 +46,7 @@ impl Watch {
         let was = alarm.finding.map(|finding| finding.class);
         let told_apart = matches!(was, Some(FaultClass::AirFlow | FaultClass::HeaterPower));
         let least = match told_apart {
+            _ if !self.inputs.fan => 0.0,
             _ if alarm.age < PROCESS_TIME => ALWAYS_BOTH,
             true => NAME_PROCESS - UNNAME,
             false => NAME_PROCESS,

@@ -46,6 +46,7 @@ fn watch() -> Watch {
         naming: 0.95,
         least_power: 0.085,
         sample_time: TS,
+        inputs: Inputs::ALL,
     }
 }
 
@@ -61,8 +62,9 @@ fn trained(seed: u64) -> Trained {
     Trained {
         parameters: parameters(),
         motion: Motion::steady(40.0),
-        ladder: statistics.finish().unwrap(),
+        ladder: statistics.finish(2).unwrap(),
         mean: [0.0; 2],
+        beside: Beside::default(),
         power: 40.0,
         rise,
         curvature_error: 0.0,
@@ -124,7 +126,7 @@ impl Run {
             power = 40.0 + bit;
             let missing = random.uniform() < self.missing;
             let seen = y.map(|y| if missing { None } else { Some(y) });
-            said.push(watch.step(&mut s, &mut g, k as u32, seen, Some(22.0), seen, [power, 1.0]));
+            said.push(watch.step(&mut s, &mut g, k as u32, seen, Some(22.0), seen, [power, 1.0, 0.0]));
         }
         said
     }
@@ -235,7 +237,7 @@ fn garbage_leaves_numbers() {
             let [y1, y2, t0, b1, b2] = [reading(), reading(), reading(), reading(), reading()];
             let u = [0.0, 100.0, 40.0, 45.0, 35.0][(5.0 * random.uniform()) as usize % 5];
             let fan = if tick % 3000 < 2900 { 1.0 } else { random.between(0.05, 2.0) as f32 };
-            let said = watch.step(&mut s, &mut g, tick, [y1, y2], t0, [b1, b2], [u, fan]);
+            let said = watch.step(&mut s, &mut g, tick, [y1, y2], t0, [b1, b2], [u, fan, 0.0]);
             if let Some(finding) = said.finding() {
                 assert!((0.0..=1.0).contains(&finding.confidence), "tick {tick}, seed {seed}: {finding:?}");
                 let numbers = finding.magnitude.map_or([0.0; 2], |size| [size.value, size.half_width]);
@@ -318,7 +320,7 @@ fn without_samples_the_verdict_stands() {
         let e = noise.tick();
         let y2 = s.before[1] - 0.1 + e[1] + offset;
         let y = [(!missing).then_some(s.before[0] + 0.2 + e[0]), Some(y2)];
-        watch.step(s, &mut g, tick, y, Some(22.0), y, [40.0, 1.0])
+        watch.step(s, &mut g, tick, y, Some(22.0), y, [40.0, 1.0, 0.0])
     };
     for tick in 0..1100 {
         said = step(&mut s, &mut noise, tick, if tick < 1000 { 0.0 } else { 1.5 }, false);

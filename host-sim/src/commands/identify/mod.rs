@@ -7,7 +7,6 @@ pub mod model;
 pub mod poles;
 pub mod report;
 pub mod stamps;
-pub mod table;
 pub mod warning;
 
 use std::ops::Range;
@@ -17,12 +16,12 @@ use anyhow::{Context, ensure};
 use clap::Args;
 
 use super::terminal::print;
+use crate::recording::table::Table;
 use detrend::{Detrend, Detrended, detrended};
 use findings::{Findings, Fits};
 use model::{Model, Order, Signals};
 use report::{Question, Report, Validation};
 use stamps::Stamps;
-use table::Table;
 use warning::{Warning, warnings};
 
 /// Arguments of `identify`.

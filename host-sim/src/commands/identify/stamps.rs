@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::table::Table;
 use super::warning::Warning;
+use crate::recording::table::Table;
 
 /// A step between rows that differs from the usual one by more than this share of it is no jitter: a row is missing, is
 /// there twice, or was late.

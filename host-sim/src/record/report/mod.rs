@@ -37,9 +37,20 @@ fn introduction(record: &Record, summary: &Summary) -> String {
         .map(|f| format!("<strong>{}</strong> ({})", escape(&f.label()), tables::what_happens(f)))
         .collect();
     let faults = match faults.as_slice() {
+        [] if matches!(record.origin, Origin::Watched { .. }) => {
+            "Nothing is known to have been wrong.".into()
+        }
         [] => "Nothing was done to the rig.".into(),
         some => format!("What was done to the rig: {}.", some.join("; ")),
     };
+    if let Origin::Watched { file } = &record.origin {
+        let (duration, ts) = (significant(duration, 3), written(summary.ts_s));
+        return format!(
+            "<h1>Fault detection and isolation on a recording</h1>\n<p>{duration} s recorded in {}, diagnosed at every sample, \
+             T<sub>s</sub> = {ts} s. {faults}</p>\n",
+            escape(file)
+        );
+    }
     format!(
         "<h1>PT-326 fault detection and isolation</h1>\n<p>{} s of the PT-326 process trainer, {}, under the \
          instrument&rsquo;s control at a set-point of {} °C and diagnosed at every sample, T<sub>s</sub> = {} s. {faults}</p>\n",
@@ -57,12 +68,14 @@ fn origin(origin: &Origin) -> String {
             format!("simulated with seed {seed} and {} surroundings", tables::surroundings(*disturbance))
         }
         Origin::Recorded { file } => format!("recorded in {} and replayed", escape(file)),
+        Origin::Watched { file } => format!("recorded in {}", escape(file)),
     }
 }
 
 /// What went otherwise than it should.
 fn warnings(record: &Record, summary: &Summary) -> String {
-    let baseline = summary.baseline.is_none().then(|| {
+    let watched = matches!(record.origin, Origin::Watched { .. });
+    let baseline = (summary.baseline.is_none() && !watched).then(|| {
         "No baseline was learnt: the run was too short or unfit for learning, so nothing could be diagnosed.".to_owned()
     });
     let trips = summary.trips.iter().map(|trip| {

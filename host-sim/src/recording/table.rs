@@ -26,21 +26,13 @@ impl Table {
     /// # Errors
     /// The file cannot be read, a line has another number of cells than the first one, or there is no data.
     pub fn read(path: &Path) -> anyhow::Result<Self> {
-        let (file, bytes) = match path.to_str() {
-            Some("-") => {
-                let mut bytes = Vec::new();
-                ("standard input".into(), std::io::stdin().read_to_end(&mut bytes).map(|_| bytes))
-            }
-            _ => (path.display().to_string(), std::fs::read(path)),
-        };
-        let bytes = bytes.with_context(|| format!("cannot read {file}"))?;
-        // Lossy: a degree sign in an old encoding must not keep anyone from the numbers.
-        Self::parse(file, &String::from_utf8_lossy(&bytes))
+        let (file, text) = text_of(path)?;
+        Self::parse(file, &text)
     }
 
     /// Cuts `text` into cells. The separator is the first of semicolon, tab, comma that the first line contains, else
     /// blanks.
-    pub(super) fn parse(file: String, text: &str) -> anyhow::Result<Self> {
+    pub fn parse(file: String, text: &str) -> anyhow::Result<Self> {
         let text = text.trim_start_matches('\u{feff}');
         let first = text
             .lines()
@@ -132,19 +124,70 @@ impl Table {
         Ok(value)
     }
 
+    /// The numbers of `column`, with `None` where a cell is empty or says `nan`.
+    ///
+    /// # Errors
+    /// Cells that hold anything else, with file, line, column and text.
+    pub fn values_or_gaps(&self, column: usize) -> anyhow::Result<Vec<Option<f64>>> {
+        let value = |cells: &StringRecord| {
+            let cell = &cells[column];
+            if cell.is_empty() || cell.eq_ignore_ascii_case("nan") {
+                return Ok(None);
+            }
+            let value = number(cell, self.decimal_comma).or_else(|| clock(cell)).filter(|v| v.is_finite());
+            let place = || {
+                let (file, line) = (&self.file, line(cells));
+                format!(
+                    "{file}, line {line}, column {} ({}) is `{cell}`, expected a number, or nothing where a sample is missing",
+                    column + 1,
+                    self.name(column)
+                )
+            };
+            Ok(Some(value.with_context(place)?))
+        };
+        self.rows.iter().map(value).collect()
+    }
+
+    /// The line of the file that a row came from, from 1.
+    pub fn line_of(&self, row: usize) -> u64 {
+        self.rows.get(row).map_or(0, line)
+    }
+
+    /// Whether a column is called so.
+    pub fn has(&self, name: &str) -> bool {
+        self.header.as_ref().is_some_and(|header| header.iter().any(|cell| cell == name))
+    }
+
     /// How many columns there are.
     pub fn width(&self) -> usize {
         self.rows.first().map_or(0, StringRecord::len)
     }
 
     /// All columns, for messages.
-    fn columns(&self) -> String {
+    pub fn columns(&self) -> String {
         let describe = |i: usize| match self.header.as_ref().map(|h| &h[i]) {
             Some(name) if !name.is_empty() => format!("{} `{name}`", i + 1),
             _ => format!("{} (no name)", i + 1),
         };
         (0..self.width()).map(describe).collect::<Vec<_>>().join(", ")
     }
+}
+
+/// What to call a file, and its text; `-` is standard input.
+///
+/// # Errors
+/// It cannot be read.
+pub fn text_of(path: &Path) -> anyhow::Result<(String, String)> {
+    let (file, bytes) = match path.to_str() {
+        Some("-") => {
+            let mut bytes = Vec::new();
+            ("standard input".into(), std::io::stdin().read_to_end(&mut bytes).map(|_| bytes))
+        }
+        _ => (path.display().to_string(), std::fs::read(path)),
+    };
+    let bytes = bytes.with_context(|| format!("cannot read {file}"))?;
+    // Lossy: a degree sign in an old encoding must not keep anyone from the numbers.
+    Ok((file, String::from_utf8_lossy(&bytes).into_owned()))
 }
 
 /// Every line as cells; all lines must have as many as the first.
@@ -174,6 +217,13 @@ fn single_blanks(text: &str) -> String {
 /// The line of the file that a row came from, from 1.
 fn line(row: &StringRecord) -> u64 {
     row.position().map_or(0, csv::Position::line)
+}
+
+/// A time of day or a duration: hours, minutes and seconds, or the last two.
+fn clock(cell: &str) -> Option<f64> {
+    let mut parts = cell.split(':');
+    let first = parts.next().filter(|_| cell.contains(':'))?;
+    parts.try_fold(first.parse::<f64>().ok()?, |time, part| Some(60.0 * time + part.parse::<f64>().ok()?))
 }
 
 fn number(cell: &str, decimal_comma: bool) -> Option<f64> {

@@ -1,0 +1,123 @@
+//! Where the surroundings move as slowly as the rig answers, what lasts says hardly anything: faults are seen by how they come and go. There a sensor's
+//! error that goes is asked for by itself, and so is a heater that is right again.
+
+use super::{CLIP, Gathered, KAPPA, Watch, WatchState};
+use crate::bounds::{larger, smaller};
+use crate::likelihood::alarm::Alarm;
+use crate::likelihood::class::FaultClass;
+use crate::likelihood::column::{Column, Direction, LASTING, Row};
+use crate::likelihood::gone::Gone;
+use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, Hypothesis};
+use crate::likelihood::inputs::Inputs;
+
+/// The surroundings are slow where a constant leaves less than this share of itself after whitening.
+const SLOW: f32 = 0.15;
+/// Log odds by which a sensor's error has gone.
+const GOES: f32 = 10.0;
+/// The dead time is not known better than this there, ticks.
+pub(super) const VAGUE_SHIFT: f32 = 0.7;
+/// What goes back by more than this share of a jump has gone.
+const BACK: f32 = 0.5;
+/// Ticks without a chart after an end that was seen as such.
+const RESTS: u32 = 10;
+
+impl Watch {
+    /// By how much the residuals change where the fault of an alarm has gone on this tick, or lately; none while it has not.
+    pub(super) fn goes(
+        &self,
+        s: &mut WatchState,
+        g: &mut Gathered,
+        z: [f32; 2],
+        row: &Row<LASTING>,
+        heat: f32,
+    ) -> Option<[f32; 2]> {
+        let alarm = s.alarm.filter(|_| s.is_slow())?;
+        s.goes_at_once(&alarm, z, row).or_else(|| self.has_gone(s, g, &alarm, z, heat))
+    }
+
+    /// Whether the heater's power is right again. What it did lately the rig still has: the model goes on from there.
+    fn has_gone(
+        &self,
+        s: &mut WatchState,
+        g: &mut Gathered,
+        alarm: &Alarm,
+        z: [f32; 2],
+        heat: f32,
+    ) -> Option<[f32; 2]> {
+        let of_power = HYPOTHESES[alarm.hypothesis % COUNT].first.direction == Direction::Of(Column::Power);
+        if !of_power {
+            g.gone = Gone::default();
+            return None;
+        }
+        let theta = alarm.values[0];
+        let longest = (s.pace.stretch / self.sample_time) as u32;
+        if !g.gone.step((&s.process, &s.ladder), heat, [z, g.answer], theta, (KAPPA, longest)) {
+            return None;
+        }
+        let before = s.process.rises(s.motion.m, s.motion.w).y;
+        s.motion.add(&g.onset.power, theta);
+        s.motion.add(&g.gone.power, -theta);
+        let after = s.process.rises(s.motion.m, s.motion.w).y;
+        Some([after[0] - before[0], after[1] - before[1]])
+    }
+}
+
+impl WatchState {
+    /// Whether the surroundings move so slowly that a constant residual says hardly anything.
+    pub(super) fn is_slow(&self) -> bool {
+        self.ladder.rest()[0] < SLOW
+    }
+
+    /// A jump that has not gone back on the next tick is no spike, and counts again, in full: what stays shows nothing more.
+    pub(super) fn confirm(&mut self, z: [f32; 2], charted: &mut [f32; 2]) {
+        for m in 0..2 {
+            let jumped = core::mem::take(&mut self.jumped[m]);
+            if jumped * (z[m] + BACK * jumped) > 0.0 {
+                charted[m] =
+                    if jumped > 0.0 { larger(charted[m], jumped) } else { smaller(charted[m], jumped) };
+            }
+            if z[m].abs() > CLIP {
+                self.jumped[m] = z[m];
+            }
+        }
+    }
+
+    /// Whether a fault can be told here. What a controller holds looks stuck, or as if the heater gave always the same, where only slow answers
+    /// would tell.
+    pub(super) fn asks(&self, inputs: Inputs, row: &Hypothesis) -> bool {
+        let stands = matches!(row.class, FaultClass::Stuck(_))
+            || row.first.direction == Direction::Of(Column::Constant);
+        inputs.tell(row.class) && !(self.is_slow() && stands)
+    }
+
+    /// By how much T1 and T2 read other where all that this tick shows is that a thermistor reads right again.
+    fn goes_at_once(&self, alarm: &Alarm, z: [f32; 2], row: &Row<LASTING>) -> Option<[f32; 2]> {
+        let hypothesis = &HYPOTHESES[alarm.hypothesis % COUNT];
+        if hypothesis.second.is_some() || hypothesis.class.sensor().is_none() {
+            return None;
+        }
+        let direction = hypothesis.first.direction;
+        let mut change = [0.0; 2];
+        for (column, weight) in direction.columns().into_iter().zip(direction.weights()) {
+            for (change, value) in change.iter_mut().zip(row[column % LASTING]) {
+                *change += weight * value * alarm.values[0];
+            }
+        }
+        let explained = |m: usize| {
+            let left = z[m] + change[m] * self.ladder.inv_sigma[m];
+            (z[m] * z[m] - left * left) / (2.0 * KAPPA)
+        };
+        (explained(0) + explained(1) > GOES).then_some(change)
+    }
+
+    /// The alarm is over, and what it changed of the residuals with it.
+    pub(super) fn goes_on_without(&mut self, g: &mut Gathered, change: [f32; 2]) {
+        self.past.lower(change);
+        self.past_clipped.lower(change);
+        self.alarm = None;
+        self.rest();
+        g.begin_anew();
+        g.gone = Gone::default();
+        self.rests = RESTS;
+    }
+}

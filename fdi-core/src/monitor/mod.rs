@@ -1,0 +1,204 @@
+//! Diagnosis without control: temperatures and powers in, report out, for recordings and for rigs that something else controls.
+//!
+//! It is the instrument's own second half. A rig that is sampled far faster than it answers is looked at twice: sample by sample, for what
+//! thermistors do, and by means of several, for what the process does. The second is fed with what the first says of the thermistors taken
+//! away, so that each fault is told once.
+
+mod one_rate;
+
+use crate::config::Config;
+use crate::control::Tick;
+use crate::diagnosis::Report;
+use crate::diagnosis::baseline::Baseline;
+use crate::error::{ConfigError, in_range};
+use crate::likelihood::inputs::Inputs;
+use crate::likelihood::model::Model;
+use crate::likelihood::{FaultClass, Finding, LikelihoodReport, LikelihoodState, Readiness};
+use crate::units::Seconds;
+use one_rate::OneRate;
+
+/// What the units of a recording are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Units {
+    /// degC for one unit of a temperature: 1, or for other units whatever makes the rises some 10 to 50.
+    pub celsius: f32,
+    /// The power that is 100 %, in its unit.
+    pub full_power: f32,
+}
+
+impl Default for Units {
+    fn default() -> Self {
+        Self { celsius: 1.0, full_power: 100.0 }
+    }
+}
+
+/// One sample. What is no number counts as missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Observed {
+    /// Temperatures of the ambient, at the heater's outlet and behind that; `None` where there is none.
+    pub t: [Option<f32>; 3],
+    /// What drives the heater from this sample to the next; `None`: as before.
+    pub power: Option<f32>,
+    /// What drives a heater beside it.
+    pub beside: Option<f32>,
+    /// Level of the fan as announced, %.
+    pub fan: Option<f32>,
+    /// Supply of the heater, share of the nominal voltage.
+    pub supply: Option<f32>,
+    /// All is well, so that this sample may be learnt from.
+    pub learn: bool,
+}
+
+/// A diagnosis that only looks on.
+///
+/// ```
+/// use fdi_core::likelihood::inputs::Inputs;
+/// use fdi_core::{Config, Monitor, Observed, Units};
+///
+/// let inputs = Inputs { t0: false, t2: false, fan: false, ..Inputs::ALL };
+/// let mut monitor = Monitor::new(&Config::default(), inputs, Units::default())?;
+/// let (_, report) = monitor.step(&Observed { t: [None, Some(35.0), None], power: Some(40.0), learn: true, ..Observed::default() });
+/// assert!(report.likelihood.finding.is_none()); // nothing learnt yet, so nothing claimed
+/// # Ok::<(), fdi_core::ConfigError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Monitor {
+    fast: OneRate,
+    slow: Option<Slow>,
+}
+
+/// The look at means of several samples.
+#[derive(Clone, Debug)]
+struct Slow {
+    rate: OneRate,
+    every: u32,
+    gathered: Gathered,
+    said: LikelihoodReport,
+}
+
+/// Sums of what will be one sample, and of how many each.
+#[derive(Clone, Copy, Debug, Default)]
+struct Gathered {
+    count: u32,
+    learn: bool,
+    sums: [(f32, f32); QUANTITIES],
+}
+
+/// Temperatures, powers, fan and supply.
+const QUANTITIES: usize = 7;
+
+impl Gathered {
+    fn add(&mut self, o: &Observed) {
+        self.learn = o.learn && (self.learn || self.count == 0);
+        self.count += 1;
+        let [t0, t1, t2] = o.t;
+        for ((sum, count), x) in self.sums.iter_mut().zip([t0, t1, t2, o.power, o.beside, o.fan, o.supply]) {
+            if let Some(x) = x.filter(|x| x.is_finite()) {
+                *sum += x;
+                *count += 1.0;
+            }
+        }
+    }
+
+    fn mean(&self) -> Observed {
+        let [t0, t1, t2, power, beside, fan, supply] =
+            self.sums.map(|(sum, count)| (count > 0.0).then_some(sum / count));
+        Observed { t: [t0, t1, t2], power, beside, fan, supply, learn: self.learn }
+    }
+}
+
+impl Monitor {
+    /// A monitor that has seen nothing.
+    ///
+    /// # Errors
+    /// The setting, or the unit, that is out of bounds.
+    pub fn new(config: &Config, inputs: Inputs, units: Units) -> Result<Self, ConfigError> {
+        Ok(Self { fast: OneRate::new(config, inputs, units)?, slow: None })
+    }
+
+    /// The same, which looks at means of `every` samples as well.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn with_means(self, config: &Config, every: u32) -> Result<Self, ConfigError> {
+        in_range("every", every as f32, 2.0, 1e6)?;
+        let sample_time = Seconds(config.sample_time.0 * every as f32);
+        let config = Config { sample_time, ..config.clone() };
+        let inputs = Inputs { since: true, ..self.fast.inputs() };
+        let rate = OneRate::new(&config, inputs, self.fast.units())?;
+        let (gathered, said) = (Gathered::default(), LikelihoodReport::default());
+        Ok(Self { slow: Some(Slow { rate, every, gathered, said }), ..self })
+    }
+
+    /// One sample: what the instrument's first half would have handed on, and the report on it.
+    pub fn step(&mut self, observed: &Observed) -> (Tick, Report) {
+        let (tick, mut report) = self.fast.step(observed);
+        if let Some(slow) = &mut self.slow {
+            slow.step(observed, report.likelihood.finding);
+            report.likelihood = slow.together(report.likelihood);
+        }
+        (tick, report)
+    }
+
+    /// The next sample is the first of another recording of the same rig.
+    pub fn resume(&mut self) {
+        self.fast.resume();
+        if let Some(slow) = &mut self.slow {
+            slow.rate.resume();
+            slow.gathered = Gathered::default();
+        }
+    }
+
+    /// What was learnt, by the means where they are looked at; its degC and % are those of [`Units`].
+    pub fn model(&self) -> Option<Model> {
+        self.slow.as_ref().map_or_else(|| self.fast.model(), |slow| slow.rate.model())
+    }
+
+    /// What the signatures take for normal.
+    pub fn baseline(&self) -> Option<&Baseline> {
+        self.fast.baseline()
+    }
+
+    /// The memory of the likelihood diagnosis, for those who ask what it could tell: of the means where they are looked at.
+    pub fn likelihood(&self) -> &LikelihoodState {
+        self.slow.as_ref().map_or_else(|| self.fast.likelihood(), |slow| slow.rate.likelihood())
+    }
+}
+
+impl Slow {
+    fn step(&mut self, observed: &Observed, fast: Option<Finding>) {
+        let mut observed = *observed;
+        if let Some(Finding { class, magnitude: Some(magnitude), .. }) = fast {
+            let [t0, t1, t2] = &mut observed.t;
+            let reads_wrong = match class {
+                FaultClass::T0Fault => t0,
+                FaultClass::T1Offset => t1,
+                FaultClass::T2Offset => t2,
+                _ => &mut None,
+            };
+            *reads_wrong = reads_wrong.map(|t| t - magnitude.value);
+        }
+        self.gathered.add(&observed);
+        if self.gathered.count >= self.every {
+            let mean = core::mem::take(&mut self.gathered).mean();
+            self.said = self.rate.step(&mean).1.likelihood;
+        }
+    }
+
+    /// What both say: of thermistors the look at each sample, of the process that at means.
+    fn together(&self, fast: LikelihoodReport) -> LikelihoodReport {
+        let readiness = if fast.readiness == Readiness::Armed { self.said.readiness } else { fast.readiness };
+        let by_sensor = fast.finding.filter(|finding| finding.class.sensor().is_some());
+        let by_means = self
+            .said
+            .finding
+            .map(|finding| Finding { onset: finding.onset.saturating_mul(self.every), ..finding });
+        LikelihoodReport {
+            readiness,
+            alarm: fast.alarm || self.said.alarm,
+            finding: by_sensor.or(by_means).or(fast.finding),
+            expected: self.said.expected.map(|expected| expected.filter(|_| readiness == Readiness::Armed)),
+            ..fast
+        }
+    }
+}

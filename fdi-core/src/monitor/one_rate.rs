@@ -1,0 +1,235 @@
+//! The instrument's second half at one sample time, with what its first half would say of a rig under another control.
+
+use super::{Observed, Units};
+use crate::bounds::larger;
+use crate::config::Config;
+use crate::control::Tick;
+use crate::diagnosis::baseline::Baseline;
+use crate::diagnosis::{Diagnosis, DiagnosisState, Report};
+use crate::error::{ConfigError, in_range};
+use crate::known::KnownInputs;
+use crate::likelihood::inputs::Inputs;
+use crate::likelihood::model::Model;
+use crate::likelihood::{FaultClass, LikelihoodState, Readiness};
+use crate::sense::{Reading, Sample, Validity};
+use crate::supervisor::Mode;
+use crate::units::{Celsius, Percent};
+
+/// The diagnosis knows no longer sample times, s: it sees a slower rig as a faster one.
+const LONGEST_SAMPLE: f32 = 10.0;
+
+/// The same settings for a rig that is `factor` times as fast.
+fn faster(config: &Config, factor: f32) -> Config {
+    let mut config = config.clone();
+    for time in [
+        &mut config.sample_time,
+        &mut config.identification.answer_time,
+        &mut config.identification.dead_time,
+        &mut config.likelihood.fit_time,
+        &mut config.likelihood.check_time,
+    ] {
+        time.0 /= factor;
+    }
+    config
+}
+
+/// For how long a thermistor has repeated itself, samples, and for how long it ever did in training.
+#[derive(Clone, Copy, Debug, Default)]
+struct Still {
+    value: Option<f32>,
+    run: u32,
+    longest: u32,
+}
+
+/// A thermistor is stuck when it has repeated itself for so many times as long as it ever did in training, and for so many samples.
+const REPEATS: u32 = 5;
+const LEAST_REPEATS: u32 = 60;
+
+impl Still {
+    fn step(&mut self, value: Option<f32>, learning: bool) -> bool {
+        if value.is_none() {
+            return false;
+        }
+        self.run = if value == self.value { self.run.saturating_add(1) } else { 0 };
+        self.value = value;
+        if learning {
+            self.longest = self.longest.max(self.run);
+        }
+        self.run > self.longest.saturating_mul(REPEATS).max(LEAST_REPEATS)
+    }
+}
+
+/// A diagnosis that only looks on, at one sample time.
+#[derive(Clone, Debug)]
+pub(super) struct OneRate {
+    diagnosis: Diagnosis,
+    state: DiagnosisState,
+    inputs: Inputs,
+    units: Units,
+    /// Seconds for each second of the diagnosis.
+    time: f32,
+    index: u32,
+    learnt: u32,
+    armed: bool,
+    resuming: bool,
+    /// The first T1, which stands for a T0 that is missing.
+    base: Option<f32>,
+    last: [f32; 3],
+    still: [Still; 3],
+    power: f32,
+    setpoint: Celsius,
+}
+
+impl OneRate {
+    /// A monitor that has seen nothing.
+    ///
+    /// # Errors
+    /// The setting, or the unit, that is out of bounds.
+    pub(super) fn new(config: &Config, inputs: Inputs, units: Units) -> Result<Self, ConfigError> {
+        let time = larger(1.0, config.sample_time.0 / LONGEST_SAMPLE);
+        let diagnosis = Diagnosis::new(&faster(config, time))?.with(inputs);
+        in_range("units.celsius", units.celsius, 1e-6, 1e6)?;
+        in_range("units.full_power", units.full_power, 1e-6, 1e9)?;
+        let state = diagnosis.start();
+        let (index, learnt, armed, resuming, base) = (0, 0, false, false, None);
+        let (last, power, setpoint) = ([0.0; 3], 0.0, config.setpoint);
+        Ok(Self {
+            diagnosis,
+            state,
+            inputs,
+            units,
+            time,
+            index,
+            learnt,
+            armed,
+            resuming,
+            base,
+            last,
+            still: [Still::default(); 3],
+            power,
+            setpoint,
+        })
+    }
+
+    /// One sample: what the instrument's first half would have handed on, and the report on it.
+    pub(super) fn step(&mut self, observed: &Observed) -> (Tick, Report) {
+        let tick = self.tick(observed);
+        if core::mem::take(&mut self.resuming) {
+            self.diagnosis.resume(&mut self.state, tick.drive.0, &tick.known);
+        }
+        let mut report = self.diagnosis.step(&mut self.state, &tick, tick.drive);
+        self.armed = report.likelihood.readiness == Readiness::Armed;
+        self.to_units(&mut report);
+        (self.in_units(tick), report)
+    }
+
+    pub(super) fn inputs(&self) -> Inputs {
+        self.inputs
+    }
+
+    pub(super) fn units(&self) -> Units {
+        self.units
+    }
+
+    /// The next sample is the first of another recording of the same rig.
+    pub(super) fn resume(&mut self) {
+        self.resuming = true;
+    }
+
+    /// What was learnt; its degC and % are those of [`Units`].
+    pub(super) fn model(&self) -> Option<Model> {
+        let mut model = self.diagnosis.model(&self.state)?;
+        let Model { heater, lag, wall, dead_time, lag2, transport, lag_beside, .. } = &mut model;
+        for time in [heater, lag, wall, dead_time, lag2, transport, lag_beside] {
+            *time *= self.time;
+        }
+        Some(model)
+    }
+
+    /// What the signatures take for normal.
+    pub(super) fn baseline(&self) -> Option<&Baseline> {
+        self.diagnosis.baseline(&self.state)
+    }
+
+    /// The memory of the likelihood diagnosis, for those who ask what it could tell.
+    pub(super) fn likelihood(&self) -> &LikelihoodState {
+        &self.state.likelihood
+    }
+
+    fn tick(&mut self, observed: &Observed) -> Tick {
+        let percent =
+            |power: Option<f32>| power.filter(|u| u.is_finite()).map(|u| 100.0 * u / self.units.full_power);
+        let [t0, t1, t2] = observed.t.map(|t| t.filter(|t| t.is_finite()).map(|t| t * self.units.celsius));
+        self.power = percent(observed.power).unwrap_or(self.power).clamp(0.0, 100.0);
+        let beside = percent(observed.beside).map(Percent);
+        self.base = self.base.or(t1);
+        let t0 = if self.inputs.t0 { t0 } else { self.base };
+        let t2 = if self.inputs.t2 { t2 } else { t1 };
+        let learn = observed.learn && !self.armed;
+        self.learnt = self.learnt.saturating_add(u32::from(learn));
+        let mode = match (learn, self.learnt) {
+            (true, accepted) => Mode::Learn { accepted },
+            (false, 0) => Mode::Settle { steady: 0 },
+            (false, _) => Mode::Monitor,
+        };
+        let index = self.index;
+        self.index = index.saturating_add(1);
+        Tick {
+            index,
+            sample: Sample { t0: self.reading(0, t0), t1: self.reading(1, t1), t2: self.reading(2, t2) },
+            virtual_t1: None,
+            setpoint: self.setpoint,
+            pid: Percent(self.power),
+            prbs: Percent(0.0),
+            drive: Percent(self.power),
+            mode,
+            learn,
+            blocked: None,
+            forget: false,
+            known: KnownInputs {
+                supply: observed.supply.filter(|x| x.is_finite()),
+                supply_lost: 0,
+                fan: observed.fan.filter(|x| x.is_finite()).map(Percent),
+                beside,
+            },
+        }
+    }
+
+    fn reading(&mut self, which: usize, t: Option<f32>) -> Reading {
+        let measured = [self.inputs.t0, true, self.inputs.t2].get(which) == Some(&true);
+        let still = self.still.get_mut(which).filter(|_| measured);
+        let stuck = still.is_some_and(|still| still.step(t, !self.armed));
+        let validity = match t {
+            Some(_) if stuck => Validity::Stuck,
+            Some(_) => Validity::Good,
+            None => Validity::Missing,
+        };
+        if let (Some(last), Some(t)) = (self.last.get_mut(which), t) {
+            *last = t;
+        }
+        Reading { celsius: Celsius(self.last.get(which).copied().unwrap_or(0.0)), validity }
+    }
+
+    /// Temperatures in the recording's unit again.
+    fn in_units(&self, mut tick: Tick) -> Tick {
+        for reading in [&mut tick.sample.t0, &mut tick.sample.t1, &mut tick.sample.t2] {
+            reading.celsius.0 /= self.units.celsius;
+        }
+        tick
+    }
+
+    fn to_units(&self, report: &mut Report) {
+        let inverse = 1.0 / self.units.celsius;
+        for expected in report.likelihood.expected.iter_mut().flatten() {
+            *expected *= inverse;
+        }
+        let finding = report.likelihood.finding.as_mut();
+        if let Some(finding) = finding.filter(|finding| finding.class.unit().starts_with("degC"))
+            && let Some(magnitude) = &mut finding.magnitude
+        {
+            let inverse = if finding.class == FaultClass::Drift { inverse / self.time } else { inverse };
+            magnitude.value *= inverse;
+            magnitude.half_width *= inverse;
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! `pt326 diagnose`: the diagnosis on a recording.
+
+mod explain;
+mod live;
+
+use std::fmt::Write as _;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, ensure};
+use fdi_core::Config;
+use fdi_core::likelihood::inputs::Inputs;
+use pt326_rig::fault::Fault;
+
+use super::results::Folder;
+use super::terminal::{coloured, print};
+use crate::record::summary::Summary;
+use crate::record::table;
+use crate::recording::run::{Diagnosed, Training, diagnose};
+use crate::recording::{Heater, Reading, Recording, score, truth};
+use crate::{recording, settings};
+
+/// Arguments of `diagnose`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+Roles of --map: t1 (the heater's thermistor) and power are needed; time, t0 (the room), t2 (behind T1), known (the power of a second \
+heater beside), fan (its level, %) and supply (share of the nominal voltage) are used where they are there. Known by their header: traces of \
+this project, TCLab, TCLab's historian, Klipper's log; of Artisan's, say which columns are what. Two heaters are diagnosed one after the other. \
+Times count from the first sample.
+
+Without T0 an intercept is learnt in its place, and nothing is said of T0. Without T2 no fault has a place: what T1 reads, the heater and the air \
+are told apart by how fast things go.
+
+Examples:
+  pt326 diagnose faults_0.csv --train-on prbs.csv
+  pt326 diagnose box.csv --map time=t --map t1=T_box --map power=PWM --full-power 255 --train 0:1800
+  pt326 diagnose faults_0.csv --train-on prbs.csv --heater 1 --truth t1_offset=dout1_degC
+  my-logger | pt326 diagnose - --live --train-on normal.csv")]
+pub struct DiagnoseArgs {
+    /// The recording, CSV or a log of a kind that is known; `-` is standard input.
+    #[arg(value_name = "RECORD")]
+    pub file: PathBuf,
+    #[command(flatten)]
+    /// How to read it.
+    pub reading: ReadingArgs,
+    /// The only heater to diagnose, from 1, where the format has several.
+    #[arg(long, value_name = "N")]
+    pub heater: Option<usize>,
+    /// Learn from this part, s from the first sample on; left out: a part that seems normal is looked for.
+    #[arg(long, value_name = "FROM:TO", conflicts_with = "train_on")]
+    pub train: Option<String>,
+    /// Learn from another recording of the same rig.
+    #[arg(long, value_name = "RECORD")]
+    pub train_on: Option<PathBuf>,
+    /// The rig was cold and its heater off before the first sample.
+    #[arg(long)]
+    pub from_rest: bool,
+    /// What was truly wrong: CLASS=COLUMN of the recording, or a file of events (CSV with do, sensor, size, at, for; or TOML with
+    /// [[fault]]).
+    #[arg(long, value_name = "TRUTH")]
+    pub truth: Vec<String>,
+    /// Say what was learnt, and what can be told apart with it.
+    #[arg(long)]
+    pub explain: bool,
+    /// Read standard input for ever, a line a sample, and say what is wrong when it is.
+    #[arg(long, requires = "train_on")]
+    pub live: bool,
+    /// Write the settings that a board would need.
+    #[arg(long, value_name = "FILE.toml")]
+    pub write_config: Option<PathBuf>,
+    /// Settings of the diagnosis, TOML; see `pt326 config`.
+    #[arg(long, value_name = "FILE.toml")]
+    pub config: Option<PathBuf>,
+    /// Folder for trace.csv, summary.json, the figures and report.html; of a second heater in heater-2.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+/// How a recording is read.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct ReadingArgs {
+    /// Which column is what; left out: guessed from the header.
+    #[arg(long, value_name = "ROLE=COLUMN")]
+    pub map: Vec<String>,
+    /// Sample time, s; left out: that of the time stamps.
+    #[arg(long, value_name = "S")]
+    pub ts: Option<f64>,
+    /// Bring uneven time stamps to an even grid: the last row at each point counts.
+    #[arg(long)]
+    pub resample: bool,
+    /// The power that is 100 %, in its unit.
+    #[arg(long, value_name = "POWER")]
+    pub full_power: Option<f64>,
+    /// How many degC one unit of a temperature counts for, where it is none.
+    #[arg(long, value_name = "DEGC")]
+    pub degc: Option<f64>,
+    /// Whether a fan moves the air: without one neither its flow nor dirt that it carries is to blame. Left out: as the format says, else yes.
+    #[arg(long, value_name = "BOOL")]
+    pub fan: Option<bool>,
+}
+
+impl ReadingArgs {
+    /// The same for the library.
+    ///
+    /// # Errors
+    /// A number that cannot be.
+    pub fn reading(&self) -> anyhow::Result<Reading> {
+        for (name, value) in [("--ts", self.ts), ("--full-power", self.full_power), ("--degc", self.degc)] {
+            let value = value.unwrap_or(1.0);
+            ensure!(value > 0.0 && value.is_finite(), "{name} is {value}, expected a number above 0");
+        }
+        Ok(Reading {
+            map: self.map.clone(),
+            sample_time: self.ts,
+            resample: self.resample,
+            full_power: self.full_power,
+            celsius: self.degc,
+            fan: self.fan,
+            untimed: false,
+        })
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A bad file or value, a recording that nothing can be learnt from, or a folder that can't be written.
+pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
+    let config = settings::read(args.config.as_deref())?;
+    let how = args.reading.reading()?;
+    if args.live {
+        return live::run(args, &how, &config);
+    }
+    let (file, text) = recording::table::text_of(&args.file)?;
+    let mut recording = Recording::parse(file, &text, &how)?;
+    let other = args.train_on.as_deref().map(|path| Recording::read(path, &how)).transpose()?;
+    let truths = recording.heaters.iter().map(|heater| truth::read(&args.truth, &text, &recording, heater));
+    let mut truths: Vec<Vec<Fault>> = truths.collect::<anyhow::Result<_>>()?;
+    if args.from_rest {
+        let rest = recording.put_rest_before();
+        truths.iter_mut().flatten().for_each(|fault| fault.at += rest);
+    }
+    let lines = recording.remarks.iter().map(|remark| format!("{remark}\n"));
+    print(&lines.collect::<String>())?;
+    let asked = |which: &usize| args.heater.is_none_or(|number| number == which + 1);
+    let count = recording.heaters.len();
+    ensure!((0..count).any(|which| asked(&which)), "--heater: the recording has heaters 1 to {count}");
+    for (which, faults) in truths.iter().enumerate().filter(|(which, _)| asked(which)) {
+        let training = training(args, &recording, which, other.as_ref(), &config)?;
+        let done = diagnose(&recording, which, &training, faults, &config)
+            .with_context(|| format!("{}, {}", recording.file, recording.heaters[which].map))?;
+        let out = if which == 0 { args.out.clone() } else { args.out.join(format!("heater-{}", which + 1)) };
+        tell(args, &recording, which, &training, &done, &out)?;
+    }
+    Ok(())
+}
+
+/// What is learnt from.
+fn training(
+    args: &DiagnoseArgs,
+    recording: &Recording,
+    which: usize,
+    other: Option<&Recording>,
+    config: &Config,
+) -> anyhow::Result<Training> {
+    if let Some(other) = other {
+        return Ok(Training::Other(Box::new(other.clone())));
+    }
+    match &args.train {
+        Some(said) => Ok(Training::Own(part(said, recording)?, format!("{said} s is said to be normal"))),
+        None if args.from_rest => {
+            Ok(Training::Own(0..recording.len(), "all of it is taken for one heating up from rest".into()))
+        }
+        None => Training::find(recording, &recording.heaters[which], config),
+    }
+}
+
+/// `FROM:TO` in s as samples.
+fn part(said: &str, recording: &Recording) -> anyhow::Result<Range<usize>> {
+    let parsed = said.split_once(':').and_then(|(from, to)| Some((from.parse().ok()?, to.parse().ok()?)));
+    let (from, to): (f64, f64) = parsed.with_context(|| format!("--train {said}: expected FROM:TO in s"))?;
+    let end = recording.len() as f64 * recording.sample_time;
+    ensure!(
+        from >= 0.0 && from < to && to <= end + 1e-6,
+        "--train {said}: expected 0 <= FROM < TO <= {end} s"
+    );
+    Ok(recording.at(from)..recording.at(to))
+}
+
+/// Writes the files of a heater, and prints what was found.
+fn tell(
+    args: &DiagnoseArgs,
+    recording: &Recording,
+    which: usize,
+    training: &Training,
+    done: &Diagnosed,
+    out: &Path,
+) -> anyhow::Result<()> {
+    let heater = &recording.heaters[which];
+    let mut text = format!("\n{}\n{}\n", heater.map, because(training));
+    text += &explain::missing(heater.inputs);
+    text += &explain::learnt(recording, heater, training, done);
+    if args.explain {
+        text += &explain::told_apart(recording, heater, training, done)?;
+    }
+    let folder = Folder::open(out)?;
+    let summary = Summary::new(&done.record);
+    let written = folder.write(&done.record, &summary)?;
+    let from = done.watched_from as f64 * recording.sample_time;
+    if done.record.faults.is_empty() {
+        text += &format!("\n{}", coloured(&table::of_run(&done.record, &summary)));
+    } else {
+        let score = score::score(&done.record, from);
+        let json = serde_json::to_string_pretty(&score)?;
+        std::fs::write(out.join("score.json"), json + "\n").context("can't write score.json")?;
+        let _ = write!(text, "\n{}", score::table(&score));
+    }
+    if let Some(path) = args.write_config.as_deref().filter(|_| which == 0) {
+        let toml = explain::settings_of(&done.trained.config);
+        std::fs::write(path, toml).with_context(|| format!("can't write {}", path.display()))?;
+        let _ = writeln!(text, "Settings written to {}", path.display());
+    }
+    print(&format!("{text}{written}"))
+}
+
+fn because(training: &Training) -> String {
+    match training {
+        Training::Own(_, why) => format!("Learnt: {why}."),
+        Training::Other(other) => format!("Learnt: all of {}, which is said to be normal.", other.file),
+    }
+}
+
+/// Whether the paper's signatures have the inputs that they need.
+fn has_all(heater: &Heater) -> bool {
+    heater.inputs == Inputs { fan: heater.inputs.fan, ..Inputs::ALL }
+}

@@ -1,0 +1,169 @@
+//! A recording diagnosed: learnt from where it is normal, watched from then on.
+
+use std::ops::Range;
+
+use anyhow::{Context, bail, ensure};
+use fdi_core::{Config, Observed, Report, Tick};
+use pt326_rig::fault::Fault;
+
+use super::training::{self, Trained};
+use super::{Heater, Recording};
+use crate::experiment::{Origin, Record, Row, truth};
+
+/// What is learnt from.
+#[derive(Clone, Debug)]
+pub enum Training {
+    /// These samples of the recording itself; why they are trusted.
+    Own(Range<usize>, String),
+    /// All of another recording of the same rig.
+    Other(Box<Recording>),
+}
+
+/// A recording, and what was made of it.
+#[derive(Clone, Debug)]
+pub struct Diagnosed {
+    /// What was learnt.
+    pub trained: Trained,
+    /// How much of the recording the model explains where it was not learnt from, when it is simulated, %; NaN: nothing is left.
+    pub fit_on_the_rest: f64,
+    /// The first sample that was watched.
+    pub watched_from: usize,
+    /// Every tick from the beginning of the training or, if that was elsewhere, of the recording.
+    pub record: Record,
+}
+
+/// A part is taken for normal only where the model explains so much of it, %.
+const EXPLAINED: f64 = 50.0;
+/// What is tried when nobody says what is normal: shares of the recording.
+const TRIED: [Range<f64>; 6] = [0.0..0.25, 0.0..0.34, 0.0..0.5, 0.33..0.67, 0.5..1.0, 0.0..1.0];
+
+impl Training {
+    /// Finds a part that seems to be normal: the model that is learnt from it explains it, and raises no alarm when it goes over it again.
+    ///
+    /// # Errors
+    /// None is, with the reason for each.
+    pub fn find(recording: &Recording, heater: &Heater, config: &Config) -> anyhow::Result<Self> {
+        let mut refusals: Vec<String> = Vec::new();
+        for share in TRIED {
+            let at = |share: f64| (share * recording.len() as f64) as usize;
+            let part = at(share.start)..at(share.end);
+            let span = |k: usize| k as f64 * recording.sample_time;
+            let place = format!("{:.0} to {:.0} s", span(part.start), span(part.end));
+            let samples = &heater.samples[part.clone()];
+            let why = match training::train(recording, heater, samples, config) {
+                Err(error) => format!("{error:#}"),
+                Ok(trained) if trained.fit < EXPLAINED => {
+                    format!("the model explains {:.0} % of it", trained.fit)
+                }
+                Ok(trained) => match alarm(&trained, samples) {
+                    Some(k) => format!("its own model raises an alarm at {:.0} s", span(part.start + k)),
+                    None => {
+                        let why = format!(
+                            "{place} are taken for normal: the model learnt there explains {:.1} % of T1 and raises no alarm on going over it again",
+                            trained.fit
+                        );
+                        return Ok(Self::Own(part, why));
+                    }
+                },
+            };
+            refusals.push(format!("{place}: {why}"));
+        }
+        refusals.dedup_by(|a, b| a.split_once(": ").map(|x| x.1) == b.split_once(": ").map(|x| x.1));
+        bail!(
+            "{}: no part of it seems normal enough to learn from; say which with --train. {}",
+            recording.file,
+            refusals.join("; ")
+        )
+    }
+}
+
+/// The first sample on which what was learnt from some raises an alarm over them.
+fn alarm(trained: &Trained, samples: &[Observed]) -> Option<usize> {
+    let mut monitor = trained.monitor.clone();
+    monitor.resume();
+    samples.iter().position(|sample| monitor.step(&Observed { learn: false, ..*sample }).1.likelihood.alarm)
+}
+
+/// Learns, and watches; `faults` is what is known to have been wrong, in the recording's time.
+///
+/// # Errors
+/// Why nothing can be learnt.
+pub fn diagnose(
+    recording: &Recording,
+    which: usize,
+    training: &Training,
+    faults: &[Fault],
+    config: &Config,
+) -> anyhow::Result<Diagnosed> {
+    let heater = recording.heaters.get(which).context("there is no such heater")?;
+    let samples = &heater.samples;
+    let (trained, mut monitor, part) = match training {
+        Training::Own(part, _) => {
+            ensure!(
+                part.end <= samples.len(),
+                "the training ends after the recording, which has {} samples",
+                samples.len()
+            );
+            let trained = training::train(recording, heater, &samples[part.clone()], config)?;
+            let fresh = trained.fresh.clone();
+            (trained, fresh, part.clone())
+        }
+        Training::Other(other) => {
+            let theirs =
+                other.heaters.get(which).with_context(|| format!("{} has no such heater", other.file))?;
+            ensure!(
+                theirs.inputs == heater.inputs && other.sample_time == recording.sample_time,
+                "{} has other thermistors or another sample time than {}",
+                other.file,
+                recording.file
+            );
+            let trained = training::train(other, theirs, &theirs.samples, config)?;
+            let mut monitor = trained.monitor.clone();
+            monitor.resume();
+            (trained, monitor, 0..0)
+        }
+    };
+    let fit_on_the_rest = training::fit(&trained.monitor, &samples[part.start..], part.len()..samples.len());
+    let mut rows: Vec<Row> = Vec::new();
+    let mut shift = None;
+    for (k, sample) in samples.iter().enumerate().skip(part.start) {
+        let (tick, report) = monitor.step(&Observed { learn: part.contains(&k), ..*sample });
+        let shift = *shift.get_or_insert(k as i64 - i64::from(tick.index));
+        let time = recording.sample_time * k as f64;
+        rows.push(row(heater, tick, report, shift, truth(faults, time)));
+    }
+    let origin = Origin::Watched { file: recording.file.clone() };
+    let config =
+        Config { sample_time: fdi_core::Seconds(recording.sample_time as f32), ..trained.config.clone() };
+    let paper = heater.inputs.t0 && heater.inputs.t2;
+    let baseline = monitor.baseline().filter(|_| paper).copied();
+    let mut record = Record::new(origin, &config, faults, rows, baseline);
+    record.setpoint = f64::NAN;
+    Ok(Diagnosed { trained, fit_on_the_rest, watched_from: part.end, record })
+}
+
+/// A tick by the recording's own count, without what was fed in place of a thermistor that there is not.
+fn row(heater: &Heater, mut tick: Tick, mut report: Report, shift: i64, truth: u8) -> Row {
+    let shifted = |index: u32| (i64::from(index) + shift).max(0) as u32;
+    tick.index = shifted(tick.index);
+    report.tick = tick.index;
+    if let Some(finding) = &mut report.likelihood.finding {
+        finding.onset = shifted(finding.onset);
+    }
+    let nothing =
+        fdi_core::Reading { celsius: fdi_core::Celsius(f32::NAN), validity: fdi_core::Validity::Missing };
+    if !heater.inputs.t0 {
+        tick.sample.t0 = nothing;
+        report.likelihood.expected[0] = None;
+    }
+    if !heater.inputs.t2 {
+        tick.sample.t2 = nothing;
+        report.likelihood.expected[2] = None;
+    }
+    if !(heater.inputs.t0 && heater.inputs.t2) {
+        report =
+            Report { tick: report.tick, y1: report.y1, likelihood: report.likelihood, ..Report::default() };
+    }
+    tick.setpoint.0 = f32::NAN;
+    Row { tick, report, truth }
+}

@@ -31,8 +31,9 @@ pub(super) struct Alarm {
     /// Since it was raised, s of the reference rig.
     pub(super) age: f32,
     pub(super) finding: Option<Finding>,
-    /// No hypothesis fits.
+    /// No hypothesis fits, and when one did last, s like the age.
     pub(super) strange: bool,
+    pub(super) fitted: f32,
     /// Gain of the best hypothesis; the likeliest, and the values of what it frees.
     pub(super) gain: f32,
     pub(super) hypothesis: usize,
@@ -49,6 +50,7 @@ impl Alarm {
             age: 0.0,
             finding: None,
             strange: false,
+            fitted: 0.0,
             gain: 0.0,
             hypothesis: 0,
             values: [0.0; 2],

@@ -1,6 +1,6 @@
 //! How well the likelihood diagnosis saw a fault: when, as what, how large, since when.
 
-use crate::score::expectation::Expectation;
+use crate::score::expectation::{Expectation, is_right};
 use fdi_core::likelihood::{FaultClass, Finding, LikelihoodReport, Readiness};
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ pub struct LikelihoodScore {
     pub verdict: Option<&'static str>,
     /// Class that was named first.
     pub first_verdict: Option<&'static str>,
-    /// Whether that was the right one.
+    /// Whether that was the right one, or a pair that holds it.
     pub first_verdict_right: Option<bool>,
     /// Last estimate during the fault of how large it is, under `verdict`.
     pub magnitude: Option<f64>,
@@ -106,7 +106,7 @@ impl LikelihoodScorer {
             score: self.scorer.score(self.sample_time, known),
             verdict: settled.map(FaultClass::name),
             first_verdict: first.map(FaultClass::name),
-            first_verdict_right: first.filter(|_| known).map(|class| self.right.contains(&class)),
+            first_verdict_right: first.filter(|_| known).map(|class| is_right(&self.right, class.name())),
             magnitude: magnitude.map(|m| as_written(m.value)),
             magnitude_half_width: magnitude.map(|m| as_written(m.half_width)),
             magnitude_unit: magnitude.and(settled).map(FaultClass::unit),

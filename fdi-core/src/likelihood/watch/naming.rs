@@ -22,6 +22,8 @@ const ALWAYS_BOTH: f32 = 2.0;
 const STRANGE: [f32; 2] = [4.0, 0.06];
 const FITS: [f32; 2] = [1.5, 0.02];
 const UNKNOWN_AFTER: f32 = 3.0;
+/// It is unknown when nothing has fitted for so long, s.
+const STRANGE_FOR: f32 = 0.8;
 /// Error of the models in a size: of air flow, of all others.
 const SIZE_ERROR: [f32; 2] = [0.10, 0.04];
 /// Half of the width of a 95 % interval, in standard deviations.
@@ -54,9 +56,13 @@ impl Watch {
         let (class, confidence) = named(&posterior, least);
         let unexplained = left - 2.0 * KAPPA * gain;
         let [most, most_share] = if alarm.strange { FITS } else { STRANGE };
-        alarm.strange = alarm.age > UNKNOWN_AFTER
-            && unexplained > most * larger(1.0, g.since.count)
-            && unexplained > most_share * larger(1.0, g.since.energy);
+        let fits = unexplained < most * larger(1.0, g.since.count)
+            || unexplained < most_share * larger(1.0, g.since.energy);
+        if fits {
+            alarm.fitted = alarm.age;
+        }
+        // What has just ended fits nothing either.
+        alarm.strange = alarm.age > UNKNOWN_AFTER && alarm.age > alarm.fitted + STRANGE_FOR;
         let magnitude = magnitude(h, class, &freed[h]);
         let finding = Finding { class, confidence, magnitude, onset: alarm.onset };
         if alarm.strange {

@@ -32,7 +32,7 @@ const lab = {
 };
 const quiz = new Quiz();
 const charts = new Charts({ stack: $("stack"), overview: $("overview") }, () => (dirty = true));
-const rig = new RigDrawing($("rig"), (part, place) => lab.can.has("order") && (sheet.open(part, place), (dirty = true)));
+const rig = new RigDrawing($("rig"), (part, place) => lab.can.has("break") && (sheet.open(part, place), (dirty = true)));
 const sheet = new Sheet($("sheet"), { order, closed: (part) => ((dirty = true), part && rig.parts[part]?.focus({ preventScroll: true })) });
 const tour = new Tour($("tour"), {
   act, order, again: () => (dirty = true),
@@ -77,7 +77,7 @@ const HEAR = {
     events.push(from, values, store.at, store.given);
     for (let tick = from; tick < store.end; tick++) {
       const mode = store.get(tick, "mode");
-      if (mode !== lab.stateOf) [lab.stateOf, lab.since] = [mode, tick * store.ts];
+      if (mode === mode && mode !== lab.stateOf) [lab.stateOf, lab.since] = [mode, tick * store.ts];
     }
     quiz.follow(events);
     lab.heard = performance.now();
@@ -105,6 +105,10 @@ const HEAR = {
   },
   lost() {
     lab.lost ||= performance.now();
+  },
+  // Between the server and the board.
+  link({ up }) {
+    lab.lost = up ? 0 : lab.lost || performance.now();
   },
 };
 
@@ -286,7 +290,8 @@ function toast(text) {
 
 // --- What is shown ----------------------------------------------------------------------------------------------------------------
 
-const isOff = () => [0, 4].includes(lab.stateOf);
+// What is not heard of may heat: then the button stops.
+const isOff = () => !lab.lost && [0, 4].includes(lab.stateOf);
 const shown = new Map();
 // Changes a node only where its text has changed: what has the focus keeps it.
 function put(id, html) {
@@ -306,7 +311,7 @@ function show() {
   $("language").lang = current() === "en" ? "pt" : "en";
   const { kind, name } = lab.hello ?? {};
   if (kind) {
-    const text = { simulated: say("source_simulated", { seed: lab.scene.seed }), recording: say("source_recording", { name: escape(name) }) };
+    const text = { simulated: say("source_simulated", { seed: lab.scene.seed }), recording: say("source_recording", { name: escape(name) }), board: say("source_board", { name: escape(name) }) };
     $("source").lastElementChild.innerHTML = text[kind] ?? say("source_live", { name: escape(name ?? kind) });
   }
   for (const button of document.querySelectorAll("[data-mode]")) button.setAttribute("aria-pressed", button.dataset.mode === lab.mode);
@@ -318,8 +323,10 @@ function show() {
   $("transport").hidden = !lab.can.has("run");
   const orders = lab.can.has("order");
   $("stop").hidden = !orders;
-  $("modes").hidden = !orders;
+  $("stop").classList.toggle("large", kind === "board");
+  $("modes").hidden = !lab.can.has("break");
   $("desk-control").hidden = !orders;
+  $("excite").parentElement.hidden = kind === "board"; // a board has no command for it
   $("desk-rig").hidden = !lab.can.has("open");
   $("download").hidden = !lab.can.has("trace");
   $("link").hidden = !lab.can.has("trace") || kind !== "simulated";
@@ -407,7 +414,7 @@ function hint(row, hide) {
     return fault.for >= FOREVER ? what : say("left_s", { what, s: num(to - row.t, 0) });
   });
   const mend = `<button class="plain small" data-act="mend">${say("mend")}</button>`;
-  const idle = lab.can.has("order") && !hide ? say("hint_click") : "";
+  const idle = lab.can.has("break") && !hide ? say("hint_click") : "";
   put("hint", lines.length ? `<span>${lines.join("<br>")}</span>${mend}` : idle);
 }
 

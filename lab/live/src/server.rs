@@ -39,6 +39,8 @@ pub struct Server {
     pub clock: Clock,
     /// Its name for people.
     pub name: String,
+    /// What it is.
+    pub kind: &'static str,
     /// Which commands make sense.
     pub can: &'static [&'static str],
     /// Ts in s.
@@ -182,7 +184,8 @@ fn event(message: String) -> Result<Event, Infallible> {
 
 /// The hello of the protocol, with what only a server has.
 fn greeting(app: &Shared) -> String {
-    let mut hello: Value = serde_json::from_str(&protocol::hello("live", app.server.can)).unwrap_or_default();
+    let mut hello: Value =
+        serde_json::from_str(&protocol::hello(app.server.kind, app.server.can)).unwrap_or_default();
     hello["session"] = json!(app.session);
     hello["ts"] = json!(app.server.sample_time);
     hello["name"] = json!(app.server.name);

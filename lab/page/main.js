@@ -200,7 +200,7 @@ $("transport").addEventListener("click", ({ target }) => {
   if (speed) run(Number(speed));
   else if (target.closest("#pause")) run(lab.paused ? lab.speed : 0);
 });
-$("stop").addEventListener("click", () => act(isOff() ? "arm" : "stop"));
+$("stop").addEventListener("click", () => act(arms() ? "arm" : "stop"));
 $("follow").addEventListener("click", () => charts.follow());
 $("language").addEventListener("click", () => {
   speak(current() === "en" ? "pt" : "en");
@@ -290,8 +290,9 @@ function toast(text) {
 
 // --- What is shown ----------------------------------------------------------------------------------------------------------------
 
-// What is not heard of may heat: then the button stops.
-const isOff = () => !lab.lost && [0, 4].includes(lab.stateOf);
+const isOff = () => [0, 4].includes(lab.stateOf);
+// Of a real board the button only ever stops: whoever presses it twice must not arm.
+const arms = () => isOff() && lab.hello.kind !== "board";
 const shown = new Map();
 // Changes a node only where its text has changed: what has the focus keeps it.
 function put(id, html) {
@@ -391,8 +392,8 @@ function write(row, said, hide) {
   $("head").classList.toggle("long", view.head.replace(/<[^>]*>/g, "").length > 44);
   announce(asks ? view.head.replace(/\d+/, "") : `${said.word}: ${said.name ? short(said.name) : said.head.replace(/<[^>]*>/g, "")}`);
   $("clock").textContent = `${num(row.t)} s`;
-  $("stop").textContent = say(isOff() ? "arm" : "stop");
-  $("stop").classList.toggle("rests", isOff());
+  $("stop").textContent = say(arms() ? "arm" : "stop");
+  $("stop").classList.toggle("rests", arms());
   $("setpoint").textContent = `${num(row.setpoint)} °C`;
   $("follow").hidden = charts.following;
   if (lab.can.has("seek")) $("seek").value = lab.store.end;

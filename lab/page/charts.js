@@ -30,7 +30,7 @@ const PANELS = [
   {
     id: "power", unit: () => "%", high: [70, 62], least: 30, decimals: 1,
     series: [
-      one("drive", "--soft", { step: true, width: 1.1, label: () => say("sent") }),
+      one("drive", "--soft", { step: true, width: 1.1, label: (narrow) => say(narrow ? "sent_short" : "sent") }),
       one("pid", "--ink", { width: 1.8, label: () => "PID" }),
     ],
   },

@@ -7,7 +7,7 @@ const WIDE = {
 };
 const NARROW = {
   size: [368, 300], tube: [4, 364, 104, 176], fan: 42, coil: [86, 142], turns: 3, T0: 44, T1: 230, T2: 320,
-  box: [124, 232, 94, 50], mains: [48, 238], door: [0, 238], lanes: 14,
+  box: [122, 232, 97, 50], mains: [48, 238], door: [0, 238], lanes: 14,
 };
 const FLOW = 60; // units a second at the usual flow
 const RAMP = [[18, 112, 146, 184], [27, 172, 180, 180], [34, 238, 178, 106], [41, 228, 112, 48], [56, 184, 36, 60]];

@@ -197,6 +197,7 @@ const TABLE = {
   setpoint_short: ["set", "ref."],
   expected: ["expected", "esperado"],
   sent: ["sent", "enviado"],
+  sent_short: ["sent", "env."],
   truth: ["truth", "verdade"],
   fdv_fiv: ["paper, fdv fiv", "artigo, fdv fiv"],
   hidden: ["hidden until you have answered", "escondido até responder"],

@@ -406,7 +406,7 @@ fn a_link_leads_to_the_same_scene() {
 fn it_fits_400_px_and_every_control_has_a_name() {
     let browser = Browser::start().expect("a browser");
     browser.open(&address()).expect("lab.html");
-    for width in [400, 768, 1400, 2560] {
+    for width in [400, 768, 1000, 1400, 2560] {
         browser.resize(width, 900).expect("a size");
         let found = script_on(
             &browser,
@@ -419,6 +419,8 @@ fn it_fits_400_px_and_every_control_has_a_name() {
                    click("#language"); click(`[data-mode=${mode}]`); click("[data-part=T1]"); await said();
                    if (document.documentElement.scrollWidth > innerWidth) wide.push(mode);
                    const rows = new Set([...$(".bar").children].filter((n) => n.offsetWidth).map((n) => Math.round((n.offsetTop + n.offsetHeight / 2) / 20)));
+                   const edge = $(".bar").getBoundingClientRect().right - parseFloat(getComputedStyle($(".bar")).paddingRight);
+                   if ($("#stop").getBoundingClientRect().right > edge + 0.5) wide.push("bar");
                    if (rows.size > 2) wide.push(`bar in ${rows.size} rows`);
                    click("#sheet .x");
                  }

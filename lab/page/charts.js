@@ -50,6 +50,8 @@ const PANELS = [
     series: ["rap", "ry12", "rsg1", "rsg2", "rbw1"].map((id) => one(id, "--faint", { width: 1, label: () => id, beyond: 1 })),
   },
 ];
+// Left and right of the time axis: numbers, and what the curves are called.
+const margins = (narrow) => (narrow ? [30, 66] : [38, 126]);
 const RIBBON = 21;
 const MOST_A_PIXEL = 4; // ticks
 const TOOLS = 84; // width of what stands over the corner of the charts
@@ -170,7 +172,7 @@ export class Charts {
     const { store, narrow } = this;
     const k = narrow ? 1 : 0;
     const [head, gap] = [20, 12];
-    const [left, right] = narrow ? [30, 66] : [38, 116];
+    const [left, right] = margins(narrow);
     const ribbons = hide ? 0 : 3;
     const total = 24 + this.panels.reduce((sum, panel) => sum + panel.high[k] + head + gap, 0) + ribbons * RIBBON + 26;
     const pen = new Pen(this.stack, total);
@@ -381,7 +383,7 @@ export class Charts {
   drawOverview(events, hide) {
     const { store, narrow } = this;
     const pen = new Pen(this.overview, 48);
-    const [left, right] = narrow ? [30, 66] : [38, 116];
+    const [left, right] = margins(narrow);
     const width = pen.width - left - right;
     const from = store.first * store.ts;
     const to = Math.max(store.now, from + 60);

@@ -154,7 +154,7 @@ fn commands_need_token_json_host_and_origin() {
     let refused = |body: &str| post_text(address, &with_token(), body);
     let (status, why) = refused(r#"{"command":"order","order":{"order":"setpoint","celsius":500}}"#);
     assert!(status == 409 && why.contains("set-point 500"), "{why}");
-    assert_eq!(refused(r#"{"command":"run","speed":1e9}"#).0, 409);
+    assert_eq!(refused(r#"{"command":"run","speed":1000000000}"#).0, 409);
     for body in ["", "{", "[]", r#"{"command":"open"}"#, r#"{"command":"order","order":{"order":"melt"}}"#] {
         assert!((400..500).contains(&refused(body).0), "{body}");
     }

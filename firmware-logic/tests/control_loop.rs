@@ -139,7 +139,7 @@ fn an_experiment_is_cut_locked_out_and_stopped_as_regulation_is() {
     assert_eq!(bench.order(Command::Acknowledge).outcome.expect("an order").result, Ok(()));
     assert_eq!(bench.order(Command::Tune).outcome.expect("an order").result, Ok(()));
     (0..100).for_each(|_| drop(bench.tick()));
-    bench.codes.t1 = AdcCode(4095.0);
+    bench.codes.t1 = AdcCode(4090.0);
     assert!(matches!(bench.tick().tick.mode, Mode::Tripped(_)));
     assert!(bench.output.is_off());
 }

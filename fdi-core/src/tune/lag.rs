@@ -49,6 +49,8 @@ pub struct StepResponse {
 
 /// Frequencies that margins are looked for at, from a hundredth of the last.
 const STEPS: u32 = 300;
+/// 100 to the power of 1 / 300.
+const STEP: f32 = 1.015_469;
 
 /// Settled: so far from a step of 1.
 const SETTLED: f32 = 0.05;
@@ -142,7 +144,7 @@ impl Lag {
     /// Up to half the rate of the samples, or where the dead time alone is half a turn.
     fn frequencies(&self, sample_time: Seconds) -> impl Iterator<Item = f32> + use<> {
         let last = (PI / sample_time.0).min(PI / self.dead);
-        (0..=STEPS).map(move |k| last * libm::powf(0.01, 1.0 - k as f32 / STEPS as f32))
+        (0..=STEPS).scan(0.01 * last, |w, _| Some(core::mem::replace(w, STEP * *w)))
     }
 
     /// Size and lag of controller and rig at a frequency; the controller as it is, in samples.

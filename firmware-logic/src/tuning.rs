@@ -145,16 +145,16 @@ impl Tuner {
 
     /// The settings with what is proposed; what was in force is kept.
     pub fn applied(&mut self, proposal: &Proposal, config: &Config) -> Config {
-        self.before = Some(config.pid.clone());
+        self.before = Some(config.pid);
         let Tuned { kp, ti, td } = proposal.tuned;
-        let pid = PidConfig { kp, ti, td, ..config.pid.clone() };
+        let pid = PidConfig { kp, ti, td, ..config.pid };
         Config { pid, ..config.clone() }
     }
 
     /// The settings with what was in force before the last proposal; `None` where there was none since the start.
     pub fn undone(&mut self, config: &Config) -> Option<Config> {
         let PidConfig { kp, ti, td, .. } = self.before.take()?;
-        let pid = PidConfig { kp, ti, td, ..config.pid.clone() };
+        let pid = PidConfig { kp, ti, td, ..config.pid };
         Some(Config { pid, ..config.clone() })
     }
 }

@@ -127,7 +127,9 @@ fn does_not_arm_or_tune_with_the_break_input_open() {
 fn an_experiment_is_cut_locked_out_and_stopped_as_regulation_is() {
     let mut bench = Bench::new(ResetCause::PowerOn);
     assert_eq!(bench.order(Command::Tune).outcome.expect("an order").result, Ok(()));
-    (0..100).for_each(|_| drop(bench.tick()));
+    (0..100).for_each(|_| {
+        bench.tick();
+    });
     assert!(bench.output.given() > 0.0, "at rest first, then it heats");
     bench.output.open = true;
     bench.output.enabled = false;
@@ -138,7 +140,9 @@ fn an_experiment_is_cut_locked_out_and_stopped_as_regulation_is() {
     assert_eq!(bench.order(Command::Tune).outcome.expect("an order").result, locked_out);
     assert_eq!(bench.order(Command::Acknowledge).outcome.expect("an order").result, Ok(()));
     assert_eq!(bench.order(Command::Tune).outcome.expect("an order").result, Ok(()));
-    (0..100).for_each(|_| drop(bench.tick()));
+    (0..100).for_each(|_| {
+        bench.tick();
+    });
     bench.codes.t1 = AdcCode(4090.0);
     assert!(matches!(bench.tick().tick.mode, Mode::Tripped(_)));
     assert!(bench.output.is_off());

@@ -26,9 +26,8 @@ const BLOCK: u32 = 24;
 const CALM_BLOCKS: u32 = 3;
 /// Blocks that a rig may take to stand still.
 const MOST_BLOCKS: u32 = 60;
-/// Means agree within this share of the rise, or this many times their noise.
+/// Means agree within this share of the rise, or the deviation within a block: what shakes T1 is slow, and hardly less in the mean of a block.
 const SAME: f32 = 0.01;
-const NOISE: f32 = 2.0;
 /// What the relay adds, as a share of the mean power.
 const SWING: f32 = 0.6;
 /// Rises in degC: the least that is an answer, and the most that is allowed.
@@ -41,6 +40,9 @@ const LEAST_HYSTERESIS: f32 = 0.1;
 const SETTLING: u32 = 2;
 const TIMED: u32 = 4;
 const MEASURED: f32 = 12.0;
+/// Of the first harmonic of a relay that keeps its period so much must be left, and so often it is measured anew with the period that it had.
+const KEPT: f32 = 0.4;
+const TRIES: u32 = 10;
 /// Ticks between two switches of the relay, at most.
 const MOST_HALF: u32 = 500;
 /// Ticks in a row for which a reading that is not to be believed is held.
@@ -152,7 +154,7 @@ enum Stage {
     Rest(Block),
     Warm { block: Block, before: f32, calm: u32, blocks: u32 },
     Swing { relay: Relay, ticks: u32, timed: u32 },
-    Measure { relay: Relay, harmonics: Harmonics },
+    Measure { relay: Relay, harmonics: Harmonics, tries: u32 },
     Over(Result<Lag, Unclear>),
 }
 
@@ -238,17 +240,25 @@ impl Tuning {
                     return Stage::Swing { relay, ticks, timed };
                 }
                 let period = ticks as f32 / timed as f32;
-                Stage::Measure { relay, harmonics: Harmonics::new(period) }
+                Stage::Measure { relay, harmonics: Harmonics::new(period), tries: 1 }
             }
-            Stage::Measure { mut relay, mut harmonics } => {
+            Stage::Measure { mut relay, mut harmonics, tries } => {
                 harmonics.add_answer(y - relay.level);
-                relay.step(y);
-                harmonics.add_power(relay.sign() * self.powers.swing.0);
+                let rose = relay.step(y);
+                harmonics.add_power(relay.sign() * self.powers.swing.0, rose);
                 if relay.since > MOST_HALF {
                     return Stage::Over(Err(Unclear::NoSwing));
                 }
                 if !harmonics.is_complete() {
-                    return Stage::Measure { relay, harmonics };
+                    return Stage::Measure { relay, harmonics, tries };
+                }
+                if !harmonics.is_kept(self.powers.swing.0) {
+                    return match harmonics.period() {
+                        Some(period) if tries < TRIES => {
+                            Stage::Measure { relay, harmonics: Harmonics::new(period), tries: tries + 1 }
+                        }
+                        _ => Stage::Over(Err(Unclear::NoSwing)),
+                    };
                 }
                 let frequency = harmonics.turn / self.sample_time;
                 let answer = harmonics.answer();
@@ -260,7 +270,7 @@ impl Tuning {
 
     fn end_block(&mut self, block: &Block, before: f32, calm: u32, blocks: u32) -> Stage {
         let (mean, rise) = (block.mean(), block.mean() - self.rest);
-        let same = (SAME * rise.abs()).max(NOISE * self.noise / libm::sqrtf(BLOCK as f32));
+        let same = larger(SAME * rise.abs(), block.deviation());
         let calm = if (mean - before).abs() < same { calm + 1 } else { 0 };
         if calm < CALM_BLOCKS {
             let blocks = blocks + 1;
@@ -349,12 +359,21 @@ struct Harmonics {
     done: u32,
     power: [f32; 2],
     answer: [f32; 2],
+    /// Ticks of the first and the last rise of the power, and how many there were.
+    rises: (u32, u32, u32),
 }
 
 impl Harmonics {
     fn new(period: f32) -> Self {
         let ticks = (MEASURED * period + 0.5) as u32;
-        Self { turn: core::f32::consts::TAU / period, ticks, done: 0, power: [0.0; 2], answer: [0.0; 2] }
+        Self {
+            turn: core::f32::consts::TAU / period,
+            ticks,
+            done: 0,
+            power: [0.0; 2],
+            answer: [0.0; 2],
+            rises: (0, 0, 0),
+        }
     }
 
     fn phase(&self) -> (f32, f32) {
@@ -367,14 +386,31 @@ impl Harmonics {
         self.answer = [self.answer[0] + c * y, self.answer[1] - s * y];
     }
 
-    fn add_power(&mut self, u: f32) {
+    fn add_power(&mut self, u: f32, rose: bool) {
         let (c, s) = self.phase();
+        if rose {
+            let first = if self.rises.2 == 0 { self.done } else { self.rises.0 };
+            self.rises = (first, self.done, self.rises.2 + 1);
+        }
         self.power = [self.power[0] + c * u, self.power[1] - s * u];
         self.done += 1;
     }
 
     fn is_complete(&self) -> bool {
         self.done >= self.ticks
+    }
+
+    /// Whether the power really had this period: noise may make a relay with few samples a period go over to another.
+    fn is_kept(&self, swing: f32) -> bool {
+        let [re, im] = self.power;
+        let whole = self.ticks as f32 * swing * core::f32::consts::FRAC_2_PI;
+        libm::sqrtf(re * re + im * im) > KEPT * whole
+    }
+
+    /// The period that it had in the mean, ticks.
+    fn period(&self) -> Option<f32> {
+        let (first, last, count) = self.rises;
+        (count > 1).then(|| (last - first) as f32 / (count - 1) as f32)
     }
 
     /// Answer over power: size in degC per %, and how far it lags behind, rad.

@@ -89,6 +89,11 @@ impl TickLine {
         self.0[0]
     }
 
+    /// The word of this name in [`FIELDS`]; [`NONE`] where there is none.
+    pub fn word(&self, name: &str) -> u32 {
+        FIELDS.iter().position(|field| *field == name).map_or(NONE, |i| self.0[i])
+    }
+
     /// Codes that went in.
     pub fn raw(&self) -> RawSample {
         let [t0, t1, t2, supply] = [2, 3, 4, 31].map(|i: usize| AdcCode(f32::from_bits(self.0[i])));

@@ -5,7 +5,7 @@ use fdi_core::sense::thermistor::Thermistor;
 use fdi_core::{Command, Config};
 use firmware_logic::control_loop::OrderKind;
 use firmware_logic::log_line::LogLine;
-use firmware_logic::log_line::tick::{self, NONE, TickLine};
+use firmware_logic::log_line::tick::{NONE, TickLine};
 use pt326_lab::fields::{FIELDS, TRIPS};
 use pt326_lab::scene::Order;
 use pt326_lab::told::{Numbers, Told};
@@ -84,7 +84,7 @@ impl Rows {
     }
 
     fn numbers(&self, line: &TickLine) -> Numbers {
-        let word = |name| tick::FIELDS.iter().position(|field| *field == name).map_or(NONE, |i| line.0[i]);
+        let word = |name| line.word(name);
         let number = |name| Some(word(name)).filter(|word| *word != NONE).map(f32::from_bits);
         let (state, likelihood, vectors) = (word("state"), word("likelihood"), word("vectors"));
         let judged = (word("symptoms") != NONE).then_some(vectors);

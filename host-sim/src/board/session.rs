@@ -13,7 +13,7 @@ use super::simulate::SimulatedRig;
 /// Forgets what was typed of a line: whoever was here before may have left half of `arm`, which must not be ended now.
 const FORGET: u8 = 0x15;
 /// Ctrl-C: heater off, at once.
-pub(super) const STOP: u8 = 0x03;
+pub const STOP: u8 = 0x03;
 /// What ends an answer.
 const PROMPT: &str = "> ";
 /// How long an answer may take: a save erases the flash, an order waits for a tick of up to 5 s.

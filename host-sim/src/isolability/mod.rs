@@ -102,13 +102,14 @@ impl Onset {
     }
 }
 
-/// Onsets assumed now and then.
+/// Onsets assumed now and then, while an instrument goes on.
 #[derive(Default)]
-struct Onsets {
+pub struct Onsets {
     sample_time: f64,
     horizons: Vec<f64>,
     armed: Option<u32>,
     onsets: Vec<Onset>,
+    readiness: Readiness,
 }
 
 /// The instrument, with onsets assumed now and then.
@@ -126,11 +127,7 @@ impl Backend for Assuming {
     fn diagnose(&mut self, tick: &Tick) -> Report {
         self.bar.inc(1);
         let report = Backend::diagnose(&mut self.instrument, tick);
-        if tick.mode == Mode::Monitor && report.likelihood.readiness == Readiness::Armed {
-            self.onsets.gather(self.instrument.likelihood(), tick.index);
-        } else {
-            self.onsets.forget_those_under_way();
-        }
+        self.onsets.look(&self.instrument, tick, &report);
         report
     }
 
@@ -144,6 +141,41 @@ impl Backend for Assuming {
 }
 
 impl Onsets {
+    /// For faults that are to be told within these times, s, the shortest first.
+    pub fn new(sample_time: f64, horizons: &[f64]) -> Self {
+        Self { sample_time, horizons: horizons.to_vec(), ..Self::default() }
+    }
+
+    /// A tick has passed.
+    pub fn look(&mut self, instrument: &Instrument, tick: &Tick, report: &Report) {
+        self.readiness = report.likelihood.readiness;
+        if tick.mode == Mode::Monitor && self.readiness == Readiness::Armed {
+            self.gather(instrument.likelihood(), tick.index);
+        } else {
+            self.forget_those_under_way();
+        }
+    }
+
+    /// What could have been told.
+    ///
+    /// # Errors
+    /// Nothing was learnt, or it ended too soon after.
+    pub fn found(mut self, question: &Question) -> anyhow::Result<Isolability> {
+        self.forget_those_under_way();
+        let began = self.armed.map(|tick| experiment::tick_time(tick, self.sample_time));
+        let longest = self.horizons.last().copied().unwrap_or_default();
+        match began {
+            Some(armed_at) if !self.onsets.is_empty() => {
+                Ok(Isolability::new(&self.onsets, question, Inputs::ALL, armed_at))
+            }
+            Some(at) => bail!(
+                "it watched from {at:.0} s on: expected a duration of {:.0} s or more",
+                at + longest + self.sample_time * f64::from(EVERY)
+            ),
+            None => bail!("no models were learnt ({:?}): expected a longer run", self.readiness),
+        }
+    }
+
     fn forget_those_under_way(&mut self) {
         self.onsets.retain(|onset| onset.reached.len() == self.horizons.len());
     }
@@ -186,27 +218,11 @@ impl Isolability {
         let healthy = Scenario { faults: Vec::new(), ..scenario.clone() };
         let mut assuming = Assuming {
             instrument: Instrument::new(&config)?,
-            onsets: Onsets { sample_time, horizons: horizons.clone(), ..Onsets::default() },
+            onsets: Onsets::new(sample_time, horizons),
             bar: bar.clone(),
         };
-        let mut readiness = Readiness::Untrained;
-        experiment::drive(&mut assuming, &config, &healthy, *seed, |row, _| {
-            readiness = row.report.likelihood.readiness;
-        });
-        let began = assuming.onsets.armed.map(|tick| experiment::tick_time(tick, sample_time));
-        assuming.onsets.forget_those_under_way();
-        let onsets = assuming.onsets.onsets;
-        let longest = horizons.last().copied().unwrap_or_default();
-        match began {
-            Some(armed_at) if !onsets.is_empty() => Ok(Self::new(&onsets, question, Inputs::ALL, armed_at)),
-            Some(at) => bail!(
-                "it watched from {at:.0} s on: expected a duration of {:.0} s or more",
-                at + longest + sample_time * f64::from(EVERY)
-            ),
-            None => {
-                bail!("it learnt no models in {} s ({readiness:?}): expected a longer run", scenario.duration)
-            }
-        }
+        experiment::drive(&mut assuming, &config, &healthy, *seed, |_, _| ());
+        assuming.onsets.found(question)
     }
 
     /// Lets a trained monitor look on and finds what could have been told. Its ticks are of `every` samples.
@@ -220,11 +236,7 @@ impl Isolability {
         question: &Question,
     ) -> anyhow::Result<Self> {
         let mut monitor = monitor.clone();
-        let mut onsets = Onsets {
-            sample_time: sample_time * f64::from(every),
-            horizons: question.horizons.clone(),
-            ..Onsets::default()
-        };
+        let mut onsets = Onsets::new(sample_time * f64::from(every), &question.horizons);
         for (sample, k) in samples.iter().zip(1..) {
             let (_, report) = monitor.step(&Observed { learn: false, ..*sample });
             if report.likelihood.readiness == Readiness::Armed && k % every == 0 {

@@ -1,11 +1,13 @@
 //! Actions for scripts: one question, one answer, and whether it is yes.
 
+use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail, ensure};
 
-use crate::board::{Heard, Session, settings};
+use super::Person;
+use crate::board::{Heard, STOP, Session, settings};
 use crate::commands::terminal::{print, progress};
 use crate::settings::{commented_toml_of, read};
 
@@ -59,6 +61,48 @@ pub(super) fn faults(mut session: Session) -> anyhow::Result<bool> {
     Ok(answer.trim() == "none")
 }
 
+/// Somebody at a terminal, or a pipe that answers for him.
+struct Terminal;
+
+impl Person for Terminal {
+    fn tell(&mut self, line: &str) -> anyhow::Result<()> {
+        print(&format!("{line}\n"))
+    }
+
+    fn ask(&mut self, question: &str) -> anyhow::Result<Option<String>> {
+        print(question)?;
+        let mut line = String::new();
+        let ended = std::io::stdin().read_line(&mut line)? == 0;
+        if ended || !std::io::stdin().is_terminal() {
+            print(&format!("{}\n", line.trim()))?; // nobody has typed it here
+        }
+        Ok((!ended).then_some(line))
+    }
+}
+
+/// Leads through the commissioning, and writes its report; whether every step that was asked for went well.
+pub(super) fn commission(mut session: Session, file: &Path) -> anyhow::Result<bool> {
+    let mut other_hand = session.other_hand()?;
+    ctrlc::set_handler(move || {
+        let sent = other_hand.write_all(&[STOP]).is_ok();
+        eprintln!(
+            "{}",
+            if sent { "\nstopped" } else { "\nNOT stopped: the port has gone. The board's button stops it." }
+        );
+        std::process::exit(2);
+    })?;
+    let done = super::commission(&mut session, &mut Terminal)?;
+    let log = file.with_extension("log");
+    write(file, &done.report)?;
+    write(&log, &done.log)?;
+    print(&format!("\nwritten to {}, and the board's log to {}\n", file.display(), log.display()))?;
+    Ok(done.passed)
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    std::fs::write(path, text).with_context(|| format!("{} cannot be written", path.display()))
+}
+
 /// Runs the paper's experiment on the board by itself, and writes what was found; whether all is as it should be.
 pub(super) fn verify(mut session: Session, file: &Path, seconds: Option<f64>) -> anyhow::Result<bool> {
     let bar = progress(0, "ticks");
@@ -68,9 +112,8 @@ pub(super) fn verify(mut session: Session, file: &Path, seconds: Option<f64>) ->
     })?;
     bar.finish_and_clear();
     let log = file.with_extension("log");
-    for (path, text) in [(file, &found.report), (&log, &found.log)] {
-        std::fs::write(path, text).with_context(|| format!("{} cannot be written", path.display()))?;
-    }
+    write(file, &found.report)?;
+    write(&log, &found.log)?;
     print(&format!(
         "{}\nwritten to {}, and its stream to {}\n",
         found.report,
@@ -85,7 +128,7 @@ pub(super) fn save(mut session: Session, name: &str, file: &Path) -> anyhow::Res
     let head =
         format!("# The settings of the board on {name}: `pt326 board settings load` gives them back.\n");
     let text = head + &commented_toml_of(&settings::read(&mut session)?);
-    std::fs::write(file, text).with_context(|| format!("{} cannot be written", file.display()))?;
+    write(file, &text)?;
     print(&format!("written to {}\n", file.display()))?;
     Ok(true)
 }

@@ -1,6 +1,7 @@
 //! `pt326 board`: a real board at the other end of a serial port.
 
 mod actions;
+mod commission;
 mod recording;
 mod terminal;
 mod verify;
@@ -14,6 +15,7 @@ use crate::board::simulate::SimulatedRig;
 use crate::board::{Session, find};
 use crate::commands::experiment::ExperimentArgs;
 use crate::experiment::as_written;
+pub use commission::{Commissioning, Person, commission};
 pub use verify::{Verification, verify};
 
 /// Use a real board over its serial port: its console, a record of what it does, its settings.
@@ -29,6 +31,7 @@ Examples:
   pt326 board /dev/ttyACM0 check && echo wired rightly
   pt326 board --record board.log --from-start; pt326 replay board.log
   pt326 board settings save before.toml
+  pt326 board commission                    from a wired board to a rig that is watched, step by step
   pt326 board verify                        a bare board without a heater is enough
   pt326 board --simulate                    the whole instrument on a bare board, in real time
 
@@ -69,6 +72,13 @@ enum Action {
     Status,
     /// Print what went wrong since its start; exit code 1 where anything did.
     Faults,
+    /// Be led from a board that is wired to a rig that is watched: calibration, self-test, tuning of the controller, learning, what can
+    /// be told apart. Nothing heats without a yes; exit code 1 where a step has failed.
+    Commission {
+        /// The file for the report; the board's log goes beside it, with the ending .log.
+        #[arg(default_value = "commissioning.html")]
+        file: PathBuf,
+    },
     /// Run the paper's experiment on the bare board, compare every word with the host, and tell the times of its ticks; exit code 1
     /// where anything is wrong. Its outputs are locked off meanwhile.
     Verify {
@@ -116,6 +126,7 @@ pub fn run(args: &BoardArgs) -> anyhow::Result<ExitCode> {
         Some(Action::Check) => actions::check(session),
         Some(Action::Status) => actions::status(session),
         Some(Action::Faults) => actions::faults(session),
+        Some(Action::Commission { file }) => actions::commission(session, file),
         Some(Action::Verify { file, seconds }) => actions::verify(session, file, *seconds),
         Some(Action::Settings(SettingsAction::Save { file })) => actions::save(session, &name, file),
         Some(Action::Settings(SettingsAction::Load { file })) => actions::load(session, file),

@@ -18,6 +18,7 @@ use super::results::Folder;
 use super::run;
 use super::terminal::{BAD, GOOD, progress, styled};
 use crate::experiment::{Origin, Record, Row, as_written, tick_time, truth, with_prbs_phase};
+use crate::isolability::{Isolability, Onsets, Question};
 use crate::record::trace::Column;
 use crate::settings;
 use pt326_rig::fault::Fault;
@@ -138,7 +139,7 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
         std::fs::read_to_string(&args.file).with_context(|| format!("can't read {}", args.file.display()))?;
     let recording = read(&text, args).with_context(|| args.file.display().to_string())?;
     let folder = Folder::open(&args.out)?;
-    let (record, agreement) = rerun(&recording, &args.file)?;
+    let (record, agreement) = rerun(&recording, &args.file, |_, _, _| ())?;
     let remarks: String = recording.remarks.iter().map(|remark| format!("note: {remark}\n")).collect();
     run::tell(&record, &folder, &format!("{remarks}{agreement}\n"))?;
     let Agreement { ticks, differing, .. } = agreement;
@@ -154,7 +155,8 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
 pub fn numbers(file: &Path) -> anyhow::Result<(f64, Vec<pt326_live::source::Numbers>)> {
     let text = std::fs::read_to_string(file).with_context(|| format!("can't read {}", file.display()))?;
     let args = ReplayArgs { file: file.into(), config: None, seed: None, out: PathBuf::new() };
-    let (record, _) = rerun(&read(&text, &args).with_context(|| file.display().to_string())?, file)?;
+    let (record, _) =
+        rerun(&read(&text, &args).with_context(|| file.display().to_string())?, file, |_, _, _| ())?;
     Ok((record.sample_time, crate::record::numbers::of(&record)))
 }
 
@@ -164,10 +166,23 @@ pub fn numbers(file: &Path) -> anyhow::Result<(f64, Vec<pt326_live::source::Numb
 /// It is no log of a board, or does not begin with its start.
 pub fn agreement(log: &str) -> anyhow::Result<(bool, String)> {
     let recording = board_log::read(log, Config::default())?;
-    let (_, agreement) = rerun(&recording, Path::new("the board"))?;
+    let (_, agreement) = rerun(&recording, Path::new("the board"), |_, _, _| ())?;
     let remarks: String = recording.remarks.iter().map(|remark| format!("note: {remark}\n")).collect();
     let agrees = agreement.differing == 0 && recording.remarks.is_empty();
     Ok((agrees, format!("{remarks}{agreement}")))
+}
+
+/// Which faults could have been told apart in a board's log.
+///
+/// # Errors
+/// It is no log of a board, or does not begin with its start; the board has learnt nothing in it, or it ends too soon after.
+pub fn isolability(log: &str, question: &Question) -> anyhow::Result<Isolability> {
+    let recording = board_log::read(log, Config::default())?;
+    let mut onsets = Onsets::new(as_written(recording.config.sample_time.0), &question.horizons);
+    rerun(&recording, Path::new("the board"), |instrument, tick, report| {
+        onsets.look(instrument, tick, report)
+    })?;
+    onsets.found(question)
 }
 
 fn read(text: &str, args: &ReplayArgs) -> anyhow::Result<Recording> {
@@ -188,8 +203,12 @@ fn seed_beside(trace: &Path) -> Option<u64> {
     serde_json::from_str::<serde_json::Value>(&summary).ok()?.get("seed")?.as_u64()
 }
 
-/// Runs the core on the recorded inputs.
-fn rerun(recording: &Recording, file: &Path) -> anyhow::Result<(Record, Agreement)> {
+/// Runs the core on the recorded inputs; `look` sees it after each tick.
+fn rerun(
+    recording: &Recording,
+    file: &Path,
+    mut look: impl FnMut(&Instrument, &Tick, &Report),
+) -> anyhow::Result<(Record, Agreement)> {
     let config = &recording.config;
     let mut instrument = Instrument::new(config)?;
     if let Some(baseline) = &recording.baseline {
@@ -211,6 +230,7 @@ fn rerun(recording: &Recording, file: &Path) -> anyhow::Result<(Record, Agreemen
         let tick = instrument.control(recorded.raw);
         let report = instrument.diagnose(&tick, recorded.applied.unwrap_or(tick.drive));
         agreement.compare(recorded, &tick, &report, sample_time);
+        look(&instrument, &tick, &report);
         let now = f64::from(tick.index) * sample_time;
         rows.push(Row { tick, report, truth: truth(&recording.faults, now) });
         bar.inc(1);
@@ -262,7 +282,7 @@ mod tests {
 
     fn agreement(text: &str, seed: u64) -> Agreement {
         let recording = read(text, &args(seed)).unwrap();
-        rerun(&recording, Path::new("test")).unwrap().1
+        rerun(&recording, Path::new("test"), |_, _, _| ()).unwrap().1
     }
 
     #[test]
@@ -297,7 +317,7 @@ mod tests {
         (scenario.rig.mains.steps, scenario.rig.mains.measured_code) = (60.0, 2978.0);
         let trace = traced_with(&config, &scenario, 1);
         let recording = trace_file::read(&trace, &config).unwrap();
-        let (_, agreement) = rerun(&recording, Path::new("test")).unwrap();
+        let (_, agreement) = rerun(&recording, Path::new("test"), |_, _, _| ()).unwrap();
         assert_eq!((agreement.ticks, agreement.differing), (4090, 0), "{:?}", agreement.examples);
     }
 

@@ -9,7 +9,8 @@ use crate::record::{numbers as numbers_of, paper};
 use crate::score::expectation::Expectation;
 use pt326_lab::page::{self, Source};
 
-use numbers::{NOTHING, count, escape, significant, written};
+pub(crate) use numbers::escape;
+use numbers::{NOTHING, count, significant, written};
 
 /// How the method works, for whoever opens the page first.
 const HOW_TO_READ: &str = include_str!("how_to_read.html");

@@ -3,6 +3,7 @@
 mod boot;
 mod brown_out;
 mod check;
+mod commission;
 mod console;
 mod contactor;
 mod debug_halt;

@@ -285,7 +285,7 @@ mod tests {
         (0..50).for_each(|_| drop(session.step()));
         let text = session.trace().unwrap().collect::<Vec<_>>().join("\n");
         let recording = read(&text, &Config::default()).unwrap();
-        let (_, agreement) = super::super::rerun(&recording, Path::new("trace.csv")).unwrap();
+        let (_, agreement) = super::super::rerun(&recording, Path::new("trace.csv"), |_, _, _| ()).unwrap();
         assert!(agreement.to_string().contains("on all 350 ticks"), "{agreement}");
     }
 }

@@ -55,7 +55,7 @@ const margins = (narrow) => (narrow ? [30, 66] : [38, 126]);
 const RIBBON = 21;
 const MOST_A_PIXEL = 4; // ticks
 const TOOLS = 84; // width of what stands over the corner of the charts
-const SPANS = [2, 7200]; // s
+const SPANS = [2, 7200]; // s, of the usual rig
 
 export class Charts {
   constructor(canvases, changed) {
@@ -98,7 +98,7 @@ export class Charts {
   }
 
   get span() {
-    return this.view.span ?? (this.narrow ? 22 : 40);
+    return this.view.span ?? (this.narrow ? 22 : 40) * this.store.slow;
   }
 
   get end() {
@@ -108,13 +108,18 @@ export class Charts {
   // Shows so many seconds, up to a time.
   show(end, span) {
     const least = this.store.first * this.store.ts;
-    this.view.span = Math.min(SPANS[1], Math.max(SPANS[0], span));
+    this.view.span = this.bounded(span);
     this.view.end = end >= this.store.now ? null : Math.max(least + 1, end);
     this.changed();
   }
 
+  bounded(span) {
+    const [least, most] = SPANS.map((s) => s * this.store.slow);
+    return Math.min(most, Math.max(least, span));
+  }
+
   zoom(factor, t = this.end) {
-    const span = Math.min(SPANS[1], Math.max(SPANS[0], this.span * factor));
+    const span = this.bounded(this.span * factor);
     const right = (this.end - t) / this.span;
     this.show(this.following && t >= this.end - 0.02 * this.span ? Infinity : t + right * span, span);
   }
@@ -420,8 +425,9 @@ export class Charts {
     const [left, right] = [28, 6];
     const from = Math.min(event.onset ?? event.from, event.from);
     const names = namings(event);
-    const last = Math.max(4, Math.min(10, (names[names.length - 1]?.t ?? event.alarm ?? from) - from + 3));
-    const [t0, t1] = [from - 2, from + last];
+    const [before, least, most, more] = [2, 4, 10, 3].map((s) => s * store.slow);
+    const last = Math.max(least, Math.min(most, (names[names.length - 1]?.t ?? event.alarm ?? from) - from + more));
+    const [t0, t1] = [from - before, from + last];
     const T = (t) => left + ((t - t0) / (t1 - t0)) * (pen.width - left - right);
     const X = (tick) => T(tick * store.ts);
     const a = Math.max(store.first, Math.ceil(t0 / store.ts));
@@ -469,8 +475,9 @@ export class Charts {
       if (side === "left") taken = place + pen.measure(text, true) + 8;
     }
     pen.text(part.toUpperCase(), left + 4, 34, { css, bold: true });
-    for (let s = -2; s <= last; s += 2) {
-      pen.text(`${s > 0 ? "+" : ""}${num(s, 0)} s`, T(from + s), 180, { css: "--faint", align: s === -2 ? "left" : s + 2 > last ? "right" : "center" });
+    const apart = niceStep(before, 1);
+    for (let s = -apart; s <= last; s += apart) {
+      pen.text(`${s > 0 ? "+" : ""}${num(s, 0)} s`, T(from + s), 180, { css: "--faint", align: s < 0 ? "left" : s + apart > last ? "right" : "center" });
     }
   }
 

@@ -31,5 +31,5 @@ export function readTrace(text, hello) {
     if (cell[onset]) values[place + at.onset] = Math.round(Number(cell[onset]) / ts);
     values[place + at.readiness] = 3;
   }
-  return { values, ts };
+  return { hello: { ...hello, ts }, values };
 }

@@ -10,7 +10,7 @@ import { RigDrawing } from "lab/rig.js";
 import { short } from "lab/say.js";
 import { DEFAULT, fromLink, toLink } from "lab/scene.js";
 import { Sheet } from "lab/sheet.js";
-import { floats, fromRecording, fromServer, inWorker } from "lab/sources.js";
+import { floats, fromRecording, fromServer, inWorker, replay } from "lab/sources.js";
 import { Store } from "lab/store.js";
 import { current, escape, num, say, speak } from "lab/strings.js";
 import { Tour } from "lab/tour.js";
@@ -33,7 +33,7 @@ const lab = {
 const quiz = new Quiz();
 const charts = new Charts({ stack: $("stack"), overview: $("overview") }, () => (dirty = true));
 const rig = new RigDrawing($("rig"), (part, place) => lab.can.has("order") && !quiz.hides && (sheet.open(part, place), (dirty = true)));
-const sheet = new Sheet($("sheet"), { order, closed: (part) => ((dirty = true), part && rig.parts[part]?.focus({ preventScroll: true })) });
+const sheet = new Sheet($("sheet"), { order, slow: () => lab.store.slow, closed: (part) => ((dirty = true), part && rig.parts[part]?.focus({ preventScroll: true })) });
 const tour = new Tour($("tour"), {
   act, order, again: () => (dirty = true),
   busy: () => lab.store.get(lab.store.last, "alarm") > 0 || lab.events.active(lab.store.now).length > 0,
@@ -58,18 +58,22 @@ const HEAR = {
       charts.use(lab.store);
     }
     lab.session = message.session;
+    lab.settings = message.settings;
     if (message.scene) lab.scene = message.scene;
     show();
     if (message.kind === "simulated") begin();
   },
-  opened({ scene }) {
+  opened({ scene, ts = lab.hello.ts, settings = lab.hello.settings }) {
     if (scene) lab.scene = { ...scene, orders: [] };
-    lab.store.clear();
-    lab.events.clear();
+    lab.settings = settings;
+    for (const kept of [lab.store, lab.events]) {
+      kept.use(ts);
+      kept.clear();
+    }
     lab.stateOf = NaN;
     // As a session begins; what its orders have changed they change again.
     $("excite").checked = true;
-    for (const input of document.querySelectorAll("[data-set]")) input.value = input.defaultValue;
+    for (const input of document.querySelectorAll("[data-set]")) input.value = settings[input.dataset.set];
     for (const [tick, order] of scene?.orders ?? []) HEAR.order({ tick, order });
     charts.follow();
     show();
@@ -128,8 +132,12 @@ const ask = (command) => new Promise((resolve) => {
   answers.set(id, resolve);
   send({ ...command, id });
 });
+// Times of a fault are those of the usual rig: on a slower plant it lasts for as many samples.
 function order(what) {
-  send({ command: "order", order: what });
+  const { slow } = lab.store;
+  const { at, for: lasts } = what.fault ?? {};
+  const fault = what.fault && { ...what.fault, at: at * slow, for: lasts === FOREVER ? lasts : Math.round(lasts * slow) };
+  send({ command: "order", order: fault ? { ...what, fault } : what });
 }
 function open(scene, more = { skip: true }) {
   send({ command: "open", scene, ...more });
@@ -169,7 +177,7 @@ const ACTS = {
   "quiz-answer": ({ name }) => quiz.answer(name),
   "quiz-end": () => setMode("explore"),
   setpoint: ({ by }) => order({ order: "setpoint", celsius: Math.round(lab.store.get(lab.store.last, "setpoint")) + Number(by) }),
-  look: ({ at }) => charts.show(Number(at) + 15, 20),
+  look: ({ at }) => charts.show(Number(at) + 15 * lab.store.slow, 20 * lab.store.slow),
 };
 function act(name, data = {}) {
   ACTS[name]?.(data);
@@ -246,7 +254,7 @@ $("download").addEventListener("click", async () => {
   link.download = "trace.csv";
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-  toast(say("replay_with", { file: "trace.csv", seed: lab.scene.seed }));
+  toast(say("replay_with", { file: "trace.csv" }));
 });
 $("link").addEventListener("click", async () => {
   const { scene, tick } = await ask({ command: "scene" });
@@ -262,8 +270,10 @@ $("file").addEventListener("change", async ({ target }) => {
   const [file] = target.files;
   if (!file) return;
   try {
-    const { values, ts } = readTrace(await file.text(), lab.hello);
-    use((hear) => fromRecording(hear, { hello: { ...lab.hello, ts, session: undefined }, name: file.name, values }));
+    const text = await file.text();
+    const again = embedded("wasm") && (await replay(text, parts()).catch(({ message }) => void toast(say("not_replayed", { why: message }))));
+    const { hello, values } = again || readTrace(text, lab.hello);
+    use((hear) => fromRecording(hear, { hello: { ...hello, session: undefined }, name: file.name, values }));
   } catch (error) {
     toast(say("bad_trace", { why: error.message }));
   }
@@ -353,7 +363,7 @@ function frame(now) {
     charts.lead = Math.min(0, ((now - lab.heard) / 1000) * lab.speed - store.ts);
     if (!moving) charts.lead = 0;
     const row = store.row(store.last);
-    const said = verdict({ row, hello, events: lab.events, since: lab.since, can: lab.can, lost: lab.lost && now - lab.lost });
+    const said = verdict({ row, hello, events: lab.events, since: lab.since, ts: store.ts, settings: lab.settings, can: lab.can, lost: lab.lost && now - lab.lost });
     const hide = quiz.hides;
     if (moving || dirty) drawRig(row, said, hide);
     if (dirty || (moving && charts.following)) charts.draw(lab.events, hide);
@@ -435,7 +445,7 @@ function beside(row, said, hide) {
   put("bars", order.map(bar).join(""));
   const list = lab.events.list.filter((event) => !(hide && event === quiz.event));
   const last = list[list.length - 1];
-  const close = last && lab.store.has(lab.store.tickAt(last.from)) && row.t > last.from + CLOSE_FROM && (last.truth || last.alarm !== undefined);
+  const close = last && lab.store.has(lab.store.tickAt(last.from)) && row.t > last.from + CLOSE_FROM * lab.store.slow && (last.truth || last.alarm !== undefined);
   $("close").hidden = !close;
   if (close) {
     $("closetitle").textContent = say("closeup", { s: num(last.from) });
@@ -470,7 +480,8 @@ function use(make) {
   Object.assign(lab, { store: null, session: undefined });
   source = make(hear);
 }
-const useRig = () => use((hear) => inWorker(hear, { worker: embedded("worker"), wasm: embedded("wasm") }));
+const parts = () => ({ worker: embedded("worker"), wasm: embedded("wasm") });
+const useRig = () => use((hear) => inWorker(hear, parts()));
 
 speak(keep.get("language") ?? (navigator.language?.startsWith("pt") ? "pt" : "en"));
 document.documentElement.dataset.theme = keep.get("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");

@@ -5,8 +5,8 @@ import { num, say } from "lab/strings.js";
 const DURATIONS = [5, 10, 15, 25, 40, 60, 120, FOREVER];
 
 export class Sheet {
-  constructor(form, { order, closed }) {
-    Object.assign(this, { form, order, closed });
+  constructor(form, { order, slow, closed }) {
+    Object.assign(this, { form, order, slow, closed });
     this.part = null;
     [this.sizes, this.durations] = [{}, {}];
     form.addEventListener("submit", (event) => (event.preventDefault(), this.breakIt()));
@@ -78,7 +78,7 @@ export class Sheet {
     };
     if (this.chosen.size) out("size", signed(Number(this.size), this.chosen.size));
     const s = DURATIONS[this.duration];
-    out("for", s === FOREVER ? say("until_mended") : `${num(s, 0)} s`);
+    out("for", s === FOREVER ? say("until_mended") : `${num(s * this.slow(), 0)} s`);
   }
 
   changed({ name, value }) {

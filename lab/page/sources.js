@@ -13,6 +13,21 @@ export function inWorker(hear, { worker, wasm }) {
   return { send: (command) => thread.postMessage(command), close: () => thread.terminate() };
 }
 
+// A trace.csv run through the instrument's own code again: hello and numbers, with what the file does not tell. Rejects where it comes to
+// something else.
+export const replay = (trace, parts) => new Promise((resolve, reject) => {
+  let hello = null;
+  const session = inWorker((message) => {
+    if (message.type === "hello") {
+      hello = message;
+      return session.send({ command: "replay", trace });
+    }
+    session.close();
+    if (message.type === "replayed") resolve({ hello: { ...hello, ...message.hello }, values: message.values });
+    else reject(new Error(message.why));
+  }, parts);
+});
+
 // A server: server-sent events to here, commands by POST with the token of the page. What was missed is asked for when it comes back.
 export function fromServer(hear, token) {
   let [events, next, id, again, opened] = [null, 0, null, null, true];

@@ -15,9 +15,13 @@ function done(n) {
   return n;
 }
 
+function numbers(bytes) {
+  done(bytes);
+  return new Float32Array(wasm.memory.buffer.slice(wasm.output(), wasm.output() + bytes));
+}
+
 function run(ticks) {
-  const bytes = done(wasm.run(ticks));
-  const values = new Float32Array(wasm.memory.buffer.slice(wasm.output(), wasm.output() + bytes));
+  const values = numbers(wasm.run(ticks));
   postMessage({ type: "rows", from: tick, values });
   tick += ticks;
   return values;
@@ -33,9 +37,9 @@ function untilMonitoring(mode) {
 const COMMANDS = {
   open({ scene, at, skip }, hello) {
     put(scene);
-    done(wasm.open());
-    [tick, owed] = [0, 0];
-    postMessage({ type: "opened", scene });
+    const opened = JSON.parse(text(done(wasm.open())));
+    [tick, owed, ts] = [0, 0, opened.ts];
+    postMessage(opened);
     for (let left = at ?? 0; left > 0; left -= 1000) run(Math.min(1000, left));
     if (skip) {
       untilMonitoring(hello.fields.indexOf("mode"));
@@ -63,6 +67,11 @@ const COMMANDS = {
     const parts = [];
     for (let n; (n = done(wasm.trace_next())) > 0; ) parts.push(text(n));
     postMessage({ type: "trace", id, parts });
+  },
+  replay({ id, trace }) {
+    put(trace);
+    const hello = JSON.parse(text(done(wasm.replay())));
+    postMessage({ type: "replayed", id, hello, values: numbers(wasm.replayed()) });
   },
   scene({ id }) {
     postMessage({ type: "scene", id, tick, scene: JSON.parse(text(done(wasm.scene()))) });

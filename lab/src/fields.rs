@@ -4,10 +4,15 @@ use fdi_core::diagnosis::baseline::Normal;
 use fdi_core::diagnosis::residual::Residual;
 use fdi_core::likelihood::{Channel, FaultClass, HYPOTHESES, Pair, Readiness};
 use fdi_core::supervisor::Blocker;
-use fdi_core::{Mode, Reading, Report, Tick, TripReason, Validity};
+use fdi_core::{Instrument, Mode, Reading, Report, Tick, TripReason, Validity};
 
 /// Class and share of each hypothesis.
 pub type Explained = [(FaultClass, f32); HYPOTHESES];
+
+/// What each hypothesis explains of an alarm, on the tick that the instrument has just reported.
+pub fn explained(instrument: &Instrument, report: &Report) -> Option<Explained> {
+    report.likelihood.alarm.then(|| instrument.likelihood().explained()).flatten()
+}
 
 /// What the numbers are made of.
 #[derive(Clone, Copy, Debug)]

@@ -3,9 +3,12 @@
 //!
 //! No clock, no files, no threads: whoever holds a session decides when it ticks.
 
+pub mod change;
 pub mod fields;
 pub mod page;
+pub mod preset;
 pub mod protocol;
+pub mod recording;
 pub mod scene;
 pub mod session;
 pub mod time;

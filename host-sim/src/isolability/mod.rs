@@ -190,7 +190,7 @@ impl Isolability {
             bar: bar.clone(),
         };
         let mut readiness = Readiness::Untrained;
-        experiment::drive(&mut assuming, &config, &healthy, *seed, |row, _| {
+        experiment::drive(&mut assuming, &config, &healthy, *seed, |row, _, _| {
             readiness = row.report.likelihood.readiness;
         });
         let began = assuming.onsets.armed.map(|tick| experiment::tick_time(tick, sample_time));

@@ -254,7 +254,7 @@ fn a_flicker_of_the_papers_scheme_is_no_name() {
     let isolated = on_page(
         r##"
         const { Events } = await import("lab/events.js");
-        const events = new Events({ ts: 0.5, classes: [] });
+        const events = new Events({ ts: 0.11, classes: [] });
         const fiv = [0, 3, 3, 0, 3, 3, 3, 3, 3];
         return fiv.map((number, k) => (events.row(k / 2, 3, 1, NaN, 2, number, NaN, NaN), events.last.isolated ?? null));"##,
         &[],
@@ -293,10 +293,14 @@ fn a_trace_is_downloaded_replayed_and_opened() {
     let text = script_on(
         &browser,
         r##"
-        await monitoring();
+        await until(() => lab.lab.store?.end > 0);
+        lab.send({ command: "run", speed: 0 });
+        lab.send({ command: "open", scene: { ...SCENE, seed: 5 }, skip: true });
         const order = (order) => lab.send({ command: "order", order });
         order({ order: "break", fault: { do: "offset", sensor: "t2", size: 1.5, at: 0, for: 10 } }); await step(150);
         order({ order: "setpoint", celsius: 37 }); await step(100);
+        const kp = $("[data-set='pid.kp']");
+        kp.value = 2; kp.dispatchEvent(new Event("change", { bubbles: true })); await step(30);
         order({ order: "excite", on: false }); await step(50);
         order({ order: "excite", on: true }); await step(50);
         order({ order: "stop" }); await step(50);
@@ -318,7 +322,7 @@ fn a_trace_is_downloaded_replayed_and_opened() {
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("trace.csv");
     std::fs::write(&file, text[0].as_str().expect("text")).expect("the trace");
-    let args = ReplayArgs { file: file.clone(), config: None, seed: Some(1), out: folder.join("replayed") };
+    let args = ReplayArgs { file: file.clone(), config: None, seed: None, out: folder.join("replayed") };
     replay(&args).expect("the same bits");
     browser.choose("#file", &file).expect("the input");
     let shown = script_on(
@@ -326,15 +330,53 @@ fn a_trace_is_downloaded_replayed_and_opened() {
         r##"await until(() => lab.lab.hello.kind === "recording" && lab.lab.store?.end > 3000); await frame();
            lab.send({ command: "seek", tick: lab.lab.store.tickAt(lab.events().list[0].from) + 60 }); await frame(); await frame();
            await until(() => /T2/.test($("#head").innerText));
-           return [$("#head").innerText, $("#stop").hidden, $("#seek").hidden, $("#source").textContent.trim()]"##,
+           const shares = Number($("#bars .best output").textContent.replace("%", ""));
+           const known = ["t1_expected", "rap", "x_t2_offset"].every((name) => Number.isFinite(lab.row()[name]));
+           return [$("#head").innerText, $("#stop").hidden, $("#seek").hidden, $("#source").textContent.trim(), known && shares > 50, $("#toast").textContent]"##,
         &[],
     );
     let head = shown[0].as_str().expect("text");
     assert!(head.starts_with("T2 reads 1."), "{head}");
     assert_eq!(
-        [&shown[1], &shown[2], &shown[3]],
-        [&json!(true), &json!(false), &json!("Recording: trace.csv")]
+        [&shown[1], &shown[2], &shown[3], &shown[4]],
+        [&json!(true), &json!(false), &json!("Recording: trace.csv"), &json!(true)]
     );
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+/// Each preset brings its settings: it monitors, names a fault, and its trace replays to the same bits without being told anything.
+#[test]
+fn every_preset_monitors_names_and_replays() {
+    let found = on_page(
+        r##"
+        await until(() => lab.lab.store?.end > 0);
+        lab.send({ command: "run", speed: 0 });
+        const found = [];
+        for (const { value: preset } of [...$("#preset").options]) {
+          $("#preset").value = preset;
+          $("#preset").dispatchEvent(new Event("change", { bubbles: true }));
+          lab.send({ command: "run", speed: 0 });
+          await step(1);
+          const { mode, t } = lab.row();
+          click("[data-part=T2]"); $("#sheet [value=open]").click();
+          $("#sheet .primary").click(); await step(30);
+          const { parts } = await lab.ask({ command: "trace" });
+          found.push([preset, mode, Math.round(t / lab.lab.store.ts) > 3000, lab.events().last?.named ?? "", parts.join("")]);
+        }
+        return found;"##,
+        &[],
+    );
+    let found: Vec<(String, u8, bool, String, String)> = serde_json::from_value(found).expect("presets");
+    let folder = std::env::temp_dir().join(format!("pt326-presets-{}", std::process::id()));
+    for (preset, mode, after_learning, named, trace) in &found {
+        assert_eq!((*mode, *after_learning, named.as_str()), (3, true, "t2_open"), "{preset}");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let file = folder.join("trace.csv");
+        std::fs::write(&file, trace).expect("the trace");
+        let args = ReplayArgs { file, config: None, seed: None, out: folder.join("replayed") };
+        replay(&args).unwrap_or_else(|error| panic!("{preset}: {error:#}"));
+    }
+    assert_eq!(found.len(), 7);
     let _ = std::fs::remove_dir_all(folder);
 }
 
@@ -523,7 +565,7 @@ fn a_report_is_the_page_with_the_run_within_it() {
            const heads = [...document.querySelectorAll(".review .head")].map((n) => n.innerText.replace(/\d+(\.\d+)?/g, "#").replaceAll("\u00a0", " "));
            const [width, orders] = [document.documentElement.scrollWidth <= innerWidth, $("#stop").hidden];
            lab.send({ command: "seek", tick: 3530 });
-           await until(() => /T2/.test($("#head").innerText));
+           await until(() => /T2/.test($("#head").innerText) && $("#bars .best"));
            return [heads, width, orders, document.querySelectorAll(".report table").length > 3];"##,
         &[],
     );

@@ -3,7 +3,10 @@
 
 use std::cell::RefCell;
 
+use fdi_core::Config;
+use pt326_lab::fields::FIELDS;
 use pt326_lab::protocol;
+use pt326_lab::recording::Recording;
 use pt326_lab::scene::Scene;
 use pt326_lab::session::{Session, Trace};
 
@@ -13,6 +16,7 @@ struct Lab {
     output: Vec<u8>,
     session: Option<Session>,
     trace: Option<Trace>,
+    replayed: Vec<[f32; FIELDS.len()]>,
 }
 
 thread_local! {
@@ -56,13 +60,13 @@ pub extern "C" fn hello() -> i32 {
     answer(|_| Ok(protocol::hello("simulated", &["order", "open", "run", "trace"]).into_bytes()))
 }
 
-/// Begins the scene that the input holds as JSON.
+/// Begins the scene that the input holds as JSON; the message that says so.
 #[unsafe(no_mangle)]
 pub extern "C" fn open() -> i32 {
     answer(|lab| {
         let scene: Scene = serde_json::from_slice(&lab.input).map_err(|e| e.to_string())?;
-        lab.session = Some(Session::new(scene).map_err(|e| format!("{e:#}"))?);
-        Ok(Vec::new())
+        let session = lab.session.insert(Session::new(scene).map_err(|e| format!("{e:#}"))?);
+        Ok(protocol::opened(session).to_string().into_bytes())
     })
 }
 
@@ -112,6 +116,25 @@ pub extern "C" fn trace_next() -> i32 {
     answer(|lab| {
         let trace = lab.trace.as_mut().ok_or("no trace was begun")?;
         Ok(trace.take(LINES).flat_map(|line| [line, "\n".into()]).collect::<String>().into_bytes())
+    })
+}
+
+/// Runs the instrument again on the trace that the input holds; what a recording tells first, as JSON. [`replayed`] gives the numbers.
+#[unsafe(no_mangle)]
+pub extern "C" fn replay() -> i32 {
+    answer(|lab| {
+        let text = str::from_utf8(&lab.input).map_err(|e| e.to_string())?;
+        let recording = Recording::read(text, &Config::default()).map_err(|e| format!("{e:#}"))?;
+        lab.replayed = recording.numbers().map_err(|e| format!("{e:#}"))?;
+        Ok(protocol::recorded(&recording.config).to_string().into_bytes())
+    })
+}
+
+/// The numbers of the trace that was replayed, `f32` each.
+#[unsafe(no_mangle)]
+pub extern "C" fn replayed() -> i32 {
+    answer(|lab| {
+        Ok(std::mem::take(&mut lab.replayed).into_iter().flatten().flat_map(f32::to_le_bytes).collect())
     })
 }
 

@@ -62,6 +62,7 @@ pub(super) fn read(text: &str, config: Config) -> anyhow::Result<Recording> {
             orders: now,
             raw: record.raw(),
             applied: Some(record.applied()),
+            truth: 0,
             said: Said::Bits(Box::new(record)),
         }
     });

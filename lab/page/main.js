@@ -32,7 +32,7 @@ const lab = {
 };
 const quiz = new Quiz();
 const charts = new Charts({ stack: $("stack"), overview: $("overview") }, () => (dirty = true));
-const rig = new RigDrawing($("rig"), (part, place) => lab.can.has("order") && !quiz.hides && (sheet.open(part, place), (dirty = true)));
+const rig = new RigDrawing($("rig"), (part, place) => lab.can.has("break") && !quiz.hides && (sheet.open(part, place), (dirty = true)));
 const sheet = new Sheet($("sheet"), { order, slow: () => lab.store.slow, closed: (part) => ((dirty = true), part && rig.parts[part]?.focus({ preventScroll: true })) });
 const tour = new Tour($("tour"), {
   act, order, again: () => (dirty = true),
@@ -84,7 +84,7 @@ const HEAR = {
     events.push(from, values, store.at, store.given);
     for (let tick = from; tick < store.end; tick++) {
       const mode = store.get(tick, "mode");
-      if (mode !== lab.stateOf) [lab.stateOf, lab.since] = [mode, tick * store.ts];
+      if (mode === mode && mode !== lab.stateOf) [lab.stateOf, lab.since] = [mode, tick * store.ts];
     }
     quiz.follow(events);
     lab.heard = performance.now();
@@ -113,6 +113,10 @@ const HEAR = {
   },
   lost() {
     lab.lost ||= performance.now();
+  },
+  // Between the server and the board.
+  link({ up }) {
+    lab.lost = up ? 0 : lab.lost || performance.now();
   },
 };
 
@@ -208,7 +212,7 @@ $("transport").addEventListener("click", ({ target }) => {
   if (speed) run(Number(speed));
   else if (target.closest("#pause")) run(lab.paused ? lab.speed : 0);
 });
-$("stop").addEventListener("click", () => act(isOff() ? "arm" : "stop"));
+$("stop").addEventListener("click", () => act(arms() ? "arm" : "stop"));
 $("follow").addEventListener("click", () => charts.follow());
 $("language").addEventListener("click", () => {
   speak(current() === "en" ? "pt" : "en");
@@ -301,6 +305,8 @@ function toast(text) {
 // --- What is shown ----------------------------------------------------------------------------------------------------------------
 
 const isOff = () => [0, 4].includes(lab.stateOf);
+// Of a real board the button only ever stops: whoever presses it twice must not arm.
+const arms = () => isOff() && lab.hello.kind !== "board";
 const shown = new Map();
 // Changes a node only where its text has changed: what has the focus keeps it.
 function put(id, html) {
@@ -320,7 +326,7 @@ function show() {
   $("language").lang = current() === "en" ? "pt" : "en";
   const { kind, name } = lab.hello ?? {};
   if (kind) {
-    const text = { simulated: say("source_simulated", { seed: lab.scene.seed }), recording: say("source_recording", { name: escape(name) }) };
+    const text = { simulated: say("source_simulated", { seed: lab.scene.seed }), recording: say("source_recording", { name: escape(name) }), board: say("source_board", { name: escape(name) }) };
     $("source").lastElementChild.innerHTML = text[kind] ?? say("source_live", { name: escape(name ?? kind) });
   }
   for (const button of document.querySelectorAll("[data-mode]")) button.setAttribute("aria-pressed", button.dataset.mode === lab.mode);
@@ -331,8 +337,11 @@ function show() {
   $("pause").querySelector("path").setAttribute("d", lab.paused ? "M2 1l9 5-9 5z" : "M1.5 1h3v10h-3zM7.5 1h3v10h-3z");
   $("transport").hidden = !lab.can.has("run");
   const orders = lab.can.has("order");
-  $("modes").hidden = !orders;
+  $("stop").hidden = !orders;
+  $("stop").classList.toggle("large", kind === "board");
+  $("modes").hidden = !lab.can.has("break");
   $("desk-control").hidden = !orders;
+  $("excite").parentElement.hidden = kind === "board"; // a board has no command for it
   $("desk-rig").hidden = !lab.can.has("open");
   $("download").hidden = !lab.can.has("trace");
   $("link").hidden = !lab.can.has("trace") || kind !== "simulated";
@@ -398,10 +407,10 @@ function write(row, said, hide) {
   $("head").classList.toggle("long", view.head.replace(/<[^>]*>/g, "").length > 44);
   announce(asks ? view.head.replace(/\d+/, "") : `${said.word}: ${said.name ? short(said.name) : said.head.replace(/<[^>]*>/g, "")}`);
   $("clock").textContent = `${num(row.t)} s`;
-  // After a trip the way on stands below the sentence.
-  $("stop").hidden = !lab.can.has("order") || row.mode === 4;
-  $("stop").textContent = say(isOff() ? "arm" : "stop");
-  $("stop").classList.toggle("rests", isOff());
+  // After a trip the way on stands below the sentence; a real board can always be told to stop.
+  $("stop").hidden = !lab.can.has("order") || (row.mode === 4 && lab.can.has("break"));
+  $("stop").textContent = say(arms() ? "arm" : "stop");
+  $("stop").classList.toggle("rests", arms());
   $("setpoint").textContent = `${num(row.setpoint)} °C`;
   $("follow").hidden = charts.following;
   if (lab.can.has("seek")) $("seek").value = lab.store.end;
@@ -423,7 +432,7 @@ function hint(row, hide) {
     return fault.for >= FOREVER ? what : say("left_s", { what, s: num(to - row.t, 0) });
   });
   const mend = `<button class="plain small" data-act="mend">${say("mend")}</button>`;
-  const idle = lab.can.has("order") && !hide ? say("hint_click") : "";
+  const idle = lab.can.has("break") && !hide ? say("hint_click") : "";
   put("hint", lines.length ? `<span>${lines.join("<br>")}</span>${mend}` : idle);
 }
 

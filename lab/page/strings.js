@@ -5,6 +5,7 @@ const TABLE = {
   brand: ["lab", "laboratório"],
   source_simulated: ["Simulated rig, seed {seed}", "Bancada simulada, semente {seed}"],
   source_recording: ["Recording: {name}", "Registo: {name}"],
+  source_board: ["Real board: {name}", "Placa real: {name}"],
   source_live: ["Live: {name}", "Em direto: {name}"],
   time: ["Time", "Tempo"],
   pause: ["Pause", "Pausa"],
@@ -64,6 +65,10 @@ const TABLE = {
   sub_lost: [
     "What you see is old. It tries again by itself; nothing that was recorded is lost.",
     "O que vê é antigo. Tenta de novo por si; nada do que foi registado se perde.",
+  ],
+  sub_lost_board: [
+    "What you see is old. The board goes on regulating and trips by itself; its button stops it. The port is tried again.",
+    "O que vê é antigo. A placa continua a regular e dispara por si; o botão dela pára-a. A porta volta a ser tentada.",
   ],
   skip: ["Skip to monitoring", "Saltar para a vigilância"],
   quick_t2: ["T2 reads too high", "T2 lê a mais"],
@@ -284,6 +289,7 @@ const TABLE = {
   tour_back: ["Back", "Anterior"],
   tour_next: ["Next", "Seguinte"],
   // Trips
+  trip_unknown: ["It has tripped.", "Disparou."],
   trip_T1Open: ["T1 reads as a broken wire.", "T1 lê como fio partido."],
   trip_T1Short: ["T1 reads as a short circuit.", "T1 lê como curto-circuito."],
   trip_T1OutOfRange: ["T1 reads what the rig cannot have.", "T1 lê o que a bancada não pode ter."],

@@ -22,18 +22,19 @@ const ENDING = 8; // s: an alarm takes some time to see that its fault is over
 export function verdict({ row: now, hello, events, since, ts, settings, can, lost }) {
   const at = now.t;
   const aside = say("for_s", { s: num(Math.max(0, at - since), 0) });
-  const order = can.has("order");
+  const [order, mends] = [can.has("order"), can.has("break")];
   if (lost) {
     const s = num(lost / 1000, 0);
-    return { state: "lost", icon: "off", word: say("state_lost"), aside: "", head: say("head_lost", { s }), sub: say("sub_lost"), more: "" };
+    return { state: "lost", icon: "off", word: say("state_lost"), aside: "", head: say("head_lost", { s }), sub: say(hello.kind === "board" ? "sub_lost_board" : "sub_lost"), more: "" };
   }
   if (now.mode === 4) {
     // First what is wrong, then the word that it was seen.
     const broken = events.active(at).length > 0;
-    const ways = [button("mend", "mend_all", broken), button("ack", "acknowledge", !broken)];
+    const acknowledge = button("ack", "acknowledge", !broken);
+    const ways = mends ? [button("mend", "mend_all", broken), acknowledge] : [acknowledge];
     const more = order ? row(...(broken ? ways : ways.reverse())) : "";
-    const reason = hello.trips[now.trip];
-    const parts = TRIPPED[reason] ?? [reason?.slice(0, 2)];
+    const reason = hello.trips[now.trip] ?? "unknown";
+    const parts = TRIPPED[reason] ?? [reason.slice(0, 2)];
     const off = say("heater_off_since", { s: num(since, 1) });
     return { state: "tripped", icon: "off", word: say("state_tripped"), aside: off, head: say(`trip_${reason}`), sub: say("acknowledge_first"), more, parts };
   }
@@ -51,7 +52,7 @@ export function verdict({ row: now, hello, events, since, ts, settings, can, los
     const head = now.mode === 2 ? say("head_learn") : say("head_settle", { setpoint: num(now.setpoint) });
     const word = say(now.mode === 2 ? "state_learn" : "state_settle");
     const sub = waits || say("sub_learn", { s: num(left, 0) });
-    return { state: "learn", icon: "learn", word, aside: "", head, sub, more: bar + (order ? row(button("skip", "skip", true)) : "") };
+    return { state: "learn", icon: "learn", word, aside: "", head, sub, more: bar + (order && can.has("run") ? row(button("skip", "skip", true)) : "") };
   }
   if (now.readiness === 2) {
     return { state: "learn", icon: "learn", word: say("state_monitor"), aside, head: say("head_refused"), sub: say("sub_refused"), more: "" };
@@ -60,7 +61,7 @@ export function verdict({ row: now, hello, events, since, ts, settings, can, los
   const sub = expected
     ? sayHtml("sub_monitor", { t1: num(now.t1), e1: num(now.t1_expected), t2: num(now.t2), e2: num(now.t2_expected) })
     : "";
-  const more = order ? row(button("surprise", "surprise", true), ...QUICK.map(([act, key]) => button(act, key))) : "";
+  const more = mends ? row(button("surprise", "surprise", true), ...QUICK.map(([act, key]) => button(act, key))) : "";
   return { state: "monitor", icon: "ok", word: say("state_monitor"), aside, head: say("head_monitor"), sub, more };
 }
 

@@ -12,4 +12,5 @@ pub mod recording;
 pub mod scene;
 pub mod session;
 pub mod time;
+pub mod told;
 pub mod trace;

@@ -7,7 +7,7 @@ import { FOREVER, PARTS, describe } from "lab/faults.js";
 import { Quiz } from "lab/quiz.js";
 import { Review } from "lab/review.js";
 import { RigDrawing } from "lab/rig.js";
-import { short } from "lab/say.js";
+import { refusal, short } from "lab/say.js";
 import { DEFAULT, fromLink, toLink } from "lab/scene.js";
 import { Sheet } from "lab/sheet.js";
 import { floats, fromRecording, fromServer, inWorker, replay } from "lab/sources.js";
@@ -63,7 +63,9 @@ const HEAR = {
     show();
     if (message.kind === "simulated") begin();
   },
-  opened({ scene, ts = lab.hello.ts, settings = lab.hello.settings }) {
+  opened({ scene, ts = lab.hello.ts, settings = lab.hello.settings, session = lab.session, name = lab.hello.name }) {
+    Object.assign(lab, { session });
+    lab.hello.name = name;
     if (scene) lab.scene = { ...scene, orders: [] };
     lab.settings = settings;
     for (const kept of [lab.store, lab.events]) {
@@ -73,7 +75,6 @@ const HEAR = {
     lab.stateOf = NaN;
     // As a session begins; what its orders have changed they change again.
     $("excite").checked = true;
-    for (const input of document.querySelectorAll("[data-set]")) input.value = settings[input.dataset.set];
     for (const [tick, order] of scene?.orders ?? []) HEAR.order({ tick, order });
     charts.follow();
     show();
@@ -97,8 +98,8 @@ const HEAR = {
     lab.events.order(tick, order);
     if (order.order === "excite") $("excite").checked = order.on;
     if (order.order === "set") {
-      const input = document.querySelector(`[data-set="${CSS.escape(order.name)}"]`);
-      if (input) input.value = order.value;
+      lab.settings = { ...lab.settings, [order.name]: order.value };
+      show();
     }
   },
   running({ speed }) {
@@ -106,10 +107,10 @@ const HEAR = {
     if (speed) lab.speed = speed;
     show();
   },
-  refused({ why, command }) {
-    const i = lab.hello.trip_words?.findIndex((words) => why.includes(words)) ?? -1;
-    toast(i < 0 ? say("refused", { why }) : say("persists", { why: say(`trip_${lab.hello.trips[i]}`) }));
-    if (command?.command === "open" && command.scene !== DEFAULT) open(DEFAULT);
+  refused(message) {
+    toast(refusal(message, lab.hello));
+    show(); // what was chosen and refused is not so
+    if (message.command?.command === "open" && !lab.store.end) open(DEFAULT);
   },
   lost() {
     lab.lost ||= performance.now();
@@ -174,6 +175,7 @@ const ACTS = {
   mend: () => order({ order: "mend" }),
   relearn: () => order({ order: "relearn" }),
   skip: () => send({ command: "skip" }),
+  anew: () => open({ ...DEFAULT, ...lab.scene, orders: DEFAULT.orders }),
   surprise: () => (setMode("quiz"), startQuiz()),
   "quick-t2": () => quick("T2", "wrong"),
   "quick-air": () => quick("fan", "more"),
@@ -251,8 +253,9 @@ for (const id of ["preset", "disturbance", "seed"]) {
 $("series").addEventListener("change", ({ target }) => charts.toggle(target.value, target.checked));
 $("seek").addEventListener("input", ({ target }) => send({ command: "seek", tick: Number(target.value) }));
 $("download").addEventListener("click", async () => {
-  const { parts, type, why } = await ask({ command: "trace" });
-  if (type !== "trace") return toast(say("refused", { why }));
+  const answer = await ask({ command: "trace" });
+  const { parts, type } = answer;
+  if (type !== "trace") return toast(refusal(answer, lab.hello));
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob(parts, { type: "text/csv" }));
   link.download = "trace.csv";
@@ -350,6 +353,7 @@ function show() {
   Object.assign($("preset"), { value: lab.scene.preset });
   $("disturbance").value = lab.scene.disturbance;
   $("seed").value = lab.scene.seed;
+  for (const input of document.querySelectorAll("[data-set]")) input.value = lab.settings?.[input.dataset.set] ?? "";
   put("series", charts.choices.map(({ title, series }) => `<fieldset><legend>${title}</legend>${series.map((s) =>
     `<label><input type="checkbox" value="${s.id}" ${s.on ? "checked" : ""}><i style="background:var(${s.css})"></i>${s.label}</label>`).join("")}</fieldset>`).join(""));
   $("stack").setAttribute("aria-label", `${say("region_charts")}. ${say("charts_help")}`);

@@ -55,6 +55,7 @@ export function fromServer(hear, token) {
         if (told.has(data)) return;
         told.add(data);
       }
+      if (message.type === "opened") [next, id] = [0, message.session];
       if (message.type === "rows") {
         message.values = floats(message.values);
         next = message.from + message.count;
@@ -72,11 +73,17 @@ export function fromServer(hear, token) {
     }).then(
       async (response) => {
         if (response.ok) for (const message of await response.json()) hear({ ...message, id: command.id });
-        else hear({ type: "refused", command, why: await response.text(), id: command.id });
+        else hear({ ...(await refusal(response)), command, id: command.id });
       },
-      () => hear({ type: "refused", command, why: "no connection", id: command.id }),
+      () => hear({ type: "refused", command, code: "no_connection", id: command.id }),
     );
   return { send, close: () => (clearTimeout(again), events.close()) };
+}
+
+// Why the server did not do it: its own words, or that it does not know this page.
+async function refusal(response) {
+  if (response.headers.get("Content-Type")?.includes("json")) return response.json();
+  return { type: "refused", code: response.status === 403 ? "stranger" : undefined, why: await response.text() };
 }
 
 // A recording: all rows are there; a clock walks through them.

@@ -11,7 +11,7 @@ function put(value) {
   new Uint8Array(wasm.memory.buffer).set(bytes, place);
 }
 function done(n) {
-  if (n < 0) throw new Error(text(n));
+  if (n < 0) throw JSON.parse(text(n)); // a refusal
   return n;
 }
 
@@ -96,8 +96,8 @@ onmessage = ({ data }) => {
   }
   try {
     COMMANDS[data.command](data, hello);
-  } catch (error) {
-    postMessage({ type: "refused", command: data, why: error.message, id: data.id });
+  } catch ({ message, why = message, code, values }) {
+    postMessage({ type: "refused", command: data, why, code, values, id: data.id });
   }
 };
 

@@ -9,6 +9,7 @@ pub mod page;
 pub mod preset;
 pub mod protocol;
 pub mod recording;
+pub mod refusal;
 pub mod scene;
 pub mod session;
 pub mod time;

@@ -3,6 +3,7 @@
 use fdi_core::likelihood::FaultClass;
 use fdi_core::settings::Value;
 use fdi_core::{Config, TripReason};
+use serde::de::DeserializeOwned;
 use serde_json::{Map, json};
 
 use crate::fields::{BLOCKERS, FIELDS, TRIPS};
@@ -14,8 +15,17 @@ pub const VERSION: u32 = 1;
 /// Bytes of a row where its numbers go in binary.
 pub const ROW_BYTES: usize = FIELDS.len() * size_of::<f32>();
 
+/// Reads what a client says. By way of a value: straight from the text serde_json takes no number of a tagged enum where its
+/// `arbitrary_precision` is on, which any program built along with this one may ask for.
+///
+/// # Errors
+/// What it lacks.
+pub fn read<T: DeserializeOwned>(json: &[u8]) -> serde_json::Result<T> {
+    serde_json::from_value(serde_json::from_slice(json)?)
+}
+
 /// What a client is told first: what the numbers mean, and what it may ask for.
-pub fn hello(kind: &str, can: &[&str]) -> String {
+pub fn hello(kind: &str, can: &[&str]) -> serde_json::Value {
     let class = |class: &FaultClass| json!({ "number": class.number(), "name": class.name(), "unit": class.unit().replace("degC", "°C") });
     json!({
         "type": "hello",
@@ -31,7 +41,6 @@ pub fn hello(kind: &str, can: &[&str]) -> String {
         "blockers": BLOCKERS.map(|blocker| format!("{blocker:?}")),
         "settings": numbers(&Config::default()),
     })
-    .to_string()
 }
 
 /// What a client is told where a scene begins.

@@ -1,6 +1,6 @@
 //! A session: one instrument on one simulated rig, tick by tick, with orders in between.
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 use fdi_core::settings::Value;
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample, Report, Tick};
 use pt326_rig::Rig;
@@ -8,6 +8,7 @@ use pt326_rig::fault::Fault;
 
 use crate::change::Settings;
 use crate::fields::{self, Explained, FIELDS};
+use crate::refusal::Refused;
 use crate::scene::{Order, Scene};
 use crate::time::as_written;
 use crate::trace::{COLUMNS, OneTick, SETTINGS, append_cells, header};
@@ -137,11 +138,9 @@ impl Session {
     fn set(&mut self, name: &str, value: f32) -> anyhow::Result<()> {
         // The grid of ticks is the session's own.
         let setting = Config::settings().find(|s| s.name == name && name != "sample_time");
-        let setting = setting.with_context(|| format!("no setting \"{name}\" that can be changed here"))?;
         let mut config = self.config().clone();
-        if !config.set(setting, Value::Number(value)) {
-            bail!("{name} is no number");
-        }
+        let known = setting.is_some_and(|setting| config.set(setting, Value::Number(value)));
+        ensure!(known, Refused::Setting(name.into()));
         self.instrument.retune(&config)?;
         self.settings.change(config);
         Ok(())

@@ -36,7 +36,7 @@ pub fn json(record: &Record) -> String {
     let kept = rows[first..].iter().flat_map(|row| row.iter().zip(&FIELDS));
     let bytes: Vec<u8> =
         kept.filter(|(_, field)| recorded(field.name)).flat_map(|(number, _)| number.to_le_bytes()).collect();
-    let mut hello: Value = serde_json::from_str(&protocol::hello("recording", &[])).unwrap_or_default();
+    let mut hello = protocol::hello("recording", &[]);
     hello["fields"] = FIELDS.iter().map(|field| field.name).filter(|name| recorded(name)).collect();
     hello["ts"] = json!(record.sample_time);
     let (learn_start, learn_end) = record.nominal_window;

@@ -226,6 +226,41 @@ fn a_trip_shows_its_part_and_the_way_on() {
     assert_eq!(seen, json!([[true, "mend", "T1"], refused, "ack", 0]));
 }
 
+/// What is refused is said in the page's language, and what was typed gives way to what is in force.
+#[test]
+fn a_refusal_is_said_in_the_pages_language() {
+    let said = on_page(
+        r##"
+        await monitoring();
+        click("#language");
+        const all = [];
+        const refused = async (order) => {
+          $("#toast").textContent = "";
+          lab.send({ command: "order", order });
+          await until(() => $("#toast").textContent);
+          all.push($("#toast").textContent.replaceAll("\u00a0", " "));
+        };
+        await refused({ order: "setpoint", celsius: 500 });
+        await refused({ order: "arm" });
+        await refused({ order: "set", name: "supervisor.over_temperature", value: 90 });
+        const kp = $("[data-set='pid.kp']");
+        kp.value = 1e6; $("#toast").textContent = "";
+        kp.dispatchEvent(new Event("change", { bubbles: true }));
+        await until(() => $("#toast").textContent);
+        all.push(/^Recusado: pid.kp é 1000000; são possíveis/.test($("#toast").textContent), kp.value);
+        return all;"##,
+        &[],
+    );
+    let expected = json!([
+        "Recusado: referência de 500 °C; são possíveis 20 a 65 °C.",
+        "Recusado: não é possível agora (a vigiar).",
+        "Recusado: supervisor.over_temperature só pode ser alargado com o aquecedor desligado.",
+        true,
+        "2.4"
+    ]);
+    assert_eq!(said, expected);
+}
+
 /// Air and power look alike at first: both are shown, and when they were told apart.
 #[test]
 fn two_that_look_alike_are_shown_together_and_then_told_apart() {
@@ -385,7 +420,8 @@ fn every_preset_monitors_names_and_replays() {
 fn the_browser_comes_to_the_bits_of_this_machine() {
     let paper = include_str!("../../tests/paper.json");
     let harsh = Scene { seed: 3, preset: "harsh".into(), ..Scene::default() };
-    let scenes = [(serde_json::from_str(paper).expect("the paper's scene"), 7727), (harsh, 30_000)];
+    let scenes =
+        [(pt326_lab::protocol::read(paper.as_bytes()).expect("the paper's scene"), 7727), (harsh, 30_000)];
     let arguments = scenes.clone().map(|(scene, ticks)| json!([scene, ticks]));
     let theirs = on_page(
         r##"await monitoring();

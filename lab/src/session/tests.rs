@@ -1,6 +1,7 @@
 use pt326_rig::fault::{Sensor, Verb};
 
 use super::*;
+use crate::protocol::read;
 
 fn place(name: &str) -> usize {
     FIELDS.iter().position(|field| field.name == name).unwrap()
@@ -75,7 +76,7 @@ fn a_scene_leads_to_the_same_bits_again() {
         lines.iter().filter_map(|line| line.rsplit(',').next().filter(|c| c.contains('='))).collect();
     assert!(told[0].starts_with("prbs.start=") && told[1..] == ["pid.kp=2"], "{told:?}");
     let text = serde_json::to_string(&session.scene()).unwrap();
-    let mut again = Session::new(serde_json::from_str(&text).unwrap()).unwrap();
+    let mut again = Session::new(read(text.as_bytes()).unwrap()).unwrap();
     (0..650).for_each(|_| drop(again.step()));
     assert!(again.trace().unwrap().eq(lines.iter().cloned()));
     assert!(session.trace().unwrap().eq(lines));
@@ -86,20 +87,25 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     let mut session = monitoring();
     let before = session.scene();
     let fault = Fault { size: Some(1e9), ..Fault::new(Verb::Offset, Some(Sensor::T2), None, 0.0, 25.0) };
-    for (order, words) in [
-        (Order::Setpoint { celsius: 500.0 }, "set-point 500"),
-        (Order::Fan { percent: -1.0 }, "fan level -1"),
-        (Order::Arm, "not possible in mode monitor"),
-        (Order::Set { name: "pid.kp".into(), value: -1.0 }, "pid.kp is -1"),
-        (Order::Set { name: "sample_time".into(), value: 1.0 }, "sample_time"),
-        (Order::Set { name: "supervisor.over_temperature".into(), value: 90.0 }, "can't be widened"),
-        (Order::Break { fault }, "size is 1000000000"),
+    for (order, words, code) in [
+        (Order::Setpoint { celsius: 500.0 }, "set-point 500", "setpoint"),
+        (Order::Fan { percent: -1.0 }, "fan level -1", "fan"),
+        (Order::Arm, "not possible in mode monitor", "mode"),
+        (Order::Set { name: "pid.kp".into(), value: -1.0 }, "pid.kp is -1", "range"),
+        (Order::Set { name: "sample_time".into(), value: 1.0 }, "sample_time", "setting"),
+        (
+            Order::Set { name: "supervisor.over_temperature".into(), value: 90.0 },
+            "can't be widened",
+            "widens",
+        ),
+        (Order::Break { fault }, "size is 1000000000", ""),
     ] {
-        let error = format!("{:#}", session.order(order).unwrap_err());
-        assert!(error.contains(words), "{error}");
+        let refusal = crate::refusal::message(&session.order(order).unwrap_err());
+        assert!(refusal["why"].as_str().unwrap().contains(words), "{refusal}");
+        assert_eq!(refusal["code"].as_str().unwrap_or(""), code, "{refusal}");
     }
     assert_eq!(session.scene(), before);
-    let scene = |text: &str| Session::new(serde_json::from_str(text)?).map(drop);
+    let scene = |text: &str| Session::new(read(text.as_bytes())?).map(drop);
     for (text, words) in [
         (r#"{"preset":"kettle"}"#, "kettle"),
         (r#"{"orders":[[5,{"order":"arm"}],[4,{"order":"stop"}]]}"#, "order of time"),

@@ -7,6 +7,8 @@ use pt326_lab::fields::FIELDS;
 use pt326_lab::scene::Scene;
 use pt326_lab::session::Session;
 
+use serde_json::json;
+
 use super::*;
 use crate::clock;
 use crate::source::{Recording, Source, Told};
@@ -19,15 +21,8 @@ fn serve(speed: f64) -> SocketAddr {
 
 /// A server of its own in a thread; it ends with the tests.
 fn serve_source(source: impl Source, speed: f64) -> SocketAddr {
-    let server = Server {
-        name: source.name(),
-        kind: source.kind(),
-        can: source.can(),
-        sample_time: source.sample_time(),
-        scene: json!(source.scene()),
-        clock: clock::start(source, speed),
-        access: Access { token: TOKEN.into(), open: false },
-    };
+    let access = Access { token: TOKEN.into(), open: false };
+    let server = Server { clock: clock::start(source, speed).unwrap(), access };
     let (tell, told) = channel();
     std::thread::spawn(move || {
         listen(server, "127.0.0.1:0".parse().unwrap(), |address, _| Ok(tell.send(address)?))
@@ -153,7 +148,7 @@ fn commands_need_token_json_host_and_origin() {
     assert_eq!(get_text(address, "/events?token=wrong", "").0, 403);
     let refused = |body: &str| post_text(address, &with_token(), body);
     let (status, why) = refused(r#"{"command":"order","order":{"order":"setpoint","celsius":500}}"#);
-    assert!(status == 409 && why.contains("set-point 500"), "{why}");
+    assert!(status == 409 && why.contains("set-point 500") && why.contains("\"code\":\"setpoint\""), "{why}");
     assert_eq!(refused(r#"{"command":"run","speed":1000000000}"#).0, 409);
     for body in ["", "{", "[]", r#"{"command":"open"}"#, r#"{"command":"order","order":{"order":"melt"}}"#] {
         assert!((400..500).contains(&refused(body).0), "{body}");
@@ -202,6 +197,48 @@ fn fifty_clients_see_the_same() {
         let rows = rows(other);
         assert!(rows.windows(2).all(|w| w[0].0 + w[0].1 == w[1].0), "without a gap");
     }
+}
+
+/// Whoever has the token begins another scene; all who watch are told at once, and who comes later hears of the new one only.
+#[test]
+fn another_scene_is_opened_for_all() {
+    let address = serve(0.0);
+    let before = stream(address, 0, "", until(3000));
+    let open = r#"{"command":"open","scene":{"seed":4,"preset":"oven","disturbance":"calm","orders":[[0,{"order":"arm"}],[9,{"order":"setpoint","celsius":81.5}]]},"at":120}"#;
+    assert_eq!(post_text(address, JSON, open).0, 403);
+    let (tell, told) = channel();
+    let watcher = std::thread::spawn(move || {
+        let mut opened = false;
+        stream(address, 0, "", |m| {
+            if m["type"] == "rows" && !opened {
+                let _ = tell.send(());
+            }
+            opened |= m["type"] == "opened";
+            !opened || until(120)(m)
+        })
+    });
+    told.recv().unwrap();
+    assert_eq!(post_text(address, &with_token(), open).0, 200);
+    let seen = watcher.join().unwrap();
+    let place = seen.iter().position(|m| m["type"] == "opened").unwrap();
+    let opened = &seen[place];
+    assert_eq!((&opened["scene"]["preset"], &opened["ts"]), (&json!("oven"), &json!(2.0)));
+    assert_eq!(opened["settings"]["pid.ti"], json!(60.0));
+    assert_eq!(rows(&seen[place..])[0].0, 0);
+    let later = stream(address, 0, "", until(120));
+    assert_eq!((&later[0]["name"], &later[0]["ts"]), (&json!("oven, seed 4"), &json!(2.0)));
+    assert_eq!((&later[0]["session"], rows_in(&later)), (&opened["session"], 120));
+    // Who was with the last scene does not go on in this one.
+    let stale = stream(address, 100, before[0]["session"].as_str().unwrap(), until(120));
+    assert_eq!(rows(&stale)[0].0, 0);
+    for (wrong, words) in [
+        (r#"{"command":"open","scene":{"preset":"kettle"}}"#, "kettle"),
+        (r#"{"command":"open","scene":{},"at":4000000000}"#, "\"code\":\"ticks\""),
+    ] {
+        let (status, why) = post_text(address, &with_token(), wrong);
+        assert!(status == 409 && why.contains(words), "{why}");
+    }
+    assert_eq!(rows_in(&stream(address, 0, "", until(120))), 120, "what is refused changes nothing");
 }
 
 /// A client that reads nothing delays nobody, and one that comes back goes on where it was.

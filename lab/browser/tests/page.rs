@@ -556,6 +556,50 @@ fn no_tick_is_dropped_and_old_ones_give_way() {
     assert_eq!(kept, json!([true, true, true, true]));
 }
 
+/// What stands still is not drawn again, nor what cannot be seen; and at 100x, with an hour in view, every tick is there.
+#[test]
+fn only_what_has_changed_is_drawn_and_no_tick_is_dropped_at_full_speed() {
+    let seen = on_page(
+        r##"await monitoring(); await step(32700);
+           const { charts } = lab;
+           const { store } = lab.lab;
+           let drawn = 0;
+           const stack = charts.drawStack;
+           charts.drawStack = function (...all) { drawn++; return stack.apply(this, all); };
+           const frames = async (count) => { drawn = 0; for (let i = 0; i < count; i++) await frame(); return drawn; };
+           $("#stack").scrollIntoView(); charts.show(Infinity, 3600); await frames(5);
+           const still = await frames(30);
+           lab.send({ command: "run", speed: 100 });
+           const first = store.end;
+           await until(() => store.end > first + 2000);
+           const moving = drawn;
+           lab.send({ command: "run", speed: 0 });
+           let whole = true;
+           for (let tick = first; tick < store.end; tick++) whole &&= store.get(tick, "tick") === tick;
+           $(".charts").style.display = "none"; await frames(5);
+           await step(100);
+           return [still, moving > 10, whole, await frames(20)];"##,
+        &[],
+    );
+    assert_eq!(seen, json!([0, true, true, 0]));
+}
+
+/// A stop goes out before anything has been heard of the rig.
+#[test]
+fn stop_waits_for_nothing() {
+    let mode = on_page(
+        r##"await monitoring();
+           const { store } = lab.lab;
+           lab.lab.store = null;
+           document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "!", bubbles: true }));
+           lab.lab.store = store;
+           await step(2);
+           return lab.row().mode;"##,
+        &[],
+    );
+    assert_eq!(mode, json!(0));
+}
+
 /// Every step of the tour has its words in both languages, looks at something, and its button does something.
 #[test]
 fn the_tour_goes_to_its_end() {

@@ -21,7 +21,7 @@ export class Charts extends View {
     const watch = new IntersectionObserver((entries) => {
       for (const { target, isIntersecting } of entries) this.unseen[isIntersecting ? "delete" : "add"](target);
       changed();
-    });
+    }, { rootMargin: "300px" }); // before it is scrolled to
     for (const canvas of Object.values(canvases)) watch.observe(canvas);
   }
 

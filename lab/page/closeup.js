@@ -62,7 +62,9 @@ export function drawCloseup(canvas, event, store) {
   }
   pen.text(part.toUpperCase(), left + 4, 34, { css, bold: true });
   const apart = niceStep(before, 1);
-  for (let s = -apart; s <= last; s += apart) {
-    pen.text(`${s > 0 ? "+" : ""}${num(s, 0)} s`, T(from + s), 180, { css: "--faint", align: s < 0 ? "left" : s + apart > last ? "right" : "center" });
+  for (let s = Math.ceil(-before / apart) * apart; s <= last; s += apart) {
+    const x = T(from + s);
+    const align = x < left + 16 ? "left" : x > pen.width - right - 16 ? "right" : "center";
+    pen.text(`${s > 0 ? "+" : ""}${num(s, 0)} s`, x, 180, { css: "--faint", align });
   }
 }

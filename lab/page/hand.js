@@ -15,6 +15,7 @@ document.addEventListener("click", ({ target }) => {
 $("modes").addEventListener("click", ({ target }) => target.dataset.mode && setMode(target.dataset.mode));
 $("transport").addEventListener("click", ({ target }) => {
   const { speed } = target.closest("button")?.dataset ?? {};
+  if (lab.can.has("seek")) charts.moment();
   if (speed) run(Number(speed));
   else if (target.closest("#pause")) run(lab.paused ? lab.speed : 0);
 });
@@ -54,7 +55,10 @@ for (const id of ["preset", "disturbance", "seed"]) {
   });
 }
 $("series").addEventListener("change", ({ target }) => charts.toggle(target.value, target.checked));
-$("seek").addEventListener("input", ({ target }) => send({ command: "seek", tick: Number(target.value) }));
+$("seek").addEventListener("input", ({ target }) => {
+  send({ command: "seek", tick: Number(target.value) });
+  charts.moment();
+});
 addEventListener("hashchange", () => lab.hello?.kind === "simulated" && location.hash && begin());
 addEventListener("resize", () => {
   changed();

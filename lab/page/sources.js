@@ -111,11 +111,17 @@ export function fromRecording(hear, { hello, name, values, orders = [], first = 
     if (ticks > 0) show(Math.min(count, at + ticks));
   }, 16);
   const commands = {
-    run: (command) => ((speed = command.speed), hear({ type: "running", speed })),
+    // What has come to its end begins anew.
+    run(command) {
+      speed = command.speed;
+      if (speed && at === count) seek(first + 1);
+      hear({ type: "running", speed });
+    },
     seek: ({ tick }) => seek(tick),
   };
   queueMicrotask(() => {
     hear({ ...hello, kind: "recording", name, can: ["run", "seek"], count: first + count });
+    hear({ type: "running", speed });
     seek(count);
   });
   return { send: (command) => commands[command.command]?.(command), close: () => clearInterval(beat) };

@@ -16,6 +16,12 @@ export class View {
     this.changed();
   }
 
+  // Near to the present, as at the beginning.
+  moment() {
+    this.view = { end: null, span: null };
+    this.changed();
+  }
+
   get following() {
     return this.view.end === null;
   }

@@ -57,9 +57,9 @@ function hint(row, hide) {
     const what = describe(fault);
     return fault.for >= FOREVER ? what : say("left_s", { what, s: num(to - row.t, 0) });
   });
-  const mend = `<button class="plain small" data-act="mend">${say("mend")}</button>`;
+  const mend = lab.can.has("break") && `<button class="plain small" data-act="mend">${say("mend")}</button>`;
   const idle = lab.can.has("break") && !hide ? say("hint_click") : "";
-  put("hint", lines.length ? `<span>${lines.join("<br>")}</span>${mend}` : idle);
+  put("hint", lines.length ? `<span>${lines.join("<br>")}</span>${mend || ""}` : idle);
 }
 
 function beside(row, said, hide) {

@@ -228,7 +228,7 @@ impl Diagnosis {
                 }
                 state.events = EventState::default();
             }
-            Mode::Off | Mode::Settle { .. } | Mode::Tripped(_) => {}
+            Mode::Off | Mode::Settle { .. } | Mode::Tune | Mode::Tripped(_) => {}
         }
         state.mode = mode;
     }

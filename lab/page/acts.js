@@ -1,8 +1,8 @@
 // What can be done by a button, wherever it stands: on the desk, below the sentence, in the tour.
-import { PARTS } from "lab/faults.js";
+import { PARTS, sized } from "lab/faults.js";
 import { charts, quiz, sheet } from "lab/parts.js";
 import { show } from "lab/show.js";
-import { $, changed, lab } from "lab/state.js";
+import { $, changed, heat, lab } from "lab/state.js";
 import { begins, order, run, send } from "lab/talk.js";
 import { Tour } from "lab/tour.js";
 
@@ -13,7 +13,7 @@ export const tour = new Tour($("tour"), {
 
 const quick = (part, kind) => {
   const { fault, size } = PARTS[part][kind];
-  order({ order: "break", fault: { ...fault(size.value), at: 0, for: 25 } });
+  order({ order: "break", fault: { ...fault(sized(size, heat()).value), at: 0, for: 25 } });
 };
 const ACTS = {
   arm: () => order({ order: "arm" }),
@@ -38,7 +38,7 @@ export function act(name, data = {}) {
 }
 
 function startQuiz() {
-  quiz.start(order, lab.store.get(lab.store.last, "alarm") > 0);
+  quiz.start(order, lab.store.get(lab.store.last, "alarm") > 0, heat());
   if (sheet.part) sheet.close();
   charts.follow();
   run(1);

@@ -36,6 +36,7 @@ $("file").addEventListener("change", async ({ target }) => {
   if (!file) return;
   try {
     const text = await file.text();
+    if (!embedded("wasm")) toast(say("as_recorded"));
     const again = embedded("wasm") && (await replay(text, parts()).catch(({ message }) => void toast(say("not_replayed", { why: message }))));
     const { hello, values } = again || readTrace(text, lab.hello);
     use((hear) => fromRecording(hear, { hello: { ...hello, session: undefined }, name: file.name, values }));

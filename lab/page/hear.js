@@ -51,6 +51,7 @@ export const HEAR = {
       kept.clear();
     }
     lab.stateOf = NaN;
+    quiz.end(); // what it asked about is void, whoever opened the scene
     // As a session begins; what its orders have changed they change again.
     $("excite").checked = true;
     for (const [tick, order] of scene?.orders ?? []) HEAR.order({ tick, order });

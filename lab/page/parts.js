@@ -4,7 +4,7 @@ import { Quiz } from "lab/quiz.js";
 import { Review } from "lab/review.js";
 import { RigDrawing } from "lab/rig.js";
 import { Sheet } from "lab/sheet.js";
-import { $, changed, lab } from "lab/state.js";
+import { $, changed, heat, lab } from "lab/state.js";
 import { order } from "lab/talk.js";
 
 export const quiz = new Quiz();
@@ -18,6 +18,7 @@ export const rig = new RigDrawing($("rig"), (part, place) => {
 export const sheet = new Sheet($("sheet"), {
   order,
   slow: () => lab.store.slow,
+  heat,
   closed(part) {
     changed();
     if (part) rig.parts[part]?.focus({ preventScroll: true });

@@ -15,6 +15,9 @@ export const lab = {
 };
 export const changed = () => (lab.dirty = true);
 
+// How many times as hot above the room this rig's air is as the usual one's.
+export const heat = () => Math.max(1, Math.round((lab.settings.setpoint - 20) / 15));
+
 export const isOff = () => [0, 4].includes(lab.stateOf);
 // Of a real board the button only ever stops: whoever presses it twice must not arm.
 export const arms = () => isOff() && lab.hello.kind !== "board";

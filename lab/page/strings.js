@@ -258,6 +258,10 @@ const TABLE = {
   link_in_bar: ["The link is in the address bar.", "A ligação está na barra de endereço."],
   back_to_rig: ["Back to the simulated rig", "Voltar à bancada simulada"],
   bad_trace: ["This is no trace.csv: {why}", "Isto não é um trace.csv: {why}"],
+  as_recorded: [
+    "Shown as recorded. lab.html shows expected temperatures and shares as well.",
+    "Mostrado como foi registado. lab.html mostra também temperaturas esperadas e partes.",
+  ],
   not_replayed: [
     "Shown as recorded, without expected temperatures and shares: run again it gives something else ({why}).",
     "Mostrado como foi registado, sem temperaturas esperadas nem partes: corrido de novo dá outra coisa ({why}).",

@@ -90,8 +90,9 @@ impl<'a> Recording<'a> {
             }
             let tick = instrument.control(row.raw);
             let report = instrument.diagnose(&tick, tick.drive);
-            let differs = differences(self.cells(row), &tick, &report, sample_time);
-            ensure!(differs.is_empty(), "{} s: {}", tick_time(tick.index, sample_time), differs.join(", "));
+            let differs = differences(self.cells(row), &tick, &report, sample_time).into_iter().next();
+            let at = tick_time(tick.index, sample_time);
+            ensure!(differs.is_none(), "{at} s, {}", differs.unwrap_or_default());
             all.push(fields::numbers(&Moment {
                 tick: &tick,
                 report: &report,

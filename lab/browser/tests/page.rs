@@ -372,6 +372,18 @@ fn a_trace_is_downloaded_replayed_and_opened() {
     );
     let head = shown[0].as_str().expect("text");
     assert!(head.starts_with("T2 reads 1."), "{head}");
+    // One that the code does not come to again is shown as it was recorded, and the page says so.
+    let other = folder.join("other.csv");
+    let changed = text[0].as_str().expect("text").replacen(",settle,", ",learn,", 1);
+    std::fs::write(&other, changed).expect("a trace");
+    browser.choose("#file", &other).expect("the input");
+    let shown_as_recorded = script_on(
+        &browser,
+        r##"await until(() => lab.lab.hello.name === "other.csv" && lab.lab.store?.end > 3000);
+           return [$("#toast").textContent.slice(0, 17), Number.isFinite(lab.row().t1), Number.isFinite(lab.row().t1_expected)]"##,
+        &[],
+    );
+    assert_eq!(shown_as_recorded, json!(["Shown as recorded", true, false]));
     assert_eq!(
         [&shown[1], &shown[2], &shown[3], &shown[4]],
         [&json!(true), &json!(false), &json!("Recording: trace.csv"), &json!(true)]
@@ -393,10 +405,12 @@ fn every_preset_monitors_names_and_replays() {
           lab.send({ command: "run", speed: 0 });
           await step(1);
           const { mode, t } = lab.row();
-          click("[data-part=T2]"); $("#sheet [value=open]").click();
-          $("#sheet .primary").click(); await step(30);
+          await until(() => $("[data-act=quick-t2]")); // degrees that suit its heat, for as many ticks
+          click("[data-act=quick-t2]"); await step(30);
+          const named = lab.events().last?.named ?? "";
+          await step(300);
           const { parts } = await lab.ask({ command: "trace" });
-          found.push([preset, mode, Math.round(t / lab.lab.store.ts) > 3000, lab.events().last?.named ?? "", parts.join("")]);
+          found.push([preset, mode, Math.round(t / lab.lab.store.ts) > 3000, named, parts.join("")]);
         }
         return found;"##,
         &[],
@@ -404,7 +418,7 @@ fn every_preset_monitors_names_and_replays() {
     let found: Vec<(String, u8, bool, String, String)> = serde_json::from_value(found).expect("presets");
     let folder = std::env::temp_dir().join(format!("pt326-presets-{}", std::process::id()));
     for (preset, mode, after_learning, named, trace) in &found {
-        assert_eq!((*mode, *after_learning, named.as_str()), (3, true, "t2_open"), "{preset}");
+        assert_eq!((*mode, *after_learning, named.as_str()), (3, true, "t2_offset"), "{preset}");
         std::fs::create_dir_all(&folder).expect("a folder");
         let file = folder.join("trace.csv");
         std::fs::write(&file, trace).expect("the trace");

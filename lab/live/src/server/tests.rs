@@ -387,9 +387,12 @@ fn a_recording_is_served_to_its_end() {
         (&json!(0.5), &json!("old.csv"), &Value::Null)
     );
     assert_eq!(rows_in(&all), 120);
-    for body in
-        [r#"{"command":"order","order":{"order":"stop"}}"#, r#"{"command":"skip"}"#, r#"{"command":"trace"}"#]
-    {
+    for body in [
+        r#"{"command":"order","order":{"order":"stop"}}"#,
+        r#"{"command":"skip"}"#,
+        r#"{"command":"open","scene":{}}"#,
+        r#"{"command":"trace"}"#,
+    ] {
         assert_eq!(post_text(address, &with_token(), body).0, 409, "{body}");
     }
 }

@@ -42,6 +42,7 @@ const SCRIPT: &str = r##"
     const [fault, ticks, theme] = args;
     const frame = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
     while (!(lab.lab.store?.end > 3000)) await frame();
+    document.documentElement.style.scrollbarWidth = "none";
     if (document.documentElement.dataset.theme !== theme) document.querySelector("#theme").click();
     lab.send({ command: "run", speed: 0 });
     lab.send({ command: "open", scene: { seed: 1, preset: "paper", disturbance: "calm", orders: [[0, { order: "arm" }]] }, skip: true });

@@ -34,6 +34,7 @@ const TABLE = {
   state_settle: ["Warming up", "A aquecer"],
   state_learn: ["Learning", "A aprender"],
   state_monitor: ["Monitoring", "A vigiar"],
+  state_tune: ["Experiment", "Experiência"],
   state_alarm: ["Alarm", "Alarme"],
   state_tripped: ["Tripped", "Disparado"],
   state_lost: ["No connection", "Sem ligação"],
@@ -69,6 +70,11 @@ const TABLE = {
   sub_lost_board: [
     "What you see is old. The board goes on regulating and trips by itself; its button stops it. The port is tried again.",
     "O que vê é antigo. A placa continua a regular e dispara por si; o botão dela pára-a. A porta volta a ser tentada.",
+  ],
+  head_tune: ["Measuring how the rig answers.", "A medir como a bancada responde."],
+  sub_tune: [
+    "Constant power, then on and off: PID settings are told from it. Nothing is diagnosed meanwhile; what trips goes on tripping.",
+    "Potência constante, depois liga e desliga: daí saem os ganhos do PID. Entretanto nada é diagnosticado; o que dispara continua a disparar.",
   ],
   skip: ["Skip to monitoring", "Saltar para a vigilância"],
   quick_t2: ["T2 reads too high", "T2 lê a mais"],

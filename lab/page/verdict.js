@@ -42,6 +42,9 @@ export function verdict({ row: now, hello, events, since, ts, settings, can, los
   if (now.mode === 0) {
     return { state: "off", icon: "off", word: say("state_off"), aside, head: say("head_off"), sub: say("sub_off"), more: order ? row(button("arm", "arm", true)) : "" };
   }
+  if (now.mode === 5) {
+    return { state: "learn", icon: "learn", word: say("state_tune"), aside, head: say("head_tune"), sub: say("sub_tune"), more: "" };
+  }
   if (now.mode < 3) {
     const [begins, ends] = ["learn_start", "learn_end"].map((name) => settings[`supervisor.${name}`]);
     const left = Math.max(0, (now.mode === 2 ? ends - begins : ends) - (at - since));

@@ -65,7 +65,7 @@ pub static FIELDS: [Field; 43] = [
     // The controller's power, and what drives the heater: that with the excitation, %.
     field("pid", |on| Some(on.tick.pid.0)),
     field("drive", |on| Some(on.tick.drive.0)),
-    // 0 off, 1 settle, 2 learn, 3 monitor, 4 tripped; why, as in the list of trips.
+    // 0 off, 1 settle, 2 learn, 3 monitor, 4 tripped, 5 tune; why, as in the list of trips.
     field("mode", |on| Some(mode(&on.tick.mode))),
     field("trip", |on| on.trip()),
     field("blocked", |on| on.tick.blocked.map(|b| position(&BLOCKERS, &b))),

@@ -174,6 +174,7 @@ struct Before {
     fan: Option<f32>,
     excited: bool,
     heating: bool,
+    tuning: bool,
     monitoring: bool,
     tripped: bool,
 }
@@ -220,15 +221,23 @@ impl Reader {
         let at = &self.inputs;
         let celsius = [number(at.celsius[0])?, number(at.celsius[1])?, number(at.celsius[2])?];
         let heating = !matches!(cells[at.mode], "off" | "tripped");
-        let [monitoring, tripped] = ["monitor", "tripped"].map(|mode| cells[at.mode] == mode);
+        let [tuning, monitoring, tripped] = ["tune", "monitor", "tripped"].map(|mode| cells[at.mode] == mode);
         let excited = match (self.config.prbs.amplitude.0 == 0.0, &self.before) {
             (true, Some(before)) => before.excited, // it can't be seen
             (no_amplitude, _) => no_amplitude || number(at.prbs)? != 0.0,
         };
         let known = |at: Option<usize>| at.filter(|i| !cells[*i].is_empty()).map(number).transpose();
         let (supply, fan) = (known(at.supply)?, known(at.fan)?);
-        let now =
-            Before { celsius, setpoint: number(at.setpoint)?, fan, excited, heating, monitoring, tripped };
+        let now = Before {
+            celsius,
+            setpoint: number(at.setpoint)?,
+            fan,
+            excited,
+            heating,
+            tuning,
+            monitoring,
+            tripped,
+        };
         let (no_y1, no_y2) = (cells[at.y1].is_empty(), cells[at.y2].is_empty());
         let Senses { thermistors, limits, .. } = &self.senses;
         let [t0, t1, t2] = std::array::from_fn(|i| {
@@ -299,7 +308,7 @@ fn commands(before: Option<&Before>, now: &Before) -> Vec<Command> {
         commands.push(Command::Acknowledge);
     }
     if now.heating && !was_heating {
-        commands.push(Command::Arm);
+        commands.push(if now.tuning { Command::Tune } else { Command::Arm });
     } else if was_heating && !now.heating && !now.tripped {
         commands.push(Command::Stop);
     }
@@ -309,8 +318,8 @@ fn commands(before: Option<&Before>, now: &Before) -> Vec<Command> {
     if now.heating && !now.monitoring && before.is_some_and(|b| b.monitoring) {
         commands.push(Command::Relearn); // nothing else leads from monitoring back to learning
     }
-    let excited = before.is_none_or(|b| b.excited || !b.heating);
-    if now.heating && now.excited != excited {
+    let excited = before.is_none_or(|b| b.excited || !b.heating || b.tuning);
+    if now.heating && !now.tuning && now.excited != excited {
         commands.push(Command::Excite(now.excited));
     }
     commands

@@ -164,6 +164,10 @@ fn the_heater_is_stopped_and_armed_by_one_button_and_a_trip_is_acknowledged() {
         const note = async () => all.push([await said(), lab.row().drive > 0]);
         click("#stop"); await note();
         click("#stop"); await note();
+        click("#stop"); await step(1);
+        lab.send({ command: "order", order: { order: "tune" } }); await step(20); await note();
+        click("#stop"); await step(1);
+        click("#stop"); await step(1);
         lab.send({ command: "skip" }); await step(1); await note();
         lab.send({ command: "order", order: { order: "break", fault: { do: "open", sensor: "t1", at: 0, for: 2 } } });
         await step(20); await note();
@@ -175,6 +179,7 @@ fn the_heater_is_stopped_and_armed_by_one_button_and_a_trip_is_acknowledged() {
     let expected = json!([
         ["The heater is off.", false],
         ["Warming up to 35.0 °C.", true],
+        ["Measuring how the rig answers.", false],
         ["All is as learnt.", true],
         ["T1 reads as a broken wire.", false],
         ["The heater is off.", false]

@@ -116,6 +116,26 @@ mod tests {
         }
     }
 
+    /// An experiment for PID settings ends by itself, or is stopped.
+    #[test]
+    fn an_experiment_is_found_again() {
+        for stopped in [false, true] {
+            let mut session = Session::new(Scene { orders: Vec::new(), ..Scene::default() }).unwrap();
+            session.order(Do::Tune).unwrap();
+            let tunes = |session: &mut Session| session.step().tick.mode == fdi_core::Mode::Tune;
+            if stopped {
+                assert!((0..100).all(|_| tunes(&mut session)));
+                session.order(Do::Stop).unwrap();
+            } else {
+                assert!((0..6000).any(|_| !tunes(&mut session)));
+            }
+            (0..100).for_each(|_| drop(session.step()));
+            session.order(Do::Arm).unwrap();
+            (0..100).for_each(|_| drop(session.step()));
+            assert_eq!(replayed(&session).1, None, "stopped {stopped}");
+        }
+    }
+
     /// A session in which the user stops, arms, acknowledges a trip: what was asked for is found again from its trace.
     #[test]
     fn what_the_user_did_is_found_again() {

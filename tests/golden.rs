@@ -11,6 +11,7 @@ use fdi_core::Config;
 use host_sim::experiment::run;
 use host_sim::experiment::scenario::Scenario;
 use host_sim::record::trace::write_trace;
+use pt326_lab::protocol;
 use pt326_lab::session::Session;
 
 const EVERY: usize = 45;
@@ -61,7 +62,7 @@ fn the_papers_run_is_unchanged() {
 /// The lab comes to the same bits, natively here and in a browser (lab/browser).
 #[test]
 fn the_papers_run_as_a_scene_of_the_lab_is_the_same() {
-    let scene = serde_json::from_str(include_str!("../lab/tests/paper.json")).expect("a scene");
+    let scene = protocol::read(include_bytes!("../lab/tests/paper.json")).expect("a scene");
     let mut session = Session::new(scene).expect("a rig");
     (0..7727).for_each(|_| drop(session.step()));
     let first = golden().lines().next().expect("a line").to_owned();

@@ -1,5 +1,5 @@
 // A trace.csv as rows of the protocol. What the file does not hold is NaN.
-const MODES = ["off", "settle", "learn", "monitor", "tripped"];
+const MODES = ["off", "settle", "learn", "monitor", "tripped", "tune"];
 const SAME = {
   t0: "t0_c", t1: "t1_c", t2: "t2_c", setpoint: "setpoint_c", pid: "u_pid_pct", drive: "pa_pct", fdv: "fdv", fiv: "fiv",
   alarm: "alarm", confidence: "confidence", magnitude: "magnitude", truth: "truth",
@@ -31,5 +31,5 @@ export function readTrace(text, hello) {
     if (cell[onset]) values[place + at.onset] = Math.round(Number(cell[onset]) / ts);
     values[place + at.readiness] = 3;
   }
-  return { values, ts };
+  return { hello: { ...hello, ts }, values };
 }

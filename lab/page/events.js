@@ -1,5 +1,7 @@
 // From rows to what happened: a fault put in, an alarm raised, names given, the end. One event for each fault or alarm.
-export const CALM = 15; // s: an alarm that rises so soon after its fault ended still belongs to it
+import { slowness } from "lab/store.js";
+
+const CALM = 15; // s: an alarm that rises so soon after its fault ended still belongs to it
 const STANDS = 2; // s: the paper's fiv flickers while its models adapt; a name counts once it has stood for so long
 
 // Two that look alike at first have a name in common.
@@ -14,9 +16,13 @@ function label() {
 
 export class Events {
   constructor(hello) {
-    this.ts = hello.ts;
+    this.use(hello.ts);
     this.names = new Map(hello.classes.map((c) => [c.number, c.name]));
     this.clear();
+  }
+
+  use(ts) {
+    [this.ts, this.slow] = [ts, slowness(ts)];
   }
 
   clear() {
@@ -63,7 +69,7 @@ export class Events {
       const put = this.orders.findLast((order) => order.from <= t + 1e-9);
       now = { label, from: put?.from ?? t, truth, fault: put?.fault, names: new Map() };
       this.list.push(now);
-    } else if (alarm && !was.alarm && !(now && (now.to === undefined || t - now.to < CALM))) {
+    } else if (alarm && !was.alarm && !(now && (now.to === undefined || t - now.to < CALM * this.slow))) {
       now = { label, from: t, truth: 0, names: new Map() };
       this.list.push(now);
     }
@@ -81,7 +87,7 @@ export class Events {
       if (this.paper.event !== now || this.paper.fiv !== fiv) this.paper = { event: now, fiv, since: t };
       // The paper's tables know the first three faults: another name is no answer to them, and any is none to the rest.
       const answers = fiv > 0 && fiv === (now.truth || fiv);
-      if (mine && answers && t - this.paper.since >= STANDS) now.isolated ??= this.paper.since;
+      if (mine && answers && t - this.paper.since >= STANDS * this.slow) now.isolated ??= this.paper.since;
     }
     this.before = { truth, alarm };
   }

@@ -39,6 +39,10 @@ export const PARTS = {
   door: { opens: { verb: "v_opens", name: null, size: degrees(5, -3), fault: (size) => ({ do: "ambient", size }) } },
 };
 
+// A size for a rig whose air is so many times as hot above the room as the usual rig's: degrees go with it, shares do not.
+export const sized = (size, heat) =>
+  size?.unit === "°C" && heat > 1 ? { ...size, min: size.min * heat, max: size.max * heat, value: size.value * heat, step: 0.5 } : size;
+
 const KINDS = Object.entries(PARTS).flatMap(([part, kinds]) => Object.values(kinds).map((kind) => ({ part, ...kind })));
 
 // The kind that a fault is of, and its size as people give it.
@@ -74,9 +78,10 @@ const QUIZ = [
 ];
 export const ANSWERS = QUIZ.map(([part, kind]) => PARTS[part][kind].name);
 
-export function surprise(random = Math.random) {
+export function surprise(heat, random = Math.random) {
   const [part, kind] = QUIZ[Math.floor(random() * QUIZ.length)];
-  const { size, fault } = PARTS[part][kind];
+  const { fault } = PARTS[part][kind];
+  const size = sized(PARTS[part][kind].size, heat);
   const largest = random() < 0.5 && size.min < 0 ? size.min : size.max;
   const least = Math.abs(largest) * 0.5;
   const value = Math.sign(largest) * (least + random() * (Math.abs(largest) - least));

@@ -22,8 +22,8 @@ export class Quiz {
   }
 
   // Puts something in; `alarm` stands still from before.
-  start(order, alarm) {
-    const fault = surprise();
+  start(order, alarm, heat) {
+    const fault = surprise(heat);
     fault.at = 2.5 + 3 * Math.random() + (alarm ? 10 : 0);
     this.right = recognise(fault).name;
     [this.fault, this.event, this.guess, this.itSaid] = [fault, null, null, false];

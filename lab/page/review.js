@@ -1,4 +1,5 @@
 // Of a recording: what was said of each fault at its end, with its close-up, before anything else.
+import { drawCloseup } from "lab/closeup.js";
 import { namings } from "lab/events.js";
 import { delays, headline, support } from "lab/say.js";
 import { num, say } from "lab/strings.js";
@@ -10,11 +11,11 @@ export class Review {
     this.host = host;
   }
 
-  show({ store, events, charts, hello }) {
+  show({ store, events, hello }) {
     const faults = events.list.filter((event) => event.truth).slice(0, MOST);
     this.host.hidden = faults.length === 0;
     this.host.replaceChildren(...faults.map((event) => this.card(event, store, hello)));
-    faults.forEach((event, i) => charts.drawCloseup(this.host.querySelectorAll("canvas")[i], event));
+    faults.forEach((event, i) => drawCloseup(this.host.querySelectorAll("canvas")[i], event, store));
   }
 
   card(event, store, hello) {

@@ -12,8 +12,9 @@ const NARROW = {
 const FLOW = 60; // units a second at the usual flow
 const RAMP = [[18, 112, 146, 184], [27, 172, 180, 180], [34, 238, 178, 106], [41, 228, 112, 48], [56, 184, 36, 60]];
 
-// A colour for a temperature.
-function warmth(celsius) {
+// A colour for a temperature of a rig that regulates to a set-point: the ramp is for the usual 35 °C, and a hotter rig's is longer.
+function warmth(measured, setpoint) {
+  const celsius = RAMP[0][0] + ((measured - RAMP[0][0]) * 17) / Math.max(17, setpoint - RAMP[0][0]);
   if (!Number.isFinite(celsius)) return "var(--well)";
   let i = 1;
   while (i < RAMP.length - 1 && celsius > RAMP[i][0]) i++;
@@ -168,7 +169,7 @@ export class RigDrawing {
     const order = tripped ? ["", "_expected"] : ["_expected", ""];
     const believed = (t) => order.map((more) => row[t + more]).find(Number.isFinite);
     const [room, one, two] = ["t0", "t1", "t2"].map(believed);
-    [room, room, one, one, two].forEach((c, i) => this.stops[i].setAttribute("stop-color", warmth(c)));
+    [room, room, one, one, two].forEach((c, i) => this.stops[i].setAttribute("stop-color", warmth(c, row.setpoint)));
     put(this.ambient, read(row.t0));
     for (const id of ["T1", "T2"]) {
       const { value, want } = this.probes[id];

@@ -67,6 +67,16 @@ export function support(name, row, ts) {
   return out.join(" ");
 }
 
+// Why something was not done. Of a refusal without a code, the words of the trip that it speaks of, else its own.
+export function refusal({ why, code, values: { name, mode, trip, value, min, max, other, limit } = {} }, hello) {
+  if (code === "persists") return say("persists", { why: say(`trip_${trip}`) });
+  const exact = (x) => num(x, Number.isInteger(x) ? 0 : 2);
+  const known = { name, mode: say(`state_${mode}`).toLowerCase(), value: exact(value), min: exact(min), max: exact(max), other, limit: exact(limit) };
+  if (code) return say("refused", { why: say(`r_${code}`, known) });
+  const i = hello?.trip_words?.findIndex((words) => why.includes(words)) ?? -1;
+  return i < 0 ? say("refused", { why }) : say("persists", { why: say(`trip_${hello.trips[i]}`) });
+}
+
 // What fdv and fiv say.
 export function papers(fdv, fiv) {
   if (!(fdv > 0)) return say("paper_says_nothing");

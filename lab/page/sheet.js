@@ -1,12 +1,12 @@
 // The sheet in which a part's fault is chosen: which, how much, for how long.
-import { FOREVER, PARTS, signed } from "lab/faults.js";
+import { FOREVER, PARTS, signed, sized } from "lab/faults.js";
 import { num, say } from "lab/strings.js";
 
 const DURATIONS = [5, 10, 15, 25, 40, 60, 120, FOREVER];
 
 export class Sheet {
-  constructor(form, { order, closed }) {
-    Object.assign(this, { form, order, closed });
+  constructor(form, { order, slow, heat, closed }) {
+    Object.assign(this, { form, order, slow, heat, closed });
     this.part = null;
     [this.sizes, this.durations] = [{}, {}];
     form.addEventListener("submit", (event) => (event.preventDefault(), this.breakIt()));
@@ -30,11 +30,12 @@ export class Sheet {
   }
 
   get chosen() {
-    return PARTS[this.part][this.kind];
+    const kind = PARTS[this.part][this.kind];
+    return { ...kind, size: sized(kind.size, this.heat()) };
   }
 
   get size() {
-    return this.sizes[`${this.part} ${this.kind}`] ?? this.chosen.size?.value;
+    return this.sizes[`${this.part} ${this.kind} ${this.heat()}`] ?? this.chosen.size?.value;
   }
 
   // Its place in the list.
@@ -78,7 +79,7 @@ export class Sheet {
     };
     if (this.chosen.size) out("size", signed(Number(this.size), this.chosen.size));
     const s = DURATIONS[this.duration];
-    out("for", s === FOREVER ? say("until_mended") : `${num(s, 0)} s`);
+    out("for", s === FOREVER ? say("until_mended") : `${num(s * this.slow(), 0)} s`);
   }
 
   changed({ name, value }) {
@@ -87,7 +88,7 @@ export class Sheet {
       this.build();
       this.form.querySelector("input:checked").focus({ preventScroll: true });
     }
-    if (name === "size") this.sizes[`${this.part} ${this.kind}`] = Number(value);
+    if (name === "size") this.sizes[`${this.part} ${this.kind} ${this.heat()}`] = Number(value);
     if (name === "for") this.durations[`${this.part} ${this.kind}`] = Number(value);
     if (name !== "kind") this.label();
   }

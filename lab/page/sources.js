@@ -13,6 +13,21 @@ export function inWorker(hear, { worker, wasm }) {
   return { send: (command) => thread.postMessage(command), close: () => thread.terminate() };
 }
 
+// A trace.csv run through the instrument's own code again: hello and numbers, with what the file does not tell. Rejects where it comes to
+// something else.
+export const replay = (trace, parts) => new Promise((resolve, reject) => {
+  let hello = null;
+  const session = inWorker((message) => {
+    if (message.type === "hello") {
+      hello = message;
+      return session.send({ command: "replay", trace });
+    }
+    session.close();
+    if (message.type === "replayed") resolve({ hello: { ...hello, ...message.hello }, values: message.values });
+    else reject(new Error(message.why));
+  }, parts);
+});
+
 // A server: server-sent events to here, commands by POST with the token of the page. What was missed is asked for when it comes back.
 export function fromServer(hear, token) {
   let [events, next, id, again, opened] = [null, 0, null, null, true];
@@ -40,6 +55,7 @@ export function fromServer(hear, token) {
         if (told.has(data)) return;
         told.add(data);
       }
+      if (message.type === "opened") [next, id] = [0, message.session];
       if (message.type === "rows") {
         message.values = floats(message.values);
         next = message.from + message.count;
@@ -57,11 +73,17 @@ export function fromServer(hear, token) {
     }).then(
       async (response) => {
         if (response.ok) for (const message of await response.json()) hear({ ...message, id: command.id });
-        else hear({ type: "refused", command, why: await response.text(), id: command.id });
+        else hear({ ...(await refusal(response)), command, id: command.id });
       },
-      () => hear({ type: "refused", command, why: "no connection", id: command.id }),
+      () => hear({ type: "refused", command, code: "no_connection", id: command.id }),
     );
   return { send, close: () => (clearTimeout(again), events.close()) };
+}
+
+// Why the server did not do it: its own words, or that it does not know this page.
+async function refusal(response) {
+  if (response.headers.get("Content-Type")?.includes("json")) return response.json();
+  return { type: "refused", code: response.status === 403 ? "stranger" : undefined, why: await response.text() };
 }
 
 // A recording: all rows are there; a clock walks through them.
@@ -89,11 +111,17 @@ export function fromRecording(hear, { hello, name, values, orders = [], first = 
     if (ticks > 0) show(Math.min(count, at + ticks));
   }, 16);
   const commands = {
-    run: (command) => ((speed = command.speed), hear({ type: "running", speed })),
+    // What has come to its end begins anew.
+    run(command) {
+      speed = command.speed;
+      if (speed && at === count) seek(first + 1);
+      hear({ type: "running", speed });
+    },
     seek: ({ tick }) => seek(tick),
   };
   queueMicrotask(() => {
     hear({ ...hello, kind: "recording", name, can: ["run", "seek"], count: first + count });
+    hear({ type: "running", speed });
     seek(count);
   });
   return { send: (command) => commands[command.command]?.(command), close: () => clearInterval(beat) };

@@ -2,11 +2,14 @@
 // times, the least and the largest of each block of ticks.
 const CAPACITY = 1 << 16;
 export const BLOCK = 16;
+const USUAL_TS = 0.11; // s: of the rig whose times the page is made for
+// How much slower than that a plant is sampled: what takes it some samples lasts longer by this.
+export const slowness = (ts) => ts / USUAL_TS;
 const SWINGS_IN = 2; // s: the models begin with a guess of the air; what they leave so early says nothing
 
 export class Store {
   constructor(hello) {
-    this.ts = hello.ts;
+    this.use(hello.ts);
     this.given = hello.fields.length;
     // What the models leave unexplained is a column of its own.
     this.fields = [...hello.fields, "t1_left", "t2_left"];
@@ -16,6 +19,11 @@ export class Store {
     this.low = new Float32Array((CAPACITY / BLOCK) * this.width);
     this.high = new Float32Array((CAPACITY / BLOCK) * this.width);
     this.clear();
+  }
+
+  // Takes another sample time.
+  use(ts) {
+    [this.ts, this.slow] = [ts, slowness(ts)];
   }
 
   clear() {
@@ -41,7 +49,7 @@ export class Store {
     this.expecting = Number.isFinite(ring[place + at.t1_expected]) ? this.expecting + 1 : 0;
     for (const t of ["t1", "t2"]) {
       const left = ring[place + at[t]] - ring[place + at[t + "_expected"]];
-      ring[place + at[t + "_left"]] = this.expecting * this.ts > SWINGS_IN ? left : NaN;
+      ring[place + at[t + "_left"]] = this.expecting * USUAL_TS > SWINGS_IN ? left : NaN;
     }
     const block = this.block(Math.floor(tick / BLOCK));
     const fresh = tick % BLOCK === 0 || tick === this.first;

@@ -17,10 +17,9 @@ const row = (...buttons) => `<div class="row">${buttons.join("")}</div>`;
 // The parts of which a trip speaks; those of the others begin with theirs.
 const TRIPPED = { AirFlowLost: ["fan", "heater"], HeaterStuckOn: ["heater"], SensorsDisagree: ["T1", "T2"], NoResponse: ["T1"], ExcessPower: [] };
 const ENDING = 8; // s: an alarm takes some time to see that its fault is over
-const LEARN_END = 363; // s: when a run of the usual settings monitors
 
 // What to say of a row. `can` tells which buttons make sense, `since` when the state began.
-export function verdict({ row: now, hello, events, since, can, lost }) {
+export function verdict({ row: now, hello, events, since, ts, settings, can, lost }) {
   const at = now.t;
   const aside = say("for_s", { s: num(Math.max(0, at - since), 0) });
   const [order, mends] = [can.has("order"), can.has("break")];
@@ -39,15 +38,19 @@ export function verdict({ row: now, hello, events, since, can, lost }) {
     const off = say("heater_off_since", { s: num(since, 1) });
     return { state: "tripped", icon: "off", word: say("state_tripped"), aside: off, head: say(`trip_${reason}`), sub: say("acknowledge_first"), more, parts };
   }
-  if (now.alarm > 0) return alarm(now, hello, events);
+  if (now.alarm > 0) return alarm(now, hello, events, ts);
   if (now.mode === 0) {
     return { state: "off", icon: "off", word: say("state_off"), aside, head: say("head_off"), sub: say("sub_off"), more: order ? row(button("arm", "arm", true)) : "" };
   }
+  if (now.mode === 5) {
+    return { state: "learn", icon: "learn", word: say("state_tune"), aside, head: say("head_tune"), sub: say("sub_tune"), more: "" };
+  }
   if (now.mode < 3) {
-    const left = Math.max(0, LEARN_END - (at - since) - (now.mode === 2 ? 180 : 0));
+    const [begins, ends] = ["learn_start", "learn_end"].map((name) => settings[`supervisor.${name}`]);
+    const left = Math.max(0, (now.mode === 2 ? ends - begins : ends) - (at - since));
     const blocked = hello.blockers[now.blocked];
     const waits = blocked && say("sub_blocked", { why: say(`block_${blocked}`) });
-    const share = now.mode === 2 ? Math.min(1, now.learned / 1640) : Math.min(1, (at - since) / 180);
+    const share = now.mode === 2 ? Math.min(1, (now.learned * ts) / (ends - begins)) : Math.min(1, (at - since) / begins);
     const bar = `<div class="progress"><i style="width:${(100 * share).toFixed(0)}%"></i></div>`;
     const head = now.mode === 2 ? say("head_learn") : say("head_settle", { setpoint: num(now.setpoint) });
     const word = say(now.mode === 2 ? "state_learn" : "state_settle");
@@ -71,13 +74,13 @@ const QUICK = [
   ["quick-air", "quick_air"],
 ];
 
-function alarm(now, hello, events) {
+function alarm(now, hello, events, ts) {
   const name = hello.classes.find((c) => c.number === now.class)?.name;
   const event = events.last;
   const aside = event?.alarm === undefined ? "" : say("for_s", { s: num(now.t - event.alarm, 0) });
   const common = { state: "alarm", icon: "alarm", word: say("state_alarm"), aside };
   const over = event?.truth && event.alarm !== undefined ? now.t - event.to : NaN;
-  if (over < ENDING) return { ...common, head: say("head_ending"), sub: say("sub_ending", { s: num(over, 0) }), more: "" };
+  if (over < ENDING * events.slow) return { ...common, head: say("head_ending"), sub: say("sub_ending", { s: num(over, 0) }), more: "" };
   if (!name) return { ...common, head: say("head_unnamed"), sub: say("sub_unnamed"), more: "" };
   const more = [];
   if (Number.isFinite(now.magnitude)) more.push(howMuch(name, now, event));
@@ -85,7 +88,7 @@ function alarm(now, hello, events) {
   if (event?.truth && names.length) more.push(howSoon(event, names));
   const gauges = more.length ? `<div class="gauge">${more.join("")}</div>` : "";
   const apart = names.length > 1 ? ` ${say("told_apart", { s: num(names[1].t - event.from) })}` : "";
-  return { ...common, name, parts: blamed(name), head: headline(name, now.magnitude), sub: support(name, now, hello.ts) + apart, more: gauges };
+  return { ...common, name, parts: blamed(name), head: headline(name, now.magnitude), sub: support(name, now, ts) + apart, more: gauges };
 }
 
 export const secondOpinion = (now) => (now.fdv >= 0 ? say("paper_says", { what: papers(now.fdv, now.fiv) }) : "");
@@ -134,7 +137,7 @@ function howSoon(event, names) {
   const soon = names.map(({ t }) => t - event.from);
   const [a, b] = [soon[soon.length - 1], event.isolated - event.from];
   const detected = event.detected - event.from;
-  const end = [2, 5, 10, 20, 40, 100].find((s) => s >= Math.max(a, b || 0) * 1.2) ?? 1000;
+  const end = [2, 5, 10, 20, 40, 100, 200, 500, 1000].find((s) => s >= Math.max(a, b || 0) * 1.2) ?? 5000;
   const X = (s) => 4 + (Math.min(end, s) / end) * (WIDTH - 8);
   let body = `<path d="M4 22H${WIDTH - 4}" class="axis"/><path d="M4 22H${X(a)}" class="value"/>`;
   for (const s of soon) body += `<circle cx="${X(s)}" cy="22" r="5" class="dot"/>`;

@@ -11,13 +11,17 @@ function put(value) {
   new Uint8Array(wasm.memory.buffer).set(bytes, place);
 }
 function done(n) {
-  if (n < 0) throw new Error(text(n));
+  if (n < 0) throw JSON.parse(text(n)); // a refusal
   return n;
 }
 
+function numbers(bytes) {
+  done(bytes);
+  return new Float32Array(wasm.memory.buffer.slice(wasm.output(), wasm.output() + bytes));
+}
+
 function run(ticks) {
-  const bytes = done(wasm.run(ticks));
-  const values = new Float32Array(wasm.memory.buffer.slice(wasm.output(), wasm.output() + bytes));
+  const values = numbers(wasm.run(ticks));
   postMessage({ type: "rows", from: tick, values });
   tick += ticks;
   return values;
@@ -33,9 +37,9 @@ function untilMonitoring(mode) {
 const COMMANDS = {
   open({ scene, at, skip }, hello) {
     put(scene);
-    done(wasm.open());
-    [tick, owed] = [0, 0];
-    postMessage({ type: "opened", scene });
+    const opened = JSON.parse(text(done(wasm.open())));
+    [tick, owed, ts] = [0, 0, opened.ts];
+    postMessage(opened);
     for (let left = at ?? 0; left > 0; left -= 1000) run(Math.min(1000, left));
     if (skip) {
       untilMonitoring(hello.fields.indexOf("mode"));
@@ -64,6 +68,11 @@ const COMMANDS = {
     for (let n; (n = done(wasm.trace_next())) > 0; ) parts.push(text(n));
     postMessage({ type: "trace", id, parts });
   },
+  replay({ id, trace }) {
+    put(trace);
+    const hello = JSON.parse(text(done(wasm.replay())));
+    postMessage({ type: "replayed", id, hello, values: numbers(wasm.replayed()) });
+  },
   scene({ id }) {
     postMessage({ type: "scene", id, tick, scene: JSON.parse(text(done(wasm.scene()))) });
   },
@@ -87,8 +96,8 @@ onmessage = ({ data }) => {
   }
   try {
     COMMANDS[data.command](data, hello);
-  } catch (error) {
-    postMessage({ type: "refused", command: data, why: error.message, id: data.id });
+  } catch ({ message, why = message, code, values }) {
+    postMessage({ type: "refused", command: data, why, code, values, id: data.id });
   }
 };
 

@@ -4,10 +4,15 @@ use fdi_core::diagnosis::baseline::Normal;
 use fdi_core::diagnosis::residual::Residual;
 use fdi_core::likelihood::{Channel, FaultClass, HYPOTHESES, Pair, Readiness};
 use fdi_core::supervisor::Blocker;
-use fdi_core::{Mode, Reading, Report, Tick, TripReason, Validity};
+use fdi_core::{Instrument, Mode, Reading, Report, Tick, TripReason, Validity};
 
 /// Class and share of each hypothesis.
 pub type Explained = [(FaultClass, f32); HYPOTHESES];
+
+/// What each hypothesis explains of an alarm, on the tick that the instrument has just reported.
+pub fn explained(instrument: &Instrument, report: &Report) -> Option<Explained> {
+    report.likelihood.alarm.then(|| instrument.likelihood().explained()).flatten()
+}
 
 /// What the numbers are made of.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +65,7 @@ pub static FIELDS: [Field; 43] = [
     // The controller's power, and what drives the heater: that with the excitation, %.
     field("pid", |on| Some(on.tick.pid.0)),
     field("drive", |on| Some(on.tick.drive.0)),
-    // 0 off, 1 settle, 2 learn, 3 monitor, 4 tripped; why, as in the list of trips.
+    // 0 off, 1 settle, 2 learn, 3 monitor, 4 tripped, 5 tune; why, as in the list of trips.
     field("mode", |on| Some(mode(&on.tick.mode))),
     field("trip", |on| on.trip()),
     field("blocked", |on| on.tick.blocked.map(|b| position(&BLOCKERS, &b))),

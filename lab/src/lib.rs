@@ -3,9 +3,13 @@
 //!
 //! No clock, no files, no threads: whoever holds a session decides when it ticks.
 
+pub mod change;
 pub mod fields;
 pub mod page;
+pub mod preset;
 pub mod protocol;
+pub mod recording;
+pub mod refusal;
 pub mod scene;
 pub mod session;
 pub mod time;

@@ -1,10 +1,13 @@
 //! What goes between a source and a page: see PROTOCOL.md.
 
-use fdi_core::TripReason;
 use fdi_core::likelihood::FaultClass;
-use serde_json::json;
+use fdi_core::settings::Value;
+use fdi_core::{Config, TripReason};
+use serde::de::DeserializeOwned;
+use serde_json::{Map, json};
 
 use crate::fields::{BLOCKERS, FIELDS, TRIPS};
+use crate::session::Session;
 use crate::time::as_written;
 
 /// Version of the protocol. A page refuses another.
@@ -12,8 +15,17 @@ pub const VERSION: u32 = 1;
 /// Bytes of a row where its numbers go in binary.
 pub const ROW_BYTES: usize = FIELDS.len() * size_of::<f32>();
 
+/// Reads what a client says. By way of a value: straight from the text serde_json takes no number of a tagged enum where its
+/// `arbitrary_precision` is on, which any program built along with this one may ask for.
+///
+/// # Errors
+/// What it lacks.
+pub fn read<T: DeserializeOwned>(json: &[u8]) -> serde_json::Result<T> {
+    serde_json::from_value(serde_json::from_slice(json)?)
+}
+
 /// What a client is told first: what the numbers mean, and what it may ask for.
-pub fn hello(kind: &str, can: &[&str]) -> String {
+pub fn hello(kind: &str, can: &[&str]) -> serde_json::Value {
     let class = |class: &FaultClass| json!({ "number": class.number(), "name": class.name(), "unit": class.unit().replace("degC", "°C") });
     json!({
         "type": "hello",
@@ -21,12 +33,36 @@ pub fn hello(kind: &str, can: &[&str]) -> String {
         "kind": kind,
         "can": can,
         "version": env!("CARGO_PKG_VERSION"),
-        "ts": as_written(fdi_core::Config::default().sample_time.0),
+        "ts": as_written(Config::default().sample_time.0),
         "fields": FIELDS.iter().map(|field| field.name).collect::<Vec<_>>(),
         "classes": FaultClass::ALL.iter().map(class).collect::<Vec<_>>(),
         "trips": TRIPS.map(|reason| format!("{reason:?}")),
         "trip_words": TRIPS.map(TripReason::words),
         "blockers": BLOCKERS.map(|blocker| format!("{blocker:?}")),
+        "settings": numbers(&Config::default()),
     })
-    .to_string()
+}
+
+/// What a client is told where a scene begins.
+pub fn opened(session: &Session) -> serde_json::Value {
+    json!({
+        "type": "opened",
+        "scene": session.plan(),
+        "ts": session.sample_time(),
+        "settings": numbers(session.config()),
+    })
+}
+
+/// What a recording with these settings tells of itself.
+pub fn recorded(config: &Config) -> serde_json::Value {
+    json!({ "ts": as_written(config.sample_time.0), "settings": numbers(config) })
+}
+
+/// The settings that are numbers, which are those that an order may change.
+fn numbers(config: &Config) -> Map<String, serde_json::Value> {
+    let number = |setting| match config.get(setting) {
+        Value::Number(x) => Some((setting.name.to_owned(), json!(as_written(x)))),
+        _ => None,
+    };
+    Config::settings().filter_map(number).collect()
 }

@@ -6,6 +6,8 @@ use pt326_rig::fault::Fault;
 use pt326_rig::{Disturbance, RigConfig};
 use serde::{Deserialize, Serialize};
 
+use crate::preset;
+
 /// Rig and user of a session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -81,19 +83,16 @@ impl Scene {
     /// The rig that it is about.
     ///
     /// # Errors
-    /// A preset that there is not, or whose instrument would need other settings than the defaults.
+    /// A preset that there is not.
     pub fn rig(&self) -> anyhow::Result<RigConfig> {
-        const SLOWER: [&str; 3] = ["oven", "hotend", "tclab"];
-        let (preset, expected) = (&self.preset, "expected paper, trainer, harsh or recorded");
-        anyhow::ensure!(
-            !SLOWER.contains(&preset.as_str()),
-            "preset \"{preset}\" is another plant, {expected}"
-        );
-        RigConfig::preset(preset)
+        RigConfig::preset(&self.preset)
     }
 
-    /// The settings of the instrument at the start.
-    pub fn config(&self) -> Config {
-        crate::session::with_prbs_phase(&Config::default(), self.seed)
+    /// The settings of the instrument at the start: those of the preset.
+    ///
+    /// # Errors
+    /// Those of [`preset::config`].
+    pub fn config(&self) -> anyhow::Result<Config> {
+        Ok(crate::session::with_prbs_phase(&preset::config(&self.preset)?, self.seed))
     }
 }

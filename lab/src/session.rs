@@ -1,15 +1,17 @@
 //! A session: one instrument on one simulated rig, tick by tick, with orders in between.
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 use fdi_core::settings::Value;
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample, Report, Tick};
 use pt326_rig::Rig;
 use pt326_rig::fault::Fault;
 
+use crate::change::Settings;
 use crate::fields::{self, Explained, FIELDS};
+use crate::refusal::Refused;
 use crate::scene::{Order, Scene};
 use crate::time::as_written;
-use crate::trace::{COLUMNS, OneTick, append_cells, header};
+use crate::trace::{COLUMNS, OneTick, SETTINGS, append_cells, header};
 
 /// Orders that a scene may hold: more are no user's.
 const MOST_ORDERS: usize = 100_000;
@@ -20,7 +22,7 @@ pub struct Session {
     scene: Scene,
     /// How many of its orders have been carried out.
     done: usize,
-    config: Config,
+    settings: Settings,
     instrument: Instrument,
     rig: Rig,
     faults: Vec<Fault>,
@@ -39,6 +41,8 @@ pub struct Row {
     pub truth: u8,
     /// What each hypothesis explains of an alarm.
     pub explained: Option<Explained>,
+    /// Settings since the tick before, as they stand in a trace; on the first tick, those that are not the defaults.
+    pub settings: String,
 }
 
 impl Session {
@@ -59,11 +63,12 @@ impl Session {
         for (i, (_, order)) in scene.orders.iter().enumerate() {
             order.validate().with_context(|| format!("order {}", i + 1))?;
         }
-        let config = scene.config();
+        let config = scene.config()?;
         let sample_time = as_written(config.sample_time.0);
         let rig = Rig::new(&scene.rig()?, scene.disturbance, sample_time, scene.seed, &[]);
         let instrument = Instrument::new(&config)?;
-        Ok(Self { scene, done: 0, config, instrument, rig, faults: Vec::new(), sample_time, ticks: 0 })
+        let settings = Settings::new(&config);
+        Ok(Self { scene, done: 0, settings, instrument, rig, faults: Vec::new(), sample_time, ticks: 0 })
     }
 
     /// The scene that leads here: what is still to come is left out.
@@ -71,9 +76,19 @@ impl Session {
         Scene { orders: self.scene.orders[..self.done].to_vec(), ..self.scene.clone() }
     }
 
+    /// What it began with, all that was done since, and what is still to come.
+    pub fn plan(&self) -> &Scene {
+        &self.scene
+    }
+
     /// Ticks so far.
     pub fn ticks(&self) -> u32 {
         self.ticks
+    }
+
+    /// The settings in force.
+    pub fn config(&self) -> &Config {
+        self.settings.in_force()
     }
 
     /// Ts in s.
@@ -124,13 +139,11 @@ impl Session {
     fn set(&mut self, name: &str, value: f32) -> anyhow::Result<()> {
         // The grid of ticks is the session's own.
         let setting = Config::settings().find(|s| s.name == name && name != "sample_time");
-        let setting = setting.with_context(|| format!("no setting \"{name}\" that can be changed here"))?;
-        let mut config = self.config.clone();
-        if !config.set(setting, Value::Number(value)) {
-            bail!("{name} is no number");
-        }
+        let mut config = self.config().clone();
+        let known = setting.is_some_and(|setting| config.set(setting, Value::Number(value)));
+        ensure!(known, Refused::Setting(name.into()));
         self.instrument.retune(&config)?;
-        self.config = config;
+        self.settings.change(config);
         Ok(())
     }
 
@@ -153,8 +166,8 @@ impl Session {
         let report = self.instrument.diagnose(&tick, tick.drive);
         self.rig.advance(f64::from(tick.drive.0));
         self.ticks += 1;
-        let explained = report.likelihood.alarm.then(|| self.instrument.likelihood().explained()).flatten();
-        Row { tick, report, truth, explained }
+        let explained = fields::explained(&self.instrument, &report);
+        Row { tick, report, truth, explained, settings: self.settings.take() }
     }
 
     /// The numbers of a row, in the order of [`FIELDS`].
@@ -166,7 +179,7 @@ impl Session {
             truth: row.truth,
             explained: row.explained.as_ref(),
             normal,
-            sigma_factor: self.config.diagnosis.sigma_factor,
+            sigma_factor: self.config().diagnosis.sigma_factor,
         })
     }
 
@@ -175,7 +188,11 @@ impl Session {
     /// # Errors
     /// None that the scene did not have at its start.
     pub fn trace(&self) -> anyhow::Result<Trace> {
-        Ok(Trace { session: Self::new(self.scene())?, of: self.ticks, line: header(COLUMNS.iter()) })
+        let session = Self::new(self.scene())?;
+        let changes = |(_, order): &_| matches!(order, Order::Set { .. });
+        let tells_settings = session.settings.tell() || session.scene.orders.iter().any(changes);
+        let more = if tells_settings { format!(",{SETTINGS}") } else { String::new() };
+        Ok(Trace { session, of: self.ticks, line: header(COLUMNS.iter()) + &more, tells_settings })
     }
 
     /// FNV-1a, 64 bit, of the trace of all ticks so far, in hexadecimal: the same wherever the same bits are.
@@ -199,6 +216,8 @@ pub struct Trace {
     of: u32,
     /// The line that comes next.
     line: String,
+    /// It has the column [`SETTINGS`].
+    tells_settings: bool,
 }
 
 impl Iterator for Trace {
@@ -214,6 +233,9 @@ impl Iterator for Trace {
             let sample_time = self.session.sample_time;
             let on = OneTick { tick: &row.tick, report: &row.report, truth: row.truth, sample_time };
             append_cells(&mut next, COLUMNS.iter(), &on);
+            if self.tells_settings {
+                next = next + "," + &row.settings;
+            }
         }
         Some(std::mem::replace(&mut self.line, next))
     }

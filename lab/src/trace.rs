@@ -66,6 +66,10 @@ pub static COLUMNS: [Column; 48] = [
     column("fan_pct", |on| on.tick.known.fan.map(|level| level.0).into()),
 ];
 
+/// Name of the column behind all others that a trace has where settings are not the defaults: what
+/// [`Settings::take`](crate::change::Settings::take) gives for each row.
+pub const SETTINGS: &str = "settings";
+
 /// Name of the column with the number of the true fault, the only one that no instrument knows.
 pub const TRUTH: &str = "truth";
 

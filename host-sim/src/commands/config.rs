@@ -1,9 +1,10 @@
 //! `pt326 config`: the settings of the instrument.
 
 use clap::builder::PossibleValuesParser;
+use pt326_lab::preset;
 
 use super::terminal::print;
-use crate::settings::{PRESET_TEXTS, commented_toml, markdown};
+use crate::settings::{commented_toml, markdown};
 
 /// Arguments of `config`.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -18,7 +19,7 @@ pub struct ConfigArgs {
 
 /// The names of the plants.
 fn plants() -> PossibleValuesParser {
-    PRESET_TEXTS.map(|(name, _)| name).into()
+    preset::TEXTS.map(|(name, _)| name).into()
 }
 
 /// Prints all settings with their defaults.
@@ -26,8 +27,8 @@ fn plants() -> PossibleValuesParser {
 /// # Errors
 /// Standard output cannot be written.
 pub fn run(args: &ConfigArgs) -> anyhow::Result<()> {
-    let preset = PRESET_TEXTS.iter().find(|(name, _)| args.preset.as_deref() == Some(*name));
-    match preset {
+    let text = preset::TEXTS.iter().find(|(name, _)| args.preset.as_deref() == Some(*name));
+    match text {
         Some((_, text)) => print(text),
         None => print(&if args.markdown { markdown() } else { commented_toml() }),
     }

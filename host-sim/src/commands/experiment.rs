@@ -40,11 +40,11 @@ impl ExperimentArgs {
     /// # Errors
     /// The file, line, key or value that is wrong.
     pub fn load(&self) -> anyhow::Result<(Config, Scenario)> {
-        let preset = self.preset.as_deref();
-        let table = preset.map(settings::preset).transpose()?.unwrap_or_default();
+        let name = self.preset.as_deref();
+        let table = name.map(settings::preset).transpose()?.unwrap_or_default();
         let config = settings::read_over(table, self.config.as_deref())?;
         let mut scenario = scenario::read_scenario(self.scenario.as_deref())?;
-        if let Some(name) = preset {
+        if let Some(name) = name {
             scenario = Scenario { rig: RigConfig::preset(name)?, ..scenario }.slowed(slowness(&config));
         }
         scenario.disturbance = self.disturbance.unwrap_or(scenario.disturbance);

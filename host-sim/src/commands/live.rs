@@ -10,7 +10,6 @@ use pt326_lab::session::Session;
 use pt326_live::source::{Recording, Source, Told};
 use pt326_live::{Access, Server, clock, listen};
 use pt326_rig::Disturbance;
-use serde_json::json;
 
 use super::replay;
 use super::terminal::print;
@@ -35,7 +34,7 @@ Examples:
   pt326 live --board                      the ST-LINK that is plugged in; or: --board /dev/ttyACM0
   pt326 live --listen 192.168.1.7 --token $(openssl rand -hex 16)")]
 pub struct LiveArgs {
-    /// Which rig: paper, trainer, harsh or recorded.
+    /// Which rig: paper, trainer, harsh, recorded; oven, hotend or tclab, with the settings that belong to it.
     #[arg(long, default_value = "paper")]
     pub preset: String,
     /// Seed of the rig's noise and of the phase of the excitation.
@@ -127,15 +126,7 @@ fn serve(args: &LiveArgs, source: impl Source) -> anyhow::Result<()> {
         (Some(_), Some(token)) => Access::open(token)?,
         _ => Access::local()?,
     };
-    let server = Server {
-        name: source.name(),
-        kind: source.kind(),
-        can: source.can(),
-        sample_time: source.sample_time(),
-        scene: json!(source.scene()),
-        access,
-        clock: clock::start(source, args.speed),
-    };
+    let server = Server { access, clock: clock::start(source, args.speed)? };
     let address = SocketAddr::new(args.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), args.port);
     listen(server, address, |address, query| {
         let page = format!("http://{address}/{query}");

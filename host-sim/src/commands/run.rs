@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Command, Config, Instrument, RawSample, Report, Tick};
 use indicatif::ProgressBar;
+use pt326_lab::fields::Explained;
 
 use super::experiment::ExperimentArgs;
 use super::results::Folder;
@@ -103,5 +104,9 @@ impl Backend for Watched {
 
     fn baseline(&self) -> Option<Baseline> {
         Backend::baseline(&self.instrument)
+    }
+
+    fn explained(&self, report: &Report) -> Option<Explained> {
+        Backend::explained(&self.instrument, report)
     }
 }

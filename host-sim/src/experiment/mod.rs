@@ -7,6 +7,8 @@ use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Command, Config, Instrument, RawSample, Report, Tick};
 
 pub use fault_size::{FaultSize, paper_sequence};
+use pt326_lab::change::Settings;
+use pt326_lab::fields::{self, Explained};
 pub use pt326_lab::session::{sample, truth, with_prbs_phase};
 pub use pt326_lab::time::{as_written, tick_time};
 use pt326_rig::fault::Fault;
@@ -23,6 +25,11 @@ pub trait Backend {
     fn command(&mut self, command: Command) -> Result<(), String>;
     /// What has been learnt.
     fn baseline(&self) -> Option<Baseline>;
+    /// What each hypothesis explains of an alarm, where that can be asked.
+    fn explained(&self, report: &Report) -> Option<Explained> {
+        let _ = report;
+        None
+    }
 }
 
 impl Backend for Instrument {
@@ -40,6 +47,10 @@ impl Backend for Instrument {
 
     fn baseline(&self) -> Option<Baseline> {
         Instrument::baseline(self).copied()
+    }
+
+    fn explained(&self, report: &Report) -> Option<Explained> {
+        fields::explained(self, report)
     }
 }
 
@@ -105,6 +116,10 @@ pub struct Record {
     pub faults: Vec<Fault>,
     /// Every tick.
     pub rows: Vec<Row>,
+    /// What the trace tells of the settings, each on its row; of a recording that was only looked at, nothing.
+    pub settings: Vec<(usize, String)>,
+    /// What each hypothesis explains on the rows with an alarm, where that was asked.
+    pub explained: Vec<(usize, Explained)>,
     /// What was learnt.
     pub baseline: Option<Baseline>,
     /// Commands that were refused, with the time and the reason.
@@ -124,6 +139,8 @@ impl Record {
         rows: Vec<Row>,
         baseline: Option<Baseline>,
     ) -> Self {
+        let mut settings = Settings::new(config);
+        let tells = settings.tell() && !matches!(origin, Origin::Watched { .. });
         let window = [config.supervisor.learn_start, config.supervisor.learn_end].map(|t| as_written(t.0));
         Self {
             origin,
@@ -133,6 +150,8 @@ impl Record {
             sigma_factor: f64::from(config.diagnosis.sigma_factor),
             faults: faults.to_vec(),
             rows,
+            settings: if tells { vec![(0, settings.take())] } else { Vec::new() },
+            explained: Vec::new(),
             baseline,
             refused: Vec::new(),
             actions_after_end: Vec::new(),
@@ -169,30 +188,34 @@ pub fn run(config: &Config, scenario: &Scenario, seed: u64) -> anyhow::Result<Re
 /// Runs a scenario on any backend.
 pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, seed: u64) -> Record {
     let mut rows = Vec::new();
-    let refused = drive(backend, config, scenario, seed, |row, _| rows.push(row));
+    let mut explained = Vec::new();
+    let refused = drive(backend, config, scenario, seed, |row, _, backend| {
+        explained.extend(backend.explained(&row.report).map(|shares| (rows.len(), shares)));
+        rows.push(row);
+    });
     let origin = Origin::Simulated { seed, disturbance: scenario.disturbance };
     let record = Record::new(origin, config, &scenario.faults, rows, backend.baseline());
     let after_end = |at: &f64| *at >= record.end();
     let actions_after_end = scenario.actions.iter().map(|action| action.at).filter(after_end).collect();
     let is_papers = scenario.is_papers() && config.setpoint == Config::default().setpoint;
-    Record { refused, actions_after_end, is_papers, ..record }
+    Record { explained, refused, actions_after_end, is_papers, ..record }
 }
 
 /// The same without a record: `observe` gets each tick, so that a run may be of any length, and for scores the rig that
 /// gave it, which moves on only then. Returns the commands that were refused, with the time and the reason.
-pub fn drive(
-    backend: &mut impl Backend,
+pub fn drive<B: Backend>(
+    backend: &mut B,
     config: &Config,
     scenario: &Scenario,
     seed: u64,
-    mut observe: impl FnMut(Row, &Rig),
+    mut observe: impl FnMut(Row, &Rig, &B),
 ) -> Vec<(f64, String)> {
     let sample_time = as_written(config.sample_time.0);
     let ticks = (scenario.duration / sample_time).floor() as u32;
     let mut rig = Rig::new(&scenario.rig, scenario.disturbance, sample_time, seed, &scenario.faults);
     let mut refused = Vec::new();
     let mut commands = commands(&scenario.actions, config.setpoint.0).into_iter().peekable();
-    let mut obey = |backend: &mut _, command, t| {
+    let mut obey = |backend: &mut B, command, t| {
         if let Err(reason) = Backend::command(backend, command) {
             refused.push((t, reason));
         }
@@ -213,7 +236,7 @@ pub fn drive(
         let tick = backend.control(sample(&mut rig));
         let report = backend.diagnose(&tick);
         let drive = f64::from(tick.drive.0);
-        observe(Row { tick, report, truth: truth(&scenario.faults, t) }, &rig);
+        observe(Row { tick, report, truth: truth(&scenario.faults, t) }, &rig, backend);
         rig.advance(drive);
     }
     refused

@@ -221,7 +221,7 @@ impl Isolability {
             onsets: Onsets::new(sample_time, horizons),
             bar: bar.clone(),
         };
-        experiment::drive(&mut assuming, &config, &healthy, *seed, |_, _| ());
+        experiment::drive(&mut assuming, &config, &healthy, *seed, |_, _, _| ());
         assuming.onsets.found(question)
     }
 

@@ -11,9 +11,14 @@ use crate::experiment::Record;
 /// # Errors
 /// Those of the writer.
 pub fn write_trace(record: &Record, out: &mut impl Write) -> std::io::Result<()> {
-    writeln!(out, "{}", header(COLUMNS.iter()))?;
-    let mut line = String::new();
-    for row in &record.rows {
+    let tells_settings = !record.settings.is_empty();
+    let mut line = header(COLUMNS.iter());
+    if tells_settings {
+        line = line + "," + SETTINGS;
+    }
+    writeln!(out, "{line}")?;
+    let mut settings = record.settings.iter().peekable();
+    for (k, row) in record.rows.iter().enumerate() {
         line.clear();
         let on = OneTick {
             tick: &row.tick,
@@ -22,6 +27,10 @@ pub fn write_trace(record: &Record, out: &mut impl Write) -> std::io::Result<()>
             sample_time: record.sample_time,
         };
         append_cells(&mut line, COLUMNS.iter(), &on);
+        if tells_settings {
+            line += ",";
+            line += settings.next_if(|(tick, _)| *tick == k).map_or("", |(_, told)| told);
+        }
         writeln!(out, "{line}")?;
     }
     Ok(())

@@ -2,7 +2,6 @@
 //! setting is called, does, and may be comes from its declaration in `fdi-core`.
 
 mod markdown;
-mod preset;
 mod toml_text;
 
 use std::path::Path;
@@ -10,10 +9,10 @@ use std::path::Path;
 use anyhow::Context;
 use fdi_core::settings::{Form, Kind, Value};
 use fdi_core::{Config, Setting};
+use pt326_lab::preset::TEXTS;
 use toml::Table;
 
 pub use markdown::markdown;
-pub use preset::{TEXTS as PRESET_TEXTS, preset};
 pub use toml_text::{commented_toml, commented_toml_of};
 
 /// Reads a configuration; keys that the file leaves out have their defaults. Without a path all have.
@@ -40,6 +39,15 @@ pub fn read_over(preset: Table, path: Option<&Path>) -> anyhow::Result<Config> {
     }
     fdi_core::Instrument::new(&config).with_context(place)?;
     Ok(config)
+}
+
+/// What the settings of a preset change; nothing for any other name.
+///
+/// # Errors
+/// The text is no TOML, which a test excludes.
+pub fn preset(name: &str) -> anyhow::Result<Table> {
+    let text = TEXTS.iter().find(|(known, _)| *known == name).map_or("", |(_, text)| text);
+    Ok(text.parse()?)
 }
 
 /// Puts every key of `over` into `table`.
@@ -137,6 +145,17 @@ mod tests {
         for setting in Config::settings() {
             assert!(stands_in(&table, setting.name), "{}", setting.name);
         }
+    }
+
+    /// The lab reads presets line by line.
+    #[test]
+    fn a_preset_is_the_same_to_the_lab() {
+        for (name, _) in TEXTS {
+            let config = from_table(preset(name).unwrap()).unwrap();
+            assert_ne!(config, Config::default());
+            assert_eq!(config, pt326_lab::preset::config(name).unwrap(), "{name}");
+        }
+        assert!(preset("paper").unwrap().is_empty());
     }
 
     /// A value that a setting has not by default, as TOML and as the console reads it.

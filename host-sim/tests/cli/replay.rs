@@ -15,16 +15,24 @@ fn recorded(name: &str, seed: &str) -> std::path::PathBuf {
     dir
 }
 
+/// A trace tells its settings; one of an older release does not, and neither does it tell its seed.
 #[test]
-fn the_seed_is_known_from_the_summary_beside_the_trace() {
+fn the_seed_is_known_from_the_trace_or_from_the_summary_beside_it() {
     let dir = recorded("replay-seed", "7");
     let (trace, out) = (dir.join("out/trace.csv"), dir.join("replayed"));
     let args = ["replay", arg(&trace), "--out", arg(&out)];
     let output = pt326(&args);
     assert!(output.status.success(), "{}", text(&output.stdout));
     assert!(text(&output.stdout).contains("agrees with the recording on all 181 ticks"));
+    let text = std::fs::read_to_string(&trace).unwrap();
+    assert!(text.lines().next().unwrap().ends_with(",settings"));
+    let older = text.lines().map(|line| format!("{}\n", line.rsplit_once(',').unwrap().0));
+    std::fs::write(&trace, older.collect::<String>()).unwrap();
+    assert!(pt326(&args).status.success());
     std::fs::remove_file(dir.join("out/summary.json")).unwrap();
     assert_eq!(pt326(&args).status.code(), Some(2), "without it, seed 1 is assumed");
+    std::fs::write(&trace, text.as_bytes()).unwrap();
+    assert!(pt326(&args).status.success());
 }
 
 #[test]

@@ -1,4 +1,7 @@
-//! `cargo run -p pt326-lab-browser`: the pictures of the lab in README.md and docs/tutorial.md, from lab.html (`cargo lab`).
+//! `cargo run -p pt326-lab-browser`: the pictures of the lab in README.md and docs/tutorial.md, from lab.html (`cargo lab`);
+//! with `-- speed`, how fast the page is.
+
+mod speed;
 
 use std::path::Path;
 
@@ -39,6 +42,7 @@ const SCRIPT: &str = r##"
     const [fault, ticks, theme] = args;
     const frame = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
     while (!(lab.lab.store?.end > 3000)) await frame();
+    document.documentElement.style.scrollbarWidth = "none";
     if (document.documentElement.dataset.theme !== theme) document.querySelector("#theme").click();
     lab.send({ command: "run", speed: 0 });
     lab.send({ command: "open", scene: { seed: 1, preset: "paper", disturbance: "calm", orders: [[0, { order: "arm" }]] }, skip: true });
@@ -50,6 +54,9 @@ const SCRIPT: &str = r##"
 
 fn main() -> anyhow::Result<()> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize()?;
+    if std::env::args().nth(1).as_deref() == Some("speed") {
+        return speed::run(&root.join("lab.html"));
+    }
     for (name, width, height, theme, fault, ticks) in PICTURES {
         let browser = Browser::start()?;
         browser.resize(width, height)?;

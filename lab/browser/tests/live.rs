@@ -81,7 +81,15 @@ fn a_fault_put_in_on_one_page_is_named_on_another() {
     );
     assert_eq!(trace, json!(true));
     let refused = r##"lab.send({ command: "order", order: { order: "setpoint", celsius: 500 } }); await until(() => $("#toast").textContent); return $("#toast").textContent"##;
-    assert!(on(&other, refused).as_str().is_some_and(|text| text.contains("set-point 500")));
+    assert!(on(&other, refused).as_str().is_some_and(|text| text.contains("500\u{a0}°C; 20 to 65")));
+    // Another seed, chosen on one page, is another scene for both.
+    on(
+        &one,
+        r##"$("#seed").value = 6; $("#seed").dispatchEvent(new Event("change", { bubbles: true })); await until(() => lab.lab.scene.seed === 6 && lab.lab.store.end > 3300)"##,
+    );
+    let told = r##"await until(() => lab.lab.scene.seed === 6 && lab.lab.store.end > 3300);
+        return [$("#source").textContent.trim(), $("#seed").value, lab.events().list.length, lab.row().mode]"##;
+    assert_eq!(on(&other, told), json!(["Live: paper, seed 6", "6", 0, 3]));
     on(&one, r##"click("#stop"); await until(() => lab.row().drive === 0)"##);
     assert_eq!(
         on(&other, r##"await until(() => lab.row().mode === 0); return $("#stop").textContent"##),

@@ -164,6 +164,10 @@ fn the_heater_is_stopped_and_armed_by_one_button_and_a_trip_is_acknowledged() {
         const note = async () => all.push([await said(), lab.row().drive > 0]);
         click("#stop"); await note();
         click("#stop"); await note();
+        click("#stop"); await step(1);
+        lab.send({ command: "order", order: { order: "tune" } }); await step(20); await note();
+        click("#stop"); await step(1);
+        click("#stop"); await step(1);
         lab.send({ command: "skip" }); await step(1); await note();
         lab.send({ command: "order", order: { order: "break", fault: { do: "open", sensor: "t1", at: 0, for: 2 } } });
         await step(20); await note();
@@ -175,6 +179,7 @@ fn the_heater_is_stopped_and_armed_by_one_button_and_a_trip_is_acknowledged() {
     let expected = json!([
         ["The heater is off.", false],
         ["Warming up to 35.0 °C.", true],
+        ["Measuring how the rig answers.", false],
         ["All is as learnt.", true],
         ["T1 reads as a broken wire.", false],
         ["The heater is off.", false]
@@ -226,6 +231,41 @@ fn a_trip_shows_its_part_and_the_way_on() {
     assert_eq!(seen, json!([[true, "mend", "T1"], refused, "ack", 0]));
 }
 
+/// What is refused is said in the page's language, and what was typed gives way to what is in force.
+#[test]
+fn a_refusal_is_said_in_the_pages_language() {
+    let said = on_page(
+        r##"
+        await monitoring();
+        click("#language");
+        const all = [];
+        const refused = async (order) => {
+          $("#toast").textContent = "";
+          lab.send({ command: "order", order });
+          await until(() => $("#toast").textContent);
+          all.push($("#toast").textContent.replaceAll("\u00a0", " "));
+        };
+        await refused({ order: "setpoint", celsius: 500 });
+        await refused({ order: "arm" });
+        await refused({ order: "set", name: "supervisor.over_temperature", value: 90 });
+        const kp = $("[data-set='pid.kp']");
+        kp.value = 1e6; $("#toast").textContent = "";
+        kp.dispatchEvent(new Event("change", { bubbles: true }));
+        await until(() => $("#toast").textContent);
+        all.push(/^Recusado: pid.kp é 1000000; são possíveis/.test($("#toast").textContent), kp.value);
+        return all;"##,
+        &[],
+    );
+    let expected = json!([
+        "Recusado: referência de 500 °C; são possíveis 20 a 65 °C.",
+        "Recusado: não é possível agora (a vigiar).",
+        "Recusado: supervisor.over_temperature só pode ser alargado com o aquecedor desligado.",
+        true,
+        "2.4"
+    ]);
+    assert_eq!(said, expected);
+}
+
 /// Air and power look alike at first: both are shown, and when they were told apart.
 #[test]
 fn two_that_look_alike_are_shown_together_and_then_told_apart() {
@@ -254,7 +294,7 @@ fn a_flicker_of_the_papers_scheme_is_no_name() {
     let isolated = on_page(
         r##"
         const { Events } = await import("lab/events.js");
-        const events = new Events({ ts: 0.5, classes: [] });
+        const events = new Events({ ts: 0.11, classes: [] });
         const fiv = [0, 3, 3, 0, 3, 3, 3, 3, 3];
         return fiv.map((number, k) => (events.row(k / 2, 3, 1, NaN, 2, number, NaN, NaN), events.last.isolated ?? null));"##,
         &[],
@@ -293,10 +333,14 @@ fn a_trace_is_downloaded_replayed_and_opened() {
     let text = script_on(
         &browser,
         r##"
-        await monitoring();
+        await until(() => lab.lab.store?.end > 0);
+        lab.send({ command: "run", speed: 0 });
+        lab.send({ command: "open", scene: { ...SCENE, seed: 5 }, skip: true });
         const order = (order) => lab.send({ command: "order", order });
         order({ order: "break", fault: { do: "offset", sensor: "t2", size: 1.5, at: 0, for: 10 } }); await step(150);
         order({ order: "setpoint", celsius: 37 }); await step(100);
+        const kp = $("[data-set='pid.kp']");
+        kp.value = 2; kp.dispatchEvent(new Event("change", { bubbles: true })); await step(30);
         order({ order: "excite", on: false }); await step(50);
         order({ order: "excite", on: true }); await step(50);
         order({ order: "stop" }); await step(50);
@@ -318,7 +362,7 @@ fn a_trace_is_downloaded_replayed_and_opened() {
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("trace.csv");
     std::fs::write(&file, text[0].as_str().expect("text")).expect("the trace");
-    let args = ReplayArgs { file: file.clone(), config: None, seed: Some(1), out: folder.join("replayed") };
+    let args = ReplayArgs { file: file.clone(), config: None, seed: None, out: folder.join("replayed") };
     replay(&args).expect("the same bits");
     browser.choose("#file", &file).expect("the input");
     let shown = script_on(
@@ -326,15 +370,67 @@ fn a_trace_is_downloaded_replayed_and_opened() {
         r##"await until(() => lab.lab.hello.kind === "recording" && lab.lab.store?.end > 3000); await frame();
            lab.send({ command: "seek", tick: lab.lab.store.tickAt(lab.events().list[0].from) + 60 }); await frame(); await frame();
            await until(() => /T2/.test($("#head").innerText));
-           return [$("#head").innerText, $("#stop").hidden, $("#seek").hidden, $("#source").textContent.trim()]"##,
+           const shares = Number($("#bars .best output").textContent.replace("%", ""));
+           const known = ["t1_expected", "rap", "x_t2_offset"].every((name) => Number.isFinite(lab.row()[name]));
+           return [$("#head").innerText, $("#stop").hidden, $("#seek").hidden, $("#source").textContent.trim(), known && shares > 50, $("#toast").textContent]"##,
         &[],
     );
     let head = shown[0].as_str().expect("text");
     assert!(head.starts_with("T2 reads 1."), "{head}");
-    assert_eq!(
-        [&shown[1], &shown[2], &shown[3]],
-        [&json!(true), &json!(false), &json!("Recording: trace.csv")]
+    // One that the code does not come to again is shown as it was recorded, and the page says so.
+    let other = folder.join("other.csv");
+    let changed = text[0].as_str().expect("text").replacen(",settle,", ",learn,", 1);
+    std::fs::write(&other, changed).expect("a trace");
+    browser.choose("#file", &other).expect("the input");
+    let shown_as_recorded = script_on(
+        &browser,
+        r##"await until(() => lab.lab.hello.name === "other.csv" && lab.lab.store?.end > 3000);
+           return [$("#toast").textContent.slice(0, 17), Number.isFinite(lab.row().t1), Number.isFinite(lab.row().t1_expected)]"##,
+        &[],
     );
+    assert_eq!(shown_as_recorded, json!(["Shown as recorded", true, false]));
+    assert_eq!(
+        [&shown[1], &shown[2], &shown[3], &shown[4]],
+        [&json!(true), &json!(false), &json!("Recording: trace.csv"), &json!(true)]
+    );
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+/// Each preset brings its settings: it monitors, names a fault, and its trace replays to the same bits without being told anything.
+#[test]
+fn every_preset_monitors_names_and_replays() {
+    let found = on_page(
+        r##"
+        await until(() => lab.lab.store?.end > 0);
+        lab.send({ command: "run", speed: 0 });
+        const found = [];
+        for (const { value: preset } of [...$("#preset").options]) {
+          $("#preset").value = preset;
+          $("#preset").dispatchEvent(new Event("change", { bubbles: true }));
+          lab.send({ command: "run", speed: 0 });
+          await step(1);
+          const { mode, t } = lab.row();
+          await until(() => $("[data-act=quick-t2]")); // degrees that suit its heat, for as many ticks
+          click("[data-act=quick-t2]"); await step(30);
+          const named = lab.events().last?.named ?? "";
+          await step(300);
+          const { parts } = await lab.ask({ command: "trace" });
+          found.push([preset, mode, Math.round(t / lab.lab.store.ts) > 3000, named, parts.join("")]);
+        }
+        return found;"##,
+        &[],
+    );
+    let found: Vec<(String, u8, bool, String, String)> = serde_json::from_value(found).expect("presets");
+    let folder = std::env::temp_dir().join(format!("pt326-presets-{}", std::process::id()));
+    for (preset, mode, after_learning, named, trace) in &found {
+        assert_eq!((*mode, *after_learning, named.as_str()), (3, true, "t2_offset"), "{preset}");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let file = folder.join("trace.csv");
+        std::fs::write(&file, trace).expect("the trace");
+        let args = ReplayArgs { file, config: None, seed: None, out: folder.join("replayed") };
+        replay(&args).unwrap_or_else(|error| panic!("{preset}: {error:#}"));
+    }
+    assert_eq!(found.len(), 7);
     let _ = std::fs::remove_dir_all(folder);
 }
 
@@ -343,7 +439,8 @@ fn a_trace_is_downloaded_replayed_and_opened() {
 fn the_browser_comes_to_the_bits_of_this_machine() {
     let paper = include_str!("../../tests/paper.json");
     let harsh = Scene { seed: 3, preset: "harsh".into(), ..Scene::default() };
-    let scenes = [(serde_json::from_str(paper).expect("the paper's scene"), 7727), (harsh, 30_000)];
+    let scenes =
+        [(pt326_lab::protocol::read(paper.as_bytes()).expect("the paper's scene"), 7727), (harsh, 30_000)];
     let arguments = scenes.clone().map(|(scene, ticks)| json!([scene, ticks]));
     let theirs = on_page(
         r##"await monitoring();
@@ -478,6 +575,50 @@ fn no_tick_is_dropped_and_old_ones_give_way() {
     assert_eq!(kept, json!([true, true, true, true]));
 }
 
+/// What stands still is not drawn again, nor what cannot be seen; and at 100x, with an hour in view, every tick is there.
+#[test]
+fn only_what_has_changed_is_drawn_and_no_tick_is_dropped_at_full_speed() {
+    let seen = on_page(
+        r##"await monitoring(); await step(32700);
+           const { charts } = lab;
+           const { store } = lab.lab;
+           let drawn = 0;
+           const stack = charts.drawStack;
+           charts.drawStack = function (...all) { drawn++; return stack.apply(this, all); };
+           const frames = async (count) => { drawn = 0; for (let i = 0; i < count; i++) await frame(); return drawn; };
+           $("#stack").scrollIntoView(); charts.show(Infinity, 3600); await frames(5);
+           const still = await frames(30);
+           lab.send({ command: "run", speed: 100 });
+           const first = store.end;
+           await until(() => store.end > first + 2000);
+           const moving = drawn;
+           lab.send({ command: "run", speed: 0 });
+           let whole = true;
+           for (let tick = first; tick < store.end; tick++) whole &&= store.get(tick, "tick") === tick;
+           $(".charts").style.display = "none"; await frames(5);
+           await step(100);
+           return [still, moving > 10, whole, await frames(20)];"##,
+        &[],
+    );
+    assert_eq!(seen, json!([0, true, true, 0]));
+}
+
+/// A stop goes out before anything has been heard of the rig.
+#[test]
+fn stop_waits_for_nothing() {
+    let mode = on_page(
+        r##"await monitoring();
+           const { store } = lab.lab;
+           lab.lab.store = null;
+           document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "!", bubbles: true }));
+           lab.lab.store = store;
+           await step(2);
+           return lab.row().mode;"##,
+        &[],
+    );
+    assert_eq!(mode, json!(0));
+}
+
 /// Every step of the tour has its words in both languages, looks at something, and its button does something.
 #[test]
 fn the_tour_goes_to_its_end() {
@@ -522,17 +663,25 @@ fn a_report_is_the_page_with_the_run_within_it() {
         r##"await until(() => document.querySelectorAll(".review article").length === 3);
            const heads = [...document.querySelectorAll(".review .head")].map((n) => n.innerText.replace(/\d+(\.\d+)?/g, "#").replaceAll("\u00a0", " "));
            const [width, orders] = [document.documentElement.scrollWidth <= innerWidth, $("#stop").hidden];
-           lab.send({ command: "seek", tick: 3530 });
-           await until(() => /T2/.test($("#head").innerText));
-           return [heads, width, orders, document.querySelectorAll(".report table").length > 3];"##,
+           const rests = lab.lab.paused && lab.charts.span > 800;
+           $("#seek").value = 3530; $("#seek").dispatchEvent(new Event("input", { bubbles: true }));
+           await until(() => /T2/.test($("#head").innerText) && $("#bars .best"));
+           const near = rests && lab.charts.span === 40 && !$("#hint button");
+           lab.send({ command: "seek", tick: 1e6 }); await frame();
+           click("[data-speed='100']");
+           await until(() => lab.lab.store.end < 3000);
+           return [heads, width, orders, document.querySelectorAll(".report table").length > 3, near];"##,
         &[],
     );
+    browser.resize(2560, 1300).expect("a size");
+    let edges = r##"const left = (selector) => $(selector).getBoundingClientRect().left; return left("main") - left(".report")"##;
+    assert_eq!(script_on(&browser, edges, &[]), json!(0));
     let heads = [
         "T# reads # °C too high.",
         "T# sees # % of the rise too little.",
         "The air flow is # % stronger than learnt.",
     ];
-    assert_eq!(told, json!([heads, true, true, true]));
+    assert_eq!(told, json!([heads, true, true, true, true]));
     assert_untroubled(&browser);
     let _ = std::fs::remove_dir_all(folder);
 }

@@ -4,11 +4,15 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-use pt326_lab::scene::Order;
-use serde_json::json;
+use anyhow::ensure;
+use pt326_lab::protocol;
+use pt326_lab::refusal::{self, Refused};
+use pt326_lab::scene::{Order, Scene};
+use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
 
-use crate::history::History;
+use crate::guard::random;
+use crate::history::{History, MOST_ROWS};
 use crate::source::{Source, Told};
 
 /// How often it is looked whether a tick is due.
@@ -21,14 +25,19 @@ pub const FASTEST: f64 = 100.0;
 /// What the clock is asked for.
 pub(crate) enum Ask {
     Order(Order),
+    /// Another scene, and how many ticks of it at once; none: until it monitors.
+    Open(Scene, Option<u32>),
     Run(f64),
     Skip,
     Scene,
     Trace,
 }
 
-/// A question, and where its answer goes: a message, or why not.
-type Question = (Ask, oneshot::Sender<Result<serde_json::Value, String>>);
+/// A message, or the one that says why not.
+pub(crate) type Answer = Result<Value, Value>;
+
+/// A question, and where its answer goes.
+type Question = (Ask, oneshot::Sender<Answer>);
 
 /// A session that goes by its clock.
 #[derive(Clone)]
@@ -40,21 +49,36 @@ pub struct Clock {
 }
 
 /// Starts the clock, of a simulated rig where it monitors; it ends when nobody can ask any more.
-pub fn start(source: impl Source, speed: f64) -> Clock {
+///
+/// # Errors
+/// The system gives no random numbers.
+pub fn start(source: impl Source, speed: f64) -> anyhow::Result<Clock> {
     let (asks, asked) = channel();
     let (tell, changed) = watch::channel(());
-    let history = Arc::<Mutex<History>>::default();
+    let history = Arc::new(Mutex::new(History::new(hello(&source), random()?)));
     let keeper =
         Keeper { source, history: history.clone(), tell, speed: speed.clamp(0.0, FASTEST), owed: 0.0 };
     std::thread::spawn(move || keeper.run(&asked));
-    Clock { history, changed, asks }
+    Ok(Clock { history, changed, asks })
+}
+
+/// What a client is told first of a source.
+fn hello(source: &impl Source) -> Value {
+    let mut hello = protocol::hello(source.kind(), source.can());
+    hello["name"] = json!(source.name());
+    for key in ["scene", "ts", "settings"] {
+        if let Some(value) = source.opening().get(key) {
+            hello[key] = value.clone();
+        }
+    }
+    hello
 }
 
 impl Clock {
     /// Asks for something.
-    pub(crate) async fn ask(&self, ask: Ask) -> Result<serde_json::Value, String> {
+    pub(crate) async fn ask(&self, ask: Ask) -> Answer {
         let (answer, answered) = oneshot::channel();
-        let ended = |_| "the session has ended".to_owned();
+        let ended = |_| json!({ "type": "refused", "why": "the session has ended" });
         self.asks.send((ask, answer)).map_err(|_| ended(()))?;
         answered.await.map_err(|_| ended(()))?
     }
@@ -87,7 +111,8 @@ impl<S: Source> Keeper<S> {
         loop {
             match asked.recv_timeout(BEAT) {
                 Ok((ask, answer)) => {
-                    let _ = answer.send(self.answer(ask)); // who asked may have gone
+                    let told = self.answer(ask).map_err(|error| refusal::message(&error));
+                    let _ = answer.send(told); // who asked may have gone
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
@@ -126,41 +151,61 @@ impl<S: Source> Keeper<S> {
         self.tell.send_replace(());
     }
 
-    fn note(&self, note: &serde_json::Value) {
+    fn note(&self, note: &Value) {
         lock(&self.history).push_note(note.to_string());
         self.tell.send_replace(());
     }
 
-    fn answer(&mut self, ask: Ask) -> Result<serde_json::Value, String> {
-        const SIMULATED: &str = "only a simulated rig can do this";
+    /// Another scene for all who watch.
+    fn open(&mut self, scene: Scene, at: Option<u32>) -> anyhow::Result<()> {
+        let ticks = at.unwrap_or(0);
+        ensure!(ticks as usize <= MOST_ROWS, Refused::Ticks(ticks));
+        self.source.open(scene)?;
+        let mut opened = self.source.opening();
+        opened["name"] = json!(self.source.name());
+        lock(&self.history).begin(hello(&self.source), opened);
+        self.owed = 0.0;
+        self.ticks(ticks as usize);
+        if at.is_none() {
+            self.skip();
+        }
+        self.tell.send_replace(());
+        Ok(())
+    }
+
+    fn answer(&mut self, ask: Ask) -> anyhow::Result<Value> {
         match ask {
+            Ask::Open(scene, at) => {
+                self.open(scene, at)?;
+                Ok(json!({ "type": "done" }))
+            }
             Ask::Order(order) => {
                 let told = json!(order);
-                self.source.order(order).map_err(|error| format!("{error:#}"))?;
+                self.source.order(order)?;
                 if !self.source.has_own_time() {
                     let tick = lock(&self.history).end();
                     self.note(&json!({ "type": "order", "tick": tick, "order": told }));
                 }
                 Ok(json!({ "type": "done" }))
             }
-            Ask::Run(_) if self.source.has_own_time() => Err("it goes by its own clock".into()),
+            Ask::Run(_) if self.source.has_own_time() => Err(Refused::OwnClock.into()),
             Ask::Run(speed) if (0.0..=FASTEST).contains(&speed) => {
                 self.speed = speed;
                 self.note(&json!({ "type": "running", "speed": speed }));
                 Ok(json!({ "type": "done" }))
             }
-            Ask::Run(speed) => Err(format!("speed is {speed}, expected 0 to {FASTEST}")),
+            Ask::Run(speed) => Err(Refused::Speed(speed).into()),
             Ask::Skip => {
-                self.source.scene().ok_or(SIMULATED)?;
+                self.source.scene().ok_or(Refused::NotSimulated)?;
                 self.skip();
                 Ok(json!({ "type": "done" }))
             }
             Ask::Scene => {
-                let scene = self.source.scene().ok_or(SIMULATED)?;
+                let scene = self.source.scene().ok_or(Refused::NotSimulated)?;
                 Ok(json!({ "type": "scene", "tick": lock(&self.history).end(), "scene": scene }))
             }
             Ask::Trace => {
-                let lines = self.source.trace().ok_or(SIMULATED)?;
+                let lines = self.source.trace().ok_or(Refused::NotSimulated)?;
                 let text: String = lines.into_iter().flat_map(|line| [line, "\n".into()]).collect();
                 Ok(json!({ "type": "trace", "parts": [text] }))
             }

@@ -23,10 +23,7 @@ impl Access {
     /// # Errors
     /// The system gives no random numbers.
     pub fn local() -> anyhow::Result<Self> {
-        let mut bytes = [0; 24];
-        getrandom::fill(&mut bytes).map_err(|error| anyhow::anyhow!("no random numbers: {error}"))?;
-        let token = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self { token, open: false })
+        Ok(Self { token: random()?, open: false })
     }
 
     /// For other machines, too.
@@ -45,6 +42,13 @@ impl Access {
     pub(crate) fn knows(&self, token: Option<&str>) -> bool {
         token.is_some_and(|token| same(token.as_bytes(), self.token.as_bytes()))
     }
+}
+
+/// What nobody can guess.
+pub(crate) fn random() -> anyhow::Result<String> {
+    let mut bytes = [0; 24];
+    getrandom::fill(&mut bytes).map_err(|error| anyhow::anyhow!("no random numbers: {error}"))?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 /// Whether both are the same, in a time that does not say where they differ.

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::source::Numbers;
 
@@ -15,9 +15,14 @@ const MOST_NOTES: usize = 10_000;
 /// Rows in one message.
 const ROWS_A_MESSAGE: usize = 500;
 
-/// The rows and notes that are kept, numbered from the first that ever was.
-#[derive(Default)]
+/// The rows and notes that are kept, numbered from the first of the scene.
 pub(crate) struct History {
+    /// What a client is told first.
+    hello: Value,
+    /// Of this server.
+    id: String,
+    /// Scenes that were here before: who was told of one of them begins anew.
+    life: usize,
     rows: VecDeque<Numbers>,
     /// Number of the first row that is kept.
     first_row: usize,
@@ -29,11 +34,37 @@ pub(crate) struct History {
 /// How far a client has been told.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Place {
-    pub(crate) row: usize,
-    pub(crate) note: usize,
+    life: usize,
+    row: usize,
+    note: usize,
 }
 
 impl History {
+    /// Nothing yet; `hello` is what a client is told first.
+    pub(crate) fn new(hello: Value, id: String) -> Self {
+        let (rows, notes) = (VecDeque::new(), VecDeque::new());
+        Self { hello, id, life: 0, rows, first_row: 0, notes, first_note: 0 }
+    }
+
+    /// What a client is told first.
+    pub(crate) fn hello(&self) -> Value {
+        let mut hello = self.hello.clone();
+        hello["session"] = json!(self.session());
+        hello
+    }
+
+    /// Another for each scene: a page that was with another begins anew.
+    pub(crate) fn session(&self) -> String {
+        format!("{}-{}", self.id, self.life)
+    }
+
+    /// All that was is void: `opened` says so, and `hello` what is told first from now on.
+    pub(crate) fn begin(&mut self, hello: Value, mut opened: Value) {
+        *self = Self { life: self.life + 1, ..Self::new(hello, std::mem::take(&mut self.id)) };
+        opened["session"] = json!(self.session());
+        self.push_note(opened.to_string());
+    }
+
     pub(crate) fn push_row(&mut self, row: Numbers) {
         self.rows.push_back(row);
         if self.rows.len() > MOST_ROWS {
@@ -63,11 +94,14 @@ impl History {
     pub(crate) fn place(&self, row: usize) -> Place {
         let row = if row > self.end() { 0 } else { row };
         let before = self.notes.iter().take_while(|(tick, _)| *tick < row).count();
-        Place { row, note: self.first_note + before }
+        Place { life: self.life, row, note: self.first_note + before }
     }
 
     /// The next message for a client, if there is any: notes and rows in the order in which they came.
     pub(crate) fn next(&self, place: &mut Place) -> Option<String> {
+        if place.life != self.life {
+            *place = Place { life: self.life, ..Place::default() };
+        }
         place.row = place.row.max(self.first_row);
         place.note = place.note.max(self.first_note);
         let note = self.notes.get(place.note - self.first_note);
@@ -94,9 +128,11 @@ impl History {
 
 #[cfg(test)]
 mod tests {
-    use serde_json::Value;
-
     use super::*;
+
+    fn history() -> History {
+        History::new(json!({}), "id".into())
+    }
 
     fn row(tick: usize) -> Numbers {
         let mut row = [0.0; _];
@@ -110,7 +146,7 @@ mod tests {
 
     #[test]
     fn notes_come_between_the_rows_between_which_they_were_sent() {
-        let mut history = History::default();
+        let mut history = history();
         (0..3).for_each(|tick| history.push_row(row(tick)));
         history.push_note("\"a\"".into());
         (3..5).for_each(|tick| history.push_row(row(tick)));
@@ -124,10 +160,30 @@ mod tests {
         assert_eq!(told(&history, &mut place).len(), 1, "only what is new");
     }
 
+    /// Whoever has been told half of a scene is told of the next from its beginning, and what is remembered of the last is void.
+    #[test]
+    fn another_scene_begins_for_everybody() {
+        let mut history = history();
+        (0..5).for_each(|tick| history.push_row(row(tick)));
+        history.push_note("\"old\"".into());
+        let mut place = history.place(0);
+        assert_eq!(told(&history, &mut place).len(), 2);
+        let before = history.session();
+        history.begin(json!({ "name": "new" }), json!({ "type": "opened" }));
+        (0..3).for_each(|tick| history.push_row(row(tick)));
+        for place in [&mut place, &mut history.place(0)] {
+            let all = told(&history, place);
+            assert_eq!((&all[0]["type"], &all[0]["session"]), (&json!("opened"), &json!(history.session())));
+            assert_eq!((&all[1]["from"], &all[1]["count"], all.len()), (&json!(0), &json!(3), 2));
+        }
+        assert_ne!(history.session(), before);
+        assert_eq!(history.hello()["name"], json!("new"));
+    }
+
     /// One that comes back goes on where it was; one that was away for too long gets what is left; one from another life all.
     #[test]
     fn who_comes_back_gets_what_was_missed_and_memory_is_bounded() {
-        let mut history = History::default();
+        let mut history = history();
         for tick in 0..MOST_ROWS + 100 {
             history.push_row(row(tick));
             if tick % 3 == 0 {

@@ -16,7 +16,7 @@ const SHOWN: [(&str, &str, &str, &str); 12] = [
     ("pt326_expected_celsius", "", "t2_expected", "{sensor=\"t2\"}"),
     ("pt326_setpoint_celsius", "Set-point of T1", "setpoint", ""),
     ("pt326_power_percent", "What drives the heater", "drive", ""),
-    ("pt326_mode", "0 off, 1 settle, 2 learn, 3 monitor, 4 tripped", "mode", ""),
+    ("pt326_mode", "0 off, 1 settle, 2 learn, 3 monitor, 4 tripped, 5 tune", "mode", ""),
     ("pt326_alarm", "Whether the likelihood diagnosis is alarmed", "alarm", ""),
     ("pt326_magnitude", "Estimated size of the fault that is named", "magnitude", ""),
     ("pt326_fdv", "Fault detection vector", "fdv", ""),

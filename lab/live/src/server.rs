@@ -15,10 +15,10 @@ use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use futures_util::stream;
-use pt326_lab::scene::Order;
-use pt326_lab::{page, protocol};
+use pt326_lab::page;
+use pt326_lab::scene::{Order, Scene};
 use serde::Deserialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 use tokio::net::TcpListener;
 
 use crate::clock::{Ask, Clock};
@@ -37,24 +37,12 @@ const ALIVE: Duration = Duration::from_secs(10);
 pub struct Server {
     /// The session.
     pub clock: Clock,
-    /// Its name for people.
-    pub name: String,
-    /// What it is.
-    pub kind: &'static str,
-    /// Which commands make sense.
-    pub can: &'static [&'static str],
-    /// Ts in s.
-    pub sample_time: f64,
-    /// Its scene at the start, of a simulated rig.
-    pub scene: Value,
     /// Who may ask.
     pub access: Access,
 }
 
 struct Shared {
     server: Server,
-    /// Of this life: a page that was with another begins anew.
-    session: String,
     clients: AtomicUsize,
 }
 
@@ -78,21 +66,20 @@ pub fn listen(
         let query =
             if server.access.open { format!("?token={}", server.access.token) } else { String::new() };
         told(listener.local_addr()?, &query)?;
-        axum::serve(listener, app(server)?).await.context("the server has ended")
+        axum::serve(listener, app(server)).await.context("the server has ended")
     })
 }
 
-fn app(server: Server) -> anyhow::Result<Router> {
-    let session = Access::local()?.token;
-    let shared = Arc::new(Shared { server, session, clients: AtomicUsize::new(0) });
-    Ok(Router::new()
+fn app(server: Server) -> Router {
+    let shared = Arc::new(Shared { server, clients: AtomicUsize::new(0) });
+    Router::new()
         .route("/", get(page_itself))
         .route("/events", get(events))
         .route("/command", post(command))
         .route("/metrics", get(numbers))
         .layer(DefaultBodyLimit::max(LONGEST))
         .layer(from_fn(guarded))
-        .with_state(shared))
+        .with_state(shared)
 }
 
 /// Turns away what does not come from here, and says what a browser may do with what goes out.
@@ -152,29 +139,31 @@ async fn events(State(app): App, Query(asked): Query<Asked>) -> Result<impl Into
     if app.clients.fetch_add(1, Ordering::Relaxed) >= MOST_CLIENTS {
         return Err(StatusCode::TOO_MANY_REQUESTS);
     }
-    let from = if asked.session == app.session { asked.from } else { 0 };
-    let place = app.server.clock.history().place(from);
+    let (hello, place) = {
+        let history = app.server.clock.history();
+        let from = if asked.session == history.session() { asked.from } else { 0 };
+        (history.hello().to_string(), history.place(from))
+    };
     let changed = app.server.clock.changed.clone();
-    let next = move |(greeted, mut place, mut changed, counted): (
-        bool,
+    let next = move |(hello, mut place, mut changed, counted): (
+        Option<String>,
         Place,
         tokio::sync::watch::Receiver<()>,
         Counted,
     )| async move {
-        if !greeted {
-            let hello = greeting(&counted.0);
-            return Some((event(hello), (true, place, changed, counted)));
+        if let Some(hello) = hello {
+            return Some((event(hello), (None, place, changed, counted)));
         }
         loop {
             changed.borrow_and_update();
             let message = counted.0.server.clock.history().next(&mut place);
             if let Some(message) = message {
-                return Some((event(message), (true, place, changed, counted)));
+                return Some((event(message), (None, place, changed, counted)));
             }
             changed.changed().await.ok()?;
         }
     };
-    let stream = stream::unfold((false, place, changed, counted), next);
+    let stream = stream::unfold((Some(hello), place, changed, counted), next);
     Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(ALIVE)))
 }
 
@@ -182,21 +171,11 @@ fn event(message: String) -> Result<Event, Infallible> {
     Ok(Event::default().data(message))
 }
 
-/// The hello of the protocol, with what only a server has.
-fn greeting(app: &Shared) -> String {
-    let mut hello: Value =
-        serde_json::from_str(&protocol::hello(app.server.kind, app.server.can)).unwrap_or_default();
-    hello["session"] = json!(app.session);
-    hello["ts"] = json!(app.server.sample_time);
-    hello["name"] = json!(app.server.name);
-    hello["scene"] = app.server.scene.clone();
-    hello.to_string()
-}
-
 #[derive(Deserialize)]
 #[serde(tag = "command", rename_all = "lowercase")]
 enum Command {
     Order { order: Order },
+    Open { scene: Scene, at: Option<u32> },
     Run { speed: f64 },
     Skip,
     Scene,
@@ -220,6 +199,7 @@ async fn command(
     // program built along with this one may ask for.
     let ask = match serde_json::from_value(body) {
         Ok(Command::Order { order }) => Ask::Order(order),
+        Ok(Command::Open { scene, at }) => Ask::Open(scene, at),
         Ok(Command::Run { speed }) => Ask::Run(speed),
         Ok(Command::Skip) => Ask::Skip,
         Ok(Command::Scene) => Ask::Scene,
@@ -228,7 +208,7 @@ async fn command(
     };
     match app.server.clock.ask(ask).await {
         Ok(message) => Json([message]).into_response(),
-        Err(why) => (StatusCode::CONFLICT, why).into_response(),
+        Err(refused) => (StatusCode::CONFLICT, Json(refused)).into_response(),
     }
 }
 

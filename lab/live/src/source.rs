@@ -1,8 +1,11 @@
 //! What can be served: something that gives a row of numbers for each tick.
 
+use pt326_lab::protocol;
+use pt326_lab::refusal::Refused;
 use pt326_lab::scene::{Order, Scene};
 use pt326_lab::session::Session;
 pub use pt326_lab::told::{Numbers, Told};
+use serde_json::{Value, json};
 
 /// A rig that is watched.
 pub trait Source: Send + 'static {
@@ -34,7 +37,21 @@ pub trait Source: Send + 'static {
     /// Why it is refused; nothing has changed then.
     fn order(&mut self, order: Order) -> anyhow::Result<()> {
         let _ = order;
-        anyhow::bail!("a recording takes no orders")
+        Err(Refused::Recorded.into())
+    }
+
+    /// Begins another scene, of a simulated rig.
+    ///
+    /// # Errors
+    /// Why it is refused; nothing has changed then.
+    fn open(&mut self, scene: Scene) -> anyhow::Result<()> {
+        let _ = scene;
+        Err(Refused::NotSimulated.into())
+    }
+
+    /// What a client is told of how it began: `ts`, and of a simulated rig what `opened` tells.
+    fn opening(&self) -> Value {
+        json!({ "type": "opened", "ts": self.sample_time() })
     }
 
     /// The scene that leads here, of a simulated rig.
@@ -56,7 +73,7 @@ impl Source for Session {
     }
 
     fn can(&self) -> &'static [&'static str] {
-        &["order", "break", "run", "trace"]
+        &["order", "break", "open", "run", "trace"]
     }
 
     fn sample_time(&self) -> f64 {
@@ -70,6 +87,15 @@ impl Source for Session {
 
     fn order(&mut self, order: Order) -> anyhow::Result<()> {
         Self::order(self, order)
+    }
+
+    fn open(&mut self, scene: Scene) -> anyhow::Result<()> {
+        *self = Self::new(scene)?;
+        Ok(())
+    }
+
+    fn opening(&self) -> Value {
+        protocol::opened(self)
     }
 
     fn scene(&self) -> Option<Scene> {

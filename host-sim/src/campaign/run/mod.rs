@@ -174,7 +174,7 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
         fault.map(|f| (Scorer::new(f), LikelihoodScorer::new(f, sample_time).right(&cell.right)));
     let mut said = SaidScorer::new(fault, &cell.right, sample_time);
     let mut heat = HeatMeter::new(&config, &scenario, fault);
-    drive(&mut instrument, &config, &scenario, seed, |row, rig| {
+    drive(&mut instrument, &config, &scenario, seed, |row, rig, _| {
         let t = tick_time(row.tick.index, sample_time);
         heat.observe(t, &row, rig);
         for (counter, output) in

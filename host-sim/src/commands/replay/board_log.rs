@@ -62,6 +62,7 @@ pub(super) fn read(text: &str, config: Config) -> anyhow::Result<Recording> {
             orders: now,
             raw: record.raw(),
             applied: Some(record.applied()),
+            truth: 0,
             said: Said::Bits(Box::new(record)),
         }
     });
@@ -159,7 +160,7 @@ pub(super) mod tests {
     pub(crate) fn log_of(config: &Config, seconds: f64) -> String {
         let mut instrument = Instrument::new(config).unwrap();
         let mut rig = Rig::new(&RigConfig::default(), Disturbance::Calm, 0.11, 1, &[]);
-        let mut log = String::from("0.000000 [INFO ] log format 4 (firmware log.rs:1)\n");
+        let mut log = String::from("0.000000 [INFO ] log format 5 (firmware log.rs:1)\n");
         for k in 0..(seconds / 0.11) as u32 {
             if k == 3 {
                 instrument.command(Command::Arm).unwrap();
@@ -194,7 +195,7 @@ pub(super) mod tests {
         let error = format!("{:#}", read("order 5 explode\n", Config::default()).err().unwrap());
         assert!(error.contains("line 1") && error.contains("explode"), "{error}");
         let error = format!("{:#}", read("log format 3\n", Config::default()).err().unwrap());
-        assert!(error.contains("line 1: log format 3, expected 4"), "{error}");
+        assert!(error.contains("line 1: log format 3, expected 5"), "{error}");
         let late = format!("tick 7 {}", ["0"; WORDS - 1].join(" "));
         let error = format!("{:#}", read(&late, Config::default()).err().unwrap());
         assert!(error.contains("begins at tick 7"), "{error}");
@@ -205,7 +206,7 @@ pub(super) mod tests {
         let kept = |number: u32| format!("[DEBUG] commissioned {number}{}\n", " 3e99999a".repeat(16));
         let log = log_of(&Config::default(), 1.0);
         let (head, rest) = log.split_at(log.find("5.0 [DEBUG] tick").unwrap());
-        let text = format!("{}{head}{}{rest}", kept(1), kept(2)).replace("log format 4", "");
+        let text = format!("{}{head}{}{rest}", kept(1), kept(2)).replace("log format 5", "");
         let recording = read(&text, Config::default()).unwrap();
         let commissioned = |tick: &Recorded| {
             tick.orders
@@ -231,7 +232,7 @@ pub(super) mod tests {
             row(30)
         );
         let recording = read(
-            &format!("{lines}{}", log_of(&Config::default(), 1.0).replace("log format 4", "")),
+            &format!("{lines}{}", log_of(&Config::default(), 1.0).replace("log format 5", "")),
             Config::default(),
         );
         let baseline = recording.unwrap().baseline.unwrap();

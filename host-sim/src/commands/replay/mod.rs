@@ -21,6 +21,8 @@ use crate::experiment::{Origin, Record, Row, as_written, tick_time, truth, with_
 use crate::isolability::{Isolability, Onsets, Question};
 use crate::record::trace::Column;
 use crate::settings;
+use pt326_lab::change::Settings;
+use pt326_lab::{fields, recording};
 use pt326_rig::fault::Fault;
 
 /// Arguments of `replay`.
@@ -29,7 +31,8 @@ use pt326_rig::fault::Fault;
 A board's log tells the board's settings. It must begin with the start of the board; where ticks are missing the replay \
 ends, since the state behind a gap is unknown.
 
-A trace.csv does not tell settings: name those that it was made with, if they were not the default ones.
+A trace.csv tells its settings, changes in the middle of the run and all, in its column `settings`; one without that \
+column was made with the default ones or by an older release: name those, if they were others.
 
 The exit code is 2 if a single bit differs.
 
@@ -74,6 +77,8 @@ struct Recorded {
     raw: RawSample,
     /// What the heater got; `None`: the drive.
     applied: Option<Percent>,
+    /// Number of the true fault, where the recording knows it.
+    truth: u8,
     /// What the recording says of it.
     said: Said,
 }
@@ -190,7 +195,7 @@ fn read(text: &str, args: &ReplayArgs) -> anyhow::Result<Recording> {
     if text.starts_with("t_s,") {
         let seed = args.seed.or_else(|| seed_beside(&args.file)).unwrap_or(1);
         let mut recording = trace_file::read(text, &with_prbs_phase(&config, seed))?;
-        trace_file::use_summary(&mut recording, text, &args.file);
+        trace_file::use_summary(&mut recording, &args.file);
         Ok(recording)
     } else {
         board_log::read(text, config)
@@ -216,6 +221,9 @@ fn rerun(
     }
     let sample_time = as_written(config.sample_time.0);
     let mut rows = Vec::with_capacity(recording.ticks.len());
+    let mut settings = Settings::new(config);
+    let mut told = Vec::new();
+    let mut explained = Vec::new();
     let mut agreement = Agreement::default();
     let bar = progress(recording.ticks.len() as u64, "ticks");
     for recorded in &recording.ticks {
@@ -223,14 +231,22 @@ fn rerun(
             match order {
                 // The board logs what it carried out, and an `ack` that released its own interlock means nothing here.
                 Order::Command(command) => drop(instrument.command(*command)),
-                Order::Settings(config) => instrument.retune(config)?,
+                Order::Settings(config) => {
+                    instrument.retune(config)?;
+                    settings.change((**config).clone());
+                }
                 Order::Commission(commissioned) => instrument.commission(*commissioned)?,
             }
+        }
+        let change = settings.take();
+        if !change.is_empty() {
+            told.push((rows.len(), change));
         }
         let tick = instrument.control(recorded.raw);
         let report = instrument.diagnose(&tick, recorded.applied.unwrap_or(tick.drive));
         agreement.compare(recorded, &tick, &report, sample_time);
         look(&instrument, &tick, &report);
+        explained.extend(fields::explained(&instrument, &report).map(|shares| (rows.len(), shares)));
         let now = f64::from(tick.index) * sample_time;
         rows.push(Row { tick, report, truth: truth(&recording.faults, now) });
         bar.inc(1);
@@ -238,7 +254,7 @@ fn rerun(
     bar.finish_and_clear();
     let origin = Origin::Recorded { file: file.display().to_string() };
     let record = Record::new(origin, config, &recording.faults, rows, instrument.baseline().copied());
-    Ok((record, agreement))
+    Ok((Record { settings: told, explained, ..record }, agreement))
 }
 
 impl Agreement {
@@ -246,7 +262,10 @@ impl Agreement {
         self.ticks += 1;
         let differences = match &recorded.said {
             Said::Bits(bits) => board_log::differences(bits, recorded, tick, report),
-            Said::Cells(cells) => trace_file::differences(cells, tick, report, sample_time),
+            Said::Cells(cells) => {
+                let cells = cells.iter().map(|(column, cell)| (*column, cell.as_str()));
+                recording::differences(cells, tick, report, sample_time)
+            }
         };
         if differences.is_empty() {
             return;

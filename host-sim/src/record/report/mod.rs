@@ -177,6 +177,14 @@ mod tests {
         }
     }
 
+    /// As the page above it says: MFP is named for good 16 s after it began, and for a moment before.
+    #[test]
+    fn a_flicker_of_fiv_is_no_name() {
+        let page = page(&Scenario::default());
+        assert!(page.contains("<td>746.02 (16.02)<br><small>first tick 744.15</small></td>"));
+        assert!(page.contains("<td>385.11 (0.61)</td>"));
+    }
+
     #[test]
     fn a_trip_is_in_the_warnings() {
         let open = Fault::new(Verb::Open, Some(Sensor::T1), None, 3.0, 10.0);

@@ -1,11 +1,12 @@
 //! The tables of the page, and the words for what happened.
 
 use super::numbers::{NOTHING, count, escape, maybe, significant, written};
-use crate::experiment::Record;
+use crate::experiment::{Record, Row};
 use crate::record::paper;
 use crate::record::summary::{FaultSummary, Learnt, Summary, with_degree_sign};
 use crate::score::Score;
 use crate::score::expectation::Expectation;
+use fdi_core::diagnosis::Verdict;
 use pt326_rig::Disturbance;
 use pt326_rig::fault::{Fault, Verb};
 
@@ -14,14 +15,14 @@ pub(super) fn faults(record: &Record, summary: &Summary) -> String {
     if record.faults.is_empty() {
         return String::new();
     }
-    let rows = |score: fn(&FaultSummary) -> &Score| {
+    let rows = |score: fn(&FaultSummary) -> &Score, verdict: fn(&Row) -> Option<Verdict>| {
         let pairs = record.faults.iter().zip(&summary.faults);
-        pairs.map(move |(fault, seen)| fault_row(fault, seen, score(seen)))
+        pairs.map(move |(fault, seen)| fault_row(seen, score(seen), fault, stands(record, fault, verdict)))
     };
     let head = "<th>Fault</th><th>Onset<br>s</th><th>Detected at<br>(delay), s</th><th>Isolated at<br>(delay), s</th>\
                 <th>Lasted<br>s</th><th>Indicated<br>s</th><th>Pieces</th><th>Isolated for<br>% of the fault</th>";
     let head_with_paper = format!("{head}<th>Paper: delay<br>s</th><th>Paper: indicated<br>s</th>");
-    let low_passed = rows(|f| &f.signature);
+    let low_passed = rows(|f| &f.signature, |row| row.report.filtered);
     let (head_low_passed, low_passed): (&str, Vec<_>) = if record.is_papers {
         let beside = low_passed.zip(&summary.faults).map(|(row, f)| [row, paper_cells(f)].concat());
         (&head_with_paper, beside.collect())
@@ -31,11 +32,16 @@ pub(super) fn faults(record: &Record, summary: &Summary) -> String {
     [
         "<h2>How each fault was seen</h2>\n",
         &html_table(
-            "By the low-passed residuals, which is what the instrument goes by.",
+            "By the low-passed residuals, which is what the instrument goes by. fiv flickers while the models adapt: a name counts \
+             where it has stood for 19 samples, from the first of them.",
             head_low_passed,
             low_passed,
         ),
-        &html_table("By the raw residuals, for comparison.", head, rows(|f| &f.signature_raw).collect()),
+        &html_table(
+            "By the raw residuals, for comparison.",
+            head,
+            rows(|f| &f.signature_raw, |row| row.report.raw).collect(),
+        ),
         &likelihood(record, summary),
     ]
     .concat()
@@ -94,11 +100,36 @@ fn paper_cells(fault: &FaultSummary) -> Vec<String> {
     vec![maybe(paper.map(|p| p.1), 1), maybe(paper.map(|p| p.2), 2)]
 }
 
-fn fault_row(fault: &Fault, seen: &FaultSummary, score: &Score) -> Vec<String> {
+/// So long a name stands before it counts, samples: 2 s of the usual rig, as the page above counts.
+const STANDS: usize = 19;
+
+/// When fiv first began to name a fault for so long, while it acted.
+fn stands(record: &Record, fault: &Fault, verdict: fn(&Row) -> Option<Verdict>) -> Option<f64> {
+    let expected = Expectation::of(fault).fiv?;
+    let names = |row: &Row| {
+        fault.is_active(record.time(row.tick.index)) && verdict(row).is_some_and(|v| v.fiv == expected)
+    };
+    let mut runs = record.rows.chunk_by(|a, b| names(a) == names(b));
+    let run = runs.find(|run| names(&run[0]) && run.len() > STANDS)?;
+    Some(record.time(run[0].tick.index))
+}
+
+/// When fiv named a fault, and where that is another tick, when it first did.
+fn isolated(score: &Score, fault: &Fault, stands: Option<f64>) -> Option<String> {
+    let first = score.isolated_s?;
+    let flicker = format!("<br><small>first tick {first:.2}</small>");
+    Some(match stands {
+        Some(at) if at == first => moment(stands, score.isolation_delay_s)?,
+        Some(at) => moment(stands, Some(at - fault.at))? + &flicker,
+        None => format!("{NOTHING} never for long{flicker}"),
+    })
+}
+
+fn fault_row(seen: &FaultSummary, score: &Score, fault: &Fault, stands: Option<f64>) -> Vec<String> {
     let expected = Expectation::of(fault);
     let never = |answer: Option<u8>, word| never(score, answer.is_some(), word);
     let detected = moment(score.detected_s, score.detection_delay_s);
-    let isolated = moment(score.isolated_s, score.isolation_delay_s);
+    let isolated = isolated(score, fault, stands);
     vec![
         escape(&seen.name),
         written(seen.onset_s),

@@ -7,6 +7,8 @@ use pt326_lab::fields::FIELDS;
 use pt326_lab::scene::Scene;
 use pt326_lab::session::Session;
 
+use serde_json::json;
+
 use super::*;
 use crate::clock;
 use crate::source::{Recording, Source, Told};
@@ -19,15 +21,8 @@ fn serve(speed: f64) -> SocketAddr {
 
 /// A server of its own in a thread; it ends with the tests.
 fn serve_source(source: impl Source, speed: f64) -> SocketAddr {
-    let server = Server {
-        name: source.name(),
-        kind: source.kind(),
-        can: source.can(),
-        sample_time: source.sample_time(),
-        scene: json!(source.scene()),
-        clock: clock::start(source, speed),
-        access: Access { token: TOKEN.into(), open: false },
-    };
+    let access = Access { token: TOKEN.into(), open: false };
+    let server = Server { clock: clock::start(source, speed).unwrap(), access };
     let (tell, told) = channel();
     std::thread::spawn(move || {
         listen(server, "127.0.0.1:0".parse().unwrap(), |address, _| Ok(tell.send(address)?))
@@ -153,7 +148,7 @@ fn commands_need_token_json_host_and_origin() {
     assert_eq!(get_text(address, "/events?token=wrong", "").0, 403);
     let refused = |body: &str| post_text(address, &with_token(), body);
     let (status, why) = refused(r#"{"command":"order","order":{"order":"setpoint","celsius":500}}"#);
-    assert!(status == 409 && why.contains("set-point 500"), "{why}");
+    assert!(status == 409 && why.contains("set-point 500") && why.contains("\"code\":\"setpoint\""), "{why}");
     assert_eq!(refused(r#"{"command":"run","speed":1000000000}"#).0, 409);
     for body in ["", "{", "[]", r#"{"command":"open"}"#, r#"{"command":"order","order":{"order":"melt"}}"#] {
         assert!((400..500).contains(&refused(body).0), "{body}");
@@ -204,6 +199,48 @@ fn fifty_clients_see_the_same() {
     }
 }
 
+/// Whoever has the token begins another scene; all who watch are told at once, and who comes later hears of the new one only.
+#[test]
+fn another_scene_is_opened_for_all() {
+    let address = serve(0.0);
+    let before = stream(address, 0, "", until(3000));
+    let open = r#"{"command":"open","scene":{"seed":4,"preset":"oven","disturbance":"calm","orders":[[0,{"order":"arm"}],[9,{"order":"setpoint","celsius":81.5}]]},"at":120}"#;
+    assert_eq!(post_text(address, JSON, open).0, 403);
+    let (tell, told) = channel();
+    let watcher = std::thread::spawn(move || {
+        let mut opened = false;
+        stream(address, 0, "", |m| {
+            if m["type"] == "rows" && !opened {
+                let _ = tell.send(());
+            }
+            opened |= m["type"] == "opened";
+            !opened || until(120)(m)
+        })
+    });
+    told.recv().unwrap();
+    assert_eq!(post_text(address, &with_token(), open).0, 200);
+    let seen = watcher.join().unwrap();
+    let place = seen.iter().position(|m| m["type"] == "opened").unwrap();
+    let opened = &seen[place];
+    assert_eq!((&opened["scene"]["preset"], &opened["ts"]), (&json!("oven"), &json!(2.0)));
+    assert_eq!(opened["settings"]["pid.ti"], json!(60.0));
+    assert_eq!(rows(&seen[place..])[0].0, 0);
+    let later = stream(address, 0, "", until(120));
+    assert_eq!((&later[0]["name"], &later[0]["ts"]), (&json!("oven, seed 4"), &json!(2.0)));
+    assert_eq!((&later[0]["session"], rows_in(&later)), (&opened["session"], 120));
+    // Who was with the last scene does not go on in this one.
+    let stale = stream(address, 100, before[0]["session"].as_str().unwrap(), until(120));
+    assert_eq!(rows(&stale)[0].0, 0);
+    for (wrong, words) in [
+        (r#"{"command":"open","scene":{"preset":"kettle"}}"#, "kettle"),
+        (r#"{"command":"open","scene":{},"at":4000000000}"#, "\"code\":\"ticks\""),
+    ] {
+        let (status, why) = post_text(address, &with_token(), wrong);
+        assert!(status == 409 && why.contains(words), "{why}");
+    }
+    assert_eq!(rows_in(&stream(address, 0, "", until(120))), 120, "what is refused changes nothing");
+}
+
 /// A client that reads nothing delays nobody, and one that comes back goes on where it was.
 #[test]
 fn a_slow_client_delays_nobody_and_one_that_comes_back_misses_nothing() {
@@ -220,21 +257,37 @@ fn a_slow_client_delays_nobody_and_one_that_comes_back_misses_nothing() {
     drop(slow);
 }
 
-/// 100,000 requests that are none: nothing but 4xx or a closed connection, and the server still serves.
+/// 100,000 requests that are none: nothing but 4xx or a closed connection, the server still serves, and holds no more memory than after the
+/// first tenth of them. Memory is that of the process, with the client that asks: `-- --ignored --nocapture` tells it.
 #[test]
 #[ignore = "takes half a minute; ./check runs it"]
 fn a_hundred_thousand_malformed_requests_change_nothing() {
-    malformed(100_000);
+    let address = serve(0.0);
+    stream(address, 0, "", until(3000));
+    let started = resident();
+    malformed(address, 10_000);
+    let before = resident();
+    malformed(address, 90_000);
+    let after = resident();
+    println!("{started} kB at the start, {before} kB after 10,000 requests, {after} kB after 100,000");
+    assert!(after < before + 2_000, "{before} kB, then {after} kB");
+}
+
+/// What the process holds of memory, kB; 0 where the system does not tell.
+fn resident() -> usize {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    line.and_then(|rest| rest.trim().trim_end_matches(" kB").parse().ok()).unwrap_or(0)
 }
 
 #[test]
 fn malformed_requests_change_nothing() {
-    malformed(1_500);
-}
-
-fn malformed(count: u32) {
     let address = serve(0.0);
     stream(address, 0, "", until(3000));
+    malformed(address, 1_500);
+}
+
+fn malformed(address: SocketAddr, count: u32) {
     let mut random = 0x9E37_79B9_7F4A_7C15_u64;
     let mut next = move |below: usize| {
         random ^= random << 13;
@@ -267,8 +320,31 @@ fn malformed(count: u32) {
         "Expect: 100-continue\r\n",
     ];
     let bodies = ["", "{}", "5\r\n{\"a\":\r\n0\r\n\r\n", "\0\0\0\0", "{\"command\":\"trace\"}", "[[[[[[[["];
+    // Of one who has the token, too: what is no JSON, no command, no order, no scene; too deep, too long.
+    let deep = "[".repeat(3000);
+    let long = format!("{{\"command\":\"{}\"}}", "x".repeat(LONGEST));
+    let commands = [
+        "",
+        "nonsense",
+        "[]",
+        "{\"command\":7}",
+        "{\"command\":\"run\",\"speed\":\"fast\"}",
+        "{\"command\":\"run\",\"speed\":-1}",
+        "{\"command\":\"order\",\"order\":{\"order\":\"setpoint\",\"celsius\":1e99}}",
+        "{\"command\":\"order\",\"order\":{\"order\":\"break\",\"fault\":{\"do\":\"offset\"}}}",
+        "{\"command\":\"order\",\"order\":{\"order\":\"set\",\"name\":\"pid.kp\",\"value\":-3}}",
+        "{\"command\":\"open\",\"scene\":{\"preset\":\"\"}}",
+        "{\"command\":\"open\",\"scene\":{\"orders\":[[5,{\"order\":\"arm\"}],[4,{\"order\":\"stop\"}]]}}",
+        &deep,
+        &long,
+    ];
     let mut seen = BTreeMap::<u16, u32>::new();
     for _ in 0..count {
+        if next(4) == 0 {
+            let (status, _) = post_text(address, &with_token(), commands[next(commands.len())]);
+            *seen.entry(status).or_default() += 1;
+            continue;
+        }
         let mut text = format!("{} {} HTTP/1.1\r\n", methods[next(methods.len())], paths[next(paths.len())]);
         if next(3) > 0 {
             text += &format!("Host: {address}\r\n");
@@ -296,6 +372,7 @@ fn malformed(count: u32) {
     let (_, text) = get_text(address, "/metrics", "");
     assert!(text.contains("pt326_clients 0"), "no stream is left open: {text}");
     assert!(text.contains("pt326_mode 3"), "the session is as it was: {text}");
+    assert!(seen.contains_key(&409) && seen.contains_key(&413) && seen.contains_key(&422), "{seen:?}");
 }
 
 /// A recording goes by with its own sample time, and takes no orders.
@@ -310,9 +387,12 @@ fn a_recording_is_served_to_its_end() {
         (&json!(0.5), &json!("old.csv"), &Value::Null)
     );
     assert_eq!(rows_in(&all), 120);
-    for body in
-        [r#"{"command":"order","order":{"order":"stop"}}"#, r#"{"command":"skip"}"#, r#"{"command":"trace"}"#]
-    {
+    for body in [
+        r#"{"command":"order","order":{"order":"stop"}}"#,
+        r#"{"command":"skip"}"#,
+        r#"{"command":"open","scene":{}}"#,
+        r#"{"command":"trace"}"#,
+    ] {
         assert_eq!(post_text(address, &with_token(), body).0, 409, "{body}");
     }
 }

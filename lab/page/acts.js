@@ -1,0 +1,52 @@
+// What can be done by a button, wherever it stands: on the desk, below the sentence, in the tour.
+import { PARTS, sized } from "lab/faults.js";
+import { charts, quiz, sheet } from "lab/parts.js";
+import { show } from "lab/show.js";
+import { $, changed, heat, lab } from "lab/state.js";
+import { begins, order, run, send } from "lab/talk.js";
+import { Tour } from "lab/tour.js";
+
+export const tour = new Tour($("tour"), {
+  act, order, again: changed,
+  busy: () => lab.store.get(lab.store.last, "alarm") > 0 || lab.events.active(lab.store.now).length > 0,
+});
+
+const quick = (part, kind) => {
+  const { fault, size } = PARTS[part][kind];
+  order({ order: "break", fault: { ...fault(sized(size, heat()).value), at: 0, for: 25 } });
+};
+const ACTS = {
+  arm: () => order({ order: "arm" }),
+  stop: () => order({ order: "stop" }),
+  ack: () => order({ order: "acknowledge" }),
+  mend: () => order({ order: "mend" }),
+  relearn: () => order({ order: "relearn" }),
+  skip: () => send({ command: "skip" }),
+  anew: () => begins(lab.scene),
+  surprise: () => (setMode("quiz"), startQuiz()),
+  "quick-t2": () => quick("T2", "wrong"),
+  "quick-air": () => quick("fan", "more"),
+  "quiz-start": startQuiz,
+  "quiz-answer": ({ name }) => quiz.answer(name),
+  "quiz-end": () => setMode("explore"),
+  setpoint: ({ by }) => order({ order: "setpoint", celsius: Math.round(lab.store.get(lab.store.last, "setpoint")) + Number(by) }),
+  look: ({ at }) => charts.show(Number(at) + 15 * lab.store.slow, 20 * lab.store.slow),
+};
+export function act(name, data = {}) {
+  ACTS[name]?.(data);
+  changed();
+}
+
+function startQuiz() {
+  quiz.start(order, lab.store.get(lab.store.last, "alarm") > 0, heat());
+  if (sheet.part) sheet.close();
+  charts.follow();
+  run(1);
+}
+
+export function setMode(mode) {
+  if (lab.mode === "quiz" && mode !== "quiz") quiz.end();
+  lab.mode = mode;
+  tour.show(mode === "tour");
+  show();
+}

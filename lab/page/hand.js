@@ -1,0 +1,71 @@
+// The user's hand: what is pressed, typed, chosen.
+import { act, setMode, tour } from "lab/acts.js";
+import { forgetColours } from "lab/canvas.js";
+import { begin } from "lab/hear.js";
+import { charts, quiz, review, rig, sheet } from "lab/parts.js";
+import { show } from "lab/show.js";
+import { $, arms, changed, keep, lab } from "lab/state.js";
+import { current, speak } from "lab/strings.js";
+import { begins, order, run, send } from "lab/talk.js";
+
+document.addEventListener("click", ({ target }) => {
+  const pressed = target.closest("[data-act]");
+  if (pressed) act(pressed.dataset.act, pressed.dataset);
+});
+$("modes").addEventListener("click", ({ target }) => target.dataset.mode && setMode(target.dataset.mode));
+$("transport").addEventListener("click", ({ target }) => {
+  const { speed } = target.closest("button")?.dataset ?? {};
+  if (lab.can.has("seek")) charts.moment();
+  if (speed) run(Number(speed));
+  else if (target.closest("#pause")) run(lab.paused ? lab.speed : 0);
+});
+$("stop").addEventListener("click", () => act(arms() ? "arm" : "stop"));
+$("follow").addEventListener("click", () => charts.follow());
+$("language").addEventListener("click", () => {
+  speak(current() === "en" ? "pt" : "en");
+  keep.set("language", current());
+  rig.fit(true);
+  if (sheet.part) sheet.build();
+  tour.show(lab.mode === "tour");
+  show();
+});
+$("theme").addEventListener("click", () => {
+  const { dataset } = document.documentElement;
+  dataset.theme = dataset.theme === "dark" ? "light" : "dark";
+  keep.set("theme", dataset.theme);
+  forgetColours();
+  show();
+});
+// On paper it is light.
+addEventListener("beforeprint", () => {
+  document.documentElement.dataset.theme = "light";
+  forgetColours();
+  show();
+  if (lab.store?.end) charts.print(lab.events, quiz.hides);
+});
+$("excite").addEventListener("change", ({ target }) => order({ order: "excite", on: target.checked }));
+for (const input of document.querySelectorAll("[data-set]")) {
+  input.addEventListener("change", () => order({ order: "set", name: input.dataset.set, value: Number(input.value) }));
+}
+for (const id of ["preset", "disturbance", "seed"]) {
+  $(id).addEventListener("change", () => {
+    quiz.end();
+    begins({ preset: $("preset").value, disturbance: $("disturbance").value, seed: Number($("seed").value) });
+    run(lab.speed);
+  });
+}
+$("series").addEventListener("change", ({ target }) => charts.toggle(target.value, target.checked));
+$("seek").addEventListener("input", ({ target }) => {
+  send({ command: "seek", tick: Number(target.value) });
+  charts.moment();
+});
+addEventListener("hashchange", () => lab.hello?.kind === "simulated" && location.hash && begin());
+addEventListener("resize", () => {
+  changed();
+  if (sheet.part) sheet.arrange();
+  if (!$("review").hidden) review.show(lab);
+});
+addEventListener("keydown", (event) => {
+  if (/INPUT|SELECT|TEXTAREA/.test(event.target.tagName) || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.key === "!" ) act("stop");
+});

@@ -1,0 +1,101 @@
+// What the source says.
+import { Events } from "lab/events.js";
+import { charts, quiz, review } from "lab/parts.js";
+import { refusal } from "lab/say.js";
+import { DEFAULT, fromLink } from "lab/scene.js";
+import { show } from "lab/show.js";
+import { $, lab, toast } from "lab/state.js";
+import { Store } from "lab/store.js";
+import { say } from "lab/strings.js";
+import { open, run } from "lab/talk.js";
+
+const PROTOCOL = 1;
+
+// A session of its own: what the link holds, or trained and at the point of monitoring.
+export function begin() {
+  let linked = null;
+  try {
+    linked = fromLink(location.hash);
+  } catch (error) {
+    toast(say("bad_link", { why: error.message }));
+  }
+  if (linked) open(linked.scene, { at: linked.at });
+  else open(DEFAULT);
+  run(1);
+}
+
+export const HEAR = {
+  hello(message) {
+    if (message.protocol !== PROTOCOL) throw new Error(`protocol ${message.protocol}`);
+    lab.hello = message;
+    lab.can = new Set(message.can);
+    lab.lost = 0;
+    if (!lab.store || lab.session !== message.session || message.session === undefined) {
+      lab.store = new Store(message);
+      lab.events = new Events(message);
+      charts.use(lab.store);
+    }
+    lab.session = message.session;
+    lab.settings = message.settings;
+    if (message.scene) lab.scene = message.scene;
+    show();
+    if (message.kind === "simulated") begin();
+  },
+  opened({ scene, ts = lab.hello.ts, settings = lab.hello.settings, session = lab.session, name = lab.hello.name }) {
+    Object.assign(lab, { session });
+    lab.hello.name = name;
+    if (scene) lab.scene = { ...scene, orders: [] };
+    lab.settings = settings;
+    for (const kept of [lab.store, lab.events]) {
+      kept.use(ts);
+      kept.clear();
+    }
+    lab.stateOf = NaN;
+    quiz.end(); // what it asked about is void, whoever opened the scene
+    // As a session begins; what its orders have changed they change again.
+    $("excite").checked = true;
+    for (const [tick, order] of scene?.orders ?? []) HEAR.order({ tick, order });
+    charts.follow();
+    show();
+  },
+  rows({ from, values }) {
+    const { store, events } = lab;
+    store.push(from, values);
+    events.push(from, values, store.at, store.given);
+    for (let tick = from; tick < store.end; tick++) {
+      const mode = store.get(tick, "mode");
+      if (mode === mode && mode !== lab.stateOf) [lab.stateOf, lab.since] = [mode, tick * store.ts];
+    }
+    quiz.follow(events);
+    lab.heard = performance.now();
+    lab.lost = 0;
+    if (store.end !== lab.hello.count) return;
+    review.show(lab);
+    charts.show(Infinity, store.now - store.first * store.ts);
+  },
+  order({ tick, order }) {
+    lab.events.order(tick, order);
+    if (order.order === "excite") $("excite").checked = order.on;
+    if (order.order === "set") {
+      lab.settings = { ...lab.settings, [order.name]: order.value };
+      show();
+    }
+  },
+  running({ speed }) {
+    lab.paused = speed === 0;
+    if (speed) lab.speed = speed;
+    show();
+  },
+  refused(message) {
+    toast(refusal(message, lab.hello));
+    show(); // what was chosen and refused is not so
+    if (message.command?.command === "open" && !lab.store.end) open(DEFAULT);
+  },
+  lost() {
+    lab.lost ||= performance.now();
+  },
+  // Between the server and the board.
+  link({ up }) {
+    lab.lost = up ? 0 : lab.lost || performance.now();
+  },
+};

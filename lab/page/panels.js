@@ -1,0 +1,49 @@
+// What the charts show: each panel's curves, and between which values it shows them.
+import { say } from "lab/strings.js";
+import { short } from "lab/say.js";
+
+const EXPLAINED = [
+  ["x_t2_offset", "--t2"], ["x_t1_offset", "--t1"], ["x_t1_clogged", "--t1"], ["x_air_flow", "--flow"],
+  ["x_heater_power", "--power"], ["x_t0_fault", "--t0"], ["x_drift", "--soft"], ["x_t1_stuck", "--soft"],
+  ["x_t2_stuck", "--soft"], ["x_t1_detached", "--soft"], ["x_t2_detached", "--soft"], ["x_t1_t2_swapped", "--soft"],
+  ["x_t0_t1_swapped", "--soft"], ["x_t0_t2_swapped", "--soft"],
+];
+export const CLASSES = EXPLAINED.map(([field, css]) => ({ field, name: field.slice(2), css }));
+
+const one = (id, css, more = {}) => ({ id, css, field: id, ...more });
+// `least` is the smallest range that it shows.
+export const PANELS = [
+  {
+    id: "temperature", unit: () => "°C", high: [150, 132], least: 4, decimals: 1,
+    series: [
+      one("setpoint", "--ink", { dash: [5, 4], width: 1, label: (narrow) => say(narrow ? "setpoint_short" : "setpoint") }),
+      one("t1_expected", "--t1", { dash: [2, 3], width: 1.1, label: () => "T1 " + say("expected"), silent: true }),
+      one("t2_expected", "--t2", { dash: [2, 3], width: 1.1, label: () => "T2 " + say("expected"), silent: true }),
+      one("t0", "--t0", { label: () => "T0", off: true }),
+      one("t1", "--t1", { label: () => "T1" }),
+      one("t2", "--t2", { label: () => "T2" }),
+    ],
+  },
+  {
+    id: "power", unit: () => "%", high: [70, 62], least: 30, decimals: 1,
+    series: [
+      one("drive", "--soft", { step: true, width: 1.1, label: (narrow) => say(narrow ? "sent_short" : "sent") }),
+      one("pid", "--ink", { width: 1.8, label: () => "PID" }),
+    ],
+  },
+  {
+    id: "departure", unit: () => "°C", high: [70, 62], least: 2, even: true, decimals: 2,
+    series: [
+      one("t1_left", "--t1", { label: () => "T1" }),
+      one("t2_left", "--t2", { label: () => "T2" }),
+    ],
+  },
+  {
+    id: "explained", unit: () => say("explained_unit"), high: [78, 70], range: [0, 100], ticks: [0, 50, 100], decimals: 0, verdict: true, most: 3,
+    series: CLASSES.map(({ field, name, css }) => one(field, css, { scale: 100, label: () => short(name), dash: name === "t1_clogged" ? [5, 3] : [], quiet: 8 })),
+  },
+  {
+    id: "residuals", unit: () => say("residuals_unit"), high: [84, 76], range: [-3, 3], ticks: [-3, 0, 3], bounds: [1, -1], decimals: 1, most: 3,
+    series: ["rap", "ry12", "rsg1", "rsg2", "rbw1"].map((id) => one(id, "--faint", { width: 1, label: () => id, beyond: 1 })),
+  },
+];

@@ -1,0 +1,70 @@
+// What changes with language, mode and source, and not with time.
+import { charts, review } from "lab/parts.js";
+import { $, changed, lab, put } from "lab/state.js";
+import { current, escape, say } from "lab/strings.js";
+
+export function show() {
+  words();
+  source();
+  pressed();
+  offered();
+  settings();
+  series();
+  changed();
+}
+
+function words() {
+  for (const node of document.querySelectorAll("[data-say]")) node.textContent = say(node.dataset.say);
+  for (const node of document.querySelectorAll("[data-label]")) node.setAttribute("aria-label", say(node.dataset.label));
+  $("language").textContent = current() === "en" ? "PT" : "EN";
+  $("language").lang = current() === "en" ? "pt" : "en";
+  $("stack").setAttribute("aria-label", `${say("region_charts")}. ${say("charts_help")}`);
+  $("overview").title = say("charts_help");
+}
+
+// Where the numbers come from.
+function source() {
+  const { kind, name } = lab.hello ?? {};
+  document.title = kind === "recording" ? `PT-326: ${name}` : say("title");
+  if (kind !== "recording") $("review").hidden = true;
+  else if (lab.store.end === lab.hello.count) review.show(lab);
+  if (!kind) return;
+  const told = { simulated: say("source_simulated", { seed: lab.scene.seed }), recording: say("source_recording", { name: escape(name) }), board: say("source_board", { name: escape(name) }) };
+  $("source").lastElementChild.innerHTML = told[kind] ?? say("source_live", { name: escape(name ?? kind) });
+}
+
+function pressed() {
+  for (const button of document.querySelectorAll("[data-mode]")) button.setAttribute("aria-pressed", button.dataset.mode === lab.mode);
+  for (const button of document.querySelectorAll("[data-speed]")) {
+    button.setAttribute("aria-pressed", !lab.paused && Number(button.dataset.speed) === lab.speed);
+  }
+  $("pause").setAttribute("aria-label", say(lab.paused ? "play" : "pause"));
+  $("pause").querySelector("path").setAttribute("d", lab.paused ? "M2 1l9 5-9 5z" : "M1.5 1h3v10h-3zM7.5 1h3v10h-3z");
+}
+
+// What makes sense with this source.
+function offered() {
+  const { kind, count } = lab.hello ?? {};
+  const can = (command) => lab.can.has(command);
+  $("transport").hidden = !can("run");
+  $("stop").hidden = !can("order");
+  $("stop").classList.toggle("large", kind === "board");
+  $("modes").hidden = !can("break");
+  $("desk-control").hidden = !can("order");
+  $("excite").parentElement.hidden = kind === "board"; // a board has no command for it
+  $("desk-rig").hidden = !can("open");
+  $("download").hidden = !can("trace");
+  $("link").hidden = !can("trace") || kind !== "simulated";
+  $("seek").hidden = !can("seek");
+  if (kind === "recording") $("seek").max = count;
+}
+
+function settings() {
+  for (const id of ["preset", "disturbance", "seed"]) $(id).value = lab.scene[id];
+  for (const input of document.querySelectorAll("[data-set]")) input.value = lab.settings?.[input.dataset.set] ?? "";
+}
+
+function series() {
+  const choice = ({ id, on, css, label }) => `<label><input type="checkbox" value="${id}" ${on ? "checked" : ""}><i style="background:var(${css})"></i>${label}</label>`;
+  put("series", charts.choices.map(({ title, series }) => `<fieldset><legend>${title}</legend>${series.map(choice).join("")}</fieldset>`).join(""));
+}

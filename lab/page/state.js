@@ -1,0 +1,39 @@
+// What the page knows at the moment, and what its parts need of the document.
+import { DEFAULT } from "lab/scene.js";
+
+export const $ = (id) => document.getElementById(id);
+export const embedded = (id) => $(id)?.textContent.trim();
+export const keep = {
+  get: (key) => { try { return localStorage.getItem("pt326-lab-" + key); } catch { return null; } },
+  set: (key, value) => { try { localStorage.setItem("pt326-lab-" + key, value); } catch { /* a page from a file may keep nothing */ } },
+};
+
+export const lab = {
+  hello: null, store: null, events: null, can: new Set(), scene: structuredClone(DEFAULT), settings: null,
+  mode: "explore", speed: 1, paused: false, lost: 0, since: 0, stateOf: NaN, turned: 0, heard: 0,
+  dirty: true, // something else than time has changed: all is to be drawn
+};
+export const changed = () => (lab.dirty = true);
+
+// How many times as hot above the room this rig's air is as the usual one's.
+export const heat = () => Math.max(1, Math.round((lab.settings.setpoint - 20) / 15));
+
+export const isOff = () => [0, 4].includes(lab.stateOf);
+// Of a real board the button only ever stops: whoever presses it twice must not arm.
+export const arms = () => isOff() && lab.hello.kind !== "board";
+
+const shown = new Map();
+// Changes a node only where its text has changed: what has the focus keeps it.
+export function put(id, html) {
+  if (shown.get(id) === html) return;
+  shown.set(id, html);
+  $(id).innerHTML = html;
+}
+
+let toastUntil = null;
+export function toast(text) {
+  $("toast").textContent = text;
+  $("toast").classList.add("shown");
+  clearTimeout(toastUntil);
+  toastUntil = setTimeout(() => $("toast").classList.remove("shown"), 7000);
+}

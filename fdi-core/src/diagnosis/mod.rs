@@ -3,6 +3,7 @@
 pub mod baseline;
 pub mod config;
 pub mod event;
+pub mod name;
 pub mod residual;
 pub mod signature;
 

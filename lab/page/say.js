@@ -57,6 +57,7 @@ export function support(name, row, ts) {
     if (Number.isFinite(expected)) out.push(say("measured_expected", { measured: num(measured), expected: num(expected) }));
   }
   if (name === "air_flow_or_heater_power") out.push(say("sub_either"));
+  if (name === "t0_fault") out.push(say("sub_alike"));
   if (name !== "unknown") {
     const confidence = row.confidence >= 0.995 ? say("above", { x: num(0.99, 2) }) : num(row.confidence, 2);
     out.push(say("since", { s: num(row.onset * ts), confidence }));

@@ -93,6 +93,7 @@ const TABLE = {
   f_power_less: ["The {part} gives {size} % less power than asked for.", "O {part} dá {size} % a menos do que lhe é pedido."],
   f_power_same: ["The {part} gives the same power whatever is asked for.", "O {part} dá sempre a mesma potência."],
   f_either: ["{part} or heater power has changed.", "Mudou o {part} ou a potência."],
+  sub_alike: ["Or T1 and T2 are wrong alike, the other way: from here that is the same.", "Ou T1 e T2 erram ambos, no outro sentido: daqui é o mesmo."],
   sub_either: ["They look alike at first; it will tell them apart.", "Ao princípio parecem iguais; há de distingui-los."],
   f_drift_up: ["A thermistor drifts up by {size} °C a minute.", "Um termístor deriva {size} °C por minuto para cima."],
   f_drift_down: ["A thermistor drifts down by {size} °C a minute.", "Um termístor deriva {size} °C por minuto para baixo."],

@@ -152,7 +152,11 @@ use Pair::{T0T1, T0T2, T1T2};
 rows! {
     T1Offset => offset(T1, 1, "t1_offset", READS_WRONG);
     T2Offset => offset(T2, 2, "t2_offset", READS_WRONG);
-    T0Fault => offset(T0, 6, "t0_fault", WARM_T0);
+    // Over a T0 that is too low T1 and T2 rise too much alike: from rises the two are the same.
+    T0Fault => Row {
+        sized: "T0 reads {size} degC too {high|low}, or T1 and T2 too {low|high} alike: {measured} degC measured at T0, {corrected} expected",
+        ..offset(T0, 6, "t0_fault", WARM_T0)
+    };
     T1Clogged => Row {
         unit: OF_GAIN,
         sized: "T1 sees {size} % of the rise too {much|little}: {measured} degC measured, {expected}",

@@ -116,6 +116,11 @@ impl Heat {
     /// What the bank says, held against the rises: what slips out slowly fits none of its signatures, and looks stuck
     /// while the controller holds it.
     pub(super) fn review(&self, s: &HeatState, finding: Finding, tick: u32) -> ModelAlarm {
+        // A T2 that slides out resembles a T1 that sees too much; but that reads as it should.
+        if matches!(finding.class, FaultClass::T1Clogged | FaultClass::T1Offset) {
+            let t2 = s.detached(DETACHED_SHARE, finding.onset).filter(|f| f.class == FaultClass::T2Detached);
+            return ModelAlarm::Named(t2.unwrap_or(finding));
+        }
         let settled = tick.saturating_sub(finding.onset) as f32 * self.rises.share() > STUCK_TIME;
         let moves = settled && s.t1_moves();
         let (share, otherwise) = match finding.class {
@@ -261,18 +266,21 @@ mod tests {
     /// Whoever sees only a part of a rise that the other sees is out of the tube; a loss that both see is none of a thermistor.
     #[test]
     fn who_lacks_the_rise_is_detached() {
-        let reviewed = |t1: f32, t2: f32| {
+        let as_told = |class, t1: f32, t2: f32| {
             let (heat, mut s) = (Heat::new(TS, 2.0), HeatState::new(20.0));
             for _ in 0..400 {
                 let at = |measured| Some(Rise { measured, expected: 20.0 });
                 heat.step(&mut s, [at(t1), at(t2)], true);
             }
-            let unknown = Finding { class: FaultClass::Unknown, confidence: 0.0, magnitude: None, onset: 0 };
-            heat.review(&s, unknown, 400).finding().map(|finding| finding.class)
+            let told = Finding { class, confidence: 0.0, magnitude: None, onset: 0 };
+            heat.review(&s, told, 400).finding().map(|finding| finding.class)
         };
+        let reviewed = |t1, t2| as_told(FaultClass::Unknown, t1, t2);
         assert_eq!(reviewed(8.0, 20.0), Some(FaultClass::T1Detached));
         assert_eq!(reviewed(20.0, 8.0), Some(FaultClass::T2Detached));
         assert_eq!(reviewed(12.0, 12.0), Some(FaultClass::Unknown));
+        assert_eq!(as_told(FaultClass::T1Clogged, 20.0, 8.0), Some(FaultClass::T2Detached));
+        assert_eq!(as_told(FaultClass::T1Clogged, 8.0, 20.0), Some(FaultClass::T1Clogged));
     }
 
     #[test]

@@ -72,7 +72,7 @@ const fn clogged(loss: Direction) -> Hypothesis {
 
 /// A thermistor that was clogged when the model was trained, and is mended.
 const fn unclogged() -> Hypothesis {
-    rare(within(row(FaultClass::T1Clogged, of(Column::Gain1), 0.0, 0.25), 0.0, 2.0), RARE)
+    rare(within(row(FaultClass::T1Clogged, of(Column::Gain1), 0.0, 0.25), 0.0, MENDED), RARE)
 }
 
 const fn t1_detached(loss: Direction) -> Hypothesis {
@@ -111,6 +111,8 @@ const BEGINS: f32 = 0.2;
 const STUCK: (f32, f32) = (0.03, 0.3);
 /// A thermistor that loses more than this share of the rise is not clogged, but out of the tube.
 pub(super) const DETACHED: f32 = 0.4;
+/// One that was clogged while it was learnt sees no more than this share on top when it is mended.
+const MENDED: f32 = 0.45;
 /// Prior of what is rare.
 const RARE: f32 = -5.0;
 

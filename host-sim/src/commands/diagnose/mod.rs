@@ -56,7 +56,7 @@ pub struct DiagnoseArgs {
     #[arg(long)]
     pub from_rest: bool,
     /// What was truly wrong: CLASS=COLUMN of the recording, or a file of events (CSV with do, sensor, size, at, for; or TOML with
-    /// [[fault]]).
+    /// the faults of a scenario).
     #[arg(long, value_name = "TRUTH")]
     pub truth: Vec<String>,
     /// Say what was learnt, and what can be told apart with it.

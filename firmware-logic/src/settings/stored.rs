@@ -27,7 +27,7 @@ use crate::crc::CRC32;
 use crate::explain::Explained;
 
 /// Bytes that the longest record may take.
-pub const MAX_BYTES: usize = 1536;
+pub const MAX_BYTES: usize = 1440;
 /// Changes when the layout does, not when settings come or go.
 pub const VERSION: u8 = 1;
 /// What is kept.

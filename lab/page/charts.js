@@ -1,6 +1,6 @@
 // The stack of charts over one time axis, the overview below it, and the close-up of a fault.
 import { Pen, colour, niceStep, spread } from "lab/canvas.js";
-import { namedAt } from "lab/events.js";
+import { EITHER, namedAt, namings } from "lab/events.js";
 import { BLOCK } from "lab/store.js";
 import { num, say } from "lab/strings.js";
 import { blamed, short } from "lab/say.js";
@@ -30,7 +30,7 @@ const PANELS = [
   {
     id: "power", unit: () => "%", high: [70, 62], least: 30, decimals: 1,
     series: [
-      one("drive", "--soft", { step: true, width: 1.1, label: () => say("sent") }),
+      one("drive", "--soft", { step: true, width: 1.1, label: (narrow) => say(narrow ? "sent_short" : "sent") }),
       one("pid", "--ink", { width: 1.8, label: () => "PID" }),
     ],
   },
@@ -50,6 +50,8 @@ const PANELS = [
     series: ["rap", "ry12", "rsg1", "rsg2", "rbw1"].map((id) => one(id, "--faint", { width: 1, label: () => id, beyond: 1 })),
   },
 ];
+// Left and right of the time axis: numbers, and what the curves are called.
+const margins = (narrow) => (narrow ? [30, 66] : [38, 126]);
 const RIBBON = 21;
 const MOST_A_PIXEL = 4; // ticks
 const TOOLS = 84; // width of what stands over the corner of the charts
@@ -92,7 +94,7 @@ export class Charts {
   }
 
   get narrow() {
-    return this.stack.parentNode.clientWidth < 560;
+    return this.stack.parentNode.clientWidth < 480;
   }
 
   get span() {
@@ -170,7 +172,7 @@ export class Charts {
     const { store, narrow } = this;
     const k = narrow ? 1 : 0;
     const [head, gap] = [20, 12];
-    const [left, right] = narrow ? [30, 66] : [38, 116];
+    const [left, right] = margins(narrow);
     const ribbons = hide ? 0 : 3;
     const total = 24 + this.panels.reduce((sum, panel) => sum + panel.high[k] + head + gap, 0) + ribbons * RIBBON + 26;
     const pen = new Pen(this.stack, total);
@@ -324,14 +326,15 @@ export class Charts {
         [from, text] = [k, now];
       }
     };
-    put(say("likelihood"), y + RIBBON);
+    put(say(narrow ? "likelihood_short" : "likelihood"), y + RIBBON);
     const names = events.names;
     const said = (k) => (store.get(k, "alarm") > 0 ? short(names.get(store.get(k, "class"))) : "");
     runs(y + RIBBON, said, "--alarm");
     put(narrow ? "fdv fiv" : say("fdv_fiv"), y + 2 * RIBBON);
     const paper = (k) => {
       const [fdv, fiv] = [store.get(k, "fdv"), store.get(k, "fiv")];
-      return fdv > 0 ? `${fdv}, ${fiv} ${["", "T2", "T1", say("paper_says_3")][fiv] ?? ""}` : "";
+      if (!(fdv > 0)) return "";
+      return fiv > 0 ? `${fdv}, ${fiv} ${["T2", "T1", say("paper_says_3")][fiv - 1] ?? ""}` : say("paper_unnamed");
     };
     runs(y + 2 * RIBBON, paper, "--soft");
   }
@@ -346,23 +349,33 @@ export class Charts {
       const x = Math.round(T(t)) + 0.5;
       pen.line(x, 18, x, bottom, css, { dash, width: 1.2 });
     };
-    const named = namedAt(event) ?? event.alarm;
+    const names = namings(event);
+    const flags = names.map(({ name, t }) => ({ t, text: name === EITHER ? short(name) : say("named_s", { s: num(t - event.from, 2) }) }));
+    if (!flags.length && event.alarm !== undefined) flags.push({ t: event.alarm, text: say("alarm_s", { s: num(event.alarm - event.from, 2) }) });
     if (event.truth) mark(event.from, "--soft", [2, 3]);
     mark(event.isolated, "--soft", [2, 3]);
-    mark(named, "--alarm", []);
-    if (this.hover !== null || !(named >= t0 && named <= t1)) return;
-    const text = say(event.names.size ? "named_s" : "alarm_s", { s: num(named - event.from, 2) });
-    const w = pen.measure(text, true) + 14;
-    const x = T(named) + w > edge ? T(named) - w : T(named);
-    pen.box(x, 1, w, 18, "--alarm", 4);
-    pen.text(text, x + 7, 14, { css: "--bg", bold: true });
+    for (const { t } of flags) mark(t, "--alarm", []);
+    const seen = flags.filter(({ t }) => t >= t0 && t <= t1);
+    if (this.hover !== null || !seen.length) return;
+    const wide = seen.map(({ text }) => pen.measure(text, true) + 14);
+    // Each at its line, but none over another, nor beyond the edge.
+    const places = seen.map(({ t }) => T(t));
+    places.forEach((x, i) => i && (places[i] = Math.max(x, places[i - 1] + wide[i - 1] + 3)));
+    for (let i = places.length - 1, most = edge; i >= 0; i--) {
+      places[i] = Math.min(places[i], most - wide[i]);
+      most = places[i] - 3;
+    }
+    seen.forEach(({ text }, i) => {
+      pen.box(places[i], 1, wide[i], 18, "--alarm", 4);
+      pen.text(text, places[i] + 7, 14, { css: "--bg", bold: true });
+    });
     if (event.truth) {
-      const start = Math.min(T(event.from), x) - 6;
+      const start = Math.min(T(event.from), places[0]) - 6;
       if (start - pen.measure(say("put_in")) > left) pen.text(say("put_in"), start, 14, { align: "right" });
     }
     if (event.isolated <= t1) {
       const paper = say("paper_s", { s: num(event.isolated - event.from, 2) });
-      const place = Math.max(T(event.isolated), x + w) + 7;
+      const place = Math.max(T(event.isolated), places[places.length - 1] + wide[wide.length - 1]) + 7;
       if (place + pen.measure(paper) < pen.width - TOOLS) pen.text(paper, place, 14);
     }
   }
@@ -370,7 +383,7 @@ export class Charts {
   drawOverview(events, hide) {
     const { store, narrow } = this;
     const pen = new Pen(this.overview, 48);
-    const [left, right] = narrow ? [30, 66] : [38, 116];
+    const [left, right] = margins(narrow);
     const width = pen.width - left - right;
     const from = store.first * store.ts;
     const to = Math.max(store.now, from + 60);
@@ -406,13 +419,14 @@ export class Charts {
     const pen = new Pen(canvas, high);
     const [left, right] = [28, 6];
     const from = Math.min(event.onset ?? event.from, event.from);
-    const last = Math.max(4, Math.min(10, (namedAt(event) ?? event.alarm ?? from) - from + 3));
+    const names = namings(event);
+    const last = Math.max(4, Math.min(10, (names[names.length - 1]?.t ?? event.alarm ?? from) - from + 3));
     const [t0, t1] = [from - 2, from + last];
     const T = (t) => left + ((t - t0) / (t1 - t0)) * (pen.width - left - right);
     const X = (tick) => T(tick * store.ts);
     const a = Math.max(store.first, Math.ceil(t0 / store.ts));
     const b = Math.min(store.last, Math.floor(t1 / store.ts));
-    const part = blamed(event.named) === "T1" ? "t1" : "t2";
+    const part = blamed(event.named)[0] === "T1" ? "t1" : "t2";
     const css = `--${part}`;
     const [measured, expected] = [part, `${part}_expected`].map((name) => {
       const { ring } = store;
@@ -432,16 +446,18 @@ export class Charts {
     c.globalAlpha = 0.16;
     c.fillStyle = colour(css);
     c.beginPath();
-    for (let k = start; k <= b; k++) if (expected(k) === expected(k)) c.lineTo(X(k), Y(measured(k)));
-    for (let k = b; k >= start; k--) if (expected(k) === expected(k)) c.lineTo(X(k), Y(expected(k)));
+    const both = (k) => Number.isFinite(measured(k) - expected(k));
+    for (let k = start; k <= b; k++) if (both(k)) c.lineTo(X(k), Y(measured(k)));
+    for (let k = b; k >= start; k--) if (both(k)) c.lineTo(X(k), Y(expected(k)));
     c.fill();
     c.restore();
     pen.curve(a, b, expected, X, Y, "--ink", { width: 1.3, dash: [2, 3] });
     pen.curve(a, b, measured, X, Y, css, { width: 2 });
-    const named = namedAt(event);
+    const said = names.map(({ name, t }) => [t, name === EITHER ? short(name) : say("named"), "--alarm", [], "left"]);
+    if (!said.length && event.alarm !== undefined) said.push([event.alarm, say("c_alarm"), "--alarm", [], "left"]);
     const marks = [
       event.truth && [event.from, say("put_in"), "--soft", [2, 3], "right"],
-      named !== undefined ? [named, say("named"), "--alarm", [], "left"] : event.alarm !== undefined && [event.alarm, say("c_alarm"), "--alarm", [], "left"],
+      ...said,
       event.isolated !== undefined && [event.isolated, say("paper"), "--soft", [2, 3], "left"],
     ].filter((mark) => mark && mark[0] <= t1 && mark[0] <= store.now);
     let taken = 0;

@@ -1,5 +1,11 @@
 // From rows to what happened: a fault put in, an alarm raised, names given, the end. One event for each fault or alarm.
 export const CALM = 15; // s: an alarm that rises so soon after its fault ended still belongs to it
+const STANDS = 2; // s: the paper's fiv flickers while its models adapt; a name counts once it has stood for so long
+
+// Two that look alike at first have a name in common.
+export const EITHER = "air_flow_or_heater_power";
+const ALIKE = ["air_flow", "heater_power"];
+export const meant = (name) => (name === EITHER ? ALIKE : [name]);
 
 // The page says how an event is called, in its language.
 function label() {
@@ -17,6 +23,7 @@ export class Events {
     this.list = [];
     this.orders = []; // what was put in: {from, to, fault}
     this.before = { truth: 0, alarm: 0 };
+    this.paper = {};
   }
 
   // An order took effect from a tick on.
@@ -71,17 +78,22 @@ export class Events {
         [now.onset, now.magnitude] = [onset * this.ts, magnitude];
       }
       if (mine && fdv > 0) now.detected ??= t;
+      if (this.paper.event !== now || this.paper.fiv !== fiv) this.paper = { event: now, fiv, since: t };
       // The paper's tables know the first three faults: another name is no answer to them, and any is none to the rest.
-      if (mine && fiv > 0 && fiv === (now.truth || fiv)) now.isolated ??= t;
+      const answers = fiv > 0 && fiv === (now.truth || fiv);
+      if (mine && answers && t - this.paper.since >= STANDS) now.isolated ??= this.paper.since;
     }
     this.before = { truth, alarm };
   }
 }
 
-// When an event was named as it is named now, or as one of two of which one is that; undefined before.
-export function namedAt(event) {
-  const { names, named } = event ?? {};
-  const either = ["air_flow", "heater_power"].includes(named) ? names.get("air_flow_or_heater_power") : undefined;
-  const own = names?.get(named);
-  return own === undefined ? own : Math.min(own, either ?? own);
+// The names that an event was given on the way to the one it has: that, and before it, where these two looked alike, "one of both".
+export function namings({ names, named } = {}) {
+  if (!names?.has(named)) return [];
+  const own = { name: named, t: names.get(named) };
+  const t = ALIKE.includes(named) ? names.get(EITHER) : undefined;
+  return t < own.t ? [{ name: EITHER, t }, own] : [own];
 }
+
+// When an event was named, be it as one of two; undefined before.
+export const namedAt = (event) => namings(event)[0]?.t;

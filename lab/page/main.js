@@ -2,7 +2,7 @@
 import { Charts, CLASSES } from "lab/charts.js";
 import { forgetColours } from "lab/canvas.js";
 import { readTrace } from "lab/csv.js";
-import { Events, namedAt } from "lab/events.js";
+import { Events, meant, namings } from "lab/events.js";
 import { FOREVER, PARTS, describe } from "lab/faults.js";
 import { Quiz } from "lab/quiz.js";
 import { Review } from "lab/review.js";
@@ -14,7 +14,7 @@ import { floats, fromRecording, fromServer, inWorker } from "lab/sources.js";
 import { Store } from "lab/store.js";
 import { current, escape, num, say, speak } from "lab/strings.js";
 import { Tour } from "lab/tour.js";
-import { blame, quizLine, secondOpinion, stateLine, verdict } from "lab/verdict.js";
+import { quizLine, secondOpinion, stateLine, verdict, wanted } from "lab/verdict.js";
 
 const PROTOCOL = 1;
 const TEXT_EVERY = 150; // ms: numbers in words change no faster than they can be read
@@ -32,7 +32,7 @@ const lab = {
 };
 const quiz = new Quiz();
 const charts = new Charts({ stack: $("stack"), overview: $("overview") }, () => (dirty = true));
-const rig = new RigDrawing($("rig"), (part, place) => lab.can.has("order") && (sheet.open(part, place), (dirty = true)));
+const rig = new RigDrawing($("rig"), (part, place) => lab.can.has("break") && !quiz.hides && (sheet.open(part, place), (dirty = true)));
 const sheet = new Sheet($("sheet"), { order, closed: (part) => ((dirty = true), part && rig.parts[part]?.focus({ preventScroll: true })) });
 const tour = new Tour($("tour"), {
   act, order, again: () => (dirty = true),
@@ -67,6 +67,9 @@ const HEAR = {
     lab.store.clear();
     lab.events.clear();
     lab.stateOf = NaN;
+    // As a session begins; what its orders have changed they change again.
+    $("excite").checked = true;
+    for (const input of document.querySelectorAll("[data-set]")) input.value = input.defaultValue;
     for (const [tick, order] of scene?.orders ?? []) HEAR.order({ tick, order });
     charts.follow();
     show();
@@ -77,7 +80,7 @@ const HEAR = {
     events.push(from, values, store.at, store.given);
     for (let tick = from; tick < store.end; tick++) {
       const mode = store.get(tick, "mode");
-      if (mode !== lab.stateOf) [lab.stateOf, lab.since] = [mode, tick * store.ts];
+      if (mode === mode && mode !== lab.stateOf) [lab.stateOf, lab.since] = [mode, tick * store.ts];
     }
     quiz.follow(events);
     lab.heard = performance.now();
@@ -100,11 +103,16 @@ const HEAR = {
     show();
   },
   refused({ why, command }) {
-    toast(say("refused", { why }));
+    const i = lab.hello.trip_words?.findIndex((words) => why.includes(words)) ?? -1;
+    toast(i < 0 ? say("refused", { why }) : say("persists", { why: say(`trip_${lab.hello.trips[i]}`) }));
     if (command?.command === "open" && command.scene !== DEFAULT) open(DEFAULT);
   },
   lost() {
     lab.lost ||= performance.now();
+  },
+  // Between the server and the board.
+  link({ up }) {
+    lab.lost = up ? 0 : lab.lost || performance.now();
   },
 };
 
@@ -196,7 +204,7 @@ $("transport").addEventListener("click", ({ target }) => {
   if (speed) run(Number(speed));
   else if (target.closest("#pause")) run(lab.paused ? lab.speed : 0);
 });
-$("stop").addEventListener("click", () => act(isOff() ? "arm" : "stop"));
+$("stop").addEventListener("click", () => act(arms() ? "arm" : "stop"));
 $("follow").addEventListener("click", () => charts.follow());
 $("language").addEventListener("click", () => {
   speak(current() === "en" ? "pt" : "en");
@@ -287,6 +295,8 @@ function toast(text) {
 // --- What is shown ----------------------------------------------------------------------------------------------------------------
 
 const isOff = () => [0, 4].includes(lab.stateOf);
+// Of a real board the button only ever stops: whoever presses it twice must not arm.
+const arms = () => isOff() && lab.hello.kind !== "board";
 const shown = new Map();
 // Changes a node only where its text has changed: what has the focus keeps it.
 function put(id, html) {
@@ -306,7 +316,7 @@ function show() {
   $("language").lang = current() === "en" ? "pt" : "en";
   const { kind, name } = lab.hello ?? {};
   if (kind) {
-    const text = { simulated: say("source_simulated", { seed: lab.scene.seed }), recording: say("source_recording", { name: escape(name) }) };
+    const text = { simulated: say("source_simulated", { seed: lab.scene.seed }), recording: say("source_recording", { name: escape(name) }), board: say("source_board", { name: escape(name) }) };
     $("source").lastElementChild.innerHTML = text[kind] ?? say("source_live", { name: escape(name ?? kind) });
   }
   for (const button of document.querySelectorAll("[data-mode]")) button.setAttribute("aria-pressed", button.dataset.mode === lab.mode);
@@ -318,8 +328,10 @@ function show() {
   $("transport").hidden = !lab.can.has("run");
   const orders = lab.can.has("order");
   $("stop").hidden = !orders;
-  $("modes").hidden = !orders;
+  $("stop").classList.toggle("large", kind === "board");
+  $("modes").hidden = !lab.can.has("break");
   $("desk-control").hidden = !orders;
+  $("excite").parentElement.hidden = kind === "board"; // a board has no command for it
   $("desk-rig").hidden = !lab.can.has("open");
   $("download").hidden = !lab.can.has("trace");
   $("link").hidden = !lab.can.has("trace") || kind !== "simulated";
@@ -365,10 +377,11 @@ function frame(now) {
 
 function drawRig(row, said, hide) {
   rig.fit();
-  const { part, wanted } = said.name && !hide ? blame(row, said.name) : { part: null, wanted: null };
+  const blamed = hide ? [] : said.parts ?? [];
+  const should = hide ? null : wanted(row, said.name);
   const air = lab.events.active(row.t).find((p) => p.fault.do === "air-flow" && !hide);
   const off = isOff();
-  rig.draw({ row, t: lab.turned, flow: air ? air.fault.size : 1, blamed: part, wanted, chosen: sheet.part, off });
+  rig.draw({ row, t: lab.turned, flow: air ? air.fault.size : 1, blamed, wanted: should, chosen: sheet.part, off, tripped: row.mode === 4 });
 }
 
 function write(row, said, hide) {
@@ -384,8 +397,10 @@ function write(row, said, hide) {
   $("head").classList.toggle("long", view.head.replace(/<[^>]*>/g, "").length > 44);
   announce(asks ? view.head.replace(/\d+/, "") : `${said.word}: ${said.name ? short(said.name) : said.head.replace(/<[^>]*>/g, "")}`);
   $("clock").textContent = `${num(row.t)} s`;
-  $("stop").textContent = say(isOff() ? "arm" : "stop");
-  $("stop").classList.toggle("rests", isOff());
+  // After a trip the way on stands below the sentence; a real board can always be told to stop.
+  $("stop").hidden = !lab.can.has("order") || (row.mode === 4 && lab.can.has("break"));
+  $("stop").textContent = say(arms() ? "arm" : "stop");
+  $("stop").classList.toggle("rests", arms());
   $("setpoint").textContent = `${num(row.setpoint)} °C`;
   $("follow").hidden = charts.following;
   if (lab.can.has("seek")) $("seek").value = lab.store.end;
@@ -407,7 +422,7 @@ function hint(row, hide) {
     return fault.for >= FOREVER ? what : say("left_s", { what, s: num(to - row.t, 0) });
   });
   const mend = `<button class="plain small" data-act="mend">${say("mend")}</button>`;
-  const idle = lab.can.has("order") && !hide ? say("hint_click") : "";
+  const idle = lab.can.has("break") && !hide ? say("hint_click") : "";
   put("hint", lines.length ? `<span>${lines.join("<br>")}</span>${mend}` : idle);
 }
 
@@ -418,11 +433,13 @@ function beside(row, said, hide) {
   const sensor = row.alarm > 0 && !shares.length && said.name && lab.hello.kind !== "recording";
   const s = num(Math.max(0.1, row.t - row.onset * lab.store.ts), 1);
   put("whynote", any ? say("why_note", { s }) : sensor ? say("why_sensor") : say("nothing_to_explain"));
-  const rank = (c) => c.share + (c.name === said.name ? 0.01 : 0); // of two that explain it alike, the one that is named
+  const blames = (c) => meant(said.name).includes(c.name);
+  const rank = (c) => c.share + (blames(c) ? 0.01 : 0); // of two that explain it alike, the one that is named
   const order = (any ? shares.sort((a, b) => rank(b) - rank(a)) : []).slice(0, 7);
-  const bar = ({ name, css, share }) => {
+  const bar = (c) => {
+    const { name, css, share } = c;
     const p = num(100 * share, 0);
-    return `<li class="${name === said.name ? "best" : ""}" style="--c:var(${css})"><span>${short(name)}</span><span class="track"><i style="width:${(100 * share).toFixed(1)}%"></i></span><output>${p} %</output></li>`;
+    return `<li class="${blames(c) ? "best" : ""}" style="--c:var(${css})"><span>${short(name)}</span><span class="track"><i style="width:${(100 * share).toFixed(1)}%"></i></span><output>${p} %</output></li>`;
   };
   put("bars", order.map(bar).join(""));
   const list = lab.events.list.filter((event) => !(hide && event === quiz.event));
@@ -435,9 +452,14 @@ function beside(row, said, hide) {
     charts.drawCloseup($("closeup"), last);
   }
   const delay = (t, from) => (t === undefined ? "–" : `${num(t - from, 2)} s`);
+  const named = (event) => {
+    const [one, two] = namings(event);
+    const either = two ? `<small>${short(one.name)} ${delay(one.t, event.from)}</small>` : "";
+    return either + delay((two ?? one)?.t, event.from);
+  };
   const lines = list.slice(-8).reverse().map((event) => {
     const now = event === last && row.alarm > 0;
-    return `<tr class="${now ? "now" : ""}"><td>${num(event.from, 0)}</td><td><button data-act="look" data-at="${event.from}">${event.label()}</button></td><td>${event.truth ? delay(namedAt(event), event.from) : ""}</td><td>${event.truth ? delay(event.isolated, event.from) : ""}</td></tr>`;
+    return `<tr class="${now ? "now" : ""}"><td>${num(event.from, 0)}</td><td><button data-act="look" data-at="${event.from}">${event.label()}</button></td><td>${event.truth ? named(event) : ""}</td><td>${event.truth ? delay(event.isolated, event.from) : ""}</td></tr>`;
   });
   put("events", lines.join("") || `<tr><td></td><td colspan="3">${say("nothing_yet")}</td></tr>`);
 }

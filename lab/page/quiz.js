@@ -1,12 +1,10 @@
 // The quiz: something breaks, hidden; you name it, then see what the instrument said. The score is kept.
-import { namedAt } from "lab/events.js";
+import { meant, namings } from "lab/events.js";
 import { ANSWERS, describe, recognise, surprise } from "lab/faults.js";
 import { num, say } from "lab/strings.js";
 import { short } from "lab/say.js";
 
 const KEY = "pt326-lab-score";
-// Air flow and heater power look alike at first: saying the one for the other is still wrong, but the instrument's "one of both" is not.
-const fits = (name, right) => name === right || (name === "air_flow_or_heater_power" && ["air_flow", "heater_power"].includes(right));
 
 export class Quiz {
   constructor() {
@@ -28,7 +26,7 @@ export class Quiz {
     const fault = surprise();
     fault.at = 2.5 + 3 * Math.random() + (alarm ? 10 : 0);
     this.right = recognise(fault).name;
-    [this.fault, this.event, this.guess] = [fault, null, null];
+    [this.fault, this.event, this.guess, this.itSaid] = [fault, null, null, false];
     this.phase = "wait";
     order({ order: "mend" });
     order({ order: "break", fault });
@@ -40,6 +38,12 @@ export class Quiz {
       this.phase = "ask";
       this.event = last;
     }
+    // Air flow and heater power look alike at first: saying the one for the other is wrong, but "one of both" is not.
+    if (this.event && !this.itSaid && meant(this.event.named).includes(this.right)) {
+      this.itSaid = true;
+      this.score.it++;
+      this.keep();
+    }
   }
 
   answer(guess) {
@@ -47,7 +51,10 @@ export class Quiz {
     this.guess = guess;
     this.phase = "told";
     if (guess === this.right) this.score.you++;
-    if (fits(this.event.named, this.right)) this.score.it++;
+    this.keep();
+  }
+
+  keep() {
     try {
       localStorage.setItem(KEY, JSON.stringify(this.score));
     } catch {
@@ -75,8 +82,9 @@ export class Quiz {
     }
     const { event } = this;
     const head = say(this.guess === this.right ? "quiz_right" : "quiz_wrong", { what: describe(this.fault) });
-    const at = namedAt(event);
-    const sub = at === undefined ? say("quiz_it_not") : say("quiz_it", { what: short(event.named), s: num(at - event.from, 2) });
+    const names = namings(event);
+    const what = names.map(({ name, t }) => say("delay", { who: `“${short(name)}”`, s: num(t - event.from, 2) })).join(", ");
+    const sub = names.length ? say("quiz_it", { what }) : say("quiz_it_not");
     return { line, head, sub, more: `<div class="row">${button("quiz-start", "quiz_next", true)}${button("quiz-end", "quiz_end")}</div>` };
   }
 }

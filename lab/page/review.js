@@ -1,6 +1,6 @@
 // Of a recording: what was said of each fault at its end, with its close-up, before anything else.
-import { namedAt } from "lab/events.js";
-import { headline, support } from "lab/say.js";
+import { namings } from "lab/events.js";
+import { delays, headline, support } from "lab/say.js";
 import { num, say } from "lab/strings.js";
 
 const MOST = 12;
@@ -20,11 +20,11 @@ export class Review {
   card(event, store, hello) {
     const row = lastNamed(event, store);
     const name = row && hello.classes.find((c) => c.number === row.class)?.name;
-    const delay = (t) => (t === undefined ? "–" : `${num(t - event.from, 2)} s`);
     const card = document.createElement("article");
-    const delays = `${say("likelihood")} ${delay(namedAt(event))}, ${say("paper")} ${delay(event.isolated)}`;
+    const names = namings(event);
+    const soon = `${names.length ? delays(names, event.from) : `${say("likelihood")} –`}, ${say("paper_s", { s: num(event.isolated - event.from, 2) })}`;
     card.innerHTML = `<h2>${num(event.from, 1)} s: ${event.label()}</h2><p class="head">${name ? headline(name, row.magnitude) : say("review_unnamed")}</p>
-      <p>${name ? support(name, row, store.ts) : ""}</p><p>${say("how_soon")}: ${delays}</p><div><canvas role="img" aria-label="${say("closeup", { s: num(event.from) })}"></canvas></div>`;
+      <p>${name ? support(name, row, store.ts) : ""}</p><p>${say("how_soon")}: ${soon}</p><div><canvas role="img" aria-label="${say("closeup", { s: num(event.from) })}"></canvas></div>`;
     return card;
   }
 }

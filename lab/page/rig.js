@@ -6,8 +6,8 @@ const WIDE = {
   box: [330, 240, 172, 50], mains: [112, 240], door: [14, 240], lanes: 30,
 };
 const NARROW = {
-  size: [368, 300], tube: [4, 364, 104, 176], fan: 42, coil: [86, 142], turns: 3, T0: 44, T1: 222, T2: 316,
-  box: [126, 232, 84, 50], mains: [48, 238], door: [0, 238], lanes: 14,
+  size: [368, 300], tube: [4, 364, 104, 176], fan: 42, coil: [86, 142], turns: 3, T0: 44, T1: 230, T2: 320,
+  box: [122, 232, 97, 50], mains: [48, 238], door: [0, 238], lanes: 14,
 };
 const FLOW = 60; // units a second at the usual flow
 const RAMP = [[18, 112, 146, 184], [27, 172, 180, 180], [34, 238, 178, 106], [41, 228, 112, 48], [56, 184, 36, 60]];
@@ -158,14 +158,15 @@ export class RigDrawing {
   }
 
   // Shows a moment: readings, power, set-point, which part is blamed or chosen, what was expected.
-  draw({ row, t, flow, blamed, chosen, wanted, off }) {
+  draw({ row, t, flow, blamed, chosen, wanted, off, tripped }) {
     const g = this.layout;
     const wide = g === WIDE;
     const unit = wide ? " °C" : "";
     const put = (node, text) => node.textContent !== text && (node.textContent = text);
     const read = (x) => (Number.isFinite(x) ? num(x) + unit : "–");
-    // The air itself is thought to be as the models say, where they say it.
-    const believed = (t) => (Number.isFinite(row[t + "_expected"]) ? row[t + "_expected"] : row[t]);
+    // The air itself is thought to be as the models say, where they say it; after a trip, as is measured, for what they know is past.
+    const order = tripped ? ["", "_expected"] : ["_expected", ""];
+    const believed = (t) => order.map((more) => row[t + more]).find(Number.isFinite);
     const [room, one, two] = ["t0", "t1", "t2"].map(believed);
     [room, room, one, one, two].forEach((c, i) => this.stops[i].setAttribute("stop-color", warmth(c)));
     put(this.ambient, read(row.t0));
@@ -180,7 +181,7 @@ export class RigDrawing {
     this.glow.setAttribute("opacity", heat.toFixed(2));
     this.wire.setAttribute("stroke", `rgb(${[150 + 105 * heat, 84 + 130 * heat, 60 + 60 * heat].map(Math.round).join()})`);
     for (const [id, group] of Object.entries(this.parts)) {
-      group.classList.toggle("blamed", id === blamed);
+      group.classList.toggle("blamed", blamed.includes(id));
       group.classList.toggle("chosen", id === chosen);
     }
     const moved = this.still.matches ? 0 : t;

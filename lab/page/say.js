@@ -1,13 +1,14 @@
 // What a row says, in words.
+import { EITHER, meant } from "lab/events.js";
 import { num, say } from "lab/strings.js";
 
 const PART = { t0: "T0", t1: "T1", t2: "T2" };
 
-// Class of a finding -> the part that it blames.
+// Class of a finding -> the parts that it blames.
 export function blamed(name) {
-  if (!name) return null;
-  if (/^t\d_(?!t)/.test(name)) return PART[name.slice(0, 2)];
-  return { air_flow: "fan", heater_power: "heater" }[name] ?? null;
+  if (!name) return [];
+  if (/^t\d_(?!t)/.test(name)) return [PART[name.slice(0, 2)]];
+  return meant(name).map((one) => ({ air_flow: "fan", heater_power: "heater" })[one]).filter(Boolean);
 }
 
 // The short name of a class.
@@ -37,7 +38,7 @@ export function headline(name, magnitude) {
   if (name === "heater_power") {
     return Number.isFinite(magnitude) ? signed("f_power_more", "f_power_less", 1, heater) : say("f_power_same", { part: heater });
   }
-  if (name === "air_flow_or_heater_power") return say("f_either", { part: part(say("Air_flow"), "flow") });
+  if (name === "air_flow_or_heater_power") return say("f_either", { part: part(say("Air_flow"), "flow"), other: part(say("heater_power"), "power") });
   if (name === "drift") return signed("f_drift_up", "f_drift_down", 2);
   const kind = /^t\d_(stuck|open|short|lost)$/.exec(name)?.[1];
   if (kind) return say("f_" + kind, { part: T });
@@ -71,5 +72,12 @@ export function papers(fdv, fiv) {
   if (!(fdv > 0)) return say("paper_says_nothing");
   return say(`paper_says_${fiv <= 3 ? fiv : 0}`);
 }
+
+// How soon a name was given after the beginning, each of them where there are two.
+export const delays = (names, from) =>
+  names.map(({ name, t }) => {
+    const who = names.length > 1 || name === EITHER ? short(name).toLowerCase() : say("likelihood");
+    return say("delay", { who, s: num(t - from, 2) });
+  }).join(", ");
 
 export const unitOf = (name) => (/_offset$|^t0_fault$/.test(name) ? "°C" : name === "drift" ? "°C/min" : "%");

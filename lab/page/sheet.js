@@ -8,8 +8,7 @@ export class Sheet {
   constructor(form, { order, closed }) {
     Object.assign(this, { form, order, closed });
     this.part = null;
-    this.duration = DURATIONS.indexOf(25);
-    this.sizes = {};
+    [this.sizes, this.durations] = [{}, {}];
     form.addEventListener("submit", (event) => (event.preventDefault(), this.breakIt()));
     form.addEventListener("keydown", (event) => event.key === "Escape" && this.close());
     form.addEventListener("click", ({ target }) => target.closest(".x") && this.close());
@@ -36,6 +35,11 @@ export class Sheet {
 
   get size() {
     return this.sizes[`${this.part} ${this.kind}`] ?? this.chosen.size?.value;
+  }
+
+  // Its place in the list.
+  get duration() {
+    return this.durations[`${this.part} ${this.kind}`] ?? DURATIONS.indexOf(this.chosen.last ?? 25);
   }
 
   build() {
@@ -84,7 +88,7 @@ export class Sheet {
       this.form.querySelector("input:checked").focus({ preventScroll: true });
     }
     if (name === "size") this.sizes[`${this.part} ${this.kind}`] = Number(value);
-    if (name === "for") this.duration = Number(value);
+    if (name === "for") this.durations[`${this.part} ${this.kind}`] = Number(value);
     if (name !== "kind") this.label();
   }
 

@@ -2,6 +2,7 @@
 // times, the least and the largest of each block of ticks.
 const CAPACITY = 1 << 16;
 export const BLOCK = 16;
+const SWINGS_IN = 2; // s: the models begin with a guess of the air; what they leave so early says nothing
 
 export class Store {
   constructor(hello) {
@@ -20,6 +21,7 @@ export class Store {
   clear() {
     this.first = 0;
     this.end = 0; // one past the last tick
+    this.expecting = 0; // ticks in a row
   }
 
   // Rows from a tick on, one after another, as a source gives them.
@@ -36,8 +38,11 @@ export class Store {
     const { ring, at, low, high, width } = this;
     const place = this.place(tick);
     ring.set(row, place);
-    ring[place + at.t1_left] = ring[place + at.t1] - ring[place + at.t1_expected];
-    ring[place + at.t2_left] = ring[place + at.t2] - ring[place + at.t2_expected];
+    this.expecting = Number.isFinite(ring[place + at.t1_expected]) ? this.expecting + 1 : 0;
+    for (const t of ["t1", "t2"]) {
+      const left = ring[place + at[t]] - ring[place + at[t + "_expected"]];
+      ring[place + at[t + "_left"]] = this.expecting * this.ts > SWINGS_IN ? left : NaN;
+    }
     const block = this.block(Math.floor(tick / BLOCK));
     const fresh = tick % BLOCK === 0 || tick === this.first;
     for (let i = 0; i < width; i++) {

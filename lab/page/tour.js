@@ -47,6 +47,11 @@ export class Tour {
   // Frames what the step speaks of.
   mark(look) {
     for (const node of document.querySelectorAll(".looked")) node.classList.remove("looked");
-    if (look) document.querySelector(look)?.classList.add("looked");
+    const node = look && document.querySelector(look);
+    if (!node) return;
+    node.classList.add("looked");
+    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    document.documentElement.style.setProperty("--tour", `${this.host.offsetHeight}px`);
+    node.scrollIntoView({ block: "start", behavior: calm ? "auto" : "smooth" });
   }
 }

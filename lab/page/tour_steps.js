@@ -76,8 +76,8 @@ export const STEPS = [
     look: ".charts",
     title: ["More air: why the paper is late", "Mais ar: porque o artigo tarda"],
     text: [
-      "26 % more air cools everything. The likelihood diagnosis names it within a second. The paper's table waits for the bandwidth (rbw1) to rise; but an adapting model first follows the change itself and its bandwidth moves the wrong way, so fiv comes after ten seconds or more, in some runs never.\nWatch fdv come first, and fiv much later.",
-      "26 % mais ar arrefece tudo. A verosimilhança dá-lhe nome num segundo. A tabela do artigo espera que a largura de banda (rbw1) suba; mas um modelo adaptativo segue primeiro a própria mudança e a banda move-se ao contrário, e fiv só vem dez segundos depois ou mais, por vezes nunca.\nVeja fdv vir primeiro e fiv muito depois.",
+      "26 % more air cools everything. Within a second the likelihood diagnosis says “air or power”; some seconds later it has told the two apart. The paper's table waits for the bandwidth (rbw1) to rise; but an adapting model first follows the change itself and its bandwidth moves the wrong way, so fiv comes after ten seconds or more, in some runs never.\nWatch fdv come first, and fiv much later.",
+      "26 % mais ar arrefece tudo. Num segundo a verosimilhança diz “caudal ou potência”; segundos depois distingue-os. A tabela do artigo espera que a largura de banda (rbw1) suba; mas um modelo adaptativo segue primeiro a própria mudança e a banda move-se ao contrário, e fiv só vem dez segundos depois ou mais, por vezes nunca.\nVeja fdv vir primeiro e fiv muito depois.",
     ],
     button: ["More air", "Mais ar"],
     does: ["mend", MORE_AIR],
@@ -86,7 +86,7 @@ export const STEPS = [
     look: ".say",
     title: ["What looks alike", "O que se parece"],
     text: [
-      "A weaker heater cools as more air does. For the first moments nothing can tell the two apart, and it says so: “air flow or heater power”. Then the time constants decide: air that moves faster answers faster, a weak heater does not.\nWhat cannot be told apart is not hidden; docs/diagnosis.md has the list.",
+      "A weaker heater cools as more air does. For the first moments nothing can tell the two apart, and it says so: “air or power”. Then the time constants decide: air that moves faster answers faster, a weak heater does not.\nWhat cannot be told apart is not hidden; docs/diagnosis.md has the list.",
       "Um aquecedor mais fraco arrefece como mais ar. Nos primeiros instantes nada os distingue, e ele di-lo: “caudal ou potência”. Depois decidem as constantes de tempo: com mais ar a resposta é mais rápida, com menos potência não.\nO que não se distingue não é escondido; docs/diagnosis.md tem a lista.",
     ],
     button: ["Weaken the heater", "Enfraquecer o aquecedor"],

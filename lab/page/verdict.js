@@ -1,7 +1,7 @@
 // The large sentence: the state, one claim, what it rests on, how much and how soon.
-import { namedAt } from "lab/events.js";
+import { namings } from "lab/events.js";
 import { recognise } from "lab/faults.js";
-import { blamed, headline, papers, support, unitOf } from "lab/say.js";
+import { blamed, delays, headline, papers, support, unitOf } from "lab/say.js";
 import { num, say, sayHtml } from "lab/strings.js";
 
 const ICONS = {
@@ -14,22 +14,30 @@ const ICONS = {
 const icon = (name) => `<svg viewBox="0 0 18 18" width="18" height="18" aria-hidden="true">${ICONS[name]}</svg>`;
 const button = (act, key, primary) => `<button class="${primary ? "primary" : "plain"}" data-act="${act}">${say(key)}</button>`;
 const row = (...buttons) => `<div class="row">${buttons.join("")}</div>`;
+// The parts of which a trip speaks; those of the others begin with theirs.
+const TRIPPED = { AirFlowLost: ["fan", "heater"], HeaterStuckOn: ["heater"], SensorsDisagree: ["T1", "T2"], NoResponse: ["T1"], ExcessPower: [] };
+const ENDING = 8; // s: an alarm takes some time to see that its fault is over
 const LEARN_END = 363; // s: when a run of the usual settings monitors
 
 // What to say of a row. `can` tells which buttons make sense, `since` when the state began.
 export function verdict({ row: now, hello, events, since, can, lost }) {
   const at = now.t;
   const aside = say("for_s", { s: num(Math.max(0, at - since), 0) });
-  const order = can.has("order");
+  const [order, mends] = [can.has("order"), can.has("break")];
   if (lost) {
     const s = num(lost / 1000, 0);
-    return { state: "lost", icon: "off", word: say("state_lost"), aside: "", head: say("head_lost", { s }), sub: say("sub_lost"), more: "" };
+    return { state: "lost", icon: "off", word: say("state_lost"), aside: "", head: say("head_lost", { s }), sub: say(hello.kind === "board" ? "sub_lost_board" : "sub_lost"), more: "" };
   }
   if (now.mode === 4) {
-    const more = order ? row(button("ack", "acknowledge", true), button("mend", "mend_all")) : "";
-    const reason = hello.trips[now.trip];
+    // First what is wrong, then the word that it was seen.
+    const broken = events.active(at).length > 0;
+    const acknowledge = button("ack", "acknowledge", !broken);
+    const ways = mends ? [button("mend", "mend_all", broken), acknowledge] : [acknowledge];
+    const more = order ? row(...(broken ? ways : ways.reverse())) : "";
+    const reason = hello.trips[now.trip] ?? "unknown";
+    const parts = TRIPPED[reason] ?? [reason.slice(0, 2)];
     const off = say("heater_off_since", { s: num(since, 1) });
-    return { state: "tripped", icon: "off", word: say("state_tripped"), aside: off, head: say(`trip_${reason}`), sub: say("acknowledge_first"), more };
+    return { state: "tripped", icon: "off", word: say("state_tripped"), aside: off, head: say(`trip_${reason}`), sub: say("acknowledge_first"), more, parts };
   }
   if (now.alarm > 0) return alarm(now, hello, events);
   if (now.mode === 0) {
@@ -44,7 +52,7 @@ export function verdict({ row: now, hello, events, since, can, lost }) {
     const head = now.mode === 2 ? say("head_learn") : say("head_settle", { setpoint: num(now.setpoint) });
     const word = say(now.mode === 2 ? "state_learn" : "state_settle");
     const sub = waits || say("sub_learn", { s: num(left, 0) });
-    return { state: "learn", icon: "learn", word, aside: "", head, sub, more: bar + (order ? row(button("skip", "skip", true)) : "") };
+    return { state: "learn", icon: "learn", word, aside: "", head, sub, more: bar + (order && can.has("run") ? row(button("skip", "skip", true)) : "") };
   }
   if (now.readiness === 2) {
     return { state: "learn", icon: "learn", word: say("state_monitor"), aside, head: say("head_refused"), sub: say("sub_refused"), more: "" };
@@ -53,7 +61,7 @@ export function verdict({ row: now, hello, events, since, can, lost }) {
   const sub = expected
     ? sayHtml("sub_monitor", { t1: num(now.t1), e1: num(now.t1_expected), t2: num(now.t2), e2: num(now.t2_expected) })
     : "";
-  const more = order ? row(button("surprise", "surprise", true), ...QUICK.map(([act, key]) => button(act, key))) : "";
+  const more = mends ? row(button("surprise", "surprise", true), ...QUICK.map(([act, key]) => button(act, key))) : "";
   return { state: "monitor", icon: "ok", word: say("state_monitor"), aside, head: say("head_monitor"), sub, more };
 }
 
@@ -68,23 +76,27 @@ function alarm(now, hello, events) {
   const event = events.last;
   const aside = event?.alarm === undefined ? "" : say("for_s", { s: num(now.t - event.alarm, 0) });
   const common = { state: "alarm", icon: "alarm", word: say("state_alarm"), aside };
+  const over = event?.truth && event.alarm !== undefined ? now.t - event.to : NaN;
+  if (over < ENDING) return { ...common, head: say("head_ending"), sub: say("sub_ending", { s: num(over, 0) }), more: "" };
   if (!name) return { ...common, head: say("head_unnamed"), sub: say("sub_unnamed"), more: "" };
   const more = [];
   if (Number.isFinite(now.magnitude)) more.push(howMuch(name, now, event));
-  if (event?.truth && namedAt(event) !== undefined) more.push(howSoon(event, now.t));
+  const names = namings(event);
+  if (event?.truth && names.length) more.push(howSoon(event, names));
   const gauges = more.length ? `<div class="gauge">${more.join("")}</div>` : "";
-  return { ...common, name, head: headline(name, now.magnitude), sub: support(name, now, hello.ts), more: gauges };
+  const apart = names.length > 1 ? ` ${say("told_apart", { s: num(names[1].t - event.from) })}` : "";
+  return { ...common, name, parts: blamed(name), head: headline(name, now.magnitude), sub: support(name, now, hello.ts) + apart, more: gauges };
 }
 
 export const secondOpinion = (now) => (now.fdv >= 0 ? say("paper_says", { what: papers(now.fdv, now.fiv) }) : "");
 
-// The part that is blamed, and what its thermistor should read.
-export function blame(now, name) {
-  const part = blamed(name);
-  const t = /^T[12]$/.test(part) ? part.toLowerCase() : null;
-  if (!t) return { part, wanted: null };
+// What a thermistor that is blamed should read.
+export function wanted(now, name) {
+  const [part] = blamed(name);
+  if (!/^T[12]$/.test(part) || /open|short|lost/.test(name)) return null;
+  const t = part.toLowerCase();
   const celsius = /_offset$/.test(name) ? now[t] - now.magnitude : now[t + "_expected"];
-  return { part, wanted: Number.isFinite(celsius) && !/open|short|lost/.test(name) ? { part, celsius } : null };
+  return Number.isFinite(celsius) ? { part, celsius } : null;
 }
 
 const WIDTH = 330;
@@ -118,14 +130,16 @@ function howMuch(name, now, event) {
   return `<span>${say("how_much")}${truth === null ? "" : `<small>${say("truth_mark")}</small>`}</span>${svg(label, body)}`;
 }
 
-function howSoon(event, now) {
-  const [a, b] = [namedAt(event) - event.from, event.isolated - event.from];
+function howSoon(event, names) {
+  const soon = names.map(({ t }) => t - event.from);
+  const [a, b] = [soon[soon.length - 1], event.isolated - event.from];
   const detected = event.detected - event.from;
   const end = [2, 5, 10, 20, 40, 100].find((s) => s >= Math.max(a, b || 0) * 1.2) ?? 1000;
   const X = (s) => 4 + (Math.min(end, s) / end) * (WIDTH - 8);
-  let body = `<path d="M4 22H${WIDTH - 4}" class="axis"/><path d="M4 22H${X(a)}" class="value"/><circle cx="${X(a)}" cy="22" r="5" class="dot"/>`;
-  const own = say("delay", { who: say("likelihood"), s: num(a, 2) });
-  body += text(Math.min(Math.max(4, X(a) - 4), WIDTH - 110), 10, own, 'class="strong"');
+  let body = `<path d="M4 22H${WIDTH - 4}" class="axis"/><path d="M4 22H${X(a)}" class="value"/>`;
+  for (const s of soon) body += `<circle cx="${X(s)}" cy="22" r="5" class="dot"/>`;
+  const own = delays(names, event.from);
+  body += text(names.length > 1 ? 4 : Math.min(Math.max(4, X(a) - 4), WIDTH - 110), 10, own, 'class="strong"');
   let paper = say("paper_nothing");
   if (b >= 0) {
     body += `<circle cx="${X(b)}" cy="22" r="5" class="other"/>`;

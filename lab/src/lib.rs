@@ -9,4 +9,5 @@ pub mod protocol;
 pub mod scene;
 pub mod session;
 pub mod time;
+pub mod told;
 pub mod trace;

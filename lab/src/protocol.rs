@@ -1,5 +1,6 @@
 //! What goes between a source and a page: see PROTOCOL.md.
 
+use fdi_core::TripReason;
 use fdi_core::likelihood::FaultClass;
 use serde_json::json;
 
@@ -24,6 +25,7 @@ pub fn hello(kind: &str, can: &[&str]) -> String {
         "fields": FIELDS.iter().map(|field| field.name).collect::<Vec<_>>(),
         "classes": FaultClass::ALL.iter().map(class).collect::<Vec<_>>(),
         "trips": TRIPS.map(|reason| format!("{reason:?}")),
+        "trip_words": TRIPS.map(TripReason::words),
         "blockers": BLOCKERS.map(|blocker| format!("{blocker:?}")),
     })
     .to_string()

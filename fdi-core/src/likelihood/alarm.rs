@@ -31,9 +31,9 @@ pub(super) struct Alarm {
     /// Since it was raised, s of the reference rig.
     pub(super) age: f32,
     pub(super) finding: Option<Finding>,
-    /// No hypothesis fits, and when one did last, s like the age.
+    /// No hypothesis fits, and on which share of the last judgements none did.
     pub(super) strange: bool,
-    pub(super) fitted: f32,
+    pub(super) misfit: f32,
     /// Gain of the best hypothesis; the likeliest, and the values of what it frees.
     pub(super) gain: f32,
     pub(super) hypothesis: usize,
@@ -50,7 +50,7 @@ impl Alarm {
             age: 0.0,
             finding: None,
             strange: false,
-            fitted: 0.0,
+            misfit: 0.0,
             gain: 0.0,
             hypothesis: 0,
             values: [0.0; 2],

@@ -94,6 +94,8 @@ pub(super) struct WatchState {
     /// Ticks for which a change of the fan settles.
     settling: u32,
     ticks: u32,
+    /// The rig lacks some of the trainer's inputs.
+    lacks: bool,
     /// Ticks that the intercept is still taken from.
     anchoring: u32,
     alarm: Option<Alarm>,
@@ -204,6 +206,7 @@ impl Watch {
             rests: 0,
             settling: 0,
             ticks: 0,
+            lacks: self.inputs != Inputs::ALL,
             anchoring: 0,
             alarm: None,
             steady: Steady::new(&trained.motion, trained.rise),

@@ -2,9 +2,11 @@
 
 mod port;
 pub mod record;
+mod rows;
 mod session;
 pub mod settings;
 pub mod simulate;
+pub mod watch;
 
 pub use port::{find, open};
 pub use session::{Heard, Session};

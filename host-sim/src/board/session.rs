@@ -13,7 +13,7 @@ use super::simulate::SimulatedRig;
 /// Forgets what was typed of a line: whoever was here before may have left half of `arm`, which must not be ended now.
 const FORGET: u8 = 0x15;
 /// Ctrl-C: heater off, at once.
-const STOP: u8 = 0x03;
+pub(super) const STOP: u8 = 0x03;
 /// What ends an answer.
 const PROMPT: &str = "> ";
 /// How long an answer may take: a save erases the flash, an order waits for a tick of up to 5 s.
@@ -53,6 +53,14 @@ impl Session {
         let port = port::open(name)?;
         port.clear(serialport::ClearBuffer::All)?;
         Self::over(port).with_context(|| format!("on {name}"))
+    }
+
+    /// The same port for another hand: that of whoever stops the board while an answer is waited for.
+    ///
+    /// # Errors
+    /// The port has gone.
+    pub fn other_hand(&self) -> anyhow::Result<Box<dyn SerialPort>> {
+        Ok(self.port.try_clone()?)
     }
 }
 
@@ -131,18 +139,34 @@ impl<P: Read + Write> Session<P> {
         Ok(heard)
     }
 
-    /// Types a line; its answer, without echo and prompt.
+    /// Types a line, and waits for nothing.
+    ///
+    /// # Errors
+    /// The port has gone.
+    pub fn begin(&mut self, line: &str) -> anyhow::Result<()> {
+        ensure!(line.bytes().all(|byte| (b' '..=b'~').contains(&byte)), "\"{line}\" is no line for a board");
+        self.send(format!("{line}\r").as_bytes()).with_context(|| format!("before `{line}`"))
+    }
+
+    /// The answer to a line that was typed, without echo and prompt.
     ///
     /// # Errors
     /// The port has gone, or no answer comes.
-    pub fn ask(&mut self, line: &str) -> anyhow::Result<String> {
-        ensure!(line.bytes().all(|byte| (b' '..=b'~').contains(&byte)), "\"{line}\" is no line for a board");
-        self.send(format!("{line}\r").as_bytes())?;
+    pub fn answer(&mut self, line: &str) -> anyhow::Result<String> {
         let heard = self.hear_prompt(PATIENCE).with_context(|| format!("after `{line}`"))?;
         let text = heard.with_context(|| format!("no answer to `{line}` within {} s", PATIENCE.as_secs()))?;
         // What a check told meanwhile may stand before the echo.
         let answer = text.split_once(&format!("{line}\n")).map_or(&*text, |(_, answer)| answer);
         Ok(answer.to_owned())
+    }
+
+    /// Types a line; its answer.
+    ///
+    /// # Errors
+    /// The port has gone, or no answer comes.
+    pub fn ask(&mut self, line: &str) -> anyhow::Result<String> {
+        self.begin(line)?;
+        self.answer(line)
     }
 
     /// The same where the answer must not be an error.
@@ -151,10 +175,10 @@ impl<P: Read + Write> Session<P> {
     /// Also what the board says.
     pub fn order(&mut self, line: &str) -> anyhow::Result<String> {
         let answer = self.ask(line)?;
-        if let Some(error) = answer.lines().find_map(|line| line.strip_prefix("error: ")) {
-            bail!("the board says to `{line}`: {error}");
+        match refusal(&answer) {
+            Some(error) => bail!("the board says to `{line}`: {error}"),
+            None => Ok(answer),
         }
-        Ok(answer)
     }
 
     /// Has the board start anew, its stream on from the first tick: by `restart`, or `simulate on`.
@@ -204,4 +228,9 @@ impl<P: Read + Write> Session<P> {
             }
         }
     }
+}
+
+/// Why a board has refused something, if its answer says so.
+pub(super) fn refusal(answer: &str) -> Option<&str> {
+    answer.lines().find_map(|line| line.strip_prefix("error: "))
 }

@@ -5,21 +5,26 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use anyhow::Context;
-use pt326_lab::scene::Scene;
+use pt326_lab::scene::{Order, Scene};
 use pt326_lab::session::Session;
-use pt326_live::source::{Recording, Source};
+use pt326_live::source::{Recording, Source, Told};
 use pt326_live::{Access, Server, clock, listen};
 use pt326_rig::Disturbance;
 use serde_json::json;
 
 use super::replay;
 use super::terminal::print;
+use crate::board::find;
+use crate::board::watch::Watch;
 
 /// Arguments of `live`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
-All who open the page see the same rig; whoever has it may break it and stop it. It is served to this machine only, unless \
+All who open the page see the same rig; whoever has it may break it, arm it and stop it. It is served to this machine only, unless \
 --listen names an address, which needs --token: then everybody who can reach that address and knows the token may.
+
+With --board, a real board: its page arms, stops and acknowledges. Stop, and the key !, go to the board at once. While \
+nothing is heard of the board the page says so; the board goes on regulating, and trips by itself.
 
 Numbers for Prometheus: /metrics (with --listen, the token as bearer).
 
@@ -27,6 +32,7 @@ Examples:
   pt326 live                              the simulated rig, where it monitors
   pt326 live --preset trainer --seed 7
   pt326 live --recording out/trace.csv --speed 10
+  pt326 live --board                      the ST-LINK that is plugged in; or: --board /dev/ttyACM0
   pt326 live --listen 192.168.1.7 --token $(openssl rand -hex 16)")]
 pub struct LiveArgs {
     /// Which rig: paper, trainer, harsh or recorded.
@@ -41,6 +47,9 @@ pub struct LiveArgs {
     /// A recording in place of the rig: a board's log as text, or a trace.csv.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["preset", "seed", "disturbance"])]
     pub recording: Option<PathBuf>,
+    /// A real board in place of the rig, at this serial port; without PORT: the only ST-LINK that is plugged in.
+    #[arg(long, value_name = "PORT", num_args = 0..=1, conflicts_with_all = ["preset", "seed", "disturbance", "recording", "speed"])]
+    pub board: Option<Option<String>>,
     /// How many times as fast as time it goes, 0 to 100.
     #[arg(long, default_value_t = 1.0)]
     pub speed: f64,
@@ -63,13 +72,14 @@ pub struct LiveArgs {
 /// # Errors
 /// A bad file or value; no port that is free.
 pub fn run(args: &LiveArgs) -> anyhow::Result<()> {
-    match &args.recording {
-        Some(file) => {
+    match (&args.board, &args.recording) {
+        (Some(port), _) => serve(args, Watch::open(&find(port.as_deref())?)?),
+        (None, Some(file)) => {
             let (sample_time, rows) = replay::numbers(file)?;
             let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
             serve(args, Recording::new(name, sample_time, rows))
         }
-        None => {
+        (None, None) => {
             let scene = Scene {
                 seed: args.seed,
                 preset: args.preset.clone(),
@@ -81,6 +91,37 @@ pub fn run(args: &LiveArgs) -> anyhow::Result<()> {
     }
 }
 
+/// A board at a serial port.
+impl Source for Watch {
+    fn name(&self) -> String {
+        Self::name(self).to_owned()
+    }
+
+    fn kind(&self) -> &'static str {
+        "board"
+    }
+
+    fn can(&self) -> &'static [&'static str] {
+        &["order"]
+    }
+
+    fn sample_time(&self) -> f64 {
+        Self::sample_time(self)
+    }
+
+    fn has_own_time(&self) -> bool {
+        true
+    }
+
+    fn next(&mut self) -> Option<Told> {
+        self.take()
+    }
+
+    fn order(&mut self, order: Order) -> anyhow::Result<()> {
+        Self::order(self, &order)
+    }
+}
+
 fn serve(args: &LiveArgs, source: impl Source) -> anyhow::Result<()> {
     let access = match (&args.listen, &args.token) {
         (Some(_), Some(token)) => Access::open(token)?,
@@ -88,6 +129,7 @@ fn serve(args: &LiveArgs, source: impl Source) -> anyhow::Result<()> {
     };
     let server = Server {
         name: source.name(),
+        kind: source.kind(),
         can: source.can(),
         sample_time: source.sample_time(),
         scene: json!(source.scene()),

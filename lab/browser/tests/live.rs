@@ -1,6 +1,6 @@
 //! The page as `pt326 live` serves it: faults, two pages at once, and a server that is killed and comes back.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, Command, Stdio};
 
 use pt326_lab_browser::Browser;
@@ -22,10 +22,15 @@ struct Server {
 impl Server {
     /// `LAB_LIVE` names the program, built with the feature `live`; without it, that of the workspace's debug build.
     fn start(port: u16) -> Self {
+        Self::with(port, &[])
+    }
+
+    fn with(port: u16, more: &[&str]) -> Self {
         let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/debug/pt326");
         let program = std::env::var_os("LAB_LIVE").unwrap_or_else(|| default.into());
         let mut process = Command::new(program)
             .args(["live", "--no-open", "--port", &port.to_string()])
+            .args(more)
             .stdout(Stdio::piped())
             .spawn()
             .expect("pt326, built with `cargo build -p host-sim --features live`");
@@ -103,4 +108,76 @@ fn a_page_says_when_its_server_is_gone_and_goes_on_when_it_is_back() {
     // The page may load anew in the middle of a script: until then it is asked again.
     let back = (0..50).find_map(|_| browser.run(&format!("{HELPERS} await until(() => window.lab?.lab.store?.end > 3300 && document.body.dataset.state === 'monitor'); return 1"), &[]).ok());
     assert_eq!(back, Some(json!(1)));
+}
+
+/// The virtual board behind a pseudo-terminal. `LAB_BOARD` names the program; without it, that of the workspace's debug build.
+struct Board {
+    process: Child,
+    link: String,
+}
+
+impl Board {
+    fn start() -> Self {
+        let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/debug/virtual-board");
+        let program = std::env::var_os("LAB_BOARD").unwrap_or_else(|| default.into());
+        let link =
+            std::env::temp_dir().join(format!("pt326-lab-{}", std::process::id())).display().to_string();
+        let mut process = Command::new(program)
+            .args(["--pty", &link])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("virtual-board, built with `cargo build -p virtual-board`");
+        let mut line = String::new();
+        BufReader::new(process.stdout.as_mut().expect("its output")).read_line(&mut line).expect("a line");
+        Self { process, link }
+    }
+
+    fn desk(&mut self, line: &str) {
+        writeln!(self.process.stdin.as_mut().expect("its input"), "{line}").expect("it lives");
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+#[test]
+#[ignore = "needs `cargo fw` and a built virtual-board"]
+fn a_real_board_is_armed_stopped_and_missed() {
+    let mut board = Board::start();
+    let server = Server::with(0, &["--board", &board.link]);
+    let browser = Browser::start().expect("a browser");
+    browser.open(&server.address).expect("the page");
+    let shown = r##"await until(() => lab.lab.store?.end > 5 && $("#stop").textContent === "Stop heater");
+        return ["#modes", "#transport", "#desk-rig", "#desk-control"].map((id) => $(id).hidden)"##;
+    assert_eq!(on(&browser, shown), json!([true, true, true, false]));
+    let warm = r##"lab.send({ command: "order", order: { order: "setpoint", celsius: 36 } });
+        await until(() => lab.row().setpoint === 36); return $("#setpoint").textContent"##;
+    on(&browser, warm);
+    // It wants its self-test passed first, and says so.
+    let refused = r##"$("[data-act=arm]").click(); await until(() => $("#toast").textContent); return $("#toast").textContent"##;
+    let refused = on(&browser, refused);
+    assert!(refused.as_str().is_some_and(|text| text.contains("check")), "{refused}");
+    board.desk("unplug");
+    let lost = r##"await until(() => document.body.dataset.state === "lost"); return [$("#stop").textContent, $("#sub").textContent]"##;
+    let lost = on(&browser, lost);
+    assert!(
+        lost[0] == "Stop heater" && lost[1].as_str().is_some_and(|text| text.contains("trips by itself")),
+        "{lost}"
+    );
+    let stop = r##"$("#toast").textContent = ""; click("#stop"); await until(() => /NOT/.test($("#toast").textContent)); return 1"##;
+    assert_eq!(on(&browser, stop), json!(1));
+    board.desk("plug");
+    on(&browser, r##"await until(() => document.body.dataset.state === "off")"##);
+    if let Some(file) = std::env::var_os("LAB_PICTURE") {
+        browser.picture(file.as_ref()).expect("a picture");
+    }
+    assert_eq!(
+        browser.complaints().expect("the console").iter().filter(|text| !text.contains("409")).count(),
+        0
+    );
 }

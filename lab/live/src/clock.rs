@@ -9,7 +9,7 @@ use serde_json::json;
 use tokio::sync::{oneshot, watch};
 
 use crate::history::History;
-use crate::source::Source;
+use crate::source::{Source, Told};
 
 /// How often it is looked whether a tick is due.
 const BEAT: Duration = Duration::from_millis(20);
@@ -98,18 +98,32 @@ impl<S: Source> Keeper<S> {
             self.owed = (self.owed + due).min(MOST_AT_ONCE);
             let ticks = self.owed.floor();
             self.owed -= ticks;
-            self.ticks(ticks as usize);
+            self.ticks(if self.source.has_own_time() { usize::MAX } else { ticks as usize });
         }
     }
 
+    /// Takes what the source tells, up to a count.
     fn ticks(&mut self, count: usize) {
-        let rows: Vec<_> = (0..count).map_while(|_| self.source.tick()).collect();
-        if !rows.is_empty() {
-            let mut history = lock(&self.history);
-            rows.into_iter().for_each(|row| history.push_row(row));
-            drop(history);
-            self.tell.send_replace(());
+        let all: Vec<_> = (0..count).map_while(|_| self.source.next()).collect();
+        if all.is_empty() {
+            return;
         }
+        let mut history = lock(&self.history);
+        for told in all {
+            let tick = history.end();
+            let note = match told {
+                Told::Row(row) => {
+                    history.push_row(row);
+                    continue;
+                }
+                Told::Order(order) => json!({ "type": "order", "tick": tick, "order": order }),
+                Told::Refused(why) => json!({ "type": "refused", "why": why }),
+                Told::Link(up) => json!({ "type": "link", "up": up }),
+            };
+            history.push_note(note.to_string());
+        }
+        drop(history);
+        self.tell.send_replace(());
     }
 
     fn note(&self, note: &serde_json::Value) {
@@ -123,10 +137,13 @@ impl<S: Source> Keeper<S> {
             Ask::Order(order) => {
                 let told = json!(order);
                 self.source.order(order).map_err(|error| format!("{error:#}"))?;
-                let tick = lock(&self.history).end();
-                self.note(&json!({ "type": "order", "tick": tick, "order": told }));
+                if !self.source.has_own_time() {
+                    let tick = lock(&self.history).end();
+                    self.note(&json!({ "type": "order", "tick": tick, "order": told }));
+                }
                 Ok(json!({ "type": "done" }))
             }
+            Ask::Run(_) if self.source.has_own_time() => Err("it goes by its own clock".into()),
             Ask::Run(speed) if (0.0..=FASTEST).contains(&speed) => {
                 self.speed = speed;
                 self.note(&json!({ "type": "running", "speed": speed }));

@@ -39,6 +39,8 @@ pub struct Server {
     pub clock: Clock,
     /// Its name for people.
     pub name: String,
+    /// What it is.
+    pub kind: &'static str,
     /// Which commands make sense.
     pub can: &'static [&'static str],
     /// Ts in s.
@@ -182,7 +184,8 @@ fn event(message: String) -> Result<Event, Infallible> {
 
 /// The hello of the protocol, with what only a server has.
 fn greeting(app: &Shared) -> String {
-    let mut hello: Value = serde_json::from_str(&protocol::hello("live", app.server.can)).unwrap_or_default();
+    let mut hello: Value =
+        serde_json::from_str(&protocol::hello(app.server.kind, app.server.can)).unwrap_or_default();
     hello["session"] = json!(app.session);
     hello["ts"] = json!(app.server.sample_time);
     hello["name"] = json!(app.server.name);
@@ -203,19 +206,25 @@ enum Command {
 async fn command(
     State(app): App,
     headers: HeaderMap,
-    body: Result<Json<Command>, axum::extract::rejection::JsonRejection>,
+    body: Result<Json<Value>, axum::extract::rejection::JsonRejection>,
 ) -> Response {
     let token = headers.get("x-lab-token").and_then(|value| value.to_str().ok());
     if !app.server.access.knows(token) {
         return StatusCode::FORBIDDEN.into_response();
     }
-    let ask = match body {
-        Ok(Json(Command::Order { order })) => Ask::Order(order),
-        Ok(Json(Command::Run { speed })) => Ask::Run(speed),
-        Ok(Json(Command::Skip)) => Ask::Skip,
-        Ok(Json(Command::Scene)) => Ask::Scene,
-        Ok(Json(Command::Trace)) => Ask::Trace,
+    let body = match body {
+        Ok(Json(body)) => body,
         Err(rejection) => return rejection.into_response(),
+    };
+    // By way of a value: straight from the text serde_json takes no number of a tagged enum where its `arbitrary_precision` is on, which any
+    // program built along with this one may ask for.
+    let ask = match serde_json::from_value(body) {
+        Ok(Command::Order { order }) => Ask::Order(order),
+        Ok(Command::Run { speed }) => Ask::Run(speed),
+        Ok(Command::Skip) => Ask::Skip,
+        Ok(Command::Scene) => Ask::Scene,
+        Ok(Command::Trace) => Ask::Trace,
+        Err(error) => return (StatusCode::UNPROCESSABLE_ENTITY, error.to_string()).into_response(),
     };
     match app.server.clock.ask(ask).await {
         Ok(message) => Json([message]).into_response(),

@@ -1,16 +1,18 @@
 //! What can be served: something that gives a row of numbers for each tick.
 
-use pt326_lab::fields::FIELDS;
 use pt326_lab::scene::{Order, Scene};
 use pt326_lab::session::Session;
-
-/// The numbers of a tick, in the order of [`FIELDS`].
-pub type Numbers = [f32; FIELDS.len()];
+pub use pt326_lab::told::{Numbers, Told};
 
 /// A rig that is watched.
 pub trait Source: Send + 'static {
     /// Its name for people.
     fn name(&self) -> String;
+
+    /// What it is, as the page's hello says it.
+    fn kind(&self) -> &'static str {
+        "live"
+    }
 
     /// Which commands make sense.
     fn can(&self) -> &'static [&'static str];
@@ -18,10 +20,15 @@ pub trait Source: Send + 'static {
     /// Ts in s.
     fn sample_time(&self) -> f64;
 
-    /// The next tick; `None` where there is none yet, or none any more.
-    fn tick(&mut self) -> Option<Numbers>;
+    /// Its ticks come in a time of their own, which no clock sets; it then also tells itself which orders were carried out.
+    fn has_own_time(&self) -> bool {
+        false
+    }
 
-    /// Does what is ordered.
+    /// The next tick, or what else there is to tell; `None` where there is nothing yet, or nothing any more.
+    fn next(&mut self) -> Option<Told>;
+
+    /// Does what is ordered, or has it done soon. Does not wait.
     ///
     /// # Errors
     /// Why it is refused; nothing has changed then.
@@ -49,16 +56,16 @@ impl Source for Session {
     }
 
     fn can(&self) -> &'static [&'static str] {
-        &["order", "run", "trace"]
+        &["order", "break", "run", "trace"]
     }
 
     fn sample_time(&self) -> f64 {
         Self::sample_time(self)
     }
 
-    fn tick(&mut self) -> Option<Numbers> {
+    fn next(&mut self) -> Option<Told> {
         let row = self.step();
-        Some(self.numbers(&row))
+        Some(Told::Row(self.numbers(&row)))
     }
 
     fn order(&mut self, order: Order) -> anyhow::Result<()> {
@@ -101,7 +108,7 @@ impl Source for Recording {
         self.sample_time
     }
 
-    fn tick(&mut self) -> Option<Numbers> {
-        self.rows.next()
+    fn next(&mut self) -> Option<Told> {
+        self.rows.next().map(Told::Row)
     }
 }

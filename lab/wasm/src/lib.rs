@@ -53,7 +53,7 @@ pub extern "C" fn output() -> *const u8 {
 /// What a client is told first, as JSON.
 #[unsafe(no_mangle)]
 pub extern "C" fn hello() -> i32 {
-    answer(|_| Ok(protocol::hello("simulated", &["order", "open", "run", "trace"]).into_bytes()))
+    answer(|_| Ok(protocol::hello("simulated", &["order", "break", "open", "run", "trace"]).into_bytes()))
 }
 
 /// Begins the scene that the input holds as JSON.

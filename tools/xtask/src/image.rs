@@ -23,15 +23,26 @@ pub(crate) fn cargo(verb: &str, arguments: impl Iterator<Item = OsString>) -> Re
     if status.success() { Ok(()) } else { Err(format!("cargo {command} has failed")) }
 }
 
+fn root() -> PathBuf {
+    let own = std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(PathBuf::new, PathBuf::from);
+    own.ancestors().nth(2).map_or_else(PathBuf::new, Path::to_path_buf)
+}
+
+fn target() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
+/// Where the image is that was built last.
+pub(crate) fn built() -> PathBuf {
+    target().join(TARGET).join("firmware").join("firmware")
+}
+
 /// Folders of this machine, and what the image calls them. Of two that fit the compiler takes the later.
 fn remaps() -> Vec<String> {
-    let root = std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(PathBuf::new, PathBuf::from);
-    let root = root.ancestors().nth(2).map_or_else(PathBuf::new, Path::to_path_buf);
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
     let home = std::env::var_os("CARGO_HOME")
         .map(PathBuf::from)
         .or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));
-    [(Some(root), "pt326"), (Some(target), "target"), (home, "cargo")]
+    [(Some(root()), "pt326"), (Some(target()), "target"), (home, "cargo")]
         .into_iter()
         .filter_map(|(folder, name)| Some((folder.filter(|folder| folder.is_absolute())?, name)))
         .map(|(folder, name)| quoted(&format!("--remap-path-prefix={}={name}", folder.display())))

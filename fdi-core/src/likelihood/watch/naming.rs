@@ -22,8 +22,9 @@ const ALWAYS_BOTH: f32 = 2.0;
 const STRANGE: [f32; 2] = [4.0, 0.06];
 const FITS: [f32; 2] = [1.5, 0.02];
 const UNKNOWN_AFTER: f32 = 3.0;
-/// It is unknown when nothing has fitted for so long, s.
-const STRANGE_FOR: f32 = 0.8;
+/// What is named becomes unknown when on most judgements of late nothing has fitted: share of a new one, and of those.
+const MISFIT_SHARE: f32 = 0.2;
+const LASTING_MISFIT: f32 = 0.6;
 /// Error of the models in a size: of air flow, of all others.
 const SIZE_ERROR: [f32; 2] = [0.10, 0.04];
 /// Half of the width of a 95 % interval, in standard deviations.
@@ -58,11 +59,11 @@ impl Watch {
         let [most, most_share] = if alarm.strange { FITS } else { STRANGE };
         let fits = unexplained < most * larger(1.0, g.since.count)
             || unexplained < most_share * larger(1.0, g.since.energy);
-        if fits {
-            alarm.fitted = alarm.age;
-        }
-        // What has just ended fits nothing either.
-        alarm.strange = alarm.age > UNKNOWN_AFTER && alarm.age > alarm.fitted + STRANGE_FOR;
+        alarm.misfit += MISFIT_SHARE * (if fits { 0.0 } else { 1.0 } - alarm.misfit);
+        // A named fault that has just ended fits nothing either.
+        let named_before = alarm.finding.is_some_and(|was| was.class != FaultClass::Unknown);
+        let least = if named_before { LASTING_MISFIT } else { 0.0 };
+        alarm.strange = alarm.age > UNKNOWN_AFTER && !fits && alarm.misfit > least;
         let magnitude = magnitude(h, class, &freed[h]);
         let finding = Finding { class, confidence, magnitude, onset: alarm.onset };
         if alarm.strange {

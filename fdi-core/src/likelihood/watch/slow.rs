@@ -65,7 +65,7 @@ impl Watch {
 impl WatchState {
     /// Whether the surroundings move so slowly that a constant residual says hardly anything.
     pub(super) fn is_slow(&self) -> bool {
-        self.ladder.rest()[0] < SLOW
+        self.lacks && self.ladder.rest()[0] < SLOW
     }
 
     /// A jump that has not gone back on the next tick is no spike, and counts again, in full: what stays shows nothing more.

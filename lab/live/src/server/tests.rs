@@ -3,12 +3,13 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::sync::mpsc::channel;
 
+use pt326_lab::fields::FIELDS;
 use pt326_lab::scene::Scene;
 use pt326_lab::session::Session;
 
 use super::*;
 use crate::clock;
-use crate::source::{Recording, Source};
+use crate::source::{Recording, Source, Told};
 
 const TOKEN: &str = "0123456789abcdef";
 
@@ -20,6 +21,7 @@ fn serve(speed: f64) -> SocketAddr {
 fn serve_source(source: impl Source, speed: f64) -> SocketAddr {
     let server = Server {
         name: source.name(),
+        kind: source.kind(),
         can: source.can(),
         sample_time: source.sample_time(),
         scene: json!(source.scene()),
@@ -152,7 +154,7 @@ fn commands_need_token_json_host_and_origin() {
     let refused = |body: &str| post_text(address, &with_token(), body);
     let (status, why) = refused(r#"{"command":"order","order":{"order":"setpoint","celsius":500}}"#);
     assert!(status == 409 && why.contains("set-point 500"), "{why}");
-    assert_eq!(refused(r#"{"command":"run","speed":1e9}"#).0, 409);
+    assert_eq!(refused(r#"{"command":"run","speed":1000000000}"#).0, 409);
     for body in ["", "{", "[]", r#"{"command":"open"}"#, r#"{"command":"order","order":{"order":"melt"}}"#] {
         assert!((400..500).contains(&refused(body).0), "{body}");
     }
@@ -313,6 +315,65 @@ fn a_recording_is_served_to_its_end() {
     {
         assert_eq!(post_text(address, &with_token(), body).0, 409, "{body}");
     }
+}
+
+/// A board: its rows come when they come, and word of orders from itself.
+struct Board(std::sync::mpsc::Receiver<Told>);
+
+impl Source for Board {
+    fn name(&self) -> String {
+        "a port".into()
+    }
+
+    fn kind(&self) -> &'static str {
+        "board"
+    }
+
+    fn can(&self) -> &'static [&'static str] {
+        &["order"]
+    }
+
+    fn sample_time(&self) -> f64 {
+        3600.0
+    }
+
+    fn has_own_time(&self) -> bool {
+        true
+    }
+
+    fn next(&mut self) -> Option<Told> {
+        self.0.try_recv().ok()
+    }
+
+    fn order(&mut self, _: Order) -> anyhow::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn what_a_board_tells_comes_in_its_own_time_and_order() {
+    let (tell, told) = channel();
+    let address = serve_source(Board(told), 1.0);
+    for body in [r#"{"command":"run","speed":0}"#, r#"{"command":"skip"}"#] {
+        assert_eq!(post_text(address, &with_token(), body).0, 409, "{body}");
+    }
+    let arm = r#"{"command":"order","order":{"order":"arm"}}"#;
+    assert_eq!(post_text(address, &with_token(), arm).0, 200);
+    let row = || Told::Row([0.0; FIELDS.len()]);
+    let all = [
+        Told::Link(true),
+        row(),
+        Told::Order(Order::Arm),
+        Told::Refused("why".into()),
+        Told::Link(false),
+        row(),
+    ];
+    all.into_iter().for_each(|told| tell.send(told).unwrap());
+    let heard = stream(address, 0, "", until(2));
+    assert_eq!((&heard[0]["kind"], &heard[0]["can"]), (&json!("board"), &json!(["order"])));
+    let types: Vec<&str> = heard[1..].iter().filter_map(|message| message["type"].as_str()).collect();
+    assert_eq!(types, ["link", "rows", "order", "refused", "link", "rows"]);
+    assert_eq!((&heard[3]["tick"], &heard[5]["up"]), (&json!(1), &json!(false)));
 }
 
 fn rows_in(messages: &[Value]) -> u64 {

@@ -47,7 +47,9 @@ impl LiveBoard {
         for line in [line, "nothing"] {
             self.desk.send(line.to_owned()).expect("it lives");
         }
-        let told = self.told.recv().expect("it lives");
+        // A busy machine loses time, and says so: the board does not mind.
+        let mut told = self.told.iter().filter(|text| !text.contains("too slow"));
+        let told = told.next().expect("it lives");
         assert!(told.contains("\"nothing\" given, expected one of"), "{told}");
     }
 }

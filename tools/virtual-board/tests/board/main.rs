@@ -23,6 +23,7 @@ mod settings;
 mod simulated;
 mod stream;
 mod supply;
+mod watch;
 mod wraps;
 
 /// Whether the board says that no tick was missed, and none more than a few microseconds late: what else runs at the same

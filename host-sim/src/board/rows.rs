@@ -1,0 +1,235 @@
+//! The lines of a board's stream as the numbers that the lab's page shows. Its ticks are counted from the first that was heard; what a record
+//! does not hold (what the models expect, shares of the hypotheses, residuals in units of their thresholds) is not defined.
+
+use fdi_core::sense::thermistor::Thermistor;
+use fdi_core::{Command, Config};
+use firmware_logic::control_loop::OrderKind;
+use firmware_logic::log_line::LogLine;
+use firmware_logic::log_line::tick::{self, NONE, TickLine};
+use pt326_lab::fields::{FIELDS, TRIPS};
+use pt326_lab::scene::Order;
+use pt326_lab::told::{Numbers, Told};
+
+/// Most rows that stand in for ticks that were not heard: of a longer gap, some ten minutes.
+const MOST_MISSING: u32 = 6000;
+
+/// Words of a record that are numbers of the page, under the same name.
+const ALIKE: [&str; 6] = ["setpoint", "pid", "drive", "confidence", "magnitude", "half_width"];
+
+/// What a line has brought.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct News {
+    pub(super) told: Vec<Told>,
+    /// Settings have changed.
+    pub(super) settings: bool,
+}
+
+/// Counts rows, and knows the board's thermistors.
+pub(super) struct Rows {
+    thermistors: [Thermistor; 3],
+    /// Rows so far.
+    count: u32,
+    /// The board's tick that comes next, where one was heard.
+    due: Option<u32>,
+    /// Why it tripped last, by its place in [`TRIPS`].
+    trip: Option<usize>,
+}
+
+impl Rows {
+    pub(super) fn new(config: &Config) -> anyhow::Result<Self> {
+        Ok(Self { thermistors: thermistors(config)?, count: 0, due: None, trip: None })
+    }
+
+    /// Other settings are in force.
+    pub(super) fn retune(&mut self, config: &Config) -> anyhow::Result<()> {
+        self.thermistors = thermistors(config)?;
+        Ok(())
+    }
+
+    /// A line for people, of the stream or of `faults`: why it tripped stands in no other.
+    pub(super) fn sentence(&mut self, line: &str) {
+        let said = line.split_once(" trip: ").map(|(_, said)| said);
+        let reason = said.and_then(|said| TRIPS.iter().position(|trip| said.starts_with(trip.words())));
+        self.trip = reason.or(self.trip);
+    }
+
+    pub(super) fn line(&mut self, line: &str) -> News {
+        match LogLine::find(line) {
+            Ok(Some(LogLine::Tick(tick))) => News { told: self.tick(&tick), settings: false },
+            Ok(Some(LogLine::Start { .. })) => {
+                (self.due, self.trip) = (Some(0), None);
+                News::default()
+            }
+            Ok(Some(LogLine::Order { order, .. })) => News {
+                told: carried_out(&order).map(Told::Order).into_iter().collect(),
+                settings: order == OrderKind::Settings,
+            },
+            Ok(None) => {
+                self.sentence(line);
+                News::default()
+            }
+            _ => News::default(),
+        }
+    }
+
+    fn tick(&mut self, line: &TickLine) -> Vec<Told> {
+        // A tick before the one that is due is of another start.
+        let missing = self.due.and_then(|due| line.tick().checked_sub(due)).unwrap_or(0).min(MOST_MISSING);
+        let mut told: Vec<Told> = (0..missing).map(|k| Told::Row(unheard(self.count + k))).collect();
+        self.count += missing;
+        told.push(Told::Row(self.numbers(line)));
+        self.count += 1;
+        self.due = Some(line.tick().wrapping_add(1));
+        told
+    }
+
+    fn numbers(&self, line: &TickLine) -> Numbers {
+        let word = |name| tick::FIELDS.iter().position(|field| *field == name).map_or(NONE, |i| line.0[i]);
+        let number = |name| Some(word(name)).filter(|word| *word != NONE).map(f32::from_bits);
+        let (state, likelihood, vectors) = (word("state"), word("likelihood"), word("vectors"));
+        let judged = (word("symptoms") != NONE).then_some(vectors);
+        let count = |number: u32| Some(number as f32);
+        let (raw, [s0, s1, s2]) = (line.raw(), &self.thermistors);
+        // Missing, open or short: it reads nothing.
+        let read = |nibble: u32, thermistor: &Thermistor, code| {
+            (!(1..=3).contains(&(state >> nibble & 0xF))).then(|| thermistor.celsius(code).0)
+        };
+        let number_of = |field: &'static str| match field {
+            "tick" => count(self.count),
+            "t0" => read(4, s0, raw.t0),
+            "t1" => read(8, s1, raw.t1),
+            "t2" => read(12, s2, raw.t2),
+            "mode" => count(state & 0xF),
+            "trip" => self.trip.filter(|_| state & 0xF == 4).map(|trip| trip as f32),
+            "blocked" => (state >> 17 & 7).checked_sub(1).map(|blocker| blocker as f32),
+            "learned" => count(word("learned")),
+            // The page has refused before armed, and one number for all reasons.
+            "readiness" => count(match likelihood & 0xF {
+                2 => 3,
+                3.. => 2,
+                early => early,
+            }),
+            "fdv" => judged.map(|vectors| (vectors & 0xFF) as f32),
+            "fiv" => judged.map(|vectors| (vectors >> 8 & 0xFF) as f32),
+            "alarm" => count(likelihood >> 4 & 1),
+            "class" => Some(likelihood >> 8).filter(|class| *class > 0).map(|class| class as f32),
+            "onset" => Some(word("onset"))
+                .filter(|onset| *onset != NONE)
+                .map(|onset| (f64::from(self.count) - (f64::from(line.tick()) - f64::from(onset))) as f32),
+            "truth" => Some(0.0),
+            same if ALIKE.contains(&same) => number(same),
+            _ => None,
+        };
+        std::array::from_fn(|i| number_of(FIELDS[i].name).unwrap_or(f32::NAN))
+    }
+}
+
+fn thermistors(config: &Config) -> anyhow::Result<[Thermistor; 3]> {
+    let s = &config.sensors;
+    Ok([Thermistor::new(&s.t0, 0)?, Thermistor::new(&s.t1, 1)?, Thermistor::new(&s.t2, 2)?])
+}
+
+/// The row of a tick that was not heard.
+fn unheard(row: u32) -> Numbers {
+    let number = |name| if name == "tick" { row as f32 } else { f32::NAN };
+    std::array::from_fn(|i| number(FIELDS[i].name))
+}
+
+/// What the page calls an order that was carried out, by whomever it was given.
+fn carried_out(order: &OrderKind) -> Option<Order> {
+    let OrderKind::Command(command) = order else { return None };
+    Some(match command {
+        Command::Arm => Order::Arm,
+        Command::Stop => Order::Stop,
+        Command::Acknowledge => Order::Acknowledge,
+        Command::Relearn => Order::Relearn,
+        Command::Excite(on) => Order::Excite { on: *on },
+        Command::SetPoint(wanted) => Order::Setpoint { celsius: wanted.0 },
+        Command::Fan(level) => Order::Fan { percent: level.0 },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::{AdcCode, Celsius, Instrument, Percent, RawSample};
+    use firmware_logic::control_loop::TickRecord;
+    use pt326_lab::fields::{Moment, numbers};
+
+    use super::*;
+
+    /// The record of each tick, and what the page is shown of it where the instrument itself is there.
+    fn both(ticks: u32) -> Vec<(String, Numbers)> {
+        let config = Config::default();
+        let [s0, s1, _] = thermistors(&config).unwrap();
+        let raw = RawSample {
+            t0: s0.code(Celsius(24.0)),
+            t1: s1.code(Celsius(33.0)),
+            t2: AdcCode(f32::NAN),
+            supply: AdcCode(0.0),
+        };
+        let mut instrument = Instrument::new(&config).unwrap();
+        instrument.command(Command::Arm).unwrap();
+        let both = |_| {
+            let tick = instrument.control(raw);
+            let report = instrument.diagnose(&tick, tick.drive);
+            let record = TickRecord::new(raw, tick, Percent(tick.drive.0));
+            let moment = Moment {
+                tick: &tick,
+                report: &report,
+                truth: 0,
+                explained: None,
+                normal: None,
+                sigma_factor: 1.0,
+            };
+            (TickLine::new(&record, &report).to_string(), numbers(&moment))
+        };
+        (0..ticks).map(both).collect()
+    }
+
+    fn rows(told: Vec<Told>) -> Vec<Numbers> {
+        told.into_iter().filter_map(|told| if let Told::Row(row) = told { Some(row) } else { None }).collect()
+    }
+
+    #[test]
+    fn a_record_gives_the_numbers_that_the_instrument_gives() {
+        let mut to_rows = Rows::new(&Config::default()).unwrap();
+        for (line, wanted) in both(50) {
+            let [row] = rows(to_rows.line(&line).told)[..] else { panic!("one row a tick") };
+            for (field, (ours, theirs)) in FIELDS.iter().zip(row.into_iter().zip(wanted)) {
+                // No record holds these; why it tripped is in a sentence behind it.
+                let unknown = field.name.ends_with("_expected") || field.name == "trip";
+                let same = ours.to_bits() == theirs.to_bits() || ours.is_nan() && theirs.is_nan();
+                assert!(same || unknown, "{}: {ours}, expected {theirs}", field.name);
+            }
+        }
+    }
+
+    #[test]
+    fn ticks_are_counted_from_the_first_that_was_heard_and_gaps_are_empty_rows() {
+        let lines: Vec<String> = both(30).into_iter().map(|(line, _)| line).collect();
+        let mut to_rows = Rows::new(&Config::default()).unwrap();
+        let mut all = Vec::new();
+        for i in [10, 11, 14] {
+            all.extend(rows(to_rows.line(&lines[i]).told));
+        }
+        to_rows.line("log format 4");
+        for i in [0, 1] {
+            all.extend(rows(to_rows.line(&lines[i]).told));
+        }
+        let ticks: Vec<f32> = all.iter().map(|row| row[0]).collect();
+        assert_eq!(ticks, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let t1: Vec<bool> = all.iter().map(|row| row[2].is_nan()).collect();
+        assert_eq!(t1, [false, false, true, true, false, false, false]);
+    }
+
+    #[test]
+    fn why_it_tripped_and_what_was_ordered_are_read_from_the_lines_for_people() {
+        let mut to_rows = Rows::new(&Config::default()).unwrap();
+        to_rows.line("11.0 s trip: T2 is above the limit; 87.3 degC seen, limit 75.0 degC");
+        assert_eq!(to_rows.trip.map(|i| TRIPS[i]), Some(fdi_core::TripReason::T2OverTemperature));
+        let setpoint = f32::to_bits(36.0);
+        let news = to_rows.line(&format!("order 12 setpoint {setpoint:x} (36 degC)"));
+        assert_eq!(news.told, [Told::Order(Order::Setpoint { celsius: 36.0 })]);
+        assert!(to_rows.line("order 13 settings").settings);
+    }
+}

@@ -1,0 +1,265 @@
+//! A board that is watched: its ticks as rows for the lab's page, orders to it, and whether it is there.
+//!
+//! A thread holds the conversation. Stop does not wait for it: it goes out by a second handle of the same port, and takes with it whatever
+//! was ordered before and not yet sent.
+
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+use fdi_core::Config;
+use pt326_lab::scene::Order;
+use pt326_lab::told::Told;
+use serialport::SerialPort;
+
+use super::rows::Rows;
+use super::session::{STOP, refusal};
+use super::{Heard, Session, settings};
+use crate::experiment::as_written;
+
+/// So long without a line, beyond a tick, and the board is called silent; its stream is asked for once more.
+const SILENCE: Duration = Duration::from_secs(2);
+/// Between two attempts to open a port that has gone.
+const ANOTHER: Duration = Duration::from_millis(300);
+
+/// A board that is watched.
+pub struct Watch {
+    name: String,
+    sample_time: f64,
+    told: Receiver<Told>,
+    orders: Sender<Given>,
+    hand: Hand,
+}
+
+/// An order for the board, and how often it had been stopped before: a later stop voids it.
+struct Given {
+    line: String,
+    stops: u64,
+}
+
+/// The second handle of the port.
+#[derive(Clone, Default)]
+struct Hand(Arc<Mutex<Grip>>);
+
+#[derive(Default)]
+struct Grip {
+    /// None while the port has gone.
+    port: Option<Box<dyn SerialPort>>,
+    stops: u64,
+}
+
+impl Hand {
+    fn grip(&self) -> MutexGuard<'_, Grip> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Watch {
+    /// Opens a port and has the board stream. The heater stays as it is.
+    ///
+    /// # Errors
+    /// No port, no board on it, or one of another release.
+    pub fn open(name: &str) -> anyhow::Result<Self> {
+        let (tell, told) = channel();
+        let (orders, given) = channel();
+        let hand = Hand::default();
+        let mut keeper = Keeper::open(name.to_owned(), tell, hand.clone())?;
+        let sample_time = keeper.sample_time;
+        std::thread::spawn(move || keeper.run(&given));
+        Ok(Self { name: name.to_owned(), sample_time, told, orders, hand })
+    }
+
+    /// Its port.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Ts in s.
+    pub fn sample_time(&self) -> f64 {
+        self.sample_time
+    }
+
+    /// What it has told next; `None` where nothing has come.
+    pub fn take(&mut self) -> Option<Told> {
+        self.told.try_recv().ok()
+    }
+
+    /// Has an order carried out; what becomes of it is told. Stop goes out before this returns.
+    ///
+    /// # Errors
+    /// The port has gone, or a board has nothing that does this.
+    pub fn order(&mut self, order: &Order) -> anyhow::Result<()> {
+        if *order == Order::Stop {
+            return self.stop();
+        }
+        let line = line(order)?;
+        let grip = self.hand.grip();
+        if grip.port.is_none() {
+            bail!("the port has gone, so the board was not told");
+        }
+        self.orders
+            .send(Given { line, stops: grip.stops })
+            .context("the conversation with the board has ended")
+    }
+
+    fn stop(&mut self) -> anyhow::Result<()> {
+        const GONE: &str = "the stop has NOT reached the board, which goes on by itself: press its button";
+        let mut grip = self.hand.grip();
+        grip.stops += 1;
+        grip.port.as_mut().context(GONE)?.write_all(&[STOP]).context(GONE)
+    }
+}
+
+/// What is typed for an order.
+fn line(order: &Order) -> anyhow::Result<String> {
+    Ok(match order {
+        Order::Arm => "arm".into(),
+        Order::Stop => "stop".into(),
+        Order::Acknowledge => "ack".into(),
+        Order::Relearn => "baseline learn".into(),
+        Order::Setpoint { celsius } => format!("set setpoint {celsius}"),
+        Order::Fan { percent } => format!("fan {percent}"),
+        Order::Set { name, value } => format!("set {name} {value}"),
+        Order::Excite { .. } => bail!("a board's excitation is not switched from here"),
+        Order::Break { .. } | Order::Mend => bail!("a real rig is broken and mended by hand"),
+    })
+}
+
+/// The thread that talks with the board.
+struct Keeper {
+    name: String,
+    session: Session,
+    sample_time: f64,
+    rows: Rows,
+    tell: Sender<Told>,
+    hand: Hand,
+    last: Instant,
+    silent: bool,
+}
+
+/// Nobody watches any more.
+struct Unwatched;
+
+impl Keeper {
+    fn open(name: String, tell: Sender<Told>, hand: Hand) -> anyhow::Result<Self> {
+        let mut session = Session::open(&name)?;
+        let config = settings::read(&mut session)?;
+        let sample_time = as_written(config.sample_time.0);
+        let (rows, last) = (Rows::new(&config)?, Instant::now());
+        let mut keeper = Self { name, session, sample_time, rows, tell, hand, last, silent: false };
+        keeper.greet(&config)?;
+        Ok(keeper)
+    }
+
+    /// What is to be known of a board that is there.
+    fn greet(&mut self, config: &Config) -> anyhow::Result<()> {
+        let faults = self.session.order("faults")?;
+        faults.lines().for_each(|line| self.rows.sentence(line));
+        self.session.order("stream on")?;
+        self.hand.grip().port = Some(self.session.other_hand()?);
+        (self.last, self.silent) = (Instant::now(), false);
+        let _ = self.tell.send(Told::Link(true));
+        self.gains(config);
+        Ok(())
+    }
+
+    /// The gains that the page shows.
+    fn gains(&self, config: &Config) {
+        let gains = [("pid.kp", config.pid.kp), ("pid.ti", config.pid.ti.0), ("pid.td", config.pid.td.0)];
+        for (name, value) in gains {
+            let _ = self.tell.send(Told::Order(Order::Set { name: name.into(), value }));
+        }
+    }
+
+    fn run(&mut self, given: &Receiver<Given>) {
+        while self.beat(given).is_ok() {}
+    }
+
+    fn beat(&mut self, given: &Receiver<Given>) -> Result<(), Unwatched> {
+        while let Ok(order) = given.try_recv() {
+            if let Err(error) = self.carry_out(&order) {
+                self.tell(Told::Refused(format!("{error:#}")))?;
+            }
+        }
+        let Ok(heard) = self.session.hear() else { return self.reopen(given) };
+        for heard in heard {
+            if let Heard::Line(line) = heard {
+                self.line(&line)?;
+            }
+        }
+        self.watch_silence()
+    }
+
+    fn tell(&self, told: Told) -> Result<(), Unwatched> {
+        self.tell.send(told).map_err(|_| Unwatched)
+    }
+
+    fn carry_out(&mut self, given: &Given) -> anyhow::Result<()> {
+        let Given { line, stops } = given;
+        let hand = self.hand.clone();
+        {
+            // While this is held nobody can stop in between: a stop is later than this line, or voids it.
+            let grip = hand.grip();
+            if grip.stops != *stops {
+                bail!("`{line}` was stopped before it was sent");
+            }
+            self.session.begin(line)?;
+        }
+        match refusal(&self.session.answer(line)?) {
+            Some(error) => bail!("the board says to `{line}`: {error}"),
+            None => Ok(()),
+        }
+    }
+
+    fn line(&mut self, line: &str) -> Result<(), Unwatched> {
+        self.last = Instant::now();
+        if std::mem::take(&mut self.silent) {
+            self.tell(Told::Link(true))?;
+        }
+        let news = self.rows.line(line);
+        if news.settings
+            && let Ok(config) = settings::read(&mut self.session)
+        {
+            let _ = self.rows.retune(&config);
+            self.gains(&config);
+        }
+        news.told.into_iter().try_for_each(|told| self.tell(told))
+    }
+
+    /// A board that says nothing may have been reset, or another program has switched its stream off.
+    fn watch_silence(&mut self) -> Result<(), Unwatched> {
+        if self.last.elapsed() <= SILENCE + Duration::from_secs_f64(self.sample_time) {
+            return Ok(());
+        }
+        self.last = Instant::now();
+        let _ = self.session.send(b"\x15stream on\r");
+        match std::mem::replace(&mut self.silent, true) {
+            true => Ok(()),
+            false => self.tell(Told::Link(false)),
+        }
+    }
+
+    /// Says that the port has gone, and waits for it. What was ordered meanwhile is not carried out later.
+    fn reopen(&mut self, given: &Receiver<Given>) -> Result<(), Unwatched> {
+        self.hand.grip().port = None;
+        self.tell(Told::Link(false))?;
+        loop {
+            if Arc::strong_count(&self.hand.0) == 1 {
+                return Err(Unwatched);
+            }
+            std::thread::sleep(ANOTHER);
+            if let Ok(session) = Session::open(&self.name) {
+                self.session = session;
+                let known = settings::read(&mut self.session).and_then(|config| {
+                    self.rows.retune(&config)?;
+                    while given.try_recv().is_ok() {}
+                    self.greet(&config)
+                });
+                if known.is_ok() {
+                    return Ok(());
+                }
+            }
+        }
+    }
+}

@@ -5,6 +5,7 @@ pub mod commissioning;
 mod error;
 pub mod listing;
 pub mod schema;
+mod sectors;
 pub mod store;
 pub mod stored;
 pub mod table;

@@ -1,5 +1,5 @@
 //! The record in flash: two sectors that sequential-storage writes in turn, so that a cut at any point leaves either
-//! the old record or the new one.
+//! the old record or the new one, with the help of [`Sectors`] where an erasure is cut.
 
 use core::fmt;
 
@@ -10,6 +10,7 @@ use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage, Value};
 
 use super::commissioning::Commissioning;
+use super::sectors::Sectors;
 use super::stored::{MAX_BYTES, Stored, StoredError};
 
 /// The key of the record, of the mark that says since when power must not be lost unnoticed, and of the commissioning.
@@ -75,21 +76,23 @@ type Newest = Cache<Uncached, Uncached, ArrayKeyPointers<u8, 3>, u8>;
 
 /// The storage.
 pub struct Store<F: NorFlash> {
-    map: MapStorage<u8, F, Newest>,
+    map: MapStorage<u8, Sectors<F>, Newest>,
+    /// No erasure is cut: looked at before the first use, and again after an error.
+    mended: bool,
 }
 
 impl<F: NorFlash> Store<F> {
-    /// A store that covers the whole of `flash`, at least two sectors.
+    /// A store that covers the whole of `flash`, which has two sectors.
     pub fn new(flash: F) -> Self {
-        let capacity = flash.capacity() as u32;
         let newest = Newest::new(Uncached, Uncached, ArrayKeyPointers::new());
-        Self { map: MapStorage::new(flash, MapConfig::new(0..capacity), newest) }
+        let both = MapConfig::new(0..2 * F::ERASE_SIZE as u32);
+        Self { map: MapStorage::new(Sectors::new(flash), both, newest), mended: false }
     }
 
     /// Reads what was saved; the defaults where there is nothing usable, and why.
     pub async fn load(&mut self) -> (Stored, Origin) {
         let mut buffer = [0; BUFFER];
-        match self.map.fetch_item::<&[u8]>(&mut buffer, &RECORD).await {
+        match self.read::<&[u8]>(RECORD, &mut buffer).await {
             Ok(Some(bytes)) => match Stored::decode(bytes) {
                 Ok(stored) => (stored, Origin::Flash),
                 Err(error) => (Stored::default(), Origin::Fallback(error)),
@@ -118,7 +121,7 @@ impl<F: NorFlash> Store<F> {
     /// Whether the mark stands; not where it cannot be read, which [`Store::load`] has told.
     pub async fn is_marked(&mut self) -> bool {
         let mut buffer = [0; BUFFER];
-        matches!(self.map.fetch_item::<u8>(&mut buffer, &MARK).await, Ok(Some(1)))
+        matches!(self.read::<u8>(MARK, &mut buffer).await, Ok(Some(1)))
     }
 
     /// Sets the mark or takes it away. The heater must be off, as for [`Store::save`], which mends what this cannot use: the
@@ -133,7 +136,7 @@ impl<F: NorFlash> Store<F> {
     /// The commissioning that is kept, if there is one that can be read.
     pub async fn commissioning(&mut self) -> Option<Commissioning> {
         let mut buffer = [0; BUFFER];
-        let record = self.map.fetch_item::<&[u8]>(&mut buffer, &COMMISSIONING).await;
+        let record = self.read::<&[u8]>(COMMISSIONING, &mut buffer).await;
         record.ok().flatten().and_then(Commissioning::decode)
     }
 
@@ -148,13 +151,32 @@ impl<F: NorFlash> Store<F> {
         self.write(COMMISSIONING, &bytes).await.map_err(|_| SaveError::Flash)
     }
 
+    async fn read<'a, V: Value<'a>>(
+        &mut self,
+        key: u8,
+        buffer: &'a mut [u8; BUFFER],
+    ) -> Result<Option<V>, Error<F::Error>> {
+        self.mend().await;
+        self.map.fetch_item(buffer, &key).await
+    }
+
     async fn write<'a>(&mut self, key: u8, value: &impl Value<'a>) -> Result<(), Error<F::Error>> {
+        self.mend().await;
         let mut buffer = [0; BUFFER];
-        self.map.store_item(&mut buffer, &key, value).await
+        let result = self.map.store_item(&mut buffer, &key, value).await;
+        self.mended = result.is_ok();
+        result
+    }
+
+    /// What cannot be mended the storage finds anew, and tells.
+    async fn mend(&mut self) {
+        if !self.mended {
+            self.mended = self.map.flash().mend().await.is_ok();
+        }
     }
 
     /// Gives the flash back.
     pub fn into_flash(self) -> F {
-        self.map.destroy().0
+        self.map.destroy().0.into_flash()
     }
 }

@@ -4,14 +4,19 @@ use embedded_storage_async::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 
-/// Smaller than the chip's 128 KiB, so that tests fill it; the word is the chip's.
-pub(crate) const SECTOR: usize = 8 * 1024;
 const WORD: usize = 4;
+
+/// With sectors smaller than the chip's 128 KiB, so that tests fill them; the word is the chip's.
+pub(crate) type Flash = Sectors<{ 8 * 1024 }>;
 
 /// Both sectors, as bits that a write can only clear.
 #[derive(Clone, Debug)]
-pub(crate) struct Flash {
+pub(crate) struct Sectors<const SECTOR: usize> {
     bytes: Vec<u8>,
+    /// Words written and sectors erased so far.
+    pub(crate) steps: usize,
+    /// Which of these steps were erasures.
+    pub(crate) erased_at: Vec<usize>,
     /// Sectors erased so far.
     pub(crate) erases: usize,
     /// The power went in the middle of an erase.
@@ -31,16 +36,24 @@ impl NorFlashError for Dead {
     }
 }
 
-impl Flash {
+impl<const SECTOR: usize> Sectors<SECTOR> {
     /// Never written.
     pub(crate) fn new() -> Self {
-        Self { bytes: vec![0xFF; 2 * SECTOR], erases: 0, cut_in_erase: false, steps_left: None, noise: 1 }
+        Self {
+            bytes: vec![0xFF; 2 * SECTOR],
+            steps: 0,
+            erased_at: Vec::new(),
+            erases: 0,
+            cut_in_erase: false,
+            steps_left: None,
+            noise: 1,
+        }
     }
 
     /// The power goes in the middle of the step after `steps` more.
     pub(crate) fn cut_at(&mut self, steps: usize) {
         self.steps_left = Some(steps);
-        self.noise = steps as u32 + 1;
+        self.noise = (self.random() ^ (steps as u32 + 1).wrapping_mul(0x9E37_79B9)).max(1);
     }
 
     /// Whether the power has gone.
@@ -73,6 +86,40 @@ impl Flash {
         }
     }
 
+    /// What a power cut leaves of an erasure, which first clears all bits and then sets them: either may have come to any
+    /// place, have happened here and there only, or have just ended.
+    fn erase_partly(&mut self, sector: usize) {
+        let (kind, bytes) = (self.random() % 6, sector..sector + SECTOR);
+        let here = sector + self.random() as usize % SECTOR / WORD * WORD;
+        let density = self.random();
+        match kind {
+            0 => self.bytes[sector..here].fill(0),
+            1 => self.bytes[here..bytes.end].fill(0),
+            2 => self.bytes[sector..here].fill(0xFF),
+            3 => self.bytes[here..bytes.end].fill(0xFF),
+            4 => bytes.for_each(|i| self.bytes[i] &= self.sparse(density)),
+            _ => {
+                let cleared = density & 4 != 0;
+                bytes.for_each(|i| {
+                    let old = if cleared { 0 } else { self.bytes[i] };
+                    self.bytes[i] = old | self.sparse(density);
+                });
+            }
+        }
+    }
+
+    /// Bits that are set seldom, by halves or mostly.
+    fn sparse(&mut self, density: u32) -> u8 {
+        let [a, b, c, d] = self.random().to_le_bytes();
+        match density % 4 {
+            0 => a & b & c & d,
+            1 => a,
+            2 => a | b | c | d,
+            _ if d == 0 => a,
+            _ => 0xFF,
+        }
+    }
+
     fn random(&mut self) -> u32 {
         self.noise ^= self.noise << 13;
         self.noise ^= self.noise >> 17;
@@ -82,6 +129,7 @@ impl Flash {
 
     /// Counts a step; `true` if the power goes in the middle of it.
     fn cut(&mut self) -> Result<bool, Dead> {
+        self.steps += 1;
         match &mut self.steps_left {
             None => Ok(false),
             Some(usize::MAX) => Err(Dead),
@@ -97,11 +145,11 @@ impl Flash {
     }
 }
 
-impl ErrorType for Flash {
+impl<const SECTOR: usize> ErrorType for Sectors<SECTOR> {
     type Error = Dead;
 }
 
-impl ReadNorFlash for Flash {
+impl<const SECTOR: usize> ReadNorFlash for Sectors<SECTOR> {
     const READ_SIZE: usize = 1;
 
     async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Dead> {
@@ -115,18 +163,19 @@ impl ReadNorFlash for Flash {
     }
 }
 
-impl NorFlash for Flash {
+impl<const SECTOR: usize> NorFlash for Sectors<SECTOR> {
     const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = SECTOR;
 
     async fn erase(&mut self, from: u32, to: u32) -> Result<(), Dead> {
         assert!((from as usize).is_multiple_of(SECTOR) && (to as usize).is_multiple_of(SECTOR));
         for sector in (from as usize..to as usize).step_by(SECTOR) {
+            self.erased_at.push(self.steps);
             let cut = self.cut()?;
-            for i in sector..sector + SECTOR {
-                // A cut leaves some bits erased and others not yet.
-                let erased = if cut { self.random() as u8 } else { 0xFF };
-                self.bytes[i] |= erased;
+            if cut {
+                self.erase_partly(sector);
+            } else {
+                self.bytes[sector..sector + SECTOR].fill(0xFF);
             }
             self.erases += 1;
             self.cut_in_erase |= cut;

@@ -1,11 +1,11 @@
 //! `pt326 teach`: signatures of a user's own faults, from a recording in which they were made.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
 
-use super::replay::{ReplayArgs, again};
+use super::replay::{Again, ReplayArgs, again};
 use super::terminal::{WARNING, print, styled};
 use crate::settings::commented_toml_of;
 use crate::teach::{Marks, Taught, Watch};
@@ -18,7 +18,8 @@ note when. The later half of each repetition says which of the paper's five resi
 have in common is the row, anything else may be anything (x). A row that some symptoms would match together with a row that is there \
 is not taught. A name that the settings have already is taught anew.
 
-All rows are then tried on the recording: whether each repetition is found, and what else is named.
+All rows are then tried on the recording: whether each repetition is found, and what else is named. A row that a recording without a fault \
+(--quiet) shows is not taught either.
 
 With --out the settings are written with the new rows, for `pt326 run --config` and `pt326 board settings load`.
 
@@ -39,6 +40,9 @@ pub struct TeachArgs {
     /// Seed of the run that made a trace.csv. Default: that of the summary.json beside it, else 1.
     #[arg(long)]
     pub seed: Option<u64>,
+    /// A recording of the same rig in which nothing was done, such as a night: what it shows is not taught. May be given several times.
+    #[arg(long, value_name = "FILE")]
+    pub quiet: Vec<PathBuf>,
     /// Write the settings with the new rows.
     #[arg(long, value_name = "FILE.toml")]
     pub out: Option<PathBuf>,
@@ -49,16 +53,11 @@ pub struct TeachArgs {
 /// # Errors
 /// A file that is no recording; one to which the core does not come again; a time at which nothing was monitored; full tables.
 pub fn run(args: &TeachArgs) -> anyhow::Result<ExitCode> {
-    let replay = ReplayArgs {
-        file: args.file.clone(),
-        config: args.config.clone(),
-        seed: args.seed,
-        out: PathBuf::new(),
-    };
-    let again = again(&replay)?;
-    print(&again.told)?;
-    ensure!(again.agrees, "nothing is taught from a recording to which the core does not come again");
-    let taught = Taught::of(&Watch::of(&again.record), &again.config, &Marks::by_name(&args.faults))?;
+    let lesson = whole(args, &args.file, args.seed)?;
+    let quiet = args.quiet.iter().map(|file| Ok(Watch::of(&whole(args, file, None)?.record)));
+    let quiet = quiet.collect::<anyhow::Result<Vec<_>>>()?;
+    let taught =
+        Taught::of(&Watch::of(&lesson.record), &lesson.config, &Marks::by_name(&args.faults), &quiet)?;
     for lesson in &taught.lessons {
         print(&format!("\n{lesson}"))?;
     }
@@ -73,4 +72,13 @@ pub fn run(args: &TeachArgs) -> anyhow::Result<ExitCode> {
     }
     print(&format!("{}\n", styled(WARNING, "Not every name was taught.")))?;
     Ok(ExitCode::from(1))
+}
+
+/// A recording to which the core comes again.
+fn whole(args: &TeachArgs, file: &Path, seed: Option<u64>) -> anyhow::Result<Again> {
+    let file = file.to_owned();
+    let again = again(&ReplayArgs { file, config: args.config.clone(), seed, out: PathBuf::new() })?;
+    print(&again.told)?;
+    ensure!(again.agrees, "nothing is taught from a recording to which the core does not come again");
+    Ok(again)
 }

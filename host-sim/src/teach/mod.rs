@@ -13,7 +13,7 @@ use fdi_core::diagnosis::signature::Symptoms;
 pub use marks::{Marks, Span};
 pub use proposal::Proposal;
 pub use tables::Conflict;
-pub use trial::Trial;
+pub use trial::{Quiet, Trial};
 
 use crate::experiment::{Record, tick_time};
 
@@ -44,6 +44,8 @@ pub struct Lesson {
     pub proposal: Proposal,
     /// Rows that the same symptoms can match; with any of them the row is in no table.
     pub conflicts: Vec<Conflict>,
+    /// What recordings without a fault say of it.
+    pub quiet: Quiet,
     /// How the tables with all new rows do on the recording; `None` for a row that is in none.
     pub trial: Option<Trial>,
 }
@@ -57,21 +59,27 @@ pub struct Taught {
 }
 
 impl Taught {
-    /// Proposes a row for each name and tries all of them together. A row of the same name in the settings is taught anew.
+    /// Proposes a row for each name and tries all of them together, those that `quiet` recordings without a fault do not show. A row
+    /// of the same name in the settings is taught anew.
     ///
     /// # Errors
     /// A span that was not monitored; more rows than a table holds.
-    pub fn of(watch: &Watch, config: &Config, marks: &[Marks]) -> anyhow::Result<Self> {
+    pub fn of(watch: &Watch, config: &Config, marks: &[Marks], quiet: &[Watch]) -> anyhow::Result<Self> {
         let mut config = config.clone();
         let mut lessons = Vec::new();
         for marks in marks {
             let number = tables::make_room(&mut config, marks.name);
             let proposal = Proposal::of(watch, marks, number)?;
             let conflicts = tables::conflicts(&config, &proposal.row);
-            if conflicts.is_empty() && proposal.tells() {
-                tables::add(&mut config, proposal.row)?;
+            let mut lesson = Lesson { proposal, conflicts, quiet: Quiet::default(), trial: None };
+            if lesson.stands() {
+                tables::add(&mut config, lesson.proposal.row)?;
+                lesson.quiet = Quiet::of(quiet, &config, number);
             }
-            lessons.push(Lesson { proposal, conflicts, trial: None });
+            if lesson.quiet.named > 0 {
+                tables::make_room(&mut config, marks.name);
+            }
+            lessons.push(lesson);
         }
         for lesson in lessons.iter_mut().filter(|lesson| lesson.stands()) {
             lesson.trial = Some(Trial::of(watch, &config, lesson.proposal.row.number, marks));
@@ -88,7 +96,7 @@ impl Taught {
 impl Lesson {
     /// Whether the row is in the tables.
     pub fn stands(&self) -> bool {
-        self.conflicts.is_empty() && self.proposal.tells()
+        self.conflicts.is_empty() && self.proposal.tells() && self.quiet.named == 0
     }
 }
 

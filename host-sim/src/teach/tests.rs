@@ -26,7 +26,7 @@ fn taught(watch: &Watch, marks: &[&str]) -> anyhow::Result<Taught> {
 
 fn taught_over(config: &Config, watch: &Watch, marks: &[&str]) -> anyhow::Result<Taught> {
     let marks: Vec<Marks> = marks.iter().map(|text| text.parse().unwrap()).collect();
-    Taught::of(watch, config, &Marks::by_name(&marks))
+    Taught::of(watch, config, &Marks::by_name(&marks), &[])
 }
 
 fn row(lesson: &Lesson) -> String {
@@ -94,13 +94,32 @@ fn the_trial_finds_what_is_hit_missed_false_and_taken_for_another() {
     ]);
     let taught = taught(&watch, &["hand:20..39", "cap:100..119"]).unwrap();
     let trial = taught.lessons[0].trial.as_ref().unwrap();
-    assert_eq!((&trial.hits, &trial.wrong), (&vec![Some(4.0)], &vec![60.0]));
-    assert_eq!(trial.taken_for, [(100.0, "cap".parse().unwrap())]);
+    assert_eq!((&trial.hits, &trial.wrong), (&vec![Some(5.0)], &vec![61.0]));
+    assert_eq!(trial.taken_for, [(101.0, "cap".parse().unwrap())]);
     assert_eq!(trial.quiet, 160.0);
     let again = taught_over(&taught.config, &watch, &["hand:20..39,22..39,120..139"]).unwrap();
     assert!(again.lessons[0].trial.is_none(), "of three repetitions one is quiet: nothing is certain");
     let missed = Trial::of(&watch, &taught.config, 4, &["hand:120..139".parse().unwrap()]);
     assert_eq!(missed.hits, [None]);
+}
+
+#[test]
+fn a_row_that_comes_without_any_fault_is_not_taught() {
+    let lesson = watch(&[(20, NORMAL), (20, LOW_T2), (20, NORMAL), (20, [-1, 0, 1, 0, 0])]);
+    let marks: Vec<Marks> = ["hand:20..39", "cap:60..79"].map(|text| text.parse().unwrap()).into();
+    let flicker = watch(&[(20, NORMAL), (1, LOW_T2), (20, NORMAL)]);
+    let taught = |quiet: &[Watch]| Taught::of(&lesson, &Config::default(), &marks, quiet).unwrap();
+    assert!(taught(&[flicker]).all_stand());
+    let nights = [watch(&[(30, NORMAL)]), watch(&[(20, NORMAL), (3, LOW_T2), (37, NORMAL)])];
+    let taught = taught(&nights);
+    assert_eq!(taught.lessons[0].quiet, Quiet { watched: 90.0, named: 1 });
+    assert!(!taught.lessons[0].stands() && taught.lessons[0].trial.is_none());
+    let told = taught.lessons[0].to_string();
+    assert!(told.contains("Not taught: 1 false in 0.0 h without a fault"), "{told}");
+    assert!(taught.lessons[1].stands());
+    let names: Vec<_> = taught.config.diagnosis.isolation.iter().map(|row| row.name.to_string()).collect();
+    assert_eq!(names, ["", "", "", "cap"]);
+    assert_eq!(taught.config.diagnosis.detection.len(), 3);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::fmt;
 
 use fdi_core::diagnosis::signature::{Cell, Symptom, WIDTH};
 
-use super::{Conflict, Lesson, Proposal, Trial};
+use super::{Conflict, Lesson, Proposal, Quiet, Trial};
 
 /// The decisive residuals, as the paper calls them.
 const RESIDUALS: [&str; WIDTH] = ["rAP", "ry12", "rsg1", "rsg2", "rbw1"];
@@ -16,6 +16,7 @@ impl fmt::Display for Lesson {
             writeln!(f, "Not taught: nothing of it is certain that a rig without a fault does not show.")?;
         }
         self.conflicts.iter().try_for_each(|conflict| conflict.fmt(f))?;
+        self.quiet.fmt(f)?;
         self.trial.as_ref().map_or(Ok(()), |trial| trial.fmt(f))
     }
 }
@@ -61,6 +62,17 @@ impl fmt::Display for Conflict {
             "Not taught: row {} of isolation, {} (fiv {}{called}), {how}.",
             place, row.pattern, row.number
         )
+    }
+}
+
+impl fmt::Display for Quiet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (named, hours) = (self.named, self.watched / 3600.0);
+        match (named, self.watched > 0.0) {
+            (0, false) => Ok(()),
+            (0, true) => writeln!(f, "0 false in {hours:.1} h without a fault."),
+            _ => writeln!(f, "Not taught: {named} false in {hours:.1} h without a fault."),
+        }
     }
 }
 

@@ -1,8 +1,9 @@
 //! How a new row does on the recording that it was made from: found, missed, and said where it should not be.
 
 use fdi_core::Config;
+use fdi_core::Seconds;
+use fdi_core::diagnosis::answer::{Answers, Standing};
 use fdi_core::diagnosis::name::Name;
-use fdi_core::diagnosis::signature::Table;
 
 use super::{Marks, Span, Watch};
 
@@ -19,8 +20,28 @@ pub struct Trial {
     pub quiet: f64,
 }
 
+/// What fiv said of one fault in recordings in which nothing was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Quiet {
+    /// How long they were monitored, s.
+    pub watched: f64,
+    /// How often it began to name it.
+    pub named: usize,
+}
+
+impl Quiet {
+    /// Has the tables of `config` answer every tick, for the row of this number.
+    pub(super) fn of(quiet: &[Watch], config: &Config, number: u8) -> Self {
+        let watched = |watch: &Watch| watch.monitored().count() as f64 * watch.sample_time;
+        Self {
+            watched: quiet.iter().map(watched).sum(),
+            named: quiet.iter().map(|watch| begins(watch, config, number).len()).sum(),
+        }
+    }
+}
+
 impl Trial {
-    /// Looks every tick up in the tables of `config`, for the row of this number.
+    /// Has the tables of `config` answer every tick, for the row of this number.
     pub(super) fn of(watch: &Watch, config: &Config, number: u8, marks: &[Marks]) -> Self {
         let own = |marks: &&Marks| {
             config.diagnosis.isolation.iter().any(|row| row.number == number && row.name == marks.name)
@@ -43,11 +64,15 @@ impl Trial {
 
 /// When fiv came to this number, s; gaps below the time after which a fault counts as ended are flicker.
 fn begins(watch: &Watch, config: &Config, number: u8) -> Vec<f64> {
-    let table = Table::new(&config.diagnosis.isolation);
-    let gap = f64::from(config.diagnosis.clear_time.0);
+    let clear = config.diagnosis.clear_time;
+    let answers = Answers::new(&config.diagnosis.isolation, clear.ticks(Seconds(watch.sample_time as f32)));
+    let (mut standing, gap) = (Standing::default(), f64::from(clear.0));
     let mut begins = Vec::new();
     let mut last = f64::NEG_INFINITY;
-    for (time, _) in watch.monitored().filter(|(_, symptoms)| table.look_up(symptoms) == number) {
+    for (time, symptoms) in watch.monitored() {
+        if answers.step(&mut standing, symptoms) != number {
+            continue;
+        }
         if time - last > gap {
             begins.push(time);
         }

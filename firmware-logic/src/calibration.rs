@@ -9,7 +9,7 @@ use fdi_core::sense::thermistor::ThermistorConfig;
 use fdi_core::{Config, Sample};
 use heapless::Vec;
 
-use crate::decimal::Fixed;
+use crate::decimal::{Fixed, rounded};
 
 /// Names of the thermistors, in the order of all arrays here.
 pub const NAMES: [&str; 3] = ["t0", "t1", "t2"];
@@ -211,12 +211,6 @@ fn set(config: &mut Config, thermistor: usize, (gain, offset): (f32, f32)) {
 
 fn likely(line: &Line) -> bool {
     (1.0 / MOST_GAIN..=MOST_GAIN).contains(&line.gain) && line.offset.abs() <= MOST_OFFSET
-}
-
-/// Rounded to a part of 1: what the console shows of it is then all of it.
-fn rounded(x: f32, part: f32) -> f32 {
-    let whole = x * part + if x < 0.0 { -0.5 } else { 0.5 };
-    whole as i32 as f32 / part
 }
 
 /// The line of least squares; with points too near each other, its gain is the one in force.

@@ -101,6 +101,12 @@ impl fmt::Display for Fixed {
     }
 }
 
+/// Rounded to a part of 1: what the console shows of it is then all of it.
+pub(crate) fn rounded(x: f32, part: f32) -> f32 {
+    let whole = x * part + if x < 0.0 { -0.5 } else { 0.5 };
+    whole as i32 as f32 / part
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;

@@ -1,11 +1,13 @@
 //! The second half of a tick: diagnosis, what was learnt, what went wrong, and what there is to tell. Beside
 //! [`ControlLoop`](crate::control_loop::ControlLoop), and joined to it by the records of ticks alone.
 
+use core::mem::discriminant;
+
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::likelihood::Readiness;
-use fdi_core::{Command, Config, ConfigError, Mode, Report, Seconds};
+use fdi_core::{Config, ConfigError, Mode, Report, Seconds};
 
 use crate::alarm::Alarms;
 use crate::calibration::Still;
@@ -99,6 +101,12 @@ impl DiagnosisLoop {
         if core::mem::take(&mut self.untold) {
             tell(Notice::Commissioning(self.commissioning));
         }
+        if let Some(standing) = record.tick.tuning {
+            let before = self.status.tuning.replace(standing);
+            if before.is_none_or(|before| discriminant(&before) != discriminant(&standing)) {
+                tell(Notice::Tuning(standing));
+            }
+        }
         self.still.step(&record.tick.sample, record.applied.0 > 0.0);
         let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
         tell(Notice::Tick(TickLine::new(&record, &report)));
@@ -123,7 +131,7 @@ impl DiagnosisLoop {
     fn notice_mode(&mut self, record: &TickRecord, tell: &mut impl FnMut(Notice)) {
         let tick = &record.tick;
         let before = core::mem::replace(&mut self.before.mode, tick.mode);
-        if core::mem::discriminant(&before) == core::mem::discriminant(&tick.mode) {
+        if discriminant(&before) == discriminant(&tick.mode) {
             return;
         }
         tell(Notice::Mode { tick: tick.index, from: before.name(), to: tick.mode.name() });
@@ -277,7 +285,7 @@ fn tell_outcome(tick: u32, outcome: &Outcome, checked: bool, tell: &mut impl FnM
         Ok(()) => tell(Notice::Order { tick, order }),
         Err(denial) => return tell(Notice::Denied { tick, denial }),
     }
-    if order == OrderKind::Command(Command::Arm) && !checked {
+    if matches!(order, OrderKind::Command(command) if command.heats()) && !checked {
         tell(Notice::Unchecked);
     }
 }

@@ -27,3 +27,4 @@ pub mod settings;
 pub mod status;
 pub mod stream;
 pub mod task_watchdog;
+pub mod tuning;

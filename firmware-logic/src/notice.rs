@@ -5,6 +5,7 @@ use core::fmt;
 use fdi_core::Trip;
 use fdi_core::diagnosis::event::Event;
 use fdi_core::likelihood::Readiness;
+use fdi_core::tune::Standing;
 
 use crate::alarm::AlarmRecord;
 use crate::control_loop::{Denial, OrderKind};
@@ -15,6 +16,7 @@ use crate::log_line::tick::TickLine;
 use crate::self_test::News;
 use crate::settings::commissioning::Commissioning;
 use crate::status::{Since, readiness};
+use crate::tuning::TuningText;
 
 /// Something to tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +39,8 @@ pub enum Notice {
     Unchecked,
     /// News of the self-test.
     Check(News),
+    /// The experiment of `tune` is at another stage, or has ended.
+    Tuning(Standing),
     /// The record of the tick.
     Tick(TickLine),
     /// Another mode.
@@ -101,6 +105,7 @@ impl Notice {
             Self::Tick(_) | Self::Commissioning(_) => Level::Debug,
             Self::Order { .. }
             | Self::Check(News::Stage(_) | News::Ended(_))
+            | Self::Tuning(_)
             | Self::Mode { .. }
             | Self::Lockout { lockout: None, .. }
             | Self::Readiness { .. }
@@ -139,6 +144,7 @@ impl fmt::Display for NoticeText<'_> {
             Notice::Check(News::Stage(stage)) => write!(f, "check: {}", stage.name()),
             Notice::Check(News::Found(finding)) => write!(f, "check: {finding}"),
             Notice::Check(News::Ended(ending)) => ending.fmt(f),
+            Notice::Tuning(standing) => TuningText(&standing).fmt(f),
             Notice::Tick(line) => LogLine::Tick(line).fmt(f),
             Notice::Mode { tick, from, to } => write!(f, "mode {tick} {from} -> {to}"),
             Notice::Trip(trip) => write_entry("", Entry::Trip(trip)),

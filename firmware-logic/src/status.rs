@@ -3,6 +3,7 @@
 use core::fmt;
 
 use fdi_core::likelihood::{Readiness, RejectReason, SinceCommissioning};
+use fdi_core::tune::Standing;
 use fdi_core::{KnownInputs, Mode, Percent, Reading, Report, Validity};
 
 use crate::cadence::Jitter;
@@ -39,6 +40,8 @@ pub struct Status {
     pub health: Health,
     /// What the self-test has told so far.
     pub check: Progress,
+    /// How far the experiment of `tune` has come, or how the last one ended.
+    pub tuning: Option<Standing>,
     /// The commissioning, where there was one.
     pub commissioned: Option<Since>,
     /// Codes come from the port, and the outputs are locked off.
@@ -142,6 +145,9 @@ impl fmt::Display for Status {
         }
         if let Some(stage) = self.check.stage {
             write!(f, ", check under way: {}, {} findings", stage.name(), self.check.findings.len())?;
+        }
+        if let Some(standing) = tick.tuning {
+            write!(f, ": {}", standing.words())?;
         }
         if let Some(blocker) = tick.blocked {
             write!(f, ", not learning: {}", blocker.words())?;

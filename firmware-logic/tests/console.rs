@@ -6,6 +6,7 @@ use core::task::{Context, Poll, Waker};
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::likelihood::Channel;
+use fdi_core::tune::Standing;
 use fdi_core::{Celsius, Command, Config, Seconds};
 use firmware_logic::calibration::{Calibration, Still};
 use firmware_logic::console::{ANSWER, ApplyError, Board, BoardError, Console, line};
@@ -17,6 +18,7 @@ use firmware_logic::self_test::{CheckFinding, Ending, News, Progress, Stage};
 use firmware_logic::settings::store::SaveError;
 use firmware_logic::settings::stored::check;
 use firmware_logic::status::Status;
+use firmware_logic::tuning::Tuner;
 use proptest::prelude::*;
 
 /// Remembers what it was asked.
@@ -29,6 +31,8 @@ struct Mock {
     progress: Progress,
     trained: bool,
     calibration: Calibration,
+    tuning: Option<Standing>,
+    tuner: Tuner,
 }
 
 impl Board for Mock {
@@ -89,6 +93,13 @@ impl Board for Mock {
     fn calibration(&mut self) -> &mut Calibration {
         &mut self.calibration
     }
+    fn tuning(&self) -> Option<Standing> {
+        self.tuning
+    }
+    fn tuner(&mut self) -> &mut Tuner {
+        &mut self.tuner
+    }
+    async fn pause(&mut self) {}
     fn stream(&mut self, on: bool) -> Result<(), BoardError> {
         self.asked.push(format!("stream {on}"));
         Ok(())

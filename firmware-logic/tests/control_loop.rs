@@ -112,12 +112,36 @@ fn an_open_break_input_cuts_at_once_latches_and_survives_being_closed() {
 }
 
 #[test]
-fn does_not_arm_with_the_break_input_open() {
+fn does_not_arm_or_tune_with_the_break_input_open() {
+    for command in [Command::Arm, Command::Tune] {
+        let mut bench = Bench::new(ResetCause::PowerOn);
+        bench.output.open = true;
+        let record = bench.order(command);
+        assert_eq!(record.outcome.expect("an order").result, Err(Denial::BreakOpen));
+        assert_eq!((record.tick.mode, bench.output.enabled), (Mode::Off, false));
+    }
+}
+
+/// What arming asks for, an experiment asks for; and it is cut as whatever heats is.
+#[test]
+fn an_experiment_is_cut_locked_out_and_stopped_as_regulation_is() {
     let mut bench = Bench::new(ResetCause::PowerOn);
+    assert_eq!(bench.order(Command::Tune).outcome.expect("an order").result, Ok(()));
+    (0..100).for_each(|_| drop(bench.tick()));
+    assert!(bench.output.given() > 0.0, "at rest first, then it heats");
     bench.output.open = true;
-    let record = bench.order(Command::Arm);
-    assert_eq!(record.outcome.expect("an order").result, Err(Denial::BreakOpen));
-    assert_eq!((record.tick.mode, bench.output.enabled), (Mode::Off, false));
+    bench.output.enabled = false;
+    let record = bench.tick();
+    assert_eq!((record.lockout, record.tick.mode), (Some(Lockout::BreakInput), Mode::Off));
+    bench.output.open = false;
+    let locked_out = Err(Denial::LockedOut(Lockout::BreakInput));
+    assert_eq!(bench.order(Command::Tune).outcome.expect("an order").result, locked_out);
+    assert_eq!(bench.order(Command::Acknowledge).outcome.expect("an order").result, Ok(()));
+    assert_eq!(bench.order(Command::Tune).outcome.expect("an order").result, Ok(()));
+    (0..100).for_each(|_| drop(bench.tick()));
+    bench.codes.t1 = AdcCode(4095.0);
+    assert!(matches!(bench.tick().tick.mode, Mode::Tripped(_)));
+    assert!(bench.output.is_off());
 }
 
 /// Between two ticks: the power goes at once, and the next tick trips by what was seen, though it is over by then.

@@ -103,6 +103,7 @@ impl Bench {
 fn arms_only_after_a_check_has_passed_and_not_after_one_that_has_not() {
     let mut bench = Bench::new(&Config::default());
     assert_eq!(bench.arm(), Err(Denial::Unchecked));
+    assert_eq!(bench.order(Order::Command(Command::Tune)), Err(Denial::Unchecked));
     assert!(bench.output.is_off());
     assert_eq!(bench.check(), Ending::Passed, "{:?}", bench.progress);
     assert_eq!(bench.arm(), Ok(()));
@@ -111,6 +112,7 @@ fn arms_only_after_a_check_has_passed_and_not_after_one_that_has_not() {
     bench.pass(200); // cools
     assert_eq!(bench.order(Order::Check), Ok(()));
     assert_eq!(bench.arm(), Err(Denial::Checking));
+    assert_eq!(bench.order(Order::Command(Command::Tune)), Err(Denial::Checking));
     assert_eq!(bench.order(Order::Command(Command::Stop)), Ok(()));
     bench.pass(10);
     assert_eq!(bench.arm(), Err(Denial::Unchecked), "a check that was stopped has not passed");

@@ -169,6 +169,7 @@ fn mode(mode: &Mode) -> f32 {
         Mode::Learn { .. } => 2.0,
         Mode::Monitor => 3.0,
         Mode::Tripped(_) => 4.0,
+        Mode::Tune => 5.0,
     }
 }
 

@@ -38,6 +38,8 @@ impl Default for Scene {
 pub enum Order {
     /// Begin to regulate.
     Arm,
+    /// Begin the experiment from which PID settings are told.
+    Tune,
     /// Heater off.
     Stop,
     /// Leave a trip whose cause has gone.

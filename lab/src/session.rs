@@ -98,6 +98,7 @@ impl Session {
     fn carry_out(&mut self, order: &Order) -> anyhow::Result<()> {
         match order {
             Order::Arm => self.instrument.command(Command::Arm)?,
+            Order::Tune => self.instrument.command(Command::Tune)?,
             Order::Stop => self.instrument.command(Command::Stop)?,
             Order::Acknowledge => self.instrument.command(Command::Acknowledge)?,
             Order::Relearn => self.instrument.command(Command::Relearn)?,

@@ -2,7 +2,7 @@
 
 use fdi_core::control::pid::{Pid, PidConfig, PidState};
 use fdi_core::sense::Sensing;
-use fdi_core::tune::{Lag, Next, Powers, Tuned, Tuning};
+use fdi_core::tune::{Lag, Powers, Tuned, Tuning};
 use fdi_core::{Celsius, Config, Percent, Seconds};
 use host_sim::experiment::sample;
 use pt326_rig::{Disturbance, Rig, RigConfig};
@@ -52,17 +52,10 @@ fn run(
 
 /// What the experiment finds.
 fn lag(config: &RigConfig) -> Lag {
-    let mut tuning = Tuning::new(Powers::for_gain(0.3), TS);
-    let mut found = None;
-    let hottest = run(config, 200.0, false, |t1| match tuning.step(Some(t1)) {
-        Next::Power(power) => power,
-        Next::Over(result) => {
-            found = Some(result);
-            Percent(0.0)
-        }
-    });
+    let mut tuning = Tuning::new(Powers::for_gain(0.3, Percent(100.0)), TS);
+    let hottest = run(config, 200.0, false, |t1| tuning.step(Some(t1)));
     assert!(hottest.iter().all(|t1| *t1 < 62.0), "{config:?}");
-    found.expect("it ends").expect("clear")
+    tuning.result().expect("it ends").expect("clear")
 }
 
 /// Overshoot as a share of a step of the set-point from 32 to 36 degC, and ticks until T1 stays within 5 % of it.

@@ -15,7 +15,8 @@ use crate::supervisor::{
     Blocker, Command, FASTEST_FAN, Mode, Refusal, Regulated, Situation, Supervisor, SupervisorState,
     TripReason,
 };
-use crate::units::{Celsius, Percent};
+use crate::tune::{Powers, Standing, Tuning, Unclear};
+use crate::units::{Celsius, Percent, Seconds};
 use pid::{Pid, PidState};
 use prbs::{Prbs, PrbsState};
 
@@ -39,6 +40,8 @@ pub struct Tick {
     pub drive: Percent,
     /// Mode of the supervisor.
     pub mode: Mode,
+    /// How far the experiment of [`Mode::Tune`] has come; its end is told on the first tick without it.
+    pub tuning: Option<Standing>,
     /// Whether this sample belongs to the baseline.
     pub learn: bool,
     /// Why it does not, while learning is due.
@@ -60,6 +63,8 @@ pub struct Controller {
     /// By its mean control error "in regulation" is judged: as slow as the residuals are filtered, for the excitation must not count.
     error_filter: LowPass,
     plant: Plant,
+    sample_time: Seconds,
+    output_max: Percent,
 }
 
 /// What the settings say of the rig before anything is learnt.
@@ -93,6 +98,16 @@ pub struct ControllerState {
     asked: Percent,
     excitation: Percent,
     saturated: bool,
+    tuning: Option<Tuning>,
+}
+
+/// What is driven until the next tick.
+#[derive(Default)]
+struct Drive {
+    pid: Percent,
+    prbs: Percent,
+    sum: Percent,
+    tuning: Option<Standing>,
 }
 
 impl Controller {
@@ -115,6 +130,8 @@ impl Controller {
                 answer_ticks: config.identification.answer_time.ticks(ts),
                 gain: config.identification.y_scale.0 / config.identification.u_scale.0,
             },
+            sample_time: ts,
+            output_max: config.pid.output_max,
         };
         config.validate_limits()?;
         Ok(controller)
@@ -138,6 +155,7 @@ impl Controller {
             asked: Percent(0.0),
             excitation: Percent(0.0),
             saturated: false,
+            tuning: None,
         }
     }
 
@@ -188,7 +206,7 @@ impl Controller {
             feedback: &state.feedback,
         };
         let decision = self.supervisor.step(&mut state.supervisor, &situation);
-        let (pid, prbs, drive) = self.drive(state, regulated);
+        let Drive { pid, prbs, sum: drive, tuning } = self.drive(state, regulated);
         let tick = Tick {
             index: state.index,
             sample,
@@ -198,6 +216,7 @@ impl Controller {
             prbs,
             drive,
             mode: *self.supervisor.mode(&state.supervisor),
+            tuning,
             learn: decision.learn,
             blocked: decision.blocked,
             forget: decision.forget,
@@ -230,14 +249,19 @@ impl Controller {
     }
 
     /// PID and excitation where the mode allows heat, else everything at rest.
-    fn drive(&self, state: &mut ControllerState, regulated: Regulated) -> (Percent, Percent, Percent) {
-        if !self.supervisor.mode(&state.supervisor).is_heating() {
+    fn drive(&self, state: &mut ControllerState, regulated: Regulated) -> Drive {
+        let mode = *self.supervisor.mode(&state.supervisor);
+        if mode == Mode::Tune {
+            return self.tune(state, regulated);
+        }
+        if !mode.is_heating() {
             state.pid = PidState::default();
             state.error_filter = None;
             state.excitation = Percent(0.0);
             state.saturated = false;
             state.was_virtual = false;
-            return Default::default();
+            let stopped = state.tuning.take().map(|_| Standing::Over(Err(Unclear::Stopped)));
+            return Drive { tuning: stopped, ..Drive::default() };
         }
         let pid = match regulated.value {
             Some(y) => {
@@ -253,7 +277,20 @@ impl Controller {
         let drive = self.pid.saturate(pid, prbs);
         state.excitation = Percent(drive.0 - pid.0);
         state.saturated = drive.0 != pid.0 + prbs.0 || self.pid.at_limit(pid);
-        (pid, prbs, drive)
+        Drive { pid, prbs, sum: drive, tuning: None }
+    }
+
+    /// The power of the experiment. Its end is off, in this very tick.
+    fn tune(&self, state: &mut ControllerState, regulated: Regulated) -> Drive {
+        let begin = || Tuning::new(Powers::for_gain(self.plant.gain, self.output_max), self.sample_time);
+        let tuning = state.tuning.get_or_insert_with(begin);
+        let power = tuning.step(regulated.value.filter(|_| !regulated.is_virtual));
+        let standing = tuning.standing();
+        if let Standing::Over(_) = standing {
+            state.tuning = None;
+            self.supervisor.end_tuning(&mut state.supervisor);
+        }
+        Drive { pid: power, sum: power, tuning: Some(standing), ..Drive::default() }
     }
 
     /// Low-passed control error; without a temperature the last one.
@@ -292,12 +329,15 @@ impl Controller {
         self.supervisor.restored(&mut state.supervisor, baseline);
     }
 
-    /// Puts the settings of `new` in force. While the heater is on, none may widen a limit or change what a code means;
+    /// Puts the settings of `new` in force; not in the midst of an experiment. While the heater is on, none may widen a limit or change what a code means;
     /// where the latter happens at rest, what was learnt of power and temperatures is forgotten.
     ///
     /// # Errors
-    /// [`Refusal::WidensLimit`] with the name of the setting; nothing has changed then.
+    /// [`Refusal::NotInMode`], or [`Refusal::WidensLimit`] with the name of the setting; nothing has changed then.
     pub fn retune(&mut self, state: &mut ControllerState, new: Self) -> Result<(), Refusal> {
+        if *self.mode(state) == Mode::Tune {
+            return Err(Refusal::NotInMode(Mode::Tune.name()));
+        }
         if let Some(name) = self.widened(&new)
             && self.mode(state).is_heating()
         {

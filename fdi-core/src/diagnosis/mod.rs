@@ -245,7 +245,7 @@ impl Diagnosis {
                 state.events = EventState::default();
                 state.standing = Default::default();
             }
-            Mode::Off | Mode::Settle { .. } | Mode::Tripped(_) => {}
+            Mode::Off | Mode::Settle { .. } | Mode::Tune | Mode::Tripped(_) => {}
         }
         state.mode = mode;
     }

@@ -183,6 +183,7 @@ impl OneRate {
             prbs: Percent(0.0),
             drive: Percent(self.power),
             mode,
+            tuning: None,
             learn,
             blocked: None,
             forget: false,

@@ -72,7 +72,9 @@ impl Supervisor {
     /// By how power and temperatures go together.
     fn heat_hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
         let (power, operation) = (state.power, &state.operation);
-        let response = self.response.step(&mut state.response, now, power, operation);
+        // An experiment regulates to no set-point.
+        let needed = operation.power_for(now.setpoint).filter(|_| state.mode != Mode::Tune);
+        let response = self.response.step(&mut state.response, now, power, needed);
         let disagreement = self.disagreement.step(&mut state.disagreement, now, power, operation);
         // A heater that gives more than it is asked for looks like too little air.
         let air_flow = now.feedback.air_flow.filter(|_| !now.feedback.heater_faulty);

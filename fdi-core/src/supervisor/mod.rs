@@ -5,7 +5,7 @@
 //!   Off ─────────▶ Settle ───────────────────────▶ Learn ───────────────────▶ Monitor
 //!    ▲ ▲             ▲                               │                           │
 //!    │ │             └── saturated, out of regulation, unexcited, new set-point ─┘ Relearn
-//!    │ └── Stop, from any heating mode
+//!    │ └── Stop, from any heating mode                 Off ── Tune ──▶ Tune ──▶ Off, by itself
 //!    └──── Acknowledge ── Tripped ◀── a hazard: from any heating mode, in the same tick
 //!                                 ◀── a heater that is stuck on: from Off as well
 //! ```
@@ -230,6 +230,13 @@ impl Supervisor {
         }
     }
 
+    /// The experiment is over: off, unless it has tripped.
+    pub(crate) fn end_tuning(&self, state: &mut SupervisorState) {
+        if state.mode == Mode::Tune {
+            state.mode = Mode::Off;
+        }
+    }
+
     /// The mode as last decided.
     pub fn mode<'a>(&self, state: &'a SupervisorState) -> &'a Mode {
         &state.mode
@@ -315,8 +322,9 @@ impl Supervisor {
     pub fn command(&self, state: &mut SupervisorState, command: Command) -> Result<(), Refusal> {
         state.mode = match (command, state.mode, state.hazard) {
             (Command::Arm, Mode::Off, None) => Mode::Settle { steady: 0 },
+            (Command::Tune, Mode::Off, None) => Mode::Tune,
             (Command::Acknowledge, Mode::Tripped(_), None) => Mode::Off,
-            (Command::Arm, Mode::Off, Some(reason))
+            (Command::Arm | Command::Tune, Mode::Off, Some(reason))
             | (Command::Acknowledge, Mode::Tripped(_), Some(reason)) => {
                 return Err(Refusal::CausePersists(reason));
             }
@@ -333,7 +341,7 @@ impl Supervisor {
             (Command::Stop, Mode::Tripped(trip), _) => Mode::Tripped(trip),
             (Command::Stop, ..) => Mode::Off,
             (Command::SetPoint(_) | Command::Excite(_) | Command::Fan(_), mode, _) => mode,
-            (Command::Arm | Command::Acknowledge | Command::Relearn, mode, _) => {
+            (Command::Arm | Command::Tune | Command::Acknowledge | Command::Relearn, mode, _) => {
                 return Err(Refusal::NotInMode(mode.name()));
             }
         };

@@ -102,6 +102,8 @@ pub enum Mode {
     },
     /// Regulating and watching for faults.
     Monitor,
+    /// The power of an experiment, from which PID settings are told; then off.
+    Tune,
     /// Heater off until acknowledged.
     Tripped(Trip),
 }
@@ -109,7 +111,7 @@ pub enum Mode {
 impl Mode {
     /// Whether the heater may be driven.
     pub fn is_heating(&self) -> bool {
-        matches!(self, Self::Settle { .. } | Self::Learn { .. } | Self::Monitor)
+        matches!(self, Self::Settle { .. } | Self::Learn { .. } | Self::Monitor | Self::Tune)
     }
 
     /// Name in traces and logs.
@@ -119,6 +121,7 @@ impl Mode {
             Self::Settle { .. } => "settle",
             Self::Learn { .. } => "learn",
             Self::Monitor => "monitor",
+            Self::Tune => "tune",
             Self::Tripped(_) => "tripped",
         }
     }
@@ -167,6 +170,8 @@ pub const FASTEST_FAN: f32 = 200.0;
 pub enum Command {
     /// Begin to regulate.
     Arm,
+    /// Begin the experiment from which PID settings are told: see [`crate::tune`].
+    Tune,
     /// Heater off. Works in every mode.
     Stop,
     /// Leave a trip whose cause has gone.
@@ -179,6 +184,13 @@ pub enum Command {
     Excite(bool),
     /// Announces the level of the fan; 100 % is the level at which the rig is learnt.
     Fan(Percent),
+}
+
+impl Command {
+    /// Whether it switches the heater on.
+    pub fn heats(&self) -> bool {
+        matches!(self, Self::Arm | Self::Tune)
+    }
 }
 
 /// Why a command was refused.

@@ -6,7 +6,6 @@
 //! rule asks only whether T1 has risen at all since arming, and the second starts anew whenever T1 still rises.
 
 use super::config::SupervisorConfig;
-use super::operation::Operation;
 use super::{Situation, TripReason};
 use crate::bounds::{larger, smaller};
 use crate::units::{Percent, Seconds};
@@ -53,13 +52,13 @@ impl Response {
         }
     }
 
-    /// `power` is what was asked for up to now, low-passed, %.
+    /// `power` is what was asked for up to now, low-passed, and `needed` what the set-point needs by what was learnt, %.
     pub(super) fn step(
         &self,
         state: &mut ResponseState,
         now: &Situation,
         power: f32,
-        operation: &Operation,
+        needed: Option<f32>,
     ) -> Option<TripReason> {
         // Without a reading the time goes on: a T1 that comes and goes answers no more than one that is out.
         let t1 = now.sample.t1.good();
@@ -69,8 +68,7 @@ impl Response {
         if self.is_unanswered(state, t1, now.pid.0) {
             return Some(TripReason::NoResponse);
         }
-        let needed =
-            operation.power_for(now.setpoint).filter(|_| !t1.is_some_and(|t1| t1 > now.setpoint.0 + ABOVE));
+        let needed = needed.filter(|_| !t1.is_some_and(|t1| t1 > now.setpoint.0 + ABOVE));
         self.is_excessive(state, t1, power, needed).then_some(TripReason::ExcessPower)
     }
 

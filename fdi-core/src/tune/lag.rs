@@ -2,10 +2,13 @@
 
 use core::f32::consts::PI;
 
+use super::search::Search;
+use crate::bounds::smaller;
 use crate::units::Seconds;
 
 /// `gain e^(-dead s) / (1 + time s)`; the dead time has that of sampling in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Lag {
     /// degC per %.
     pub gain: f32,
@@ -35,20 +38,23 @@ pub struct Margins {
     pub phase: f32,
 }
 
+/// What a step of the set-point does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepResponse {
+    /// As a share of the step.
+    pub overshoot: f32,
+    /// Until it stays within 5 % of the step.
+    pub settled: Seconds,
+}
+
 /// Frequencies that margins are looked for at, from a hundredth of the last.
 const STEPS: u32 = 300;
 
-/// What [`Lag::quickest`] asks for: a gain margin with room for what a lag leaves out of a rig, and hardly any overshoot.
-const MARGIN: f32 = 3.0;
-const OVERSHOOT: f32 = 0.08;
 /// Settled: so far from a step of 1.
 const SETTLED: f32 = 0.05;
-/// Its search: factors on the gain and the integral time of [`Lag::by_model`], and derivative times as a share of the dead time.
-const GAINS: [f32; 8] = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25];
-const INTEGRALS: [f32; 10] = [0.2, 0.25, 0.32, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
-const DERIVATIVES: [f32; 3] = [0.0, 0.2, 0.4];
-/// Samples of dead time, at most.
+/// Samples of dead time, and of a step that is looked at, at most.
 const DELAY: usize = 64;
+const LONGEST: f32 = 20_000.0;
 
 impl Lag {
     /// The lag of a static gain that answers with `(size, lag)` (degC per %, rad) at a frequency in rad/s; `None` where there is none.
@@ -74,38 +80,30 @@ impl Lag {
         Some(Tuned { kp: 0.31 / size, ti: Seconds(2.2 * 2.0 * PI / at), td: Seconds(0.0) })
     }
 
-    /// Around the settings of [`Lag::by_model`], those by which a step of the set-point is settled soonest on this lag, by the PID as it
-    /// is, with a gain margin of 3 and an overshoot of 8 % at most. The PID takes a step by its integral part alone, which wants more of it than
-    /// the rule gives.
+    /// The best of a [`Search`].
     pub fn quickest(&self, sample_time: Seconds) -> Tuned {
-        let start = self.by_model();
-        let mut best = (start, self.settling(&start, sample_time).map_or(u32::MAX, |(_, ticks)| ticks));
-        for (gain, integral, derivative) in candidates() {
-            let tuned = Tuned {
-                kp: gain * start.kp,
-                ti: Seconds(integral * start.ti.0),
-                td: Seconds(derivative * self.dead),
-            };
-            let Some((overshoot, ticks)) = self.settling(&tuned, sample_time) else { continue };
-            let better = ticks < best.1 && overshoot <= OVERSHOOT;
-            if better && self.margins(&tuned, sample_time).is_some_and(|margins| margins.gain >= MARGIN) {
-                best = (tuned, ticks);
-            }
-        }
-        best.0
+        let mut search = Search::new(self, sample_time);
+        while !search.step() {}
+        search.best()
+    }
+
+    /// A step of the set-point on this lag, by the PID as it is; `None` where it does not settle.
+    pub fn step_response(&self, tuned: &Tuned, sample_time: Seconds) -> Option<StepResponse> {
+        let (overshoot, ticks) = self.settling(tuned, sample_time)?;
+        Some(StepResponse { overshoot, settled: Seconds(ticks as f32 * sample_time.0) })
     }
 
     /// Overshoot of a step of the set-point, and ticks until it is settled; `None` where it does not settle.
-    fn settling(&self, tuned: &Tuned, Seconds(ts): Seconds) -> Option<(f32, u32)> {
+    pub(super) fn settling(&self, tuned: &Tuned, Seconds(ts): Seconds) -> Option<(f32, u32)> {
         // Half a sample of the dead time is that of the power that is held.
         let delay = ((self.dead / ts - 0.5).max(0.0) + 0.5) as usize;
         if delay >= DELAY {
             return None;
         }
         let share = 1.0 - libm::expf(-ts / self.time.max(1e-3));
-        let (mut y, mut y1, mut y2, mut u, mut most, mut settled) = (0.0, 0.0, 0.0, 0.0, 0.0f32, 0);
+        let (mut y, mut y1, mut y2, mut u, mut most, mut settled) = (0.0, 0.0, 0.0, 0.0, 1.0f32, 0);
         let mut waiting = [0.0; DELAY];
-        let longest = (20.0 * (self.time + self.dead) / ts) as u32;
+        let longest = smaller(20.0 * (self.time + self.dead) / ts, LONGEST) as u32;
         for tick in 0..longest {
             let change = ts / tuned.ti.0 * (1.0 - y) - (y - y1) - tuned.td.0 / ts * (y - 2.0 * y1 + y2);
             u += tuned.kp * change;
@@ -159,13 +157,4 @@ impl Lag {
             / libm::sqrtf(1.0 + w * w * self.time * self.time);
         (size, w * self.dead + libm::atanf(w * self.time) - libm::atan2f(im, re))
     }
-}
-
-/// What the search tries.
-fn candidates() -> impl Iterator<Item = (f32, f32, f32)> {
-    GAINS.into_iter().flat_map(|gain| {
-        INTEGRALS.into_iter().flat_map(move |integral| {
-            DERIVATIVES.into_iter().map(move |derivative| (gain, integral, derivative))
-        })
-    })
 }

@@ -8,13 +8,16 @@
 //!  noise       T1 stands still       hysteresis: period    first harmonics of power and T1
 //! ```
 //!
-//! It only says which power it wants, and ends by itself where anything is unclear; who drives the heater goes on asking everything that
-//! trips.
+//! It only says which power it wants, and ends by itself where anything is unclear. The supervisor has a mode for it, in which everything
+//! that trips goes on tripping; it ends in off, however it ends ([`crate::Command::Tune`]).
 
 pub mod lag;
+pub mod search;
 
+use crate::bounds::{larger, smaller};
 use crate::units::{Celsius, Percent, Seconds};
-pub use lag::{Lag, Margins, Tuned};
+pub use lag::{Lag, Margins, StepResponse, Tuned};
+pub use search::Search;
 
 /// Ticks at rest, from which noise and beginning are known.
 const REST: u32 = 64;
@@ -26,6 +29,8 @@ const MOST_BLOCKS: u32 = 60;
 /// Means agree within this share of the rise, or this many times their noise.
 const SAME: f32 = 0.01;
 const NOISE: f32 = 2.0;
+/// What the relay adds, as a share of the mean power.
+const SWING: f32 = 0.6;
 /// Rises in degC: the least that is an answer, and the most that is allowed.
 const LEAST_RISE: f32 = 2.0;
 const MOST_RISE: f32 = 35.0;
@@ -37,7 +42,9 @@ const SETTLING: u32 = 2;
 const TIMED: u32 = 4;
 const MEASURED: f32 = 12.0;
 /// Ticks between two switches of the relay, at most.
-const MOST_HALF: u32 = 2000;
+const MOST_HALF: u32 = 500;
+/// Ticks in a row for which a reading that is not to be believed is held.
+const HELD: u32 = 3;
 
 /// Powers of the experiment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,17 +56,21 @@ pub struct Powers {
 }
 
 impl Powers {
-    /// For a rig of about this gain, in degC per %: some 9 degC above the room, and never above 40 %.
-    pub fn for_gain(gain: f32) -> Self {
-        let mean = (9.0 / gain.max(0.01)).clamp(2.0, 40.0);
-        Self { mean: Percent(mean), swing: Percent(0.6 * mean) }
+    /// For a rig of about this gain, in degC per %: some 9 degC above the room, never above 40 %, and with the swing never above `most`.
+    pub fn for_gain(gain: f32, most: Percent) -> Self {
+        let mean = smaller(larger(9.0 / larger(0.01, gain), 2.0), 40.0);
+        let mean = smaller(mean, most.0 / (1.0 + SWING));
+        Self { mean: Percent(mean), swing: Percent(SWING * mean) }
     }
 }
 
 /// Why an experiment ended without a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unclear {
-    /// A sample was missing or not to be believed.
+    /// A stop or a trip ended it.
+    Stopped,
+    /// T1 gave nothing to believe for some ticks.
     NoSample,
     /// T1 did not rise by 2 degC.
     NoAnswer,
@@ -73,13 +84,53 @@ pub enum Unclear {
     NoLag,
 }
 
-/// What the experiment wants next.
+impl Unclear {
+    /// The reason in words, for people.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Stopped => "it was stopped, or tripped",
+            Self::NoSample => "T1 gave no valid sample",
+            Self::NoAnswer => {
+                "T1 did not rise by 2 degC: is the heater connected, is identification.y_scale right?"
+            }
+            Self::TooHot => "T1 rose by more than 35 degC: is identification.y_scale right?",
+            Self::NotStill => {
+                "T1 did not come to a stand under constant power: is it still warm, does the room or the air change?"
+            }
+            Self::NoSwing => "switching the power did not make T1 swing",
+            Self::NoLag => "the answer of T1 is that of no lag with dead time",
+        }
+    }
+}
+
+/// How far an experiment has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Next {
-    /// This power until the next tick.
-    Power(Percent),
-    /// It is over; the power is to be 0.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Standing {
+    /// No power: noise and beginning.
+    Rest,
+    /// Constant power, until T1 stands still.
+    Warm,
+    /// The relay: its period.
+    Swing,
+    /// The relay: the answer at that period.
+    Measure,
+    /// It has ended, with a model or without.
     Over(Result<Lag, Unclear>),
+}
+
+impl Standing {
+    /// What is done, for people.
+    pub const fn words(&self) -> &'static str {
+        match self {
+            Self::Rest => "at rest",
+            Self::Warm => "constant power until T1 stands still",
+            Self::Swing => "power switched up and down: the period",
+            Self::Measure => "power switched up and down: the answer",
+            Self::Over(Ok(_)) => "done",
+            Self::Over(Err(unclear)) => unclear.words(),
+        }
+    }
 }
 
 /// An experiment that is under way.
@@ -88,6 +139,8 @@ pub struct Tuning {
     powers: Powers,
     sample_time: f32,
     stage: Stage,
+    /// T1 as last believed, and ticks since.
+    held: (f32, u32),
     /// T1 at rest, the standard deviation of its noise, and the gain.
     rest: f32,
     noise: f32,
@@ -107,29 +160,55 @@ impl Tuning {
     /// Begins with the heater off.
     pub fn new(powers: Powers, sample_time: Seconds) -> Self {
         let stage = Stage::Rest(Block::default());
-        Self { powers, sample_time: sample_time.0, stage, rest: 0.0, noise: 0.0, gain: 0.0 }
+        Self {
+            powers,
+            sample_time: sample_time.0,
+            stage,
+            held: (0.0, HELD),
+            rest: 0.0,
+            noise: 0.0,
+            gain: 0.0,
+        }
     }
 
-    /// One tick: from T1, where it is to be believed, what is wanted until the next.
-    pub fn step(&mut self, t1: Option<Celsius>) -> Next {
-        let stage = match t1 {
-            Some(t1) => self.follow(t1.0),
-            None => Stage::Over(Err(Unclear::NoSample)),
+    /// One tick: from T1, where it is to be believed, the power until the next; none once it is over.
+    pub fn step(&mut self, t1: Option<Celsius>) -> Percent {
+        self.held = t1.map_or((self.held.0, self.held.1.saturating_add(1)), |t1| (t1.0, 0));
+        self.stage = match self.held {
+            (t1, 0..=HELD) => self.follow(t1),
+            _ => Stage::Over(self.result().unwrap_or(Err(Unclear::NoSample))),
         };
-        self.stage = stage;
         let Powers { mean, swing } = self.powers;
         match &self.stage {
-            Stage::Rest(_) => Next::Power(Percent(0.0)),
-            Stage::Warm { .. } => Next::Power(mean),
+            Stage::Rest(_) | Stage::Over(_) => Percent(0.0),
+            Stage::Warm { .. } => mean,
             Stage::Swing { relay, .. } | Stage::Measure { relay, .. } => {
-                Next::Power(Percent(mean.0 + relay.sign() * swing.0))
+                Percent(mean.0 + relay.sign() * swing.0)
             }
-            Stage::Over(result) => Next::Over(*result),
+        }
+    }
+
+    /// How far it has come.
+    pub fn standing(&self) -> Standing {
+        match self.stage {
+            Stage::Rest(_) => Standing::Rest,
+            Stage::Warm { .. } => Standing::Warm,
+            Stage::Swing { .. } => Standing::Swing,
+            Stage::Measure { .. } => Standing::Measure,
+            Stage::Over(result) => Standing::Over(result),
+        }
+    }
+
+    /// How it has ended, if it has.
+    pub fn result(&self) -> Option<Result<Lag, Unclear>> {
+        match self.stage {
+            Stage::Over(result) => Some(result),
+            _ => None,
         }
     }
 
     fn follow(&mut self, y: f32) -> Stage {
-        if y - self.rest > MOST_RISE && !matches!(self.stage, Stage::Rest(_)) {
+        if !(y - self.rest <= MOST_RISE) && !matches!(self.stage, Stage::Rest(_)) {
             return Stage::Over(Err(Unclear::TooHot));
         }
         match self.stage {

@@ -5,16 +5,17 @@ use super::*;
 /// Runs the experiment on a lag with dead time in samples.
 fn run(gain: f32, time: f32, dead: usize, noise: f32) -> Result<Lag, Unclear> {
     let ts = 0.11;
-    let mut tuning = Tuning::new(Powers::for_gain(0.3), Seconds(ts));
+    let mut tuning = Tuning::new(Powers::for_gain(0.3, Percent(100.0)), Seconds(ts));
     let (mut y, mut waiting, mut random) = (0.0f32, std::vec![0.0f32; dead], 1u32);
     for _ in 0..100_000 {
         random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let shaken = 22.0 + y + noise * (random as f32 / u32::MAX as f32 - 0.5);
-        let power = match tuning.step(Some(Celsius(shaken))) {
-            Next::Power(Percent(power)) => power,
-            Next::Over(result) => return result,
-        };
+        let Percent(power) = tuning.step(Some(Celsius(shaken)));
         assert!((0.0..=64.0).contains(&power));
+        if let Some(result) = tuning.result() {
+            assert_eq!(power, 0.0);
+            return result;
+        }
         waiting.push(power);
         y += (1.0 - libm::expf(-ts / time)) * (gain * waiting.remove(0) - y);
     }
@@ -37,9 +38,16 @@ fn what_is_unclear_ends_it() {
     assert_eq!(run(0.01, 0.5, 1, 0.1), Err(Unclear::NoAnswer));
     assert_eq!(run(3.0, 0.5, 1, 0.1), Err(Unclear::TooHot));
     assert_eq!(run(0.3, 300.0, 1, 0.0), Err(Unclear::NotStill));
-    let mut tuning = Tuning::new(Powers::for_gain(0.3), Seconds(0.11));
-    assert_eq!(tuning.step(None), Next::Over(Err(Unclear::NoSample)));
-    assert_eq!(tuning.step(Some(Celsius(22.0))), Next::Over(Err(Unclear::NoSample)), "for good");
+    let mut tuning = Tuning::new(Powers::for_gain(0.3, Percent(100.0)), Seconds(0.11));
+    for _ in 0..100 {
+        tuning.step(Some(Celsius(22.0)));
+    }
+    assert!(tuning.step(None).0 > 0.0, "a spike is none");
+    for _ in 0..3 {
+        tuning.step(None);
+    }
+    assert_eq!(tuning.result(), Some(Err(Unclear::NoSample)));
+    assert_eq!(tuning.step(Some(Celsius(22.0))), Percent(0.0), "for good");
 }
 
 #[test]
@@ -55,4 +63,12 @@ fn rules_have_the_margins_that_they_are_known_for() {
     assert!((2.5..4.0).contains(&tyreus.gain), "{tyreus:?}");
     let wild = Tuned { kp: 100.0, ..lag.by_model() };
     assert_eq!(lag.margins(&wild, ts), None);
+}
+
+#[test]
+fn powers_stay_below_what_the_rig_may_be_given() {
+    for (gain, most) in [(0.01, 100.0), (0.3, 100.0), (0.3, 20.0), (f32::NAN, 30.0), (10.0, 1.0)] {
+        let Powers { mean, swing } = Powers::for_gain(gain, Percent(most));
+        assert!(mean.0 > 0.0 && swing.0 < mean.0 && mean.0 + swing.0 <= 1.0001 * most, "{mean:?} {swing:?}");
+    }
 }

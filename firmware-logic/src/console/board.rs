@@ -3,6 +3,7 @@
 use embedded_storage_async::nor_flash::NorFlash;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::tune::Standing;
 use fdi_core::{Command, Config, ConfigError, Seconds};
 
 use super::{ApplyError, Board, BoardError};
@@ -15,6 +16,7 @@ use crate::self_test::Progress;
 use crate::settings::commissioning::Commissioning;
 use crate::settings::store::{SaveError, Store};
 use crate::status::Status;
+use crate::tuning::Tuner;
 
 /// What the console needs of the chip, and of the tasks beside it.
 #[expect(
@@ -66,13 +68,14 @@ pub struct ConsoleBoard<C, F: NorFlash> {
     /// The commissioning that the flash was given last. What it refuses is not offered again until a save has mended it.
     given: Option<Commissioning>,
     calibration: Calibration,
+    tuner: Tuner,
 }
 
 impl<C: Chip, F: NorFlash> ConsoleBoard<C, F> {
     /// A board whose settings and commissioning are kept in `store`; `marked` says whether the mark of a power failure stands there.
     pub fn new(chip: C, store: Store<F>, marked: bool) -> Self {
         let given = chip.diagnosis(|diagnosis| diagnosis.commissioning().copied());
-        Self { chip, store, marked, given, calibration: Calibration::default() }
+        Self { chip, store, marked, given, calibration: Calibration::default(), tuner: Tuner::default() }
     }
 
     /// Takes the mark away once the heater is off and nothing is latched, and keeps a new commissioning. To be called while there is
@@ -130,7 +133,7 @@ impl<C: Chip, F: NorFlash> ConsoleBoard<C, F> {
 
 impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
     async fn command(&mut self, command: Command) -> Result<(), Denial> {
-        if command == Command::Arm && !self.marked && !self.may_heat() && !self.chip.is_simulated() {
+        if command.heats() && !self.marked && !self.may_heat() && !self.chip.is_simulated() {
             self.mark(true).await.map_err(|_| Denial::NoMark)?;
         }
         self.chip.order(Order::Command(command)).await
@@ -203,6 +206,18 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
 
     fn calibration(&mut self) -> &mut Calibration {
         &mut self.calibration
+    }
+
+    fn tuning(&self) -> Option<Standing> {
+        self.chip.diagnosis(|diagnosis| diagnosis.status().tuning)
+    }
+
+    fn tuner(&mut self) -> &mut Tuner {
+        &mut self.tuner
+    }
+
+    async fn pause(&mut self) {
+        self.chip.pause().await;
     }
 
     fn stream(&mut self, on: bool) -> Result<(), BoardError> {

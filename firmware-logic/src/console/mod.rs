@@ -6,11 +6,13 @@ mod calibrate;
 pub mod follow;
 pub mod line;
 pub mod request;
+pub mod tune;
 
 use core::fmt::{self, Display, Write};
 
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::ALL;
+use fdi_core::tune::Standing;
 use fdi_core::{Command, Config, ConfigError, Percent, Seconds};
 
 use crate::calibration::{Calibration, Still};
@@ -25,6 +27,7 @@ use crate::settings::schema::Name;
 use crate::settings::store::SaveError;
 use crate::settings::{Expected, SetError};
 use crate::status::Status;
+use crate::tuning::Tuner;
 use follow::Follow;
 use line::{LineReader, Step};
 use request::{COMMANDS, Request};
@@ -119,6 +122,12 @@ pub trait Board {
     fn still(&self) -> Still;
     /// The calibration that is under way.
     fn calibration(&mut self) -> &mut Calibration;
+    /// How far the experiment of `tune` has come, or how the last one ended.
+    fn tuning(&self) -> Option<Standing>;
+    /// What is made of its result.
+    fn tuner(&mut self) -> &mut Tuner;
+    /// Lets others have their turn.
+    async fn pause(&mut self);
     /// Sends the log over the port, or no more.
     fn stream(&mut self, on: bool) -> Result<(), BoardError>;
     /// Starts anew; a board does not come back from it.
@@ -163,9 +172,9 @@ impl Console {
 
     /// Shows what a self-test has told since the last call; what was typed of a line meanwhile is shown again.
     pub fn follow(&mut self, board: &impl Board, out: &mut dyn Write) {
-        if self.follow.is_news(&board.progress()) {
+        if self.follow.is_news(board) {
             say(out, "\n");
-            self.follow.show(&board.progress(), &board.config(), out);
+            self.follow.show(board, out);
             let _ = write!(out, "> {}", self.reader.typed());
         }
     }
@@ -238,6 +247,7 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         }
         Request::Faults => faults(board, out),
         Request::Calibrate { what, celsius } => calibrate::carry_out(what, celsius, board, out).await,
+        Request::Tune(wanted) => tune::carry_out(wanted, board, out).await,
         Request::Stream { on } => done(out, board.stream(on)),
         Request::Restart => done(out, board.restart(Restart::Streaming).await),
         Request::Simulate => done(out, board.restart(Restart::Simulating).await),

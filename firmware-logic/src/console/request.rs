@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use super::tune::{self, Wanted};
+
 /// What is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request<'a> {
@@ -64,6 +66,8 @@ pub enum Request<'a> {
         /// The true temperature, where there is one.
         celsius: &'a str,
     },
+    /// The experiment for the PID, or what came of it.
+    Tune(Wanted),
     /// Start anew, with the log over the port from the first tick on.
     Restart,
     /// The same, with codes from the port and the outputs locked off.
@@ -71,7 +75,7 @@ pub enum Request<'a> {
 }
 
 /// All commands: name, what follows it, what it does.
-pub const COMMANDS: [(&str, &str, &str); 19] = [
+pub const COMMANDS: [(&str, &str, &str); 20] = [
     ("help", "", "this list"),
     ("status", "", "mode, temperatures, diagnosis, health"),
     ("get", "[NAME]", "settings, all or those that begin with NAME"),
@@ -95,6 +99,11 @@ pub const COMMANDS: [(&str, &str, &str); 19] = [
         "calibrate",
         "t0|t1|t2|all DEGC",
         "the thermistor is at DEGC now; then `calibrate apply`, `undo` or `clear` (heater off only)",
+    ),
+    (
+        "tune",
+        "[start]",
+        "PID settings from an experiment that heats; then `tune`, `tune apply relay|model|quick`, `tune undo`",
     ),
     ("stream", "on|off", "the log over this port: each tick a line with a checksum, beside the answers"),
     ("restart", "", "start anew, with the stream on from the first tick (heater off, nothing latched)"),
@@ -203,6 +212,10 @@ impl<'a> Request<'a> {
                     expected: "t0, t1, t2 or all and a temperature in degC, or apply, undo, clear",
                 }),
             },
+            "tune" => match Wanted::parse(rest) {
+                Some(wanted) => Ok(Self::Tune(wanted)),
+                None => Err(RequestError::Missing { command, expected: tune::EXPECTED }),
+            },
             "restart" => alone(Self::Restart),
             "simulate" => match split_word(rest) {
                 ("on", "") => Ok(Self::Simulate),
@@ -268,6 +281,7 @@ mod tests {
         assert_eq!(text("baseline forget"), "baseline: \"forget\" is too much");
         assert_eq!(text("brownout"), "brownout: expected set");
         assert_eq!(text("stream of"), "stream: expected on or off");
+        assert_eq!(text("tune apply pid"), format!("tune: expected {}", tune::EXPECTED));
         assert!(text("ARM").starts_with("unknown command \"ARM\""), "no guessing what heats");
     }
 
@@ -279,8 +293,13 @@ mod tests {
     proptest! {
         #[test]
         fn no_line_panics_and_only_the_exact_word_heats(line in "[ -~]{0,80}") {
-            if Request::parse(&line) == Ok(Request::Arm) {
-                prop_assert_eq!(line.trim(), "arm");
+            match Request::parse(&line) {
+                Ok(Request::Arm) => prop_assert_eq!(line.trim(), "arm"),
+                Ok(Request::Check) => prop_assert_eq!(line.trim(), "check"),
+                Ok(Request::Tune(Wanted::Start)) => {
+                    prop_assert_eq!(line.split_ascii_whitespace().collect::<Vec<_>>(), ["tune", "start"]);
+                }
+                _ => {}
             }
         }
 

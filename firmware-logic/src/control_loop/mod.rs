@@ -195,7 +195,7 @@ impl ControlLoop {
 
     fn command(&mut self, command: Command, heater: &mut impl Heater) -> Result<(), Denial> {
         match command {
-            Command::Arm => {
+            Command::Arm | Command::Tune => {
                 if let Some(lockout) = self.interlock.lockout() {
                     return Err(Denial::LockedOut(lockout));
                 }

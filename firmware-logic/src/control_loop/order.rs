@@ -36,7 +36,11 @@ pub enum OrderKind {
 impl Order {
     /// Whether it switches the heater on.
     pub fn heats(&self) -> bool {
-        matches!(self, Self::Check | Self::Command(Command::Arm))
+        match self {
+            Self::Check => true,
+            Self::Command(command) => command.heats(),
+            Self::Retune(_) => false,
+        }
     }
 
     /// What it is, without what it brings along.

@@ -35,7 +35,7 @@ use crate::settings::commissioning::Commissioning;
 use crate::settings::schema::Name;
 
 /// Version of these lines. It changes with their text.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// One line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,6 +116,7 @@ fn write_order(f: &mut fmt::Formatter<'_>, order: &OrderKind) -> fmt::Result {
         OrderKind::Settings => "settings",
         OrderKind::Check => "check",
         OrderKind::Command(Command::Arm) => "arm",
+        OrderKind::Command(Command::Tune) => "tune",
         OrderKind::Command(Command::Stop) => "stop",
         OrderKind::Command(Command::Acknowledge) => "ack",
         OrderKind::Command(Command::Relearn) => "relearn",
@@ -254,6 +255,7 @@ fn order(text: &str) -> Result<OrderKind, LogLineError<'_>> {
         "settings" => return Ok(OrderKind::Settings),
         "check" => return Ok(OrderKind::Check),
         "arm" => Command::Arm,
+        "tune" => Command::Tune,
         "stop" => Command::Stop,
         "ack" => Command::Acknowledge,
         "relearn" => Command::Relearn,
@@ -304,7 +306,7 @@ mod tests {
     }
 
     fn orders() -> impl Strategy<Value = OrderKind> {
-        let commands = [Command::Arm, Command::Stop, Command::Acknowledge, Command::Relearn];
+        let commands = [Command::Arm, Command::Tune, Command::Stop, Command::Acknowledge, Command::Relearn];
         prop_oneof![
             Just(OrderKind::Settings),
             Just(OrderKind::Check),

@@ -203,6 +203,7 @@ fn state(record: &TickRecord, report: &Report) -> u32 {
         Mode::Learn { .. } => 2,
         Mode::Monitor => 3,
         Mode::Tripped(_) => 4,
+        Mode::Tune => 5,
     };
     let blocked = match record.tick.blocked {
         None => 0,

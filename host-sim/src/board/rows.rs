@@ -140,6 +140,7 @@ fn carried_out(order: &OrderKind) -> Option<Order> {
     let OrderKind::Command(command) = order else { return None };
     Some(match command {
         Command::Arm => Order::Arm,
+        Command::Tune => Order::Tune,
         Command::Stop => Order::Stop,
         Command::Acknowledge => Order::Acknowledge,
         Command::Relearn => Order::Relearn,

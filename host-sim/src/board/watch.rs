@@ -115,6 +115,7 @@ impl Watch {
 fn line(order: &Order) -> anyhow::Result<String> {
     Ok(match order {
         Order::Arm => "arm".into(),
+        Order::Tune => "tune start".into(),
         Order::Stop => "stop".into(),
         Order::Acknowledge => "ack".into(),
         Order::Relearn => "baseline learn".into(),

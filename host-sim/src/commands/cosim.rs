@@ -126,6 +126,7 @@ fn command(line: &str) -> anyhow::Result<Option<Command>> {
     let words: Vec<&str> = line.split_whitespace().collect();
     Ok(Some(match words[..] {
         ["arm"] => Command::Arm,
+        ["tune"] => Command::Tune,
         ["stop"] => Command::Stop,
         ["ack"] => Command::Acknowledge,
         ["relearn"] => Command::Relearn,

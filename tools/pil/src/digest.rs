@@ -62,6 +62,8 @@ impl Digest {
             prbs,
             drive,
             mode,
+            // Where it has come so far shows in what it drives.
+            tuning: _,
             learn,
             blocked,
             virtual_t1,
@@ -145,6 +147,7 @@ impl Digest {
             Mode::Settle { steady } => self.numbered(1, steady),
             Mode::Learn { accepted } => self.numbered(2, accepted),
             Mode::Monitor => self.word(3),
+            Mode::Tune => self.word(5),
             Mode::Tripped(Trip {
                 reason,
                 tick,

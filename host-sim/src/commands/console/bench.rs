@@ -5,10 +5,10 @@ use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use fdi_core::{Command, Config, ConfigError, Feedback};
 use firmware_logic::cadence::Arrival;
+use firmware_logic::console;
 use firmware_logic::console::board::{Chip, ConsoleBoard};
 use firmware_logic::console::follow::Follow;
 use firmware_logic::console::line::is_stop_key;
-use firmware_logic::console::{self, Board};
 use firmware_logic::control_loop::{ControlLoop, Denial, Heater, Order};
 use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::interlock::Interlock;
@@ -104,9 +104,8 @@ impl Bench {
     /// What the board has told of itself since the last call: lines of its log, and how a check goes on.
     pub fn news(&mut self) -> String {
         let mut news = std::mem::take(&mut self.board.chip.log);
-        let check = self.board.progress();
-        if self.follow.is_news(&check) {
-            self.follow.show(&check, &self.board.config(), &mut news);
+        if self.follow.is_news(&self.board) {
+            self.follow.show(&self.board, &mut news);
         }
         news
     }
@@ -170,7 +169,12 @@ impl SimulatedChip {
 fn is_shown(notice: &Notice) -> bool {
     !matches!(
         notice,
-        Notice::Tick(_) | Notice::Order { .. } | Notice::Denied { .. } | Notice::Unchecked | Notice::Check(_)
+        Notice::Tick(_)
+            | Notice::Order { .. }
+            | Notice::Denied { .. }
+            | Notice::Unchecked
+            | Notice::Check(_)
+            | Notice::Tuning(_)
     )
 }
 

@@ -248,6 +248,41 @@ mod tests {
     }
 
     #[test]
+    fn the_controller_is_tuned_by_an_experiment_and_put_back() {
+        let said = session(
+            "tune\ntune apply model\ntune start\ncheck\nwait 5\ntune start\nwait 1\ntune start\ntune\nstatus\nset pid.kp 2\nwait 10\nstatus\nwait 140\n\
+             tune\ntune apply quick\nget pid.kp\nget pid.ti\narm\nwait 40\nstatus\ntune undo\nget pid.kp\ntune undo\nstop\n",
+        );
+        let (before, after) =
+            said.split_once("tune: done, the heater is off.").unwrap_or_else(|| panic!("{said}"));
+        for word in [
+            "nothing yet: `tune start` heats",
+            "error: there is no result",
+            "error: no `check` has passed since the start",
+            "ok, see below; it heats",
+            "error: not possible in mode tune",
+            "mode tune: at rest",
+            "mode tune: constant power until T1 stands still",
+            "tune: at rest",
+        ] {
+            assert!(before.contains(word), "{word} in:\n{said}");
+        }
+        for word in [
+            "relay: kp ",
+            "model: kp ",
+            "quick: kp ",
+            "gain margin 3.",
+            "in force: kp 2.4000, ti 0.500 s",
+            "mode settle",
+            "nothing to take back",
+            "pid.kp = 2.4 %/degC",
+        ] {
+            assert!(after.contains(word), "{word} in:\n{said}");
+        }
+        assert_eq!(after.matches("`save` keeps it, `tune undo` takes it back").count(), 2, "{said}");
+    }
+
+    #[test]
     fn errors_name_what_was_wrong() {
         let said = session(
             "sett x 1\nset pid.kq 1\nset pid.kp -1\nwait forever\nwire upside down\nwire swap t1 t3\nwire detached t0\n\

@@ -7,6 +7,7 @@ use core::pin::pin;
 use core::task::{Context, Poll, Waker};
 
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
+use fdi_core::diagnosis::name::Name as Called;
 use fdi_core::diagnosis::signature::{MAX_ROWS, Signature};
 use fdi_core::identify::Adaptation;
 use fdi_core::likelihood::Commissioned;
@@ -43,7 +44,8 @@ fn unusual(setpoint: f32) -> Stored {
     rows.clear();
     for number in 1..=3u8 {
         let pattern = ["0 -1 0 +1 x", "+1 x -1 0 -1", "+1 0 -1 x +1"][usize::from(number - 1)];
-        rows.push(Signature { number, pattern: pattern.parse().expect("a pattern") }).expect("room");
+        rows.push(Signature { number, pattern: pattern.parse().expect("a pattern"), name: Called::NONE })
+            .expect("room");
     }
     let numbers = |k: usize| core::array::from_fn(|i| (7 * k + i) as f32 * 0.125);
     let normal = |k| Normal { mean: numbers(k), sigma: numbers(k + 1) };
@@ -102,6 +104,7 @@ fn every_setting_is_kept() {
 fn the_longest_record_fits() {
     let mut stored = unusual(30.0);
     for rows in [&mut stored.config.diagnosis.detection, &mut stored.config.diagnosis.isolation] {
+        rows.iter_mut().for_each(|row| row.name = "twelve-bytes".parse().expect("a name"));
         let row = rows[0];
         while rows.push(row).is_ok() {}
         assert_eq!(rows.len(), MAX_ROWS);
@@ -417,7 +420,7 @@ fn names_and_kinds_are_checked() {
     );
     assert!(text("diagnosis.isolation.1", "1 0 0 0").contains("expected five of -1, 0, +1, x"));
     assert!(text("diagnosis.isolation.9", "1 0 0 0 0 0").contains("has 3 rows, expected a row from 1 to 4"));
-    assert!(matches!(Name::find("diagnosis.isolation.13"), Err(SetError::Unknown(_))));
+    assert!(matches!(Name::find("diagnosis.isolation.14"), Err(SetError::Unknown(_))));
     assert_eq!(config, Config::default(), "a refused value changes nothing");
 }
 
@@ -432,6 +435,37 @@ fn rows_are_added_changed_and_taken_away() {
     assert_eq!(set("diagnosis.isolation.4", "8 -1 -1 -1 -1 0"), 4);
     assert_eq!(set("diagnosis.isolation.1", "none"), 3);
     assert_eq!(config.diagnosis.isolation[2].number, 8);
+}
+
+#[test]
+fn a_row_of_the_users_own_has_a_name() {
+    let mut config = Config::default();
+    let name = "diagnosis.isolation.4";
+    let row = Name::find(name).expect(name);
+    let set = |config: &mut Config, value| row.set(config, name, value).map_err(|error| error.to_string());
+    set(&mut config, "4 0 +1 0 -1 0 hand-2").expect("a row");
+    for wrong in
+        ["4 0 +1 0 -1 0 2hands", "4 0 +1 0 -1 hand", "4 0 +1 0 -1 0 thirteen-long", "4 0 +1 0 -1 0 a b"]
+    {
+        assert!(set(&mut config, wrong).is_err(), "{wrong}");
+    }
+    assert_eq!(row.value(&config).to_string(), "4 0 +1 0 -1 0 hand-2");
+    set(&mut config, "4 0 +1 0 -1 0").expect("a row");
+    assert!(config.diagnosis.isolation[3].name.is_empty(), "a row told without a name has none");
+}
+
+/// Of any row of both tables; the release before, which has no names, reads all that stands before them.
+#[test]
+fn names_of_rows_are_kept_behind_all_else() {
+    let mut stored = unusual(40.0);
+    let nameless = encoded(&stored);
+    let called = |name: &str| name.parse::<Called>().expect(name);
+    stored.config.diagnosis.detection[1].name = called("hand");
+    stored.config.diagnosis.isolation[2].name = called("cap-on-T1_23");
+    let bytes = encoded(&stored);
+    let content = nameless.len() - 4; // the CRC
+    assert_eq!((bytes.len(), &bytes[..content]), (nameless.len() + 2 * 14, &nameless[..content]));
+    assert_eq!(Stored::decode(&bytes), Ok(stored));
 }
 
 #[test]

@@ -12,3 +12,4 @@ pub mod record;
 pub mod recording;
 pub mod score;
 pub mod settings;
+pub mod teach;

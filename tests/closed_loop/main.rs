@@ -7,4 +7,5 @@ mod known;
 mod likelihood;
 mod plants;
 mod scenarios;
+mod taught;
 mod tuning;

@@ -1,8 +1,10 @@
 //! The second half of a tick: identify, form residuals, compare them with what is normal, name the fault.
 
+pub mod answer;
 pub mod baseline;
 pub mod config;
 pub mod event;
+pub mod name;
 pub mod residual;
 pub mod signature;
 
@@ -21,10 +23,11 @@ use crate::likelihood::{
 };
 use crate::supervisor::Mode;
 use crate::units::Percent;
+use answer::{Answers, Standing};
 use baseline::{Baseline, Learner};
 use event::{EventRules, EventState, Events};
 use residual::{FIRST_DECISIVE, RESIDUALS, features};
-use signature::{Symptoms, Table, symptoms};
+use signature::{Symptoms, symptoms};
 
 /// The validated diagnosis.
 #[derive(Clone, Debug)]
@@ -33,8 +36,8 @@ pub struct Diagnosis {
     ms2: Observer,
     low_pass: LowPass,
     sigma_factor: f32,
-    detection: Table,
-    isolation: Table,
+    detection: Answers,
+    isolation: Answers,
     events: EventRules,
     likelihood: Likelihood,
 }
@@ -48,8 +51,17 @@ pub struct DiagnosisState {
     mode: Mode,
     learner: Learner,
     baseline: Option<Baseline>,
+    /// Of the low-passed residuals and of the raw ones.
+    standing: [Vectors; 2],
     events: EventState,
     pub(crate) likelihood: LikelihoodState,
+}
+
+/// What the tables remember of one form of the residuals.
+#[derive(Clone, Copy, Debug, Default)]
+struct Vectors {
+    fdv: Standing,
+    fiv: Standing,
 }
 
 /// The fault vectors of one form of the residuals.
@@ -128,8 +140,8 @@ impl Diagnosis {
             ms2: Observer::new(identification, None, ts)?,
             low_pass: LowPass::new(c.filter_cutoff, ts),
             sigma_factor: c.sigma_factor,
-            detection: Table::new(&c.detection),
-            isolation: Table::new(&c.isolation),
+            detection: Answers::new(&c.detection, c.clear_time.ticks(ts)),
+            isolation: Answers::new(&c.isolation, c.clear_time.ticks(ts)),
             events: EventRules {
                 onset_window: c.onset_window.ticks(ts),
                 clear_ticks: c.clear_time.ticks(ts),
@@ -163,6 +175,7 @@ impl Diagnosis {
             mode: Mode::Off,
             learner: Learner::default(),
             baseline: None,
+            standing: Default::default(),
             events: EventState::default(),
             likelihood: LikelihoodState::default(),
         }
@@ -187,9 +200,12 @@ impl Diagnosis {
             state.learner.push(raw, filtered);
         }
         let normal = state.baseline.as_ref().filter(|_| matches!(tick.mode, Mode::Monitor));
-        let judge = |features: &Option<_>, normal: Option<&_>| Some(self.judge(features.as_ref()?, normal?));
+        let [of_filtered, of_raw] = &mut state.standing;
+        let judge = |standing: &mut Vectors, features: &Option<_>, normal: Option<&_>| {
+            Some(self.judge(standing, features.as_ref()?, normal?))
+        };
         let subtract = |features: &Option<_>| Some(subtract(features.as_ref()?, &normal?.raw.mean));
-        let verdict = judge(&filtered, normal.map(|normal| &normal.filtered));
+        let verdict = judge(of_filtered, &filtered, normal.map(|normal| &normal.filtered));
         let undisturbed = verdict.is_none_or(|verdict| verdict.fdv == 0);
         Report {
             tick: tick.index,
@@ -202,7 +218,7 @@ impl Diagnosis {
             residuals: subtract(&raw),
             residuals_filtered: subtract(&filtered),
             filtered: verdict,
-            raw: judge(&raw, normal.map(|normal| &normal.raw)),
+            raw: judge(of_raw, &raw, normal.map(|normal| &normal.raw)),
             learned: state.learner.count(),
             events: match &verdict {
                 Some(v) => self.events.step(&mut state.events, tick.index, &v.symptoms, v.fdv, v.fiv),
@@ -227,15 +243,22 @@ impl Diagnosis {
                     state.baseline = Some(state.learner.baseline());
                 }
                 state.events = EventState::default();
+                state.standing = Default::default();
             }
             Mode::Off | Mode::Settle { .. } | Mode::Tune | Mode::Tripped(_) => {}
         }
         state.mode = mode;
     }
 
-    fn judge(&self, features: &[f32; RESIDUALS], normal: &baseline::Normal) -> Verdict {
+    fn judge(
+        &self,
+        standing: &mut Vectors,
+        features: &[f32; RESIDUALS],
+        normal: &baseline::Normal,
+    ) -> Verdict {
         let symptoms = symptoms(features, normal, self.sigma_factor);
-        Verdict { symptoms, fdv: self.detection.look_up(&symptoms), fiv: self.isolation.look_up(&symptoms) }
+        let fdv = self.detection.step(&mut standing.fdv, &symptoms);
+        Verdict { symptoms, fdv, fiv: self.isolation.step(&mut standing.fiv, &symptoms) }
     }
 
     /// Restores what was learnt in an earlier run; it has been checked with [`Baseline::validate`].

@@ -18,14 +18,15 @@
 use core::fmt;
 
 use super::baseline::Normal;
+use super::name::Name;
 use super::residual::{DECISIVE, FIRST_DECISIVE, RESIDUALS};
 use crate::error::ConfigError;
 
 /// Number of residuals in a signature.
 pub const WIDTH: usize = DECISIVE.len();
 
-/// Rows that a table can hold.
-pub const MAX_ROWS: usize = 12;
+/// Rows that a table can hold: the paper's, and ten faults of the user's own.
+pub const MAX_ROWS: usize = 13;
 
 /// How a residual compares with its thresholds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -93,6 +94,9 @@ pub struct Signature {
     pub number: u8,
     /// Pattern over {rAP, ry12, rsg1, rsg2, rbw1}.
     pub pattern: Pattern,
+    /// What the user calls it; the paper's rows have no name of their own.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Name::is_empty"))]
+    pub name: Name,
 }
 
 /// A table of signatures as a configuration holds it.
@@ -104,7 +108,7 @@ const HIGH: Cell = Cell::Is(Symptom::High);
 const X: Cell = Cell::Any;
 
 const fn row(number: u8, cells: [Cell; WIDTH]) -> Signature {
-    Signature { number, pattern: Pattern(cells) }
+    Signature { number, pattern: Pattern(cells), name: Name::NONE }
 }
 
 /// Fault detection, fdv: 1 additive fault on T2; 2 multiplicative fault on T1 or the process. Where both match, the
@@ -131,7 +135,7 @@ impl Pattern {
     }
 
     /// Whether some vector of symptoms fits both patterns.
-    const fn overlaps(&self, other: &Pattern) -> bool {
+    pub const fn overlaps(&self, other: &Pattern) -> bool {
         let mut i = 0;
         while i < WIDTH {
             if let (Cell::Is(a), Cell::Is(b)) = (self.0[i], other.0[i])

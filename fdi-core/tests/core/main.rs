@@ -1,5 +1,6 @@
 //! The core alone: against independent f64 references, over random inputs, over millions of samples, mode by mode.
 
+mod answers;
 mod endurance;
 mod estimator;
 mod known;

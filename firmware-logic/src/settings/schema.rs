@@ -71,7 +71,10 @@ impl Name {
                 if setting.unit.is_empty() { Ok(()) } else { write!(f, " {}", setting.unit) }
             }
             Self::Row(table, row) => match table.rows(config).get(row) {
-                Some(signature) => write!(f, "{} {}", signature.number, signature.pattern),
+                Some(signature) => {
+                    write!(f, "{} {}", signature.number, signature.pattern)?;
+                    if signature.name.is_empty() { Ok(()) } else { write!(f, " {}", signature.name) }
+                }
                 None => f.write_str("none"),
             },
         })

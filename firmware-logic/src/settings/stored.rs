@@ -3,9 +3,11 @@
 //!
 //! ```text
 //! version u8 | settings u8 | (id u16, bits 2 x u32) .. | detection rows u8 | (number u8, cells 5 x u8) .. |
-//! isolation rows u8 | .. | baseline 0 or 1 | samples u32, 28 x f32 | CRC-32
+//! isolation rows u8 | .. | baseline 0 or 1 | samples u32, 28 x f32 |
+//! (0 detection or 1 isolation, row u8, name 12 x u8) .. | CRC-32
 //! ```
 //!
+//! The names of rows come last, and only those that there are: a program that knows no names reads all before them.
 //! Since each setting carries its id, a newer program that has more settings, or fewer, reads what an older one saved:
 //! an update does not lose the calibration of a rig. All numbers are little-endian.
 
@@ -14,6 +16,7 @@ use core::fmt;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
+use fdi_core::diagnosis::name::Name;
 use fdi_core::diagnosis::signature::{Cell, Pattern, Rows, Signature, Symptom};
 use fdi_core::{Config, ConfigError, Setting};
 
@@ -24,7 +27,7 @@ use crate::crc::CRC32;
 use crate::explain::Explained;
 
 /// Bytes that the longest record may take.
-pub const MAX_BYTES: usize = 1152;
+pub const MAX_BYTES: usize = 1440;
 /// Changes when the layout does, not when settings come or go.
 pub const VERSION: u8 = 1;
 /// What is kept.
@@ -103,6 +106,10 @@ impl Stored {
             let numbers = [raw.mean, raw.sigma, filtered.mean, filtered.sigma];
             numbers.iter().flatten().try_for_each(|x| out.bytes(&x.to_le_bytes()))?;
         }
+        for (table, row, name) in names(config) {
+            out.bytes(&[table as u8, row as u8])?;
+            out.bytes(&name.bytes())?;
+        }
         let crc = CRC32.checksum(out.written()).to_le_bytes();
         out.bytes(&crc)?;
         let length = out.length;
@@ -137,6 +144,9 @@ impl Stored {
         }
         if input.take()? == [1] {
             stored.baseline = Some(decode_baseline(&mut input)?);
+        }
+        while !input.0.is_empty() {
+            decode_name(&mut input, &mut stored.config)?;
         }
         check(&stored.config).map_err(StoredError::Invalid)?;
         Ok(stored)
@@ -176,9 +186,25 @@ fn decode_rows(input: &mut Reader<'_>) -> Result<Rows, StoredError> {
             3 => Cell::Is(Symptom::High),
             _ => Cell::Any,
         }));
-        rows.push(Signature { number, pattern }).map_err(|_| StoredError::TooLong)?;
+        rows.push(Signature { number, pattern, name: Name::NONE }).map_err(|_| StoredError::TooLong)?;
     }
     Ok(rows)
+}
+
+/// The rows that have a name: table, row from 0, name.
+fn names(config: &Config) -> impl Iterator<Item = (Table, usize, Name)> {
+    let of = |table: Table| table.rows(config).iter().enumerate().map(move |(row, s)| (table, row, s.name));
+    [Table::Detection, Table::Isolation].into_iter().flat_map(of).filter(|(.., name)| !name.is_empty())
+}
+
+fn decode_name(input: &mut Reader<'_>, config: &mut Config) -> Result<(), StoredError> {
+    let [table, row] = input.take()?;
+    let name = Name::from_bytes(input.take()?);
+    let table = if table == 0 { Table::Detection } else { Table::Isolation };
+    if let Some(signature) = table.rows_mut(config).get_mut(usize::from(row)) {
+        signature.name = name;
+    }
+    Ok(())
 }
 
 fn decode_baseline(input: &mut Reader<'_>) -> Result<Baseline, StoredError> {

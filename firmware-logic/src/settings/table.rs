@@ -1,7 +1,9 @@
-//! The two signature tables as settings: a row is `NUMBER PATTERN`, such as `1 0 -1 0 +1 0`, or `none`.
+//! The two signature tables as settings: a row is `NUMBER PATTERN`, such as `1 0 -1 0 +1 0`, with a name behind it if
+//! it is a fault of the user's own, `4 0 +1 0 -1 0 hand`; or `none`.
 
 use fdi_core::Config;
-use fdi_core::diagnosis::signature::{Pattern, Rows, Signature};
+use fdi_core::diagnosis::name::Name;
+use fdi_core::diagnosis::signature::{Pattern, Rows, Signature, WIDTH};
 
 use super::error::{Expected, SetError};
 
@@ -48,12 +50,13 @@ pub(super) fn set_row<'a>(
         rows.remove(row);
         return Ok(());
     }
-    let expected = Expected::Words("NUMBER and five of -1 0 +1 x, or none");
+    let expected = Expected::Words("NUMBER, five of -1 0 +1 x, and perhaps a name; or none");
     let wrong = SetError::Value { name, given: text, expected };
-    let (number, pattern) = text.split_once(' ').ok_or(wrong)?;
+    let (number, rest) = text.split_once(' ').ok_or(wrong)?;
     let number: u8 = number.parse().map_err(|_| wrong)?;
+    let (pattern, called) = named(rest).unwrap_or((rest, Name::NONE));
     let pattern: Pattern = pattern.parse().map_err(|error| SetError::Pattern { name, error })?;
-    let signature = Signature { number, pattern };
+    let signature = Signature { number, pattern, name: called };
     match rows.get_mut(row) {
         Some(place) => *place = signature,
         None if row == count => {
@@ -63,4 +66,13 @@ pub(super) fn set_row<'a>(
         None => return Err(SetError::Gap { name, rows: count }),
     }
     Ok(())
+}
+
+/// The pattern and the name behind it; `None` where the last of more words than a pattern has is no name.
+fn named(text: &str) -> Option<(&str, Name)> {
+    let (pattern, name) = text.rsplit_once(' ')?;
+    if pattern.split_whitespace().count() < WIDTH {
+        return None;
+    }
+    Some((pattern, name.parse().ok()?))
 }

@@ -34,7 +34,7 @@ fn told(config: &mut Config, name: &str, value: &str) -> anyhow::Result<()> {
         .map_err(|error| anyhow::anyhow!("{error}"))
 }
 
-/// Gives the board each setting that differs from its own; their names. What one refuses only until another has changed comes in the
+/// Gives the board each setting that differs from its own, and takes away rows that are not wanted; their names. What one refuses only until another has changed comes in the
 /// end, too.
 ///
 /// # Errors
@@ -43,11 +43,11 @@ pub fn write<P: Read + Write>(session: &mut Session<P>, wanted: &Config) -> anyh
     let mut now = read(session)?;
     let mut changed = Vec::new();
     loop {
-        let differing: Vec<Name> = Name::all(wanted).filter(|name| !name.same(wanted, &now)).collect();
+        let differing = differing(wanted, &now);
         let (mut refused, before) = (None, changed.len());
         for name in &differing {
             let value = name.value(wanted).to_string();
-            let bare = bare(*name, &value);
+            let bare = bare(*name, &value, wanted);
             match session.order(&format!("set {name} {bare}")) {
                 Ok(_) => changed.push(name.to_string()),
                 Err(error) => refused = refused.or(Some(error)),
@@ -61,10 +61,19 @@ pub fn write<P: Read + Write>(session: &mut Session<P>, wanted: &Config) -> anyh
     }
 }
 
-/// A value without its unit.
-fn bare(name: Name, value: &str) -> String {
+/// What differs; of rows that are not wanted the last first, since those behind a row move up when it goes.
+fn differing(wanted: &Config, now: &Config) -> Vec<Name> {
+    let mut gone: Vec<Name> = Name::all(now)
+        .filter(|name| matches!(name, Name::Row(table, row) if *row >= table.rows(wanted).len()))
+        .collect();
+    gone.reverse();
+    gone.into_iter().chain(Name::all(wanted).filter(|name| !name.same(wanted, now))).collect()
+}
+
+/// A value without its unit; `config` has it.
+fn bare(name: Name, value: &str, config: &Config) -> String {
     let text = name.to_string();
-    let takes = |value: &str| name.set(&mut Config::default(), &text, value).is_ok();
+    let takes = |value: &str| name.set(&mut config.clone(), &text, value).is_ok();
     match value.rsplit_once(' ') {
         Some((number, _unit)) if !takes(value) => number.to_owned(),
         _ => value.to_owned(),
@@ -75,15 +84,36 @@ fn bare(name: Name, value: &str) -> String {
 mod tests {
     use super::*;
 
+    /// The usual settings with two rows of the user's own in either table.
+    fn taught() -> Config {
+        let mut config = Config::default();
+        for name in ["detection.3", "detection.4", "isolation.4", "isolation.5"] {
+            let (name, number) = (format!("diagnosis.{name}"), name.len());
+            let row = format!("{number} 0 +1 0 {} x hand", if name.ends_with('4') { "-1" } else { "+1" });
+            Name::find(&name).unwrap().set(&mut config, &name, &row).unwrap();
+        }
+        config
+    }
+
     #[test]
     fn every_setting_is_read_as_the_board_tells_it_and_told_as_it_takes_it() {
-        let usual = Config::default();
+        let usual = taught();
         let mut config = Config::default();
         for name in Name::all(&usual) {
             let (text, value) = (name.to_string(), name.value(&usual).to_string());
             told(&mut config, &text, &value).unwrap_or_else(|error| panic!("{text} = {value}: {error:#}"));
-            assert!(name.set(&mut config, &text, &bare(name, &value)).is_ok(), "{text} = {value}");
+            assert!(name.set(&mut config, &text, &bare(name, &value, &usual)).is_ok(), "{text} = {value}");
             assert!(name.same(&config, &usual), "{text} = {value}");
         }
+    }
+
+    #[test]
+    fn rows_that_are_not_wanted_go() {
+        let (wanted, mut config) = (Config::default(), taught());
+        for name in differing(&wanted, &config) {
+            let (text, value) = (name.to_string(), name.value(&wanted).to_string());
+            name.set(&mut config, &text, &bare(name, &value, &wanted)).unwrap();
+        }
+        assert_eq!(config, wanted);
     }
 }

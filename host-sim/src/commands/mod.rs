@@ -17,6 +17,7 @@ pub mod replay;
 pub mod results;
 pub mod run;
 pub mod shell;
+pub mod teach;
 pub mod terminal;
 
 use std::process::ExitCode;
@@ -39,6 +40,7 @@ use repeat::RepeatArgs;
 use replay::ReplayArgs;
 use run::RunArgs;
 use shell::{CompletionsArgs, ManArgs};
+use teach::TeachArgs;
 
 /// The PT-326 fault diagnosis instrument on the host: the code that the board runs, against a simulated rig.
 ///
@@ -58,11 +60,12 @@ use shell::{CompletionsArgs, ManArgs};
   pt326 diagnose record.csv               a recording of somebody else's heater: what was wrong?
   pt326 identify record.csv --u Q1 --y T1 --order 2,2,1
   pt326 replay board.log                  a board's log through the same code again: the same bits?
+  pt326 teach board.log --fault hand:385..410,495..520 --fault cap:600..625 --out taught.toml
   pt326 board --record board.log          what a board over its serial port does, until Ctrl-C
   pt326 console                           the board's console on the simulated rig
   my-plant | pt326 core                   ADC codes in, power and diagnosis out, line by line
 
-`pt326 COMMAND --help` explains each. Exit code: 0, or 2 after an error; `board` also gives 1."
+`pt326 COMMAND --help` explains each. Exit code: 0, or 2 after an error; `board` and `teach` also give 1."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -90,6 +93,8 @@ enum Subcommand {
     Identify(IdentifyArgs),
     /// Run a recording (a board's log, a trace.csv) through the same code again and compare.
     Replay(ReplayArgs),
+    /// Make signatures of faults of your own from a recording in which you made them.
+    Teach(TeachArgs),
     /// Serve the lab to a browser: the simulated rig, or a recording, as it goes on.
     #[cfg(feature = "live")]
     Live(LiveArgs),
@@ -123,6 +128,7 @@ impl Cli {
             Subcommand::FitRig(args) => fit_rig::run(&args),
             Subcommand::Identify(args) => identify::run(&args),
             Subcommand::Replay(args) => replay::run(&args),
+            Subcommand::Teach(args) => return teach::run(&args),
             #[cfg(feature = "live")]
             Subcommand::Live(args) => live::run(&args),
             Subcommand::Console(args) => console::run(&args),

@@ -13,7 +13,7 @@ Every setting of the instrument. The same names serve a file for `--config` (TOM
 declarations in `fdi-core` by `cargo run -- config --markdown > docs/settings.md`.
 
 On top come the rows of the signature tables, `diagnosis.detection.1` and on, `diagnosis.isolation.1` and on
-([theory](theory.md), section 7).
+([theory](theory.md), section 7): a number, five of -1 0 +1 x, and for a fault of one's own a name. `pt326 teach` makes such rows ([board](board.md)).
 ";
 
 /// All settings as Markdown.

@@ -15,7 +15,8 @@ const HEAD: &str = "\
 const TABLES: &str = "
 # Signatures: patterns over { rAP  ry12  rsg1  rsg2  rbw1 }, x is any. fdv is the number of the last row of `detection` that
 # matches: 1 additive fault on T2, 2 multiplicative fault on T1 or the process. fiv is the number of the row of `isolation`, of
-# which no two may match at once: 1 AFS2, T2 reads too high; 2 MFS1, T1 is clogged; 3 MFP, the air flow is up.
+# which no two may match at once: 1 AFS2, T2 reads too high; 2 MFS1, T1 is clogged; 3 MFP, the air flow is up. A row of your own may have
+# a name; `pt326 teach` makes such rows from a recording.
 ";
 
 /// All settings with their defaults, as commented TOML.
@@ -81,5 +82,8 @@ fn toml_value(setting: &Setting, value: Value) -> String {
 fn rows(text: &mut String, name: &str, rows: &[fdi_core::diagnosis::signature::Signature]) {
     for row in rows {
         let _ = writeln!(text, "[[{name}]]\nnumber = {}\npattern = \"{}\"", row.number, row.pattern);
+        if !row.name.is_empty() {
+            let _ = writeln!(text, "name = \"{}\"", row.name);
+        }
     }
 }

@@ -8,6 +8,7 @@ mod replay;
 mod run;
 mod score;
 mod shell;
+mod teach;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -145,8 +145,7 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     let recording = read(&text, args).with_context(|| args.file.display().to_string())?;
     let folder = Folder::open(&args.out)?;
     let (record, agreement) = rerun(&recording, &args.file, |_, _, _| ())?;
-    let remarks: String = recording.remarks.iter().map(|remark| format!("note: {remark}\n")).collect();
-    run::tell(&record, &folder, &format!("{remarks}{agreement}\n"))?;
+    run::tell(&record, &folder, &format!("{}\n", recording.told(&agreement)))?;
     let Agreement { ticks, differing, .. } = agreement;
     ensure!(differing == 0, "the core differs from the recording on {differing} of {ticks} ticks");
     Ok(())
@@ -165,6 +164,39 @@ pub fn numbers(file: &Path) -> anyhow::Result<(f64, Vec<pt326_live::source::Numb
     Ok((record.sample_time, crate::record::numbers::of(&record)))
 }
 
+/// A recording that was run through the core again, for other commands.
+pub(super) struct Again {
+    /// What came of it.
+    pub record: Record,
+    /// The settings in force at its end.
+    pub config: Config,
+    /// What is worth telling of it.
+    pub told: String,
+    /// Whether every bit agrees.
+    pub agrees: bool,
+}
+
+/// Runs a recording through the core again.
+///
+/// # Errors
+/// A file that is no recording, by line.
+pub(super) fn again(args: &ReplayArgs) -> anyhow::Result<Again> {
+    let file = &args.file;
+    let text = std::fs::read_to_string(file).with_context(|| format!("can't read {}", file.display()))?;
+    let recording = read(&text, args).with_context(|| file.display().to_string())?;
+    let (record, agreement) = rerun(&recording, file, |_, _, _| ())?;
+    let told = recording.told(&agreement);
+    // The seed's shift of the excitation is no setting.
+    let asked =
+        if is_trace(&text) { settings::read(args.config.as_deref())? } else { recording.config.clone() };
+    let mut changed =
+        recording.ticks.into_iter().flat_map(|tick| tick.orders).filter_map(|order| match order {
+            Order::Settings(config) => Some(*config),
+            _ => None,
+        });
+    Ok(Again { record, config: changed.next_back().unwrap_or(asked), told, agrees: agreement.differing == 0 })
+}
+
 /// What became of a board's log that was run through the core again: whether every bit agrees, and that in words.
 ///
 /// # Errors
@@ -172,9 +204,7 @@ pub fn numbers(file: &Path) -> anyhow::Result<(f64, Vec<pt326_live::source::Numb
 pub fn agreement(log: &str) -> anyhow::Result<(bool, String)> {
     let recording = board_log::read(log, Config::default())?;
     let (_, agreement) = rerun(&recording, Path::new("the board"), |_, _, _| ())?;
-    let remarks: String = recording.remarks.iter().map(|remark| format!("note: {remark}\n")).collect();
-    let agrees = agreement.differing == 0 && recording.remarks.is_empty();
-    Ok((agrees, format!("{remarks}{agreement}")))
+    Ok((agreement.differing == 0 && recording.remarks.is_empty(), recording.told(&agreement)))
 }
 
 /// Which faults could have been told apart in a board's log.
@@ -192,7 +222,7 @@ pub fn isolability(log: &str, question: &Question) -> anyhow::Result<Isolability
 
 fn read(text: &str, args: &ReplayArgs) -> anyhow::Result<Recording> {
     let config = settings::read(args.config.as_deref())?;
-    if text.starts_with("t_s,") {
+    if is_trace(text) {
         let seed = args.seed.or_else(|| seed_beside(&args.file)).unwrap_or(1);
         let mut recording = trace_file::read(text, &with_prbs_phase(&config, seed))?;
         trace_file::use_summary(&mut recording, &args.file);
@@ -200,6 +230,11 @@ fn read(text: &str, args: &ReplayArgs) -> anyhow::Result<Recording> {
     } else {
         board_log::read(text, config)
     }
+}
+
+/// A trace.csv; anything else is a board's log.
+fn is_trace(text: &str) -> bool {
+    text.starts_with("t_s,")
 }
 
 /// The seed in the summary.json beside a trace, if there is one.
@@ -255,6 +290,14 @@ fn rerun(
     let origin = Origin::Recorded { file: file.display().to_string() };
     let record = Record::new(origin, config, &recording.faults, rows, instrument.baseline().copied());
     Ok((Record { settings: told, explained, ..record }, agreement))
+}
+
+impl Recording {
+    /// Its remarks, and how it agrees with the core.
+    fn told(&self, agreement: &Agreement) -> String {
+        let remarks: String = self.remarks.iter().map(|remark| format!("note: {remark}\n")).collect();
+        format!("{remarks}{agreement}")
+    }
 }
 
 impl Agreement {

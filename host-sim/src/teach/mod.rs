@@ -1,0 +1,104 @@
+//! Signatures of faults that somebody has made on purpose, from a recording: the paper's signatures "must be captured on test
+//! experiments". A row is proposed for each name, put into the tables if it can stand beside the others, and tried on the recording.
+
+mod marks;
+mod proposal;
+mod tables;
+mod text;
+mod trial;
+
+use fdi_core::Config;
+use fdi_core::diagnosis::signature::Symptoms;
+
+pub use marks::{Marks, Span};
+pub use proposal::Proposal;
+pub use tables::Conflict;
+pub use trial::{Quiet, Trial};
+
+use crate::experiment::{Record, tick_time};
+
+/// The symptoms of the low-passed residuals over a recording.
+pub struct Watch {
+    sample_time: f64,
+    /// Tick by tick; `None` where nothing was monitored.
+    symptoms: Vec<Option<Symptoms>>,
+}
+
+impl Watch {
+    /// What the core said of each tick.
+    pub fn of(record: &Record) -> Self {
+        let symptoms = record.rows.iter().map(|row| Some(row.report.filtered?.symptoms)).collect();
+        Self { sample_time: record.sample_time, symptoms }
+    }
+
+    /// Ticks that were monitored, with their times in s.
+    fn monitored(&self) -> impl Iterator<Item = (f64, &Symptoms)> {
+        let timed = (0..).map(|tick| tick_time(tick, self.sample_time)).zip(&self.symptoms);
+        timed.filter_map(|(time, symptoms)| Some((time, symptoms.as_ref()?)))
+    }
+}
+
+/// What has become of one name.
+pub struct Lesson {
+    /// The row, and what it rests on.
+    pub proposal: Proposal,
+    /// Rows that the same symptoms can match; with any of them the row is in no table.
+    pub conflicts: Vec<Conflict>,
+    /// What recordings without a fault say of it.
+    pub quiet: Quiet,
+    /// How the tables with all new rows do on the recording; `None` for a row that is in none.
+    pub trial: Option<Trial>,
+}
+
+/// What was taught: the lessons, and the settings with the new rows.
+pub struct Taught {
+    /// One for each name.
+    pub lessons: Vec<Lesson>,
+    /// The settings that were given, with every row that can stand.
+    pub config: Config,
+}
+
+impl Taught {
+    /// Proposes a row for each name and tries all of them together, those that `quiet` recordings without a fault do not show. A row
+    /// of the same name in the settings is taught anew.
+    ///
+    /// # Errors
+    /// A span that was not monitored; more rows than a table holds.
+    pub fn of(watch: &Watch, config: &Config, marks: &[Marks], quiet: &[Watch]) -> anyhow::Result<Self> {
+        let mut config = config.clone();
+        let mut lessons = Vec::new();
+        for marks in marks {
+            let number = tables::make_room(&mut config, marks.name);
+            let proposal = Proposal::of(watch, marks, number)?;
+            let conflicts = tables::conflicts(&config, &proposal.row);
+            let mut lesson = Lesson { proposal, conflicts, quiet: Quiet::default(), trial: None };
+            if lesson.stands() {
+                tables::add(&mut config, lesson.proposal.row)?;
+                lesson.quiet = Quiet::of(quiet, &config, number);
+            }
+            if lesson.quiet.named > 0 {
+                tables::make_room(&mut config, marks.name);
+            }
+            lessons.push(lesson);
+        }
+        for lesson in lessons.iter_mut().filter(|lesson| lesson.stands()) {
+            lesson.trial = Some(Trial::of(watch, &config, lesson.proposal.row.number, marks));
+        }
+        Ok(Self { lessons, config })
+    }
+
+    /// Whether every row is in the tables.
+    pub fn all_stand(&self) -> bool {
+        self.lessons.iter().all(Lesson::stands)
+    }
+}
+
+impl Lesson {
+    /// Whether the row is in the tables.
+    pub fn stands(&self) -> bool {
+        self.conflicts.is_empty() && self.proposal.tells() && self.quiet.named == 0
+    }
+}
+
+#[cfg(test)]
+mod tests;

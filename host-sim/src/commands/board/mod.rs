@@ -31,7 +31,7 @@ Examples:
   pt326 board /dev/ttyACM0 check && echo wired rightly
   pt326 board --record board.log --from-start; pt326 replay board.log
   pt326 board settings save before.toml
-  pt326 board commission                    from a wired board to a rig that is watched, step by step
+  pt326 board commission                    from a wired board to a watched rig
   pt326 board verify                        a bare board without a heater is enough
   pt326 board --simulate                    the whole instrument on a bare board, in real time
 

@@ -78,10 +78,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "no-mark-when-armed",
         "a power failure looks like switching it on",
         CONSOLE,
-        [
-            "        if command == Command::Arm && !self.marked",
-            "        if false && command == Command::Arm && !self.marked",
-        ],
+        ["        if command.heats() && !self.marked", "        if false && command.heats() && !self.marked"],
         &["brown_out::a_sag"],
     ),
     mutant(

@@ -1,4 +1,5 @@
 // What can be done by a button, wherever it stands: on the desk, below the sentence, in the tour.
+import { calibrate } from "lab/board.js";
 import { PARTS, sized } from "lab/faults.js";
 import { charts, quiz, sheet } from "lab/parts.js";
 import { show } from "lab/show.js";
@@ -29,6 +30,7 @@ const ACTS = {
   "quiz-start": startQuiz,
   "quiz-answer": ({ name }) => quiz.answer(name),
   "quiz-end": () => setMode("explore"),
+  calibrate,
   setpoint: ({ by }) => order({ order: "setpoint", celsius: Math.round(lab.store.get(lab.store.last, "setpoint")) + Number(by) }),
   look: ({ at }) => charts.show(Number(at) + 15 * lab.store.slow, 20 * lab.store.slow),
 };

@@ -1,4 +1,5 @@
 // What the source says.
+import { said } from "lab/board.js";
 import { Events } from "lab/events.js";
 import { charts, quiz, review } from "lab/parts.js";
 import { refusal } from "lab/say.js";
@@ -94,6 +95,7 @@ export const HEAR = {
   lost() {
     lab.lost ||= performance.now();
   },
+  said,
   // Between the server and the board.
   link({ up }) {
     lab.lost = up ? 0 : lab.lost || performance.now();

@@ -1,4 +1,5 @@
 // What changes with language, mode and source, and not with time.
+import { settings as all } from "lab/board.js";
 import { charts, review } from "lab/parts.js";
 import { $, changed, lab, put } from "lab/state.js";
 import { current, escape, say } from "lab/strings.js";
@@ -53,6 +54,7 @@ function offered() {
   $("desk-control").hidden = !can("order");
   $("excite").parentElement.hidden = kind === "board"; // a board has no command for it
   $("desk-rig").hidden = !can("open");
+  $("desk-board").hidden = kind !== "board";
   $("download").hidden = !can("trace");
   $("link").hidden = !can("trace") || kind !== "simulated";
   $("seek").hidden = !can("seek");
@@ -62,6 +64,7 @@ function offered() {
 function settings() {
   for (const id of ["preset", "disturbance", "seed"]) $(id).value = lab.scene[id];
   for (const input of document.querySelectorAll("[data-set]")) input.value = lab.settings?.[input.dataset.set] ?? "";
+  if (lab.hello?.kind === "board") all();
 }
 
 function series() {

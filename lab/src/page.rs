@@ -18,6 +18,7 @@ macro_rules! modules {
 }
 modules!(
     "acts",
+    "board",
     "canvas",
     "charts",
     "closeup",

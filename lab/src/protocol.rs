@@ -1,7 +1,7 @@
 //! What goes between a source and a page: see PROTOCOL.md.
 
 use fdi_core::likelihood::FaultClass;
-use fdi_core::settings::Value;
+use fdi_core::settings::{Setting, Value};
 use fdi_core::{Config, TripReason};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, json};
@@ -40,7 +40,21 @@ pub fn hello(kind: &str, can: &[&str]) -> serde_json::Value {
         "trip_words": TRIPS.map(TripReason::words),
         "blockers": BLOCKERS.map(|blocker| format!("{blocker:?}")),
         "settings": numbers(&Config::default()),
+        "bounds": bounds(),
     })
+}
+
+/// Unit, least and most of every setting that is a number.
+fn bounds() -> Map<String, serde_json::Value> {
+    let bounds = |setting: &Setting| {
+        let (min, max) = setting.kind.bounds()?;
+        let unit = setting.unit.replace("degC", "°C");
+        Some((
+            setting.name.to_owned(),
+            json!({ "unit": unit, "min": as_written(min), "max": as_written(max) }),
+        ))
+    };
+    Config::settings().filter_map(bounds).collect()
 }
 
 /// What a client is told where a scene begins.

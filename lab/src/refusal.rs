@@ -13,6 +13,8 @@ pub enum Refused {
     Setting(String),
     /// Only a simulated rig can do this.
     NotSimulated,
+    /// Only a board has a console.
+    NoConsole,
     /// A recording takes no orders.
     Recorded,
     /// It goes by its own clock.
@@ -28,6 +30,7 @@ impl fmt::Display for Refused {
         match self {
             Self::Setting(name) => write!(f, "no setting \"{name}\" that can be changed here"),
             Self::NotSimulated => f.write_str("only a simulated rig can do this"),
+            Self::NoConsole => f.write_str("only a board has a console"),
             Self::Recorded => f.write_str("a recording takes no orders"),
             Self::OwnClock => f.write_str("it goes by its own clock"),
             Self::Speed(speed) => write!(f, "speed is {speed}, expected 0 to 100"),
@@ -64,6 +67,7 @@ fn own(refused: &Refused) -> (&'static str, Value) {
     match refused {
         Refused::Setting(name) => ("setting", json!({ "name": name })),
         Refused::NotSimulated => ("not_simulated", json!({})),
+        Refused::NoConsole => ("no_console", json!({})),
         Refused::Recorded => ("recorded", json!({})),
         Refused::OwnClock => ("own_clock", json!({})),
         Refused::Speed(value) => ("range", json!({ "name": "speed", "value": value, "min": 0, "max": 100 })),

@@ -77,6 +77,11 @@ pub enum Order {
     },
     /// All that happens to the rig ends.
     Mend,
+    /// A line for the console of a board.
+    Console {
+        /// Such as `calibrate t1 25.0`.
+        line: String,
+    },
 }
 
 impl Scene {

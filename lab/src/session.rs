@@ -1,6 +1,6 @@
 //! A session: one instrument on one simulated rig, tick by tick, with orders in between.
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 use fdi_core::settings::Value;
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample, Report, Tick};
 use pt326_rig::Rig;
@@ -132,6 +132,7 @@ impl Session {
                 self.rig.clear();
                 self.faults.clear();
             }
+            Order::Console { .. } => bail!(Refused::NoConsole),
         }
         Ok(())
     }

@@ -15,6 +15,8 @@ pub enum Told {
     Order(Order),
     /// An order was not carried out, and why.
     Refused(String),
+    /// What the board's console has said.
+    Said(String),
     /// Whether there is a connection to what is watched.
     Link(bool),
 }

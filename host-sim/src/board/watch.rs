@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use fdi_core::Config;
+use fdi_core::settings::Value;
+use firmware_logic::console::line::is_stop_key;
 use pt326_lab::scene::Order;
 use pt326_lab::told::Told;
 use serialport::SerialPort;
@@ -90,7 +92,9 @@ impl Watch {
     /// # Errors
     /// The port has gone, or a board has nothing that does this.
     pub fn order(&mut self, order: &Order) -> anyhow::Result<()> {
-        if *order == Order::Stop {
+        // Typed, too, a stop does not wait for its turn.
+        let typed = |line: &str| line.trim_start().starts_with("stop") || line.bytes().any(is_stop_key);
+        if *order == Order::Stop || matches!(order, Order::Console { line } if typed(line)) {
             return self.stop();
         }
         let line = line(order)?;
@@ -122,6 +126,7 @@ fn line(order: &Order) -> anyhow::Result<String> {
         Order::Setpoint { celsius } => format!("set setpoint {celsius}"),
         Order::Fan { percent } => format!("fan {percent}"),
         Order::Set { name, value } => format!("set {name} {value}"),
+        Order::Console { line } => line.clone(),
         Order::Excite { .. } => bail!("a board's excitation is not switched from here"),
         Order::Break { .. } | Order::Mend => bail!("a real rig is broken and mended by hand"),
     })
@@ -135,6 +140,10 @@ struct Keeper {
     rows: Rows,
     tell: Sender<Told>,
     hand: Hand,
+    /// Its settings as they were last told; a page begins with the defaults.
+    known: Config,
+    /// What its console has said of a line that is not whole.
+    text: String,
     last: Instant,
     silent: bool,
 }
@@ -148,7 +157,9 @@ impl Keeper {
         let config = settings::read(&mut session)?;
         let sample_time = as_written(config.sample_time.0);
         let (rows, last) = (Rows::new(&config)?, Instant::now());
-        let mut keeper = Self { name, session, sample_time, rows, tell, hand, last, silent: false };
+        let (known, text) = (Config::default(), String::new());
+        let mut keeper =
+            Self { name, session, sample_time, rows, tell, hand, known, text, last, silent: false };
         keeper.greet(&config)?;
         Ok(keeper)
     }
@@ -161,16 +172,31 @@ impl Keeper {
         self.hand.grip().port = Some(self.session.other_hand()?);
         (self.last, self.silent) = (Instant::now(), false);
         let _ = self.tell.send(Told::Link(true));
-        self.gains(config);
+        self.settings(config);
         Ok(())
     }
 
-    /// The gains that the page shows.
-    fn gains(&self, config: &Config) {
-        let gains = [("pid.kp", config.pid.kp), ("pid.ti", config.pid.ti.0), ("pid.td", config.pid.td.0)];
-        for (name, value) in gains {
-            let _ = self.tell.send(Told::Order(Order::Set { name: name.into(), value }));
+    /// The settings that are not as they were last told.
+    fn settings(&mut self, config: &Config) {
+        for setting in Config::settings() {
+            if let (Value::Number(value), before) = (config.get(setting), self.known.get(setting))
+                && before != Value::Number(value)
+            {
+                let _ = self.tell.send(Told::Order(Order::Set { name: setting.name.into(), value }));
+            }
         }
+        self.known = config.clone();
+    }
+
+    /// What the console says by itself, line by line.
+    fn say(&mut self, text: &str) -> Result<(), Unwatched> {
+        self.text += &text.replace('\r', "");
+        let end = self.text.rfind('\n').map_or(0, |at| at + 1);
+        let whole: String = self.text.drain(..end).collect();
+        for line in whole.lines().map(|line| line.trim_start_matches("> ")).filter(|line| !line.is_empty()) {
+            self.tell(Told::Said(line.to_owned()))?;
+        }
+        Ok(())
     }
 
     fn run(&mut self, given: &Receiver<Given>) {
@@ -185,8 +211,10 @@ impl Keeper {
         }
         let Ok(heard) = self.session.hear() else { return self.reopen(given) };
         for heard in heard {
-            if let Heard::Line(line) = heard {
-                self.line(&line)?;
+            match heard {
+                Heard::Line(line) => self.line(&line)?,
+                Heard::Text(text) => self.say(&text)?,
+                Heard::Broken => {}
             }
         }
         self.watch_silence()
@@ -207,7 +235,9 @@ impl Keeper {
             }
             self.session.begin(line)?;
         }
-        match refusal(&self.session.answer(line)?) {
+        let answer = self.session.answer(line)?;
+        let _ = self.tell.send(Told::Said(format!("> {line}\n{}", answer.trim_end())));
+        match refusal(&answer) {
             Some(error) => bail!("the board says to `{line}`: {error}"),
             None => Ok(()),
         }
@@ -223,7 +253,7 @@ impl Keeper {
             && let Ok(config) = settings::read(&mut self.session)
         {
             let _ = self.rows.retune(&config);
-            self.gains(&config);
+            self.settings(&config);
         }
         news.told.into_iter().try_for_each(|told| self.tell(told))
     }

@@ -110,6 +110,8 @@ pub struct Onsets {
     armed: Option<u32>,
     onsets: Vec<Onset>,
     readiness: Readiness,
+    /// Ticks that have passed.
+    ticks: u32,
 }
 
 /// The instrument, with onsets assumed now and then.
@@ -149,6 +151,7 @@ impl Onsets {
     /// A tick has passed.
     pub fn look(&mut self, instrument: &Instrument, tick: &Tick, report: &Report) {
         self.readiness = report.likelihood.readiness;
+        self.ticks = tick.index.saturating_add(1);
         if tick.mode == Mode::Monitor && self.readiness == Readiness::Armed {
             self.gather(instrument.likelihood(), tick.index);
         } else {
@@ -172,7 +175,10 @@ impl Onsets {
                 "it watched from {at:.0} s on: expected a duration of {:.0} s or more",
                 at + longest + self.sample_time * f64::from(EVERY)
             ),
-            None => bail!("no models were learnt ({:?}): expected a longer run", self.readiness),
+            None => {
+                let lasted = f64::from(self.ticks) * self.sample_time;
+                bail!("it learnt no models in {lasted:.0} s ({:?}): expected a longer run", self.readiness)
+            }
         }
     }
 

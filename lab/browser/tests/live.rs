@@ -128,8 +128,10 @@ impl Board {
     fn start() -> Self {
         let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/debug/virtual-board");
         let program = std::env::var_os("LAB_BOARD").unwrap_or_else(|| default.into());
-        let link =
-            std::env::temp_dir().join(format!("pt326-lab-{}", std::process::id())).display().to_string();
+        let link = std::env::temp_dir()
+            .join(format!("pt326-lab-{}-{:?}", std::process::id(), std::thread::current().id()))
+            .display()
+            .to_string();
         let mut process = Command::new(program)
             .args(["--pty", &link])
             .stdin(Stdio::piped())
@@ -150,6 +152,34 @@ impl Drop for Board {
     fn drop(&mut self) {
         let _ = self.process.kill();
         let _ = self.process.wait();
+    }
+}
+
+#[test]
+#[ignore = "needs `cargo fw` and a built virtual-board"]
+fn a_real_board_is_commissioned_from_the_page_and_heats_at_a_second_press_only() {
+    let board = Board::start();
+    let server = Server::with(0, &["--board", &board.link]);
+    let browser = Browser::start().expect("a browser");
+    browser.open(&server.address).expect("the page");
+    let shown = r##"await until(() => lab.lab.store?.end > 5 && !$("#desk-board").hidden);
+        const check = $("[data-line=check]"); check.click(); const asks = check.textContent;
+        const before = $("#console").textContent.includes("check"); check.click();
+        await until(() => $("#console").textContent.includes("check: thermistors at rest"));
+        return [asks, before, check.textContent]"##;
+    assert_eq!(on(&browser, shown), json!(["Yes, it may heat", false, "Self-test (heats a little)"]));
+    let typed = r##"$("#line").value = "stop"; $("#typed").requestSubmit();
+        await until(() => $("#console").textContent.includes("check ended early: stopped")); return 1"##;
+    assert_eq!(on(&browser, typed), json!(1));
+    let settings = r##"const kp = $("#settings [data-name='pid.kp']"); const before = [kp.value, kp.min, kp.nextElementSibling.textContent];
+        kp.value = "2.5"; kp.dispatchEvent(new Event("change", { bubbles: true }));
+        await until(() => lab.lab.settings["pid.kp"] === 2.5); return before"##;
+    assert_eq!(on(&browser, settings), json!(["2.4", "0", "%/°C 0 … 1000"]));
+    let asked = r##"$("#line").value = "tune"; $("#typed").requestSubmit();
+        await until(() => $("#console").textContent.includes("nothing yet: `tune start`")); return 1"##;
+    assert_eq!(on(&browser, asked), json!(1));
+    if let Some(file) = std::env::var_os("LAB_PICTURE") {
+        browser.picture(file.as_ref()).expect("a picture");
     }
 }
 

@@ -143,6 +143,7 @@ impl<S: Source> Keeper<S> {
                 }
                 Told::Order(order) => json!({ "type": "order", "tick": tick, "order": order }),
                 Told::Refused(why) => json!({ "type": "refused", "why": why }),
+                Told::Said(text) => json!({ "type": "said", "text": text }),
                 Told::Link(up) => json!({ "type": "link", "up": up }),
             };
             history.push_note(note.to_string());

@@ -498,6 +498,21 @@ fn a_link_leads_to_the_same_scene() {
     assert!(toast.as_str().is_some_and(|text| text.contains("no scene")), "{toast}");
 }
 
+/// A name that comes with a scene is text, whatever stands in it.
+#[test]
+fn a_name_from_a_link_is_no_html() {
+    let found = on_page(
+        r##"await monitoring();
+           const fault = { do: "spike", sensor: "t2", size: 3, at: 0, for: 9, name: "<img src=x onerror=alert(1)>" };
+           const scene = { ...SCENE, orders: [...SCENE.orders, [3310, { order: "break", fault }]] };
+           lab.send({ command: "open", scene, at: 3330 });
+           await until(() => /spike|img/.test($("#hint").textContent) && $("#events button"));
+           return [document.querySelectorAll("main img").length, $("#hint span").textContent.startsWith("img src=x onerror=alert(1)")];"##,
+        &[],
+    );
+    assert_eq!(found, json!([0, true]));
+}
+
 /// In both languages: nothing is wider than the screen, everything that can be pressed has a name, no word is missing.
 #[test]
 fn it_fits_400_px_and_every_control_has_a_name() {

@@ -318,11 +318,12 @@ fn a_new_seed_resets_the_desk_and_draws_no_residual_before_its_time() {
         lab.send({ command: "run", speed: 0 });
         await step(1);
         const { store } = lab.lab;
-        const first = (name) => { for (let k = store.first; k < store.end; k++) if (Number.isFinite(store.get(k, name))) return k * store.ts; };
-        return [before, desk(), first("t1_left") - first("t1_expected") > 1.9];"##,
+        const first = (what) => { for (let k = store.first; k < store.end; k++) if (what(k)) return k * store.ts; };
+        const swings = first((k) => Number.isFinite(store.get(k, "t1_left"))) - first((k) => store.get(k, "readiness") === 3);
+        return [before, desk(), swings > 1.9 && swings < 3, first((k) => Number.isFinite(store.get(k, "t1_expected") - store.get(k, "t1_left"))) > 0];"##,
         &[],
     );
-    assert_eq!(seen, json!([[false, "2"], [true, "2.4"], true]));
+    assert_eq!(seen, json!([[false, "2"], [true, "2.4"], true, true]));
 }
 
 /// What is downloaded is replayed to the same bits, and can be opened again.

@@ -11,6 +11,8 @@ const line = (text) => order({ order: "console", line: text });
 
 export function said({ text }) {
   told.push(...text.split("\n"));
+  if (/^check: |^> check\n/m.test(text)) lab.checking = true;
+  if (/^check (passed|failed|ended)/m.test(text)) lab.checking = false;
   told.splice(0, told.length - LINES);
   const log = $("console");
   const atEnd = log.scrollTop + log.clientHeight > log.scrollHeight - 30;

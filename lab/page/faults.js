@@ -62,7 +62,7 @@ export function recognise(fault) {
 // "T2 reads wrong, +1.5 °C"
 export function describe(fault) {
   const { part, verb, either, size, value } = recognise(fault);
-  if (!verb) return fault.name || fault.do;
+  if (!verb) return (fault.name || fault.do).replace(/[<>&"']/g, ""); // a scene comes from anywhere, and this becomes HTML
   const did = either ? either[value < 0 ? 0 : 1] : verb;
   const what = `${say("part_" + part).split(",")[0]}: ${say(did).toLowerCase()}`;
   return size ? `${what}, ${signed(value, size)}` : what;

@@ -35,9 +35,9 @@ export const HEAR = {
       lab.store = new Store(message);
       lab.events = new Events(message);
       charts.use(lab.store);
+      lab.settings = message.settings; // changes since are told as orders
     }
     lab.session = message.session;
-    lab.settings = message.settings;
     if (message.scene) lab.scene = message.scene;
     show();
     if (message.kind === "simulated") begin();
@@ -89,6 +89,7 @@ export const HEAR = {
   },
   refused(message) {
     toast(refusal(message, lab.hello));
+    if (message.command?.order?.order === "set") document.activeElement.blur();
     show(); // what was chosen and refused is not so
     if (message.command?.command === "open" && !lab.store.end) open(DEFAULT);
   },

@@ -63,7 +63,8 @@ function offered() {
 
 function settings() {
   for (const id of ["preset", "disturbance", "seed"]) $(id).value = lab.scene[id];
-  for (const input of document.querySelectorAll("[data-set]")) input.value = lab.settings?.[input.dataset.set] ?? "";
+  const typed = document.activeElement; // by the user, who has not finished yet
+  for (const input of document.querySelectorAll("[data-set]")) if (input !== typed) input.value = lab.settings?.[input.dataset.set] ?? "";
   if (lab.hello?.kind === "board") all();
 }
 

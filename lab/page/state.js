@@ -10,7 +10,7 @@ export const keep = {
 
 export const lab = {
   hello: null, store: null, events: null, can: new Set(), scene: structuredClone(DEFAULT), settings: null,
-  mode: "explore", speed: 1, paused: false, lost: 0, since: 0, stateOf: NaN, turned: 0, heard: 0,
+  mode: "explore", speed: 1, paused: false, lost: 0, checking: false, since: 0, stateOf: NaN, turned: 0, heard: 0,
   dirty: true, // something else than time has changed: all is to be drawn
 };
 export const changed = () => (lab.dirty = true);

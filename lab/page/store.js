@@ -5,7 +5,7 @@ export const BLOCK = 16;
 const USUAL_TS = 0.11; // s: of the rig whose times the page is made for
 // How much slower than that a plant is sampled: what takes it some samples lasts longer by this.
 export const slowness = (ts) => ts / USUAL_TS;
-const SWINGS_IN = 2; // s: the models begin with a guess of the air; what they leave so early says nothing
+const SWINGS_IN = 2; // s: the models begin with a guess of the air; what they expect so early says nothing
 
 export class Store {
   constructor(hello) {
@@ -48,8 +48,8 @@ export class Store {
     ring.set(row, place);
     this.expecting = Number.isFinite(ring[place + at.t1_expected]) ? this.expecting + 1 : 0;
     for (const t of ["t1", "t2"]) {
-      const left = ring[place + at[t]] - ring[place + at[t + "_expected"]];
-      ring[place + at[t + "_left"]] = this.expecting * USUAL_TS > SWINGS_IN ? left : NaN;
+      if (this.expecting * USUAL_TS <= SWINGS_IN) ring[place + at[t + "_expected"]] = NaN;
+      ring[place + at[t + "_left"]] = ring[place + at[t]] - ring[place + at[t + "_expected"]];
     }
     const block = this.block(Math.floor(tick / BLOCK));
     const fresh = tick % BLOCK === 0 || tick === this.first;

@@ -35,6 +35,7 @@ const TABLE = {
   state_learn: ["Learning", "A aprender"],
   state_monitor: ["Monitoring", "A vigiar"],
   state_tune: ["Experiment", "Experiência"],
+  state_check: ["Self-test", "Autoteste"],
   state_alarm: ["Alarm", "Alarme"],
   state_tripped: ["Tripped", "Disparado"],
   state_lost: ["No connection", "Sem ligação"],
@@ -71,6 +72,8 @@ const TABLE = {
     "What you see is old. The board goes on regulating and trips by itself; its button stops it. The port is tried again.",
     "O que vê é antigo. A placa continua a regular e dispara por si; o botão dela pára-a. A porta volta a ser tentada.",
   ],
+  head_check: ["It tests itself, and heats a little.", "Testa-se a si mesma e aquece um pouco."],
+  sub_check: ["What it finds stands in the console below.", "O que encontra está na consola, em baixo."],
   head_tune: ["Measuring how the rig answers.", "A medir como a bancada responde."],
   sub_tune: [
     "Constant power, then on and off: PID settings are told from it. Nothing is diagnosed meanwhile; what trips goes on tripping.",

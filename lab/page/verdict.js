@@ -19,7 +19,7 @@ const TRIPPED = { AirFlowLost: ["fan", "heater"], HeaterStuckOn: ["heater"], Sen
 const ENDING = 8; // s: an alarm takes some time to see that its fault is over
 
 // What to say of a row. `can` tells which buttons make sense, `since` when the state began.
-export function verdict({ row: now, hello, events, since, ts, settings, can, lost }) {
+export function verdict({ row: now, hello, events, since, ts, settings, can, checking, lost }) {
   const at = now.t;
   const aside = say("for_s", { s: num(Math.max(0, at - since), 0) });
   const [order, mends] = [can.has("order"), can.has("break")];
@@ -41,6 +41,9 @@ export function verdict({ row: now, hello, events, since, ts, settings, can, los
   if (now.alarm > 0) return alarm(now, hello, events, ts);
   if (now.mode === 0) {
     return { state: "off", icon: "off", word: say("state_off"), aside, head: say("head_off"), sub: say("sub_off"), more: order ? row(button("arm", "arm", true)) : "" };
+  }
+  if (checking && now.mode === 0) {
+    return { state: "learn", icon: "learn", word: say("state_check"), aside: "", head: say("head_check"), sub: say("sub_check"), more: "" };
   }
   if (now.mode === 5) {
     return { state: "learn", icon: "learn", word: say("state_tune"), aside, head: say("head_tune"), sub: say("sub_tune"), more: "" };

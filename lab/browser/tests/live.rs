@@ -165,11 +165,11 @@ fn a_real_board_is_commissioned_from_the_page_and_heats_at_a_second_press_only()
     let shown = r##"await until(() => lab.lab.store?.end > 5 && !$("#desk-board").hidden);
         const check = $("[data-line=check]"); check.click(); const asks = check.textContent;
         const before = $("#console").textContent.includes("check"); check.click();
-        await until(() => $("#console").textContent.includes("check: thermistors at rest"));
-        return [asks, before, check.textContent]"##;
-    assert_eq!(on(&browser, shown), json!(["Yes, it may heat", false, "Self-test (heats a little)"]));
+        await until(() => $("#console").textContent.includes("check: thermistors at rest")); const head = (await until(() => /tests itself/.test($("#head").textContent)), true);
+        return [asks, before, check.textContent, head]"##;
+    assert_eq!(on(&browser, shown), json!(["Yes, it may heat", false, "Self-test (heats a little)", true]));
     let typed = r##"$("#line").value = "stop"; $("#typed").requestSubmit();
-        await until(() => $("#console").textContent.includes("check ended early: stopped")); return 1"##;
+        await until(() => $("#console").textContent.includes("check ended early: stopped") && /heater is off/.test($("#head").textContent)); return 1"##;
     assert_eq!(on(&browser, typed), json!(1));
     let settings = r##"const kp = $("#settings [data-name='pid.kp']"); const before = [kp.value, kp.min, kp.nextElementSibling.textContent];
         kp.value = "2.5"; kp.dispatchEvent(new Event("change", { bubbles: true }));

@@ -47,7 +47,7 @@ export function settings() {
   if (!place.children.length) {
     const row = ([name, { unit, min, max }]) =>
       `<label><span>${escape(name)}</span><input type="number" step="any" min="${min}" max="${max}" data-name="${escape(name)}"><small>${escape(unit)} ${min} … ${max}</small></label>`;
-    place.innerHTML = Object.entries(lab.hello.bounds).map(row).join("");
+    place.innerHTML = Object.entries(lab.hello.bounds).filter(([name]) => name in lab.settings).map(row).join("");
   }
   for (const input of place.querySelectorAll("input")) {
     if (input !== document.activeElement) input.value = lab.settings[input.dataset.name];

@@ -39,11 +39,11 @@ export function verdict({ row: now, hello, events, since, ts, settings, can, che
     return { state: "tripped", icon: "off", word: say("state_tripped"), aside: off, head: say(`trip_${reason}`), sub: say("acknowledge_first"), more, parts };
   }
   if (now.alarm > 0) return alarm(now, hello, events, ts);
-  if (now.mode === 0) {
-    return { state: "off", icon: "off", word: say("state_off"), aside, head: say("head_off"), sub: say("sub_off"), more: order ? row(button("arm", "arm", true)) : "" };
-  }
   if (checking && now.mode === 0) {
     return { state: "learn", icon: "learn", word: say("state_check"), aside: "", head: say("head_check"), sub: say("sub_check"), more: "" };
+  }
+  if (now.mode === 0) {
+    return { state: "off", icon: "off", word: say("state_off"), aside, head: say("head_off"), sub: say("sub_off"), more: order ? row(button("arm", "arm", true)) : "" };
   }
   if (now.mode === 5) {
     return { state: "learn", icon: "learn", word: say("state_tune"), aside, head: say("head_tune"), sub: say("sub_tune"), more: "" };

@@ -297,7 +297,7 @@ const TABLE = {
   commissioning: ["Commissioning", "Colocação em serviço"],
   c_thermistors: ["Thermistors: at rest, all three at one known temperature", "Termístores: em repouso, os três à mesma temperatura conhecida"],
   c_celsius: ["True temperature, °C", "Temperatura verdadeira, °C"],
-  c_take: ["They are at it now", "Estão a ela agora"],
+  c_take: ["Take this point", "Tomar este ponto"],
   c_force: ["Put in force", "Pôr em vigor"],
   c_undo: ["Take back", "Desfazer"],
   c_wiring: ["Wiring: the self-test, fan on", "Ligações: o autoteste, com o ventilador ligado"],

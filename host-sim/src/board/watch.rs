@@ -193,7 +193,9 @@ impl Keeper {
         self.text += &text.replace('\r', "");
         let end = self.text.rfind('\n').map_or(0, |at| at + 1);
         let whole: String = self.text.drain(..end).collect();
-        for line in whole.lines().map(|line| line.trim_start_matches("> ")).filter(|line| !line.is_empty()) {
+        for line in
+            whole.lines().map(|line| line.trim_start_matches("> ")).filter(|line| !matches!(*line, "" | ">"))
+        {
             self.tell(Told::Said(line.to_owned()))?;
         }
         Ok(())

@@ -3,7 +3,7 @@ import { Pen, colour, niceStep, spread } from "lab/canvas.js";
 import { EITHER, namedAt, namings } from "lab/events.js";
 import { BLOCK } from "lab/store.js";
 import { num, say } from "lab/strings.js";
-import { blamed, short } from "lab/say.js";
+import { blamed, ownNames, short } from "lab/say.js";
 
 const EXPLAINED = [
   ["x_t2_offset", "--t2"], ["x_t1_offset", "--t1"], ["x_t1_clogged", "--t1"], ["x_air_flow", "--flow"],
@@ -334,7 +334,7 @@ export class Charts {
     const paper = (k) => {
       const [fdv, fiv] = [store.get(k, "fdv"), store.get(k, "fiv")];
       if (!(fdv > 0)) return "";
-      return fiv > 0 ? `${fdv}, ${fiv} ${["T2", "T1", say("paper_says_3")][fiv - 1] ?? ""}` : say("paper_unnamed");
+      return fiv > 0 ? `${fdv}, ${fiv} ${["T2", "T1", say("paper_says_3")][fiv - 1] ?? ownNames.get(fiv) ?? ""}` : say("paper_unnamed");
     };
     runs(y + 2 * RIBBON, paper, "--soft");
   }

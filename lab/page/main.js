@@ -7,7 +7,7 @@ import { FOREVER, PARTS, describe } from "lab/faults.js";
 import { Quiz } from "lab/quiz.js";
 import { Review } from "lab/review.js";
 import { RigDrawing } from "lab/rig.js";
-import { short } from "lab/say.js";
+import { ownNames, short } from "lab/say.js";
 import { DEFAULT, fromLink, toLink } from "lab/scene.js";
 import { Sheet } from "lab/sheet.js";
 import { floats, fromRecording, fromServer, inWorker } from "lab/sources.js";
@@ -50,6 +50,8 @@ const HEAR = {
   hello(message) {
     if (message.protocol !== PROTOCOL) throw new Error(`protocol ${message.protocol}`);
     lab.hello = message;
+    ownNames.clear();
+    for (const [number, name] of message.own_names ?? []) ownNames.set(number, name);
     lab.can = new Set(message.can);
     lab.lost = 0;
     if (!lab.store || lab.session !== message.session || message.session === undefined) {

@@ -38,6 +38,7 @@ pub fn json(record: &Record) -> String {
     let mut hello: Value = serde_json::from_str(&protocol::hello("recording", &[])).unwrap_or_default();
     hello["fields"] = FIELDS.iter().map(|field| field.name).filter(|name| recorded(name)).collect();
     hello["ts"] = json!(record.sample_time);
+    hello["own_names"] = record.own_rows.iter().map(|row| json!([row.number, row.name.as_str()])).collect();
     // Of a recording without its summary nothing but the number of a fault is known, which is in the rows.
     let faults = record.faults.iter().filter(|fault| fault.validate("").is_ok());
     let orders: Vec<Value> = faults.map(|fault| json!([0, Order::Break { fault: fault.clone() }])).collect();

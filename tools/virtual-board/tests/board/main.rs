@@ -23,6 +23,7 @@ mod settings;
 mod simulated;
 mod stream;
 mod supply;
+mod teach;
 mod watch;
 mod wraps;
 

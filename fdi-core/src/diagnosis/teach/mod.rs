@@ -1,5 +1,5 @@
 //! Signatures of faults that somebody makes on purpose: the paper's signatures "must be captured on test experiments". What the
-//! residuals do in each [`Repetition`] says what is [`Steady`] in it, what all of them have in common is the [`row`], and
+//! residuals do in each [`Repetition`] says what is [`Steady`] in it, what all of them have in common is the row ([`common`]), and
 //! [`tables`] say whether it can stand beside the rows that are there.
 //!
 //! ```

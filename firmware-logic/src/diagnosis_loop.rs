@@ -5,6 +5,8 @@ use core::mem::discriminant;
 
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::diagnosis::event::Event;
+use fdi_core::diagnosis::name::Name;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::likelihood::Readiness;
 use fdi_core::{Config, ConfigError, Mode, Report, Seconds};
@@ -19,6 +21,7 @@ use crate::notice::Notice;
 use crate::settings::commissioning::Commissioning;
 use crate::settings::stored::{Stored, check};
 use crate::status::{Since, Status};
+use crate::teaching::Teaching;
 
 /// The diagnosis half of the instrument on the board.
 #[derive(Clone, Debug)]
@@ -38,6 +41,7 @@ pub struct DiagnosisLoop {
     status: Status,
     history: History,
     still: Still,
+    teaching: Teaching,
     before: Before,
 }
 
@@ -72,6 +76,7 @@ impl DiagnosisLoop {
             status: Status::default(),
             history: History::default(),
             still: Still::default(),
+            teaching: Teaching::default(),
             before: Before {
                 mode: Mode::Off,
                 lockout: None,
@@ -109,6 +114,8 @@ impl DiagnosisLoop {
         }
         self.still.step(&record.tick.sample, record.applied.0 > 0.0);
         let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
+        self.teaching.step(report.filtered.as_ref().map(|verdict| &verdict.symptoms));
+        self.status.named = report.filtered.map_or(Name::NONE, |verdict| self.name(verdict.fdv, verdict.fiv));
         tell(Notice::Tick(TickLine::new(&record, &report)));
         self.notice_mode(&record, &mut tell);
         self.notice_lockout(&record, &mut tell);
@@ -155,6 +162,13 @@ impl DiagnosisLoop {
         tell(Notice::Lockout { tick, lockout });
     }
 
+    /// What a user calls the row that isolates, or else the one that detects.
+    fn name(&self, fdv: u8, fiv: u8) -> Name {
+        let tables = &self.settings.config.diagnosis;
+        let (rows, number) = if fiv != 0 { (&tables.isolation, fiv) } else { (&tables.detection, fdv) };
+        rows.iter().find(|row| row.number == number).map_or(Name::NONE, |row| row.name)
+    }
+
     /// A tick that was missed is counted where the next one begins.
     fn notice_jitter(&mut self, record: &TickRecord, tell: &mut impl FnMut(Notice)) {
         if record.missed {
@@ -168,7 +182,8 @@ impl DiagnosisLoop {
 
     fn notice_faults(&mut self, report: &Report, tell: &mut impl FnMut(Notice)) {
         for event in &report.events {
-            self.history.event(*event);
+            let (Event::Detected(fault) | Event::Isolated(fault) | Event::Ended(fault)) = event;
+            self.history.event(*event, self.name(fault.detection_number, fault.isolation_number));
             tell(Notice::Fault(*event));
         }
         let readiness = report.likelihood.readiness;
@@ -271,6 +286,11 @@ impl DiagnosisLoop {
     /// What the thermistors read at rest.
     pub fn still(&self) -> &Still {
         &self.still
+    }
+
+    /// The fault that is being taught.
+    pub fn teaching(&mut self) -> &mut Teaching {
+        &mut self.teaching
     }
 
     /// What went wrong since the start.

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use fdi_core::diagnosis::event::{Event, Fault};
+use fdi_core::diagnosis::name::Name;
 use fdi_core::{AdcCode, Reading, Trip, TripReason};
 
 use crate::alarm::{self, AlarmRecord};
@@ -22,6 +23,8 @@ pub enum Entry {
         fault: Fault,
         /// Whether it has passed.
         ended: bool,
+        /// What a user calls it.
+        name: Name,
     },
     /// The likelihood diagnosis raised an alarm.
     Alarm(AlarmRecord),
@@ -51,17 +54,17 @@ impl History {
         let _ = self.entries.push_back(entry);
     }
 
-    /// Adds an event of the diagnosis; what becomes of a fault replaces its entry.
-    pub fn event(&mut self, event: Event) {
+    /// Adds an event of the diagnosis, with the name that a user has for it; what becomes of a fault replaces its entry.
+    pub fn event(&mut self, event: Event, name: Name) {
         let (fault, ended) = match event {
-            Event::Detected(fault) => return self.push(Entry::Fault { fault, ended: false }),
+            Event::Detected(fault) => return self.push(Entry::Fault { fault, ended: false, name }),
             Event::Isolated(fault) => (fault, false),
             Event::Ended(fault) => (fault, true),
         };
         let same = |entry: &&mut Entry| matches!(entry, Entry::Fault { fault: known, .. } if known.detected == fault.detected);
         match self.entries.iter_mut().find(same) {
-            Some(entry) => *entry = Entry::Fault { fault, ended },
-            None => self.push(Entry::Fault { fault, ended }),
+            Some(entry) => *entry = Entry::Fault { fault, ended, name },
+            None => self.push(Entry::Fault { fault, ended, name }),
         }
     }
 
@@ -92,13 +95,14 @@ impl fmt::Display for EntryText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let seconds = |tick: u32| Fixed(tick as f32 * self.sample_time, 1);
         match self.entry {
-            Entry::Fault { fault, ended } => {
+            Entry::Fault { fault, ended, name } => {
                 write!(
                     f,
-                    "{} s fault: fdv {} fiv {}, detected {} s",
+                    "{} s fault: fdv {} fiv {}{}, detected {} s",
                     seconds(fault.onset),
                     fault.detection_number,
                     fault.isolation_number,
+                    Called(*name),
                     seconds(fault.detected)
                 )?;
                 if let Some(isolated) = fault.isolated {
@@ -133,6 +137,15 @@ impl fmt::Display for EntryText<'_> {
             }
             Entry::Lockout { lockout, tick } => write!(f, "{} s lockout: {lockout}", seconds(*tick)),
         }
+    }
+}
+
+/// A name that a user gave, in brackets; nothing where there is none.
+pub struct Called(pub Name);
+
+impl fmt::Display for Called {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_empty() { Ok(()) } else { write!(f, " ({})", self.0) }
     }
 }
 
@@ -173,14 +186,17 @@ mod tests {
     #[test]
     fn a_fault_is_one_entry_from_detection_to_end() {
         let mut history = History::default();
-        history.event(Event::Detected(fault(100)));
+        history.event(Event::Detected(fault(100)), Name::NONE);
         let isolated = Fault { isolation_number: 2, isolated: Some(110), last_seen: 300, ..fault(100) };
-        history.event(Event::Isolated(isolated));
-        history.event(Event::Ended(isolated));
-        assert_eq!(history.get(0), Some(&Entry::Fault { fault: isolated, ended: true }));
+        history.event(Event::Isolated(isolated), Name::NONE);
+        history.event(Event::Ended(isolated), Name::NONE);
+        assert_eq!(history.get(0), Some(&Entry::Fault { fault: isolated, ended: true, name: Name::NONE }));
         assert_eq!(history.get(1), None);
         let text = EntryText { entry: history.get(0).expect("one"), sample_time: 0.11 }.to_string();
         assert_eq!(text, "10.6 s fault: fdv 1 fiv 2, detected 11.0 s, isolated 12.1 s, lasted 22.1 s");
+        let entry = Entry::Fault { fault: isolated, ended: true, name: "hand".parse().expect("a name") };
+        let text = EntryText { entry: &entry, sample_time: 0.11 }.to_string();
+        assert!(text.starts_with("10.6 s fault: fdv 1 fiv 2 (hand), detected"), "{text}");
     }
 
     #[test]
@@ -188,7 +204,7 @@ mod tests {
         let mut history = History::default();
         let alarm = AlarmRecord { raised: 100, finding: None, ended: None };
         history.alarm(alarm);
-        history.event(Event::Detected(fault(100)));
+        history.event(Event::Detected(fault(100)), Name::NONE);
         history.alarm(AlarmRecord { ended: Some(200), ..alarm });
         assert_eq!(history.get(0), Some(&Entry::Alarm(AlarmRecord { ended: Some(200), ..alarm })));
         assert_eq!(history.get(2), None);

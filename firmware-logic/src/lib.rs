@@ -27,4 +27,5 @@ pub mod settings;
 pub mod status;
 pub mod stream;
 pub mod task_watchdog;
+pub mod teaching;
 pub mod tuning;

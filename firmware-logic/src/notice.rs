@@ -4,6 +4,7 @@ use core::fmt;
 
 use fdi_core::Trip;
 use fdi_core::diagnosis::event::Event;
+use fdi_core::diagnosis::name::Name;
 use fdi_core::likelihood::Readiness;
 use fdi_core::tune::Standing;
 
@@ -153,12 +154,14 @@ impl fmt::Display for NoticeText<'_> {
             }
             Notice::Lockout { tick, lockout: None } => write!(f, "released {tick}"),
             Notice::Fault(Event::Detected(fault)) => {
-                write_entry("detected: ", Entry::Fault { fault, ended: false })
+                write_entry("detected: ", Entry::Fault { fault, ended: false, name: Name::NONE })
             }
             Notice::Fault(Event::Isolated(fault)) => {
-                write_entry("isolated: ", Entry::Fault { fault, ended: false })
+                write_entry("isolated: ", Entry::Fault { fault, ended: false, name: Name::NONE })
             }
-            Notice::Fault(Event::Ended(fault)) => write_entry("ended: ", Entry::Fault { fault, ended: true }),
+            Notice::Fault(Event::Ended(fault)) => {
+                write_entry("ended: ", Entry::Fault { fault, ended: true, name: Name::NONE })
+            }
             Notice::Alarm(alarm) => write_entry("likelihood: ", Entry::Alarm(alarm)),
             Notice::Readiness { tick, readiness: now } => write!(f, "likelihood {tick} {}", readiness(now)),
             Notice::Commissioning(kept) => LogLine::Commissioned(kept).fmt(f),

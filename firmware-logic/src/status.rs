@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use fdi_core::diagnosis::name::Name;
 use fdi_core::likelihood::{Readiness, RejectReason, SinceCommissioning};
 use fdi_core::tune::Standing;
 use fdi_core::{KnownInputs, Mode, Percent, Reading, Report, Validity};
@@ -9,6 +10,7 @@ use fdi_core::{KnownInputs, Mode, Percent, Reading, Report, Validity};
 use crate::cadence::Jitter;
 use crate::control_loop::TickRecord;
 use crate::decimal::Fixed;
+use crate::history::Called;
 use crate::interlock::Lockout;
 use crate::led::Sign;
 use crate::self_test::Progress;
@@ -42,6 +44,8 @@ pub struct Status {
     pub check: Progress,
     /// How far the experiment of `tune` has come, or how the last one ended.
     pub tuning: Option<Standing>,
+    /// What a user calls the fault that fdv and fiv give.
+    pub named: Name,
     /// The commissioning, where there was one.
     pub commissioned: Option<Since>,
     /// Codes come from the port, and the outputs are locked off.
@@ -169,7 +173,7 @@ impl fmt::Display for Status {
         number(f, report.ms1.bandwidth, 2)?;
         write!(f, " rad/s, learnt from {} samples", report.learned)?;
         if let Some(verdict) = &report.filtered {
-            write!(f, "\nfdv {} fiv {}", verdict.fdv, verdict.fiv)?;
+            write!(f, "\nfdv {} fiv {}{}", verdict.fdv, verdict.fiv, Called(self.named))?;
         }
         f.write_str("\nlikelihood diagnosis ")?;
         f.write_str(readiness(report.likelihood.readiness))?;

@@ -18,6 +18,7 @@ use firmware_logic::self_test::{CheckFinding, Ending, News, Progress, Stage};
 use firmware_logic::settings::store::SaveError;
 use firmware_logic::settings::stored::check;
 use firmware_logic::status::Status;
+use firmware_logic::teaching::Teaching;
 use firmware_logic::tuning::Tuner;
 use proptest::prelude::*;
 
@@ -33,6 +34,7 @@ struct Mock {
     calibration: Calibration,
     tuning: Option<Standing>,
     tuner: Tuner,
+    teaching: Teaching,
 }
 
 impl Board for Mock {
@@ -98,6 +100,9 @@ impl Board for Mock {
     }
     fn tuner(&mut self) -> &mut Tuner {
         &mut self.tuner
+    }
+    fn teach<R>(&mut self, change: impl FnOnce(&mut Teaching) -> R) -> R {
+        change(&mut self.teaching)
     }
     async fn pause(&mut self) {}
     fn stream(&mut self, on: bool) -> Result<(), BoardError> {
@@ -166,6 +171,8 @@ fn settings_are_checked_by_the_core_before_they_count() {
     let mut board = Mock::default();
     assert_eq!(answer(&mut board, "set pid.kp 3.5"), "pid.kp = 3.5 %/degC\n");
     assert_eq!(answer(&mut board, "get pid.k"), "pid.kp = 3.5 %/degC\n");
+    let row = "diagnosis.isolation.2 = 2 +1 x -1 0 -1\n";
+    assert_eq!(answer(&mut board, "get diagnosis.isolation.2"), row);
     assert_eq!(answer(&mut board, "set pid.kp -1"), "error: pid.kp is -1, expected 0 to 1000\n");
     assert_eq!(
         answer(&mut board, "set sample_time 0.02"),

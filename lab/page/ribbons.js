@@ -1,6 +1,6 @@
 // Below the panels: what was true, what the likelihood diagnosis said, what the paper's vectors said. And over all, when.
 import { EITHER, namedAt, namings } from "lab/events.js";
-import { short } from "lab/say.js";
+import { ownNames, short } from "lab/say.js";
 import { num, say } from "lab/strings.js";
 
 export const RIBBON = 21;
@@ -37,7 +37,7 @@ export function drawRibbons(pen, events, store, { y, left, edge, a, b, X, T, t1,
   const paper = (k) => {
     const [fdv, fiv] = [store.get(k, "fdv"), store.get(k, "fiv")];
     if (!(fdv > 0)) return "";
-    return fiv > 0 ? `${fdv}, ${fiv} ${["T2", "T1", say("paper_says_3")][fiv - 1] ?? ""}` : say("paper_unnamed");
+    return fiv > 0 ? `${fdv}, ${fiv} ${["T2", "T1", say("paper_says_3")][fiv - 1] ?? ownNames.get(fiv) ?? ""}` : say("paper_unnamed");
   };
   runs(y + 2 * RIBBON, paper, "--soft");
 }

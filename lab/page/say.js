@@ -77,9 +77,12 @@ export function refusal({ why, code, values: { name, mode, trip, value, min, max
   return i < 0 ? say("refused", { why }) : say("persists", { why: say(`trip_${hello.trips[i]}`) });
 }
 
-// What fdv and fiv say.
+// What fdv and fiv say. Numbers of fiv to which a user has given a name of his own have it here.
+export const ownNames = new Map();
+
 export function papers(fdv, fiv) {
-  if (!(fdv > 0)) return say("paper_says_nothing");
+  if (!(fdv > 0 || ownNames.has(fiv))) return say("paper_says_nothing");
+  if (ownNames.has(fiv)) return ownNames.get(fiv);
   return say(`paper_says_${fiv <= 3 ? fiv : 0}`);
 }
 

@@ -7,6 +7,7 @@ pub mod event;
 pub mod name;
 pub mod residual;
 pub mod signature;
+pub mod teach;
 
 use crate::bounds::bounded;
 use crate::config::Config;

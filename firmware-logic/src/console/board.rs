@@ -16,6 +16,7 @@ use crate::self_test::Progress;
 use crate::settings::commissioning::Commissioning;
 use crate::settings::store::{SaveError, Store};
 use crate::status::Status;
+use crate::teaching::Teaching;
 use crate::tuning::Tuner;
 
 /// What the console needs of the chip, and of the tasks beside it.
@@ -214,6 +215,10 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
 
     fn tuner(&mut self) -> &mut Tuner {
         &mut self.tuner
+    }
+
+    fn teach<R>(&mut self, change: impl FnOnce(&mut Teaching) -> R) -> R {
+        self.chip.change(|diagnosis| change(diagnosis.teaching()))
     }
 
     async fn pause(&mut self) {

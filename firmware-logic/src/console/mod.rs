@@ -6,6 +6,7 @@ mod calibrate;
 pub mod follow;
 pub mod line;
 pub mod request;
+pub mod teach;
 pub mod tune;
 
 use core::fmt::{self, Display, Write};
@@ -27,6 +28,7 @@ use crate::settings::schema::Name;
 use crate::settings::store::SaveError;
 use crate::settings::{Expected, SetError};
 use crate::status::Status;
+use crate::teaching::Teaching;
 use crate::tuning::Tuner;
 use follow::Follow;
 use line::{LineReader, Step};
@@ -126,6 +128,8 @@ pub trait Board {
     fn tuning(&self) -> Option<Standing>;
     /// What is made of its result.
     fn tuner(&mut self) -> &mut Tuner;
+    /// Looks at the fault that is being taught, or changes it.
+    fn teach<R>(&mut self, change: impl FnOnce(&mut Teaching) -> R) -> R;
     /// Lets others have their turn.
     async fn pause(&mut self);
     /// Sends the log over the port, or no more.
@@ -247,6 +251,7 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         }
         Request::Faults => faults(board, out),
         Request::Calibrate { what, celsius } => calibrate::carry_out(what, celsius, board, out).await,
+        Request::Teach(wanted) => teach::carry_out(wanted, board, out).await,
         Request::Tune(wanted) => tune::carry_out(wanted, board, out).await,
         Request::Stream { on } => done(out, board.stream(on)),
         Request::Restart => done(out, board.restart(Restart::Streaming).await),

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::teach;
 use super::tune::{self, Wanted};
 
 /// What is wanted.
@@ -66,6 +67,8 @@ pub enum Request<'a> {
         /// The true temperature, where there is one.
         celsius: &'a str,
     },
+    /// A fault that somebody makes.
+    Teach(teach::Wanted),
     /// The experiment for the PID, or what came of it.
     Tune(Wanted),
     /// Start anew, with the log over the port from the first tick on.
@@ -75,7 +78,7 @@ pub enum Request<'a> {
 }
 
 /// All commands: name, what follows it, what it does.
-pub const COMMANDS: [(&str, &str, &str); 20] = [
+pub const COMMANDS: [(&str, &str, &str); 21] = [
     ("help", "", "this list"),
     ("status", "", "mode, temperatures, diagnosis, health"),
     ("get", "[NAME]", "settings, all or those that begin with NAME"),
@@ -99,6 +102,11 @@ pub const COMMANDS: [(&str, &str, &str); 20] = [
         "calibrate",
         "t0|t1|t2|all DEGC",
         "the thermistor is at DEGC now; then `calibrate apply`, `undo` or `clear` (heater off only)",
+    ),
+    (
+        "teach",
+        "NAME|end|show|save|drop",
+        "a repetition of a fault that you make begins, ends; the row that comes of all; put in force and kept; forgotten",
     ),
     (
         "tune",
@@ -212,6 +220,10 @@ impl<'a> Request<'a> {
                     expected: "t0, t1, t2 or all and a temperature in degC, or apply, undo, clear",
                 }),
             },
+            "teach" => match teach::Wanted::parse(rest) {
+                Some(wanted) => Ok(Self::Teach(wanted)),
+                None => Err(RequestError::Missing { command, expected: teach::EXPECTED }),
+            },
             "tune" => match Wanted::parse(rest) {
                 Some(wanted) => Ok(Self::Tune(wanted)),
                 None => Err(RequestError::Missing { command, expected: tune::EXPECTED }),
@@ -250,6 +262,7 @@ mod tests {
                 "set" => format!("{name} set"),
                 "on|off" | "on" => format!("{name} on"),
                 "LEVEL" => format!("{name} 80"),
+                "NAME|end|show|save|drop" => format!("{name} hand"),
                 "t0|t1|t2|all DEGC" => format!("{name} t1 25.0"),
                 _ => name.to_owned(),
             };

@@ -45,12 +45,14 @@ impl Name {
         Config::settings().map(Self::Entry).chain(rows)
     }
 
-    /// Whether the name begins so.
+    /// Whether the name begins so; of the number of a row all of it.
     pub fn starts_with(&self, beginning: &str) -> bool {
         match self {
             Self::Entry(setting) => setting.name.starts_with(beginning),
-            Self::Row(table, _) => {
-                Table::ALL.iter().any(|(t, start)| t == table && start.starts_with(beginning))
+            Self::Row(table, row) => {
+                let (_, start) = Table::ALL[*table as usize];
+                start.starts_with(beginning)
+                    || beginning.strip_prefix(start).and_then(|number| number.parse().ok()) == Some(row + 1)
             }
         }
     }

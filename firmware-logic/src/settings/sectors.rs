@@ -2,20 +2,22 @@
 //! and its last byte, and takes a sector whose erasure the power has cut for full, for begun or for empty, as it happens; what
 //! it then repairs or reads is lost or old. So the end of an erasure is made sure of here, before the storage looks.
 //!
-//! The last word of a sector has three bytes that the storage does not use, in which bits are only ever cleared:
+//! The last word of a sector has three bytes that the storage does not use, in which bits are only ever cleared. Two say nothing
+//! (ff ff), that the other sector is void (3c a5), or that this one is retired (00 00). In the third a bit is cleared when an
+//! erasure of the other begins, and the next when it has ended:
 //!
 //! ```text
-//! nothing (ff ff ff) ─▶ the other is void (3c a5 ff) ─▶ retired (00 00 00)
+//! ff ff ff ─▶ 3c a5 fe ─erased─▶ 3c a5 fc ─▶ 3c a5 f8 ─erased again─▶ 3c a5 f0 ... ─▶ 00 00 xx
 //! ```
 //!
-//! Before a sector is erased it is retired, then the other one says that it is void. Whatever the erasure has come to, at the
-//! next start it is done again.
+//! Before a sector is erased it is retired, then the other one says that it is void. Whatever an erasure has come to that was cut,
+//! at the next start it is done again: also one that looks done, whose bits may not stay.
 
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
-/// What a sector says while the other one is void, and how many bytes that takes.
-const VOID: [u8; 3] = [0x3C, 0xA5, 0xFF];
-const RETIRED: [u8; 3] = [0; 3];
+/// What a sector says when the other one is void.
+const VOID: [u8; 2] = [0x3C, 0xA5];
+const RETIRED: [u8; 3] = [0, 0, 0xFF];
 /// The storage takes a byte with as many cleared bits as marked.
 const MARKED: u32 = 4;
 
@@ -43,13 +45,26 @@ impl<F: NorFlash> Sectors<F> {
             if !self.is_begun(sector).await? {
                 continue; // never erase for the sake of one that holds nothing
             }
-            let claimed = self.said(sector).await? == VOID && !self.is_blank(other).await?;
-            if claimed || is_retired(self.said(other).await?) && !is_retired(self.said(sector).await?) {
-                self.say(sector, VOID).await?;
-                return self.0.erase(other, other + Self::SECTOR).await;
+            let [[a, b, erasures], others] = [self.said(sector).await?, self.said(other).await?];
+            let void = match [a, b] {
+                VOID => is_under_way(erasures) || !self.is_blank(other).await?,
+                _ => is_retired(others) && !is_retired([a, b, erasures]),
+            };
+            if void {
+                return self.void(sector, other).await;
             }
         }
         Ok(())
+    }
+
+    /// Erases the other sector of one that counts.
+    async fn void(&mut self, sector: u32, other: u32) -> Result<(), F::Error> {
+        let [.., before] = self.said(sector).await?;
+        let begun = if is_under_way(before) { before } else { before << 1 };
+        let say = |erasures| [VOID[0], VOID[1], erasures];
+        self.say(sector, say(begun)).await?;
+        self.0.erase(other, other + Self::SECTOR).await?;
+        self.say(sector, say(begun << 1)).await
     }
 
     fn other(sector: u32) -> u32 {
@@ -91,8 +106,13 @@ impl<F: NorFlash> Sectors<F> {
 }
 
 /// Whether bits are cleared that [`VOID`] leaves alone: also if the power went while they were.
-fn is_retired(said: [u8; 3]) -> bool {
-    said.iter().zip(VOID).any(|(said, void)| !said & void != 0)
+fn is_retired([a, b, _]: [u8; 3]) -> bool {
+    !a & VOID[0] != 0 || !b & VOID[1] != 0
+}
+
+/// Whether an erasure has begun that has not ended.
+fn is_under_way(erasures: u8) -> bool {
+    erasures.trailing_zeros() % 2 == 1
 }
 
 impl<F: ErrorType> ErrorType for Sectors<F> {
@@ -119,7 +139,7 @@ impl<F: NorFlash> NorFlash for Sectors<F> {
         let other = Self::other(from);
         if to - from == Self::SECTOR && self.is_begun(other).await? {
             self.say(from, RETIRED).await?;
-            self.say(other, VOID).await?;
+            return self.void(other, from).await;
         }
         self.0.erase(from, to).await
     }

@@ -1,5 +1,5 @@
 //! The record in flash: two sectors that sequential-storage writes in turn, so that a cut at any point leaves either
-//! the old record or the new one, with the help of [`Sectors`] where an erasure is cut.
+//! the old record or the new one, with the help of `sectors` where an erasure is cut.
 
 use core::fmt;
 

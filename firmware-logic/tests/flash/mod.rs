@@ -21,6 +21,8 @@ pub(crate) struct Sectors<const SECTOR: usize> {
     pub(crate) erases: usize,
     /// The power went in the middle of an erase.
     pub(crate) cut_in_erase: bool,
+    /// Sectors whose last erasure was cut: their bits may not stay.
+    weak: [bool; 2],
     /// Words written and sectors erased that are still allowed.
     steps_left: Option<usize>,
     noise: u32,
@@ -45,6 +47,7 @@ impl<const SECTOR: usize> Sectors<SECTOR> {
             erased_at: Vec::new(),
             erases: 0,
             cut_in_erase: false,
+            weak: [false; 2],
             steps_left: None,
             noise: 1,
         }
@@ -179,6 +182,7 @@ impl<const SECTOR: usize> NorFlash for Sectors<SECTOR> {
             }
             self.erases += 1;
             self.cut_in_erase |= cut;
+            self.weak[sector / SECTOR] = cut;
             if cut {
                 return Err(Dead);
             }
@@ -188,6 +192,12 @@ impl<const SECTOR: usize> NorFlash for Sectors<SECTOR> {
 
     async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Dead> {
         assert!((offset as usize).is_multiple_of(WORD) && bytes.len().is_multiple_of(WORD));
+        let (sector, within) = (offset as usize / SECTOR, offset as usize % SECTOR);
+        let is_mark = within == SECTOR - WORD; // of which nothing is expected that an erasure changes
+        assert!(
+            is_mark || !self.weak[sector] || self.was_cut(),
+            "written to at {within} after an erasure that was cut"
+        );
         for (i, word) in bytes.chunks(WORD).enumerate() {
             let cut = self.cut()?;
             for (j, byte) in word.iter().enumerate() {

@@ -19,11 +19,6 @@ impl Span {
     pub fn holds(&self, time: f64) -> bool {
         (self.from..=self.to).contains(&time)
     }
-
-    /// Its later half, in which the estimates have followed.
-    pub fn later_half(&self) -> Self {
-        Self { from: (self.from + self.to) / 2.0, to: self.to }
-    }
 }
 
 /// All repetitions of one fault.

@@ -3,16 +3,16 @@
 
 mod marks;
 mod proposal;
-mod tables;
 mod text;
 mod trial;
 
+use anyhow::Context;
 use fdi_core::Config;
-use fdi_core::diagnosis::signature::Symptoms;
+use fdi_core::diagnosis::signature::{MAX_ROWS, Signature, Symptoms};
+use fdi_core::diagnosis::teach::tables;
 
 pub use marks::{Marks, Span};
 pub use proposal::Proposal;
-pub use tables::Conflict;
 pub use trial::{Quiet, Trial};
 
 use crate::experiment::{Record, tick_time};
@@ -36,6 +36,17 @@ impl Watch {
         let timed = (0..).map(|tick| tick_time(tick, self.sample_time)).zip(&self.symptoms);
         timed.filter_map(|(time, symptoms)| Some((time, symptoms.as_ref()?)))
     }
+}
+
+/// A row of the isolation table that some symptoms match together with the new one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Conflict {
+    /// Where it stands, from 1.
+    pub place: usize,
+    /// The row.
+    pub row: Signature,
+    /// It asks for nothing else at all.
+    pub same: bool,
 }
 
 /// What has become of one name.
@@ -68,16 +79,22 @@ impl Taught {
         let mut config = config.clone();
         let mut lessons = Vec::new();
         for marks in marks {
-            let number = tables::make_room(&mut config, marks.name);
+            let number = tables::make_room(&mut config.diagnosis, marks.name);
             let proposal = Proposal::of(watch, marks, number)?;
-            let conflicts = tables::conflicts(&config, &proposal.row);
+            let pattern = proposal.row.pattern;
+            let conflicts = tables::conflicts(&config.diagnosis, pattern)
+                .map(|(place, row)| Conflict { place, row: *row, same: row.pattern == pattern })
+                .collect();
             let mut lesson = Lesson { proposal, conflicts, quiet: Quiet::default(), trial: None };
             if lesson.stands() {
-                tables::add(&mut config, lesson.proposal.row)?;
+                let added = tables::add(&mut config.diagnosis, lesson.proposal.row).ok();
+                added.with_context(|| {
+                    format!("a table holds {MAX_ROWS} rows: take one away before {} is taught", marks.name)
+                })?;
                 lesson.quiet = Quiet::of(quiet, &config, number);
             }
             if lesson.quiet.named > 0 {
-                tables::make_room(&mut config, marks.name);
+                tables::make_room(&mut config.diagnosis, marks.name);
             }
             lessons.push(lesson);
         }

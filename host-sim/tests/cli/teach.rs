@@ -52,6 +52,9 @@ fn a_fault_that_was_taught_on_one_run_is_named_in_another() {
     let args =
         ["run", "--scenario", arg(&other), "--seed", "100004", "--config", arg(&out), "--out", arg(&second)];
     assert!(pt326(&args).status.success());
+    let shown = |file: &str| std::fs::read_to_string(second.join(file)).unwrap();
+    assert!(shown("figure6.svg").contains("3: MFP; 4: low_T2)"));
+    assert!(shown("report.html").contains(r#""own_names":[[4,"low_T2"]]"#));
     let fiv = fiv(&second);
     let named =
         |from: f64, to: f64| fiv.iter().filter(|(t, fiv)| (from..to).contains(t) && fiv == "4").count();

@@ -127,8 +127,8 @@ mod tests {
     }
 
     /// Stack and entry.
-    const TABLE: &[u8] = &[0, 0x70, 0, 0x20, 9, 0, 0, 0x08];
-    const RAM: u32 = 0x2000_7800;
+    const TABLE: &[u8] = &[0, 0x80, 0, 0x20, 9, 0, 0, 0x08];
+    const RAM: u32 = 0x2000_8800;
 
     #[test]
     fn data_lie_where_they_are_loaded_from_and_gaps_are_blank() {

@@ -283,6 +283,39 @@ mod tests {
     }
 
     #[test]
+    fn a_fault_that_is_taught_is_told_by_its_name() {
+        let shown =
+            |seconds| format!("teach low\nfault offset t2 -1.5 25\nwait {seconds}\nteach end\nwait 60\n");
+        let said = session(&format!(
+            "teach low\nteach end\nteach show\ncheck\narm\nwait 390\n{}{}{}teach other\nteach low\nteach low\nwait 1\nteach end\nteach\n\
+             teach save\nwait 60\nfault offset t2 -1.5 25\nwait 15\nstatus\nwait 15\nfaults\nget diagnosis.isolation.4\nstop\nwait 1\nsave\n\
+             teach save\nteach drop\nteach 2low\n",
+            shown(24),
+            shown(24),
+            shown(20),
+        ));
+        for word in [
+            "> teach low\nerror: only while it monitors",
+            "error: no repetition is under way",
+            "error: there is nothing yet",
+            "low, repetition 1: make it now",
+            "repetition 3: 0 +1 0 -1 0\n",
+            "error: expected `teach save` or `teach drop` of low first",
+            "error: a repetition is under way",
+            "error: that was too short",
+            "low 3: 0 +1 0 -1 0\nrow: 4 0 +1 0 -1 0 low\n",
+            "in force: 4 0 +1 0 -1 0 low\nit heats: `save` keeps it",
+            "\nfdv 4 fiv 4 (low)\n",
+            "fault: fdv 4 fiv 4 (low), detected",
+            "diagnosis.isolation.4 = 4 0 +1 0 -1 0 low\n",
+            "> save\nok\n",
+            "teach: expected NAME (a letter",
+        ] {
+            assert!(said.contains(word), "{word} in:\n{said}");
+        }
+    }
+
+    #[test]
     fn errors_name_what_was_wrong() {
         let said = session(
             "sett x 1\nset pid.kq 1\nset pid.kp -1\nwait forever\nwire upside down\nwire swap t1 t3\nwire detached t0\n\

@@ -147,6 +147,8 @@ fn residuals_and_vectors(record: &Record) -> Vec<Panel> {
     let vector = |label, pen: Pen, value: fn(&Row) -> Option<u8>| {
         trace(record, label, pen.stepped(), move |r| value(r).map(f32::from))
     };
+    let own: String = record.own_rows.iter().map(|row| format!("; {}: {}", row.number, row.name)).collect();
+    let highest = record.own_rows.iter().map(|row| f64::from(row.number)).fold(3.0, f64::max);
     vec![
         decisive(record, Residual::Rap, "Power residual rAP (%)", 1.0),
         decisive(record, Residual::Ry12, "Sensor difference residual ry12 (°C)", 0.2),
@@ -162,8 +164,8 @@ fn residuals_and_vectors(record: &Record) -> Vec<Panel> {
             ],
         ),
         panel(
-            "Fault isolation vector fiv (1: AFS2; 2: MFS1; 3: MFP)",
-            Scale::Levels(3.0),
+            format!("Fault isolation vector fiv (1: AFS2; 2: MFS1; 3: MFP{own})"),
+            Scale::Levels(highest),
             vec![
                 vector("raw", RAW, |r| Some(r.report.raw?.fiv)),
                 vector("low-passed", FILTERED, |r| Some(r.report.filtered?.fiv)),
@@ -208,8 +210,8 @@ fn decisive(record: &Record, residual: Residual, title: &'static str, min_span: 
     Panel { thresholds: thresholds(record, residual), ..panel(title, Scale::AtLeast(min_span), traces) }
 }
 
-fn panel(title: &'static str, scale: Scale, traces: Vec<Trace>) -> Panel {
-    Panel { title, scale, traces, thresholds: Vec::new(), names: Vec::new() }
+fn panel(title: impl Into<String>, scale: Scale, traces: Vec<Trace>) -> Panel {
+    Panel { title: title.into(), scale, traces, thresholds: Vec::new(), names: Vec::new() }
 }
 
 fn trace(record: &Record, label: &'static str, pen: Pen, value: impl Fn(&Row) -> Option<f32>) -> Trace {

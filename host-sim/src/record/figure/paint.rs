@@ -127,7 +127,7 @@ fn place_names(figure: &Figure) -> anyhow::Result<Vec<Name<'_>>> {
 
 /// The title at the left, and at the right the legend where there is something to tell apart.
 fn paint_title<M: Medium>(canvas: &mut Canvas<M>, panel: &Panel, y: f64) -> anyhow::Result<()> {
-    canvas.text(panel.title, (LEFT, y), BOLD)?;
+    canvas.text(&panel.title, (LEFT, y), BOLD)?;
     let thresholds = (!panel.thresholds.is_empty()).then_some((THRESHOLD_LABEL, THRESHOLD));
     let keys: Vec<_> = panel.traces.iter().map(|t| (t.label, t.pen)).chain(thresholds).collect();
     if keys.len() < 2 {

@@ -39,7 +39,7 @@ pub(super) struct Band {
 /// One panel.
 pub(super) struct Panel {
     /// What it shows, and its unit.
-    pub(super) title: &'static str,
+    pub(super) title: String,
     /// The scale of the values.
     pub(super) scale: Scale,
     /// Drawn in this order, so the last is on top.

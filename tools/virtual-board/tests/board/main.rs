@@ -24,6 +24,7 @@ mod settings;
 mod simulated;
 mod stream;
 mod supply;
+mod teach;
 mod watch;
 mod wraps;
 

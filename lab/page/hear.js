@@ -2,7 +2,7 @@
 import { said } from "lab/board.js";
 import { Events } from "lab/events.js";
 import { charts, quiz, review } from "lab/parts.js";
-import { refusal } from "lab/say.js";
+import { ownNames, refusal } from "lab/say.js";
 import { DEFAULT, fromLink } from "lab/scene.js";
 import { show } from "lab/show.js";
 import { $, lab, toast } from "lab/state.js";
@@ -38,6 +38,8 @@ export const HEAR = {
       lab.settings = message.settings; // changes since are told as orders
     }
     lab.session = message.session;
+    ownNames.clear();
+    for (const [number, name] of message.own_names ?? []) ownNames.set(number, name);
     if (message.scene) lab.scene = message.scene;
     show();
     if (message.kind === "simulated") begin();

@@ -143,17 +143,21 @@ impl Tuner {
         Proposal::new(rule, tuned?, lag, ts)
     }
 
-    /// The settings with what is proposed; what was in force is kept.
-    pub fn applied(&mut self, proposal: &Proposal, config: &Config) -> Config {
-        self.before = Some(config.pid);
+    /// The settings with what is proposed.
+    pub fn applied(&self, proposal: &Proposal, config: &Config) -> Config {
         let Tuned { kp, ti, td } = proposal.tuned;
         let pid = PidConfig { kp, ti, td, ..config.pid };
         Config { pid, ..config.clone() }
     }
 
+    /// What was in force before those that have just been put in force, for [`Tuner::undone`]; `None`: it has just come back.
+    pub fn keep(&mut self, before: Option<PidConfig>) {
+        self.before = before;
+    }
+
     /// The settings with what was in force before the last proposal; `None` where there was none since the start.
-    pub fn undone(&mut self, config: &Config) -> Option<Config> {
-        let PidConfig { kp, ti, td, .. } = self.before.take()?;
+    pub fn undone(&self, config: &Config) -> Option<Config> {
+        let PidConfig { kp, ti, td, .. } = self.before?;
         let pid = PidConfig { kp, ti, td, ..config.pid };
         Some(Config { pid, ..config.clone() })
     }
@@ -202,10 +206,13 @@ mod tests {
         let config = Config::default();
         let proposal = tuner.proposal(Rule::Model, &LAG, TS).unwrap();
         let mut new = tuner.applied(&proposal, &config);
+        assert!(tuner.undone(&new).is_none(), "not in force yet");
+        tuner.keep(Some(config.pid));
         assert_eq!((new.pid.kp, new.pid.output_max), (proposal.tuned.kp, config.pid.output_max));
         new.pid.output_max.0 = 50.0; // set since
         let old = tuner.undone(&new).expect("there was one");
         assert_eq!((old.pid.kp, old.pid.ti, old.pid.output_max.0), (config.pid.kp, config.pid.ti, 50.0));
+        tuner.keep(None);
         assert!(tuner.undone(&old).is_none());
     }
 }

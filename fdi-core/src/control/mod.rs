@@ -255,11 +255,7 @@ impl Controller {
             return self.tune(state, regulated);
         }
         if !mode.is_heating() {
-            state.pid = PidState::default();
-            state.error_filter = None;
-            state.excitation = Percent(0.0);
-            state.saturated = false;
-            state.was_virtual = false;
+            at_rest(state);
             let stopped = state.tuning.take().map(|_| Standing::Over(Err(Unclear::Stopped)));
             return Drive { tuning: stopped, ..Drive::default() };
         }
@@ -285,11 +281,13 @@ impl Controller {
         let begin = || Tuning::new(Powers::for_gain(self.plant.gain, self.output_max), self.sample_time);
         let tuning = state.tuning.get_or_insert_with(begin);
         let power = tuning.step(regulated.value.filter(|_| !regulated.is_virtual));
-        let standing = tuning.standing();
+        let (standing, excitation) = (tuning.standing(), tuning.excitation());
         if let Standing::Over(_) = standing {
+            at_rest(state);
             state.tuning = None;
             self.supervisor.end_tuning(&mut state.supervisor);
         }
+        state.excitation = excitation;
         Drive { pid: power, sum: power, tuning: Some(standing), ..Drive::default() }
     }
 
@@ -329,8 +327,8 @@ impl Controller {
         self.supervisor.restored(&mut state.supervisor, baseline);
     }
 
-    /// Puts the settings of `new` in force; not in the midst of an experiment. While the heater is on, none may widen a limit or change what a code means;
-    /// where the latter happens at rest, what was learnt of power and temperatures is forgotten.
+    /// Puts the settings of `new` in force. An experiment takes none; while the heater is on, none may widen a limit or change what a code
+    /// means; where the latter happens at rest, what was learnt of power and temperatures is forgotten.
     ///
     /// # Errors
     /// [`Refusal::NotInMode`], or [`Refusal::WidensLimit`] with the name of the setting; nothing has changed then.
@@ -363,4 +361,13 @@ impl Controller {
     pub fn feed_back(&self, state: &mut ControllerState, feedback: Feedback) {
         state.feedback = feedback;
     }
+}
+
+/// Nothing is regulated.
+fn at_rest(state: &mut ControllerState) {
+    state.pid = PidState::default();
+    state.error_filter = None;
+    state.excitation = Percent(0.0);
+    state.saturated = false;
+    state.was_virtual = false;
 }

@@ -51,6 +51,7 @@ pub mod model;
 mod normal;
 mod onset;
 mod posterior;
+mod preferred;
 mod process;
 #[cfg(test)]
 mod reference;
@@ -83,6 +84,7 @@ pub use hypothesis::COUNT as HYPOTHESES;
 use impulse::ImpulseResponse;
 use inputs::Inputs;
 use model::Model;
+use preferred::preferred;
 use sensors::Sensors;
 use training::{Cold, Trainer, Training};
 pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
@@ -373,24 +375,6 @@ fn read(reading: Reading) -> Option<f32> {
     (!unread).then_some(reading.celsius.0)
 }
 
-/// Which finding is reported. A broken wire needs no second opinion; the models see more than a contradiction does, which in turn
-/// says more than that a thermistor is lost, or that nothing fits. Over a T0 that is known to be wrong they say nothing of heater and air: a
-/// wrong "heater power" would keep a loss of air from tripping.
-fn preferred(
-    by_sensors: Option<Finding>,
-    by_models: Option<Finding>,
-    without_models: Option<Finding>,
-) -> Option<Finding> {
-    let broken = by_sensors.filter(|f| !matches!(f.class, FaultClass::Lost(_)));
-    let misled = without_models.is_some_and(|f| f.class == FaultClass::T0Fault);
-    let clear = by_models.filter(|f| match f.class {
-        FaultClass::Unknown | FaultClass::Drift => false,
-        FaultClass::AirFlow | FaultClass::HeaterPower | FaultClass::AirFlowOrHeaterPower => !misled,
-        _ => true,
-    });
-    broken.or(clear).or(without_models).or(by_sensors).or(by_models)
-}
-
 impl LikelihoodState {
     /// What each hypothesis explains of an alarm, for those who show it: the class, and the share, 0 to 1, of what is unusual in the residuals
     /// since the onset that it would take away all by itself. Several hypotheses belong to some classes. None without an alarm of the models.
@@ -408,33 +392,5 @@ impl LikelihoodState {
             None if matches!(self.work, Work::Training(_)) => Readiness::Training,
             None => Readiness::Untrained,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A broken wire before the models, the models before a contradiction, that before a lost thermistor and before no name.
-    #[test]
-    fn of_several_findings_the_most_telling_is_reported() {
-        let named = |class| Some(Finding { class, confidence: 1.0, magnitude: None, onset: 0 });
-        let class = |by_sensors, by_models, without_models| {
-            preferred(by_sensors, by_models, without_models).map(|finding| finding.class)
-        };
-        let open = named(FaultClass::Open(Channel::T1));
-        let lost = named(FaultClass::Lost(Channel::T2));
-        let [offset, unknown, detached] =
-            [FaultClass::T2Offset, FaultClass::Unknown, FaultClass::T1Detached].map(named);
-        assert_eq!(class(open, offset, detached), Some(FaultClass::Open(Channel::T1)));
-        assert_eq!(class(lost, offset, detached), Some(FaultClass::T2Offset));
-        assert_eq!(class(lost, unknown, detached), Some(FaultClass::T1Detached));
-        assert_eq!(class(lost, unknown, None), Some(FaultClass::Lost(Channel::T2)));
-        assert_eq!(class(None, unknown, None), Some(FaultClass::Unknown));
-        assert_eq!(class(None, None, None), None);
-        let [power, t0] = [FaultClass::HeaterPower, FaultClass::T0Fault].map(named);
-        assert_eq!(class(None, power, t0), Some(FaultClass::T0Fault), "rises over a wrong T0");
-        assert_eq!(class(None, power, detached), Some(FaultClass::HeaterPower));
-        assert_eq!(class(None, offset, t0), Some(FaultClass::T2Offset));
     }
 }

@@ -6,21 +6,19 @@
 use super::alarm::{Alarm, ModelAlarm};
 use super::beside::Beside;
 use super::chart::{Chart, Sums};
-use super::column::{LASTING, LESS, MORE, Row};
-use super::evidence::Nuisance;
+use super::column::{LESS, MORE};
 use super::gone::Gone;
 use super::heat::{Heat, HeatState, Rise};
-use super::hypothesis::{self, SINCE_ONSET};
+use super::hypothesis;
 use super::inputs::Inputs;
 use super::ladder::{Ladder, Past};
 use super::model::Model;
 use super::normal::Normal;
-use super::onset::{History, Nominal, Onset, REMEMBERED};
+use super::onset::{History, Nominal, Onset};
 use super::process::{Motion, Parameter, Parameters, Process};
 use super::steady::Steady;
 use super::tracker::Tracker;
 use super::training::Trained;
-use crate::bounds::{bounded, larger};
 use lasting::Lasting;
 use pace::Pace;
 
@@ -332,82 +330,6 @@ impl Watch {
         let rise = |m: usize| Some(Rise { measured: believed[m]?, expected: s.expected[m] });
         self.heat.step(&mut s.heat, [rise(0), rise(1)], heating);
     }
-
-    /// One whole tick: residuals since training and what the tracker leaves of them, charts, both banks.
-    fn judge(
-        &self,
-        s: &mut WatchState,
-        g: &mut Gathered,
-        tick: u32,
-        e: [f32; 2],
-        row: &Row<LASTING>,
-        now: &NowRises,
-    ) {
-        let known = s.tracker.expected(row);
-        let left = [e[0] - known[0], e[1] - known[1]];
-        let mut z = s.ladder.step(&mut s.past, left);
-        let mut z_trained = s.steady.residual(&s.ladder, e);
-        let whitened = s.steady.whitened(&s.ladder, row);
-        if s.ticks < FIRST_TICKS {
-            (z, z_trained) = ([0.0; 2], [0.0; 2]);
-        }
-        let widened = self.widened(s, s.expected[0]);
-        let mut clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
-        if s.is_slow() && s.rests == 0 {
-            s.confirm(z, &mut clipped);
-        }
-        // T1 answers to the inlet sooner than T0 does: it is not charted by what the inlet does, but the bank sees all of it.
-        let inlet = s.inlet.map_or(0.0, |(_, _, [_, above])| larger(0.0, above.abs() - INLET_NOISE));
-        let allowed = [widened[0] + inlet * s.ladder.inv_sigma[0], widened[1]];
-        let charted = self.chart(s, if s.ticks < FIRST_TICKS { [0.0; 2] } else { clipped }, allowed);
-        self.follow_onset(s, g, z, widened, &charted, now);
-        if s.alarm.is_none() {
-            self.decide(s, g, tick, &charted, row);
-        } else {
-            self.follow_alarm(s, g, z, row, now.heat);
-        }
-        let settling = s.settling > 0;
-        s.settling = s.settling.saturating_sub(1);
-        if s.rests > 0 || settling {
-            s.rests = s.rests.saturating_sub(1);
-            s.fast = Default::default();
-            s.slow = Sums::default();
-        }
-        let quiet = s.alarm.is_none();
-        if quiet && s.lasting.is_none() {
-            for (square, x) in s.wander.iter_mut().zip(s.tracker.x) {
-                s.pace.wander.follow(square, x * x);
-            }
-        }
-        if quiet && (settling || larger(charted.fast, charted.slow) < TRACK_BELOW) {
-            s.tracker.step(&whitened, [bounded(z[0], -CLIP, CLIP), bounded(z[1], -CLIP, CLIP)]);
-        }
-        if quiet && s.rests == 0 && !settling && s.swing[1] < SWING && s.ticks > FIRST_TICKS {
-            s.steady.gather(&s.pace.steady, row, &whitened, e, z_trained);
-            self.judge_lasting(s, tick);
-        }
-    }
-
-    /// By how many standard deviations the residuals may be off because the temperature moves.
-    fn widened(&self, s: &mut WatchState, rise: f32) -> [f32; 2] {
-        let [mean, swing] = &mut s.swing;
-        s.pace.swing.follow(mean, rise);
-        let kept = *swing * (1.0 - s.pace.swing.share());
-        *swing = larger(kept, (rise - *mean).abs());
-        let moved = self.model_uncertainty * larger(0.0, *swing - SWING);
-        let away = self.model_uncertainty * (*mean - s.trained).abs();
-        let rest = s.ladder.rest();
-        core::array::from_fn(|m| (moved + away * rest[m]) * s.ladder.inv_sigma[m])
-    }
-
-    fn chart(&self, s: &mut WatchState, z: [f32; 2], widened: [f32; 2]) -> Charted {
-        let mut fast = 0.0;
-        for m in 0..2 {
-            fast = larger(fast, self.fast.step(&mut s.fast[m], z[m], widened[m]));
-        }
-        let slow = self.slow.step(&mut s.slow, z[1], widened[1]);
-        Charted { fast: fast / self.fast.interval, slow: slow / self.slow.interval }
-    }
 }
 
 /// Power and rises of this tick, and the rises before.
@@ -440,74 +362,10 @@ impl WatchState {
         self.jumped = [0.0; 2];
         self.candidate = 0.0;
     }
-
-    /// What is reported: what began at an onset first, then what lasts.
-    fn reported(&self, heat: &Heat, tick: u32) -> ModelAlarm {
-        let finding = match (&self.alarm, self.lasting) {
-            (Some(Alarm { finding: Some(finding), .. }), _) => *finding,
-            (_, Some(Lasting { finding: Some(finding), .. })) => finding,
-            (Some(_), _) | (_, Some(_)) => return ModelAlarm::Unnamed,
-            (None, None) => return ModelAlarm::Quiet,
-        };
-        heat.review(&self.heat, finding, tick)
-    }
-
-    /// The virtual T1: its rise over the ambient on the next tick by the models and T2, degC; None where they disagree, or T1 and T2 do.
-    pub(super) fn virtual_t1(&self) -> Option<f32> {
-        if self.contradict {
-            return None;
-        }
-        self.heat.virtual_t1(self.expected[0])
-    }
-
-    /// Air flow, % of that at which the rig was learnt: an announced level of the fan is what the model expects, not what is enough.
-    pub(super) fn air_flow(&self) -> Option<f32> {
-        Some(self.fan * self.heat.air_flow()?)
-    }
-
-    /// Whether the rig has been hot without power for too long.
-    pub(super) fn heater_stuck_on(&self) -> bool {
-        self.heat.heater_stuck_on()
-    }
-
-    /// The columns of the last tick since an onset that is assumed; none before enough is remembered.
-    pub(super) fn columns(&self, onset: &mut Onset) -> Option<Row> {
-        let [(heat, rises), (_, before)] = [0, 1].map(|ago| self.history.at(&self.process, ago));
-        let nominal = Nominal {
-            parameters: &self.parameters,
-            fan: self.fan,
-            process: &self.process,
-            motion: &self.motion,
-            history: &self.history.before(),
-            heat,
-            rises,
-            before: before.y,
-            inlet: self.inlet.map_or([0.0; 2], |(_, _, moved)| moved),
-        };
-        (self.ticks as usize > REMEMBERED).then(|| onset.step(&self.pace.onset, &self.ladder, &nominal))
-    }
-
-    /// What may move since an onset without being a fault, as far as is known now.
-    pub(super) fn nuisances(&self) -> [Nuisance; SINCE_ONSET.len()] {
-        let mut nuisances = hypothesis::since_onset(self.steps, self.bent());
-        if self.is_slow() {
-            nuisances[hypothesis::SHIFT].1 = slow::VAGUE_SHIFT;
-        }
-        nuisances
-    }
-
-    /// Rises of the model on the last tick, degC.
-    pub(super) fn rises(&self) -> [f32; 2] {
-        self.before
-    }
-
-    /// What T1 and T2 should be above the ambient now, degC.
-    pub(super) fn expected(&self) -> [f32; 2] {
-        self.expected.map(|rise| rise + self.beside.added())
-    }
 }
 
 mod alarmed;
+mod judge;
 mod lasting;
 mod naming;
 mod pace;
@@ -515,3 +373,4 @@ mod resumed;
 mod slow;
 #[cfg(test)]
 mod tests;
+mod told;

@@ -234,6 +234,8 @@ impl Supervisor {
     pub(crate) fn end_tuning(&self, state: &mut SupervisorState) {
         if state.mode == Mode::Tune {
             state.mode = Mode::Off;
+            // An order before the next tick begins from here.
+            (state.elapsed, state.response, state.disagreement) = Default::default();
         }
     }
 

@@ -114,7 +114,7 @@ impl Lag {
             let acting = if (tick as usize) < delay { 0.0 } else { waiting[(tick as usize - delay) % DELAY] };
             y += share * (self.gain * acting - y);
             most = most.max(y);
-            if (y - 1.0).abs() > SETTLED {
+            if !((y - 1.0).abs() <= SETTLED) {
                 settled = tick + 1;
             }
         }

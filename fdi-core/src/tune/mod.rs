@@ -8,16 +8,20 @@
 //!  noise       T1 stands still       hysteresis: period    first harmonics of power and T1
 //! ```
 //!
-//! It only says which power it wants, and ends by itself where anything is unclear. The supervisor has a mode for it, in which everything
-//! that trips goes on tripping; it ends in off, however it ends ([`crate::Command::Tune`]).
+//! It only says which power it wants, and ends by itself where anything is unclear. The supervisor has a mode for it, in which all trips
+//! but for the one that holds the power against the set-point's; it ends in off, however it ends ([`crate::Command::Tune`]).
 
 pub mod lag;
 pub mod search;
+mod signal;
+mod standing;
 
 use crate::bounds::{larger, smaller};
 use crate::units::{Celsius, Percent, Seconds};
 pub use lag::{Lag, Margins, StepResponse, Tuned};
 pub use search::Search;
+use signal::{Block, Harmonics, Relay};
+pub use standing::{Standing, Unclear};
 
 /// Ticks at rest, from which noise and beginning are known.
 const REST: u32 = 64;
@@ -36,15 +40,18 @@ const MOST_RISE: f32 = 35.0;
 /// Hysteresis of the relay in standard deviations of the noise, and the least of it, degC.
 const HYSTERESIS: f32 = 2.5;
 const LEAST_HYSTERESIS: f32 = 0.1;
-/// Periods of the relay that pass unmeasured, that tell the period, and that are measured.
+/// Periods of the relay that pass unmeasured, and that tell the period.
 const SETTLING: u32 = 2;
 const TIMED: u32 = 4;
-const MEASURED: f32 = 12.0;
-/// Of the first harmonic of a relay that keeps its period so much must be left, and so often it is measured anew with the period that it had.
-const KEPT: f32 = 0.4;
+/// So often a relay that does not keep its period is measured anew with the one that it had.
 const TRIES: u32 = 10;
 /// Ticks between two switches of the relay, at most.
 const MOST_HALF: u32 = 500;
+/// While the relay swings T1 stays above this share of its rise: the lower power alone keeps two fifths of it. A T1 that falls further is out of the air, and
+/// would have the relay stay at the higher power.
+const LEFT: f32 = 0.2;
+/// Ticks of the whole experiment, at most.
+const MOST_TICKS: u32 = 20_000;
 /// Ticks in a row for which a reading that is not to be believed is held.
 const HELD: u32 = 3;
 
@@ -66,75 +73,6 @@ impl Powers {
     }
 }
 
-/// Why an experiment ended without a model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Unclear {
-    /// A stop or a trip ended it.
-    Stopped,
-    /// T1 gave nothing to believe for some ticks.
-    NoSample,
-    /// T1 did not rise by 2 degC.
-    NoAnswer,
-    /// T1 rose by more than 35 degC.
-    TooHot,
-    /// T1 did not stand still under constant power.
-    NotStill,
-    /// The relay did not make it oscillate.
-    NoSwing,
-    /// What was measured is no lag with dead time.
-    NoLag,
-}
-
-impl Unclear {
-    /// The reason in words, for people.
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::Stopped => "it was stopped, or tripped",
-            Self::NoSample => "T1 gave no valid sample",
-            Self::NoAnswer => {
-                "T1 did not rise by 2 degC: is the heater connected, is identification.y_scale right?"
-            }
-            Self::TooHot => "T1 rose by more than 35 degC: is identification.y_scale right?",
-            Self::NotStill => {
-                "T1 did not come to a stand under constant power: is it still warm, does the room or the air change?"
-            }
-            Self::NoSwing => "switching the power did not make T1 swing",
-            Self::NoLag => "the answer of T1 is that of no lag with dead time",
-        }
-    }
-}
-
-/// How far an experiment has come.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Standing {
-    /// No power: noise and beginning.
-    Rest,
-    /// Constant power, until T1 stands still.
-    Warm,
-    /// The relay: its period.
-    Swing,
-    /// The relay: the answer at that period.
-    Measure,
-    /// It has ended, with a model or without.
-    Over(Result<Lag, Unclear>),
-}
-
-impl Standing {
-    /// What is done, for people.
-    pub const fn words(&self) -> &'static str {
-        match self {
-            Self::Rest => "at rest",
-            Self::Warm => "constant power until T1 stands still",
-            Self::Swing => "power switched up and down: the period",
-            Self::Measure => "power switched up and down: the answer",
-            Self::Over(Ok(_)) => "done",
-            Self::Over(Err(unclear)) => unclear.words(),
-        }
-    }
-}
-
 /// An experiment that is under way.
 #[derive(Clone, Copy, Debug)]
 pub struct Tuning {
@@ -143,6 +81,7 @@ pub struct Tuning {
     stage: Stage,
     /// T1 as last believed, and ticks since.
     held: (f32, u32),
+    ticks: u32,
     /// T1 at rest, the standard deviation of its noise, and the gain.
     rest: f32,
     noise: f32,
@@ -167,6 +106,7 @@ impl Tuning {
             sample_time: sample_time.0,
             stage,
             held: (0.0, HELD),
+            ticks: 0,
             rest: 0.0,
             noise: 0.0,
             gain: 0.0,
@@ -176,17 +116,25 @@ impl Tuning {
     /// One tick: from T1, where it is to be believed, the power until the next; none once it is over.
     pub fn step(&mut self, t1: Option<Celsius>) -> Percent {
         self.held = t1.map_or((self.held.0, self.held.1.saturating_add(1)), |t1| (t1.0, 0));
+        self.ticks = self.ticks.saturating_add(1);
         self.stage = match self.held {
+            _ if self.ticks > MOST_TICKS => Stage::Over(self.result().unwrap_or(Err(Unclear::NoSwing))),
             (t1, 0..=HELD) => self.follow(t1),
             _ => Stage::Over(self.result().unwrap_or(Err(Unclear::NoSample))),
         };
-        let Powers { mean, swing } = self.powers;
         match &self.stage {
             Stage::Rest(_) | Stage::Over(_) => Percent(0.0),
-            Stage::Warm { .. } => mean,
+            _ => Percent(self.powers.mean.0 + self.excitation().0),
+        }
+    }
+
+    /// What of the power moves, %: a live thermistor must move with it.
+    pub fn excitation(&self) -> Percent {
+        match &self.stage {
             Stage::Swing { relay, .. } | Stage::Measure { relay, .. } => {
-                Percent(mean.0 + relay.sign() * swing.0)
+                Percent(relay.sign() * self.powers.swing.0)
             }
+            _ => Percent(0.0),
         }
     }
 
@@ -212,6 +160,11 @@ impl Tuning {
     fn follow(&mut self, y: f32) -> Stage {
         if !(y - self.rest <= MOST_RISE) && !matches!(self.stage, Stage::Rest(_)) {
             return Stage::Over(Err(Unclear::TooHot));
+        }
+        if let Stage::Swing { relay, .. } | Stage::Measure { relay, .. } = &self.stage
+            && y - self.rest < LEFT * (relay.level - self.rest)
+        {
+            return Stage::Over(Err(Unclear::Fell));
         }
         match self.stage {
             Stage::Rest(mut block) => {
@@ -285,141 +238,6 @@ impl Tuning {
         self.gain = rise / self.powers.mean.0;
         let hysteresis = (HYSTERESIS * self.noise).max(LEAST_HYSTERESIS);
         Stage::Swing { relay: Relay::new(mean, hysteresis), ticks: 0, timed: 0 }
-    }
-}
-
-/// Mean and deviation of some samples.
-#[derive(Clone, Copy, Debug, Default)]
-struct Block {
-    ticks: u32,
-    first: f32,
-    sum: f32,
-    squares: f32,
-}
-
-impl Block {
-    fn add(&mut self, y: f32) {
-        if self.ticks == 0 {
-            self.first = y;
-        }
-        let x = y - self.first;
-        (self.ticks, self.sum, self.squares) = (self.ticks + 1, self.sum + x, self.squares + x * x);
-    }
-
-    fn mean(&self) -> f32 {
-        self.first + self.sum / self.ticks.max(1) as f32
-    }
-
-    fn deviation(&self) -> f32 {
-        let n = self.ticks.max(1) as f32;
-        libm::sqrtf((self.squares / n - self.sum * self.sum / (n * n)).max(0.0))
-    }
-}
-
-/// A relay with hysteresis around a level.
-#[derive(Clone, Copy, Debug)]
-struct Relay {
-    level: f32,
-    hysteresis: f32,
-    high: bool,
-    /// Ticks since it switched, and how often it has switched to high.
-    since: u32,
-    rises: u32,
-}
-
-impl Relay {
-    fn new(level: f32, hysteresis: f32) -> Self {
-        Self { level, hysteresis, high: true, since: 0, rises: 0 }
-    }
-
-    /// Whether it has just switched to high.
-    fn step(&mut self, y: f32) -> bool {
-        let edge =
-            if self.high { y > self.level + self.hysteresis } else { y < self.level - self.hysteresis };
-        self.since += 1;
-        if edge {
-            self.high = !self.high;
-            self.since = 0;
-            self.rises += u32::from(self.high);
-        }
-        edge && self.high
-    }
-
-    fn sign(&self) -> f32 {
-        if self.high { 1.0 } else { -1.0 }
-    }
-}
-
-/// First harmonics of power and answer, over whole periods.
-#[derive(Clone, Copy, Debug)]
-struct Harmonics {
-    /// Angle of a tick, and ticks to measure.
-    turn: f32,
-    ticks: u32,
-    done: u32,
-    power: [f32; 2],
-    answer: [f32; 2],
-    /// Ticks of the first and the last rise of the power, and how many there were.
-    rises: (u32, u32, u32),
-}
-
-impl Harmonics {
-    fn new(period: f32) -> Self {
-        let ticks = (MEASURED * period + 0.5) as u32;
-        Self {
-            turn: core::f32::consts::TAU / period,
-            ticks,
-            done: 0,
-            power: [0.0; 2],
-            answer: [0.0; 2],
-            rises: (0, 0, 0),
-        }
-    }
-
-    fn phase(&self) -> (f32, f32) {
-        let angle = self.turn * self.done as f32;
-        (libm::cosf(angle), libm::sinf(angle))
-    }
-
-    fn add_answer(&mut self, y: f32) {
-        let (c, s) = self.phase();
-        self.answer = [self.answer[0] + c * y, self.answer[1] - s * y];
-    }
-
-    fn add_power(&mut self, u: f32, rose: bool) {
-        let (c, s) = self.phase();
-        if rose {
-            let first = if self.rises.2 == 0 { self.done } else { self.rises.0 };
-            self.rises = (first, self.done, self.rises.2 + 1);
-        }
-        self.power = [self.power[0] + c * u, self.power[1] - s * u];
-        self.done += 1;
-    }
-
-    fn is_complete(&self) -> bool {
-        self.done >= self.ticks
-    }
-
-    /// Whether the power really had this period: noise may make a relay with few samples a period go over to another.
-    fn is_kept(&self, swing: f32) -> bool {
-        let [re, im] = self.power;
-        let whole = self.ticks as f32 * swing * core::f32::consts::FRAC_2_PI;
-        libm::sqrtf(re * re + im * im) > KEPT * whole
-    }
-
-    /// The period that it had in the mean, ticks.
-    fn period(&self) -> Option<f32> {
-        let (first, last, count) = self.rises;
-        (count > 1).then(|| (last - first) as f32 / (count - 1) as f32)
-    }
-
-    /// Answer over power: size in degC per %, and how far it lags behind, rad.
-    fn answer(&self) -> (f32, f32) {
-        let [[yr, yi], [ur, ui]] = [self.answer, self.power];
-        let (re, im) = (yr * ur + yi * ui, yi * ur - yr * ui);
-        let size = libm::sqrtf((yr * yr + yi * yi) / (ur * ur + ui * ui));
-        let ahead = libm::atan2f(im, re);
-        (size, if ahead > 0.0 { core::f32::consts::TAU - ahead } else { -ahead })
     }
 }
 

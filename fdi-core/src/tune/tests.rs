@@ -72,3 +72,37 @@ fn powers_stay_below_what_the_rig_may_be_given() {
         assert!(mean.0 > 0.0 && swing.0 < mean.0 && mean.0 + swing.0 <= 1.0001 * most, "{mean:?} {swing:?}");
     }
 }
+
+/// Out of the air with the relay high it would stay high.
+#[test]
+fn a_t1_that_falls_while_the_relay_swings_ends_it_at_once() {
+    let mut tuning = Tuning::new(Powers::for_gain(0.3, Percent(100.0)), Seconds(0.11));
+    let (mut y, mut ticks) = (0.0, 0);
+    while !matches!(tuning.standing(), Standing::Swing) {
+        let Percent(power) = tuning.step(Some(Celsius(22.0 + y)));
+        y += 0.2 * (0.3 * power - y);
+        ticks += 1;
+        assert!(ticks < 1000);
+    }
+    assert!(tuning.step(Some(Celsius(22.0 + y))).0 > 0.0);
+    assert_eq!(tuning.step(Some(Celsius(22.5))), Percent(0.0));
+    assert_eq!(tuning.result(), Some(Err(Unclear::Fell)));
+}
+
+#[test]
+fn it_ends_whatever_t1_does() {
+    for seed in 0..50u32 {
+        let mut tuning = Tuning::new(Powers::for_gain(0.3, Percent(100.0)), Seconds(0.11));
+        let (mut y, mut random) = (0.0f32, seed);
+        let ended = (0..MOST_TICKS + 2).any(|k| {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let wild = random as f32 / u32::MAX as f32 - 0.5;
+            y += 0.1 * (10.0 * (seed % 3) as f32 - y) + wild * (seed % 7) as f32;
+            let t1 = (k % (seed + 2) != 0).then_some(Celsius(22.0 + y));
+            let Percent(power) = tuning.step(t1);
+            assert!((0.0..=64.0).contains(&power));
+            tuning.result().is_some()
+        });
+        assert!(ended, "seed {seed}: {:?}", tuning.standing());
+    }
+}

@@ -97,6 +97,44 @@ fn lost_air_trips_unless_the_heater_is_to_blame() {
     assert_eq!(tripped(stuck_on), Some(TripReason::HeaterStuckOn));
 }
 
+/// An order before the tick after its end begins from off, as any other does.
+#[test]
+fn arming_right_after_an_experiment_begins_anew() {
+    let mut config = Config::default();
+    config.supervisor.learn_start.0 = 5.0;
+    let mut instrument = Instrument::new(&config).unwrap();
+    instrument.command(Command::Tune).unwrap();
+    let ends = |tick: &fdi_core::Tick| matches!(tick.tuning, Some(Standing::Over(_)));
+    assert!((0..2000).any(|k| ends(&tick(&mut instrument, AMBIENT, k))));
+    instrument.command(Command::Arm).unwrap();
+    let first = tick(&mut instrument, AMBIENT, 1);
+    assert_eq!(first.blocked, None, "learning is not due yet");
+    assert!(matches!(first.mode, Mode::Settle { .. }));
+}
+
+/// A thermistor that stands still while the relay moves the heater is stuck, and regulates nothing.
+#[test]
+fn an_experiment_on_a_t1_that_stands_still_ends() {
+    let mut instrument = Instrument::new(&Config::default()).unwrap();
+    instrument.command(Command::Tune).unwrap();
+    let (mut code, mut k) = (AMBIENT, 0);
+    let last = loop {
+        let last = tick(&mut instrument, code, k);
+        match last.tuning {
+            Some(Standing::Swing) => break last,
+            Some(Standing::Over(_)) => panic!("{last:?}"),
+            _ => code += 0.1 * (AMBIENT - 10.0 * last.drive.0 - code),
+        }
+        k += 1;
+    };
+    assert!(last.drive.0 > 0.0);
+    let still =
+        RawSample { t0: AdcCode(AMBIENT), t1: AdcCode(code), t2: AdcCode(code), ..RawSample::default() };
+    let ended = (0..60).map(|_| instrument.control(still)).find(|tick| tick.drive.0 == 0.0);
+    let ended = ended.expect("3 s without any change are no live thermistor");
+    assert_eq!(ended.tuning, Some(Standing::Over(Err(Unclear::NoSample))));
+}
+
 fn tuning() -> Instrument {
     let mut instrument = Instrument::new(&Config::default()).unwrap();
     instrument.command(Command::Tune).unwrap();

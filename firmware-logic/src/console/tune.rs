@@ -2,6 +2,7 @@
 
 use core::fmt::Write;
 
+use fdi_core::control::pid::PidConfig;
 use fdi_core::tune::{Lag, Standing};
 use fdi_core::{Command, Config};
 
@@ -58,7 +59,7 @@ pub(super) async fn carry_out(wanted: Wanted, board: &mut impl Board, out: &mut 
         (Wanted::Undo, _) => {
             let config = board.config();
             match board.tuner().undone(&config) {
-                Some(old) => put_in_force(&old, board, out).await,
+                Some(old) => put_in_force(&old, None, board, out).await,
                 None => say(out, "error: there is nothing to take back, expected `tune apply` first\n"),
             }
         }
@@ -104,12 +105,18 @@ async fn apply(rule: Rule, lag: &Lag, board: &mut impl Board, out: &mut dyn Writ
         return say(out, "error: by this rule it does not settle, expected another one\n");
     };
     let new = board.tuner().applied(&proposal, &config);
-    put_in_force(&new, board, out).await;
+    put_in_force(&new, Some(config.pid), board, out).await;
 }
 
-async fn put_in_force(config: &Config, board: &mut impl Board, out: &mut dyn Write) {
-    match board.apply(config).await {
-        Ok(()) => drop(writeln!(out, "{}; `save` keeps it, `tune undo` takes it back", InForce(&config.pid))),
-        Err(error) => fail(out, &error),
+async fn put_in_force(
+    config: &Config,
+    before: Option<PidConfig>,
+    board: &mut impl Board,
+    out: &mut dyn Write,
+) {
+    if let Err(error) = board.apply(config).await {
+        return fail(out, &error);
     }
+    board.tuner().keep(before);
+    let _ = writeln!(out, "{}; `save` keeps it, `tune undo` takes it back", InForce(&config.pid));
 }

@@ -2,7 +2,7 @@
 //! here on the host, so that the two cannot differ. All other lines of the log are sentences for people.
 //!
 //! ```text
-//! log format 4
+//! log format 5
 //! setting pid.kp = 2.4 %/degC
 //! baseline raw.mean 3f800000 ..
 //! commissioned 1 3e99999a ..
@@ -19,18 +19,18 @@
 
 mod baseline;
 mod commissioning;
+mod order;
 pub mod tick;
 
 use core::fmt;
 
+use fdi_core::Config;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::likelihood::PARAMETERS;
-use fdi_core::{Celsius, Command, Config, Percent};
 
 pub use self::baseline::BaselineLine;
 use self::tick::{TickLine, TickLineError};
 use crate::control_loop::OrderKind;
-use crate::decimal::Short;
 use crate::settings::commissioning::Commissioning;
 use crate::settings::schema::Name;
 
@@ -100,7 +100,7 @@ impl fmt::Display for LogLine<'_> {
             Self::Commissioned(commissioning) => commissioning::write(f, commissioning.as_ref()),
             Self::Order { tick, order } => {
                 write!(f, "order {tick} ")?;
-                write_order(f, order)
+                order::write(f, order)
             }
             Self::Denied { tick } => write!(f, "denied {tick}"),
             Self::Lockout { tick } => write!(f, "lockout {tick}"),
@@ -109,27 +109,6 @@ impl fmt::Display for LogLine<'_> {
             Self::Dropped { count } => write!(f, "dropped {count}"),
         }
     }
-}
-
-fn write_order(f: &mut fmt::Formatter<'_>, order: &OrderKind) -> fmt::Result {
-    f.write_str(match order {
-        OrderKind::Settings => "settings",
-        OrderKind::Check => "check",
-        OrderKind::Command(Command::Arm) => "arm",
-        OrderKind::Command(Command::Tune) => "tune",
-        OrderKind::Command(Command::Stop) => "stop",
-        OrderKind::Command(Command::Acknowledge) => "ack",
-        OrderKind::Command(Command::Relearn) => "relearn",
-        OrderKind::Command(Command::Excite(true)) => "excite true",
-        OrderKind::Command(Command::Excite(false)) => "excite false",
-        // Bits, since not every number has a short decimal form; the number for people behind it.
-        OrderKind::Command(Command::SetPoint(Celsius(wanted))) => {
-            return write!(f, "setpoint {:x} ({} degC)", wanted.to_bits(), Short(*wanted));
-        }
-        OrderKind::Command(Command::Fan(Percent(level))) => {
-            return write!(f, "fan {:x} ({} %)", level.to_bits(), Short(*level));
-        }
-    })
 }
 
 /// Why a line that begins as one of these is none.
@@ -168,7 +147,7 @@ impl fmt::Display for LogLineError<'_> {
             Self::Tick(error) => error.fmt(f),
             Self::Order(word) => write!(
                 f,
-                "unknown order \"{word}\", expected settings, check, arm, stop, ack, relearn, setpoint, fan or excite"
+                "unknown order \"{word}\", expected settings, check, arm, tune, stop, ack, relearn, setpoint, fan or excite"
             ),
             Self::Argument { order, expected } => write!(f, "order {order}: expected {expected} behind it"),
             Self::Part(word) => write!(f, "unknown part of a baseline: \"{word}\""),
@@ -193,7 +172,7 @@ impl<'a> LogLine<'a> {
             return Ok(Some(Self::Tick(tick)));
         }
         if let Some((tick, rest)) = after(text, "order ").and_then(number) {
-            return Ok(Some(Self::Order { tick, order: order(rest)? }));
+            return Ok(Some(Self::Order { tick, order: order::parse(rest)? }));
         }
         if let Some(part) = after(text, "baseline ").map(baseline::parse).transpose()?.flatten() {
             return Ok(Some(Self::Baseline(part)));
@@ -244,28 +223,6 @@ fn cycles(text: &str) -> Option<LogLine<'static>> {
     Some(LogLine::Cycles { tick, control, diagnosis })
 }
 
-/// `VERB [ARGUMENT]`.
-fn order(text: &str) -> Result<OrderKind, LogLineError<'_>> {
-    let mut words = text.split_ascii_whitespace();
-    let verb = words.next().unwrap_or_default();
-    let argument = words.next().unwrap_or_default();
-    let expected = |expected| LogLineError::Argument { order: verb, expected };
-    let given = || tick::word(argument).map(f32::from_bits).ok_or_else(|| expected("8 hexadecimal digits"));
-    Ok(OrderKind::Command(match verb {
-        "settings" => return Ok(OrderKind::Settings),
-        "check" => return Ok(OrderKind::Check),
-        "arm" => Command::Arm,
-        "tune" => Command::Tune,
-        "stop" => Command::Stop,
-        "ack" => Command::Acknowledge,
-        "relearn" => Command::Relearn,
-        "setpoint" => Command::SetPoint(Celsius(given()?)),
-        "fan" => Command::Fan(Percent(given()?)),
-        "excite" => Command::Excite(argument.parse().map_err(|_| expected("true or false"))?),
-        _ => return Err(LogLineError::Order(verb)),
-    }))
-}
-
 /// A line of text on its way to the log; what does not fit is cut.
 type Text = heapless::String<96>;
 
@@ -296,6 +253,7 @@ mod tests {
     use proptest::prelude::*;
 
     use fdi_core::likelihood::Commissioned;
+    use fdi_core::{Celsius, Command, Percent};
 
     use super::tick::WORDS;
     use super::*;

@@ -12,10 +12,10 @@ pub struct Full;
 pub fn make_room(config: &mut DiagnosisConfig, name: Name) -> u8 {
     let tables = || [&config.detection, &config.isolation].into_iter().flatten();
     let before = tables().find(|row| row.name == name).map(|row| row.number);
-    let highest = tables().map(|row| row.number).max().unwrap_or(0);
+    let free = (1..=u8::MAX).find(|number| tables().all(|row| row.number != *number));
     let rows = [&mut config.detection, &mut config.isolation];
     rows.into_iter().for_each(|rows| rows.retain(|row| row.name != name));
-    before.unwrap_or(highest.saturating_add(1))
+    before.or(free).unwrap_or(u8::MAX)
 }
 
 /// Rows of the isolation table with which a pattern cannot stand, since some symptoms match both; with their places, from 1.

@@ -3,6 +3,7 @@ extern crate std;
 use std::vec::Vec;
 
 use super::super::reference::{Random, Rig};
+use super::sense::exchange_lags;
 use super::*;
 
 /// A rig, excited as while it is learnt, and how it is trained.

@@ -5,7 +5,7 @@ use std::vec;
 use std::vec::Vec;
 
 use super::super::class::{Channel, FaultClass, Pair};
-use super::super::column::{COUNT, Column, LASTING};
+use super::super::column::{COUNT, Column, LASTING, Row};
 use super::super::ladder::ResidualStatistics;
 use super::super::process::Rises;
 use super::super::reference::Random;

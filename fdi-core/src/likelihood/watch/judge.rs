@@ -1,0 +1,86 @@
+//! A tick of the watch, from residuals to charts and banks.
+
+use super::super::chart::Sums;
+use super::super::column::{LASTING, Row};
+use super::{
+    CLIP, Charted, FIRST_TICKS, Gathered, INLET_NOISE, NowRises, SWING, TRACK_BELOW, Watch, WatchState,
+};
+use crate::bounds::{bounded, larger};
+
+impl Watch {
+    /// One whole tick: residuals since training and what the tracker leaves of them, charts, both banks.
+    pub(super) fn judge(
+        &self,
+        s: &mut WatchState,
+        g: &mut Gathered,
+        tick: u32,
+        e: [f32; 2],
+        row: &Row<LASTING>,
+        now: &NowRises,
+    ) {
+        let known = s.tracker.expected(row);
+        let left = [e[0] - known[0], e[1] - known[1]];
+        let mut z = s.ladder.step(&mut s.past, left);
+        let mut z_trained = s.steady.residual(&s.ladder, e);
+        let whitened = s.steady.whitened(&s.ladder, row);
+        if s.ticks < FIRST_TICKS {
+            (z, z_trained) = ([0.0; 2], [0.0; 2]);
+        }
+        let widened = self.widened(s, s.expected[0]);
+        let mut clipped = s.ladder.step_clipped(&mut s.past_clipped, left, CLIP);
+        if s.is_slow() && s.rests == 0 {
+            s.confirm(z, &mut clipped);
+        }
+        // T1 answers to the inlet sooner than T0 does: it is not charted by what the inlet does, but the bank sees all of it.
+        let inlet = s.inlet.map_or(0.0, |(_, _, [_, above])| larger(0.0, above.abs() - INLET_NOISE));
+        let allowed = [widened[0] + inlet * s.ladder.inv_sigma[0], widened[1]];
+        let charted = self.chart(s, if s.ticks < FIRST_TICKS { [0.0; 2] } else { clipped }, allowed);
+        self.follow_onset(s, g, z, widened, &charted, now);
+        if s.alarm.is_none() {
+            self.decide(s, g, tick, &charted, row);
+        } else {
+            self.follow_alarm(s, g, z, row, now.heat);
+        }
+        let settling = s.settling > 0;
+        s.settling = s.settling.saturating_sub(1);
+        if s.rests > 0 || settling {
+            s.rests = s.rests.saturating_sub(1);
+            s.fast = Default::default();
+            s.slow = Sums::default();
+        }
+        let quiet = s.alarm.is_none();
+        if quiet && s.lasting.is_none() {
+            for (square, x) in s.wander.iter_mut().zip(s.tracker.x) {
+                s.pace.wander.follow(square, x * x);
+            }
+        }
+        if quiet && (settling || larger(charted.fast, charted.slow) < TRACK_BELOW) {
+            s.tracker.step(&whitened, [bounded(z[0], -CLIP, CLIP), bounded(z[1], -CLIP, CLIP)]);
+        }
+        if quiet && s.rests == 0 && !settling && s.swing[1] < SWING && s.ticks > FIRST_TICKS {
+            s.steady.gather(&s.pace.steady, row, &whitened, e, z_trained);
+            self.judge_lasting(s, tick);
+        }
+    }
+
+    /// By how many standard deviations the residuals may be off because the temperature moves.
+    fn widened(&self, s: &mut WatchState, rise: f32) -> [f32; 2] {
+        let [mean, swing] = &mut s.swing;
+        s.pace.swing.follow(mean, rise);
+        let kept = *swing * (1.0 - s.pace.swing.share());
+        *swing = larger(kept, (rise - *mean).abs());
+        let moved = self.model_uncertainty * larger(0.0, *swing - SWING);
+        let away = self.model_uncertainty * (*mean - s.trained).abs();
+        let rest = s.ladder.rest();
+        core::array::from_fn(|m| (moved + away * rest[m]) * s.ladder.inv_sigma[m])
+    }
+
+    fn chart(&self, s: &mut WatchState, z: [f32; 2], widened: [f32; 2]) -> Charted {
+        let mut fast = 0.0;
+        for m in 0..2 {
+            fast = larger(fast, self.fast.step(&mut s.fast[m], z[m], widened[m]));
+        }
+        let slow = self.slow.step(&mut s.slow, z[1], widened[1]);
+        Charted { fast: fast / self.fast.interval, slow: slow / self.slow.interval }
+    }
+}

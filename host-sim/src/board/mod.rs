@@ -9,4 +9,4 @@ pub mod simulate;
 pub mod watch;
 
 pub use port::{find, open};
-pub use session::{Heard, STOP, Session};
+pub use session::{Gate, Heard, STOP, Session, refusal};

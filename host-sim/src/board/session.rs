@@ -1,9 +1,11 @@
 //! A conversation with a board: lines of its stream, text of its console, commands and their answers.
 
 use std::io::{self, Read, Write};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail, ensure};
+use firmware_logic::console::line::LENGTH;
 use firmware_logic::stream::frame::{self, Reader, Step};
 use serialport::SerialPort;
 
@@ -18,6 +20,8 @@ pub const STOP: u8 = 0x03;
 const PROMPT: &str = "> ";
 /// How long an answer may take: a save erases the flash, an order waits for a tick of up to 5 s.
 const PATIENCE: Duration = Duration::from_secs(15);
+/// How long it may take to say that it has stopped: what it was printing goes before.
+const STOPPING: Duration = Duration::from_secs(3);
 /// How often a board is asked whether it is there, and how long each time.
 const GREETINGS: u32 = 8;
 const GREETING: Duration = Duration::from_millis(400);
@@ -35,6 +39,25 @@ pub enum Heard {
     Broken,
 }
 
+/// What stops a board by another hand closes it, so that nothing is typed behind that stop.
+#[derive(Clone, Debug, Default)]
+pub struct Gate(Arc<Mutex<bool>>);
+
+impl Gate {
+    /// Closes it for good, then stops; a line that is just being sent goes before.
+    pub fn close<R>(&self, stop: impl FnOnce() -> R) -> R {
+        let mut closed = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        *closed = true;
+        stop()
+    }
+
+    fn pass<R>(&self, send: impl FnOnce() -> anyhow::Result<R>) -> anyhow::Result<R> {
+        let closed = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        ensure!(!*closed, "it was stopped by hand");
+        send()
+    }
+}
+
 /// A board that is connected. Its port is one of this machine, or whatever else bytes go in and out of.
 pub struct Session<P = Box<dyn SerialPort>> {
     port: P,
@@ -42,6 +65,7 @@ pub struct Session<P = Box<dyn SerialPort>> {
     /// Lines of the stream that came while an answer was waited for.
     waiting: Vec<Heard>,
     rig: Option<SimulatedRig>,
+    gate: Gate,
 }
 
 impl Session {
@@ -70,11 +94,17 @@ impl<P: Read + Write> Session<P> {
     /// # Errors
     /// Nobody answers as a board does.
     pub fn over(port: P) -> anyhow::Result<Self> {
-        let mut session = Self { port, reader: Reader::default(), waiting: Vec::new(), rig: None };
+        let mut session =
+            Self { port, reader: Reader::default(), waiting: Vec::new(), rig: None, gate: Gate::default() };
         // A board that has just got its power hears nothing at first.
         let asked = (0..GREETINGS).find_map(|_| session.greet().transpose());
         asked.unwrap_or_else(|| bail!("no answer, expected a prompt: is this the board's port?"))?;
         Ok(session)
+    }
+
+    /// What another hand closes when it stops the board.
+    pub fn gate(&self) -> Gate {
+        self.gate.clone()
     }
 
     /// From now on, what the board streams is answered by a rig.
@@ -102,6 +132,25 @@ impl<P: Read + Write> Session<P> {
     /// The port has gone.
     pub fn stop(&mut self) -> io::Result<()> {
         self.send(&[STOP])
+    }
+
+    /// Heater off, at once; whether the board says so.
+    pub fn stops(&mut self) -> bool {
+        let (begin, mut text) = (Instant::now(), String::new());
+        let mut sent = self.stop().is_ok();
+        while sent && begin.elapsed() < STOPPING {
+            let Ok(heard) = self.hear() else { return false };
+            text.extend(heard.iter().filter_map(|heard| match heard {
+                Heard::Text(text) => Some(&**text),
+                _ => None,
+            }));
+            if text.contains("stopped") {
+                return true;
+            }
+            // An answer that was under way is no reason to give up; a stop twice is one stop.
+            sent = !heard.is_empty() || self.stop().is_ok();
+        }
+        false
     }
 
     /// What has come since the last call, and what comes while it waits a moment for something to come.
@@ -144,8 +193,10 @@ impl<P: Read + Write> Session<P> {
     /// # Errors
     /// The port has gone.
     pub fn begin(&mut self, line: &str) -> anyhow::Result<()> {
-        ensure!(line.bytes().all(|byte| (b' '..=b'~').contains(&byte)), "\"{line}\" is no line for a board");
-        self.send(format!("{line}\r").as_bytes()).with_context(|| format!("before `{line}`"))
+        let fits = line.len() <= LENGTH && line.bytes().all(|byte| (b' '..=b'~').contains(&byte));
+        ensure!(fits, "\"{line}\" is no line for a board, expected at most {LENGTH} plain characters");
+        let gate = self.gate.clone();
+        gate.pass(|| self.send(format!("{line}\r").as_bytes()).with_context(|| format!("before `{line}`")))
     }
 
     /// The answer to a line that was typed, without echo and prompt.
@@ -231,6 +282,6 @@ impl<P: Read + Write> Session<P> {
 }
 
 /// Why a board has refused something, if its answer says so.
-pub(super) fn refusal(answer: &str) -> Option<&str> {
+pub fn refusal(answer: &str) -> Option<&str> {
     answer.lines().find_map(|line| line.strip_prefix("error: "))
 }

@@ -2,6 +2,7 @@
 
 use std::io::{IsTerminal, Write};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail, ensure};
@@ -61,6 +62,9 @@ pub(super) fn faults(mut session: Session) -> anyhow::Result<bool> {
     Ok(answer.trim() == "none")
 }
 
+/// A question waits for its answer.
+static ASKING: AtomicBool = AtomicBool::new(false);
+
 /// Somebody at a terminal, or a pipe that answers for him.
 struct Terminal;
 
@@ -72,7 +76,10 @@ impl Person for Terminal {
     fn ask(&mut self, question: &str) -> anyhow::Result<Option<String>> {
         print(question)?;
         let mut line = String::new();
-        let ended = std::io::stdin().read_line(&mut line)? == 0;
+        ASKING.store(true, Ordering::Relaxed);
+        let read = std::io::stdin().read_line(&mut line);
+        ASKING.store(false, Ordering::Relaxed);
+        let ended = read? == 0;
         if ended || !std::io::stdin().is_terminal() {
             print(&format!("{}\n", line.trim()))?; // nobody has typed it here
         }
@@ -82,21 +89,28 @@ impl Person for Terminal {
 
 /// Leads through the commissioning, and writes its report; whether every step that was asked for went well.
 pub(super) fn commission(mut session: Session, file: &Path) -> anyhow::Result<bool> {
-    let mut other_hand = session.other_hand()?;
+    let (mut other_hand, gate) = (session.other_hand()?, session.gate());
     ctrlc::set_handler(move || {
-        let sent = other_hand.write_all(&[STOP]).is_ok();
-        eprintln!(
-            "{}",
-            if sent { "\nstopped" } else { "\nNOT stopped: the port has gone. The board's button stops it." }
-        );
-        std::process::exit(2);
+        let sent = gate.close(|| other_hand.write_all(&[STOP]).and_then(|()| other_hand.flush()));
+        let told = match sent {
+            Ok(()) => "stopped",
+            Err(_) => "NOT stopped: the port has gone. The board's button stops it.",
+        };
+        eprintln!("\n{told}");
+        // While a question waits nothing heats, and nobody would hear of the stop; else the step ends by it, and what was done is written.
+        if ASKING.load(Ordering::Relaxed) {
+            std::process::exit(2);
+        }
     })?;
-    let done = super::commission(&mut session, &mut Terminal)?;
+    let done = super::commission(&mut session, &mut Terminal);
     let log = file.with_extension("log");
     write(file, &done.report)?;
     write(&log, &done.log)?;
     print(&format!("\nwritten to {}, and the board's log to {}\n", file.display(), log.display()))?;
-    Ok(done.passed)
+    match done.error {
+        Some(error) => Err(error),
+        None => Ok(done.passed),
+    }
 }
 
 fn write(path: &Path, text: &str) -> anyhow::Result<()> {

@@ -10,12 +10,15 @@ use crate::live::LiveBoard;
 struct Scripted {
     answers: Vec<(&'static str, &'static str)>,
     told: String,
+    /// Goes away, terminal and all, at a line with this in it.
+    leaves_at: Option<&'static str>,
 }
 
 impl Person for Scripted {
     fn tell(&mut self, line: &str) -> anyhow::Result<()> {
         self.told += line;
         self.told.push('\n');
+        anyhow::ensure!(!self.leaves_at.is_some_and(|word| line.contains(word)), "nobody listens");
         Ok(())
     }
 
@@ -31,10 +34,15 @@ impl Person for Scripted {
 
 fn lead(board: &LiveBoard, answers: &[(&'static str, &'static str)]) -> (Commissioning, String) {
     let mut session = Session::open(&board.name).expect("a board");
-    let mut person = Scripted { answers: answers.to_vec(), told: String::new() };
+    let mut person = Scripted { answers: answers.to_vec(), told: String::new(), leaves_at: None };
     let done = commission(&mut session, &mut person);
-    let done = done.unwrap_or_else(|error| panic!("{error:#}\n{}", person.told));
+    assert!(done.error.is_none(), "{:#}\n{}", done.error.unwrap(), person.told);
     (done, person.told)
+}
+
+/// Whether the board was ordered this.
+fn ordered(log: &str, what: &str) -> bool {
+    log.lines().any(|line| line.starts_with("order ") && line.ends_with(what))
 }
 
 #[test]
@@ -78,6 +86,7 @@ fn a_board_with_blank_flash_is_led_to_a_rig_that_is_watched() {
     assert!(!done.report.contains(">FAILED"));
 
     // Each word of it, experiment included, is what the core on the host comes to.
+    assert!([" check", " tune", " arm"].iter().all(|order| ordered(&done.log, order)));
     let (agrees, said) = agreement(&done.log).expect("a log from its first tick on");
     assert!(agrees, "{said}");
 
@@ -91,9 +100,36 @@ fn nobody_who_says_no_is_heated_for() {
     let board = LiveBoard::new();
     let (done, told) = lead(&board, &[]);
     assert!(done.passed && told.contains("Without it nothing more heats."), "{told}");
-    let heated = |line: &str| {
-        line.starts_with("order ")
-            && (line.ends_with(" arm") || line.ends_with(" check") || line.ends_with(" tune"))
-    };
-    assert!(!done.log.lines().any(heated), "{}", done.log);
+    assert!(![" check", " tune", " arm"].iter().any(|order| ordered(&done.log, order)), "{}", done.log);
+    // One yes is for one step.
+    let (done, told) = lead(&board, &[("self-test may begin", "y")]);
+    assert!(done.passed && ordered(&done.log, " check"), "{told}");
+    assert!(told.contains("Tune the controller?") && told.contains("Begin?"), "{told}");
+    assert!(![" tune", " arm"].iter().any(|order| ordered(&done.log, order)), "{}", done.log);
+}
+
+#[test]
+fn whoever_goes_away_in_the_middle_leaves_a_heater_that_is_off_and_a_report() {
+    let board = LiveBoard::new();
+    let mut session = Session::open(&board.name).expect("a board");
+    let answers = vec![("self-test may begin", "y"), ("Begin?", "y")];
+    let mut person = Scripted { answers, told: String::new(), leaves_at: Some("settling") };
+    let done = commission(&mut session, &mut person);
+    let error = format!("{:#}", done.error.expect("nobody listens"));
+    assert!(error.contains("the heater was stopped") && error.contains("nobody listens"), "{error}");
+    assert!(!done.passed && done.report.contains("nobody listens") && ordered(&done.log, " arm"));
+    drop(session);
+    let mut session = Session::open(&board.name).expect("a board");
+    // A status is that of the last tick, which may have been before the stop.
+    let mut status = || session.order("status").expect("answers");
+    assert!((0..100).any(|_| status().starts_with("mode off")), "{}", status());
+}
+
+#[test]
+fn nothing_is_typed_behind_a_stop_by_another_hand() {
+    let board = LiveBoard::new();
+    let mut session = Session::open(&board.name).expect("a board");
+    session.gate().close(|| session.other_hand().expect("the port"));
+    let error = session.order("status").expect_err("it is closed");
+    assert!(format!("{error:#}").contains("stopped by hand"), "{error:#}");
 }

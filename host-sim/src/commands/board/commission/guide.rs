@@ -8,7 +8,7 @@ use firmware_logic::log_line::LogLine;
 use firmware_logic::log_line::tick::TickLine;
 
 use super::report::{Outcome, Section};
-use crate::board::{Heard, Session};
+use crate::board::{Heard, Session, refusal};
 
 /// So long the board, which streams each tick, may say nothing at all.
 const SILENCE: Duration = Duration::from_secs(60);
@@ -85,13 +85,29 @@ impl<'a, P: Read + Write> Guide<'a, P> {
         Ok(self.session.order(line)?.trim_end().to_owned())
     }
 
+    /// Types a line, and shows its answer; `None` where it is refused, by which the step has failed.
+    pub(super) fn try_order(&mut self, line: &str) -> anyhow::Result<Option<String>> {
+        let answer = self.session.ask(line)?.trim_end().to_owned();
+        self.say(&answer)?;
+        let taken = refusal(&answer).is_none();
+        if !taken {
+            self.end(Outcome::Failed);
+        }
+        Ok(taken.then_some(answer))
+    }
+
+    /// Writes down what ended it all, though nobody may see it any more.
+    pub(super) fn note(&mut self, text: &str) {
+        self.end(Outcome::Failed);
+        if let Some(section) = self.sections.last_mut() {
+            section.lines.push(text.to_owned());
+        }
+        let _ = self.person.tell(text);
+    }
+
     /// Shows what the board tells, until a line ends it.
-    pub(super) fn follow(
-        &mut self,
-        begun: &str,
-        over: impl Fn(&str) -> Option<bool>,
-    ) -> anyhow::Result<bool> {
-        self.text = format!("{begun}\n");
+    pub(super) fn follow(&mut self, over: impl Fn(&str) -> Option<bool>) -> anyhow::Result<bool> {
+        self.text.clear();
         let mut result = None;
         loop {
             for line in self.lines() {

@@ -8,7 +8,6 @@ use std::io::{Read, Write};
 
 use anyhow::ensure;
 use fdi_core::Config;
-use firmware_logic::log_line::tick::TickLine;
 
 use crate::board::{Session, settings};
 use crate::commands::replay::isolability;
@@ -35,33 +34,46 @@ pub struct Commissioning {
     pub report: String,
     /// The board's stream, for `pt326 replay`.
     pub log: String,
+    /// What ended it early: the port has gone, nobody listens any more, somebody has stopped it.
+    pub error: Option<anyhow::Error>,
 }
 
-/// Leads a person through it. The board is restarted first, so that its log is whole, and is off in the end.
-///
-/// # Errors
-/// The port has gone, or the board is heating.
-pub fn commission<P: Read + Write>(
-    session: &mut Session<P>,
-    person: &mut dyn Person,
-) -> anyhow::Result<Commissioning> {
+/// Leads a person through it. The board is restarted first, so that its log is whole, and is off in the end, whatever ends it; where
+/// it cannot be stopped any more the error says so.
+pub fn commission<P: Read + Write>(session: &mut Session<P>, person: &mut dyn Person) -> Commissioning {
     let mut guide = Guide::new(session, person);
-    begin(&mut guide)?;
-    calibrate(&mut guide)?;
-    let ready = check(&mut guide)?;
-    if ready {
-        tune(&mut guide)?;
-        if learn(&mut guide)? {
-            tell_apart(&mut guide)?;
+    let led = lead(&mut guide);
+    let (now, error) = match led {
+        Ok(now) => (now, None),
+        Err(error) => {
+            let stopped = match guide.session.stops() {
+                true => "the heater was stopped",
+                false => "the board does NOT say that it has stopped: its button stops it",
+            };
+            guide.note(&format!("{error:#}; {stopped}"));
+            (Config::default(), Some(error.context(stopped)))
         }
-    }
-    keep(&mut guide)?;
-    let now = settings::read(guide.session)?;
-    Ok(Commissioning {
+    };
+    Commissioning {
         passed: !guide.sections.iter().any(|section| section.outcome == Outcome::Failed),
         report: report::html(&guide.sections, &now),
         log: guide.log,
-    })
+        error,
+    }
+}
+
+/// The steps; gives the settings that the board has in the end.
+fn lead<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<Config> {
+    begin(guide)?;
+    calibrate(guide)?;
+    if check(guide)? {
+        tune(guide)?;
+        if learn(guide)? {
+            tell_apart(guide)?;
+        }
+    }
+    keep(guide)?;
+    settings::read(guide.session)
 }
 
 /// Who is there, and nothing latched.
@@ -108,9 +120,8 @@ fn calibrate<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<()> {
         return Ok(());
     }
     if guide.yes("Put that in force?")? {
-        let answer = guide.order("calibrate apply")?;
-        guide.say(&answer)?;
-        guide.end(Outcome::Done);
+        let applied = guide.try_order("calibrate apply")?.is_some();
+        guide.end(if applied { Outcome::Done } else { Outcome::Failed });
     } else {
         guide.order("calibrate clear")?;
     }
@@ -127,8 +138,10 @@ fn check<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<bool> {
         guide.say("Without it nothing more heats.")?;
         return Ok(false);
     }
-    let begun = guide.order("check")?;
-    let passed = guide.follow(&begun, |line| {
+    if guide.try_order("check")?.is_none() {
+        return Ok(false);
+    }
+    let passed = guide.follow(|line| {
         let over = line.starts_with("check failed") || line.starts_with("check ended");
         line.starts_with("check passed").then_some(true).or(over.then_some(false))
     })?;
@@ -148,16 +161,17 @@ fn tune<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<()> {
     if !guide.yes("Tune the controller?")? {
         return Ok(());
     }
-    let begun = guide.order("tune start")?;
-    let done = guide.follow(&begun, |line| {
+    if guide.try_order("tune start")?.is_none() {
+        return Ok(());
+    }
+    let done = guide.follow(|line| {
         line.starts_with("tune: done").then_some(true).or(line.starts_with("tune: ended").then_some(false))
     })?;
     guide.end(if done { Outcome::Done } else { Outcome::Failed });
     if !done {
         return Ok(());
     }
-    let proposed = guide.order("tune")?;
-    guide.say(&proposed)?;
+    guide.try_order("tune")?;
     while let Some(rule) = guide.ask("Put in force (relay, model, quick; nothing: none): ")? {
         let answer = guide.session.ask(&format!("tune apply {rule}"))?;
         guide.say(&answer)?;
@@ -182,7 +196,9 @@ fn learn<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<bool> {
     if !guide.yes("Begin?")? {
         return Ok(false);
     }
-    guide.order("arm")?;
+    if guide.try_order("arm")?.is_none() {
+        return Ok(false);
+    }
     let learnt = watch(guide, &config)?;
     guide.end(if learnt { Outcome::Done } else { Outcome::Failed });
     guide.order("stop")?;
@@ -195,10 +211,22 @@ fn learn<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<bool> {
 
 /// Until it has watched for long enough.
 fn watch<P: Read + Write>(guide: &mut Guide<P>, config: &Config) -> anyhow::Result<bool> {
-    let enough = (WATCHED / f64::from(config.sample_time.0)) as u32;
-    let (mut watched, mut before, mut began) = (0, None, false);
+    let ticks = |seconds: f64| (seconds / f64::from(config.sample_time.0)) as u32;
+    let (enough, patience) =
+        (ticks(WATCHED), ticks(4.0 * (f64::from(config.supervisor.learn_end.0) + WATCHED)));
+    let (mut watched, mut before, mut began, mut waited) = (0, None, false, 0);
     while watched < enough {
+        if waited > patience {
+            let told = before
+                .map_or_else(|| "nothing has begun".to_owned(), |(mode, blocked)| standing(mode, blocked));
+            guide.say(&told)?;
+            if !guide.yes("That takes long. Go on waiting, while it goes on heating?")? {
+                return Ok(false);
+            }
+            waited = 0;
+        }
         for tick in guide.ticks()? {
+            waited += 1;
             let [state, likelihood] = ["state", "likelihood"].map(|name| tick.word(name));
             let (mode, blocked, readiness) = (state & 0xF, state >> 17 & 7, likelihood & 0xF);
             // What came before it was armed may still be on the wire.
@@ -208,8 +236,7 @@ fn watch<P: Read + Write>(guide: &mut Guide<P>, config: &Config) -> anyhow::Resu
             }
             watched = if mode == MONITOR && readiness == ARMED { watched + 1 } else { 0 };
             if before.replace((mode, blocked)) != Some((mode, blocked)) {
-                let status = standing(&tick);
-                guide.say(&status)?;
+                guide.say(&format!("tick {}: {}", tick.tick(), standing(mode, blocked)))?;
             }
             if mode == 0 || mode == TRIPPED {
                 let status = guide.order("status")?;
@@ -222,13 +249,12 @@ fn watch<P: Read + Write>(guide: &mut Guide<P>, config: &Config) -> anyhow::Resu
 }
 
 /// How far it has come, in words.
-fn standing(tick: &TickLine) -> String {
+fn standing(mode: u32, blocked: u32) -> String {
     const MODES: [&str; 6] = ["off", "settling", "learning", "monitoring", "tripped", "tuning"];
-    let state = tick.word("state");
-    let mode = MODES.get((state & 0xF) as usize).copied().unwrap_or("in a mode that is not known here");
-    let blocker = (state >> 17 & 7).checked_sub(1).and_then(|i| pt326_lab::fields::BLOCKERS.get(i as usize));
+    let mode = MODES.get(mode as usize).copied().unwrap_or("in a mode that is not known here");
+    let blocker = blocked.checked_sub(1).and_then(|i| pt326_lab::fields::BLOCKERS.get(i as usize));
     let waits = blocker.map(|blocker| format!(", not learning: {}", blocker.words())).unwrap_or_default();
-    format!("tick {}: {mode}{waits}", tick.tick())
+    format!("{mode}{waits}")
 }
 
 fn tell_apart<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<()> {
@@ -240,7 +266,10 @@ fn tell_apart<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<()> {
             guide.say(&format!("Median of {} onsets, assumed while it watched.", found.onsets))?;
             guide.end(Outcome::Done);
         }
-        Err(error) => guide.say(&format!("It could not be worked out: {error:#}"))?,
+        Err(error) => {
+            guide.say(&format!("It could not be worked out: {error:#}"))?;
+            guide.end(Outcome::Failed);
+        }
     }
     Ok(())
 }
@@ -248,9 +277,10 @@ fn tell_apart<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<()> {
 fn keep<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<()> {
     guide.section("What the board keeps", "")?;
     if guide.yes("Have the board keep its settings, and what it has learnt?")? {
-        guide.order("save")?;
-        guide.say("Kept.")?;
-        guide.end(Outcome::Done);
+        if guide.try_order("save")?.is_some() {
+            guide.say("Kept.")?;
+            guide.end(Outcome::Done);
+        }
     } else {
         guide.say("Not kept: what has changed is forgotten at the next start.")?;
     }

@@ -4,14 +4,14 @@ import { escape, say } from "lab/strings.js";
 import { order } from "lab/talk.js";
 
 const LINES = 400; // of the console that are kept
-const YES_WITHIN = 5000; // ms
+const [YES_AFTER, YES_WITHIN] = [500, 5000]; // ms: a double click is no second thought
 const told = [];
 
 const line = (text) => order({ order: "console", line: text });
 
 export function said({ text }) {
   told.push(...text.split("\n"));
-  if (/^check: |^> check\n/m.test(text)) lab.checking = true;
+  if (/^check: |^> check\nok/m.test(text)) lab.checking = true;
   if (/^check (passed|failed|ended)/m.test(text)) lab.checking = false;
   told.splice(0, told.length - LINES);
   const log = $("console");
@@ -25,21 +25,30 @@ export function calibrate() {
 }
 
 // What heats wants a second press, at a button that says so meanwhile.
-function pressed(button) {
-  if (!("heats" in button.dataset) || button.dataset.asks) {
-    rest(button);
-    return line(button.dataset.line);
-  }
-  button.dataset.asks = "1";
-  button.textContent = say("c_yes");
-  setTimeout(() => rest(button), YES_WITHIN);
+export const heats = (what, label) => `<button class="primary" data-line="${what}" data-heats data-say="${label}">${say(label)}</button>`;
+let asks = null; // the line that was asked for, when, and its timer
+
+function pressed({ dataset }) {
+  const since = asks?.line === dataset.line ? performance.now() - asks.at : 0;
+  if (since > 0 && since < YES_AFTER) return;
+  clearTimeout(asks?.timer);
+  asks = null;
+  if (!("heats" in dataset) || since > 0) line(dataset.line);
+  else asks = { line: dataset.line, at: performance.now(), timer: setTimeout(() => ((asks = null), asking()), YES_WITHIN) };
+  asking();
 }
 
-function rest(button) {
-  if (!button.dataset.asks) return;
-  delete button.dataset.asks;
-  button.textContent = say(button.dataset.say);
+// The buttons as they are: one of them may ask, also where it has just been made anew.
+export function asking() {
+  for (const button of document.querySelectorAll("[data-heats]")) {
+    const yes = asks?.line === button.dataset.line;
+    button.toggleAttribute("data-asks", yes);
+    button.textContent = say(yes ? "c_yes" : button.dataset.say);
+  }
 }
+
+// A number that was typed; null where it is none, or out of bounds.
+export const typed = (input) => (input.value === "" || !input.reportValidity() ? null : Number(input.value));
 
 // A row for each setting that is a number, with its unit and bounds, under the name of its section.
 export function settings() {
@@ -50,16 +59,18 @@ export function settings() {
     place.innerHTML = Object.entries(lab.hello.bounds).filter(([name]) => name in lab.settings).map(row).join("");
   }
   for (const input of place.querySelectorAll("input")) {
-    if (input !== document.activeElement) input.value = lab.settings[input.dataset.name];
+    if (input !== document.activeElement || input.value === "") input.value = lab.settings[input.dataset.name];
   }
 }
 
-$("desk-board").addEventListener("click", ({ target }) => {
+document.addEventListener("click", ({ target }) => {
   const button = target.closest("[data-line]");
   if (button) pressed(button);
 });
 $("settings").addEventListener("change", ({ target }) => {
-  if (target.reportValidity()) order({ order: "set", name: target.dataset.name, value: Number(target.value) });
+  const value = typed(target);
+  if (value === null) settings();
+  else order({ order: "set", name: target.dataset.name, value });
 });
 $("typed").addEventListener("submit", (event) => {
   event.preventDefault();

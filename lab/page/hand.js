@@ -1,5 +1,6 @@
 // The user's hand: what is pressed, typed, chosen.
 import { act, setMode, tour } from "lab/acts.js";
+import { typed } from "lab/board.js";
 import { forgetColours } from "lab/canvas.js";
 import { begin } from "lab/hear.js";
 import { charts, quiz, review, rig, sheet } from "lab/parts.js";
@@ -45,7 +46,11 @@ addEventListener("beforeprint", () => {
 });
 $("excite").addEventListener("change", ({ target }) => order({ order: "excite", on: target.checked }));
 for (const input of document.querySelectorAll("[data-set]")) {
-  input.addEventListener("change", () => order({ order: "set", name: input.dataset.set, value: Number(input.value) }));
+  input.addEventListener("change", () => {
+    const value = typed(input);
+    if (value === null) show();
+    else order({ order: "set", name: input.dataset.set, value });
+  });
 }
 for (const id of ["preset", "disturbance", "seed"]) {
   $(id).addEventListener("change", () => {
@@ -66,6 +71,11 @@ addEventListener("resize", () => {
   if (!$("review").hidden) review.show(lab);
 });
 addEventListener("keydown", (event) => {
+  // Nothing that is typed for a real board needs one of these: they stop it in the middle of a line, too, as on its console.
+  if (lab.hello?.kind === "board" && (event.key === "!" || event.key === "Escape")) {
+    event.preventDefault();
+    return act("stop");
+  }
   if (/INPUT|SELECT|TEXTAREA/.test(event.target.tagName) || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === "!" ) act("stop");
 });

@@ -96,11 +96,13 @@ export const HEAR = {
     if (message.command?.command === "open" && !lab.store.end) open(DEFAULT);
   },
   lost() {
+    lab.checking = false; // how it goes on is not heard
     lab.lost ||= performance.now();
   },
   said,
   // Between the server and the board.
   link({ up }) {
+    lab.checking = false;
     lab.lost = up ? 0 : lab.lost || performance.now();
   },
 };

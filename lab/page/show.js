@@ -1,5 +1,5 @@
 // What changes with language, mode and source, and not with time.
-import { settings as all } from "lab/board.js";
+import { settings as all, asking } from "lab/board.js";
 import { charts, review } from "lab/parts.js";
 import { $, changed, lab, put } from "lab/state.js";
 import { current, escape, say } from "lab/strings.js";
@@ -16,6 +16,7 @@ export function show() {
 
 function words() {
   for (const node of document.querySelectorAll("[data-say]")) node.textContent = say(node.dataset.say);
+  asking();
   for (const node of document.querySelectorAll("[data-label]")) node.setAttribute("aria-label", say(node.dataset.label));
   $("language").textContent = current() === "en" ? "PT" : "EN";
   $("language").lang = current() === "en" ? "pt" : "en";

@@ -1,4 +1,5 @@
 // The large sentence: the state, one claim, what it rests on, how much and how soon.
+import { heats } from "lab/board.js";
 import { namings } from "lab/events.js";
 import { recognise } from "lab/faults.js";
 import { blamed, delays, headline, papers, support, unitOf } from "lab/say.js";
@@ -43,7 +44,7 @@ export function verdict({ row: now, hello, events, since, ts, settings, can, che
     return { state: "learn", icon: "learn", word: say("state_check"), aside: "", head: say("head_check"), sub: say("sub_check"), more: "" };
   }
   if (now.mode === 0) {
-    return { state: "off", icon: "off", word: say("state_off"), aside, head: say("head_off"), sub: say("sub_off"), more: order ? row(button("arm", "arm", true)) : "" };
+    return { state: "off", icon: "off", word: say("state_off"), aside, head: say("head_off"), sub: say("sub_off"), more: order ? row(hello.kind === "board" ? heats("arm", "c_arm") : button("arm", "arm", true)) : "" };
   }
   if (now.mode === 5) {
     return { state: "learn", icon: "learn", word: say("state_tune"), aside, head: say("head_tune"), sub: say("sub_tune"), more: "" };

@@ -1,4 +1,5 @@
 // What changes with time: the rig's drawing, the sentence and what stands beside it.
+import { asking } from "lab/board.js";
 import { drawCloseup } from "lab/closeup.js";
 import { Events, meant, namings } from "lab/events.js";
 import { FOREVER, describe } from "lab/faults.js";
@@ -29,6 +30,7 @@ export function write(row, said, hide) {
   put("head", view.head);
   put("sub", view.sub);
   put("more", view.more);
+  asking();
   put("second", asks ? "" : row.mode === 3 ? secondOpinion(row) : "");
   $("head").classList.toggle("long", view.head.replace(/<[^>]*>/g, "").length > 44);
   announce(asks ? view.head.replace(/\d+/, "") : `${said.word}: ${said.name ? short(said.name) : said.head.replace(/<[^>]*>/g, "")}`);

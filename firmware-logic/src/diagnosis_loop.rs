@@ -114,7 +114,8 @@ impl DiagnosisLoop {
         }
         self.still.step(&record.tick.sample, record.applied.0 > 0.0);
         let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
-        self.teaching.step(report.filtered.as_ref().map(|verdict| &verdict.symptoms));
+        let monitors = record.tick.mode == Mode::Monitor;
+        self.teaching.step(monitors, report.filtered.as_ref().map(|verdict| &verdict.symptoms));
         self.status.named = report.filtered.map_or(Name::NONE, |verdict| self.name(verdict.fdv, verdict.fiv));
         tell(Notice::Tick(TickLine::new(&record, &report)));
         self.notice_mode(&record, &mut tell);

@@ -18,6 +18,8 @@ pub struct Teaching {
     name: Name,
     repetitions: heapless::Vec<Steady, REPETITIONS>,
     current: Option<Repetition>,
+    /// Ticks of it that had no symptoms.
+    without: u32,
 }
 
 /// Why it cannot be taught.
@@ -31,6 +33,8 @@ pub enum TeachError {
     NotBegun,
     /// The repetition is too short to say anything.
     TooShort,
+    /// One repetition does not say what comes again.
+    Once,
     /// There is room for no more.
     Enough,
     /// Another name has repetitions that are neither saved nor dropped.
@@ -51,7 +55,8 @@ impl fmt::Display for TeachError {
             Self::NotMonitoring => "only while it monitors, see `status`",
             Self::Begun => "a repetition is under way, expected `teach end` first",
             Self::NotBegun => "no repetition is under way, or monitoring has ended meanwhile",
-            Self::TooShort => "that was too short, expected some 20 s",
+            Self::TooShort => "that was too short, or too few of its ticks had symptoms, expected some 20 s",
+            Self::Once => "one repetition does not say what comes again, expected three",
             Self::Enough => "that was enough, expected `teach save` or `teach drop`",
             Self::Other(name) => {
                 return write!(f, "expected `teach save` or `teach drop` of {name} first");
@@ -89,16 +94,19 @@ impl Teaching {
             None => {
                 self.name = name;
                 self.current = Some(Repetition::default());
+                self.without = 0;
                 Ok(self.repetitions.len() + 1)
             }
         }
     }
 
-    /// One tick; without symptoms, where nothing is monitored, what has begun is worth nothing.
-    pub fn step(&mut self, symptoms: Option<&Symptoms>) {
+    /// One tick. Where nothing is monitored any more, what has begun is worth nothing; a tick without symptoms only counts.
+    pub fn step(&mut self, monitors: bool, symptoms: Option<&Symptoms>) {
         match (symptoms, &mut self.current) {
+            _ if !monitors => self.current = None,
             (Some(symptoms), Some(repetition)) => repetition.push(symptoms),
-            _ => self.current = None,
+            (None, Some(_)) => self.without = self.without.saturating_add(1),
+            (_, None) => {}
         }
     }
 
@@ -108,7 +116,8 @@ impl Teaching {
     /// None is under way; it was too short.
     pub fn end(&mut self) -> Result<Steady, TeachError> {
         let repetition = self.current.take().ok_or(TeachError::NotBegun)?;
-        let long = Some(repetition).filter(|repetition| repetition.ticks() >= SHORTEST);
+        let judged = |ticks: u32| ticks >= SHORTEST && ticks / 9 >= self.without; // nine of ten
+        let long = Some(repetition).filter(|repetition| judged(repetition.ticks()));
         let steady = long.and_then(|repetition| repetition.steady()).ok_or(TeachError::TooShort)?;
         self.repetitions.push(steady).map_err(|_| TeachError::Enough)?;
         Ok(steady)
@@ -140,4 +149,38 @@ fn put(config: &mut DiagnosisConfig, row: Signature) -> Result<(), TeachError> {
         return Err(TeachError::Conflict(place, other.number));
     }
     tables::add(config, row).map_err(|_| TeachError::Full)
+}
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::diagnosis::signature::Symptom;
+
+    use super::*;
+
+    const HIGH: Symptoms = [Symptom::High, Symptom::Normal, Symptom::Low, Symptom::Normal, Symptom::Normal];
+
+    fn taught(without: u32) -> Result<Steady, TeachError> {
+        let mut teaching = Teaching::default();
+        teaching.begin("loose".parse().expect("a name")).expect("nothing is under way");
+        for k in 0..200 {
+            teaching.step(true, (k % without != 0).then_some(&HIGH));
+        }
+        teaching.end()
+    }
+
+    #[test]
+    fn a_contact_that_is_loose_now_and_then_can_be_taught_one_that_mostly_is_cannot() {
+        let steady = taught(20).expect("190 of 200 ticks");
+        assert_eq!((steady[0], steady[2]), (Some(Symptom::High), Some(Symptom::Low)));
+        assert_eq!(taught(4), Err(TeachError::TooShort));
+    }
+
+    #[test]
+    fn what_is_begun_is_worth_nothing_once_nothing_is_monitored() {
+        let mut teaching = Teaching::default();
+        teaching.begin("hand".parse().expect("a name")).expect("nothing is under way");
+        (0..100).for_each(|_| teaching.step(true, Some(&HIGH)));
+        teaching.step(false, None);
+        assert_eq!(teaching.end(), Err(TeachError::NotBegun));
+    }
 }

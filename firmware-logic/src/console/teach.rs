@@ -84,7 +84,7 @@ fn show(board: &mut impl Board, out: &mut dyn Write) -> Result<(), TeachError> {
             let _ = writeln!(out, "{} {number}: {}", teaching.name(), SteadyText(steady));
         }
         if teaching.repetitions().len() == 1 {
-            say(out, "one repetition does not say what comes again: make it three\n");
+            let _ = writeln!(out, "{}", TeachError::Once);
         }
     });
     let (row, verdict) = match proposed(board) {
@@ -104,6 +104,9 @@ fn proposed(board: &mut impl Board) -> Result<(Config, Signature), (TeachError, 
 }
 
 async fn save(board: &mut impl Board, out: &mut dyn Write) {
+    if board.teach(|teaching| teaching.repetitions().len()) == 1 {
+        return fail(out, &TeachError::Once);
+    }
     let (config, row) = match proposed(board) {
         Ok(proposed) => proposed,
         Err((error, _)) => return fail(out, &error),

@@ -94,7 +94,7 @@ mod tests {
     fn gaps_are_told_where_they_are() {
         let mut file = Vec::new();
         let mut recorder = Recorder::new(&mut file);
-        for line in ["log format 4".to_owned(), tick(0), tick(1), "dropped 3".to_owned(), tick(5)] {
+        for line in ["log format 5".to_owned(), tick(0), tick(1), "dropped 3".to_owned(), tick(5)] {
             recorder.line(&line).unwrap();
         }
         recorder.broken();
@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn a_record_that_begins_late_says_so_and_a_new_start_is_no_gap() {
         let mut recorder = Recorder::new(Vec::new());
-        for line in [tick(77), tick(78), "log format 4".to_owned(), tick(0)] {
+        for line in [tick(77), tick(78), "log format 5".to_owned(), tick(0)] {
             recorder.line(&line).unwrap();
         }
         assert_eq!((recorder.from_start, recorder.missing), (false, 0));

@@ -213,7 +213,7 @@ mod tests {
         for i in [10, 11, 14] {
             all.extend(rows(to_rows.line(&lines[i]).told));
         }
-        to_rows.line("log format 4");
+        to_rows.line("log format 5");
         for i in [0, 1] {
             all.extend(rows(to_rows.line(&lines[i]).told));
         }

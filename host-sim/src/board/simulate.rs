@@ -98,7 +98,7 @@ mod tests {
     #[test]
     fn each_tick_is_answered_with_the_codes_of_the_next_and_power_warms() {
         let rig = rig();
-        let mut codes = rig.answer("log format 4").expect("codes");
+        let mut codes = rig.answer("log format 5").expect("codes");
         let cold = codes.raw.t1.0;
         for k in 0..100 {
             assert_eq!(codes.tick, k);
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn codes_that_came_too_late_are_counted() {
         let rig = rig();
-        let codes = rig.answer("log format 4").expect("codes");
+        let codes = rig.answer("log format 5").expect("codes");
         let nothing =
             RawSample { t0: AdcCode(f32::NAN), t1: AdcCode(f32::NAN), t2: AdcCode(f32::NAN), ..codes.raw };
         rig.answer(&record(0, nothing, 0.0));

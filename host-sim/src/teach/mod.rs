@@ -79,6 +79,7 @@ impl Taught {
         let mut config = config.clone();
         let mut lessons = Vec::new();
         for marks in marks {
+            let before = config.diagnosis.clone();
             let number = tables::make_room(&mut config.diagnosis, marks.name);
             let proposal = Proposal::of(watch, marks, number)?;
             let pattern = proposal.row.pattern;
@@ -93,8 +94,8 @@ impl Taught {
                 })?;
                 lesson.quiet = Quiet::of(quiet, &config, number);
             }
-            if lesson.quiet.named > 0 {
-                tables::make_room(&mut config.diagnosis, marks.name);
+            if !lesson.stands() {
+                config.diagnosis = before; // a row of this name that works is not taken away
             }
             lessons.push(lesson);
         }

@@ -38,8 +38,7 @@ export const HEAR = {
       lab.settings = message.settings; // changes since are told as orders
     }
     lab.session = message.session;
-    ownNames.clear();
-    for (const [number, name] of message.own_names ?? []) ownNames.set(number, name);
+    HEAR.names(message);
     if (message.scene) lab.scene = message.scene;
     show();
     if (message.kind === "simulated") begin();
@@ -100,6 +99,10 @@ export const HEAR = {
     lab.lost ||= performance.now();
   },
   said,
+  names({ own_names = [] }) {
+    ownNames.clear();
+    for (const [number, name] of own_names) ownNames.set(number, name);
+  },
   // Between the server and the board.
   link({ up }) {
     lab.checking = false;

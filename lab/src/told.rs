@@ -15,6 +15,8 @@ pub enum Told {
     Order(Order),
     /// An order was not carried out, and why.
     Refused(String),
+    /// Numbers of fiv to which a user has given names of his own.
+    Names(Vec<(u8, String)>),
     /// What the board's console has said.
     Said(String),
     /// Whether there is a connection to what is watched.

@@ -19,7 +19,7 @@ pub const STOP: u8 = 0x03;
 /// What ends an answer.
 const PROMPT: &str = "> ";
 /// How long an answer may take: a save erases the flash, an order waits for a tick of up to 5 s.
-const PATIENCE: Duration = Duration::from_secs(15);
+pub(super) const PATIENCE: Duration = Duration::from_secs(15);
 /// How long it may take to say that it has stopped: what it was printing goes before.
 const STOPPING: Duration = Duration::from_secs(3);
 /// How often a board is asked whether it is there, and how long each time.
@@ -202,10 +202,10 @@ impl<P: Read + Write> Session<P> {
     /// The answer to a line that was typed, without echo and prompt.
     ///
     /// # Errors
-    /// The port has gone, or no answer comes.
-    pub fn answer(&mut self, line: &str) -> anyhow::Result<String> {
-        let heard = self.hear_prompt(PATIENCE).with_context(|| format!("after `{line}`"))?;
-        let text = heard.with_context(|| format!("no answer to `{line}` within {} s", PATIENCE.as_secs()))?;
+    /// The port has gone, or no answer comes in time.
+    pub fn answer(&mut self, line: &str, patience: Duration) -> anyhow::Result<String> {
+        let heard = self.hear_prompt(patience).with_context(|| format!("after `{line}`"))?;
+        let text = heard.with_context(|| format!("no answer to `{line}` within {} s", patience.as_secs()))?;
         // What a check told meanwhile may stand before the echo.
         let answer = text.split_once(&format!("{line}\n")).map_or(&*text, |(_, answer)| answer);
         Ok(answer.to_owned())
@@ -217,7 +217,7 @@ impl<P: Read + Write> Session<P> {
     /// The port has gone, or no answer comes.
     pub fn ask(&mut self, line: &str) -> anyhow::Result<String> {
         self.begin(line)?;
-        self.answer(line)
+        self.answer(line, PATIENCE)
     }
 
     /// The same where the answer must not be an error.

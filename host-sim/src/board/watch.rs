@@ -16,7 +16,7 @@ use pt326_lab::told::Told;
 use serialport::SerialPort;
 
 use super::rows::Rows;
-use super::session::{STOP, refusal};
+use super::session::{PATIENCE, STOP, refusal};
 use super::{Heard, Session, settings};
 use crate::experiment::as_written;
 
@@ -185,6 +185,13 @@ impl Keeper {
                 let _ = self.tell.send(Told::Order(Order::Set { name: setting.name.into(), value }));
             }
         }
+        let names = |config: &Config| -> Vec<(u8, String)> {
+            let rows = config.diagnosis.isolation.iter().filter(|row| !row.name.is_empty());
+            rows.map(|row| (row.number, row.name.as_str().to_owned())).collect()
+        };
+        if names(config) != names(&self.known) {
+            let _ = self.tell.send(Told::Names(names(config)));
+        }
         self.known = config.clone();
     }
 
@@ -237,12 +244,19 @@ impl Keeper {
             }
             self.session.begin(line)?;
         }
-        let answer = self.session.answer(line)?;
+        let answer = self.session.answer(line, self.patience(line))?;
         let _ = self.tell.send(Told::Said(format!("> {line}\n{}", answer.trim_end())));
         match refusal(&answer) {
             Some(error) => bail!("the board says to `{line}`: {error}"),
             None => Ok(()),
         }
+    }
+
+    /// Whoever watches is to hear soon that a board has fallen silent; what erases flash or searches takes its time.
+    fn patience(&self, line: &str) -> Duration {
+        let is_slow =
+            ["save", "brownout", "tune", "teach", "commission"].iter().any(|word| line.starts_with(word));
+        if is_slow { PATIENCE } else { SILENCE + Duration::from_secs_f64(2.0 * self.sample_time) }
     }
 
     fn line(&mut self, line: &str) -> Result<(), Unwatched> {

@@ -143,6 +143,7 @@ impl<S: Source> Keeper<S> {
                 }
                 Told::Order(order) => json!({ "type": "order", "tick": tick, "order": order }),
                 Told::Refused(why) => json!({ "type": "refused", "why": why }),
+                Told::Names(own) => json!({ "type": "names", "own_names": own }),
                 Told::Said(text) => json!({ "type": "said", "text": text }),
                 Told::Link(up) => json!({ "type": "link", "up": up }),
             };

@@ -115,3 +115,23 @@ fn a_cable_that_is_pulled_out_is_told_at_once_and_the_board_goes_on() {
     until(&mut watch, "stop", in_mode(0.0));
     stays_in_mode(&mut watch, 0.0);
 }
+
+#[test]
+fn its_console_answers_a_stop_typed_there_waits_for_nothing_and_names_of_rows_are_told() {
+    let board = LiveBoard::new();
+    let mut watch = watched(&board);
+    let type_in = |watch: &mut Watch, line: &str| watch.order(&Order::Console { line: line.into() });
+    type_in(&mut watch, "set diagnosis.isolation.4 4 0 +1 0 -1 0 low").expect("passed on");
+    let named = Told::Names(vec![(4, "low".into())]);
+    let told = until(&mut watch, "names", |told| *told == named);
+    let said =
+        |told: &Told| matches!(told, Told::Said(text) if text.starts_with("> set diagnosis.isolation.4"));
+    assert!(told.iter().any(said), "{told:?}");
+    type_in(&mut watch, "arm").expect("passed on");
+    until(&mut watch, "heat", in_mode(1.0));
+    type_in(&mut watch, " stop it").expect("sent");
+    until(&mut watch, "stop", in_mode(0.0));
+    assert!(type_in(&mut watch, &"x".repeat(81)).is_ok());
+    let told = until(&mut watch, "refusal", |told| matches!(told, Told::Refused(_)));
+    assert!(format!("{:?}", told.last()).contains("at most 80"), "{told:?}");
+}

@@ -28,6 +28,12 @@ pub const FIELDS: [&str; WORDS] = [
     "supply_code",
 ];
 
+/// Names of the modes by the numbers of the word "state".
+pub const MODES: [&str; 6] = ["off", "settle", "learn", "monitor", "tripped", "tune"];
+
+/// The readiness of a likelihood diagnosis that watches.
+pub const ARMED: u32 = 2;
+
 /// "Not defined": a NaN that no arithmetic gives.
 pub const NONE: u32 = u32::MAX;
 
@@ -92,6 +98,21 @@ impl TickLine {
     /// The word of this name in [`FIELDS`]; [`NONE`] where there is none.
     pub fn word(&self, name: &str) -> u32 {
         FIELDS.iter().position(|field| *field == name).map_or(NONE, |i| self.0[i])
+    }
+
+    /// The mode, as a place in [`MODES`].
+    pub fn mode(&self) -> u32 {
+        self.word("state") & 0xF
+    }
+
+    /// What kept the tick from being learnt, from 1 in the order of [`Blocker`]; 0 is nothing.
+    pub fn blocked(&self) -> u32 {
+        self.word("state") >> 17 & 7
+    }
+
+    /// How far the likelihood diagnosis is: not trained, in training, [`ARMED`], or refused and why.
+    pub fn readiness(&self) -> u32 {
+        self.word("likelihood") & 0xF
     }
 
     /// Codes that went in.
@@ -202,14 +223,7 @@ pub(super) fn word(digits: &str) -> Option<u32> {
 /// Mode in bits 0..3, validity of T0, T1, T2 from bits 4, 8 and 12, learning in bit 16, what blocks it from bit 17, flags
 /// of MS1 from bit 20 and of MS2 from bit 24.
 fn state(record: &TickRecord, report: &Report) -> u32 {
-    let mode = match record.tick.mode {
-        Mode::Off => 0,
-        Mode::Settle { .. } => 1,
-        Mode::Learn { .. } => 2,
-        Mode::Monitor => 3,
-        Mode::Tripped(_) => 4,
-        Mode::Tune => 5,
-    };
+    let mode = mode(&record.tick.mode);
     let blocked = match record.tick.blocked {
         None => 0,
         Some(Blocker::Saturated) => 1,
@@ -227,6 +241,18 @@ fn state(record: &TickRecord, report: &Report) -> u32 {
         | blocked << 17
         | observer(&report.ms1) << 20
         | observer(&report.ms2) << 24
+}
+
+/// Its place in [`MODES`].
+fn mode(mode: &Mode) -> u32 {
+    match mode {
+        Mode::Off => 0,
+        Mode::Settle { .. } => 1,
+        Mode::Learn { .. } => 2,
+        Mode::Monitor => 3,
+        Mode::Tripped(_) => 4,
+        Mode::Tune => 5,
+    }
 }
 
 fn validity(validity: Validity) -> u32 {
@@ -272,7 +298,7 @@ fn likelihood(report: &LikelihoodReport) -> u32 {
     let readiness = match report.readiness {
         Readiness::Untrained => 0,
         Readiness::Training => 1,
-        Readiness::Armed => 2,
+        Readiness::Armed => ARMED,
         Readiness::Refused(RejectReason::Unstable) => 3,
         Readiness::Refused(RejectReason::Gain) => 4,
         Readiness::Refused(RejectReason::PoorFit) => 5,
@@ -290,4 +316,18 @@ fn vectors(report: &Report) -> u32 {
         | byte(&report.filtered, |v| v.fiv) << 8
         | byte(&report.raw, |v| v.fdv) << 16
         | byte(&report.raw, |v| v.fiv) << 24
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modes_are_called_as_everywhere() {
+        let modes =
+            [Mode::Off, Mode::Settle { steady: 1 }, Mode::Learn { accepted: 1 }, Mode::Monitor, Mode::Tune];
+        for each in modes {
+            assert_eq!(MODES.get(mode(&each) as usize), Some(&each.name()));
+        }
+    }
 }

@@ -5,7 +5,7 @@ use fdi_core::sense::thermistor::Thermistor;
 use fdi_core::{Command, Config};
 use firmware_logic::control_loop::OrderKind;
 use firmware_logic::log_line::LogLine;
-use firmware_logic::log_line::tick::{NONE, TickLine};
+use firmware_logic::log_line::tick::{ARMED, MODES, NONE, TickLine};
 use pt326_lab::fields::{FIELDS, TRIPS};
 use pt326_lab::scene::Order;
 use pt326_lab::told::{Numbers, Told};
@@ -99,13 +99,16 @@ impl Rows {
             "t0" => read(4, s0, raw.t0),
             "t1" => read(8, s1, raw.t1),
             "t2" => read(12, s2, raw.t2),
-            "mode" => count(state & 0xF),
-            "trip" => self.trip.filter(|_| state & 0xF == 4).map(|trip| trip as f32),
-            "blocked" => (state >> 17 & 7).checked_sub(1).map(|blocker| blocker as f32),
+            "mode" => count(line.mode()),
+            "trip" => self
+                .trip
+                .filter(|_| MODES.get(line.mode() as usize) == Some(&"tripped"))
+                .map(|trip| trip as f32),
+            "blocked" => line.blocked().checked_sub(1).map(|blocker| blocker as f32),
             "learned" => count(word("learned")),
             // The page has refused before armed, and one number for all reasons.
-            "readiness" => count(match likelihood & 0xF {
-                2 => 3,
+            "readiness" => count(match line.readiness() {
+                ARMED => 3,
                 3.. => 2,
                 early => early,
             }),

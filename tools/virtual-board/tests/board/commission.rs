@@ -73,7 +73,7 @@ fn a_board_with_blank_flash_is_led_to_a_rig_that_is_watched() {
         "tune: done",
         "error: tune: expected",
         "in force: kp",
-        "monitoring",
+        "mode monitor",
         "learnt from",
         "Median of",
         "Kept.",
@@ -113,7 +113,7 @@ fn whoever_goes_away_in_the_middle_leaves_a_heater_that_is_off_and_a_report() {
     let board = LiveBoard::new();
     let mut session = Session::open(&board.name).expect("a board");
     let answers = vec![("self-test may begin", "y"), ("Begin?", "y")];
-    let mut person = Scripted { answers, told: String::new(), leaves_at: Some("settling") };
+    let mut person = Scripted { answers, told: String::new(), leaves_at: Some("mode settle") };
     let done = commission(&mut session, &mut person);
     let error = format!("{:#}", done.error.expect("nobody listens"));
     assert!(error.contains("the heater was stopped") && error.contains("nobody listens"), "{error}");

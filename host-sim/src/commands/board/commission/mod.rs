@@ -8,6 +8,7 @@ use std::io::{Read, Write};
 
 use anyhow::ensure;
 use fdi_core::Config;
+use firmware_logic::log_line::tick::{ARMED, MODES};
 
 use crate::board::{Session, settings};
 use crate::commands::replay::isolability;
@@ -21,10 +22,6 @@ const HORIZONS: [f64; 3] = [1.0, 10.0, 60.0];
 const WATCHED: f64 = 120.0;
 /// Ticks after which a thermistor that is at rest has been so for long enough.
 const REST: usize = 80;
-/// Modes as the log numbers them, and the readiness of the second diagnosis.
-const MONITOR: u32 = 3;
-const TRIPPED: u32 = 4;
-const ARMED: u32 = 2;
 
 /// What came of it.
 pub struct Commissioning {
@@ -227,18 +224,18 @@ fn watch<P: Read + Write>(guide: &mut Guide<P>, config: &Config) -> anyhow::Resu
         }
         for tick in guide.ticks()? {
             waited += 1;
-            let [state, likelihood] = ["state", "likelihood"].map(|name| tick.word(name));
-            let (mode, blocked, readiness) = (state & 0xF, state >> 17 & 7, likelihood & 0xF);
+            let mode = MODES.get(tick.mode() as usize).copied().unwrap_or("one that is not known here");
+            let blocked = tick.blocked();
             // What came before it was armed may still be on the wire.
-            began |= mode != 0;
+            began |= mode != "off";
             if !began {
                 continue;
             }
-            watched = if mode == MONITOR && readiness == ARMED { watched + 1 } else { 0 };
+            watched = if mode == "monitor" && tick.readiness() == ARMED { watched + 1 } else { 0 };
             if before.replace((mode, blocked)) != Some((mode, blocked)) {
                 guide.say(&format!("tick {}: {}", tick.tick(), standing(mode, blocked)))?;
             }
-            if mode == 0 || mode == TRIPPED {
+            if ["off", "tripped"].contains(&mode) {
                 let status = guide.order("status")?;
                 guide.say(&status)?;
                 return Ok(false);
@@ -249,12 +246,10 @@ fn watch<P: Read + Write>(guide: &mut Guide<P>, config: &Config) -> anyhow::Resu
 }
 
 /// How far it has come, in words.
-fn standing(mode: u32, blocked: u32) -> String {
-    const MODES: [&str; 6] = ["off", "settling", "learning", "monitoring", "tripped", "tuning"];
-    let mode = MODES.get(mode as usize).copied().unwrap_or("in a mode that is not known here");
+fn standing(mode: &str, blocked: u32) -> String {
     let blocker = blocked.checked_sub(1).and_then(|i| pt326_lab::fields::BLOCKERS.get(i as usize));
     let waits = blocker.map(|blocker| format!(", not learning: {}", blocker.words())).unwrap_or_default();
-    format!("{mode}{waits}")
+    format!("mode {mode}{waits}")
 }
 
 fn tell_apart<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<()> {

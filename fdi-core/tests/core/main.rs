@@ -3,6 +3,7 @@
 mod answers;
 mod endurance;
 mod estimator;
+mod experiment;
 mod known;
 mod monitor;
 mod oracle;

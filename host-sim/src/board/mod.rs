@@ -9,4 +9,4 @@ pub mod simulate;
 pub mod watch;
 
 pub use port::{find, open};
-pub use session::{Gate, Heard, STOP, Session, refusal};
+pub use session::{Gate, Heard, STOP, Session, check_ended, refusal, take_lines};

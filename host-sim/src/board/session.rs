@@ -51,6 +51,14 @@ impl Gate {
         stop()
     }
 
+    /// Whether it is open.
+    ///
+    /// # Errors
+    /// Somebody has stopped the board.
+    pub fn check(&self) -> anyhow::Result<()> {
+        self.pass(|| Ok(()))
+    }
+
     fn pass<R>(&self, send: impl FnOnce() -> anyhow::Result<R>) -> anyhow::Result<R> {
         let closed = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         ensure!(!*closed, "it was stopped by hand");
@@ -279,6 +287,20 @@ impl<P: Read + Write> Session<P> {
             }
         }
     }
+}
+
+/// Takes the whole lines of a console's text, without its prompts and what is empty; the rest stays.
+pub fn take_lines(text: &mut String) -> Vec<String> {
+    let end = text.rfind('\n').map_or(0, |at| at + 1);
+    let whole: String = text.drain(..end).collect();
+    let lines = whole.lines().map(|line| line.trim_end().trim_start_matches(PROMPT).to_owned());
+    lines.filter(|line| !matches!(line.as_str(), "" | ">")).collect()
+}
+
+/// Whether a line tells the end of a self-test, and then whether it has passed.
+pub fn check_ended(line: &str) -> Option<bool> {
+    let has = |words| line.starts_with(words);
+    has("check passed").then_some(true).or((has("check failed") || has("check ended")).then_some(false))
 }
 
 /// Why a board has refused something, if its answer says so.

@@ -16,7 +16,7 @@ use pt326_lab::told::Told;
 use serialport::SerialPort;
 
 use super::rows::Rows;
-use super::session::{PATIENCE, STOP, refusal};
+use super::session::{PATIENCE, STOP, refusal, take_lines};
 use super::{Heard, Session, settings};
 use crate::experiment::as_written;
 
@@ -198,14 +198,7 @@ impl Keeper {
     /// What the console says by itself, line by line.
     fn say(&mut self, text: &str) -> Result<(), Unwatched> {
         self.text += &text.replace('\r', "");
-        let end = self.text.rfind('\n').map_or(0, |at| at + 1);
-        let whole: String = self.text.drain(..end).collect();
-        for line in
-            whole.lines().map(|line| line.trim_start_matches("> ")).filter(|line| !matches!(*line, "" | ">"))
-        {
-            self.tell(Told::Said(line.to_owned()))?;
-        }
-        Ok(())
+        take_lines(&mut self.text).into_iter().try_for_each(|line| self.tell(Told::Said(line)))
     }
 
     fn run(&mut self, given: &Receiver<Given>) {

@@ -195,8 +195,7 @@ async fn command(
         Ok(Json(body)) => body,
         Err(rejection) => return rejection.into_response(),
     };
-    // By way of a value: straight from the text serde_json takes no number of a tagged enum where its `arbitrary_precision` is on, which any
-    // program built along with this one may ask for.
+    // By way of a value, for the reason that `protocol::read` tells.
     let ask = match serde_json::from_value(body) {
         Ok(Command::Order { order }) => Ask::Order(order),
         Ok(Command::Open { scene, at }) => Ask::Open(scene, at),

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail, ensure};
 
 use super::Person;
-use crate::board::{Heard, STOP, Session, settings};
+use crate::board::{Heard, STOP, Session, check_ended, settings, take_lines};
 use crate::commands::terminal::{print, progress};
 use crate::settings::{commented_toml_of, read};
 
@@ -24,12 +24,8 @@ pub(super) fn check(mut session: Session) -> anyhow::Result<bool> {
         for line in take_lines(&mut told) {
             print(&format!("{line}\n"))?;
             last = Instant::now();
-            let ended = line.trim_start_matches("> ");
-            if ended.starts_with("check passed") {
-                return Ok(true);
-            }
-            if ended.starts_with("check failed") || ended.starts_with("check ended") {
-                return Ok(false);
+            if let Some(passed) = check_ended(&line) {
+                return Ok(passed);
             }
         }
         let heard = session.hear().context("the port has gone; the board ends the check by itself")?;
@@ -39,13 +35,6 @@ pub(super) fn check(mut session: Session) -> anyhow::Result<bool> {
         });
         told.extend(texts);
     }
-}
-
-/// Takes the whole lines that have come.
-fn take_lines(text: &mut String) -> Vec<String> {
-    let end = text.rfind('\n').map_or(0, |at| at + 1);
-    let whole: String = text.drain(..end).collect();
-    whole.lines().filter(|line| !matches!(*line, "" | ">" | "> ")).map(str::to_owned).collect()
 }
 
 /// Prints how it is; whether nothing is latched.
@@ -96,8 +85,8 @@ pub(super) fn commission(mut session: Session, file: &Path) -> anyhow::Result<bo
             Ok(()) => "stopped",
             Err(_) => "NOT stopped: the port has gone. The board's button stops it.",
         };
-        eprintln!("\n{told}");
-        // While a question waits nothing heats, and nobody would hear of the stop; else the step ends by it, and what was done is written.
+        let _ = writeln!(std::io::stderr(), "\n{told}"); // a terminal that was closed shows nothing
+        // A question would wait on; else the step ends by the stop, and what was done is written.
         if ASKING.load(Ordering::Relaxed) {
             std::process::exit(2);
         }

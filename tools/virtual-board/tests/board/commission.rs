@@ -132,4 +132,8 @@ fn nothing_is_typed_behind_a_stop_by_another_hand() {
     session.gate().close(|| session.other_hand().expect("the port"));
     let error = session.order("status").expect_err("it is closed");
     assert!(format!("{error:#}").contains("stopped by hand"), "{error:#}");
+    let mut person = Scripted { answers: vec![], told: String::new(), leaves_at: None };
+    let done = commission(&mut session, &mut person);
+    assert!(format!("{:#}", done.error.expect("it is closed")).contains("stopped by hand"));
+    assert!(!person.told.contains("Who commissions"), "nobody is asked any more: {}", person.told);
 }

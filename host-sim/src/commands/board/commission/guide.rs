@@ -8,7 +8,7 @@ use firmware_logic::log_line::LogLine;
 use firmware_logic::log_line::tick::TickLine;
 
 use super::report::{Outcome, Section};
-use crate::board::{Heard, Session, refusal};
+use crate::board::{Heard, Session, refusal, take_lines};
 
 /// So long the board, which streams each tick, may say nothing at all.
 const SILENCE: Duration = Duration::from_secs(60);
@@ -70,6 +70,7 @@ impl<'a, P: Read + Write> Guide<'a, P> {
 
     /// An answer that is not empty.
     pub(super) fn ask(&mut self, question: &str) -> anyhow::Result<Option<String>> {
+        self.session.gate().check()?;
         let answer = self.person.ask(question)?;
         Ok(answer.map(|answer| answer.trim().to_owned()).filter(|answer| !answer.is_empty()))
     }
@@ -110,7 +111,7 @@ impl<'a, P: Read + Write> Guide<'a, P> {
         self.text.clear();
         let mut result = None;
         loop {
-            for line in self.lines() {
+            for line in take_lines(&mut self.text) {
                 self.say(&line)?;
                 result = result.or(over(&line));
             }
@@ -128,14 +129,6 @@ impl<'a, P: Read + Write> Guide<'a, P> {
             count = count.saturating_sub(self.ticks()?.len());
         }
         Ok(())
-    }
-
-    /// The whole lines that the console has told, without its prompts.
-    fn lines(&mut self) -> Vec<String> {
-        let end = self.text.rfind('\n').map_or(0, |at| at + 1);
-        let whole: String = self.text.drain(..end).collect();
-        let lines = whole.lines().map(|line| line.trim_start_matches("> ").trim_end().to_owned());
-        lines.filter(|line| !matches!(line.as_str(), "" | ">")).collect()
     }
 
     /// The ticks that the board has streamed since; waits for something to come.

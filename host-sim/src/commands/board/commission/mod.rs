@@ -10,7 +10,7 @@ use anyhow::ensure;
 use fdi_core::Config;
 use firmware_logic::log_line::tick::{ARMED, MODES};
 
-use crate::board::{Session, settings};
+use crate::board::{Session, check_ended, settings};
 use crate::commands::replay::isolability;
 use crate::isolability::{Question, output};
 use guide::Guide;
@@ -41,19 +41,19 @@ pub fn commission<P: Read + Write>(session: &mut Session<P>, person: &mut dyn Pe
     let mut guide = Guide::new(session, person);
     let led = lead(&mut guide);
     let (now, error) = match led {
-        Ok(now) => (now, None),
+        Ok(now) => (Some(now), None),
         Err(error) => {
             let stopped = match guide.session.stops() {
                 true => "the heater was stopped",
                 false => "the board does NOT say that it has stopped: its button stops it",
             };
             guide.note(&format!("{error:#}; {stopped}"));
-            (Config::default(), Some(error.context(stopped)))
+            (None, Some(error.context(stopped)))
         }
     };
     Commissioning {
         passed: !guide.sections.iter().any(|section| section.outcome == Outcome::Failed),
-        report: report::html(&guide.sections, &now),
+        report: report::html(&guide.sections, now.as_ref()),
         log: guide.log,
         error,
     }
@@ -138,10 +138,7 @@ fn check<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<bool> {
     if guide.try_order("check")?.is_none() {
         return Ok(false);
     }
-    let passed = guide.follow(|line| {
-        let over = line.starts_with("check failed") || line.starts_with("check ended");
-        line.starts_with("check passed").then_some(true).or(over.then_some(false))
-    })?;
+    let passed = guide.follow(check_ended)?;
     guide.end(if passed { Outcome::Done } else { Outcome::Failed });
     if !passed {
         guide.say("Mend that, and begin again: what was kept before is still there.")?;

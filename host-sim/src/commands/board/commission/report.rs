@@ -44,8 +44,8 @@ h1,h2{line-height:1.2}table{border-collapse:collapse}td{padding:.2rem 1.2rem .2r
 pre{font:13px/1.45 ui-monospace,monospace;background:#f4f5f7;padding:.8rem;overflow-x:auto;white-space:pre-wrap}\
 .FAILED{color:#b00020;font-weight:600}@media print{pre{background:none;border:1px solid #ccc}}";
 
-/// The report; `now` are the board's settings.
-pub(super) fn html(sections: &[Section], now: &Config) -> String {
+/// The report; `now` are the board's settings, where they could be read in the end.
+pub(super) fn html(sections: &[Section], now: Option<&Config>) -> String {
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
          <title>Commissioning of a PT-326</title><style>{STYLE}</style>\n<h1>Commissioning of a PT-326</h1>\n<table>"
@@ -59,7 +59,11 @@ pub(super) fn html(sections: &[Section], now: &Config) -> String {
     for Section { title, lines, .. } in sections {
         let _ = writeln!(out, "<h2>{}</h2>\n<pre>{}</pre>", escape(title), escape(&lines.join("\n")));
     }
-    let _ = writeln!(out, "<h2>Settings that are not the default</h2>\n<pre>{}</pre>", escape(&own(now)));
+    let _ = writeln!(
+        out,
+        "<h2>Settings that are not the default</h2>\n<pre>{}</pre>",
+        escape(&now.map_or("they could not be read".into(), own))
+    );
     let _ = writeln!(out, "<p>Written by pt326 {} from what the board said.", env!("CARGO_PKG_VERSION"));
     out
 }
@@ -85,8 +89,9 @@ mod tests {
         config.pid.kp = 3.5;
         let said = html(
             &[section("Wires", Outcome::Failed, "T1 <b>"), section("Rest", Outcome::LeftOut, "")],
-            &config,
+            Some(&config),
         );
+        assert!(html(&[], None).contains("could not be read"));
         for word in ["class=\"FAILED\">FAILED", "left out", "T1 &lt;b&gt;", "pid.kp = 3.5 %/degC"] {
             assert!(said.contains(word), "{word} in {said}");
         }

@@ -9,6 +9,7 @@ mod verify;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use clap::Subcommand as _;
 use pt326_rig::Rig;
 
 use crate::board::simulate::SimulatedRig;
@@ -119,7 +120,12 @@ pub fn run(args: &BoardArgs) -> anyhow::Result<ExitCode> {
         anyhow::ensure!(args.action.is_none(), "--record is for no action, expected one of both");
         return recording::run(&name, file, args.from_start, args.seconds).map(|()| ExitCode::SUCCESS);
     }
-    let mut session = Session::open(&name)?;
+    let mut session = match Session::open(&name) {
+        Err(error) if is_mistyped(&name) => {
+            return Err(error.context(format!("{name} is neither a port nor {}", actions())));
+        }
+        opened => opened?,
+    };
     let rig = args.simulate.then(|| simulate(&mut session, args)).transpose()?;
     let is_yes = match &args.action {
         None => terminal::run(session, &name, rig.as_ref()).map(|()| true),
@@ -134,6 +140,18 @@ pub fn run(args: &BoardArgs) -> anyhow::Result<ExitCode> {
     Ok(if is_yes { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
+/// No port is called so on any system: an action was meant.
+fn is_mistyped(name: &str) -> bool {
+    name.chars().all(|c| c.is_ascii_lowercase())
+}
+
+/// The actions, for people.
+fn actions() -> String {
+    let all = Action::augment_subcommands(clap::Command::new("board"));
+    let names: Vec<&str> = all.get_subcommands().map(clap::Command::get_name).collect();
+    format!("one of {}", names.join(", "))
+}
+
 /// Has the board start anew with a rig beside it.
 fn simulate(session: &mut Session, args: &BoardArgs) -> anyhow::Result<SimulatedRig> {
     let (_, scenario) = args.experiment.load()?;
@@ -143,4 +161,16 @@ fn simulate(session: &mut Session, args: &BoardArgs) -> anyhow::Result<Simulated
     session.simulate(rig.clone());
     session.restart("simulate on")?;
     Ok(rig)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mistyped_action_is_told_from_a_port() {
+        assert!(["commision", "stat"].iter().all(|name| is_mistyped(name)));
+        assert!(!["/dev/ttyACM0", "COM4", "ttyUSB1"].iter().any(|name| is_mistyped(name)));
+        assert_eq!(actions(), "one of check, status, faults, commission, verify, settings");
+    }
 }

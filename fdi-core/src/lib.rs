@@ -14,6 +14,7 @@ pub mod instrument;
 pub mod known;
 pub mod likelihood;
 pub mod monitor;
+pub mod name;
 mod root;
 pub mod sense;
 pub mod settings;

@@ -6,7 +6,7 @@ use core::mem::discriminant;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::event::Event;
-use fdi_core::diagnosis::name::Name;
+use fdi_core::name::Name;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::likelihood::Readiness;
 use fdi_core::{Config, ConfigError, Mode, Report, Seconds};

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use fdi_core::diagnosis::event::{Event, Fault};
-use fdi_core::diagnosis::name::Name;
+use fdi_core::name::Name;
 use fdi_core::{AdcCode, Reading, Trip, TripReason};
 
 use crate::alarm::{self, AlarmRecord};

@@ -4,7 +4,7 @@ use core::fmt;
 
 use fdi_core::Trip;
 use fdi_core::diagnosis::event::Event;
-use fdi_core::diagnosis::name::Name;
+use fdi_core::name::Name;
 use fdi_core::likelihood::Readiness;
 use fdi_core::tune::Standing;
 

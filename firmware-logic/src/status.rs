@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use fdi_core::diagnosis::name::Name;
+use fdi_core::name::Name;
 use fdi_core::likelihood::{Readiness, RejectReason, SinceCommissioning};
 use fdi_core::tune::Standing;
 use fdi_core::{KnownInputs, Mode, Percent, Reading, Report, Validity};

@@ -7,7 +7,7 @@ use core::pin::pin;
 use core::task::{Context, Poll, Waker};
 
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
-use fdi_core::diagnosis::name::Name as Called;
+use fdi_core::name::Name as Called;
 use fdi_core::diagnosis::signature::{MAX_ROWS, Signature};
 use fdi_core::identify::Adaptation;
 use fdi_core::likelihood::Commissioned;

@@ -7,5 +7,6 @@ mod known;
 mod likelihood;
 mod plants;
 mod scenarios;
+mod explore;
 mod taught;
 mod tuning;

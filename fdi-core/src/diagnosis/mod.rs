@@ -4,7 +4,6 @@ pub mod answer;
 pub mod baseline;
 pub mod config;
 pub mod event;
-pub mod name;
 pub mod residual;
 pub mod signature;
 pub mod teach;

@@ -18,9 +18,9 @@
 use core::fmt;
 
 use super::baseline::Normal;
-use super::name::Name;
 use super::residual::{DECISIVE, FIRST_DECISIVE, RESIDUALS};
 use crate::error::ConfigError;
+use crate::name::Name;
 
 /// Number of residuals in a signature.
 pub const WIDTH: usize = DECISIVE.len();

@@ -1,5 +1,6 @@
 //! What the models say on a tick, and an alarm under way.
 
+use super::taught::TaughtFinding;
 use super::verdict::Finding;
 
 /// What the models say on a tick.
@@ -31,6 +32,8 @@ pub(super) struct Alarm {
     /// Since it was raised, s of the reference rig.
     pub(super) age: f32,
     pub(super) finding: Option<Finding>,
+    /// The fault of the user's own that it is.
+    pub(super) taught: Option<TaughtFinding>,
     /// No hypothesis fits, and on which share of the last judgements none did.
     pub(super) strange: bool,
     pub(super) misfit: f32,
@@ -49,6 +52,7 @@ impl Alarm {
             onset,
             age: 0.0,
             finding: None,
+            taught: None,
             strange: false,
             misfit: 0.0,
             gain: 0.0,

@@ -1,6 +1,8 @@
 //! Settings of the likelihood diagnosis.
 
-use crate::settings::settings;
+use super::taught::{self, Responses};
+use crate::error::ConfigError;
+use crate::settings::{check, settings};
 use crate::units::Seconds;
 
 settings! {
@@ -26,5 +28,16 @@ settings! {
         /// The smallest sudden change of the heater's power that is a fault, a share: mains come and go. Where they are seen to do so by more,
         /// that counts.
         least_power: f32 = 0.085, 0.0..=0.5;
+    } and {
+        /// Faults of the user's own.
+        taught: Responses = Responses::new();
+    }
+}
+
+impl LikelihoodConfig {
+    /// Checks every setting and every response.
+    pub(super) fn validate(&self) -> Result<(), ConfigError> {
+        check(Self::SETTINGS[0], self)?;
+        taught::validate(&self.taught)
     }
 }

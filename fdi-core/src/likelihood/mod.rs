@@ -59,6 +59,7 @@ mod sensors;
 pub mod signatures;
 mod steady;
 mod tangent;
+pub mod taught;
 mod tracker;
 mod training;
 pub mod verdict;
@@ -69,7 +70,6 @@ use crate::error::ConfigError;
 use crate::identify::config::IdentificationConfig;
 use crate::known::KnownInputs;
 use crate::sense::{Reading, Validity};
-use crate::settings::check;
 use crate::supervisor::Mode;
 use crate::units::Seconds;
 use alarm::ModelAlarm;
@@ -91,7 +91,7 @@ pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason}
 use watch::{Gathered, Watch, WatchState};
 
 /// The validated likelihood diagnosis.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Likelihood {
     trainer: Trainer,
     watch: Watch,
@@ -149,7 +149,7 @@ struct Now<'a> {
     fan: f32,
 }
 
-const _: () = assert!(size_of::<LikelihoodState>() <= 8192, "more than the board has for it");
+const _: () = assert!(size_of::<LikelihoodState>() <= 9216, "more than the board has for it");
 
 impl Likelihood {
     /// Builds the diagnosis.
@@ -161,7 +161,7 @@ impl Likelihood {
         identification: &IdentificationConfig,
         sample_time: Seconds,
     ) -> Result<Self, ConfigError> {
-        check(LikelihoodConfig::SETTINGS[0], c)?;
+        c.validate()?;
         let (ts, answer_time) = (sample_time, identification.answer_time.0);
         let usual = identification.y_scale.0 / identification.u_scale.0;
         Ok(Self {
@@ -175,6 +175,7 @@ impl Likelihood {
                 least_power: c.least_power,
                 sample_time: ts.0,
                 inputs: Inputs::ALL,
+                taught: c.taught.clone(),
             },
             ambient: Ambient::new(ts.0, answer_time),
             response: ImpulseResponse::new(ts.0, answer_time),
@@ -361,6 +362,8 @@ impl Likelihood {
         let known = monitoring && now.y[1].is_some() && state.ambient.is_followed(now.tick.sample.t0.good());
         LikelihoodReport {
             expected: [ambient, y1, y2],
+            taught: if monitoring { trained.taught() } else { None },
+            departure: if monitoring { trained.departure() } else { None },
             virtual_rise: if known { trained.virtual_t1() } else { None },
             air_flow: if now.heating { trained.air_flow() } else { None },
             heater_stuck_on: trained.heater_stuck_on(),

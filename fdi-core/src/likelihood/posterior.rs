@@ -34,6 +34,8 @@ pub(super) struct Posterior {
     class: [f32; COUNT],
     /// The gain of the best.
     pub(super) best_gain: f32,
+    /// Evidence of all classes together, as a multiple of that of the best.
+    all: f32,
     /// The best of all, and the best of the likeliest class.
     pub(super) best: usize,
     pub(super) likeliest: usize,
@@ -73,7 +75,12 @@ impl Posterior {
                 (likeliest, top) = (h, (*class, freed.gain));
             }
         }
-        Self { class, best_gain, best, likeliest }
+        Self { class, best_gain, all, best, likeliest }
+    }
+
+    /// Logarithm of the evidence of all classes together.
+    pub(super) fn evidence(&self) -> f32 {
+        self.best_gain + libm::logf(self.all)
     }
 
     /// Probability of the class of a hypothesis.

@@ -2,7 +2,7 @@
 
 use core::fmt::{self, Display, Write};
 
-use fdi_core::diagnosis::name::Name;
+use fdi_core::name::Name;
 use fdi_core::diagnosis::signature::Signature;
 use fdi_core::diagnosis::teach::Steady;
 use fdi_core::{Config, Mode};

@@ -2,7 +2,7 @@
 //! it is a fault of the user's own, `4 0 +1 0 -1 0 hand`; or `none`.
 
 use fdi_core::Config;
-use fdi_core::diagnosis::name::Name;
+use fdi_core::name::Name;
 use fdi_core::diagnosis::signature::{Pattern, Rows, Signature, WIDTH};
 
 use super::error::{Expected, SetError};

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use anyhow::{Context, ensure};
-use fdi_core::diagnosis::name::Name;
+use fdi_core::name::Name;
 
 /// From when to when, s.
 #[derive(Clone, Copy, Debug, PartialEq)]

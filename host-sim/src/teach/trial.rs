@@ -3,7 +3,7 @@
 use fdi_core::Config;
 use fdi_core::Seconds;
 use fdi_core::diagnosis::answer::{Answers, Standing};
-use fdi_core::diagnosis::name::Name;
+use fdi_core::name::Name;
 
 use super::{Marks, Span, Watch};
 

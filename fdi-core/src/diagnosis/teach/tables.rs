@@ -1,7 +1,7 @@
 //! New rows in both tables of the settings. The same row detects and isolates: fdv and fiv give its number.
 
 use crate::diagnosis::config::DiagnosisConfig;
-use crate::diagnosis::name::Name;
+use crate::name::Name;
 use crate::diagnosis::signature::{Pattern, Signature};
 
 /// A table is full.

@@ -9,9 +9,9 @@ use crate::likelihood::class::FaultClass;
 use crate::likelihood::column::{Column, LASTING, PROCESS, Row, SENSORS};
 use crate::likelihood::evidence::{Freed, Nuisances};
 use crate::likelihood::hypothesis::{self, COUNT, HYPOTHESES, IMPOSSIBLE};
-use crate::likelihood::inputs::Inputs;
 use crate::likelihood::posterior::Posterior;
 use crate::likelihood::process::STEP;
+use crate::likelihood::taught::Recalled;
 use crate::root::sqrt;
 
 /// All columns begin anew while the fast charts are below so many standard deviations, and the slow one below this share of its interval.
@@ -86,11 +86,14 @@ impl Watch {
         if let Some(alarm) = &s.alarm {
             if alarm.age > FORGETS_FROM {
                 g.since.scale(s.pace.forgets);
+                g.recall.scale(s.pace.forgets);
             }
             g.window.scale(s.pace.window);
             g.window.add(&row, z, weight);
         }
         g.since.add(&row, z, weight);
+        let age = g.onset.age.saturating_sub(1);
+        g.recall.step(&self.taught, &s.ladder, age, (&row, z, weight));
     }
 
     /// Raises the alarm where a fault explains more than the nuisances do.
@@ -106,7 +109,7 @@ impl Watch {
             return;
         }
         s.candidate += self.sample_time / s.pace.stretch;
-        let (mut freed, left) = s.judge_since(g, self.inputs);
+        let (mut freed, recalled, left) = self.judge_since(s, g);
         let posterior = Posterior::new(&freed);
         let best = &HYPOTHESES[posterior.best % COUNT];
         let size = freed[posterior.best % COUNT].value.abs();
@@ -120,7 +123,7 @@ impl Watch {
             let age = g.onset.age.saturating_sub(1);
             g.window = g.since;
             let mut alarm = Alarm::new(tick.saturating_sub(age));
-            self.name(g, &mut alarm, &mut freed, left);
+            self.name(g, &mut alarm, &mut freed, &recalled, left);
             s.alarm = Some(alarm);
             // What stirred before and does not explain what is seen was something else, which went on until the process changed, too.
             let old = age as f32 * self.sample_time > STIRRED * s.pace.stretch;
@@ -149,8 +152,8 @@ impl Watch {
         alarm.turn = !alarm.turn;
         let young = alarm.age < YOUNG;
         if young || alarm.turn {
-            let (mut freed, left) = s.judge_since(g, self.inputs);
-            self.name(g, &mut alarm, &mut freed, left);
+            let (mut freed, recalled, left) = self.judge_since(s, g);
+            self.name(g, &mut alarm, &mut freed, &recalled, left);
         }
         let over = (young || !alarm.turn) && s.is_over(g, &alarm);
         s.alarm = Some(alarm);
@@ -163,6 +166,25 @@ impl Watch {
             s.rests = (s.pace.stretch / self.sample_time) as u32;
             s.tracker.widen([0.015, 0.0, 0.05, 0.05]);
         }
+    }
+
+    /// Gains of all hypotheses since the onset, and of what was taught; what the nuisances leave of the residual sum of squares.
+    fn judge_since(&self, s: &WatchState, g: &Gathered) -> ([Freed; COUNT], Recalled, f32) {
+        let nuisances = s.nuisances();
+        let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA).for_many();
+        let mut freed = [Freed { gain: IMPOSSIBLE, ..Freed::default() }; COUNT];
+        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES).filter(|(_, row)| s.asks(self.inputs, row)) {
+            let mut second = row.second;
+            if let (Some(second), Some(m)) = (&mut second, row.stays) {
+                second.mean = s.stays[m % 2];
+            }
+            *freed = row.judged(nuisances.free(row.first, second));
+            if let Some(second) = row.later(freed.value) {
+                *freed = row.judged(nuisances.free(row.first, Some(second)));
+            }
+        }
+        let recalled = g.recall.judge(&self.taught, &nuisances);
+        (freed, recalled, g.since.energy - nuisances.explained)
     }
 }
 
@@ -177,24 +199,6 @@ impl WatchState {
         let oversure = if self.is_slow() { 1.0 } else { OVERSURE };
         let error = oversure * self.curvature_error * larger(0.0, away / STEP - EXCITED);
         error * error
-    }
-
-    /// Gains of all hypotheses since the onset.
-    fn judge_since(&self, g: &Gathered, inputs: Inputs) -> ([Freed; COUNT], f32) {
-        let nuisances = self.nuisances();
-        let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA).for_many();
-        let mut freed = [Freed { gain: IMPOSSIBLE, ..Freed::default() }; COUNT];
-        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES).filter(|(_, row)| self.asks(inputs, row)) {
-            let mut second = row.second;
-            if let (Some(second), Some(m)) = (&mut second, row.stays) {
-                second.mean = self.stays[m % 2];
-            }
-            *freed = row.judged(nuisances.free(row.first, second));
-            if let Some(second) = row.later(freed.value) {
-                *freed = row.judged(nuisances.free(row.first, Some(second)));
-            }
-        }
-        (freed, g.since.energy - nuisances.explained)
     }
 
     /// Shares, 0 to 1, of the residuals since the onset that each hypothesis would take away all by itself, with its class; None without an alarm.

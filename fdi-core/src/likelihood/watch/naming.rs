@@ -7,6 +7,7 @@ use crate::likelihood::class::FaultClass;
 use crate::likelihood::evidence::Freed;
 use crate::likelihood::hypothesis::{CONSTANT, COUNT, HYPOTHESES, in_unit};
 use crate::likelihood::posterior::Posterior;
+use crate::likelihood::taught::{Recalled, TaughtFinding, likeliest};
 use crate::likelihood::verdict::{Finding, Magnitude};
 use crate::root::sqrt;
 
@@ -34,7 +35,14 @@ pub(super) const PROCESS_TIME: f32 = 3.0;
 
 impl Watch {
     /// Names the fault by a ranking of the hypotheses; `left` is what the nuisances leave of the residual sum of squares.
-    pub(super) fn name(&self, g: &Gathered, alarm: &mut Alarm, freed: &mut [Freed; COUNT], left: f32) {
+    pub(super) fn name(
+        &self,
+        g: &Gathered,
+        alarm: &mut Alarm,
+        freed: &mut [Freed; COUNT],
+        recalled: &Recalled,
+        left: f32,
+    ) {
         if alarm.age < PROCESS_TIME {
             for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
                 if row.class == FaultClass::Drift {
@@ -56,9 +64,7 @@ impl Watch {
         };
         let (class, confidence) = named(&posterior, least);
         let unexplained = left - 2.0 * KAPPA * gain;
-        let [most, most_share] = if alarm.strange { FITS } else { STRANGE };
-        let fits = unexplained < most * larger(1.0, g.since.count)
-            || unexplained < most_share * larger(1.0, g.since.energy);
+        let fits = fits(g, unexplained, alarm.strange);
         alarm.misfit += MISFIT_SHARE * (if fits { 0.0 } else { 1.0 } - alarm.misfit);
         // A named fault that has just ended fits nothing either.
         let named_before = alarm.finding.is_some_and(|was| was.class != FaultClass::Unknown);
@@ -72,7 +78,24 @@ impl Watch {
         } else if confidence > self.naming || was == Some(class) {
             alarm.finding = (confidence > self.naming - UNNAME).then_some(finding);
         }
+        self.recall(g, alarm, likeliest(recalled, posterior.evidence()), left);
     }
+
+    /// Says a fault that was taught, where it is likelier than all else together and fits.
+    fn recall(&self, g: &Gathered, alarm: &mut Alarm, (taught, gain): (TaughtFinding, f32), left: f32) {
+        let was = alarm.taught.is_some_and(|was| was.place == taught.place);
+        let least = if was { self.naming - UNNAME } else { self.naming };
+        let told = alarm.age >= PROCESS_TIME
+            && taught.confidence > least
+            && fits(g, left - 2.0 * KAPPA * gain, false);
+        alarm.taught = told.then_some(taught);
+    }
+}
+
+/// Whether what is left of the residual sum of squares is little enough; for what did not fit, less than for what did.
+fn fits(g: &Gathered, unexplained: f32, strange: bool) -> bool {
+    let [most, most_share] = if strange { FITS } else { STRANGE };
+    unexplained < most * larger(1.0, g.since.count) || unexplained < most_share * larger(1.0, g.since.energy)
 }
 
 /// The class that is likeliest, and how likely. Air flow and heater power are one until one of them is likely enough by itself.

@@ -1,7 +1,7 @@
 //! The name that a user gives to a fault of his own.
 //!
 //! ```
-//! use fdi_core::diagnosis::name::Name;
+//! use fdi_core::name::Name;
 //!
 //! let name: Name = "hand".parse().unwrap();
 //! assert_eq!(name.as_str(), "hand");

@@ -6,9 +6,9 @@ use core::mem::discriminant;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::event::Event;
-use fdi_core::name::Name;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::likelihood::Readiness;
+use fdi_core::name::Name;
 use fdi_core::{Config, ConfigError, Mode, Report, Seconds};
 
 use crate::alarm::Alarms;

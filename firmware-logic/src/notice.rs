@@ -4,8 +4,8 @@ use core::fmt;
 
 use fdi_core::Trip;
 use fdi_core::diagnosis::event::Event;
-use fdi_core::name::Name;
 use fdi_core::likelihood::Readiness;
+use fdi_core::name::Name;
 use fdi_core::tune::Standing;
 
 use crate::alarm::AlarmRecord;

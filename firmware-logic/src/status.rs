@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use fdi_core::name::Name;
 use fdi_core::likelihood::{Readiness, RejectReason, SinceCommissioning};
+use fdi_core::name::Name;
 use fdi_core::tune::Standing;
 use fdi_core::{KnownInputs, Mode, Percent, Reading, Report, Validity};
 

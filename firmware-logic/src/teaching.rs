@@ -2,9 +2,9 @@
 
 use core::fmt;
 
-use fdi_core::name::Name;
 use fdi_core::diagnosis::signature::{Signature, Symptoms};
 use fdi_core::diagnosis::teach::{Repetition, Steady, common, tables, tells};
+use fdi_core::name::Name;
 use fdi_core::{Config, diagnosis::config::DiagnosisConfig};
 
 /// Repetitions that there is room for.

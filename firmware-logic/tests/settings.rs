@@ -7,10 +7,10 @@ use core::pin::pin;
 use core::task::{Context, Poll, Waker};
 
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
-use fdi_core::name::Name as Called;
 use fdi_core::diagnosis::signature::{MAX_ROWS, Signature};
 use fdi_core::identify::Adaptation;
 use fdi_core::likelihood::Commissioned;
+use fdi_core::name::Name as Called;
 use fdi_core::settings::{Kind, Value};
 use fdi_core::{Celsius, Config, Seconds, Setting};
 use firmware_logic::crc::CRC32;

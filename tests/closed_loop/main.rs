@@ -7,6 +7,5 @@ mod known;
 mod likelihood;
 mod plants;
 mod scenarios;
-mod explore;
 mod taught;
 mod tuning;

@@ -1,8 +1,7 @@
 //! Settings of the likelihood diagnosis.
 
-use super::taught::{self, Responses};
-use crate::error::ConfigError;
-use crate::settings::{check, settings};
+use super::taught::Responses;
+use crate::settings::settings;
 use crate::units::Seconds;
 
 settings! {
@@ -29,15 +28,7 @@ settings! {
         /// that counts.
         least_power: f32 = 0.085, 0.0..=0.5;
     } and {
-        /// Faults of the user's own.
+        /// Faults of the user's own, by what they change.
         taught: Responses = Responses::new();
-    }
-}
-
-impl LikelihoodConfig {
-    /// Checks every setting and every response.
-    pub(super) fn validate(&self) -> Result<(), ConfigError> {
-        check(Self::SETTINGS[0], self)?;
-        taught::validate(&self.taught)
     }
 }

@@ -17,8 +17,10 @@
 //! It is a bank of Kalman filters with Schmidt's nuisances in information form (S. F. Schmidt 1966; Bayesian linear regression). kappa is
 //! above one, since residuals are never as independent as the sums take them for.
 
+mod along;
+
 use super::cholesky::Cholesky;
-use super::column::{COUNT, Direction, Row};
+use super::column::Direction;
 use super::normal::Normal;
 use crate::bounds::larger;
 
@@ -40,38 +42,6 @@ pub(super) struct Nuisances<'a, const N: usize, const H: usize> {
     score: [f32; MOST],
     /// What the nuisances alone take from the residual sum of squares.
     pub(super) explained: f32,
-}
-
-/// The sums of a column that stands beside those of [`Normal`]: with each nuisance of a list, with itself, with the residuals.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Apart {
-    with: [f32; MOST],
-    own: f32,
-    score: f32,
-}
-
-impl Apart {
-    /// A tick: the column, the nuisances of [`moved`] and the residuals, all whitened, with a weight.
-    pub(super) fn add(&mut self, phi: [f32; 2], moved: &[[f32; 2]; MOST], z: [f32; 2], weight: f32) {
-        let weighted = phi.map(|phi| weight * phi);
-        let times = |other: &[f32; 2]| weighted[0] * other[0] + weighted[1] * other[1];
-        self.with.iter_mut().zip(moved).for_each(|(with, moved)| *with += times(moved));
-        self.own += times(&phi);
-        self.score += times(&z);
-    }
-
-    /// All sums, `factor` times as much.
-    pub(super) fn scale(&mut self, factor: f32) {
-        self.with.iter_mut().chain([&mut self.own, &mut self.score]).for_each(|sum| *sum *= factor);
-    }
-}
-
-/// What z1 and z2 would be if each nuisance of a list had moved by one unit.
-pub(super) fn moved(list: &[Nuisance; MOST], row: &Row) -> [[f32; 2]; MOST] {
-    list.map(|(p, _)| {
-        let ([i, j], [first, second]) = (p.columns(), p.weights());
-        core::array::from_fn(|m| first * row[i % COUNT][m] + second * row[j % COUNT][m])
-    })
 }
 
 /// What a hypothesis frees: the direction, with mean and standard deviation of its prior.
@@ -196,31 +166,9 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
             (s22, r2) = (information, score);
             s12 = self.common(first.direction, &shared, second.direction, &others);
         }
-        let priors = [(first.mean, first.sd), (mean2, sd2)];
-        let freed = freed([s11, s12, s22], [r1, r2], priors);
+        let freed = freed([s11, s12, s22], [r1, r2], [(first.mean, first.sd), (mean2, sd2)]);
         let (value, variance) = self.with_nuisance(first, freed.value, freed.variance);
         Freed { value, variance: larger(0.0, variance), ..freed }
-    }
-
-    /// Frees what a column apart is as large as, with the mean and the standard deviation of its prior.
-    pub(super) fn free_apart(&self, apart: &Apart, prior: (f32, f32)) -> Freed {
-        let mut shared = apart.with;
-        for (shared, &(_, sd)) in shared.iter_mut().zip(self.list) {
-            *shared *= sd * self.inv_kappa;
-        }
-        self.factor.forward(&mut shared);
-        let (information, score) =
-            self.less_nuisances(&shared, self.inv_kappa * apart.own, self.inv_kappa * apart.score);
-        freed([information, 0.0, 0.0], [score, 0.0], [prior, (0.0, 0.0)])
-    }
-
-    /// What is left of information and score beyond the nuisances.
-    fn less_nuisances(&self, shared: &[f32; MOST], mut information: f32, mut score: f32) -> (f32, f32) {
-        for (v, y) in shared.iter().zip(&self.score) {
-            information -= v * v;
-            score -= v * y;
-        }
-        (larger(0.0, information), score)
     }
 
     /// A parameter that is a nuisance as well is the sum of both parts: what the data say of the free one says as much of the sum.
@@ -247,8 +195,7 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
     }
 }
 
-/// Frees two parameters by the information and the score that they have beyond the nuisances, and by the means and standard deviations of
-/// their priors.
+/// Frees two parameters that have this information and these scores beyond the nuisances, with mean and standard deviation of their priors.
 fn freed([s11, s12, s22]: [f32; 3], [r1, r2]: [f32; 2], priors: [(f32, f32); 2]) -> Freed {
     let [(mean1, sd1), (mean2, sd2)] = priors;
     // What the prior means explain by themselves, and what is left to the departure from them.

@@ -70,6 +70,7 @@ use crate::error::ConfigError;
 use crate::identify::config::IdentificationConfig;
 use crate::known::KnownInputs;
 use crate::sense::{Reading, Validity};
+use crate::settings::check;
 use crate::supervisor::Mode;
 use crate::units::Seconds;
 use alarm::ModelAlarm;
@@ -86,6 +87,7 @@ use inputs::Inputs;
 use model::Model;
 use preferred::preferred;
 use sensors::Sensors;
+use taught::Effects;
 use training::{Cold, Trainer, Training};
 pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
 use watch::{Gathered, Watch, WatchState};
@@ -149,7 +151,7 @@ struct Now<'a> {
     fan: f32,
 }
 
-const _: () = assert!(size_of::<LikelihoodState>() <= 9216, "more than the board has for it");
+const _: () = assert!(size_of::<LikelihoodState>() <= 8192, "more than the board has for it");
 
 impl Likelihood {
     /// Builds the diagnosis.
@@ -161,7 +163,7 @@ impl Likelihood {
         identification: &IdentificationConfig,
         sample_time: Seconds,
     ) -> Result<Self, ConfigError> {
-        c.validate()?;
+        check(LikelihoodConfig::SETTINGS[0], c)?;
         let (ts, answer_time) = (sample_time, identification.answer_time.0);
         let usual = identification.y_scale.0 / identification.u_scale.0;
         Ok(Self {
@@ -363,7 +365,6 @@ impl Likelihood {
         LikelihoodReport {
             expected: [ambient, y1, y2],
             taught: if monitoring { trained.taught() } else { None },
-            departure: if monitoring { trained.departure() } else { None },
             virtual_rise: if known { trained.virtual_t1() } else { None },
             air_flow: if now.heating { trained.air_flow() } else { None },
             heater_stuck_on: trained.heater_stuck_on(),
@@ -384,6 +385,14 @@ impl LikelihoodState {
     pub fn explained(&self) -> Option<[(FaultClass, f32); HYPOTHESES]> {
         match (&self.work, &self.trained) {
             (Work::Watching(gathered), Some(trained)) => trained.explained(gathered),
+            _ => None,
+        }
+    }
+
+    /// What the alarm under way has changed, for those who teach it; None without an alarm of the models, or while it is young.
+    pub fn effects(&self) -> Option<Effects> {
+        match (&self.work, &self.trained) {
+            (Work::Watching(gathered), Some(trained)) => trained.effects(gathered),
             _ => None,
         }
     }

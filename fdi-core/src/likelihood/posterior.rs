@@ -34,7 +34,7 @@ pub(super) struct Posterior {
     class: [f32; COUNT],
     /// The gain of the best.
     pub(super) best_gain: f32,
-    /// Evidence of all classes together, as a multiple of that of the best.
+    /// Evidence of all classes together, as a multiple of that of the best hypothesis.
     all: f32,
     /// The best of all, and the best of the likeliest class.
     pub(super) best: usize,

@@ -1,7 +1,7 @@
 //! What the likelihood diagnosis reports: which fault, how surely, how much, since when.
 
 use super::class::FaultClass;
-use super::taught::{Departure, TaughtFinding};
+use super::taught::TaughtFinding;
 
 /// An estimate with its interval: 95 % of the time the truth lies within `value` plus and minus `half_width`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -68,8 +68,6 @@ pub struct LikelihoodReport {
     pub finding: Option<Finding>,
     /// The fault of the user's own that it is, beside that.
     pub taught: Option<TaughtFinding>,
-    /// What the residuals are since something stirs; what a fault is taught by.
-    pub departure: Option<Departure>,
     /// What T0, T1 and T2 should read, degC: the ambient that is believed, and by the models what is above it.
     pub expected: [Option<f32>; 3],
     /// The virtual T1: its rise over T0 on the next tick by T2 and the models, degC; None where that is not known.

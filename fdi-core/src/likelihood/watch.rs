@@ -17,7 +17,7 @@ use super::normal::Normal;
 use super::onset::{History, Nominal, Onset};
 use super::process::{Motion, Parameter, Parameters, Process};
 use super::steady::Steady;
-use super::taught::{Departure, Recall, Responses};
+use super::taught::Responses;
 use super::tracker::Tracker;
 use super::training::Trained;
 use lasting::Lasting;
@@ -53,7 +53,6 @@ pub(super) struct Watch {
     pub(super) least_power: f32,
     pub(super) sample_time: f32,
     pub(super) inputs: Inputs,
-    /// Faults that were taught.
     pub(super) taught: Responses,
 }
 
@@ -107,8 +106,6 @@ pub(super) struct WatchState {
     stays: [f32; 2],
     contradict: bool,
     expected: [f32; 2],
-    /// What stirs.
-    departure: Option<Departure>,
 }
 
 /// What has been gathered since the assumed onset: columns, their sums, and those of late. It is needed only while the instrument watches.
@@ -120,8 +117,6 @@ pub(super) struct Gathered {
     gone: Gone,
     /// The whitened answer to the power since the onset, on the last tick.
     answer: [f32; 2],
-    /// What was taught, since the onset.
-    recall: Recall,
 }
 
 impl Gathered {
@@ -221,7 +216,6 @@ impl Watch {
             stays: [trained.rise; 2],
             contradict: false,
             expected: [trained.rise; 2],
-            departure: None,
         }
     }
 
@@ -261,7 +255,6 @@ impl Watch {
         if let Some(y2) = y[1] {
             self.heat.correct(&mut s.heat, y2 - expected[1], s.parameters.get(Parameter::Reaches2));
         }
-        s.departure = None;
         let row = s.steady.row(&s.flows, heat, &rises, before);
         let now = NowRises { heat, rises, before };
         let told = match y {
@@ -301,7 +294,6 @@ impl Watch {
         self.follow_fan(s, fan);
         s.alarm = None;
         s.lasting = None;
-        s.departure = None;
         s.rest();
         let heat = s.process.heat(self.inputs.drove(&mut s.power, u));
         let rises = s.process.step(&mut s.motion, heat);
@@ -379,6 +371,7 @@ mod judge;
 mod lasting;
 mod naming;
 mod pace;
+mod recall;
 mod resumed;
 mod slow;
 #[cfg(test)]

@@ -2,9 +2,9 @@
 
 use core::fmt::{self, Display, Write};
 
-use fdi_core::name::Name;
 use fdi_core::diagnosis::signature::Signature;
 use fdi_core::diagnosis::teach::Steady;
+use fdi_core::name::Name;
 use fdi_core::{Config, Mode};
 
 use super::{Board, fail, say};

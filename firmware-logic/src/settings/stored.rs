@@ -16,8 +16,8 @@ use core::fmt;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
-use fdi_core::name::Name;
 use fdi_core::diagnosis::signature::{Cell, Pattern, Rows, Signature, Symptom};
+use fdi_core::name::Name;
 use fdi_core::{Config, ConfigError, Setting};
 
 use super::bits;

@@ -2,8 +2,8 @@
 //! it is a fault of the user's own, `4 0 +1 0 -1 0 hand`; or `none`.
 
 use fdi_core::Config;
-use fdi_core::name::Name;
 use fdi_core::diagnosis::signature::{Pattern, Rows, Signature, WIDTH};
+use fdi_core::name::Name;
 
 use super::error::{Expected, SetError};
 

@@ -7,6 +7,7 @@ use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::event::{Event, Fault};
 use fdi_core::diagnosis::{Report, Verdict};
 use fdi_core::identify::observer::Observation;
+use fdi_core::likelihood::taught::TaughtFinding;
 use fdi_core::likelihood::{Finding, LikelihoodReport, Magnitude, Readiness};
 use fdi_core::supervisor::{Mode, Trip};
 use fdi_core::{KnownInputs, RawSample, Reading, Sample, Tick};
@@ -201,8 +202,16 @@ impl Digest {
     }
 
     fn likelihood(&mut self, report: &LikelihoodReport) {
-        let LikelihoodReport { readiness, alarm, finding, expected, virtual_rise, air_flow, heater_stuck_on } =
-            report;
+        let LikelihoodReport {
+            readiness,
+            alarm,
+            finding,
+            taught,
+            expected,
+            virtual_rise,
+            air_flow,
+            heater_stuck_on,
+        } = report;
         match *readiness {
             Readiness::Untrained => self.word(0),
             Readiness::Training => self.word(1),
@@ -210,12 +219,18 @@ impl Digest {
             Readiness::Armed => self.word(3),
         }
         self.word(u32::from(*alarm));
+        let size = |d: &mut Self, Magnitude { value, half_width }| d.numbers(&[value, half_width]);
         self.option(finding.as_ref(), |d, finding| {
             let Finding { class, confidence, magnitude, onset } = *finding;
             class.name().bytes().for_each(|letter| d.word(u32::from(letter)));
             d.number(confidence);
-            d.option(magnitude, |d, Magnitude { value, half_width }| d.numbers(&[value, half_width]));
+            d.option(magnitude, size);
             d.word(onset);
+        });
+        self.option(*taught, |d, TaughtFinding { place, confidence, magnitude }| {
+            d.word(u32::from(place));
+            d.number(confidence);
+            size(d, magnitude);
         });
         expected.iter().for_each(|t| self.option(*t, Self::number));
         self.option(*virtual_rise, Self::number);

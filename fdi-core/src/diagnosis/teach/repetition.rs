@@ -4,6 +4,7 @@
 use heapless::Vec;
 
 use crate::diagnosis::signature::{Symptom, Symptoms, WIDTH};
+use crate::likelihood::taught::{EFFECTS, Effects};
 
 /// A residual has a symptom if so many percent of the ticks have it; else it comes and goes.
 const STEADY: u32 = 90;
@@ -27,11 +28,14 @@ pub struct Repetition {
     /// Ticks that fill a piece.
     length: u16,
     pieces: Vec<Piece, PIECES>,
+    /// Sums of what the likelihood diagnosis says that it changes, and how often it was asked.
+    effects: Effects,
+    asked: u32,
 }
 
 impl Default for Repetition {
     fn default() -> Self {
-        Self { length: 1, pieces: Vec::new() }
+        Self { length: 1, pieces: Vec::new(), effects: [0.0; EFFECTS], asked: 0 }
     }
 }
 
@@ -48,6 +52,17 @@ impl Repetition {
         if let Some(piece) = self.pieces.last_mut().filter(|piece| piece.ticks < length) {
             piece.count(symptoms);
         }
+    }
+
+    /// What the likelihood diagnosis says on a tick that the fault changes.
+    pub fn ask(&mut self, effects: &Effects) {
+        self.effects.iter_mut().zip(effects).for_each(|(sum, effect)| *sum += effect);
+        self.asked = self.asked.saturating_add(1);
+    }
+
+    /// What it changes in the mean; `None` where the likelihood diagnosis never saw it.
+    pub fn effects(&self) -> Option<Effects> {
+        (self.asked > 0).then(|| self.effects.map(|sum| sum / self.asked as f32))
     }
 
     /// Ticks so far.

@@ -1,8 +1,8 @@
 //! New rows in both tables of the settings. The same row detects and isolates: fdv and fiv give its number.
 
 use crate::diagnosis::config::DiagnosisConfig;
-use crate::name::Name;
 use crate::diagnosis::signature::{Pattern, Signature};
+use crate::name::Name;
 
 /// A table is full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,29 +1,24 @@
-//! Faults that a user has shown to the rig: the mean of the residuals over some repetitions is a column of its own, and a further
-//! hypothesis beside those that follow from the model.
+//! Faults that a user has shown to the rig: what each changes is kept as a [`Response`], and is a further hypothesis of the bank.
 //!
-//! What is captured, and how long after the onset, stands in a [`Response`]; [`Capture`] takes it from the [`Departure`] of each tick.
-//! A taught fault is judged by the same residuals and nuisances as all others, and changes nothing of what is said of them.
+//! The mean of the residuals over some repetitions is kept in the bank's own terms, as the [`Effects`] that explain it: a thermistor
+//! that reads otherwise, a gain, a lag, power, flow. So it holds at other powers, too, and whatever the excitation does meanwhile.
+//! A taught fault is told *beside* what the bank says without it, which it does not change.
+//!
+//! ```
+//! use fdi_core::likelihood::taught::Response;
+//!
+//! let cap = Response::mean("cap".parse().unwrap(), &[[0.0; 11], [0.5; 11]]).unwrap();
+//! assert_eq!(cap.effects, [250, 250, 250, 25, 25, 250, 250, 250, 250, 250, 250]);
+//! ```
 
-mod capture;
 mod recall;
 mod response;
 
-pub use capture::{Capture, Captured};
-pub(super) use recall::{Recall, Recalled, likeliest};
-pub use response::{INTERVALS, MOST, Response, Responses};
-pub(super) use response::validate;
+pub(super) use recall::{Recalled, likeliest, recall};
+pub(super) use response::spreads;
+pub use response::{EFFECTS, Effects, MOST, Response, Responses, names};
 
 use super::verdict::Magnitude;
-
-/// What the residuals of T1 and T2 are since something stirs, on one tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Departure {
-    /// Ticks since it stirs, 0 on the first.
-    pub age: u32,
-    /// Measured less expected, slow change taken off, degC.
-    pub residuals: [f32; 2],
-}
 
 /// A taught fault, told.
 #[derive(Clone, Copy, Debug, PartialEq)]

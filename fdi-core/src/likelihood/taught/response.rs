@@ -1,80 +1,88 @@
-//! The mean answer of the residuals to a fault, in twelve intervals since its onset that grow longer.
+//! What a fault changes, as it is kept.
 
 use heapless::Vec;
 
-use crate::bounds::larger;
-use crate::error::{ConfigError, in_range};
+use crate::bounds::bounded;
+use crate::likelihood::column::Column;
 use crate::name::Name;
 
 /// Faults that there is room for.
 pub const MOST: usize = 10;
-/// Intervals of a response.
-pub const INTERVALS: usize = 12;
+/// Effects that a fault can have.
+pub const EFFECTS: usize = 11;
 
-/// The tick on which each interval begins, and the one behind the last.
-pub(super) const BEGINS: [u16; INTERVALS + 1] = [0, 1, 2, 3, 4, 6, 9, 14, 22, 35, 56, 90, 144];
-/// The largest share, %.
-const WHOLE: i8 = 100;
+/// What a fault changes, in the order and the units of [`names`].
+pub type Effects = [f32; EFFECTS];
 
-/// A response. In each interval it has its mean in the middle; between these it goes straight, and behind the last it stays.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// An effect: what it is called, its column of the bank, the spread that it may have, and the step that it is kept in.
+struct Effect {
+    name: &'static str,
+    column: Column,
+    spread: f32,
+    step: f32,
+}
+
+const fn share(name: &'static str, column: Column, spread: f32) -> Effect {
+    Effect { name, column, spread, step: 0.001 }
+}
+
+const fn degrees(name: &'static str, column: Column, spread: f32) -> Effect {
+    Effect { name, column, spread, step: 0.01 }
+}
+
+/// Spreads are those of the hypotheses of one column each.
+static ALL: [Effect; EFFECTS] = [
+    share("power", Column::Power, 0.25),
+    share("less flow", Column::LessFlow, 0.3),
+    share("more flow", Column::MoreFlow, 0.3),
+    degrees("offset of T1", Column::Offset1, 2.0),
+    degrees("offset of T2", Column::Offset2, 2.0),
+    share("gain of T1", Column::Gain1, 0.25),
+    share("gain of T2", Column::Gain2, 0.25),
+    share("short lag", Column::ShortLag, 0.5),
+    share("long lag", Column::LongLag, 0.5),
+    share("short loss", Column::ShortLoss, 0.25),
+    share("long loss", Column::LongLoss, 0.25),
+];
+
+/// Names of the effects, in their order. All are shares, but for both offsets, which are in degC: less and more flow of `1/f - 1`, lags of one of T1
+/// of 0.35 and of 1 s on the reference rig, losses of the rise that T1 loses behind these.
+pub fn names() -> [&'static str; EFFECTS] {
+    core::array::from_fn(|i| ALL[i].name)
+}
+
+/// The columns with their spreads.
+pub(in crate::likelihood) fn spreads() -> [(Column, f32); EFFECTS] {
+    core::array::from_fn(|i| (ALL[i].column, ALL[i].spread))
+}
+
+/// A fault of the user's own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Response {
-    /// What the user calls the fault.
+    /// What the user calls it.
     pub name: Name,
-    /// The largest mean of any interval without its sign, degC.
-    pub size: f32,
-    /// What T1 does, % of that.
-    pub t1: [i8; INTERVALS],
-    /// What T2 does, % of that.
-    pub t2: [i8; INTERVALS],
+    /// What it changes, in the order of [`names`]: shares in thousandths, offsets in hundredths of a degC.
+    pub effects: [i16; EFFECTS],
 }
 
 /// All responses.
 pub type Responses = Vec<Response, MOST>;
 
 impl Response {
-    /// Rounds means, degC, to whole % of the largest.
-    pub fn new(name: Name, means: &[[f32; 2]; INTERVALS]) -> Self {
-        let size = means.iter().flatten().fold(0.0, |most, mean| larger(most, mean.abs()));
-        let share = |mean: f32| libm::roundf(f32::from(WHOLE) * mean / size) as i8; // saturates; no number is 0
-        let of = |m: usize| core::array::from_fn(|i| share(means[i][m]));
-        Self { name, size, t1: of(0), t2: of(1) }
+    /// The mean of some repetitions; `None` where there are none, or where it changes nothing.
+    pub fn mean(name: Name, repetitions: &[Effects]) -> Option<Self> {
+        let n = repetitions.len() as f32;
+        let mean = |i: usize| repetitions.iter().map(|effects| effects[i]).sum::<f32>() / n;
+        let limit = f32::from(i16::MAX);
+        let kept = |i: usize| libm::roundf(bounded(mean(i) / ALL[i].step, -limit, limit)) as i16;
+        let effects = core::array::from_fn(kept);
+        (!repetitions.is_empty() && effects != [0; EFFECTS]).then_some(Self { name, effects })
     }
 
-    /// What T1 and T2 do so many ticks after the onset, degC.
-    pub(super) fn at(&self, age: u32) -> [f32; 2] {
-        let (i, on) = place(age);
-        [&self.t1, &self.t2].map(|shares| {
-            let share = |i: usize| f32::from(shares[i.min(INTERVALS - 1)]);
-            0.01 * self.size * (share(i) + on * (share(i + 1) - share(i)))
-        })
+    /// Its columns, each with what it changes.
+    pub(super) fn weights(&self) -> [(Column, f32); EFFECTS] {
+        core::array::from_fn(|i| (ALL[i].column, f32::from(self.effects[i]) * ALL[i].step))
     }
-}
-
-/// The interval whose middle is behind, and the share of the way to the next middle that has been gone.
-fn place(age: u32) -> (usize, f32) {
-    let twice = 2 * age.min(u32::from(BEGINS[INTERVALS])) as u16;
-    let middle = |i: usize| BEGINS[i] + BEGINS[i + 1] - 1; // times two
-    let i = (1..INTERVALS).take_while(|i| middle(*i) <= twice).last().unwrap_or(0);
-    if i + 1 == INTERVALS {
-        return (i, 0.0);
-    }
-    (i, f32::from(twice - middle(i)) / f32::from(middle(i + 1) - middle(i)))
-}
-
-/// Sizes that a response can have, degC.
-const SIZES: [f32; 2] = [0.01, 500.0];
-
-/// Checks the numbers of all responses.
-///
-/// # Errors
-/// `likelihood.taught`, with the number and its bounds.
-pub(in crate::likelihood) fn validate(responses: &Responses) -> Result<(), ConfigError> {
-    let name = "likelihood.taught";
-    responses.iter().try_for_each(|response| {
-        in_range(name, response.size, SIZES[0], SIZES[1])?;
-        let (shares, whole) = ([response.t1, response.t2], f32::from(WHOLE));
-        shares.iter().flatten().try_for_each(|share| in_range(name, f32::from(*share), -whole, whole))
-    })
 }

@@ -11,7 +11,7 @@ use crate::likelihood::evidence::{Freed, Nuisances};
 use crate::likelihood::hypothesis::{self, COUNT, HYPOTHESES, IMPOSSIBLE};
 use crate::likelihood::posterior::Posterior;
 use crate::likelihood::process::STEP;
-use crate::likelihood::taught::Recalled;
+use crate::likelihood::taught::{Recalled, recall};
 use crate::root::sqrt;
 
 /// All columns begin anew while the fast charts are below so many standard deviations, and the slow one below this share of its interval.
@@ -86,14 +86,11 @@ impl Watch {
         if let Some(alarm) = &s.alarm {
             if alarm.age > FORGETS_FROM {
                 g.since.scale(s.pace.forgets);
-                g.recall.scale(s.pace.forgets);
             }
             g.window.scale(s.pace.window);
             g.window.add(&row, z, weight);
         }
         g.since.add(&row, z, weight);
-        let age = g.onset.age.saturating_sub(1);
-        g.recall.step(&self.taught, &s.ladder, age, (&row, z, weight));
     }
 
     /// Raises the alarm where a fault explains more than the nuisances do.
@@ -183,8 +180,7 @@ impl Watch {
                 *freed = row.judged(nuisances.free(row.first, Some(second)));
             }
         }
-        let recalled = g.recall.judge(&self.taught, &nuisances);
-        (freed, recalled, g.since.energy - nuisances.explained)
+        (freed, recall(&self.taught, &nuisances), g.since.energy - nuisances.explained)
     }
 }
 

@@ -2,7 +2,6 @@
 
 use super::super::chart::Sums;
 use super::super::column::{LASTING, Row};
-use super::super::taught::Departure;
 use super::{
     CLIP, Charted, FIRST_TICKS, Gathered, INLET_NOISE, NowRises, SWING, TRACK_BELOW, Watch, WatchState,
 };
@@ -37,8 +36,6 @@ impl Watch {
         let allowed = [widened[0] + inlet * s.ladder.inv_sigma[0], widened[1]];
         let charted = self.chart(s, if s.ticks < FIRST_TICKS { [0.0; 2] } else { clipped }, allowed);
         self.follow_onset(s, g, z, widened, &charted, now);
-        let age = g.onset.age.saturating_sub(1);
-        s.departure = (g.onset.age > 0).then_some(Departure { age, residuals: left });
         if s.alarm.is_none() {
             self.decide(s, g, tick, &charted, row);
         } else {

@@ -7,29 +7,29 @@ use crate::likelihood::class::FaultClass;
 use crate::likelihood::evidence::Freed;
 use crate::likelihood::hypothesis::{CONSTANT, COUNT, HYPOTHESES, in_unit};
 use crate::likelihood::posterior::Posterior;
-use crate::likelihood::taught::{Recalled, TaughtFinding, likeliest};
+use crate::likelihood::taught::Recalled;
 use crate::likelihood::verdict::{Finding, Magnitude};
 use crate::root::sqrt;
 
 /// What is named loses its name below the probability that named it less this.
-const UNNAME: f32 = 0.05;
+pub(super) const UNNAME: f32 = 0.05;
 /// No name is surer: what is not among the hypotheses has its share (docs/diagnosis.md, section 11).
-const CERTAIN: f32 = 0.98;
+pub(super) const CERTAIN: f32 = 0.98;
 /// Air flow or heater power is named by itself from this probability on.
 const NAME_PROCESS: f32 = 0.97;
 const ALWAYS_BOTH: f32 = 2.0;
 /// The best hypothesis does not fit where it leaves more than so much of each whitened residual's square (1 is noise), and such a share of what there
 /// was; it fits again below these. Asked after so long, s.
-const STRANGE: [f32; 2] = [4.0, 0.06];
+pub(super) const STRANGE: [f32; 2] = [4.0, 0.06];
 const FITS: [f32; 2] = [1.5, 0.02];
 const UNKNOWN_AFTER: f32 = 3.0;
 /// What is named becomes unknown when on most judgements of late nothing has fitted: share of a new one, and of those.
 const MISFIT_SHARE: f32 = 0.2;
 const LASTING_MISFIT: f32 = 0.6;
 /// Error of the models in a size: of air flow, of all others.
-const SIZE_ERROR: [f32; 2] = [0.10, 0.04];
+pub(super) const SIZE_ERROR: [f32; 2] = [0.10, 0.04];
 /// Half of the width of a 95 % interval, in standard deviations.
-const HALF_OF_95: f32 = 1.96;
+pub(super) const HALF_OF_95: f32 = 1.96;
 /// Flow and power are told apart only after so long, s.
 pub(super) const PROCESS_TIME: f32 = 3.0;
 
@@ -64,7 +64,7 @@ impl Watch {
         };
         let (class, confidence) = named(&posterior, least);
         let unexplained = left - 2.0 * KAPPA * gain;
-        let fits = fits(g, unexplained, alarm.strange);
+        let fits = fits(g, unexplained, if alarm.strange { FITS } else { STRANGE });
         alarm.misfit += MISFIT_SHARE * (if fits { 0.0 } else { 1.0 } - alarm.misfit);
         // A named fault that has just ended fits nothing either.
         let named_before = alarm.finding.is_some_and(|was| was.class != FaultClass::Unknown);
@@ -78,23 +78,12 @@ impl Watch {
         } else if confidence > self.naming || was == Some(class) {
             alarm.finding = (confidence > self.naming - UNNAME).then_some(finding);
         }
-        self.recall(g, alarm, likeliest(recalled, posterior.evidence()), left);
-    }
-
-    /// Says a fault that was taught, where it is likelier than all else together and fits.
-    fn recall(&self, g: &Gathered, alarm: &mut Alarm, (taught, gain): (TaughtFinding, f32), left: f32) {
-        let was = alarm.taught.is_some_and(|was| was.place == taught.place);
-        let least = if was { self.naming - UNNAME } else { self.naming };
-        let told = alarm.age >= PROCESS_TIME
-            && taught.confidence > least
-            && fits(g, left - 2.0 * KAPPA * gain, false);
-        alarm.taught = told.then_some(taught);
+        self.recall(g, alarm, recalled, (posterior.evidence(), left));
     }
 }
 
-/// Whether what is left of the residual sum of squares is little enough; for what did not fit, less than for what did.
-fn fits(g: &Gathered, unexplained: f32, strange: bool) -> bool {
-    let [most, most_share] = if strange { FITS } else { STRANGE };
+/// Whether what is left of the residual sum of squares is as little as this: of each whitened residual's square, or as a share of all there was.
+pub(super) fn fits(g: &Gathered, unexplained: f32, [most, most_share]: [f32; 2]) -> bool {
     unexplained < most * larger(1.0, g.since.count) || unexplained < most_share * larger(1.0, g.since.energy)
 }
 

@@ -47,6 +47,7 @@ fn watch() -> Watch {
         least_power: 0.085,
         sample_time: TS,
         inputs: Inputs::ALL,
+        taught: Responses::new(),
     }
 }
 

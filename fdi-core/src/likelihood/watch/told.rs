@@ -6,7 +6,6 @@ use super::super::evidence::Nuisance;
 use super::super::heat::Heat;
 use super::super::hypothesis::{self, SINCE_ONSET};
 use super::super::onset::{Nominal, Onset, REMEMBERED};
-use super::super::taught::{Departure, TaughtFinding};
 use super::lasting::Lasting;
 use super::{WatchState, slow};
 
@@ -20,16 +19,6 @@ impl WatchState {
             (None, None) => return ModelAlarm::Quiet,
         };
         heat.review(&self.heat, finding, tick)
-    }
-
-    /// The fault of the user's own that an alarm is.
-    pub(in super::super) fn taught(&self) -> Option<TaughtFinding> {
-        self.alarm.as_ref()?.taught
-    }
-
-    /// What stirs.
-    pub(in super::super) fn departure(&self) -> Option<Departure> {
-        self.departure
     }
 
     /// The virtual T1: its rise over the ambient on the next tick by the models and T2, degC; None where they disagree, or T1 and T2 do.

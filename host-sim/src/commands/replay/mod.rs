@@ -258,7 +258,7 @@ fn rerun(
     let mut rows = Vec::with_capacity(recording.ticks.len());
     let mut settings = Settings::new(config);
     let mut told = Vec::new();
-    let mut explained = Vec::new();
+    let (mut explained, mut effects) = (Vec::new(), Vec::new());
     let mut agreement = Agreement::default();
     let bar = progress(recording.ticks.len() as u64, "ticks");
     for recorded in &recording.ticks {
@@ -282,6 +282,7 @@ fn rerun(
         agreement.compare(recorded, &tick, &report, sample_time);
         look(&instrument, &tick, &report);
         explained.extend(fields::explained(&instrument, &report).map(|shares| (rows.len(), shares)));
+        effects.extend(instrument.likelihood().effects().map(|effects| (rows.len(), effects)));
         let now = f64::from(tick.index) * sample_time;
         rows.push(Row { tick, report, truth: truth(&recording.faults, now) });
         bar.inc(1);
@@ -289,7 +290,7 @@ fn rerun(
     bar.finish_and_clear();
     let origin = Origin::Recorded { file: file.display().to_string() };
     let record = Record::new(origin, config, &recording.faults, rows, instrument.baseline().copied());
-    Ok((Record { settings: told, explained, ..record }, agreement))
+    Ok((Record { settings: told, explained, effects, ..record }, agreement))
 }
 
 impl Recording {

@@ -115,7 +115,8 @@ impl DiagnosisLoop {
         self.still.step(&record.tick.sample, record.applied.0 > 0.0);
         let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
         let monitors = record.tick.mode == Mode::Monitor;
-        self.teaching.step(monitors, report.filtered.as_ref().map(|verdict| &verdict.symptoms));
+        let symptoms = report.filtered.as_ref().map(|verdict| &verdict.symptoms);
+        self.teaching.step(monitors, symptoms, || self.diagnosis.effects(&self.state));
         self.status.named = report.filtered.map_or(Name::NONE, |verdict| self.name(verdict.fdv, verdict.fiv));
         tell(Notice::Tick(TickLine::new(&record, &report)));
         self.notice_mode(&record, &mut tell);
@@ -194,7 +195,12 @@ impl DiagnosisLoop {
                 self.notice_commissioning(tell);
             }
         }
-        if let Some(alarm) = self.before.alarms.notice(report) {
+        let taught = report
+            .likelihood
+            .taught
+            .and_then(|taught| self.settings.config.likelihood.taught.get(usize::from(taught.place)));
+        let taught = taught.map_or(Name::NONE, |response| response.name);
+        if let Some(alarm) = self.before.alarms.notice(report, taught) {
             self.history.alarm(alarm);
             tell(Notice::Alarm(alarm));
         }

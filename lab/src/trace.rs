@@ -12,7 +12,7 @@ use crate::time::tick_time;
 
 /// Every column, in its order. To add one is to add a line here; it comes last, so that programs which read an older
 /// trace by position find the others where they were.
-pub static COLUMNS: [Column; 48] = [
+pub static COLUMNS: [Column; 49] = [
     column("t_s", |on| on.time(on.tick.index).into()),
     column("t0_c", |on| on.tick.sample.t0.celsius.0.into()),
     column("t1_c", |on| on.tick.sample.t1.celsius.0.into()),
@@ -64,6 +64,8 @@ pub static COLUMNS: [Column; 48] = [
     // What is known of the rig's other inputs: share of the nominal voltage, and % of the usual level.
     column("supply", |on| on.tick.known.supply.into()),
     column("fan_pct", |on| on.tick.known.fan.map(|level| level.0).into()),
+    // Place, from 1, of the fault of the user's own that the likelihood diagnosis sees.
+    column("taught", |on| on.report.likelihood.taught.map(|taught| taught.place + 1).into()),
 ];
 
 /// Name of the column behind all others that a trace has where settings are not the defaults: what
@@ -213,6 +215,7 @@ pub fn append_cells<'a>(line: &mut String, columns: impl Iterator<Item = &'a Col
 
 #[cfg(test)]
 mod tests {
+    use fdi_core::likelihood::taught::TaughtFinding;
     use fdi_core::likelihood::{FaultClass, LikelihoodReport};
     use fdi_core::{AdcCode, Config, Instrument, RawSample};
 
@@ -242,17 +245,20 @@ mod tests {
             );
             line
         };
-        assert_eq!(cells(&LikelihoodReport::default()), "0,,,,,,,");
+        assert_eq!(cells(&LikelihoodReport::default()), "0,,,,,,,,");
         let finding = Finding {
             class: FaultClass::T2Offset,
             confidence: 0.75,
             magnitude: Some(Magnitude { value: -1.5, half_width: 0.25 }),
             onset: 100,
         };
-        let found = LikelihoodReport { alarm: true, finding: Some(finding), ..LikelihoodReport::default() };
-        assert_eq!(cells(&found), "1,t2_offset,0.75,-1.5,degC,11,,");
+        let magnitude = Magnitude { value: 90.0, half_width: 5.0 };
+        let taught = Some(TaughtFinding { place: 2, confidence: 0.96, magnitude });
+        let found =
+            LikelihoodReport { alarm: true, finding: Some(finding), taught, ..LikelihoodReport::default() };
+        assert_eq!(cells(&found), "1,t2_offset,0.75,-1.5,degC,11,,,3");
         let unknown = Finding { class: FaultClass::Unknown, magnitude: None, ..finding };
         let found = LikelihoodReport { finding: Some(unknown), ..found };
-        assert_eq!(cells(&found), "1,unknown,0.75,,,11,,");
+        assert_eq!(cells(&found), "1,unknown,0.75,,,11,,,3");
     }
 }

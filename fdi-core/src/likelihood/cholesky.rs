@@ -39,6 +39,12 @@ impl<const N: usize> Cholesky<N> {
         Self { l, n }
     }
 
+    /// Logarithm of the determinant of what was factored.
+    pub(super) fn log_determinant(&self) -> f32 {
+        let diagonal = (0..self.n.min(N)).map(|i| self.l[i][i]);
+        -2.0 * diagonal.map(libm::logf).sum::<f32>()
+    }
+
     /// `L^-1 x`, in place.
     #[inline(never)]
     pub(super) fn forward(&self, x: &mut [f32; N]) {

@@ -6,6 +6,7 @@ pub mod scenario;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::signature::Signature;
 use fdi_core::likelihood::taught::Effects;
+use fdi_core::name::Name;
 use fdi_core::{Command, Config, Instrument, RawSample, Report, Tick};
 
 pub use fault_size::{FaultSize, paper_sequence};
@@ -124,6 +125,8 @@ pub struct Record {
     pub sigma_factor: f64,
     /// Rows of the isolation table that a user has named.
     pub own_rows: Vec<Signature>,
+    /// Faults of the user's own that the likelihood diagnosis was taught, in their order.
+    pub taught: Vec<Name>,
     /// What happened to the rig.
     pub faults: Vec<Fault>,
     /// Every tick.
@@ -163,6 +166,7 @@ impl Record {
             nominal_window: window.into(),
             sigma_factor: f64::from(config.diagnosis.sigma_factor),
             own_rows: config.diagnosis.isolation.iter().filter(|row| !row.name.is_empty()).copied().collect(),
+            taught: config.likelihood.taught.iter().map(|response| response.name).collect(),
             faults: faults.to_vec(),
             rows,
             settings: if tells { vec![(0, settings.take())] } else { Vec::new() },

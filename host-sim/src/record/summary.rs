@@ -3,6 +3,8 @@
 use crate::score::expectation::Expectation;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::{DECISIVE, Residual};
+use fdi_core::likelihood::Magnitude;
+use fdi_core::likelihood::taught::TaughtFinding;
 use fdi_core::{AdcCode, Finding, Reading, Validity};
 use firmware_logic::finding::Sentence;
 use serde::Serialize;
@@ -253,7 +255,17 @@ fn last_sentence(record: &Record, fault: &Fault, verdict: Option<&str>) -> Optio
 pub fn sentence(record: &Record, row: &Row, finding: &Finding) -> String {
     let (sample, expected) = (&row.tick.sample, row.report.likelihood.expected);
     let sentence = Sentence { finding, sample, expected, sample_time: record.sample_time as f32 };
-    with_degree_sign(&sentence.to_string())
+    let taught = as_taught(record, row).map_or(String::new(), |taught| format!("; {taught}"));
+    with_degree_sign(&format!("{sentence}{taught}"))
+}
+
+/// The fault of the user's own that it is, with its size.
+pub fn as_taught(record: &Record, row: &Row) -> Option<String> {
+    let TaughtFinding { place, magnitude: Magnitude { value, half_width }, .. } =
+        row.report.likelihood.taught?;
+    let (name, [low, high]) =
+        (record.taught.get(usize::from(place))?, [value - half_width, value + half_width]);
+    Some(format!("as taught: {name}, {value:.0} ({low:.0} to {high:.0}) % of it"))
 }
 
 /// Text of the board, or the unit of a class, as people write it.

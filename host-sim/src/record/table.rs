@@ -6,7 +6,7 @@ use fdi_core::diagnosis::event::Event;
 
 use crate::experiment::{Origin, Record};
 use crate::record::paper;
-use crate::record::summary::{FaultSummary, Summary, sentence, with_degree_sign};
+use crate::record::summary::{FaultSummary, Summary, as_taught, sentence, with_degree_sign};
 use crate::score::Score;
 use crate::score::expectation::Expectation;
 
@@ -78,7 +78,7 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
 
 /// What both diagnoses said happened, where there is no truth to hold it against.
 fn events(text: &mut String, record: &Record) {
-    let mut named = None;
+    let (mut named, mut taught) = (None, None);
     let mut alarm = false;
     for row in &record.rows {
         for event in &row.report.events {
@@ -89,10 +89,15 @@ fn events(text: &mut String, record: &Record) {
         if let Some(finding) = likelihood.finding.filter(|finding| named != Some(finding.class)) {
             let _ = writeln!(text, "{t:>9.2} s  likelihood: {}", sentence(record, row, &finding));
         }
+        let place = likelihood.taught.map(|taught| taught.place);
+        if let Some(told) = as_taught(record, row).filter(|_| taught != place) {
+            let _ = writeln!(text, "{t:>9.2} s  likelihood: {told}");
+        }
         if alarm && !likelihood.alarm {
             let _ = writeln!(text, "{t:>9.2} s  likelihood: all is as expected again");
         }
         named = likelihood.finding.map(|finding| finding.class);
+        taught = place;
         alarm = likelihood.alarm;
     }
 }

@@ -30,9 +30,12 @@ impl<const N: usize, const H: usize> Nuisances<'_, N, H> {
     }
 
     /// By how much each of some columns has changed, if all may have at once: posterior means, each with a prior of mean 0 and this
-    /// standard deviation.
+    /// standard deviation. With what freeing all of them gains.
     #[inline(never)]
-    pub(in crate::likelihood) fn changes<const M: usize>(&self, columns: &[(Column, f32); M]) -> [f32; M] {
+    pub(in crate::likelihood) fn changes<const M: usize>(
+        &self,
+        columns: &[(Column, f32); M],
+    ) -> ([f32; M], f32) {
         let shared: [_; M] = core::array::from_fn(|i| self.shared(Direction::Of(columns[i].0)));
         let mut rows = [[0.0; M]; M];
         let mut changes = [0.0; M];
@@ -47,9 +50,10 @@ impl<const N: usize, const H: usize> Nuisances<'_, N, H> {
         }
         let factor = Cholesky::new(rows, M);
         factor.forward(&mut changes);
+        let gain = 0.5 * dot(&changes, &changes) - 0.5 * factor.log_determinant();
         factor.backward(&mut changes);
         changes.iter_mut().zip(columns).for_each(|(change, (_, sd))| *change *= sd);
-        changes
+        (changes, gain)
     }
 
     /// What is left of information and score beyond the nuisances, where a column shares so much with them.

@@ -15,8 +15,8 @@ mod recall;
 mod response;
 
 pub(super) use recall::{Recalled, likeliest, recall};
-pub(super) use response::spreads;
 pub use response::{EFFECTS, Effects, Full, MOST, Response, Responses, names, put};
+pub(super) use response::{of_hypothesis, spreads};
 
 use super::verdict::Magnitude;
 

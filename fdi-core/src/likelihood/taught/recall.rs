@@ -43,3 +43,26 @@ pub(in crate::likelihood) fn likeliest(recalled: &Recalled, classes: f32) -> (us
     let ratio = |other: f32| libm::expf(smaller(60.0, larger(-60.0, other - gain)));
     (best, 1.0 / (ratio(classes) + recalled.iter().map(|freed| ratio(freed.gain)).sum::<f32>()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recalled(gains: &[(usize, f32)]) -> Recalled {
+        let mut recalled = [Freed { gain: IMPOSSIBLE, ..Freed::default() }; MOST];
+        gains.iter().for_each(|(place, gain)| recalled[*place].gain = *gain);
+        recalled
+    }
+
+    #[test]
+    fn the_likeliest_has_its_share_of_all_that_is_possible() {
+        let close = |(place, p): (usize, f32), wanted: (usize, f64)| {
+            assert!(place == wanted.0 && (f64::from(p) - wanted.1).abs() < 1e-4, "{place} {p} {wanted:?}");
+        };
+        close(likeliest(&recalled(&[(3, 40.0)]), 37.0), (3, 1.0 / (1.0 + (-3.0f64).exp())));
+        let two = recalled(&[(3, 40.0), (7, 41.0)]);
+        close(likeliest(&two, 39.0), (7, 1.0 / (1.0 + (-1.0f64).exp() + (-2.0f64).exp())));
+        close(likeliest(&recalled(&[(0, -2.0)]), 5000.0), (0, 0.0));
+        assert!(likeliest(&recalled(&[]), 10.0).1 < 1e-6, "nothing was taught");
+    }
+}

@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use crate::bounds::bounded;
 use crate::likelihood::column::Column;
+use crate::likelihood::hypothesis::Hypothesis;
 use crate::name::Name;
 
 /// Faults that there is room for.
@@ -56,6 +57,21 @@ pub(in crate::likelihood) fn spreads() -> [(Column, f32); EFFECTS] {
     core::array::from_fn(|i| (ALL[i].column, ALL[i].spread))
 }
 
+/// What a hypothesis changes where it frees these values; `None` where that is no effect. When it began is none, either, and does not matter.
+pub(in crate::likelihood) fn of_hypothesis(row: &Hypothesis, values: [f32; 2]) -> Option<Effects> {
+    let mut effects = [0.0; EFFECTS];
+    for (free, value) in [Some(row.first), row.second].into_iter().flatten().zip(values) {
+        for (column, weight) in free.direction.columns().into_iter().zip(free.direction.weights()) {
+            match ALL.iter().position(|effect| effect.column as usize == column) {
+                Some(place) => effects[place] += weight * value,
+                None if column == Column::Late as usize => {}
+                None => return None,
+            }
+        }
+    }
+    Some(effects)
+}
+
 /// A fault of the user's own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -97,5 +113,38 @@ impl Response {
     /// Its columns, each with what it changes.
     pub(super) fn weights(&self) -> [(Column, f32); EFFECTS] {
         core::array::from_fn(|i| (ALL[i].column, f32::from(self.effects[i]) * ALL[i].step))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(name: &str, effects: [i16; EFFECTS]) -> Response {
+        Response { name: name.parse().unwrap(), effects }
+    }
+
+    /// To a thousandth, or to a hundredth of a degC; what cannot be kept stays within what can, and what is no number is the least of that.
+    #[test]
+    fn effects_are_kept_in_steps() {
+        let mut effects = [0.0; EFFECTS];
+        (effects[0], effects[3], effects[5], effects[6]) = (-0.2504, 1.504, 1e9, f32::NAN);
+        let kept = Response::new(Name::NONE, &effects);
+        assert_eq!(kept.effects, [-250, 0, 0, 150, 0, i16::MAX, -i16::MAX, 0, 0, 0, 0]);
+        let weights = kept.weights();
+        assert_eq!((weights[0].0, weights[3].0), (Column::Power, Column::Offset1));
+        assert!((weights[0].1 + 0.25).abs() < 1e-6 && (weights[3].1 - 1.5).abs() < 1e-6, "{weights:?}");
+    }
+
+    #[test]
+    fn a_name_has_one_place_and_ten_fit() {
+        let mut responses = Responses::new();
+        for i in 0..MOST {
+            let name = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"][i];
+            assert_eq!(put(&mut responses, named(name, [i as i16; EFFECTS])), Ok(()));
+        }
+        assert_eq!(put(&mut responses, named("k", [1; EFFECTS])), Err(Full));
+        assert_eq!(put(&mut responses, named("c", [-7; EFFECTS])), Ok(()));
+        assert_eq!((responses.len(), responses[2]), (MOST, named("c", [-7; EFFECTS])));
     }
 }

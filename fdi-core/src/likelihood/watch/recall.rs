@@ -5,7 +5,8 @@ use super::{Gathered, KAPPA, Watch, WatchState};
 use crate::bounds::smaller;
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::evidence::{Freed, Nuisances};
-use crate::likelihood::taught::{Effects, Recalled, TaughtFinding, likeliest, spreads};
+use crate::likelihood::hypothesis::{COUNT, HYPOTHESES};
+use crate::likelihood::taught::{Effects, Recalled, TaughtFinding, likeliest, of_hypothesis, spreads};
 use crate::likelihood::verdict::Magnitude;
 use crate::root::sqrt;
 
@@ -39,9 +40,13 @@ impl WatchState {
         self.alarm.as_ref()?.taught
     }
 
-    /// What the alarm has changed, once that can be told.
+    /// What the alarm has changed, once that can be told: what the likeliest hypothesis says if that explains it better than that all changes at once,
+    /// whose noise it does not have.
     pub(in crate::likelihood) fn effects(&self, g: &Gathered) -> Option<Effects> {
-        self.alarm.as_ref().filter(|alarm| alarm.age >= PROCESS_TIME)?;
-        Some(Nuisances::new(&g.since, &self.nuisances(), KAPPA).changes(&spreads()))
+        let alarm = self.alarm.as_ref().filter(|alarm| alarm.age >= PROCESS_TIME)?;
+        let (all, gain) = Nuisances::new(&g.since, &self.nuisances(), KAPPA).changes(&spreads());
+        let likeliest =
+            of_hypothesis(&HYPOTHESES[alarm.hypothesis % COUNT], alarm.values).filter(|_| alarm.gain > gain);
+        likeliest.or(Some(all))
     }
 }

@@ -151,19 +151,6 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The numbers of a recording for the lab's page, and its sample time in s.
-///
-/// # Errors
-/// A file that is no recording, by line.
-#[cfg(feature = "live")]
-pub fn numbers(file: &Path) -> anyhow::Result<(f64, Vec<pt326_live::source::Numbers>)> {
-    let text = std::fs::read_to_string(file).with_context(|| format!("can't read {}", file.display()))?;
-    let args = ReplayArgs { file: file.into(), config: None, seed: None, out: PathBuf::new() };
-    let (record, _) =
-        rerun(&read(&text, &args).with_context(|| file.display().to_string())?, file, |_, _, _| ())?;
-    Ok((record.sample_time, crate::record::numbers::of(&record)))
-}
-
 /// A recording that was run through the core again, for other commands.
 pub(super) struct Again {
     /// What came of it.

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use host_sim::board::Session;
 use host_sim::board::watch::Watch;
 use pt326_lab::fields::FIELDS;
+use pt326_lab::names::Names;
 use pt326_lab::scene::Order;
 use pt326_lab::told::{Numbers, Told};
 
@@ -122,7 +123,7 @@ fn its_console_answers_a_stop_typed_there_waits_for_nothing_and_names_of_rows_ar
     let mut watch = watched(&board);
     let type_in = |watch: &mut Watch, line: &str| watch.order(&Order::Console { line: line.into() });
     type_in(&mut watch, "set diagnosis.isolation.4 4 0 +1 0 -1 0 low").expect("passed on");
-    let named = Told::Names(vec![(4, "low".into())]);
+    let named = Told::Names(Names { rows: vec![(4, "low".into())], taught: Vec::new() });
     let told = until(&mut watch, "names", |told| *told == named);
     let said =
         |told: &Told| matches!(told, Told::Said(text) if text.starts_with("> set diagnosis.isolation.4"));

@@ -3,6 +3,7 @@
 
 use core::fmt;
 
+use fdi_core::name::Name;
 use fdi_core::{Finding, Report};
 
 use crate::decimal::Fixed;
@@ -15,6 +16,8 @@ pub struct AlarmRecord {
     pub raised: u32,
     /// The last that was said of it; `None` while nothing could be.
     pub finding: Option<Finding>,
+    /// The last fault of the user's own that it was said to be.
+    pub taught: Name,
     /// The tick on which it had gone.
     pub ended: Option<u32>,
 }
@@ -26,11 +29,11 @@ pub struct Alarms {
 }
 
 impl Alarms {
-    /// The alarm, if this tick changes what is to be said of it.
-    pub fn notice(&mut self, report: &Report) -> Option<AlarmRecord> {
+    /// The alarm, if this tick changes what is to be said of it; `taught` is what a user calls the fault that was taught.
+    pub fn notice(&mut self, report: &Report, taught: Name) -> Option<AlarmRecord> {
         let (tick, said) = (report.tick, &report.likelihood);
         let Some(alarm) = &mut self.lasting else {
-            let raised = AlarmRecord { raised: tick, finding: said.finding, ended: None };
+            let raised = AlarmRecord { raised: tick, finding: said.finding, taught, ended: None };
             self.lasting = said.alarm.then_some(raised);
             return self.lasting;
         };
@@ -39,9 +42,13 @@ impl Alarms {
             self.lasting = None;
             return Some(ended);
         }
-        let news = said.finding.is_some() && said.finding.map(|f| f.class) != alarm.finding.map(|f| f.class);
+        let named = said.finding.is_some() && said.finding.map(|f| f.class) != alarm.finding.map(|f| f.class);
+        let recalled = !taught.is_empty() && taught != alarm.taught;
         alarm.finding = said.finding.or(alarm.finding);
-        news.then_some(*alarm)
+        if recalled {
+            alarm.taught = taught;
+        }
+        (named || recalled).then_some(*alarm)
     }
 }
 
@@ -66,6 +73,9 @@ impl fmt::Display for AlarmText<'_> {
                 }
                 write!(f, ", confidence {}, since {} s", Fixed(*confidence, 2), seconds(*onset))?;
             }
+        }
+        if !self.alarm.taught.is_empty() {
+            write!(f, ", as taught: {}", self.alarm.taught)?;
         }
         match self.alarm.ended {
             Some(ended) => write!(f, ", ended {} s", seconds(ended)),
@@ -100,7 +110,8 @@ mod tests {
         let mut alarms = Alarms::default();
         let (clogged, offset) = (FaultClass::T1Clogged, FaultClass::T1Offset);
         let mut text = |tick, alarm, finding| {
-            let alarm = alarms.notice(&report(tick, alarm, finding))?;
+            let taught = if tick == 105 { "cap" } else { "" };
+            let alarm = alarms.notice(&report(tick, alarm, finding), taught.parse().unwrap_or_default())?;
             Some(AlarmText { alarm: &alarm, sample_time: 0.11 }.to_string())
         };
         assert_eq!(text(99, false, None), None);
@@ -111,9 +122,10 @@ mod tests {
         assert_eq!(text(102, true, Some((clogged, -15.0))).as_deref(), Some(named));
         assert_eq!(text(103, true, Some((clogged, -14.0))), None);
         assert!(text(104, true, Some((offset, 1.0))).is_some_and(|text| text.contains("t1_offset 1.00")));
-        assert_eq!(text(105, true, Some((offset, 1.5))), None);
+        let taught = text(105, true, Some((offset, 1.5)));
+        assert!(taught.is_some_and(|text| text.ends_with(", since 10.8 s, as taught: cap, lasting")));
         assert_eq!(text(106, true, None), None);
-        let last = "11.0 s alarm: t1_offset 1.50 +- 0.13 degC, confidence 0.99, since 10.8 s, ended 12.1 s";
+        let last = "11.0 s alarm: t1_offset 1.50 +- 0.13 degC, confidence 0.99, since 10.8 s, as taught: cap, ended 12.1 s";
         assert_eq!(text(110, false, None).as_deref(), Some(last));
         assert_eq!(text(111, false, None), None);
     }

@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn an_alarm_is_one_entry_from_its_beginning_to_its_end() {
         let mut history = History::default();
-        let alarm = AlarmRecord { raised: 100, finding: None, ended: None };
+        let alarm = AlarmRecord { raised: 100, finding: None, taught: Name::NONE, ended: None };
         history.alarm(alarm);
         history.event(Event::Detected(fault(100)), Name::NONE);
         history.alarm(AlarmRecord { ended: Some(200), ..alarm });

@@ -46,6 +46,8 @@ pub struct Status {
     pub tuning: Option<Standing>,
     /// What a user calls the fault that fdv and fiv give.
     pub named: Name,
+    /// What a user calls the fault that was taught to the likelihood diagnosis and that it sees.
+    pub taught: Name,
     /// The commissioning, where there was one.
     pub commissioned: Option<Since>,
     /// Codes come from the port, and the outputs are locked off.
@@ -177,6 +179,10 @@ impl fmt::Display for Status {
         }
         f.write_str("\nlikelihood diagnosis ")?;
         f.write_str(readiness(report.likelihood.readiness))?;
+        if report.likelihood.alarm {
+            let class = report.likelihood.finding.map_or("alarm", |finding| finding.class.name());
+            write!(f, ": {class}{}", Called(self.taught))?;
+        }
         if let Some(since) = self.commissioned {
             write!(f, "\n{since}")?;
         }

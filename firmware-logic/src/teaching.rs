@@ -4,6 +4,7 @@ use core::fmt;
 
 use fdi_core::diagnosis::signature::{Signature, Symptoms};
 use fdi_core::diagnosis::teach::{Repetition, Steady, common, tables, tells};
+use fdi_core::likelihood::taught::{Effects, Response, put as put_response};
 use fdi_core::name::Name;
 use fdi_core::{Config, diagnosis::config::DiagnosisConfig};
 
@@ -20,6 +21,20 @@ pub struct Teaching {
     current: Option<Repetition>,
     /// Ticks of it that had no symptoms.
     without: u32,
+    /// Sum of what the likelihood diagnosis has seen in repetitions, and in how many.
+    effects: Effects,
+    seen: usize,
+}
+
+/// What repetitions teach: a row, and why it cannot stand; what the likelihood diagnosis knows the fault by, or why it does not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lesson {
+    /// The row.
+    pub row: Signature,
+    /// Why it cannot stand.
+    pub refused: Option<TeachError>,
+    /// The response.
+    pub response: Result<Response, TeachError>,
 }
 
 /// Why it cannot be taught.
@@ -47,6 +62,10 @@ pub enum TeachError {
     Conflict(usize, u8),
     /// The tables are full.
     Full,
+    /// The likelihood diagnosis has raised no alarm in some repetition, or too late.
+    Unseen,
+    /// Ten faults are taught.
+    Ten,
 }
 
 impl fmt::Display for TeachError {
@@ -67,6 +86,8 @@ impl fmt::Display for TeachError {
                 return write!(f, "some symptoms match row {place} of isolation, too (fiv {number})");
             }
             Self::Full => "the tables are full, expected `set diagnosis.isolation.N none` first",
+            Self::Unseen => "not every repetition raised an alarm of it for some seconds",
+            Self::Ten => "ten are taught, expected `set likelihood.taught.N none` first",
         })
     }
 }
@@ -100,44 +121,74 @@ impl Teaching {
         }
     }
 
-    /// One tick. Where nothing is monitored any more, what has begun is worth nothing; a tick without symptoms only counts.
-    pub fn step(&mut self, monitors: bool, symptoms: Option<&Symptoms>) {
-        match (symptoms, &mut self.current) {
-            _ if !monitors => self.current = None,
-            (Some(symptoms), Some(repetition)) => repetition.push(symptoms),
-            (None, Some(_)) => self.without = self.without.saturating_add(1),
-            (_, None) => {}
+    /// One tick, with its symptoms and what the likelihood diagnosis says that an alarm has changed, which is asked only in a repetition. Where nothing
+    /// is monitored any more, what has begun is worth nothing; a tick without symptoms only counts.
+    pub fn step(
+        &mut self,
+        monitors: bool,
+        symptoms: Option<&Symptoms>,
+        effects: impl FnOnce() -> Option<Effects>,
+    ) {
+        let Some(repetition) = &mut self.current else { return };
+        if !monitors {
+            self.current = None;
+            return;
+        }
+        match symptoms {
+            Some(symptoms) => repetition.push(symptoms),
+            None => self.without = self.without.saturating_add(1),
+        }
+        if let Some(effects) = effects() {
+            repetition.ask(&effects);
         }
     }
 
-    /// The repetition ends; what was steady in it.
+    /// The repetition ends; what was steady in it, and whether the likelihood diagnosis saw it.
     ///
     /// # Errors
     /// None is under way; it was too short.
-    pub fn end(&mut self) -> Result<Steady, TeachError> {
+    pub fn end(&mut self) -> Result<(Steady, bool), TeachError> {
         let repetition = self.current.take().ok_or(TeachError::NotBegun)?;
-        let judged = |ticks: u32| ticks >= SHORTEST && ticks / 9 >= self.without; // nine of ten
-        let long = Some(repetition).filter(|repetition| judged(repetition.ticks()));
-        let steady = long.and_then(|repetition| repetition.steady()).ok_or(TeachError::TooShort)?;
+        let judged = repetition.ticks() >= SHORTEST && repetition.ticks() / 9 >= self.without; // nine of ten
+        let steady = repetition.steady().filter(|_| judged).ok_or(TeachError::TooShort)?;
         self.repetitions.push(steady).map_err(|_| TeachError::Enough)?;
-        Ok(steady)
+        let effects = repetition.effects();
+        if let Some(effects) = &effects {
+            self.effects.iter_mut().zip(effects).for_each(|(sum, effect)| *sum += effect);
+            self.seen += 1;
+        }
+        Ok((steady, effects.is_some()))
     }
 
-    /// Settings with the row that the repetitions have in common, and the row.
+    /// What the repetitions teach, and the settings with as much of it as can stand. What was taught under this name before is kept where nothing
+    /// new can take its place.
     ///
     /// # Errors
-    /// Why it cannot stand; the row beside it, where there is one.
-    pub fn proposed(&self, config: &Config) -> Result<(Config, Signature), (TeachError, Option<Signature>)> {
+    /// There are no repetitions.
+    pub fn proposed(&self, config: &Config) -> Result<(Config, Lesson), TeachError> {
         if self.repetitions.is_empty() {
-            return Err((TeachError::Nothing, None));
+            return Err(TeachError::Nothing);
         }
-        let mut config = config.clone();
-        let number = tables::make_room(&mut config.diagnosis, self.name);
+        let mut with = config.clone();
+        let number = tables::make_room(&mut with.diagnosis, self.name);
         let row = Signature { number, pattern: common(&self.repetitions), name: self.name };
-        match put(&mut config.diagnosis, row) {
-            Ok(()) => Ok((config, row)),
-            Err(error) => Err((error, Some(row))),
+        let refused = put(&mut with.diagnosis, row).err();
+        if refused.is_some() {
+            with.diagnosis = config.diagnosis.clone();
         }
+        let response = self.response().and_then(|response| {
+            put_response(&mut with.likelihood.taught, response).map_err(|_| TeachError::Ten)?;
+            Ok(response)
+        });
+        Ok((with, Lesson { row, refused, response }))
+    }
+
+    /// The mean of what the likelihood diagnosis has seen, if it has seen every repetition.
+    fn response(&self) -> Result<Response, TeachError> {
+        if self.seen < self.repetitions.len() {
+            return Err(TeachError::Unseen);
+        }
+        Ok(Response::new(self.name, &self.effects.map(|sum| sum / self.seen as f32)))
     }
 }
 
@@ -163,9 +214,9 @@ mod tests {
         let mut teaching = Teaching::default();
         teaching.begin("loose".parse().expect("a name")).expect("nothing is under way");
         for k in 0..200 {
-            teaching.step(true, (k % without != 0).then_some(&HIGH));
+            teaching.step(true, (k % without != 0).then_some(&HIGH), || None);
         }
-        teaching.end()
+        teaching.end().map(|(steady, _)| steady)
     }
 
     #[test]
@@ -179,8 +230,8 @@ mod tests {
     fn what_is_begun_is_worth_nothing_once_nothing_is_monitored() {
         let mut teaching = Teaching::default();
         teaching.begin("hand".parse().expect("a name")).expect("nothing is under way");
-        (0..100).for_each(|_| teaching.step(true, Some(&HIGH)));
-        teaching.step(false, None);
+        (0..100).for_each(|_| teaching.step(true, Some(&HIGH), || None));
+        teaching.step(false, None, || None);
         assert_eq!(teaching.end(), Err(TeachError::NotBegun));
     }
 }

@@ -269,7 +269,7 @@ fn over_long_lines_do_nothing_at_all() {
     let mut board = Mock::default();
     let long = format!("set pid.kp 1{}\n", " ".repeat(line::LENGTH));
     let shown = type_in(&mut board, long.as_bytes());
-    assert!(shown.ends_with(" \nerror: line too long, expected at most 80 characters\n> "), "{shown:?}");
+    assert!(shown.ends_with(" \nerror: line too long, expected at most 120 characters\n> "), "{shown:?}");
     assert_eq!(board.config, Config::default());
 }
 

@@ -10,13 +10,12 @@ use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::signature::{MAX_ROWS, Signature};
 use fdi_core::identify::Adaptation;
 use fdi_core::likelihood::Commissioned;
+use fdi_core::likelihood::taught::Response;
 use fdi_core::name::Name as Called;
 use fdi_core::settings::{Kind, Value};
 use fdi_core::{Celsius, Config, Seconds, Setting};
 use firmware_logic::crc::CRC32;
-use firmware_logic::settings::SetError;
 use firmware_logic::settings::commissioning::Commissioning;
-use firmware_logic::settings::schema::Name;
 use firmware_logic::settings::store::{Origin, SaveError, Store};
 use firmware_logic::settings::stored::{MAX_BYTES, Stored, StoredError, VERSION};
 use flash::Flash;
@@ -47,6 +46,8 @@ fn unusual(setpoint: f32) -> Stored {
         rows.push(Signature { number, pattern: pattern.parse().expect("a pattern"), name: Called::NONE })
             .expect("room");
     }
+    let effects = core::array::from_fn(|i| 300 - 77 * i as i16);
+    config.likelihood.taught.push(Response { name: "cap".parse().expect("a name"), effects }).expect("room");
     let numbers = |k: usize| core::array::from_fn(|i| (7 * k + i) as f32 * 0.125);
     let normal = |k| Normal { mean: numbers(k), sigma: numbers(k + 1) };
     Stored { config, baseline: Some(Baseline { samples: 1637, raw: normal(0), filtered: normal(2) }) }
@@ -109,6 +110,9 @@ fn the_longest_record_fits() {
         while rows.push(row).is_ok() {}
         assert_eq!(rows.len(), MAX_ROWS);
     }
+    let taught = &mut stored.config.likelihood.taught;
+    let response = taught[0];
+    while taught.push(response).is_ok() {}
     assert!(encoded(&stored).len() <= MAX_BYTES);
 }
 
@@ -384,80 +388,11 @@ fn a_power_cut_at_any_step_leaves_the_old_settings_or_the_new() {
     println!("{cuts} cuts, {in_erase} in an erase: {old_kept} times the old settings, {new_kept} the new");
 }
 
-#[test]
-fn every_setting_can_be_set_to_what_it_shows() {
-    let config = unusual(40.0).config;
-    for name in Name::all(&config) {
-        let (text, shown) = (name.to_string(), name.value(&config).to_string());
-        let unit = match name {
-            Name::Entry(setting) if !setting.unit.is_empty() => format!(" {}", setting.unit),
-            _ => String::new(),
-        };
-        let value = shown.strip_suffix(&unit).expect("the unit is behind");
-        let mut copy = config.clone();
-        let found = Name::find(&text).expect("its own name");
-        assert_eq!(found.set(&mut copy, &text, value), Ok(()), "{text} = {value}");
-        assert_eq!(copy, config, "{text}");
-    }
-}
-
-#[test]
-fn names_and_kinds_are_checked() {
-    let mut config = Config::default();
-    let mut text = |name: &str, value: &str| {
-        let result = Name::find(name).and_then(|n| n.set(&mut config, name, value));
-        result.expect_err(name).to_string()
-    };
-    assert_eq!(text("pid.kq", "1"), "no setting \"pid.kq\", see `get`");
-    assert_eq!(
-        text("pid.kp", "two"),
-        "pid.kp: \"two\" given, expected a number of up to 7 digits, such as 35, -0.25 or 1e5"
-    );
-    assert_eq!(text("prbs.bits", "10.5"), "prbs.bits: \"10.5\" given, expected a whole number from 3 to 16");
-    assert!(text("identification.bandwidth", "fast").contains("rise-time or residence-time"));
-    assert!(
-        text("identification.adaptation", "forgetting").contains("forgetting LAMBDA or random-walk R1 R2")
-    );
-    assert!(text("diagnosis.isolation.1", "1 0 0 0").contains("expected five of -1, 0, +1, x"));
-    assert!(text("diagnosis.isolation.9", "1 0 0 0 0 0").contains("has 3 rows, expected a row from 1 to 4"));
-    assert!(matches!(Name::find("diagnosis.isolation.14"), Err(SetError::Unknown(_))));
-    assert_eq!(config, Config::default(), "a refused value changes nothing");
-}
-
-#[test]
-fn rows_are_added_changed_and_taken_away() {
-    let mut config = Config::default();
-    let mut set = |name: &str, value: &str| {
-        Name::find(name).expect(name).set(&mut config, name, value).expect(value);
-        config.diagnosis.isolation.len()
-    };
-    assert_eq!(set("diagnosis.isolation.4", "7 -1 -1 -1 -1 -1"), 4);
-    assert_eq!(set("diagnosis.isolation.4", "8 -1 -1 -1 -1 0"), 4);
-    assert_eq!(set("diagnosis.isolation.1", "none"), 3);
-    assert_eq!(config.diagnosis.isolation[2].number, 8);
-}
-
-#[test]
-fn a_row_of_the_users_own_has_a_name() {
-    let mut config = Config::default();
-    let name = "diagnosis.isolation.4";
-    let row = Name::find(name).expect(name);
-    let set = |config: &mut Config, value| row.set(config, name, value).map_err(|error| error.to_string());
-    set(&mut config, "4 0 +1 0 -1 0 hand-2").expect("a row");
-    for wrong in
-        ["4 0 +1 0 -1 0 2hands", "4 0 +1 0 -1 hand", "4 0 +1 0 -1 0 thirteen-long", "4 0 +1 0 -1 0 a b"]
-    {
-        assert!(set(&mut config, wrong).is_err(), "{wrong}");
-    }
-    assert_eq!(row.value(&config).to_string(), "4 0 +1 0 -1 0 hand-2");
-    set(&mut config, "4 0 +1 0 -1 0").expect("a row");
-    assert!(config.diagnosis.isolation[3].name.is_empty(), "a row told without a name has none");
-}
-
-/// Of any row of both tables; the release before, which has no names, reads all that stands before them.
+/// Of any row of both tables.
 #[test]
 fn names_of_rows_are_kept_behind_all_else() {
     let mut stored = unusual(40.0);
+    stored.config.likelihood.taught.clear();
     let nameless = encoded(&stored);
     let called = |name: &str| name.parse::<Called>().expect(name);
     stored.config.diagnosis.detection[1].name = called("hand");
@@ -468,28 +403,10 @@ fn names_of_rows_are_kept_behind_all_else() {
     assert_eq!(Stored::decode(&bytes), Ok(stored));
 }
 
-#[test]
-fn the_listing_tells_bounds_that_the_core_enforces() {
-    let config = Config::default();
-    let lines: Vec<String> =
-        firmware_logic::settings::listing::lines(&config).map(|l| l.to_string()).collect();
-    assert!(lines.contains(&"setpoint = 35 degC   (0 to 300)".to_owned()), "{lines:?}");
-    assert!(lines.contains(&"prbs.bits = 10   (3 to 16)".to_owned()), "{lines:?}");
-    assert!(lines.contains(&"diagnosis.detection.2 = 2 +1 x -1 x x".to_owned()), "{lines:?}");
-}
-
 proptest! {
     #[test]
     fn no_bytes_panic(bytes in proptest::collection::vec(any::<u8>(), 0..900)) {
         prop_assert!(Stored::decode(&bytes).is_err());
         let _ = Stored::decode(&with_crc(bytes));
-    }
-
-    #[test]
-    fn no_name_or_value_panics(name in "[a-z0-9._]{0,30}", value in "[ -~]{0,40}") {
-        let mut config = Config::default();
-        if let Ok(found) = Name::find(&name) {
-            let _ = found.set(&mut config, &name, &value);
-        }
     }
 }

@@ -14,7 +14,8 @@ use firmware_logic::interlock::Interlock;
 use firmware_logic::log_line;
 use firmware_logic::reset_cause::{ResetCause, Restart};
 use firmware_logic::retained::Retained;
-use firmware_logic::settings::store::Store;
+use firmware_logic::settings::commissioning::Commissioning;
+use firmware_logic::settings::store::{Origin, Store};
 use firmware_logic::settings::stored::Stored;
 use heapless::spsc::Producer;
 use static_cell::StaticCell;
@@ -56,9 +57,8 @@ fn start(spawner: Spawner) {
     count_cycles();
 
     let mut store = Store::new(SettingsFlash::new(parts.flash));
-    let (settings, origin) = block_on(store.load());
-    let marked = block_on(store.is_marked());
-    let commissioning = block_on(store.commissioning());
+    let (settings, origin) = read_settings(&mut store);
+    let (marked, commissioning) = read_marks(&mut store);
     interlock.marked(cause, marked);
     let config = settings.config.clone();
     log::banner(clock, cause, left.as_ref(), &origin);
@@ -104,6 +104,18 @@ fn start(spawner: Spawner) {
         )));
     }
     spawner.spawn(once(tasks::watchdog::watchdog()));
+}
+
+/// Not part of `start`, for the stack: what is read goes through buffers that nothing later needs.
+#[inline(never)]
+fn read_settings(store: &mut Store<SettingsFlash>) -> (Stored, Origin) {
+    block_on(store.load())
+}
+
+/// The same of the mark of a power failure, and of the commissioning.
+#[inline(never)]
+fn read_marks(store: &mut Store<SettingsFlash>) -> (bool, Option<Commissioning>) {
+    (block_on(store.is_marked()), block_on(store.commissioning()))
 }
 
 /// Not part of what the tasks lie on, as the core's peripherals are taken whole.

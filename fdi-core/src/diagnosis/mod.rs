@@ -18,6 +18,7 @@ use crate::identify::observer::{Observation, Observer, ObserverState};
 use crate::known::KnownInputs;
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::model::Model;
+use crate::likelihood::taught::Effects;
 use crate::likelihood::{
     Channel, Commissioned, FaultClass, Likelihood, LikelihoodReport, LikelihoodState, SinceCommissioning,
 };
@@ -264,6 +265,11 @@ impl Diagnosis {
     /// Restores what was learnt in an earlier run; it has been checked with [`Baseline::validate`].
     pub fn restore(&self, state: &mut DiagnosisState, baseline: &Baseline) {
         state.baseline = Some(*baseline);
+    }
+
+    /// What the alarm under way has changed; see [`LikelihoodState::effects`].
+    pub fn effects(&self, state: &DiagnosisState) -> Option<Effects> {
+        state.likelihood.effects()
     }
 
     /// The models in force, as they are kept at a commissioning.

@@ -3,7 +3,7 @@
 use core::fmt;
 
 /// Longest line in characters.
-pub const LENGTH: usize = 80;
+pub const LENGTH: usize = 120;
 
 /// Ctrl-C, ESC, `!`: heater off, at once, in the middle of a line, too. No command and no setting needs any of them.
 pub const fn is_stop_key(byte: u8) -> bool {

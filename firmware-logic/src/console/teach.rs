@@ -2,14 +2,13 @@
 
 use core::fmt::{self, Display, Write};
 
-use fdi_core::diagnosis::signature::Signature;
 use fdi_core::diagnosis::teach::Steady;
 use fdi_core::name::Name;
 use fdi_core::{Config, Mode};
 
 use super::{Board, fail, say};
 use crate::settings::store::SaveError;
-use crate::teaching::{TeachError, Teaching};
+use crate::teaching::{Lesson, TeachError, Teaching};
 
 /// What `teach` is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,9 +71,10 @@ fn begin(name: Name, board: &mut impl Board, out: &mut dyn Write) -> Result<(), 
 }
 
 fn end(board: &mut impl Board, out: &mut dyn Write) -> Result<(), TeachError> {
-    let steady = board.teach(Teaching::end)?;
+    let (steady, seen) = board.teach(Teaching::end)?;
     let number = board.teach(|teaching| teaching.repetitions().len());
-    let _ = writeln!(out, "repetition {number}: {}", SteadyText(&steady));
+    let unseen = if seen { "" } else { ", no alarm of the likelihood diagnosis" };
+    let _ = writeln!(out, "repetition {number}: {}{unseen}", SteadyText(&steady));
     Ok(())
 }
 
@@ -87,18 +87,13 @@ fn show(board: &mut impl Board, out: &mut dyn Write) -> Result<(), TeachError> {
             let _ = writeln!(out, "{}", TeachError::Once);
         }
     });
-    let (row, verdict) = match proposed(board) {
-        Ok((_, row)) => (Some(row), Ok(())),
-        Err((error, row)) => (row, Err(error)),
-    };
-    if let Some(row) = row {
-        let _ = writeln!(out, "row: {} {} {}", row.number, row.pattern, row.name);
-    }
-    verdict
+    let (_, lesson) = proposed(board)?;
+    let _ = write!(out, "{}", LessonText(&lesson));
+    Ok(())
 }
 
 /// Apart from what waits, whose memory is static.
-fn proposed(board: &mut impl Board) -> Result<(Config, Signature), (TeachError, Option<Signature>)> {
+fn proposed(board: &mut impl Board) -> Result<(Config, Lesson), TeachError> {
     let config = board.config();
     board.teach(|teaching| teaching.proposed(&config))
 }
@@ -107,19 +102,43 @@ async fn save(board: &mut impl Board, out: &mut dyn Write) {
     if board.teach(|teaching| teaching.repetitions().len()) == 1 {
         return fail(out, &TeachError::Once);
     }
-    let (config, row) = match proposed(board) {
+    let (config, lesson) = match proposed(board) {
         Ok(proposed) => proposed,
-        Err((error, _)) => return fail(out, &error),
+        Err(error) => return fail(out, &error),
     };
+    if let (Some(error), Err(_)) = (lesson.refused, lesson.response) {
+        return fail(out, &error);
+    }
     if let Err(error) = board.apply(&config).await {
         return fail(out, &error);
     }
     board.teach(|teaching| *teaching = Teaching::default());
-    let _ = writeln!(out, "in force: {} {} {}", row.number, row.pattern, row.name);
+    let _ = write!(out, "in force\n{}", LessonText(&lesson));
     match board.save().await {
         Ok(()) => say(out, "saved\n"),
         Err(SaveError::Heating) => say(out, "it heats: `save` keeps it once the heater is off\n"),
         Err(error) => fail(out, &error),
+    }
+}
+
+/// The row and the response, and why one of them cannot stand.
+struct LessonText<'a>(&'a Lesson);
+
+impl Display for LessonText<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Lesson { row, refused, response } = self.0;
+        write!(f, "row: {} {} {}", row.number, row.pattern, row.name)?;
+        if let Some(error) = refused {
+            write!(f, ", NOT taught: {error}")?;
+        }
+        match response {
+            Ok(response) => {
+                f.write_str("\nlikelihood:")?;
+                response.effects.iter().try_for_each(|effect| write!(f, " {effect}"))?;
+                f.write_str("\n")
+            }
+            Err(error) => writeln!(f, "\nlikelihood: NOT taught: {error}"),
+        }
     }
 }
 

@@ -293,7 +293,8 @@ fn symptoms(report: &Report) -> u32 {
     }
 }
 
-/// Readiness of the likelihood diagnosis in bits 0..4, its alarm in bit 4, the class that it names from bit 8; 0 for none.
+/// Readiness of the likelihood diagnosis in bits 0..4, its alarm in bit 4, the class that it names from bit 8, the place from 1 of the taught fault
+/// from bit 16; 0 for none.
 fn likelihood(report: &LikelihoodReport) -> u32 {
     let readiness = match report.readiness {
         Readiness::Untrained => 0,
@@ -305,7 +306,8 @@ fn likelihood(report: &LikelihoodReport) -> u32 {
         Readiness::Refused(RejectReason::DeadTime) => 6,
     };
     let class = report.finding.map_or(0, |finding| finding.class.number());
-    readiness | u32::from(report.alarm) << 4 | class << 8
+    let taught = report.taught.map_or(0, |taught| u32::from(taught.place) + 1);
+    readiness | u32::from(report.alarm) << 4 | class << 8 | taught << 16
 }
 
 /// fdv and fiv of the filtered residuals, then of the raw ones, a byte each.

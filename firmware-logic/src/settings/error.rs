@@ -26,11 +26,11 @@ pub enum SetError<'a> {
         /// Why.
         error: PatternError,
     },
-    /// A row can be added only behind the last.
+    /// A row or a response can be added only behind the last.
     Gap {
         /// The setting.
         name: &'a str,
-        /// Rows that the table has.
+        /// How many there are.
         rows: usize,
     },
 }
@@ -60,7 +60,7 @@ impl fmt::Display for SetError<'_> {
             }
             Self::Pattern { name, error } => write!(f, "{name}: {error}, or `none`"),
             Self::Gap { name, rows } => {
-                write!(f, "{name}: the table has {rows} rows, expected a row from 1 to {}", rows + 1)
+                write!(f, "{name}: there are {rows}, expected one from 1 to {}", rows + 1)
             }
         }
     }

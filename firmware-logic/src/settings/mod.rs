@@ -4,6 +4,7 @@ mod bits;
 pub mod commissioning;
 mod error;
 pub mod listing;
+mod response;
 pub mod schema;
 mod sectors;
 pub mod store;

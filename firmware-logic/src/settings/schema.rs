@@ -3,11 +3,13 @@
 use core::fmt;
 
 use fdi_core::diagnosis::signature::MAX_ROWS;
+use fdi_core::likelihood::taught::MOST;
 use fdi_core::settings::Kind;
 use fdi_core::{Config, Setting};
 
 use super::bits::bits;
 use super::error::{Expected, SetError};
+use super::response;
 use super::table::{Table, set_row};
 use super::text;
 
@@ -18,6 +20,8 @@ pub enum Name {
     Entry(&'static Setting),
     /// Row of a table, from 0; written from 1 on, as in `diagnosis.isolation.1`.
     Row(Table, usize),
+    /// A fault of the user's own, from 0; written from 1 on, as in `likelihood.taught.1`.
+    Response(usize),
 }
 
 impl Name {
@@ -29,31 +33,30 @@ impl Name {
         if let Some(setting) = Config::settings().find(|setting| setting.name == name) {
             return Ok(Self::Entry(setting));
         }
-        Table::ALL
-            .into_iter()
-            .find_map(|(table, start)| {
-                let row: usize = name.strip_prefix(start)?.parse().ok()?;
-                (1..=MAX_ROWS).contains(&row).then(|| Self::Row(table, row - 1))
-            })
-            .ok_or(SetError::Unknown(name))
+        // Its place behind this beginning, from 0.
+        let place = |start: &str, most: usize| {
+            let number: usize = name.strip_prefix(start)?.parse().ok()?;
+            (1..=most).contains(&number).then(|| number - 1)
+        };
+        let row = |(table, start)| Some(Self::Row(table, place(start, MAX_ROWS)?));
+        let response = || place(response::START, MOST).map(Self::Response);
+        Table::ALL.into_iter().find_map(row).or_else(response).ok_or(SetError::Unknown(name))
     }
 
     /// All names that have a value in `config`.
     pub fn all(config: &Config) -> impl Iterator<Item = Self> {
         let rows = |table: Table| (0..table.rows(config).len()).map(move |row| Self::Row(table, row));
         let rows = rows(Table::Detection).chain(rows(Table::Isolation));
-        Config::settings().map(Self::Entry).chain(rows)
+        let responses = (0..config.likelihood.taught.len()).map(Self::Response);
+        Config::settings().map(Self::Entry).chain(rows).chain(responses)
     }
 
     /// Whether the name begins so; of the number of a row all of it.
     pub fn starts_with(&self, beginning: &str) -> bool {
         match self {
             Self::Entry(setting) => setting.name.starts_with(beginning),
-            Self::Row(table, row) => {
-                let (_, start) = Table::ALL[*table as usize];
-                start.starts_with(beginning)
-                    || beginning.strip_prefix(start).and_then(|number| number.parse().ok()) == Some(row + 1)
-            }
+            Self::Row(table, row) => numbered(Table::ALL[*table as usize].1, *row, beginning),
+            Self::Response(place) => numbered(response::START, *place, beginning),
         }
     }
 
@@ -62,6 +65,7 @@ impl Name {
         match self {
             Self::Entry(setting) => bits(setting.kind, a.get(setting)) == bits(setting.kind, b.get(setting)),
             Self::Row(table, row) => table.rows(a).get(*row) == table.rows(b).get(*row),
+            Self::Response(place) => a.likelihood.taught.get(*place) == b.likelihood.taught.get(*place),
         }
     }
 
@@ -77,6 +81,10 @@ impl Name {
                     write!(f, "{} {}", signature.number, signature.pattern)?;
                     if signature.name.is_empty() { Ok(()) } else { write!(f, " {}", signature.name) }
                 }
+                None => f.write_str("none"),
+            },
+            Self::Response(place) => match config.likelihood.taught.get(place) {
+                Some(taught) => response::write(f, taught),
                 None => f.write_str("none"),
             },
         })
@@ -97,6 +105,7 @@ impl Name {
                 }
             }
             Self::Row(table, row) => set_row(table.rows_mut(config), *row, name, text),
+            Self::Response(place) => response::set(&mut config.likelihood.taught, *place, name, text),
         }
     }
 }
@@ -105,10 +114,14 @@ impl fmt::Display for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Entry(setting) => f.write_str(setting.name),
-            Self::Row(table, row) => {
-                let (_, start) = Table::ALL[*table as usize];
-                write!(f, "{start}{}", row + 1)
-            }
+            Self::Row(table, row) => write!(f, "{}{}", Table::ALL[*table as usize].1, row + 1),
+            Self::Response(place) => write!(f, "{}{}", response::START, place + 1),
         }
     }
+}
+
+/// Whether a name with a number, from 0, begins so; of the number all of it.
+fn numbered(start: &str, place: usize, beginning: &str) -> bool {
+    start.starts_with(beginning)
+        || beginning.strip_prefix(start).and_then(|number| number.parse().ok()) == Some(place + 1)
 }

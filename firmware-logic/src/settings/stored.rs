@@ -4,10 +4,10 @@
 //! ```text
 //! version u8 | settings u8 | (id u16, bits 2 x u32) .. | detection rows u8 | (number u8, cells 5 x u8) .. |
 //! isolation rows u8 | .. | baseline 0 or 1 | samples u32, 28 x f32 |
-//! (0 detection or 1 isolation, row u8, name 12 x u8) .. | CRC-32
+//! (0 detection or 1 isolation, row u8, name 12 x u8) .. | (2, name 12 x u8, effects 11 x i16) .. | CRC-32
 //! ```
 //!
-//! The names of rows come last, and only those that there are: a program that knows no names reads all before them.
+//! The names of rows and what a user has taught come last, and only those that there are.
 //! Since each setting carries its id, a newer program that has more settings, or fewer, reads what an older one saved:
 //! an update does not lose the calibration of a rig. All numbers are little-endian.
 
@@ -17,6 +17,7 @@ use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::signature::{Cell, Pattern, Rows, Signature, Symptom};
+use fdi_core::likelihood::taught::Response;
 use fdi_core::name::Name;
 use fdi_core::{Config, ConfigError, Setting};
 
@@ -27,9 +28,12 @@ use crate::crc::CRC32;
 use crate::explain::Explained;
 
 /// Bytes that the longest record may take.
-pub const MAX_BYTES: usize = 1440;
+pub const MAX_BYTES: usize = 1792;
 /// Changes when the layout does, not when settings come or go.
 pub const VERSION: u8 = 1;
+/// What begins a response, where a table begins a name.
+const TAUGHT: u8 = 2;
+
 /// What is kept.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stored {
@@ -110,6 +114,11 @@ impl Stored {
             out.bytes(&[table as u8, row as u8])?;
             out.bytes(&name.bytes())?;
         }
+        for response in &config.likelihood.taught {
+            out.bytes(&[TAUGHT])?;
+            out.bytes(&response.name.bytes())?;
+            response.effects.iter().try_for_each(|effect| out.bytes(&effect.to_le_bytes()))?;
+        }
         let crc = CRC32.checksum(out.written()).to_le_bytes();
         out.bytes(&crc)?;
         let length = out.length;
@@ -146,7 +155,10 @@ impl Stored {
             stored.baseline = Some(decode_baseline(&mut input)?);
         }
         while !input.0.is_empty() {
-            decode_name(&mut input, &mut stored.config)?;
+            match input.take()? {
+                [TAUGHT] => decode_response(&mut input, &mut stored.config)?,
+                [table] => decode_name(table, &mut input, &mut stored.config)?,
+            }
         }
         check(&stored.config).map_err(StoredError::Invalid)?;
         Ok(stored)
@@ -197,14 +209,22 @@ fn names(config: &Config) -> impl Iterator<Item = (Table, usize, Name)> {
     [Table::Detection, Table::Isolation].into_iter().flat_map(of).filter(|(.., name)| !name.is_empty())
 }
 
-fn decode_name(input: &mut Reader<'_>, config: &mut Config) -> Result<(), StoredError> {
-    let [table, row] = input.take()?;
+fn decode_name(table: u8, input: &mut Reader<'_>, config: &mut Config) -> Result<(), StoredError> {
+    let [row] = input.take()?;
     let name = Name::from_bytes(input.take()?);
     let table = if table == 0 { Table::Detection } else { Table::Isolation };
     if let Some(signature) = table.rows_mut(config).get_mut(usize::from(row)) {
         signature.name = name;
     }
     Ok(())
+}
+
+fn decode_response(input: &mut Reader<'_>, config: &mut Config) -> Result<(), StoredError> {
+    let mut response = Response { name: Name::from_bytes(input.take()?), ..Response::default() };
+    for effect in &mut response.effects {
+        *effect = i16::from_le_bytes(input.take()?);
+    }
+    config.likelihood.taught.push(response).map_err(|_| StoredError::TooLong)
 }
 
 fn decode_baseline(input: &mut Reader<'_>) -> Result<Baseline, StoredError> {

@@ -115,7 +115,8 @@ impl Rows {
             "fdv" => judged.map(|vectors| (vectors & 0xFF) as f32),
             "fiv" => judged.map(|vectors| (vectors >> 8 & 0xFF) as f32),
             "alarm" => count(likelihood >> 4 & 1),
-            "class" => Some(likelihood >> 8).filter(|class| *class > 0).map(|class| class as f32),
+            "taught" => Some(likelihood >> 16).filter(|place| *place > 0).map(|place| place as f32),
+            "class" => Some(likelihood >> 8 & 0xFF).filter(|class| *class > 0).map(|class| class as f32),
             "onset" => Some(word("onset"))
                 .filter(|onset| *onset != NONE)
                 .map(|onset| (f64::from(self.count) - (f64::from(line.tick()) - f64::from(onset))) as f32),

@@ -64,7 +64,11 @@ pub fn write<P: Read + Write>(session: &mut Session<P>, wanted: &Config) -> anyh
 /// What differs; of rows that are not wanted the last first, since those behind a row move up when it goes.
 fn differing(wanted: &Config, now: &Config) -> Vec<Name> {
     let mut gone: Vec<Name> = Name::all(now)
-        .filter(|name| matches!(name, Name::Row(table, row) if *row >= table.rows(wanted).len()))
+        .filter(|name| match name {
+            Name::Row(table, row) => *row >= table.rows(wanted).len(),
+            Name::Response(place) => *place >= wanted.likelihood.taught.len(),
+            Name::Entry(_) => false,
+        })
         .collect();
     gone.reverse();
     gone.into_iter().chain(Name::all(wanted).filter(|name| !name.same(wanted, now))).collect()
@@ -84,13 +88,19 @@ fn bare(name: Name, value: &str, config: &Config) -> String {
 mod tests {
     use super::*;
 
-    /// The usual settings with two rows of the user's own in either table.
+    /// The usual settings with two rows of the user's own in either table, and two faults.
     fn taught() -> Config {
         let mut config = Config::default();
         for name in ["detection.3", "detection.4", "isolation.4", "isolation.5"] {
             let (name, number) = (format!("diagnosis.{name}"), name.len());
             let row = format!("{number} 0 +1 0 {} x hand", if name.ends_with('4') { "-1" } else { "+1" });
             Name::find(&name).unwrap().set(&mut config, &name, &row).unwrap();
+        }
+        for (place, changes) in
+            [(1, "low 0 -37 31 -14 -113 24 -12 82 -44 13 -4"), (2, "cap 1 2 3 4 5 6 7 8 9 10 -32768")]
+        {
+            let name = format!("likelihood.taught.{place}");
+            Name::find(&name).unwrap().set(&mut config, &name, changes).unwrap();
         }
         config
     }

@@ -13,7 +13,8 @@ Every setting of the instrument. The same names serve a file for `--config` (TOM
 declarations in `fdi-core` by `cargo run -- config --markdown > docs/settings.md`.
 
 On top come the rows of the signature tables, `diagnosis.detection.1` and on, `diagnosis.isolation.1` and on
-([theory](theory.md), section 7): a number, five of -1 0 +1 x, and for a fault of one's own a name. `pt326 teach` makes such rows ([board](board.md)).
+([theory](theory.md), section 7): a number, five of -1 0 +1 x, and for a fault of one's own a name. `pt326 teach` makes such rows ([board](board.md)),
+and what the likelihood diagnosis knows such faults by: `likelihood.taught.1` and on, a name and eleven whole numbers ([diagnosis](diagnosis.md), section 8).
 ";
 
 /// All settings as Markdown.

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use fdi_core::likelihood::taught::{Response, names};
 use fdi_core::settings::{About, Value};
 use fdi_core::{Config, Setting};
 
@@ -46,6 +47,9 @@ pub fn commented_toml_of(config: &Config) -> String {
             rows(&mut text, "diagnosis.detection", &config.diagnosis.detection);
             rows(&mut text, "diagnosis.isolation", &config.diagnosis.isolation);
         }
+        if table == Some("likelihood") {
+            taught(&mut text, &config.likelihood.taught);
+        }
     }
     text
 }
@@ -76,6 +80,23 @@ fn toml_value(setting: &Setting, value: Value) -> String {
             }
             form => format!("{:?}", form.map_or("", |(form, _)| form.word)),
         },
+    }
+}
+
+/// Only where there are any.
+fn taught(text: &mut String, responses: &[Response]) {
+    if responses.is_empty() {
+        return;
+    }
+    let names = names().join(", ");
+    comment(
+        text,
+        &format!(
+            "\nFaults that were taught, with what each changes: {names}.\nOffsets in hundredths of a degC, all else in thousandths."
+        ),
+    );
+    for Response { name, effects } in responses {
+        let _ = writeln!(text, "[[likelihood.taught]]\nname = \"{name}\"\neffects = {effects:?}");
     }
 }
 

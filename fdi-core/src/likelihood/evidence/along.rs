@@ -8,6 +8,7 @@ use crate::vector::dot;
 
 impl<const N: usize, const H: usize> Nuisances<'_, N, H> {
     /// Frees how large a change is that moves columns by these weights where it is 1, with mean and standard deviation of its prior.
+    #[inline(never)]
     pub(in crate::likelihood) fn free_along<const M: usize>(
         &self,
         weights: &[(Column, f32); M],
@@ -52,6 +53,7 @@ impl<const N: usize, const H: usize> Nuisances<'_, N, H> {
     }
 
     /// What is left of information and score beyond the nuisances, where a column shares so much with them.
+    #[inline(never)]
     pub(super) fn less_nuisances(
         &self,
         shared: &[f32; MOST],

@@ -7,8 +7,8 @@
 //! ```
 //! use fdi_core::likelihood::taught::Response;
 //!
-//! let cap = Response::mean("cap".parse().unwrap(), &[[0.0; 11], [0.5; 11]]).unwrap();
-//! assert_eq!(cap.effects, [250, 250, 250, 25, 25, 250, 250, 250, 250, 250, 250]);
+//! let cap = Response::new("cap".parse().unwrap(), &[0.0, 0.0, 0.0, -1.5, 0.0, -0.25, 0.0, 0.0, 0.0, 0.0, 0.0]);
+//! assert_eq!(cap.effects, [0, 0, 0, -150, 0, -250, 0, 0, 0, 0, 0]);
 //! ```
 
 mod recall;
@@ -16,7 +16,7 @@ mod response;
 
 pub(super) use recall::{Recalled, likeliest, recall};
 pub(super) use response::spreads;
-pub use response::{EFFECTS, Effects, MOST, Response, Responses, names};
+pub use response::{EFFECTS, Effects, Full, MOST, Response, Responses, names, put};
 
 use super::verdict::Magnitude;
 

@@ -16,6 +16,7 @@ const PRIOR: f32 = 4.5;
 pub(in crate::likelihood) type Recalled = [Freed; MOST];
 
 /// Judges all of them.
+#[inline(never)]
 pub(in crate::likelihood) fn recall<const N: usize, const H: usize>(
     responses: &Responses,
     nuisances: &Nuisances<'_, N, H>,

@@ -70,15 +70,28 @@ pub struct Response {
 /// All responses.
 pub type Responses = Vec<Response, MOST>;
 
+/// There is room for no more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Full;
+
+/// Adds a response, or puts it in the place of the one of its name.
+///
+/// # Errors
+/// There is room for no more; nothing has changed then.
+pub fn put(responses: &mut Responses, response: Response) -> Result<(), Full> {
+    match responses.iter_mut().find(|known| known.name == response.name) {
+        Some(known) => *known = response,
+        None => responses.push(response).map_err(|_| Full)?,
+    }
+    Ok(())
+}
+
 impl Response {
-    /// The mean of some repetitions; `None` where there are none, or where it changes nothing.
-    pub fn mean(name: Name, repetitions: &[Effects]) -> Option<Self> {
-        let n = repetitions.len() as f32;
-        let mean = |i: usize| repetitions.iter().map(|effects| effects[i]).sum::<f32>() / n;
+    /// A fault with these effects, rounded.
+    pub fn new(name: Name, effects: &Effects) -> Self {
         let limit = f32::from(i16::MAX);
-        let kept = |i: usize| libm::roundf(bounded(mean(i) / ALL[i].step, -limit, limit)) as i16;
-        let effects = core::array::from_fn(kept);
-        (!repetitions.is_empty() && effects != [0; EFFECTS]).then_some(Self { name, effects })
+        let rounded = |i: usize| libm::roundf(bounded(effects[i] / ALL[i].step, -limit, limit)) as i16;
+        Self { name, effects: core::array::from_fn(rounded) }
     }
 
     /// Its columns, each with what it changes.

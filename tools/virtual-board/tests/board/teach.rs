@@ -1,4 +1,4 @@
-//! Two faults of a user's own, shown to the image three times each, told by their names, and kept over a power cycle.
+//! Two faults of a user's own, shown to the image three times each, told by their names by both diagnoses, and kept over a power cycle.
 
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use virtual_board::board::load;
@@ -53,24 +53,30 @@ fn two_faults_are_taught_told_by_their_names_and_kept() {
     for (number, (name, ..)) in (4..).zip(KINDS) {
         (0..3).for_each(|_| show(&mut scene, name));
         let saved = say(&mut scene, "teach save");
-        let row = format!("in force: {number} ");
+        let row = format!("in force\nrow: {number} ");
         assert!(saved.starts_with(&row) && saved.contains(name) && saved.contains("it heats"), "{saved}");
+        assert!(saved.contains("\nlikelihood: ") && !saved.contains("NOT"), "{saved}");
     }
     for (number, (name, ..)) in (4..).zip(KINDS) {
         wait(&mut scene, LASTS / 2);
         let status = say(&mut scene, "status");
         assert!(status.contains(&format!("fdv {number} fiv {number} ({name})")), "{status}");
+        let likelihood = status.lines().find(|line| line.starts_with("likelihood"));
+        assert!(likelihood.is_some_and(|line| line.contains(&format!("offset ({name})"))), "{status}");
         wait(&mut scene, APART - LASTS / 2);
     }
     say(&mut scene, "stop");
     wait(&mut scene, 1);
     let faults = say(&mut scene, "faults");
     assert!(KINDS.iter().all(|(name, ..)| faults.contains(&format!("({name})"))), "{faults}");
+    assert!(KINDS.iter().all(|(name, ..)| faults.contains(&format!("as taught: {name},"))), "{faults}");
     assert_eq!(say(&mut scene, "save"), "ok");
     scene.board.power_cycle().expect("comes back");
     wait(&mut scene, 1);
     for (number, (name, ..)) in (4..).zip(KINDS) {
         let row = say(&mut scene, &format!("get diagnosis.isolation.{number}"));
         assert!(row.ends_with(name), "{row}");
+        let taught = say(&mut scene, &format!("get likelihood.taught.{}", number - 3));
+        assert!(taught.contains(&format!(" = {name} ")), "{taught}");
     }
 }

@@ -1,0 +1,52 @@
+//! Faults of the user's own as settings: `NAME`, then what each changes, in the order of
+//! [`names`](fdi_core::likelihood::taught::names), such as `low 0 -37 31 -14 -113 24 -12 82 -44 13 -4`; or `none`.
+
+use core::fmt;
+
+use fdi_core::likelihood::taught::{EFFECTS, Response, Responses};
+
+use super::error::{Expected, SetError};
+
+/// The beginning of their names.
+pub(super) const START: &str = "likelihood.taught.";
+
+/// Writes, adds or (with `none`) takes away a response.
+pub(super) fn set<'a>(
+    responses: &mut Responses,
+    place: usize,
+    name: &'a str,
+    text: &'a str,
+) -> Result<(), SetError<'a>> {
+    let count = responses.len();
+    if text == "none" && place < count {
+        responses.remove(place);
+        return Ok(());
+    }
+    let expected = Expected::Words("a name and eleven whole numbers; or none");
+    let response = parse(text).ok_or(SetError::Value { name, given: text, expected })?;
+    match responses.get_mut(place) {
+        Some(known) => *known = response,
+        None if place == count => {
+            // There is room: a place beyond the last possible one has no name.
+            let _ = responses.push(response);
+        }
+        None => return Err(SetError::Gap { name, rows: count }),
+    }
+    Ok(())
+}
+
+fn parse(text: &str) -> Option<Response> {
+    let mut words = text.split_whitespace();
+    let name = words.next()?.parse().ok()?;
+    let mut effects = [0; EFFECTS];
+    for effect in &mut effects {
+        *effect = words.next()?.parse().ok()?;
+    }
+    words.next().is_none().then_some(Response { name, effects })
+}
+
+/// The text that [`set`] reads.
+pub(super) fn write(f: &mut fmt::Formatter<'_>, response: &Response) -> fmt::Result {
+    f.write_str(response.name.as_str())?;
+    response.effects.iter().try_for_each(|effect| write!(f, " {effect}"))
+}

@@ -72,9 +72,9 @@ export function support(name, row, ts) {
 export const taughtNames = [];
 export const taughtName = (place) => (place > 0 ? taughtNames[place - 1] ?? `${place}` : "");
 
-// The taught fault that an alarm is, as HTML.
+// The taught fault that an alarm is, as HTML. A board does not stream its size.
 export const asTaught = ({ taught, taught_size: size }) =>
-  say("as_taught", { name: escape(taughtName(taught)), size: num(size, 0) });
+  say(Number.isFinite(size) ? "as_taught_size" : "as_taught", { name: escape(taughtName(taught)), size: num(size, 0) });
 
 // Why something was not done. Of a refusal without a code, the words of the trip that it speaks of, else its own.
 export function refusal({ why, code, values: { name, mode, trip, value, min, max, other, limit } = {} }, hello) {

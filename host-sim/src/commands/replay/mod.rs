@@ -22,6 +22,7 @@ use crate::isolability::{Isolability, Onsets, Question};
 use crate::record::trace::Column;
 use crate::settings;
 use pt326_lab::change::Settings;
+use pt326_lab::names::Names;
 use pt326_lab::{fields, recording};
 use pt326_rig::fault::Fault;
 
@@ -277,7 +278,9 @@ fn rerun(
     bar.finish_and_clear();
     let origin = Origin::Recorded { file: file.display().to_string() };
     let record = Record::new(origin, config, &recording.faults, rows, instrument.baseline().copied());
-    Ok((Record { settings: told, explained, effects, ..record }, agreement))
+    // What was taught in the middle of it has a name from there on.
+    let names = Names::of(settings.in_force());
+    Ok((Record { names, settings: told, explained, effects, ..record }, agreement))
 }
 
 impl Recording {

@@ -1,4 +1,4 @@
-//! `pt326 teach`: signatures of a user's own faults, from a recording in which they were made.
+//! `pt326 teach`: a user's own faults, from a recording in which they were made.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -21,9 +21,12 @@ is not taught. A name that the settings have already is taught anew.
 All rows are then tried on the recording: whether each repetition is found, and what else is named. A row that a recording without a fault \
 (--quiet) shows is not taught either.
 
-With --out the settings are written with the new rows, for `pt326 run --config` and `pt326 board settings load`.
+The likelihood diagnosis is taught what the fault changes, in the mean of the repetitions, and tried in the same way. It tells the fault by this name beside \
+its own.
 
-The exit code is 1 if a name could not be taught.
+With --out the settings are written with what was taught, for `pt326 run --config` and `pt326 board settings load`.
+
+The exit code is 1 if a name could not be taught to both diagnoses.
 
 Examples:
   pt326 teach board.log --fault hand:385..410,495..520,605..630 --out taught.toml
@@ -43,7 +46,7 @@ pub struct TeachArgs {
     /// A recording of the same rig in which nothing was done, such as a night: what it shows is not taught. May be given several times.
     #[arg(long, value_name = "FILE")]
     pub quiet: Vec<PathBuf>,
-    /// Write the settings with the new rows.
+    /// Write the settings with what was taught.
     #[arg(long, value_name = "FILE.toml")]
     pub out: Option<PathBuf>,
 }
@@ -55,9 +58,15 @@ pub struct TeachArgs {
 pub fn run(args: &TeachArgs) -> anyhow::Result<ExitCode> {
     let lesson = whole(args, &args.file, args.seed)?;
     let quiet = args.quiet.iter().map(|file| Ok(Watch::of(&whole(args, file, None)?.record)));
-    let quiet = quiet.collect::<anyhow::Result<Vec<_>>>()?;
-    let taught =
-        Taught::of(&Watch::of(&lesson.record), &lesson.config, &Marks::by_name(&args.faults), &quiet)?;
+    let (quiet, marks) = (quiet.collect::<anyhow::Result<Vec<_>>>()?, Marks::by_name(&args.faults));
+    let mut taught = Taught::of(&Watch::of(&lesson.record), &lesson.config, &marks, &quiet)?;
+    // A response is in no table that could be looked up: the core says what it makes of it.
+    let responses = taught.config.likelihood.taught.clone();
+    let with = |file: &Path, seed| {
+        Ok::<_, anyhow::Error>(Watch::of(&again(&asked(args, file, seed), Some(&responses))?.record))
+    };
+    let quiet = args.quiet.iter().map(|file| with(file, None)).collect::<anyhow::Result<Vec<_>>>()?;
+    taught.recall(&with(&args.file, args.seed)?, &marks, &quiet);
     for lesson in &taught.lessons {
         print(&format!("\n{lesson}"))?;
     }
@@ -67,17 +76,20 @@ pub fn run(args: &TeachArgs) -> anyhow::Result<ExitCode> {
             .with_context(|| format!("{} cannot be written", out.display()))?;
         print(&format!("\nWritten to {}\n", out.display()))?;
     }
-    if taught.all_stand() {
+    if taught.all_stand() && taught.all_are_recalled() {
         return Ok(ExitCode::SUCCESS);
     }
-    print(&format!("{}\n", styled(WARNING, "Not every name was taught.")))?;
+    print(&format!("{}\n", styled(WARNING, "Not every name was taught to both diagnoses.")))?;
     Ok(ExitCode::from(1))
+}
+
+fn asked(args: &TeachArgs, file: &Path, seed: Option<u64>) -> ReplayArgs {
+    ReplayArgs { file: file.to_owned(), config: args.config.clone(), seed, out: PathBuf::new() }
 }
 
 /// A recording to which the core comes again.
 fn whole(args: &TeachArgs, file: &Path, seed: Option<u64>) -> anyhow::Result<Again> {
-    let file = file.to_owned();
-    let again = again(&ReplayArgs { file, config: args.config.clone(), seed, out: PathBuf::new() })?;
+    let again = again(&asked(args, file, seed), None)?;
     print(&again.told)?;
     ensure!(again.agrees, "nothing is taught from a recording to which the core does not come again");
     Ok(again)

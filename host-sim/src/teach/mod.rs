@@ -1,5 +1,6 @@
-//! Signatures of faults that somebody has made on purpose, from a recording: the paper's signatures "must be captured on test
-//! experiments". A row is proposed for each name, put into the tables if it can stand beside the others, and tried on the recording.
+//! Faults that somebody has made on purpose, from a recording: the paper's signatures "must be captured on test experiments". A row is
+//! proposed for each name, put into the tables if it can stand beside the others, and tried on the recording. Beside it the likelihood diagnosis is taught
+//! what the fault changes.
 
 mod marks;
 mod proposal;
@@ -10,25 +11,36 @@ use anyhow::Context;
 use fdi_core::Config;
 use fdi_core::diagnosis::signature::{MAX_ROWS, Signature, Symptoms};
 use fdi_core::diagnosis::teach::tables;
+use fdi_core::likelihood::taught::{self, Effects, MOST, Response};
 
 pub use marks::{Marks, Span};
 pub use proposal::Proposal;
 pub use trial::{Quiet, Trial};
 
-use crate::experiment::{Record, tick_time};
+use crate::experiment::{Record, Row, tick_time};
 
-/// The symptoms of the low-passed residuals over a recording.
+/// What both diagnoses say over a recording, tick by tick.
 pub struct Watch {
     sample_time: f64,
-    /// Tick by tick; `None` where nothing was monitored.
+    /// The symptoms of the low-passed residuals; `None` where nothing was monitored.
     symptoms: Vec<Option<Symptoms>>,
+    /// What an alarm has changed, and on which ticks that was told.
+    effects: Vec<(usize, Effects)>,
+    /// The place of the taught fault that is seen.
+    recalled: Vec<Option<u8>>,
 }
 
 impl Watch {
     /// What the core said of each tick.
     pub fn of(record: &Record) -> Self {
         let symptoms = record.rows.iter().map(|row| Some(row.report.filtered?.symptoms)).collect();
-        Self { sample_time: record.sample_time, symptoms }
+        let place = |row: &Row| row.report.likelihood.taught.map(|taught| taught.place);
+        Self {
+            sample_time: record.sample_time,
+            symptoms,
+            effects: record.effects.clone(),
+            recalled: record.rows.iter().map(place).collect(),
+        }
     }
 
     /// Ticks that were monitored, with their times in s.
@@ -59,6 +71,10 @@ pub struct Lesson {
     pub quiet: Quiet,
     /// How the tables with all new rows do on the recording; `None` for a row that is in none.
     pub trial: Option<Trial>,
+    /// What recordings without a fault say of the response.
+    pub quiet_recall: Quiet,
+    /// How the likelihood diagnosis does with all new responses; `None` for one that is not taught.
+    pub recall: Option<Trial>,
 }
 
 /// What was taught: the lessons, and the settings with the new rows.
@@ -86,7 +102,14 @@ impl Taught {
             let conflicts = tables::conflicts(&config.diagnosis, pattern)
                 .map(|(place, row)| Conflict { place, row: *row, same: row.pattern == pattern })
                 .collect();
-            let mut lesson = Lesson { proposal, conflicts, quiet: Quiet::default(), trial: None };
+            let mut lesson = Lesson {
+                proposal,
+                conflicts,
+                quiet: Quiet::default(),
+                trial: None,
+                quiet_recall: Quiet::default(),
+                recall: None,
+            };
             if lesson.stands() {
                 let added = tables::add(&mut config.diagnosis, lesson.proposal.row).ok();
                 added.with_context(|| {
@@ -97,6 +120,11 @@ impl Taught {
             if !lesson.stands() {
                 config.diagnosis = before; // a row of this name that works is not taken away
             }
+            if let Some(response) = lesson.proposal.response {
+                taught::put(&mut config.likelihood.taught, response).ok().with_context(|| {
+                    format!("{MOST} faults can be taught: take one away before {} is", marks.name)
+                })?;
+            }
             lessons.push(lesson);
         }
         for lesson in lessons.iter_mut().filter(|lesson| lesson.stands()) {
@@ -105,9 +133,30 @@ impl Taught {
         Ok(Self { lessons, config })
     }
 
+    /// Tries the responses: `watch` and `quiet` are the same recordings with [`Self::config`]'s responses in force from their start on. One that a
+    /// recording without a fault shows is taken away.
+    pub fn recall(&mut self, watch: &Watch, marks: &[Marks], quiet: &[Watch]) {
+        let taught = self.config.likelihood.taught.clone();
+        for lesson in &mut self.lessons {
+            let Some(Response { name, .. }) = lesson.proposal.response else { continue };
+            let Some(place) = taught.iter().position(|known| known.name == name) else { continue };
+            lesson.quiet_recall = Quiet::recalled(quiet, place as u8);
+            if lesson.quiet_recall.named > 0 {
+                self.config.likelihood.taught.retain(|known| known.name != name);
+            } else {
+                lesson.recall = Some(Trial::recalled(watch, place as u8, marks, name));
+            }
+        }
+    }
+
     /// Whether every row is in the tables.
     pub fn all_stand(&self) -> bool {
         self.lessons.iter().all(Lesson::stands)
+    }
+
+    /// Whether the likelihood diagnosis was taught every fault.
+    pub fn all_are_recalled(&self) -> bool {
+        self.lessons.iter().all(|lesson| lesson.recall.is_some())
     }
 }
 

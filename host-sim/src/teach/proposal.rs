@@ -3,8 +3,10 @@
 use anyhow::Context;
 use fdi_core::diagnosis::signature::Signature;
 use fdi_core::diagnosis::teach::{self, Steady, common};
+use fdi_core::likelihood::taught::{Effects, Response};
 
 use super::{Marks, Span, Watch};
+use crate::experiment::tick_time;
 
 /// So much of a repetition must have been monitored.
 const MONITORED: f64 = 0.9;
@@ -15,6 +17,8 @@ pub struct Repetition {
     pub span: Span,
     /// The symptom of each decisive residual in the later half.
     pub symptoms: Steady,
+    /// What an alarm of the likelihood diagnosis has changed, in the mean; `None` without one.
+    pub effects: Option<Effects>,
 }
 
 /// A row, and what it rests on.
@@ -23,6 +27,8 @@ pub struct Proposal {
     pub row: Signature,
     /// What each repetition said.
     pub repetitions: Vec<Repetition>,
+    /// What the likelihood diagnosis is taught; `None` where it saw no alarm in some repetition.
+    pub response: Option<Response>,
 }
 
 impl Proposal {
@@ -38,7 +44,12 @@ impl Proposal {
             .collect::<anyhow::Result<Vec<_>>>()?;
         let steady: Vec<Steady> = repetitions.iter().map(|repetition| repetition.symptoms).collect();
         let pattern = common(&steady);
-        Ok(Self { row: Signature { number, pattern, name: marks.name }, repetitions })
+        let effects: Option<Vec<Effects>> = repetitions.iter().map(|repetition| repetition.effects).collect();
+        let response = effects.filter(|effects| !effects.is_empty()).map(|effects| {
+            let mean = |i: usize| effects.iter().map(|each| each[i]).sum::<f32>() / effects.len() as f32;
+            Response::new(marks.name, &std::array::from_fn(mean))
+        });
+        Ok(Self { row: Signature { number, pattern, name: marks.name }, repetitions, response })
     }
 
     /// Whether the row asks for anything that a rig without a fault does not show.
@@ -52,11 +63,14 @@ impl Repetition {
         let mut repetition = teach::Repetition::default();
         let there = watch.monitored().filter(|(time, _)| span.holds(*time));
         there.for_each(|(_, symptoms)| repetition.push(symptoms));
+        let seen =
+            watch.effects.iter().filter(|(tick, _)| span.holds(tick_time(*tick as u32, watch.sample_time)));
+        seen.for_each(|(_, effects)| repetition.ask(effects));
         let ticks = (span.to - span.from) / watch.sample_time;
         let enough = f64::from(repetition.ticks()) >= MONITORED * ticks.floor();
         let symptoms = repetition.steady().filter(|_| enough).with_context(|| {
             format!("from {} to {} s the instrument does not monitor in this recording", span.from, span.to)
         })?;
-        Ok(Self { span, symptoms })
+        Ok(Self { span, symptoms, effects: repetition.effects() })
     }
 }

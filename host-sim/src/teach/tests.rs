@@ -17,7 +17,7 @@ fn watch(stretches: &[Stretch]) -> Watch {
         _ => Symptom::High,
     };
     let ticks = stretches.iter().flat_map(|(ticks, signs)| vec![Some(signs.map(symptom)); *ticks]);
-    Watch { sample_time: 1.0, symptoms: ticks.collect() }
+    Watch { sample_time: 1.0, symptoms: ticks.collect(), effects: Vec::new(), recalled: Vec::new() }
 }
 
 fn taught(watch: &Watch, marks: &[&str]) -> anyhow::Result<Taught> {
@@ -141,6 +141,42 @@ fn ten_faults_fit_and_a_name_that_is_known_is_taught_anew() {
     let anew = taught_over(&config, &watch, &["fault3:100..109"]).unwrap();
     assert_eq!(row(&anew.lessons[0]), "7 -1 0 -1 +1 0 fault3");
     assert_eq!(anew.config.diagnosis.isolation.len(), MAX_ROWS);
+}
+
+/// Two repetitions that raise an alarm and a third that raises none.
+#[test]
+fn the_likelihood_diagnosis_is_taught_what_it_saw_in_every_repetition() {
+    let mut watch = watch(&[(200, LOW_T2)]);
+    let seen = |offset: f32| std::array::from_fn(|i| if i == 4 { offset } else { 0.0 });
+    watch.effects = vec![(25, seen(-1.0)), (26, seen(-2.0)), (66, seen(-2.5)), (90, seen(9.0))];
+    let marks: Vec<Marks> = vec!["low:20..39,60..79".parse().unwrap(), "cap:100..119".parse().unwrap()];
+    let mut taught = Taught::of(&watch, &Config::default(), &marks, &[]).unwrap();
+    let effects = taught.lessons[0].proposal.response.map(|response| response.effects);
+    assert_eq!(effects, Some([0, 0, 0, 0, -200, 0, 0, 0, 0, 0, 0]), "each repetition weighs the same");
+    assert_eq!(taught.config.likelihood.taught.len(), 1);
+    watch.recalled = vec![None; 200];
+    for tick in [24, 25, 63, 104, 150, 151] {
+        watch.recalled[tick] = Some(0);
+    }
+    taught.recall(&watch, &marks, &[]);
+    let trial = taught.lessons[0].recall.as_ref().unwrap();
+    assert_eq!((&trial.hits, &trial.wrong), (&vec![Some(4.0), Some(3.0)], &vec![150.0]));
+    assert_eq!(trial.taken_for, [(104.0, "cap".parse().unwrap())]);
+    assert!(!taught.all_are_recalled());
+    let told = taught.lessons.iter().map(ToString::to_string).collect::<Vec<_>>();
+    assert!(told[0].contains("The likelihood diagnosis: offset of T2 -2.00 degC.\n"), "{}", told[0]);
+    assert!(told[1].contains("not taught, since not every repetition raised an alarm"), "{}", told[1]);
+
+    taught.recall(&watch, &marks, &[watch_of_a_night()]);
+    assert_eq!(taught.lessons[0].quiet_recall.named, 1);
+    assert!(taught.config.likelihood.taught.is_empty(), "a night that shows it");
+}
+
+fn watch_of_a_night() -> Watch {
+    let mut night = watch(&[(30, NORMAL)]);
+    night.recalled = vec![None; 30];
+    night.recalled[12] = Some(0);
+    night
 }
 
 #[test]

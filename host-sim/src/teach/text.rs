@@ -3,6 +3,7 @@
 use std::fmt;
 
 use fdi_core::diagnosis::signature::{Cell, Symptom, WIDTH};
+use fdi_core::likelihood::taught::{Response, names};
 
 use super::{Conflict, Lesson, Proposal, Quiet, Trial};
 
@@ -17,8 +18,32 @@ impl fmt::Display for Lesson {
         }
         self.conflicts.iter().try_for_each(|conflict| conflict.fmt(f))?;
         self.quiet.fmt(f)?;
-        self.trial.as_ref().map_or(Ok(()), |trial| trial.fmt(f))
+        self.trial.as_ref().map_or(Ok(()), |trial| trial.fmt(f))?;
+        f.write_str("The likelihood diagnosis: ")?;
+        let Some(response) = &self.proposal.response else {
+            return writeln!(
+                f,
+                "not taught, since not every repetition raised an alarm of it for some seconds."
+            );
+        };
+        writeln!(f, "{}.", changes(response))?;
+        self.quiet_recall.fmt(f)?;
+        self.recall.as_ref().map_or(Ok(()), |trial| trial.fmt(f))
     }
+}
+
+/// What a fault changes.
+fn changes(response: &Response) -> String {
+    let all = names().into_iter().zip(response.effects).filter(|(_, effect)| *effect != 0);
+    let each = all.map(|(name, effect)| {
+        let effect = f64::from(effect);
+        if name.starts_with("offset") {
+            format!("{name} {:+.2} degC", effect / 100.0)
+        } else {
+            format!("{name} {:+.1} %", effect / 10.0)
+        }
+    });
+    each.collect::<Vec<_>>().join(", ")
 }
 
 impl fmt::Display for Proposal {

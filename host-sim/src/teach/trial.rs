@@ -6,21 +6,22 @@ use fdi_core::diagnosis::answer::{Answers, Standing};
 use fdi_core::name::Name;
 
 use super::{Marks, Span, Watch};
+use crate::experiment::tick_time;
 
-/// What fiv said of one fault.
+/// What fiv, or the likelihood diagnosis, said of one fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
-    /// For each repetition, after how many s fiv named it; `None` if it was missed.
+    /// For each repetition, after how many s it was named; `None` if it was missed.
     pub hits: Vec<Option<f64>>,
-    /// Times in s at which fiv began to name it while another fault was there, with that one's name.
+    /// Times in s at which it began to be named while another fault was there, with that one's name.
     pub taken_for: Vec<(f64, Name)>,
-    /// Times in s at which fiv began to name it while nothing that was marked was there.
+    /// Times in s at which it began to be named while nothing that was marked was there.
     pub wrong: Vec<f64>,
     /// How long it was watched while nothing that was marked was there, s.
     pub quiet: f64,
 }
 
-/// What fiv said of one fault in recordings in which nothing was done.
+/// The same in recordings in which nothing was done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Quiet {
     /// How long they were monitored, s.
@@ -32,10 +33,19 @@ pub struct Quiet {
 impl Quiet {
     /// Has the tables of `config` answer every tick, for the row of this number.
     pub(super) fn of(quiet: &[Watch], config: &Config, number: u8) -> Self {
+        Self::by(quiet, |watch| begins(watch, config, number))
+    }
+
+    /// What the likelihood diagnosis said of the response in this place.
+    pub(super) fn recalled(quiet: &[Watch], place: u8) -> Self {
+        Self::by(quiet, |watch| recalls(watch, place))
+    }
+
+    fn by(quiet: &[Watch], begins: impl Fn(&Watch) -> Vec<f64>) -> Self {
         let watched = |watch: &Watch| watch.monitored().count() as f64 * watch.sample_time;
         Self {
             watched: quiet.iter().map(watched).sum(),
-            named: quiet.iter().map(|watch| begins(watch, config, number).len()).sum(),
+            named: quiet.iter().map(|watch| begins(watch).len()).sum(),
         }
     }
 }
@@ -43,11 +53,19 @@ impl Quiet {
 impl Trial {
     /// Has the tables of `config` answer every tick, for the row of this number.
     pub(super) fn of(watch: &Watch, config: &Config, number: u8, marks: &[Marks]) -> Self {
-        let own = |marks: &&Marks| {
-            config.diagnosis.isolation.iter().any(|row| row.number == number && row.name == marks.name)
-        };
-        let spans: &[Span] = marks.iter().find(own).map_or(&[], |marks| &marks.spans);
-        let begins = begins(watch, config, number);
+        let row = config.diagnosis.isolation.iter().find(|row| row.number == number);
+        let name = row.map_or(Name::NONE, |row| row.name);
+        Self::by(watch, &begins(watch, config, number), marks, name)
+    }
+
+    /// What the likelihood diagnosis said of the response in this place.
+    pub(super) fn recalled(watch: &Watch, place: u8, marks: &[Marks], name: Name) -> Self {
+        Self::by(watch, &recalls(watch, place), marks, name)
+    }
+
+    fn by(watch: &Watch, begins: &[f64], marks: &[Marks], name: Name) -> Self {
+        let own = marks.iter().find(|marks| marks.name == name);
+        let spans: &[Span] = own.map_or(&[], |marks| &marks.spans);
         let hit = |span: &Span| begins.iter().find(|at| span.holds(**at)).map(|at| at - span.from);
         let there =
             |at: f64| marks.iter().find(|marks| marks.spans.iter().any(|s| s.holds(at))).map(|m| m.name);
@@ -60,6 +78,13 @@ impl Trial {
             quiet: quiet as f64 * watch.sample_time,
         }
     }
+}
+
+/// When the likelihood diagnosis began to say the response in this place, s.
+fn recalls(watch: &Watch, place: u8) -> Vec<f64> {
+    let said = |tick: usize| watch.recalled.get(tick).is_some_and(|said| *said == Some(place));
+    let begins = (0..watch.recalled.len()).filter(|tick| said(*tick) && !(*tick > 0 && said(tick - 1)));
+    begins.map(|tick| tick_time(tick as u32, watch.sample_time)).collect()
 }
 
 /// When fiv came to this number, s; gaps below the time after which a fault counts as ended are flicker.

@@ -41,7 +41,9 @@ fn a_fault_that_was_taught_on_one_run_is_named_in_another() {
     let output = pt326(&["teach", arg(&trace), "--fault", marks, "--out", arg(&out)]);
     let told = text(&output.stdout);
     assert!(output.status.success(), "{told}{}", text(&output.stderr));
-    assert!(told.contains("found 3 of 3") && told.contains("; 0 false in"), "{told}");
+    let found = |line: &&str| line.contains("found 3 of 3") && line.contains("; 0 false in");
+    assert_eq!(told.lines().filter(found).count(), 2, "by both diagnoses: {told}");
+    assert!(told.contains("The likelihood diagnosis: ") && told.contains("offset of T2 -"), "{told}");
     let settings = std::fs::read_to_string(&out).unwrap();
     assert!(
         settings.contains("name = \"low_T2\"") && settings.contains("\nstart = 1 "),

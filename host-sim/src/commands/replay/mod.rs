@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, ensure};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::likelihood::Commissioned;
+use fdi_core::likelihood::taught::Responses;
 use fdi_core::{Command, Config, Instrument, Percent, RawSample, Report, Tick};
 
 use super::results::Folder;
@@ -164,14 +165,17 @@ pub(super) struct Again {
     pub agrees: bool,
 }
 
-/// Runs a recording through the core again.
+/// Runs a recording through the core again; with `taught`, as if these faults had been taught from its start on.
 ///
 /// # Errors
 /// A file that is no recording, by line.
-pub(super) fn again(args: &ReplayArgs) -> anyhow::Result<Again> {
+pub(super) fn again(args: &ReplayArgs, taught: Option<&Responses>) -> anyhow::Result<Again> {
     let file = &args.file;
     let text = std::fs::read_to_string(file).with_context(|| format!("can't read {}", file.display()))?;
-    let recording = read(&text, args).with_context(|| file.display().to_string())?;
+    let mut recording = read(&text, args).with_context(|| file.display().to_string())?;
+    if let Some(taught) = taught {
+        recording.teach(taught);
+    }
     let (record, agreement) = rerun(&recording, file, |_, _, _| ())?;
     let told = recording.told(&agreement);
     // The seed's shift of the excitation is no setting.
@@ -284,6 +288,16 @@ fn rerun(
 }
 
 impl Recording {
+    fn teach(&mut self, taught: &Responses) {
+        let later = self.ticks.iter_mut().flat_map(|tick| &mut tick.orders).filter_map(|order| match order {
+            Order::Settings(config) => Some(&mut **config),
+            _ => None,
+        });
+        [&mut self.config].into_iter().chain(later).for_each(|config| {
+            config.likelihood.taught = taught.clone();
+        });
+    }
+
     /// Its remarks, and how it agrees with the core.
     fn told(&self, agreement: &Agreement) -> String {
         let remarks: String = self.remarks.iter().map(|remark| format!("note: {remark}\n")).collect();

@@ -234,4 +234,51 @@ mod tests {
         teaching.step(false, None, || None);
         assert_eq!(teaching.end(), Err(TeachError::NotBegun));
     }
+
+    /// T2 too high is the paper's first row already; T1 and T2 of no symptom at all are none.
+    #[test]
+    fn what_one_diagnosis_refuses_the_other_may_take() {
+        let (high, low, normal) = (Symptom::High, Symptom::Low, Symptom::Normal);
+        let effects: Effects = core::array::from_fn(|i| if i == 4 { 1.5 } else { 0.0 });
+        let shown = |symptoms: Symptoms, seen: &[bool]| {
+            let mut teaching = Teaching::default();
+            for seen in seen {
+                teaching.begin("low".parse().expect("a name")).expect("nothing is under way");
+                (0..100).for_each(|_| teaching.step(true, Some(&symptoms), || seen.then_some(effects)));
+                assert_eq!(teaching.end().map(|(_, seen)| seen), Ok(*seen));
+            }
+            teaching.proposed(&Config::default()).expect("repetitions")
+        };
+        let (config, lesson) = shown([normal, low, normal, high, normal], &[true, true]);
+        assert_eq!((lesson.refused, lesson.response.is_ok()), (Some(TeachError::Conflict(1, 1)), true));
+        assert_eq!(config.likelihood.taught[0].effects, [0, 0, 0, 0, 150, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(config.diagnosis, Config::default().diagnosis);
+        let (config, lesson) = shown([high; 5], &[true, false]);
+        assert_eq!((lesson.refused, lesson.response), (None, Err(TeachError::Unseen)));
+        assert_eq!((config.likelihood.taught.len(), config.diagnosis.isolation.len()), (0, 4));
+        let (config, lesson) = shown([normal; 5], &[false]);
+        assert_eq!((lesson.refused, lesson.response), (Some(TeachError::Quiet), Err(TeachError::Unseen)));
+        assert_eq!(config, Config::default());
+    }
+
+    #[test]
+    fn an_eleventh_fault_is_not_taught_and_a_known_name_is_taught_anew() {
+        let mut config = Config::default();
+        for name in ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"] {
+            let response = Response { name: name.parse().expect("a name"), ..Response::default() };
+            config.likelihood.taught.push(response).expect("room");
+        }
+        for (name, wanted) in [("k", Err(TeachError::Ten)), ("c", Ok(()))] {
+            let mut teaching = Teaching::default();
+            teaching.begin(name.parse().expect("a name")).expect("nothing is under way");
+            (0..100).for_each(|_| teaching.step(true, Some(&HIGH), || Some([0.1; 11])));
+            teaching.end().expect("long enough");
+            let (config, lesson) = teaching.proposed(&config).expect("a repetition");
+            assert_eq!(lesson.response.map(drop), wanted, "{name}");
+            assert_eq!(
+                (config.likelihood.taught.len(), config.likelihood.taught[2].effects[0] > 0),
+                (10, wanted.is_ok())
+            );
+        }
+    }
 }

@@ -31,5 +31,5 @@ export function readTrace(text, hello) {
     if (cell[onset]) values[place + at.onset] = Math.round(Number(cell[onset]) / ts);
     values[place + at.readiness] = 3;
   }
-  return { hello: { ...hello, ts }, values };
+  return { hello: { ...hello, ts, own_names: [], taught_names: [] }, values };
 }

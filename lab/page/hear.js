@@ -2,7 +2,7 @@
 import { said } from "lab/board.js";
 import { Events } from "lab/events.js";
 import { charts, quiz, review } from "lab/parts.js";
-import { ownNames, refusal } from "lab/say.js";
+import { ownNames, refusal, taughtNames } from "lab/say.js";
 import { DEFAULT, fromLink } from "lab/scene.js";
 import { show } from "lab/show.js";
 import { $, lab, toast } from "lab/state.js";
@@ -99,9 +99,10 @@ export const HEAR = {
     lab.lost ||= performance.now();
   },
   said,
-  names({ own_names = [] }) {
+  names({ own_names = [], taught_names = [] }) {
     ownNames.clear();
     for (const [number, name] of own_names) ownNames.set(number, name);
+    taughtNames.splice(0, Infinity, ...taught_names);
   },
   // Between the server and the board.
   link({ up }) {

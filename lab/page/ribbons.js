@@ -1,6 +1,6 @@
 // Below the panels: what was true, what the likelihood diagnosis said, what the paper's vectors said. And over all, when.
 import { EITHER, namedAt, namings } from "lab/events.js";
-import { ownNames, short } from "lab/say.js";
+import { ownNames, short, taughtName } from "lab/say.js";
 import { num, say } from "lab/strings.js";
 
 export const RIBBON = 21;
@@ -31,7 +31,10 @@ export function drawRibbons(pen, events, store, { y, left, edge, a, b, X, T, t1,
   };
   put(say(narrow ? "likelihood_short" : "likelihood"), y + RIBBON);
   const names = events.names;
-  const said = (k) => (store.get(k, "alarm") > 0 ? short(names.get(store.get(k, "class"))) : "");
+  const said = (k) => {
+    if (!(store.get(k, "alarm") > 0)) return "";
+    return [short(names.get(store.get(k, "class"))), taughtName(store.get(k, "taught"))].filter(Boolean).join(", ");
+  };
   runs(y + RIBBON, said, "--alarm");
   put(narrow ? "fdv fiv" : say("fdv_fiv"), y + 2 * RIBBON);
   const paper = (k) => {

@@ -1,6 +1,6 @@
 // What a row says, in words.
 import { EITHER, meant } from "lab/events.js";
-import { num, say } from "lab/strings.js";
+import { escape, num, say } from "lab/strings.js";
 
 const PART = { t0: "T0", t1: "T1", t2: "T2" };
 
@@ -64,8 +64,17 @@ export function support(name, row, ts) {
     out.push(say("since", { s: num(row.onset * ts), confidence }));
   }
   if (name === "air_flow" || name === "heater_power") out.push(say("others_true"));
+  if (row.taught > 0) out.push(asTaught(row));
   return out.join(" ");
 }
+
+// The names of the faults that a user has taught, by their places from 1.
+export const taughtNames = [];
+export const taughtName = (place) => (place > 0 ? taughtNames[place - 1] ?? `${place}` : "");
+
+// The taught fault that an alarm is, as HTML. A board does not stream its size.
+export const asTaught = ({ taught, taught_size: size }) =>
+  say(Number.isFinite(size) ? "as_taught_size" : "as_taught", { name: escape(taughtName(taught)), size: num(size, 0) });
 
 // Why something was not done. Of a refusal without a code, the words of the trip that it speaks of, else its own.
 export function refusal({ why, code, values: { name, mode, trip, value, min, max, other, limit } = {} }, hello) {
@@ -82,7 +91,7 @@ export const ownNames = new Map();
 
 export function papers(fdv, fiv) {
   if (!(fdv > 0 || ownNames.has(fiv))) return say("paper_says_nothing");
-  if (ownNames.has(fiv)) return ownNames.get(fiv);
+  if (ownNames.has(fiv)) return escape(ownNames.get(fiv));
   return say(`paper_says_${fiv <= 3 ? fiv : 0}`);
 }
 

@@ -97,6 +97,8 @@ const TABLE = {
   since: ["Since {s} s; confidence {confidence}.", "Desde {s} s; confiança {confidence}."],
   above: ["above {x}", "acima de {x}"],
   others_true: ["Every thermistor reads true.", "Todos os termístores leem bem."],
+  as_taught: ["As it was taught: {name}.", "Como foi ensinada: {name}."],
+  as_taught_size: ["As it was taught: {name}, {size} % of it.", "Como foi ensinada: {name}, {size} % dela."],
   // Findings
   f_offset_high: ["{part} reads {size} °C too high.", "{part} lê {size} °C a mais."],
   f_offset_low: ["{part} reads {size} °C too low.", "{part} lê {size} °C a menos."],

@@ -2,7 +2,7 @@
 import { heats } from "lab/board.js";
 import { namings } from "lab/events.js";
 import { recognise } from "lab/faults.js";
-import { blamed, delays, headline, papers, support, unitOf } from "lab/say.js";
+import { asTaught, blamed, delays, headline, papers, support, unitOf } from "lab/say.js";
 import { num, say, sayHtml } from "lab/strings.js";
 
 const ICONS = {
@@ -85,7 +85,7 @@ function alarm(now, hello, events, ts) {
   const common = { state: "alarm", icon: "alarm", word: say("state_alarm"), aside };
   const over = event?.truth && event.alarm !== undefined ? now.t - event.to : NaN;
   if (over < ENDING * events.slow) return { ...common, head: say("head_ending"), sub: say("sub_ending", { s: num(over, 0) }), more: "" };
-  if (!name) return { ...common, head: say("head_unnamed"), sub: say("sub_unnamed"), more: "" };
+  if (!name) return { ...common, head: say("head_unnamed"), sub: now.taught > 0 ? asTaught(now) : say("sub_unnamed"), more: "" };
   const more = [];
   if (Number.isFinite(now.magnitude)) more.push(howMuch(name, now, event));
   const names = namings(event);

@@ -52,7 +52,7 @@ macro_rules! explained {
 use Channel::{T1, T2};
 
 /// Every field, in its order. New ones come last.
-pub static FIELDS: [Field; 43] = [
+pub static FIELDS: [Field; 45] = [
     field("tick", |on| Some(on.tick.index as f32)),
     // What the thermistors read, where they read anything, and what they should by the models, degC.
     field("t0", |on| read(on.tick.sample.t0)),
@@ -104,6 +104,9 @@ pub static FIELDS: [Field; 43] = [
     explained!("x_t1_t2_swapped", FaultClass::Swapped(Pair::T1T2)),
     explained!("x_t0_t1_swapped", FaultClass::Swapped(Pair::T0T1)),
     explained!("x_t0_t2_swapped", FaultClass::Swapped(Pair::T0T2)),
+    // The fault of the user's own that it is: its place from 1 among those that were taught, and its size, % of what was taught.
+    field("taught", |on| on.report.likelihood.taught.map(|taught| f32::from(taught.place) + 1.0)),
+    field("taught_size", |on| on.report.likelihood.taught.map(|taught| taught.magnitude.value)),
 ];
 
 /// Why the heater was switched off, by the number that stands in the field `trip`.
@@ -189,4 +192,38 @@ fn readiness(readiness: Readiness) -> f32 {
 
 fn position<T: PartialEq>(all: &[T], one: &T) -> f32 {
     all.iter().position(|other| other == one).map_or(f32::NAN, |i| i as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::likelihood::taught::TaughtFinding;
+    use fdi_core::likelihood::{LikelihoodReport, Magnitude};
+    use fdi_core::{Config, RawSample};
+
+    use super::*;
+
+    /// Pages find the fields by name, and what was kept of older ones by place.
+    #[test]
+    fn a_taught_fault_stands_behind_all_that_was_there_before() {
+        let mut instrument = Instrument::new(&Config::default()).unwrap();
+        let tick = instrument.control(RawSample::default());
+        let report = instrument.diagnose(&tick, tick.drive);
+        let last_two = |taught| {
+            let likelihood = LikelihoodReport { taught, ..report.likelihood };
+            let report = Report { likelihood, ..report.clone() };
+            let moment = Moment {
+                tick: &tick,
+                report: &report,
+                truth: 0,
+                explained: None,
+                normal: None,
+                sigma_factor: 3.0,
+            };
+            [43, 44].map(|i| (FIELDS[i].name, numbers(&moment)[i]))
+        };
+        let magnitude = Magnitude { value: 96.0, half_width: 8.0 };
+        let taught = TaughtFinding { place: 1, confidence: 0.97, magnitude };
+        assert_eq!(last_two(Some(taught)), [("taught", 2.0), ("taught_size", 96.0)]);
+        assert!(last_two(None).iter().all(|(_, number)| number.is_nan()));
+    }
 }

@@ -5,6 +5,7 @@
 
 pub mod change;
 pub mod fields;
+pub mod names;
 pub mod page;
 pub mod preset;
 pub mod protocol;

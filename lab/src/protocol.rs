@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, json};
 
 use crate::fields::{BLOCKERS, FIELDS, TRIPS};
+use crate::names::Names;
 use crate::session::Session;
 use crate::time::as_written;
 
@@ -69,7 +70,13 @@ pub fn opened(session: &Session) -> serde_json::Value {
 
 /// What a recording with these settings tells of itself.
 pub fn recorded(config: &Config) -> serde_json::Value {
-    json!({ "ts": as_written(config.sample_time.0), "settings": numbers(config) })
+    let Names { rows, taught } = Names::of(config);
+    json!({
+        "ts": as_written(config.sample_time.0),
+        "settings": numbers(config),
+        "own_names": rows,
+        "taught_names": taught,
+    })
 }
 
 /// The settings that are numbers, which are those that an order may change.

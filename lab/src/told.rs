@@ -1,6 +1,7 @@
 //! What whatever is watched tells, in the order in which it happens.
 
 use crate::fields::FIELDS;
+use crate::names::Names;
 use crate::scene::Order;
 
 /// The numbers of a tick, in the order of [`FIELDS`].
@@ -15,8 +16,8 @@ pub enum Told {
     Order(Order),
     /// An order was not carried out, and why.
     Refused(String),
-    /// Numbers of fiv to which a user has given names of his own.
-    Names(Vec<(u8, String)>),
+    /// What a user calls faults of his own, from now on.
+    Names(Names),
     /// What the board's console has said.
     Said(String),
     /// Whether there is a connection to what is watched.

@@ -156,7 +156,9 @@ fn carried_out(order: &OrderKind) -> Option<Order> {
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::{AdcCode, Celsius, Instrument, Percent, RawSample};
+    use fdi_core::likelihood::taught::TaughtFinding;
+    use fdi_core::likelihood::{FaultClass, LikelihoodReport, Magnitude};
+    use fdi_core::{AdcCode, Celsius, Finding, Instrument, Percent, RawSample, Report};
     use firmware_logic::control_loop::TickRecord;
     use pt326_lab::fields::{Moment, numbers};
 
@@ -207,6 +209,27 @@ mod tests {
                 assert!(same || unknown, "{}: {ours}, expected {theirs}", field.name);
             }
         }
+    }
+
+    #[test]
+    fn a_taught_fault_stands_beside_its_class_with_or_without_one() {
+        let mut instrument = Instrument::new(&Config::default()).unwrap();
+        let tick = instrument.control(RawSample::default());
+        let report = instrument.diagnose(&tick, tick.drive);
+        let record = TickRecord::new(RawSample::default(), tick, Percent(0.0));
+        let taught = TaughtFinding { place: 1, confidence: 0.97, magnitude: Magnitude::default() };
+        let finding = Finding { class: FaultClass::Unknown, confidence: 0.96, magnitude: None, onset: 0 };
+        let shown = |finding, taught| {
+            let likelihood = LikelihoodReport { alarm: true, finding, taught, ..report.likelihood };
+            let line = TickLine::new(&record, &Report { likelihood, ..report.clone() });
+            let row = Rows::new(&Config::default()).unwrap().numbers(&line);
+            let number = |name| row[FIELDS.iter().position(|field| field.name == name).unwrap()];
+            ["class", "taught"].map(|name| Some(number(name)).filter(|number| !number.is_nan()))
+        };
+        let class = Some(FaultClass::Unknown.number() as f32);
+        assert_eq!(shown(Some(finding), Some(taught)), [class, Some(2.0)]);
+        assert_eq!(shown(None, Some(taught)), [None, Some(2.0)]);
+        assert_eq!(shown(Some(finding), None), [class, None]);
     }
 
     #[test]

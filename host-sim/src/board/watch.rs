@@ -11,6 +11,7 @@ use anyhow::{Context, bail};
 use fdi_core::Config;
 use fdi_core::settings::Value;
 use firmware_logic::console::line::is_stop_key;
+use pt326_lab::names::Names;
 use pt326_lab::scene::Order;
 use pt326_lab::told::Told;
 use serialport::SerialPort;
@@ -185,12 +186,9 @@ impl Keeper {
                 let _ = self.tell.send(Told::Order(Order::Set { name: setting.name.into(), value }));
             }
         }
-        let names = |config: &Config| -> Vec<(u8, String)> {
-            let rows = config.diagnosis.isolation.iter().filter(|row| !row.name.is_empty());
-            rows.map(|row| (row.number, row.name.as_str().to_owned())).collect()
-        };
-        if names(config) != names(&self.known) {
-            let _ = self.tell.send(Told::Names(names(config)));
+        let names = Names::of(config);
+        if names != Names::of(&self.known) {
+            let _ = self.tell.send(Told::Names(names));
         }
         self.known = config.clone();
     }

@@ -11,10 +11,11 @@ use pt326_live::source::{Recording, Source, Told};
 use pt326_live::{Access, Server, clock, listen};
 use pt326_rig::Disturbance;
 
-use super::replay;
+use super::replay::{self, ReplayArgs};
 use super::terminal::print;
 use crate::board::find;
 use crate::board::watch::Watch;
+use crate::record::numbers;
 
 /// Arguments of `live`.
 #[derive(Clone, Debug, clap::Args)]
@@ -30,7 +31,7 @@ Numbers for Prometheus: /metrics (with --listen, the token as bearer).
 Examples:
   pt326 live                              the simulated rig, where it monitors
   pt326 live --preset trainer --seed 7
-  pt326 live --recording out/trace.csv --speed 10
+  pt326 live --recording out/trace.csv --config taught.toml --speed 10
   pt326 live --board                      the ST-LINK that is plugged in; or: --board /dev/ttyACM0
   pt326 live --listen 192.168.1.7 --token $(openssl rand -hex 16)")]
 pub struct LiveArgs {
@@ -46,6 +47,9 @@ pub struct LiveArgs {
     /// A recording in place of the rig: a board's log as text, or a trace.csv.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["preset", "seed", "disturbance"])]
     pub recording: Option<PathBuf>,
+    /// Settings that the recording was made with, TOML, as for `replay`: no trace.csv tells faults that were taught.
+    #[arg(long, value_name = "FILE.toml", requires = "recording")]
+    pub config: Option<PathBuf>,
     /// A real board in place of the rig, at this serial port; without PORT: the only ST-LINK that is plugged in.
     #[arg(long, value_name = "PORT", num_args = 0..=1, conflicts_with_all = ["preset", "seed", "disturbance", "recording", "speed"])]
     pub board: Option<Option<String>>,
@@ -74,9 +78,12 @@ pub fn run(args: &LiveArgs) -> anyhow::Result<()> {
     match (&args.board, &args.recording) {
         (Some(port), _) => serve(args, Watch::open(&find(port.as_deref())?)?),
         (None, Some(file)) => {
-            let (sample_time, rows) = replay::numbers(file)?;
             let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            serve(args, Recording::new(name, sample_time, rows))
+            let (file, config) = (file.clone(), args.config.clone());
+            let replayed = ReplayArgs { file, config, seed: None, out: PathBuf::new() };
+            let record = replay::again(&replayed, None)?.record;
+            let rows = numbers::of(&record);
+            serve(args, Recording::new(name, record.sample_time, record.names, rows))
         }
         (None, None) => {
             let scene = Scene {

@@ -4,14 +4,13 @@ mod fault_size;
 pub mod scenario;
 
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::diagnosis::signature::Signature;
 use fdi_core::likelihood::taught::Effects;
-use fdi_core::name::Name;
 use fdi_core::{Command, Config, Instrument, RawSample, Report, Tick};
 
 pub use fault_size::{FaultSize, paper_sequence};
 use pt326_lab::change::Settings;
 use pt326_lab::fields::{self, Explained};
+use pt326_lab::names::Names;
 pub use pt326_lab::session::{sample, truth, with_prbs_phase};
 pub use pt326_lab::time::{as_written, tick_time};
 use pt326_rig::fault::Fault;
@@ -123,10 +122,8 @@ pub struct Record {
     pub nominal_window: (f64, f64),
     /// Thresholds lie this many standard deviations from the mean.
     pub sigma_factor: f64,
-    /// Rows of the isolation table that a user has named.
-    pub own_rows: Vec<Signature>,
-    /// Faults of the user's own that the likelihood diagnosis was taught, in their order.
-    pub taught: Vec<Name>,
+    /// What a user calls faults of his own.
+    pub names: Names,
     /// What happened to the rig.
     pub faults: Vec<Fault>,
     /// Every tick.
@@ -165,8 +162,7 @@ impl Record {
             setpoint: as_written(config.setpoint.0),
             nominal_window: window.into(),
             sigma_factor: f64::from(config.diagnosis.sigma_factor),
-            own_rows: config.diagnosis.isolation.iter().filter(|row| !row.name.is_empty()).copied().collect(),
-            taught: config.likelihood.taught.iter().map(|response| response.name).collect(),
+            names: Names::of(config),
             faults: faults.to_vec(),
             rows,
             settings: if tells { vec![(0, settings.take())] } else { Vec::new() },

@@ -42,7 +42,8 @@ pub fn json(record: &Record) -> String {
     let (learn_start, learn_end) = record.nominal_window;
     hello["settings"]["supervisor.learn_start"] = json!(learn_start);
     hello["settings"]["supervisor.learn_end"] = json!(learn_end);
-    hello["own_names"] = record.own_rows.iter().map(|row| json!([row.number, row.name.as_str()])).collect();
+    hello["own_names"] = json!(record.names.rows);
+    hello["taught_names"] = json!(record.names.taught);
     // Of a recording without its summary nothing but the number of a fault is known, which is in the rows.
     let faults = record.faults.iter().filter(|fault| fault.validate("").is_ok());
     let orders: Vec<Value> = faults.map(|fault| json!([0, Order::Break { fault: fault.clone() }])).collect();

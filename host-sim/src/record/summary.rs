@@ -264,7 +264,7 @@ pub fn as_taught(record: &Record, row: &Row) -> Option<String> {
     let TaughtFinding { place, magnitude: Magnitude { value, half_width }, .. } =
         row.report.likelihood.taught?;
     let (name, [low, high]) =
-        (record.taught.get(usize::from(place))?, [value - half_width, value + half_width]);
+        (record.names.taught.get(usize::from(place))?, [value - half_width, value + half_width]);
     Some(format!("as taught: {name}, {value:.0} ({low:.0} to {high:.0}) % of it"))
 }
 

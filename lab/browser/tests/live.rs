@@ -3,6 +3,9 @@
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, Command, Stdio};
 
+use host_sim::commands::run::carry_out as run_experiment;
+use host_sim::experiment::scenario::Scenario;
+use host_sim::settings::read as read_settings;
 use pt326_lab_browser::Browser;
 use serde_json::{Value, json};
 
@@ -119,6 +122,29 @@ fn a_page_says_when_its_server_is_gone_and_goes_on_when_it_is_back() {
     // The page may load anew in the middle of a script: until then it is asked again.
     let back = (0..50).find_map(|_| browser.run(&format!("{HELPERS} await until(() => window.lab?.lab.store?.end > 3300 && document.body.dataset.state === 'monitor'); return 1"), &[]).ok());
     assert_eq!(back, Some(json!(1)));
+}
+
+/// No trace tells what was taught: the settings that it was made with do.
+#[test]
+fn a_recording_that_is_served_has_the_names_of_its_settings() {
+    let folder = std::env::temp_dir().join(format!("pt326-served-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let [settings, trace] = ["taught.toml", "trace.csv"].map(|name| folder.join(name));
+    let taught = "likelihood.taught = [{ name = \"cap\", effects = [0, 0, 0, 0, 150, -150, 0, 0, 0, 0, 0] }]";
+    std::fs::write(&settings, taught).expect("the settings");
+    let config = read_settings(Some(&settings)).expect("settings");
+    let scenario = Scenario { duration: 20.0, faults: Vec::new(), ..Scenario::default() };
+    run_experiment(&config, &scenario, 1, &folder).expect("the run");
+    let [trace, settings] = [&trace, &settings].map(|file| file.to_str().expect("a path"));
+    let server = Server::with(0, &["--recording", trace, "--config", settings, "--speed", "100"]);
+    let browser = Browser::start().expect("a browser");
+    browser.open(&server.address).expect("the page");
+    let named = on(
+        &browser,
+        r##"await until(() => lab.lab.store?.end > 10); return (await import("lab/say.js")).taughtName(1)"##,
+    );
+    assert_eq!(named, json!("cap"));
+    let _ = std::fs::remove_dir_all(folder);
 }
 
 /// The virtual board behind a pseudo-terminal. `LAB_BOARD` names the program; without it, that of the workspace's debug build.

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 use anyhow::ensure;
+use pt326_lab::names::Names;
 use pt326_lab::protocol;
 use pt326_lab::refusal::{self, Refused};
 use pt326_lab::scene::{Order, Scene};
@@ -66,7 +67,7 @@ pub fn start(source: impl Source, speed: f64) -> anyhow::Result<Clock> {
 fn hello(source: &impl Source) -> Value {
     let mut hello = protocol::hello(source.kind(), source.can());
     hello["name"] = json!(source.name());
-    for key in ["scene", "ts", "settings"] {
+    for key in ["scene", "ts", "settings", "own_names", "taught_names"] {
         if let Some(value) = source.opening().get(key) {
             hello[key] = value.clone();
         }
@@ -143,7 +144,9 @@ impl<S: Source> Keeper<S> {
                 }
                 Told::Order(order) => json!({ "type": "order", "tick": tick, "order": order }),
                 Told::Refused(why) => json!({ "type": "refused", "why": why }),
-                Told::Names(own) => json!({ "type": "names", "own_names": own }),
+                Told::Names(Names { rows, taught }) => {
+                    json!({ "type": "names", "own_names": rows, "taught_names": taught })
+                }
                 Told::Said(text) => json!({ "type": "said", "text": text }),
                 Told::Link(up) => json!({ "type": "link", "up": up }),
             };

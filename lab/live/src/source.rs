@@ -1,5 +1,6 @@
 //! What can be served: something that gives a row of numbers for each tick.
 
+use pt326_lab::names::Names;
 use pt326_lab::protocol;
 use pt326_lab::refusal::Refused;
 use pt326_lab::scene::{Order, Scene};
@@ -49,7 +50,7 @@ pub trait Source: Send + 'static {
         Err(Refused::NotSimulated.into())
     }
 
-    /// What a client is told of how it began: `ts`, and of a simulated rig what `opened` tells.
+    /// What a client is told of how it began: `ts`, of a simulated rig what `opened` tells, of a recording its names.
     fn opening(&self) -> Value {
         json!({ "type": "opened", "ts": self.sample_time() })
     }
@@ -111,13 +112,14 @@ impl Source for Session {
 pub struct Recording {
     name: String,
     sample_time: f64,
+    names: Names,
     rows: std::vec::IntoIter<Numbers>,
 }
 
 impl Recording {
-    /// From its rows.
-    pub fn new(name: String, sample_time: f64, rows: Vec<Numbers>) -> Self {
-        Self { name, sample_time, rows: rows.into_iter() }
+    /// From its rows, and what its faults are called.
+    pub fn new(name: String, sample_time: f64, names: Names, rows: Vec<Numbers>) -> Self {
+        Self { name, sample_time, names, rows: rows.into_iter() }
     }
 }
 
@@ -136,5 +138,10 @@ impl Source for Recording {
 
     fn next(&mut self) -> Option<Told> {
         self.rows.next().map(Told::Row)
+    }
+
+    fn opening(&self) -> Value {
+        let Names { rows, taught } = &self.names;
+        json!({ "type": "opened", "ts": self.sample_time, "own_names": rows, "taught_names": taught })
     }
 }

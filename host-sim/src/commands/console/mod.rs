@@ -287,8 +287,9 @@ mod tests {
         let shown =
             |seconds| format!("teach low\nfault offset t2 -1.5 25\nwait {seconds}\nteach end\nwait 60\n");
         let said = session(&format!(
-            "teach low\nteach end\nteach show\ncheck\narm\nwait 390\n{}{}{}teach other\nteach low\nteach low\nwait 1\nteach end\nteach\n\
-             teach save\nwait 60\nfault offset t2 -1.5 25\nwait 15\nstatus\nwait 15\nfaults\nget diagnosis.isolation.4\nstop\nwait 1\nsave\n\
+            "teach low\nteach end\nteach show\nset supervisor.check_before_arming false\narm\nwait 515\n{}{}{}teach other\nteach low\nteach low\nwait 1\nteach end\nteach\n\
+             teach save\nwait 60\nfault offset t2 -1.5 25\nwait 15\nstatus\nwait 15\nfaults\nget diagnosis.isolation.4\n\
+             get likelihood.taught.1\nstop\nwait 1\nsave\n\
              teach save\nteach drop\nteach 2low\n",
             shown(24),
             shown(24),
@@ -303,11 +304,14 @@ mod tests {
             "error: expected `teach save` or `teach drop` of low first",
             "error: a repetition is under way",
             "error: that was too short",
-            "low 3: 0 +1 0 -1 0\nrow: 4 0 +1 0 -1 0 low\n",
-            "in force: 4 0 +1 0 -1 0 low\nit heats: `save` keeps it",
+            "low 3: 0 +1 0 -1 0\nrow: 4 0 +1 0 -1 0 low\nlikelihood: 0 0 0 0 -1",
+            "in force\nrow: 4 0 +1 0 -1 0 low\nlikelihood: 0 0 0 0 -1",
+            "it heats: `save` keeps it",
             "\nfdv 4 fiv 4 (low)\n",
+            "likelihood diagnosis armed: t2_offset (low)\n",
             "fault: fdv 4 fiv 4 (low), detected",
             "diagnosis.isolation.4 = 4 0 +1 0 -1 0 low\n",
+            "likelihood.taught.1 = low 0 0 0 0 -1",
             "> save\nok\n",
             "teach: expected NAME (a letter",
         ] {

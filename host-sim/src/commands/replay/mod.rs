@@ -23,6 +23,7 @@ use crate::isolability::{Isolability, Onsets, Question};
 use crate::record::trace::Column;
 use crate::settings;
 use pt326_lab::change::Settings;
+use pt326_lab::names::Names;
 use pt326_lab::{fields, recording};
 use pt326_rig::fault::Fault;
 
@@ -150,19 +151,6 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     let Agreement { ticks, differing, .. } = agreement;
     ensure!(differing == 0, "the core differs from the recording on {differing} of {ticks} ticks");
     Ok(())
-}
-
-/// The numbers of a recording for the lab's page, and its sample time in s.
-///
-/// # Errors
-/// A file that is no recording, by line.
-#[cfg(feature = "live")]
-pub fn numbers(file: &Path) -> anyhow::Result<(f64, Vec<pt326_live::source::Numbers>)> {
-    let text = std::fs::read_to_string(file).with_context(|| format!("can't read {}", file.display()))?;
-    let args = ReplayArgs { file: file.into(), config: None, seed: None, out: PathBuf::new() };
-    let (record, _) =
-        rerun(&read(&text, &args).with_context(|| file.display().to_string())?, file, |_, _, _| ())?;
-    Ok((record.sample_time, crate::record::numbers::of(&record)))
 }
 
 /// A recording that was run through the core again, for other commands.
@@ -294,7 +282,9 @@ fn rerun(
     bar.finish_and_clear();
     let origin = Origin::Recorded { file: file.display().to_string() };
     let record = Record::new(origin, config, &recording.faults, rows, instrument.baseline().copied());
-    Ok((Record { settings: told, explained, effects, ..record }, agreement))
+    // What was taught in the middle of it has a name from there on.
+    let names = Names::of(settings.in_force());
+    Ok((Record { names, settings: told, explained, effects, ..record }, agreement))
 }
 
 impl Recording {

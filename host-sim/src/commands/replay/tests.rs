@@ -114,3 +114,14 @@ fn a_board_log_replays_to_the_same_bits_and_shows_gaps() {
     assert!(recording.remarks[0].contains("100"), "{:?}", recording.remarks);
     assert!(read("no log at all\n", &args(1)).is_err());
 }
+
+#[test]
+fn names_are_those_that_a_board_has_in_the_end() {
+    let log = board_log::tests::log_of(&Config::default(), 60.0);
+    let taught = "22.0 [INFO ] setting pid.kp = 3 %/degC\n\
+        22.0 [INFO ] setting likelihood.taught.1 = cap 0 0 0 0 150 -150 0 0 0 0 0\n";
+    let log = log.replacen("22.0 [INFO ] setting pid.kp = 3 %/degC\n", taught, 1);
+    let recording = read(&log, &args(1)).unwrap();
+    let (record, agreement) = rerun(&recording, Path::new("test"), |_, _, _| ()).unwrap();
+    assert_eq!((record.names.taught, agreement.differing), (vec!["cap".to_owned()], 0));
+}

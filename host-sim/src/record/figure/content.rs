@@ -147,8 +147,8 @@ fn residuals_and_vectors(record: &Record) -> Vec<Panel> {
     let vector = |label, pen: Pen, value: fn(&Row) -> Option<u8>| {
         trace(record, label, pen.stepped(), move |r| value(r).map(f32::from))
     };
-    let own: String = record.own_rows.iter().map(|row| format!("; {}: {}", row.number, row.name)).collect();
-    let highest = record.own_rows.iter().map(|row| f64::from(row.number)).fold(3.0, f64::max);
+    let own: String = record.names.rows.iter().map(|(number, name)| format!("; {number}: {name}")).collect();
+    let highest = record.names.rows.iter().map(|(number, _)| f64::from(*number)).fold(3.0, f64::max);
     vec![
         decisive(record, Residual::Rap, "Power residual rAP (%)", 1.0),
         decisive(record, Residual::Ry12, "Sensor difference residual ry12 (°C)", 0.2),

@@ -4,6 +4,7 @@ use std::net::TcpStream;
 use std::sync::mpsc::channel;
 
 use pt326_lab::fields::FIELDS;
+use pt326_lab::names::Names;
 use pt326_lab::scene::Scene;
 use pt326_lab::session::Session;
 
@@ -380,8 +381,13 @@ fn malformed(address: SocketAddr, count: u32) {
 fn a_recording_is_served_to_its_end() {
     let rows =
         (0..120).map(|tick| std::array::from_fn(|i| if i == 0 { tick as f32 } else { f32::NAN })).collect();
-    let address = serve_source(Recording::new("old.csv".into(), 0.5, rows), 100.0);
+    let names = Names { rows: vec![(4, "hand".into())], taught: vec!["cap".into(), "low".into()] };
+    let address = serve_source(Recording::new("old.csv".into(), 0.5, names, rows), 100.0);
     let all = stream(address, 0, "", until(120));
+    assert_eq!(
+        [&all[0]["own_names"], &all[0]["taught_names"]],
+        [&json!([[4, "hand"]]), &json!(["cap", "low"])]
+    );
     assert_eq!(
         (&all[0]["ts"], &all[0]["name"], &all[0]["scene"]),
         (&json!(0.5), &json!("old.csv"), &Value::Null)
@@ -445,6 +451,7 @@ fn what_a_board_tells_comes_in_its_own_time_and_order() {
         row(),
         Told::Order(Order::Arm),
         Told::Refused("why".into()),
+        Told::Names(Names { rows: Vec::new(), taught: vec!["cap".into()] }),
         Told::Link(false),
         row(),
     ];
@@ -452,8 +459,9 @@ fn what_a_board_tells_comes_in_its_own_time_and_order() {
     let heard = stream(address, 0, "", until(2));
     assert_eq!((&heard[0]["kind"], &heard[0]["can"]), (&json!("board"), &json!(["order"])));
     let types: Vec<&str> = heard[1..].iter().filter_map(|message| message["type"].as_str()).collect();
-    assert_eq!(types, ["link", "rows", "order", "refused", "link", "rows"]);
-    assert_eq!((&heard[3]["tick"], &heard[5]["up"]), (&json!(1), &json!(false)));
+    assert_eq!(types, ["link", "rows", "order", "refused", "names", "link", "rows"]);
+    assert_eq!((&heard[3]["tick"], &heard[6]["up"]), (&json!(1), &json!(false)));
+    assert_eq!((&heard[5]["own_names"], &heard[5]["taught_names"]), (&json!([]), &json!(["cap"])));
 }
 
 fn rows_in(messages: &[Value]) -> u64 {

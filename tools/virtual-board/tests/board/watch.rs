@@ -2,9 +2,11 @@
 
 use std::time::{Duration, Instant};
 
+use firmware_logic::console::line::LENGTH;
 use host_sim::board::Session;
 use host_sim::board::watch::Watch;
 use pt326_lab::fields::FIELDS;
+use pt326_lab::names::Names;
 use pt326_lab::scene::Order;
 use pt326_lab::told::{Numbers, Told};
 
@@ -117,21 +119,24 @@ fn a_cable_that_is_pulled_out_is_told_at_once_and_the_board_goes_on() {
 }
 
 #[test]
-fn its_console_answers_a_stop_typed_there_waits_for_nothing_and_names_of_rows_are_told() {
+fn its_console_answers_a_stop_typed_there_waits_for_nothing_and_names_of_a_users_own_are_told() {
     let board = LiveBoard::new();
     let mut watch = watched(&board);
     let type_in = |watch: &mut Watch, line: &str| watch.order(&Order::Console { line: line.into() });
     type_in(&mut watch, "set diagnosis.isolation.4 4 0 +1 0 -1 0 low").expect("passed on");
-    let named = Told::Names(vec![(4, "low".into())]);
+    let named = Told::Names(Names { rows: vec![(4, "low".into())], taught: Vec::new() });
     let told = until(&mut watch, "names", |told| *told == named);
     let said =
         |told: &Told| matches!(told, Told::Said(text) if text.starts_with("> set diagnosis.isolation.4"));
     assert!(told.iter().any(said), "{told:?}");
+    type_in(&mut watch, "set likelihood.taught.1 cap 0 0 0 0 150 -150 0 0 0 0 0").expect("passed on");
+    let both = Told::Names(Names { rows: vec![(4, "low".into())], taught: vec!["cap".into()] });
+    until(&mut watch, "names of both", |told| *told == both);
     type_in(&mut watch, "arm").expect("passed on");
     until(&mut watch, "heat", in_mode(1.0));
     type_in(&mut watch, " stop it").expect("sent");
     until(&mut watch, "stop", in_mode(0.0));
-    assert!(type_in(&mut watch, &"x".repeat(81)).is_ok());
+    assert!(type_in(&mut watch, &"x".repeat(LENGTH + 1)).is_ok());
     let told = until(&mut watch, "refusal", |told| matches!(told, Told::Refused(_)));
-    assert!(format!("{:?}", told.last()).contains("at most 80"), "{told:?}");
+    assert!(format!("{:?}", told.last()).contains(&format!("at most {LENGTH}")), "{told:?}");
 }

@@ -28,7 +28,7 @@ const BEYOND: [Kind; 3] = [
     ),
 ];
 /// What was not taught.
-const OTHERS: [Kind; 10] = [
+const OTHERS: [Kind; 11] = [
     ("T2 +1.5", &["do = \"offset\"\nsensor = \"t2\"\nsize = 1.5"]),
     ("T2 -1.5", &["do = \"offset\"\nsensor = \"t2\"\nsize = -1.5"]),
     ("T1 +1.5", &["do = \"offset\"\nsensor = \"t1\"\nsize = 1.5"]),
@@ -37,6 +37,7 @@ const OTHERS: [Kind; 10] = [
     ("more air", &["do = \"air-flow\"\nsize = 1.3"]),
     ("less air", &["do = \"air-flow\"\nsize = 0.75"]),
     ("power 0.8", &["do = \"heater-power\"\nsize = 0.8"]),
+    ("power 1.2", &["do = \"heater-power\"\nsize = 1.2"]),
     ("T1 out", &["do = \"detach\"\nsensor = \"t1\"\nsize = 1.0"]),
     ("T2 out", &["do = \"detach\"\nsensor = \"t2\"\nsize = 1.0"]),
 ];
@@ -192,7 +193,8 @@ fn on_other_rigs_by_other_lessons() {
         for kinds in [KINDS, BEYOND] {
             let config = lesson(rig, &kinds, 5).config;
             println!("{rig}: {} of {} responses taught", config.likelihood.taught.len(), kinds.len());
-            for kind in kinds.into_iter().chain(OTHERS) {
+            let others = OTHERS.into_iter().filter(|other| kinds.iter().all(|kind| kind.1 != other.1));
+            for kind in kinds.into_iter().chain(others) {
                 let ([right, other, none], delay) = first(&config, rig, kind, 300_001..300_051, likelihood);
                 println!("{rig}, {}: {right} right, {other} other, {none} none, {delay:.1} s", kind.0);
             }

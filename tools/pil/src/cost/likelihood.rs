@@ -2,6 +2,7 @@
 
 use core::fmt::{self, Write};
 
+use fdi_core::likelihood::taught::{EFFECTS, Response};
 use fdi_core::likelihood::{Likelihood, LikelihoodReport, LikelihoodState, Readiness};
 use fdi_core::{Config, Report, Tick};
 
@@ -12,19 +13,24 @@ use crate::recording::Recording;
 
 type Phase = fn(&LikelihoodReport) -> bool;
 
-/// What it may be doing; on the other ticks it waits.
-const PHASES: [(&str, Phase); 3] = [
-    ("likelihood: training", |report| report.readiness == Readiness::Training),
-    ("likelihood: watching", |report| report.readiness == Readiness::Armed && !report.alarm),
-    ("likelihood: alarm", |report| report.alarm),
+/// What it may be doing, with how many faults taught; on the other ticks it waits.
+const PHASES: [(&str, usize, Phase); 4] = [
+    ("likelihood: training", 0, |report| report.readiness == Readiness::Training),
+    ("likelihood: watching", 0, |report| report.readiness == Readiness::Armed && !report.alarm),
+    ("likelihood: alarm", 0, |report| report.alarm),
+    ("likelihood: alarm, ten faults taught", 10, |report| report.alarm),
 ];
 
 /// Counts each phase over its own ticks of the run.
 pub(super) fn count(watch: &mut Stopwatch, recording: &Recording, out: &mut impl Write) -> fmt::Result {
-    for (name, phase) in PHASES {
+    for (name, taught, phase) in PHASES {
         let samples = ticks(recording).filter(|(_, report)| phase(&report.likelihood)).count();
         let mut ticks = ticks(recording);
-        let c = Config::default();
+        let mut c = Config::default();
+        for i in 0..taught {
+            let response = Response { effects: [50 + 10 * i as i16; EFFECTS], ..Response::default() };
+            c.likelihood.taught.push(response).expect("room");
+        }
         let likelihood = Likelihood::new(&c.likelihood, &c.identification, c.sample_time).expect("valid");
         let mut state = LikelihoodState::default();
         watch.pass(out, [name], samples, |watch, _| {

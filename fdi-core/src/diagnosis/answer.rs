@@ -24,7 +24,8 @@ pub struct Answers {
     needed: u32,
 }
 
-/// Which row of the user's own has matched, and for how many ticks more than not.
+/// Which row of the user's own has matched, and for how many ticks more than not. It stays where the rows change: one that has a number
+/// which was another's must match, too, and answers early at worst.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Standing {
     number: u8,

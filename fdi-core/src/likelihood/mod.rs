@@ -41,6 +41,7 @@ mod commissioned;
 pub mod config;
 mod contradiction;
 mod evidence;
+mod explained;
 mod gone;
 mod heat;
 mod hypothesis;
@@ -87,7 +88,6 @@ use inputs::Inputs;
 use model::Model;
 use preferred::preferred;
 use sensors::Sensors;
-use taught::Effects;
 use training::{Cold, Trainer, Training};
 pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
 use watch::{Gathered, Watch, WatchState};
@@ -380,23 +380,6 @@ fn read(reading: Reading) -> Option<f32> {
 }
 
 impl LikelihoodState {
-    /// What each hypothesis explains of an alarm, for those who show it: the class, and the share, 0 to 1, of what is unusual in the residuals
-    /// since the onset that it would take away all by itself. Several hypotheses belong to some classes. None without an alarm of the models.
-    pub fn explained(&self) -> Option<[(FaultClass, f32); HYPOTHESES]> {
-        match (&self.work, &self.trained) {
-            (Work::Watching(gathered), Some(trained)) => trained.explained(gathered),
-            _ => None,
-        }
-    }
-
-    /// What the alarm under way has changed, for those who teach it; None without an alarm of the models, or while it is young.
-    pub fn effects(&self) -> Option<Effects> {
-        match (&self.work, &self.trained) {
-            (Work::Watching(gathered), Some(trained)) => trained.effects(gathered),
-            _ => None,
-        }
-    }
-
     fn readiness(&self) -> Readiness {
         match self.refused {
             _ if self.current => Readiness::Armed,

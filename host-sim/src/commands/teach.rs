@@ -14,7 +14,7 @@ use crate::teach::{Marks, Taught, Watch};
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Make a fault by hand (a hand before the inlet, a cap on T1), some 20 s long, three times or more, each time after the rig has come to rest, and \
-note when. The later half of each repetition says which of the paper's five residuals are low, normal or high; what all repetitions \
+note when. The end of each repetition, a quarter to a half of it, says which of the paper's five residuals are low, normal or high; what all repetitions \
 have in common is the row, anything else may be anything (x). A row that some symptoms would match together with a row that is there \
 is not taught. A name that the settings have already is taught anew.
 

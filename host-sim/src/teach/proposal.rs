@@ -15,7 +15,7 @@ const MONITORED: f64 = 0.9;
 pub struct Repetition {
     /// When.
     pub span: Span,
-    /// The symptom of each decisive residual in the later half.
+    /// The symptom of each decisive residual at its end.
     pub symptoms: Steady,
     /// What an alarm of the likelihood diagnosis has changed, in the mean; `None` without one.
     pub effects: Option<Effects>,

@@ -1,5 +1,5 @@
-//! One repetition of a fault, as it goes on: nobody knows yet when it ends, and its later half is what counts, in which the
-//! adapting models have followed.
+//! One repetition of a fault, as it goes on: nobody knows yet when it ends, and its end is what counts, a quarter to a
+//! half of it, in which the adapting models have followed.
 
 use heapless::Vec;
 
@@ -11,7 +11,7 @@ const STEADY: u32 = 90;
 /// Pieces that a repetition is counted in. When they are full, two become one.
 const PIECES: usize = 8;
 
-/// The symptom of each decisive residual in the later half of a repetition; `None` where it came and went.
+/// The symptom of each decisive residual at the end of a repetition; `None` where it came and went.
 pub type Steady = [Option<Symptom>; WIDTH];
 
 /// Ticks of a piece, and on how many of them each residual was low, and high.
@@ -70,7 +70,7 @@ impl Repetition {
         self.pieces.iter().map(|piece| u32::from(piece.ticks)).sum()
     }
 
-    /// What is steady in the later half; `None` before there is one.
+    /// What is steady at its end; `None` before there is one.
     pub fn steady(&self) -> Option<Steady> {
         let later = self.pieces.get(self.pieces.len().div_ceil(2)..)?;
         let sum = |of: &dyn Fn(&Piece) -> u16| later.iter().map(|piece| u32::from(of(piece))).sum::<u32>();

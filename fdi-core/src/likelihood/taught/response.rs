@@ -2,7 +2,6 @@
 
 use heapless::Vec;
 
-use crate::bounds::bounded;
 use crate::likelihood::column::Column;
 use crate::likelihood::hypothesis::Hypothesis;
 use crate::name::Name;
@@ -103,10 +102,9 @@ pub fn put(responses: &mut Responses, response: Response) -> Result<(), Full> {
 }
 
 impl Response {
-    /// A fault with these effects, rounded.
+    /// A fault with these effects, rounded; what is no number is none.
     pub fn new(name: Name, effects: &Effects) -> Self {
-        let limit = f32::from(i16::MAX);
-        let rounded = |i: usize| libm::roundf(bounded(effects[i] / ALL[i].step, -limit, limit)) as i16;
+        let rounded = |i: usize| libm::roundf(effects[i] / ALL[i].step) as i16; // to the nearest that there is
         Self { name, effects: core::array::from_fn(rounded) }
     }
 
@@ -124,13 +122,13 @@ mod tests {
         Response { name: name.parse().unwrap(), effects }
     }
 
-    /// To a thousandth, or to a hundredth of a degC; what cannot be kept stays within what can, and what is no number is the least of that.
+    /// To a thousandth, or to a hundredth of a degC; what cannot be kept stays within what can.
     #[test]
     fn effects_are_kept_in_steps() {
         let mut effects = [0.0; EFFECTS];
         (effects[0], effects[3], effects[5], effects[6]) = (-0.2504, 1.504, 1e9, f32::NAN);
         let kept = Response::new(Name::NONE, &effects);
-        assert_eq!(kept.effects, [-250, 0, 0, 150, 0, i16::MAX, -i16::MAX, 0, 0, 0, 0]);
+        assert_eq!(kept.effects, [-250, 0, 0, 150, 0, i16::MAX, 0, 0, 0, 0, 0]);
         let weights = kept.weights();
         assert_eq!((weights[0].0, weights[3].0), (Column::Power, Column::Offset1));
         assert!((weights[0].1 + 0.25).abs() < 1e-6 && (weights[3].1 - 1.5).abs() < 1e-6, "{weights:?}");

@@ -1,0 +1,25 @@
+//! What an alarm shows to those who ask: what each hypothesis explains of it, and what it has changed.
+
+use super::class::FaultClass;
+use super::hypothesis::COUNT;
+use super::taught::Effects;
+use super::{LikelihoodState, Work};
+
+impl LikelihoodState {
+    /// What each hypothesis explains of an alarm, for those who show it: the class, and the share, 0 to 1, of what is unusual in the residuals
+    /// since the onset that it would take away all by itself. Several hypotheses belong to some classes. None without an alarm of the models.
+    pub fn explained(&self) -> Option<[(FaultClass, f32); COUNT]> {
+        match (&self.work, &self.trained) {
+            (Work::Watching(gathered), Some(trained)) => trained.explained(gathered),
+            _ => None,
+        }
+    }
+
+    /// What the alarm under way has changed, for those who teach it; None without an alarm of the models, or while it is young.
+    pub fn effects(&self) -> Option<Effects> {
+        match (&self.work, &self.trained) {
+            (Work::Watching(gathered), Some(trained)) => trained.effects(gathered),
+            _ => None,
+        }
+    }
+}

@@ -10,7 +10,7 @@ const SPREAD: f32 = 0.2;
 const RANGE: (f32, f32) = (0.3, 3.0);
 /// Logarithm of its odds against the common faults beforehand: somebody has seen it on this rig. It is told from the class that it belongs to by its
 /// size alone.
-const PRIOR: f32 = 4.5;
+const PRIOR: f32 = 3.0;
 
 /// What each response gains over the nuisances.
 pub(in crate::likelihood) type Recalled = [Freed; MOST];

@@ -1,0 +1,117 @@
+//! A power cut after any single step of a write leaves what was there before or after it.
+
+use firmware_logic::settings::store::{Origin, SaveError, Store};
+
+use crate::flash::Flash;
+use crate::{commissioning, load, now, unusual};
+
+/// Wherever the power goes while the mark is set or taken away, it stands or it does not, and the settings are there.
+#[test]
+fn a_power_cut_while_marking_leaves_the_mark_or_not_and_the_settings() {
+    let mut store = Store::new(Flash::new());
+    now(store.save(&unusual(40.0))).expect("no cut");
+    let mut flash = store.into_flash();
+    let (mut cuts, mut in_erase) = (0, 0);
+    for i in 0..1400 {
+        let stands = i % 2 == 0;
+        for step in 0.. {
+            let mut cut = flash.clone();
+            cut.cut_at(step);
+            let mut store = Store::new(cut);
+            let result = now(store.mark(stands));
+            let mut after = store.into_flash();
+            if !after.was_cut() {
+                assert_eq!(result, Ok(()));
+                flash = after;
+                break;
+            }
+            assert_eq!(result, Err(SaveError::Flash));
+            (cuts, in_erase) = (cuts + 1, in_erase + u32::from(after.cut_in_erase));
+            after.power_up();
+            assert_eq!(load(&after), (unusual(40.0), Origin::Flash), "mark {i}, step {step}");
+            let mut store = Store::new(after);
+            now(store.load());
+            assert_eq!(now(store.mark(stands)), Ok(()), "mark {i}, step {step}");
+            assert_eq!(now(store.is_marked()), stands, "mark {i}, step {step}");
+        }
+    }
+    assert!(in_erase > 0, "{cuts} cuts, none in an erase");
+}
+
+/// Wherever the power goes while one is written or cleared, the old one is there or the new, and the settings.
+#[test]
+fn a_power_cut_while_commissioning_leaves_the_old_one_or_the_new() {
+    let mut store = Store::new(Flash::new());
+    now(store.save(&unusual(40.0))).expect("no cut");
+    let mut flash = store.into_flash();
+    let mut in_erase = 0;
+    for i in 0..300 {
+        let at = |i: u32| (!i.is_multiple_of(3)).then(|| commissioning(i));
+        let (old, new) = (at(i), at(i + 1));
+        for step in 0.. {
+            let mut cut = flash.clone();
+            cut.cut_at(step);
+            let mut store = Store::new(cut);
+            let result = now(store.keep(new.as_ref()));
+            let mut after = store.into_flash();
+            if !after.was_cut() {
+                assert_eq!(result, Ok(()));
+                flash = after;
+                break;
+            }
+            in_erase += u32::from(after.cut_in_erase);
+            after.power_up();
+            assert_eq!(load(&after), (unusual(40.0), Origin::Flash), "write {i}, step {step}");
+            let mut store = Store::new(after);
+            let left = now(store.commissioning());
+            assert!(left == old || left == new, "write {i}, step {step}: {left:?}");
+            assert_eq!(now(store.keep(new.as_ref())), Ok(()), "write {i}, step {step}");
+            assert_eq!(now(store.commissioning()), new, "write {i}, step {step}");
+        }
+    }
+    assert!(in_erase > 0, "none in an erase");
+}
+
+/// Saves until both sectors have filled up and been erased; before each save, for every write and every erase of it,
+/// tries what a power cut in the middle of that step leaves behind.
+#[test]
+fn a_power_cut_at_any_step_leaves_the_old_settings_or_the_new() {
+    let mut flash = Flash::new();
+    let (mut cuts, mut in_erase, mut old_kept, mut new_kept) = (0, 0, 0, 0);
+    for round in 0..25 {
+        let (old, new) = (unusual(21.0 + round as f32 * 0.5), unusual(21.25 + round as f32 * 0.5));
+        let mut store = Store::new(flash.clone());
+        now(store.save(&old)).expect("no cut");
+        flash = store.into_flash();
+        for step in 0.. {
+            let mut cut = flash.clone();
+            cut.cut_at(step);
+            let mut store = Store::new(cut);
+            let result = now(store.save(&new));
+            let mut after = store.into_flash();
+            if !after.was_cut() {
+                assert_eq!(result, Ok(()));
+                break;
+            }
+            assert_eq!(result, Err(SaveError::Flash));
+            cuts += 1;
+            in_erase += u32::from(after.cut_in_erase);
+            after.power_up();
+            let (stored, origin) = load(&after);
+            assert_eq!(origin, Origin::Flash, "round {round}, step {step}: {origin}");
+            match stored {
+                s if s == old => old_kept += 1,
+                s if s == new => new_kept += 1,
+                s => panic!("round {round}, step {step}: neither old nor new: {s:?}"),
+            }
+            let mut store = Store::new(after);
+            assert_eq!(now(store.save(&new)), Ok(()), "round {round}, step {step}: cannot save any more");
+            assert_eq!(load(&store.into_flash()).0, new);
+        }
+    }
+    assert!(
+        cuts > 1000 && in_erase > 0 && old_kept > 0,
+        "{cuts} cuts, {in_erase} in an erase, {old_kept} old"
+    );
+    println!("{cuts} cuts, {in_erase} in an erase: {old_kept} times the old settings, {new_kept} the new");
+}

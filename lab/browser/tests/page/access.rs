@@ -1,0 +1,66 @@
+//! Everything can be reached, named and read, on any screen, in both languages, light and dark.
+
+use pt326_lab_browser::Browser;
+use serde_json::json;
+
+use crate::{address, assert_untroubled, on_page, script_on};
+
+/// In both languages: nothing is wider than the screen, everything that can be pressed has a name, no word is missing.
+#[test]
+fn it_fits_400_px_and_every_control_has_a_name() {
+    let browser = Browser::start().expect("a browser");
+    browser.open(&address()).expect("lab.html");
+    for width in [400, 768, 1000, 1400, 2560] {
+        browser.resize(width, 900).expect("a size");
+        let found = script_on(
+            &browser,
+            r##"await monitoring();
+               lab.send({ command: "order", order: { order: "break", fault: { do: "clog", sensor: "t1", size: 0.85, lag: 0.4, at: 0, for: 60 } } });
+               await step(60);
+               const wide = [];
+               for (const mode of ["explore", "quiz", "tour"]) {
+                 for (let language = 0; language < 2; language++) {
+                   click("#language"); click(`[data-mode=${mode}]`); click("[data-part=T1]"); await said();
+                   if (document.documentElement.scrollWidth > innerWidth) wide.push(mode);
+                   const rows = new Set([...$(".bar").children].filter((n) => n.offsetWidth).map((n) => Math.round((n.offsetTop + n.offsetHeight / 2) / 20)));
+                   const edge = $(".bar").getBoundingClientRect().right - parseFloat(getComputedStyle($(".bar")).paddingRight);
+                   if ($("#stop").getBoundingClientRect().right > edge + 0.5) wide.push("bar");
+                   if (rows.size > 2) wide.push(`bar in ${rows.size} rows`);
+                   click("#sheet .x");
+                 }
+               }
+               const name = (n) => n.getAttribute("aria-label") || n.textContent.trim() || n.closest("label")?.textContent.trim();
+               const nameless = [...document.querySelectorAll("button, input, select, [role=button], canvas, summary")].filter((n) => !name(n)).map((n) => n.outerHTML);
+               const { languages } = await import("lab/strings.js");
+               const lacking = Object.entries(languages()).filter(([, both]) => both.length !== 2 || both.some((text) => !text)).map(([key]) => key);
+               const raw = document.body.innerText.match(/\b[a-z]+_[a-z0-9_]+\b|\{\w+\}/g);
+               return [wide, nameless, lacking, raw];"##,
+            &[],
+        );
+        assert_eq!(found, json!([[], [], [], null]), "at {width} px");
+    }
+    assert_untroubled(&browser);
+}
+
+/// WCAG's contrast of at least 4.5 of every ink on every ground.
+#[test]
+fn inks_can_be_read_on_their_grounds_light_and_dark() {
+    let low = on_page(
+        r##"await monitoring();
+           const light = (hex) => { const [r, g, b] = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255).map((v) => v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4); return 0.2126 * r + 0.7152 * g + 0.0722 * b; };
+           const low = [];
+           for (const theme of ["light", "dark"]) {
+             document.documentElement.dataset.theme = theme;
+             const css = getComputedStyle(document.documentElement);
+             const value = (name) => css.getPropertyValue("--" + name).trim();
+             for (const ink of ["ink", "soft", "faint", "t0", "t1", "t2", "flow", "power", "alarm", "ok"]) for (const ground of ["bg", "card"]) {
+               const [a, b] = [light(value(ink)), light(value(ground))].sort((x, y) => y - x);
+               const ratio = (a + 0.05) / (b + 0.05);
+               if (ratio < 4.5) low.push(`${theme} ${ink} on ${ground}: ${ratio.toFixed(2)}`);
+             }
+           }
+           return low;"##,
+        &[],
+    );
+    assert_eq!(low, json!([]));
+}

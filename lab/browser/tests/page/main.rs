@@ -1,0 +1,63 @@
+//! lab.html, as a user has it, in Chromium. `LAB_PAGE` names the file, which `cargo lab` writes; without it, lab.html of the workspace.
+
+mod access;
+mod bits;
+mod charts;
+mod heater;
+mod lessons;
+mod report;
+mod scenes;
+mod taught;
+mod verdict;
+
+use std::path::{Path, PathBuf};
+
+use pt326_lab_browser::Browser;
+use serde_json::{Value, json};
+
+/// What scripts use: a session that stands still where monitoring begins, and the user's hand.
+const HELPERS: &str = r##"
+const $ = (selector) => document.querySelector(selector);
+const frame = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+const until = async (what) => { while (!what()) await frame(); };
+const click = (selector) => $(selector).dispatchEvent(new MouseEvent("click", { bubbles: true }));
+const step = async (ticks) => { await lab.ask({ command: "step", ticks }); await frame(); };
+const SCENE = { seed: 1, preset: "paper", disturbance: "calm", orders: [[0, { order: "arm" }]] };
+const monitoring = async () => {
+  await until(() => lab.lab.store?.end > 0);
+  lab.send({ command: "run", speed: 0 });
+  lab.send({ command: "open", scene: SCENE, skip: true });
+  await step(1);
+};
+const said = async () => { const before = $("#clock").textContent; await step(3); await until(() => $("#clock").textContent !== before); return $("#head").innerText; };
+"##;
+
+fn page() -> PathBuf {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lab.html");
+    let page = std::env::var_os("LAB_PAGE").map_or(default, PathBuf::from);
+    page.canonicalize()
+        .unwrap_or_else(|error| panic!("{}: {error}; write it with `cargo lab`", page.display()))
+}
+
+fn address() -> String {
+    format!("file://{}", page().display())
+}
+
+/// Opens the page, runs a script on it, and sees that the console stays empty and that no request leaves the page.
+fn on_page(script: &str, arguments: &[Value]) -> Value {
+    let browser = Browser::start().expect("a browser");
+    browser.open(&address()).expect("lab.html");
+    let value = script_on(&browser, script, arguments);
+    assert_untroubled(&browser);
+    value
+}
+
+fn script_on(browser: &Browser, script: &str, arguments: &[Value]) -> Value {
+    browser.run(&format!("{HELPERS}{script}"), arguments).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+fn assert_untroubled(browser: &Browser) {
+    assert_eq!(browser.complaints().expect("the console"), Vec::<String>::new());
+    let asked = "return performance.getEntriesByType('resource').map((e) => e.name).filter((n) => !/^(data|blob):/.test(n))";
+    assert_eq!(browser.run(asked, &[]).expect("entries"), json!([]));
+}

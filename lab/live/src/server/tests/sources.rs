@@ -1,0 +1,99 @@
+//! What is not simulated here: a recording and a board.
+
+use std::sync::mpsc::{Receiver, channel};
+
+use pt326_lab::fields::FIELDS;
+use pt326_lab::names::Names;
+use pt326_lab::scene::Order;
+use serde_json::{Value, json};
+
+use super::{post_text, rows_in, serve_source, stream, until, with_token};
+use crate::source::{Recording, Source, Told};
+
+/// A recording goes by with its own sample time, and takes no orders.
+#[test]
+fn a_recording_is_served_to_its_end() {
+    let rows =
+        (0..120).map(|tick| std::array::from_fn(|i| if i == 0 { tick as f32 } else { f32::NAN })).collect();
+    let names = Names { rows: vec![(4, "hand".into())], taught: vec!["cap".into(), "low".into()] };
+    let address = serve_source(Recording::new("old.csv".into(), 0.5, names, rows), 100.0);
+    let all = stream(address, 0, "", until(120));
+    assert_eq!(
+        [&all[0]["own_names"], &all[0]["taught_names"]],
+        [&json!([[4, "hand"]]), &json!(["cap", "low"])]
+    );
+    assert_eq!(
+        (&all[0]["ts"], &all[0]["name"], &all[0]["scene"]),
+        (&json!(0.5), &json!("old.csv"), &Value::Null)
+    );
+    assert_eq!(rows_in(&all), 120);
+    for body in [
+        r#"{"command":"order","order":{"order":"stop"}}"#,
+        r#"{"command":"skip"}"#,
+        r#"{"command":"open","scene":{}}"#,
+        r#"{"command":"trace"}"#,
+    ] {
+        assert_eq!(post_text(address, &with_token(), body).0, 409, "{body}");
+    }
+}
+
+/// A board: its rows come when they come, and word of orders from itself.
+struct Board(Receiver<Told>);
+
+impl Source for Board {
+    fn name(&self) -> String {
+        "a port".into()
+    }
+
+    fn kind(&self) -> &'static str {
+        "board"
+    }
+
+    fn can(&self) -> &'static [&'static str] {
+        &["order"]
+    }
+
+    fn sample_time(&self) -> f64 {
+        3600.0
+    }
+
+    fn has_own_time(&self) -> bool {
+        true
+    }
+
+    fn next(&mut self) -> Option<Told> {
+        self.0.try_recv().ok()
+    }
+
+    fn order(&mut self, _: Order) -> anyhow::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn what_a_board_tells_comes_in_its_own_time_and_order() {
+    let (tell, told) = channel();
+    let address = serve_source(Board(told), 1.0);
+    for body in [r#"{"command":"run","speed":0}"#, r#"{"command":"skip"}"#] {
+        assert_eq!(post_text(address, &with_token(), body).0, 409, "{body}");
+    }
+    let arm = r#"{"command":"order","order":{"order":"arm"}}"#;
+    assert_eq!(post_text(address, &with_token(), arm).0, 200);
+    let row = || Told::Row([0.0; FIELDS.len()]);
+    let all = [
+        Told::Link(true),
+        row(),
+        Told::Order(Order::Arm),
+        Told::Refused("why".into()),
+        Told::Names(Names { rows: Vec::new(), taught: vec!["cap".into()] }),
+        Told::Link(false),
+        row(),
+    ];
+    all.into_iter().for_each(|told| tell.send(told).unwrap());
+    let heard = stream(address, 0, "", until(2));
+    assert_eq!((&heard[0]["kind"], &heard[0]["can"]), (&json!("board"), &json!(["order"])));
+    let types: Vec<&str> = heard[1..].iter().filter_map(|message| message["type"].as_str()).collect();
+    assert_eq!(types, ["link", "rows", "order", "refused", "names", "link", "rows"]);
+    assert_eq!((&heard[3]["tick"], &heard[6]["up"]), (&json!(1), &json!(false)));
+    assert_eq!((&heard[5]["own_names"], &heard[5]["taught_names"]), (&json!([]), &json!(["cap"])));
+}

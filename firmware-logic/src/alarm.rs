@@ -29,9 +29,10 @@ pub struct Alarms {
 }
 
 impl Alarms {
-    /// The alarm, if this tick changes what is to be said of it; `taught` is what a user calls the fault that was taught.
-    pub fn notice(&mut self, report: &Report, taught: Name) -> Option<AlarmRecord> {
+    /// The alarm, if this tick changes what is to be said of it.
+    pub fn notice(&mut self, report: &Report) -> Option<AlarmRecord> {
         let (tick, said) = (report.tick, &report.likelihood);
+        let taught = said.taught.map_or(Name::NONE, |taught| taught.name);
         let Some(alarm) = &mut self.lasting else {
             let raised = AlarmRecord { raised: tick, finding: said.finding, taught, ended: None };
             self.lasting = said.alarm.then_some(raised);
@@ -86,6 +87,7 @@ impl fmt::Display for AlarmText<'_> {
 
 #[cfg(test)]
 mod tests {
+    use fdi_core::likelihood::taught::TaughtFinding;
     use fdi_core::likelihood::{LikelihoodReport, Magnitude};
     use fdi_core::{FaultClass, Report};
 
@@ -98,9 +100,15 @@ mod tests {
             magnitude: Some(Magnitude { value, half_width: 0.125 }),
             onset: 98,
         });
+        let taught = (tick == 105).then(|| TaughtFinding {
+            name: "cap".parse().unwrap(),
+            place: 0,
+            confidence: 0.96,
+            magnitude: Magnitude { value: 90.0, half_width: 5.0 },
+        });
         Report {
             tick,
-            likelihood: LikelihoodReport { alarm, finding, ..Default::default() },
+            likelihood: LikelihoodReport { alarm, finding, taught, ..Default::default() },
             ..Report::default()
         }
     }
@@ -110,8 +118,7 @@ mod tests {
         let mut alarms = Alarms::default();
         let (clogged, offset) = (FaultClass::T1Clogged, FaultClass::T1Offset);
         let mut text = |tick, alarm, finding| {
-            let taught = if tick == 105 { "cap" } else { "" };
-            let alarm = alarms.notice(&report(tick, alarm, finding), taught.parse().unwrap_or_default())?;
+            let alarm = alarms.notice(&report(tick, alarm, finding))?;
             Some(AlarmText { alarm: &alarm, sample_time: 0.11 }.to_string())
         };
         assert_eq!(text(99, false, None), None);

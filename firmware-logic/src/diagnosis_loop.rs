@@ -116,9 +116,9 @@ impl DiagnosisLoop {
         let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
         let monitors = record.tick.mode == Mode::Monitor;
         let symptoms = report.filtered.as_ref().map(|verdict| &verdict.symptoms);
-        self.teaching.step(monitors, symptoms, || self.diagnosis.effects(&self.state));
+        self.teaching.step(monitors, symptoms, || self.diagnosis.changed(&self.state));
         self.status.named = report.filtered.map_or(Name::NONE, |verdict| self.name(verdict.fdv, verdict.fiv));
-        self.status.taught = self.taught(&report);
+        self.status.taught = report.likelihood.taught.map_or(Name::NONE, |taught| taught.name);
         tell(Notice::Tick(TickLine::new(&record, &report)));
         self.notice_mode(&record, &mut tell);
         self.notice_lockout(&record, &mut tell);
@@ -172,13 +172,6 @@ impl DiagnosisLoop {
         rows.iter().find(|row| row.number == number).map_or(Name::NONE, |row| row.name)
     }
 
-    /// What a user calls the fault that was taught and is seen.
-    fn taught(&self, report: &Report) -> Name {
-        let place = report.likelihood.taught.map(|taught| usize::from(taught.place));
-        let taught = &self.settings.config.likelihood.taught;
-        place.and_then(|place| taught.get(place)).map_or(Name::NONE, |response| response.name)
-    }
-
     /// A tick that was missed is counted where the next one begins.
     fn notice_jitter(&mut self, record: &TickRecord, tell: &mut impl FnMut(Notice)) {
         if record.missed {
@@ -203,7 +196,7 @@ impl DiagnosisLoop {
                 self.notice_commissioning(tell);
             }
         }
-        if let Some(alarm) = self.before.alarms.notice(report, self.status.taught) {
+        if let Some(alarm) = self.before.alarms.notice(report) {
             self.history.alarm(alarm);
             tell(Notice::Alarm(alarm));
         }

@@ -4,7 +4,7 @@ use core::fmt;
 
 use fdi_core::diagnosis::signature::{Signature, Symptoms};
 use fdi_core::diagnosis::teach::{Repetition, Steady, common, tables, tells};
-use fdi_core::likelihood::taught::{Effects, Response, put as put_response};
+use fdi_core::likelihood::taught::{Changed, Mean, Response, put as put_response};
 use fdi_core::name::Name;
 use fdi_core::{Config, diagnosis::config::DiagnosisConfig};
 
@@ -12,6 +12,9 @@ use fdi_core::{Config, diagnosis::config::DiagnosisConfig};
 const REPETITIONS: usize = 8;
 /// Ticks of the shortest repetition: 2 s by the default sample time.
 const SHORTEST: u32 = 18;
+
+/// The fault may have been there for so many ticks when somebody says so: 5 s by the default sample time.
+const LATE: u32 = 45;
 
 /// What was shown so far.
 #[derive(Clone, Debug, Default)]
@@ -21,9 +24,8 @@ pub struct Teaching {
     current: Option<Repetition>,
     /// Ticks of it that had no symptoms.
     without: u32,
-    /// Sum of what the likelihood diagnosis has seen in repetitions, and in how many.
-    effects: Effects,
-    seen: usize,
+    /// What the likelihood diagnosis has seen in repetitions.
+    seen: Mean,
 }
 
 /// What repetitions teach: a row, and why it cannot stand; what the likelihood diagnosis knows the fault by, or why it does not.
@@ -86,7 +88,7 @@ impl fmt::Display for TeachError {
                 return write!(f, "some symptoms match row {place} of isolation, too (fiv {number})");
             }
             Self::Full => "the tables are full, expected `set diagnosis.isolation.N none` first",
-            Self::Unseen => "not every repetition raised an alarm of it for some seconds",
+            Self::Unseen => "in some repetition the likelihood diagnosis had no alarm that lasted 3 s",
             Self::Ten => "ten are taught, expected `set likelihood.taught.N none` first",
         })
     }
@@ -103,18 +105,18 @@ impl Teaching {
         &self.repetitions
     }
 
-    /// A repetition begins; which one, from 1.
+    /// A repetition begins after this tick; which one, from 1.
     ///
     /// # Errors
     /// One is under way; there are enough; another name is not done with.
-    pub fn begin(&mut self, name: Name) -> Result<usize, TeachError> {
+    pub fn begin(&mut self, name: Name, tick: u32) -> Result<usize, TeachError> {
         match self.current {
             Some(_) => Err(TeachError::Begun),
             None if self.repetitions.is_full() => Err(TeachError::Enough),
             None if name != self.name && !self.repetitions.is_empty() => Err(TeachError::Other(self.name)),
             None => {
                 self.name = name;
-                self.current = Some(Repetition::default());
+                self.current = Some(Repetition::begin(tick, LATE));
                 self.without = 0;
                 Ok(self.repetitions.len() + 1)
             }
@@ -127,7 +129,7 @@ impl Teaching {
         &mut self,
         monitors: bool,
         symptoms: Option<&Symptoms>,
-        effects: impl FnOnce() -> Option<Effects>,
+        changed: impl FnOnce() -> Option<Changed>,
     ) {
         let Some(repetition) = &mut self.current else { return };
         if !monitors {
@@ -138,8 +140,8 @@ impl Teaching {
             Some(symptoms) => repetition.push(symptoms),
             None => self.without = self.without.saturating_add(1),
         }
-        if let Some(effects) = effects() {
-            repetition.ask(&effects);
+        if let Some(changed) = changed() {
+            repetition.add(&changed);
         }
     }
 
@@ -154,8 +156,7 @@ impl Teaching {
         self.repetitions.push(steady).map_err(|_| TeachError::Enough)?;
         let effects = repetition.effects();
         if let Some(effects) = &effects {
-            self.effects.iter_mut().zip(effects).for_each(|(sum, effect)| *sum += effect);
-            self.seen += 1;
+            self.seen.add(effects);
         }
         Ok((steady, effects.is_some()))
     }
@@ -185,10 +186,9 @@ impl Teaching {
 
     /// The mean of what the likelihood diagnosis has seen, if it has seen every repetition.
     fn response(&self) -> Result<Response, TeachError> {
-        if self.seen < self.repetitions.len() {
-            return Err(TeachError::Unseen);
-        }
-        Ok(Response::new(self.name, &self.effects.map(|sum| sum / self.seen as f32)))
+        let mean = self.seen.value().filter(|_| self.seen.count as usize == self.repetitions.len());
+        let response = mean.map(|effects| Response::new(self.name, &effects));
+        response.filter(|response| !response.is_nothing()).ok_or(TeachError::Unseen)
     }
 }
 
@@ -212,7 +212,7 @@ mod tests {
 
     fn taught(without: u32) -> Result<Steady, TeachError> {
         let mut teaching = Teaching::default();
-        teaching.begin("loose".parse().expect("a name")).expect("nothing is under way");
+        teaching.begin("loose".parse().expect("a name"), 0).expect("nothing is under way");
         for k in 0..200 {
             teaching.step(true, (k % without != 0).then_some(&HIGH), || None);
         }
@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn what_is_begun_is_worth_nothing_once_nothing_is_monitored() {
         let mut teaching = Teaching::default();
-        teaching.begin("hand".parse().expect("a name")).expect("nothing is under way");
+        teaching.begin("hand".parse().expect("a name"), 0).expect("nothing is under way");
         (0..100).for_each(|_| teaching.step(true, Some(&HIGH), || None));
         teaching.step(false, None, || None);
         assert_eq!(teaching.end(), Err(TeachError::NotBegun));
@@ -239,12 +239,14 @@ mod tests {
     #[test]
     fn what_one_diagnosis_refuses_the_other_may_take() {
         let (high, low, normal) = (Symptom::High, Symptom::Low, Symptom::Normal);
-        let effects: Effects = core::array::from_fn(|i| if i == 4 { 1.5 } else { 0.0 });
+        let effects = core::array::from_fn(|i| if i == 4 { 1.5 } else { 0.0 });
         let shown = |symptoms: Symptoms, seen: &[bool]| {
             let mut teaching = Teaching::default();
             for seen in seen {
-                teaching.begin("low".parse().expect("a name")).expect("nothing is under way");
-                (0..100).for_each(|_| teaching.step(true, Some(&symptoms), || seen.then_some(effects)));
+                teaching.begin("low".parse().expect("a name"), 0).expect("nothing is under way");
+                (0..100).for_each(|_| {
+                    teaching.step(true, Some(&symptoms), || seen.then_some(Changed { onset: 7, effects }))
+                });
                 assert_eq!(teaching.end().map(|(_, seen)| seen), Ok(*seen));
             }
             teaching.proposed(&Config::default()).expect("repetitions")
@@ -261,6 +263,20 @@ mod tests {
         assert_eq!(config, Config::default());
     }
 
+    /// Somebody says so 5 s too late at most.
+    #[test]
+    fn an_alarm_that_stood_before_is_of_something_else() {
+        let response = |onset| {
+            let mut teaching = Teaching::default();
+            teaching.begin("low".parse().expect("a name"), 1000).expect("nothing is under way");
+            let changed = Changed { onset, effects: [0.1; 11] };
+            (0..100).for_each(|_| teaching.step(true, Some(&HIGH), || Some(changed)));
+            teaching.end().expect("long enough");
+            teaching.proposed(&Config::default()).expect("a repetition").1.response.map(drop)
+        };
+        assert_eq!([954, 955, 1050].map(response), [Err(TeachError::Unseen), Ok(()), Ok(())]);
+    }
+
     #[test]
     fn an_eleventh_fault_is_not_taught_and_a_known_name_is_taught_anew() {
         let mut config = Config::default();
@@ -270,8 +286,10 @@ mod tests {
         }
         for (name, wanted) in [("k", Err(TeachError::Ten)), ("c", Ok(()))] {
             let mut teaching = Teaching::default();
-            teaching.begin(name.parse().expect("a name")).expect("nothing is under way");
-            (0..100).for_each(|_| teaching.step(true, Some(&HIGH), || Some([0.1; 11])));
+            teaching.begin(name.parse().expect("a name"), 0).expect("nothing is under way");
+            (0..100).for_each(|_| {
+                teaching.step(true, Some(&HIGH), || Some(Changed { onset: 7, effects: [0.1; 11] }))
+            });
             teaching.end().expect("long enough");
             let (config, lesson) = teaching.proposed(&config).expect("a repetition");
             assert_eq!(lesson.response.map(drop), wanted, "{name}");

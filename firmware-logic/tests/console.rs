@@ -5,7 +5,10 @@ use core::pin::pin;
 use core::task::{Context, Poll, Waker};
 
 use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::diagnosis::signature::Signature;
 use fdi_core::likelihood::Channel;
+use fdi_core::likelihood::taught::{EFFECTS, Response};
+use fdi_core::name::Name;
 use fdi_core::tune::Standing;
 use fdi_core::{Celsius, Command, Config, Seconds};
 use firmware_logic::calibration::{Calibration, Still};
@@ -210,6 +213,13 @@ fn nothing_is_saved_while_heating() {
 #[test]
 fn the_longest_answers_fit() {
     let mut board = Mock::default();
+    let name: Name = "twelve-bytes".parse().expect("a name");
+    let pattern = "+1 -1 +1 -1 +1".parse().expect("a pattern");
+    for rows in [&mut board.config.diagnosis.detection, &mut board.config.diagnosis.isolation] {
+        while rows.push(Signature { number: 100, pattern, name }).is_ok() {}
+    }
+    let taught = &mut board.config.likelihood.taught;
+    while taught.push(Response { name, effects: [i16::MIN; EFFECTS] }).is_ok() {}
     for line in ["get", "help", "faults", "baseline", "status"] {
         let answer = answer(&mut board, line);
         assert!(!answer.is_empty() && answer.len() < ANSWER - 100, "{line}: {} bytes", answer.len());

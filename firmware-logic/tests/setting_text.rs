@@ -92,12 +92,13 @@ fn a_fault_that_was_taught_is_a_setting() {
     assert_eq!(config.likelihood.taught[0].effects[4], -113);
     for wrong in [
         "low 1 2 3",
-        "low 0 0 0 0 0 0 0 0 0 0 0 0",
+        "low 0 0 0 0 0 0 0 0 0 0 0 1",
+        "low 0 0 0 0 0 0 0 0 0 0 0",
         "7up 0 0 0 0 0 0 0 0 0 0 0",
         "low 0 0 0 0 0 0 0 0 0 0 32768",
     ] {
         let error = set(&mut config, "likelihood.taught.2", wrong).expect_err(wrong);
-        assert!(error.contains("expected a name and eleven whole numbers; or none"), "{error}");
+        assert!(error.contains("expected a name and eleven whole numbers, not all 0; or none"), "{error}");
     }
     let gap = set(&mut config, "likelihood.taught.3", low).expect_err("a gap");
     assert_eq!(gap, "likelihood.taught.3: there are 1, expected one from 1 to 2");

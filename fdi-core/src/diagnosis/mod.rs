@@ -18,7 +18,7 @@ use crate::identify::observer::{Observation, Observer, ObserverState};
 use crate::known::KnownInputs;
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::model::Model;
-use crate::likelihood::taught::Effects;
+use crate::likelihood::taught::Changed;
 use crate::likelihood::{
     Channel, Commissioned, FaultClass, Likelihood, LikelihoodReport, LikelihoodState, SinceCommissioning,
 };
@@ -267,9 +267,9 @@ impl Diagnosis {
         state.baseline = Some(*baseline);
     }
 
-    /// What the alarm under way has changed; see [`LikelihoodState::effects`].
-    pub fn effects(&self, state: &DiagnosisState) -> Option<Effects> {
-        state.likelihood.effects()
+    /// What the alarm under way has changed; see [`LikelihoodState::changed`].
+    pub fn changed(&self, state: &DiagnosisState) -> Option<Changed> {
+        state.likelihood.changed()
     }
 
     /// The models in force, as they are kept at a commissioning.

@@ -37,10 +37,11 @@ pub(super) struct Alarm {
     /// No hypothesis fits, and on which share of the last judgements none did.
     pub(super) strange: bool,
     pub(super) misfit: f32,
-    /// Gain of the best hypothesis; the likeliest, and the values of what it frees.
+    /// Gain of the best hypothesis; the likeliest, the values of what it frees, and what it gains without its prior.
     pub(super) gain: f32,
     pub(super) hypothesis: usize,
     pub(super) values: [f32; 2],
+    pub(super) evidence: f32,
     /// Whose turn it is: the ranking's, or the end's.
     pub(super) turn: bool,
 }
@@ -58,6 +59,7 @@ impl Alarm {
             gain: 0.0,
             hypothesis: 0,
             values: [0.0; 2],
+            evidence: 0.0,
             turn: false,
         }
     }

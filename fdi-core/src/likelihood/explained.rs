@@ -2,7 +2,7 @@
 
 use super::class::FaultClass;
 use super::hypothesis::COUNT;
-use super::taught::Effects;
+use super::taught::Changed;
 use super::{LikelihoodState, Work};
 
 impl LikelihoodState {
@@ -16,9 +16,9 @@ impl LikelihoodState {
     }
 
     /// What the alarm under way has changed, for those who teach it; None without an alarm of the models, or while it is young.
-    pub fn effects(&self) -> Option<Effects> {
+    pub fn changed(&self) -> Option<Changed> {
         match (&self.work, &self.trained) {
-            (Work::Watching(gathered), Some(trained)) => trained.effects(gathered),
+            (Work::Watching(gathered), Some(trained)) => trained.changed(gathered),
             _ => None,
         }
     }

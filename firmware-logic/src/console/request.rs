@@ -305,7 +305,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_line_panics_and_only_the_exact_word_heats(line in "[ -~]{0,80}") {
+        fn no_line_panics_and_only_the_exact_word_heats(line in "[ -~]{0,120}") {
             match Request::parse(&line) {
                 Ok(Request::Arm) => prop_assert_eq!(line.trim(), "arm"),
                 Ok(Request::Check) => prop_assert_eq!(line.trim(), "check"),

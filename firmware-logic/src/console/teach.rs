@@ -62,10 +62,9 @@ pub(super) async fn carry_out(wanted: Wanted, board: &mut impl Board, out: &mut 
 
 fn begin(name: Name, board: &mut impl Board, out: &mut dyn Write) -> Result<(), TeachError> {
     let status = board.status();
-    if !status.last.is_some_and(|(record, _)| record.tick.mode == Mode::Monitor) {
-        return Err(TeachError::NotMonitoring);
-    }
-    let number = board.teach(|teaching| teaching.begin(name))?;
+    let last = status.last.filter(|(record, _)| record.tick.mode == Mode::Monitor);
+    let tick = last.map(|(record, _)| record.tick.index).ok_or(TeachError::NotMonitoring)?;
+    let number = board.teach(|teaching| teaching.begin(name, tick))?;
     let _ = writeln!(out, "{name}, repetition {number}: make it now, hold it for 20 s, then `teach end`");
     Ok(())
 }
@@ -73,7 +72,7 @@ fn begin(name: Name, board: &mut impl Board, out: &mut dyn Write) -> Result<(), 
 fn end(board: &mut impl Board, out: &mut dyn Write) -> Result<(), TeachError> {
     let (steady, seen) = board.teach(Teaching::end)?;
     let number = board.teach(|teaching| teaching.repetitions().len());
-    let unseen = if seen { "" } else { ", no alarm of the likelihood diagnosis" };
+    let unseen = if seen { "" } else { ", no alarm of the likelihood diagnosis for 3 s" };
     let _ = writeln!(out, "repetition {number}: {}{unseen}", SteadyText(&steady));
     Ok(())
 }

@@ -22,7 +22,7 @@ pub(super) fn set<'a>(
         responses.remove(place);
         return Ok(());
     }
-    let expected = Expected::Words("a name and eleven whole numbers; or none");
+    let expected = Expected::Words("a name and eleven whole numbers, not all 0; or none");
     let response = parse(text).ok_or(SetError::Value { name, given: text, expected })?;
     match responses.get_mut(place) {
         Some(known) => *known = response,
@@ -42,7 +42,8 @@ fn parse(text: &str) -> Option<Response> {
     for effect in &mut effects {
         *effect = words.next()?.parse().ok()?;
     }
-    words.next().is_none().then_some(Response { name, effects })
+    let response = Response { name, effects };
+    (words.next().is_none() && !response.is_nothing()).then_some(response)
 }
 
 /// The text that [`set`] reads.

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use fdi_core::diagnosis::signature::MAX_ROWS;
-use fdi_core::likelihood::taught::MOST;
+use fdi_core::likelihood::taught::MAX_TAUGHT;
 use fdi_core::settings::Kind;
 use fdi_core::{Config, Setting};
 
@@ -39,7 +39,7 @@ impl Name {
             (1..=most).contains(&number).then(|| number - 1)
         };
         let row = |(table, start)| Some(Self::Row(table, place(start, MAX_ROWS)?));
-        let response = || place(response::START, MOST).map(Self::Response);
+        let response = || place(response::START, MAX_TAUGHT).map(Self::Response);
         Table::ALL.into_iter().find_map(row).or_else(response).ok_or(SetError::Unknown(name))
     }
 

@@ -4,10 +4,11 @@
 //! ```text
 //! version u8 | settings u8 | (id u16, bits 2 x u32) .. | detection rows u8 | (number u8, cells 5 x u8) .. |
 //! isolation rows u8 | .. | baseline 0 or 1 | samples u32, 28 x f32 |
-//! (0 detection or 1 isolation, row u8, name 12 x u8) .. | (2, name 12 x u8, effects 11 x i16) .. | CRC-32
+//! (0 detection or 1 isolation, row u8, name 12 x u8) .. | (2, length u8, name 12 x u8, effects 11 x i16) .. | CRC-32
 //! ```
 //!
-//! The names of rows and what a user has taught come last, and only those that there are.
+//! The names of rows and what a user has taught come last, and only those that there are. From 2 on each has its length, and what a program does not know it passes
+//! over. One from before faults could be taught takes a record with some for cut short, and says so.
 //! Since each setting carries its id, a newer program that has more settings, or fewer, reads what an older one saved:
 //! an update does not lose the calibration of a rig. All numbers are little-endian.
 
@@ -17,8 +18,8 @@ use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::signature::{Cell, Pattern, Rows, Signature, Symptom};
-use fdi_core::likelihood::taught::Response;
-use fdi_core::name::Name;
+use fdi_core::likelihood::taught::{EFFECTS, Response};
+use fdi_core::name::{NAME_BYTES, Name};
 use fdi_core::{Config, ConfigError, Setting};
 
 use super::bits;
@@ -28,10 +29,10 @@ use crate::crc::CRC32;
 use crate::explain::Explained;
 
 /// Bytes that the longest record may take.
-pub const MAX_BYTES: usize = 1792;
+pub const MAX_BYTES: usize = 1824;
 /// Changes when the layout does, not when settings come or go.
 pub const VERSION: u8 = 1;
-/// What begins a response, where a table begins a name.
+/// What begins a response; 0 and 1 begin the name of a row.
 const TAUGHT: u8 = 2;
 
 /// What is kept.
@@ -115,7 +116,7 @@ impl Stored {
             out.bytes(&name.bytes())?;
         }
         for response in &config.likelihood.taught {
-            out.bytes(&[TAUGHT])?;
+            out.bytes(&[TAUGHT, (NAME_BYTES + 2 * EFFECTS) as u8])?;
             out.bytes(&response.name.bytes())?;
             response.effects.iter().try_for_each(|effect| out.bytes(&effect.to_le_bytes()))?;
         }
@@ -156,8 +157,15 @@ impl Stored {
         }
         while !input.0.is_empty() {
             match input.take()? {
-                [TAUGHT] => decode_response(&mut input, &mut stored.config)?,
-                [table] => decode_name(table, &mut input, &mut stored.config)?,
+                [0] => decode_name(Table::Detection, &mut input, &mut stored.config)?,
+                [1] => decode_name(Table::Isolation, &mut input, &mut stored.config)?,
+                [tag] => {
+                    let [length] = input.take()?;
+                    let mut body = input.part(usize::from(length))?;
+                    if tag == TAUGHT {
+                        decode_response(&mut body, &mut stored.config)?;
+                    }
+                }
             }
         }
         check(&stored.config).map_err(StoredError::Invalid)?;
@@ -209,10 +217,9 @@ fn names(config: &Config) -> impl Iterator<Item = (Table, usize, Name)> {
     [Table::Detection, Table::Isolation].into_iter().flat_map(of).filter(|(.., name)| !name.is_empty())
 }
 
-fn decode_name(table: u8, input: &mut Reader<'_>, config: &mut Config) -> Result<(), StoredError> {
+fn decode_name(table: Table, input: &mut Reader<'_>, config: &mut Config) -> Result<(), StoredError> {
     let [row] = input.take()?;
     let name = Name::from_bytes(input.take()?);
-    let table = if table == 0 { Table::Detection } else { Table::Isolation };
     if let Some(signature) = table.rows_mut(config).get_mut(usize::from(row)) {
         signature.name = name;
     }
@@ -224,7 +231,8 @@ fn decode_response(input: &mut Reader<'_>, config: &mut Config) -> Result<(), St
     for effect in &mut response.effects {
         *effect = i16::from_le_bytes(input.take()?);
     }
-    config.likelihood.taught.push(response).map_err(|_| StoredError::TooLong)
+    let _ = config.likelihood.taught.push(response); // no more are ever written than there is room for
+    Ok(())
 }
 
 fn decode_baseline(input: &mut Reader<'_>) -> Result<Baseline, StoredError> {
@@ -263,6 +271,13 @@ impl Reader<'_> {
         let (bytes, rest) = self.0.split_first_chunk().ok_or(StoredError::Short)?;
         self.0 = rest;
         Ok(*bytes)
+    }
+
+    /// The next so many bytes by themselves.
+    fn part(&mut self, length: usize) -> Result<Self, StoredError> {
+        let (part, rest) = self.0.split_at_checked(length).ok_or(StoredError::Short)?;
+        self.0 = rest;
+        Ok(Self(part))
     }
 
     fn word(&mut self) -> Result<u32, StoredError> {

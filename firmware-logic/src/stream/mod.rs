@@ -12,8 +12,8 @@ use heapless::Deque;
 use crate::log_line::LogLine;
 use crate::log_line::tick::LONGEST;
 
-/// Bytes that wait to be sent: six ticks, or what a start has to tell.
-pub const ROOM: usize = 2048;
+/// Bytes that wait to be sent: ten ticks, or what a start has to tell where tables are full and ten faults taught.
+pub const ROOM: usize = 4096;
 
 /// Bits a second of the port, and bits of a byte on it.
 pub const BAUD: u32 = 115_200;
@@ -87,6 +87,11 @@ impl Write for Back<'_> {
 
 #[cfg(test)]
 mod tests {
+    use fdi_core::Config;
+    use fdi_core::diagnosis::signature::Signature;
+    use fdi_core::likelihood::taught::{EFFECTS, Response};
+    use fdi_core::name::Name;
+
     use super::*;
 
     fn on() -> Stream {
@@ -124,10 +129,27 @@ mod tests {
         assert_eq!(stream.dropped(), 0);
     }
 
+    /// Full tables and ten faults, as `order .. settings` is told with, behind two ticks that wait.
+    #[test]
+    fn all_that_can_be_taught_finds_room_at_once() {
+        let mut config = Config::default();
+        let name: Name = "twelve-bytes".parse().expect("a name");
+        let pattern = "+1 -1 +1 -1 +1".parse().expect("a pattern");
+        for rows in [&mut config.diagnosis.detection, &mut config.diagnosis.isolation] {
+            while rows.push(Signature { number: 100, pattern, name }).is_ok() {}
+        }
+        while config.likelihood.taught.push(Response { name, effects: [-1234; EFFECTS] }).is_ok() {}
+        let mut stream = on();
+        (0..2).for_each(|_| stream.push(&"x".repeat(LONGEST)));
+        crate::log_line::settings(&config, |line| stream.push(&line));
+        assert_eq!(stream.dropped(), 0);
+        assert_eq!(lines(&mut stream).len(), 2 + 11 + 10 + 10);
+    }
+
     #[test]
     fn what_finds_no_room_is_dropped_whole_counted_and_told() {
         let mut stream = on();
-        let line = "x".repeat(400);
+        let line = "x".repeat(ROOM / 5); // and what is around it
         (0..7).for_each(|_| stream.push(&line));
         assert_eq!(stream.dropped(), 3);
         assert_eq!(lines(&mut stream).len(), 4);

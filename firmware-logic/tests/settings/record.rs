@@ -158,9 +158,24 @@ fn names_of_rows_are_kept_behind_all_else() {
     assert_eq!(Stored::decode(&bytes), Ok(stored));
 }
 
+/// What a later release puts behind all else, with its length, is passed over; so is what there is no room for.
+#[test]
+fn what_is_not_known_is_passed_over() {
+    let stored = unusual(40.0);
+    let mut content = encoded(&stored);
+    content.truncate(content.len() - 4); // the CRC
+    let with = |more: &[u8]| Stored::decode(&with_crc([&content[..], more].concat()));
+    assert_eq!(with(&[3, 5, 1, 2, 3, 4, 5]), Ok(stored.clone()));
+    assert_eq!(with(&[3, 5, 1, 2, 3, 4]), Err(StoredError::Short));
+    let response = [&[2, 34][..], b"cap-2\0\0\0\0\0\0\0", &[1; 22]].concat();
+    let taught = |times: usize| with(&response.repeat(times)).expect("known").config.likelihood.taught;
+    assert_eq!((taught(1).len(), taught(1)[1].effects), (2, [257; 11]));
+    assert_eq!(taught(12).len(), 10);
+}
+
 proptest! {
     #[test]
-    fn no_bytes_panic(bytes in proptest::collection::vec(any::<u8>(), 0..900)) {
+    fn no_bytes_panic(bytes in proptest::collection::vec(any::<u8>(), 0..MAX_BYTES)) {
         prop_assert!(Stored::decode(&bytes).is_err());
         let _ = Stored::decode(&with_crc(bytes));
     }

@@ -4,7 +4,7 @@
 use heapless::Vec;
 
 use crate::diagnosis::signature::{Symptom, Symptoms, WIDTH};
-use crate::likelihood::taught::{EFFECTS, Effects};
+use crate::likelihood::taught::{Changed, Effects, Mean};
 
 /// A residual has a symptom if so many percent of the ticks have it; else it comes and goes.
 const STEADY: u32 = 90;
@@ -28,14 +28,15 @@ pub struct Repetition {
     /// Ticks that fill a piece.
     length: u16,
     pieces: Vec<Piece, PIECES>,
-    /// Sums of what the likelihood diagnosis says that it changes, and how often it was asked.
-    effects: Effects,
-    asked: u32,
+    /// An alarm that began before this tick is of something else.
+    earliest: u32,
+    /// What the likelihood diagnosis says that it changes.
+    changed: Mean,
 }
 
 impl Default for Repetition {
     fn default() -> Self {
-        Self { length: 1, pieces: Vec::new(), effects: [0.0; EFFECTS], asked: 0 }
+        Self { length: 1, pieces: Vec::new(), earliest: 0, changed: Mean::default() }
     }
 }
 
@@ -54,15 +55,21 @@ impl Repetition {
         }
     }
 
-    /// What the likelihood diagnosis says on a tick that the fault changes.
-    pub fn ask(&mut self, effects: &Effects) {
-        self.effects.iter_mut().zip(effects).for_each(|(sum, effect)| *sum += effect);
-        self.asked = self.asked.saturating_add(1);
+    /// One that begins on tick `begin`, or so many ticks earlier: nobody says so on the tick.
+    pub fn begin(begin: u32, earlier: u32) -> Self {
+        Self { earliest: begin.saturating_sub(earlier), ..Self::default() }
+    }
+
+    /// What the likelihood diagnosis says on a tick that an alarm has changed.
+    pub fn add(&mut self, changed: &Changed) {
+        if changed.onset >= self.earliest {
+            self.changed.add(&changed.effects);
+        }
     }
 
     /// What it changes in the mean; `None` where the likelihood diagnosis never saw it.
     pub fn effects(&self) -> Option<Effects> {
-        (self.asked > 0).then(|| self.effects.map(|sum| sum / self.asked as f32))
+        self.changed.value()
     }
 
     /// Ticks so far.

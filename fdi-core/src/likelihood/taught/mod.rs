@@ -11,20 +11,23 @@
 //! assert_eq!(cap.effects, [0, 0, 0, -150, 0, -250, 0, 0, 0, 0, 0]);
 //! ```
 
-mod recall;
 mod response;
+mod weigh;
 
-pub(super) use recall::{Recalled, likeliest, recall};
-pub use response::{EFFECTS, Effects, Full, MOST, Response, Responses, names, put};
+pub use response::{Changed, EFFECTS, Effects, Full, MAX_TAUGHT, Mean, Response, Responses, names, put};
 pub(super) use response::{of_hypothesis, spreads};
+pub(super) use weigh::{Weighed, likeliest, weigh};
 
 use super::verdict::Magnitude;
+use crate::name::Name;
 
 /// A taught fault, told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TaughtFinding {
-    /// Its place among the responses, from 0.
+    /// What the user calls it, and its place among the responses, from 0.
+    pub name: Name,
+    /// See `name`.
     pub place: u8,
     /// Probability among all that were considered, 0..=1.
     pub confidence: f32,

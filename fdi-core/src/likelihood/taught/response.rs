@@ -7,12 +7,42 @@ use crate::likelihood::hypothesis::Hypothesis;
 use crate::name::Name;
 
 /// Faults that there is room for.
-pub const MOST: usize = 10;
+pub const MAX_TAUGHT: usize = 10;
 /// Effects that a fault can have.
 pub const EFFECTS: usize = 11;
 
 /// What a fault changes, in the order and the units of [`names`].
 pub type Effects = [f32; EFFECTS];
+
+/// What an alarm has changed, and since when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Changed {
+    /// The tick on which the alarm is thought to have begun.
+    pub onset: u32,
+    /// What it has changed.
+    pub effects: Effects,
+}
+
+/// A mean of effects.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mean {
+    sums: Effects,
+    /// How many it is of.
+    pub count: u32,
+}
+
+impl Mean {
+    /// One more.
+    pub fn add(&mut self, effects: &Effects) {
+        self.sums.iter_mut().zip(effects).for_each(|(sum, effect)| *sum += effect);
+        self.count = self.count.saturating_add(1);
+    }
+
+    /// The mean; `None` of none.
+    pub fn value(&self) -> Option<Effects> {
+        (self.count > 0).then(|| self.sums.map(|sum| sum / self.count as f32))
+    }
+}
 
 /// An effect: what it is called, its column of the bank, the spread that it may have, and the step that it is kept in.
 struct Effect {
@@ -83,7 +113,7 @@ pub struct Response {
 }
 
 /// All responses.
-pub type Responses = Vec<Response, MOST>;
+pub type Responses = Vec<Response, MAX_TAUGHT>;
 
 /// There is room for no more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,6 +136,11 @@ impl Response {
     pub fn new(name: Name, effects: &Effects) -> Self {
         let rounded = |i: usize| libm::roundf(effects[i] / ALL[i].step) as i16; // to the nearest that there is
         Self { name, effects: core::array::from_fn(rounded) }
+    }
+
+    /// Whether it changes nothing at all.
+    pub fn is_nothing(&self) -> bool {
+        self.effects == [0; EFFECTS]
     }
 
     /// Its columns, each with what it changes.
@@ -137,12 +172,12 @@ mod tests {
     #[test]
     fn a_name_has_one_place_and_ten_fit() {
         let mut responses = Responses::new();
-        for i in 0..MOST {
+        for i in 0..MAX_TAUGHT {
             let name = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"][i];
             assert_eq!(put(&mut responses, named(name, [i as i16; EFFECTS])), Ok(()));
         }
         assert_eq!(put(&mut responses, named("k", [1; EFFECTS])), Err(Full));
         assert_eq!(put(&mut responses, named("c", [-7; EFFECTS])), Ok(()));
-        assert_eq!((responses.len(), responses[2]), (MOST, named("c", [-7; EFFECTS])));
+        assert_eq!((responses.len(), responses[2]), (MAX_TAUGHT, named("c", [-7; EFFECTS])));
     }
 }

@@ -11,7 +11,7 @@ use crate::likelihood::evidence::{Freed, Nuisances};
 use crate::likelihood::hypothesis::{self, COUNT, HYPOTHESES, IMPOSSIBLE};
 use crate::likelihood::posterior::Posterior;
 use crate::likelihood::process::STEP;
-use crate::likelihood::taught::{Recalled, recall};
+use crate::likelihood::taught::{Weighed, weigh};
 use crate::root::sqrt;
 
 /// All columns begin anew while the fast charts are below so many standard deviations, and the slow one below this share of its interval.
@@ -106,7 +106,7 @@ impl Watch {
             return;
         }
         s.candidate += self.sample_time / s.pace.stretch;
-        let (mut freed, recalled, left) = self.judge_since(s, g);
+        let (mut freed, taught, left) = self.judge_since(s, g);
         let posterior = Posterior::new(&freed);
         let best = &HYPOTHESES[posterior.best % COUNT];
         let size = freed[posterior.best % COUNT].value.abs();
@@ -120,7 +120,7 @@ impl Watch {
             let age = g.onset.age.saturating_sub(1);
             g.window = g.since;
             let mut alarm = Alarm::new(tick.saturating_sub(age));
-            self.name(g, &mut alarm, &mut freed, &recalled, left);
+            self.name(g, &mut alarm, &mut freed, &taught, left);
             s.alarm = Some(alarm);
             // What stirred before and does not explain what is seen was something else, which went on until the process changed, too.
             let old = age as f32 * self.sample_time > STIRRED * s.pace.stretch;
@@ -149,8 +149,8 @@ impl Watch {
         alarm.turn = !alarm.turn;
         let young = alarm.age < YOUNG;
         if young || alarm.turn {
-            let (mut freed, recalled, left) = self.judge_since(s, g);
-            self.name(g, &mut alarm, &mut freed, &recalled, left);
+            let (mut freed, taught, left) = self.judge_since(s, g);
+            self.name(g, &mut alarm, &mut freed, &taught, left);
         }
         let over = (young || !alarm.turn) && s.is_over(g, &alarm);
         s.alarm = Some(alarm);
@@ -166,7 +166,7 @@ impl Watch {
     }
 
     /// Gains of all hypotheses since the onset, and of what was taught; what the nuisances leave of the residual sum of squares.
-    fn judge_since(&self, s: &WatchState, g: &Gathered) -> ([Freed; COUNT], Recalled, f32) {
+    fn judge_since(&self, s: &WatchState, g: &Gathered) -> ([Freed; COUNT], Weighed, f32) {
         let nuisances = s.nuisances();
         let nuisances = Nuisances::new(&g.since, &nuisances, KAPPA).for_many();
         let mut freed = [Freed { gain: IMPOSSIBLE, ..Freed::default() }; COUNT];
@@ -180,7 +180,7 @@ impl Watch {
                 *freed = row.judged(nuisances.free(row.first, Some(second)));
             }
         }
-        (freed, recall(&self.taught, &nuisances), g.since.energy - nuisances.explained)
+        (freed, weigh(&self.taught, &nuisances), g.since.energy - nuisances.explained)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::likelihood::class::FaultClass;
 use crate::likelihood::evidence::Freed;
 use crate::likelihood::hypothesis::{CONSTANT, COUNT, HYPOTHESES, in_unit};
 use crate::likelihood::posterior::Posterior;
-use crate::likelihood::taught::Recalled;
+use crate::likelihood::taught::Weighed;
 use crate::likelihood::verdict::{Finding, Magnitude};
 use crate::root::sqrt;
 
@@ -40,7 +40,7 @@ impl Watch {
         g: &Gathered,
         alarm: &mut Alarm,
         freed: &mut [Freed; COUNT],
-        recalled: &Recalled,
+        taught: &Weighed,
         left: f32,
     ) {
         if alarm.age < PROCESS_TIME {
@@ -54,6 +54,7 @@ impl Watch {
         let h = posterior.likeliest % COUNT;
         let Freed { gain, value, second, .. } = freed[h];
         (alarm.gain, alarm.hypothesis, alarm.values) = (posterior.best_gain, h, [value, second]);
+        alarm.evidence = gain - HYPOTHESES[h].prior;
         let was = alarm.finding.map(|finding| finding.class);
         let told_apart = matches!(was, Some(FaultClass::AirFlow | FaultClass::HeaterPower));
         let least = match told_apart {
@@ -78,7 +79,7 @@ impl Watch {
         } else if confidence > self.naming || was == Some(class) {
             alarm.finding = (confidence > self.naming - UNNAME).then_some(finding);
         }
-        self.recall(g, alarm, recalled, (posterior.evidence(), left));
+        self.recall(g, alarm, taught, posterior.evidence(), left);
     }
 }
 

@@ -6,27 +6,26 @@ use crate::bounds::smaller;
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::evidence::{Freed, Nuisances};
 use crate::likelihood::hypothesis::{COUNT, HYPOTHESES};
-use crate::likelihood::taught::{Effects, Recalled, TaughtFinding, likeliest, of_hypothesis, spreads};
+use crate::likelihood::taught::{Changed, TaughtFinding, Weighed, likeliest, of_hypothesis, spreads};
 use crate::likelihood::verdict::Magnitude;
 use crate::root::sqrt;
 
 impl Watch {
-    /// Tells the taught fault that is likelier than all classes together, where it fits; `left` is what the nuisances leave of the residual
-    /// sum of squares.
-    pub(super) fn recall(
-        &self,
-        g: &Gathered,
-        alarm: &mut Alarm,
-        recalled: &Recalled,
-        (classes, left): (f32, f32),
-    ) {
-        let (place, confidence) = likeliest(recalled, classes);
-        let Freed { gain, value, variance, .. } = recalled[place % recalled.len()];
-        let was = alarm.taught.is_some_and(|was| usize::from(was.place) == place);
+    /// Tells the taught fault that is likelier than all classes together, whose evidence has the logarithm `classes`, where it fits; `left` is what the
+    /// nuisances leave of the residual sum of squares.
+    pub(super) fn recall(&self, g: &Gathered, alarm: &mut Alarm, weighed: &Weighed, classes: f32, left: f32) {
+        let (place, confidence) = likeliest(&self.taught, weighed, classes);
+        let Some(response) = self.taught.get(place) else {
+            alarm.taught = None;
+            return;
+        };
+        let Freed { gain, value, variance, .. } = weighed[place % weighed.len()];
+        let was = alarm.taught.is_some_and(|was| was.name == response.name);
         let least = if was { self.naming - UNNAME } else { self.naming };
         let fits = fits(g, left - 2.0 * KAPPA * gain, STRANGE);
         let half_width = HALF_OF_95 * sqrt(variance + SIZE_ERROR[0] * SIZE_ERROR[0] * value * value);
         alarm.taught = (alarm.age >= PROCESS_TIME && confidence > least && fits).then(|| TaughtFinding {
+            name: response.name,
             place: place as u8,
             confidence: smaller(CERTAIN, confidence),
             magnitude: Magnitude { value: 100.0 * value, half_width: 100.0 * half_width },
@@ -42,11 +41,11 @@ impl WatchState {
 
     /// What the alarm has changed, once that can be told: what the likeliest hypothesis says if that explains it better than that all changes at once,
     /// whose noise it does not have.
-    pub(in crate::likelihood) fn effects(&self, g: &Gathered) -> Option<Effects> {
+    pub(in crate::likelihood) fn changed(&self, g: &Gathered) -> Option<Changed> {
         let alarm = self.alarm.as_ref().filter(|alarm| alarm.age >= PROCESS_TIME)?;
         let (all, gain) = Nuisances::new(&g.since, &self.nuisances(), KAPPA).changes(&spreads());
-        let likeliest =
-            of_hypothesis(&HYPOTHESES[alarm.hypothesis % COUNT], alarm.values).filter(|_| alarm.gain > gain);
-        likeliest.or(Some(all))
+        let likeliest = of_hypothesis(&HYPOTHESES[alarm.hypothesis % COUNT], alarm.values);
+        let effects = likeliest.filter(|_| alarm.evidence > gain).unwrap_or(all);
+        Some(Changed { onset: alarm.onset, effects })
     }
 }

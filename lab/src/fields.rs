@@ -198,6 +198,7 @@ fn position<T: PartialEq>(all: &[T], one: &T) -> f32 {
 mod tests {
     use fdi_core::likelihood::taught::TaughtFinding;
     use fdi_core::likelihood::{LikelihoodReport, Magnitude};
+    use fdi_core::name::Name;
     use fdi_core::{Config, RawSample};
 
     use super::*;
@@ -222,7 +223,7 @@ mod tests {
             [43, 44].map(|i| (FIELDS[i].name, numbers(&moment)[i]))
         };
         let magnitude = Magnitude { value: 96.0, half_width: 8.0 };
-        let taught = TaughtFinding { place: 1, confidence: 0.97, magnitude };
+        let taught = TaughtFinding { name: Name::NONE, place: 1, confidence: 0.97, magnitude };
         assert_eq!(last_two(Some(taught)), [("taught", 2.0), ("taught_size", 96.0)]);
         assert!(last_two(None).iter().all(|(_, number)| number.is_nan()));
     }

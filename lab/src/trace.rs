@@ -217,6 +217,7 @@ pub fn append_cells<'a>(line: &mut String, columns: impl Iterator<Item = &'a Col
 mod tests {
     use fdi_core::likelihood::taught::TaughtFinding;
     use fdi_core::likelihood::{FaultClass, LikelihoodReport};
+    use fdi_core::name::Name;
     use fdi_core::{AdcCode, Config, Instrument, RawSample};
 
     use super::*;
@@ -253,7 +254,7 @@ mod tests {
             onset: 100,
         };
         let magnitude = Magnitude { value: 90.0, half_width: 5.0 };
-        let taught = Some(TaughtFinding { place: 2, confidence: 0.96, magnitude });
+        let taught = Some(TaughtFinding { name: Name::NONE, place: 2, confidence: 0.96, magnitude });
         let found =
             LikelihoodReport { alarm: true, finding: Some(finding), taught, ..LikelihoodReport::default() };
         assert_eq!(cells(&found), "1,t2_offset,0.75,-1.5,degC,11,,,3");

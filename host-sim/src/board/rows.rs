@@ -158,6 +158,7 @@ fn carried_out(order: &OrderKind) -> Option<Order> {
 mod tests {
     use fdi_core::likelihood::taught::TaughtFinding;
     use fdi_core::likelihood::{FaultClass, LikelihoodReport, Magnitude};
+    use fdi_core::name::Name;
     use fdi_core::{AdcCode, Celsius, Finding, Instrument, Percent, RawSample, Report};
     use firmware_logic::control_loop::TickRecord;
     use pt326_lab::fields::{Moment, numbers};
@@ -217,7 +218,8 @@ mod tests {
         let tick = instrument.control(RawSample::default());
         let report = instrument.diagnose(&tick, tick.drive);
         let record = TickRecord::new(RawSample::default(), tick, Percent(0.0));
-        let taught = TaughtFinding { place: 1, confidence: 0.97, magnitude: Magnitude::default() };
+        let taught =
+            TaughtFinding { name: Name::NONE, place: 1, confidence: 0.97, magnitude: Magnitude::default() };
         let finding = Finding { class: FaultClass::Unknown, confidence: 0.96, magnitude: None, onset: 0 };
         let shown = |finding, taught| {
             let likelihood = LikelihoodReport { alarm: true, finding, taught, ..report.likelihood };

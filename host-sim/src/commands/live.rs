@@ -81,7 +81,7 @@ pub fn run(args: &LiveArgs) -> anyhow::Result<()> {
             let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let (file, config) = (file.clone(), args.config.clone());
             let replayed = ReplayArgs { file, config, seed: None, out: PathBuf::new() };
-            let record = replay::again(&replayed, None)?.record;
+            let record = replay::again(&replayed, None, |_, _, _| ())?.record;
             let rows = numbers::of(&record);
             serve(args, Recording::new(name, record.sample_time, record.names, rows))
         }

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::likelihood::taught::Effects;
 use fdi_core::{Command, Config, Instrument, RawSample, Report, Tick};
 use indicatif::ProgressBar;
 use pt326_lab::fields::Explained;
@@ -105,10 +104,6 @@ impl Backend for Watched {
 
     fn baseline(&self) -> Option<Baseline> {
         Backend::baseline(&self.instrument)
-    }
-
-    fn effects(&self) -> Option<Effects> {
-        Backend::effects(&self.instrument)
     }
 
     fn explained(&self, report: &Report) -> Option<Explained> {

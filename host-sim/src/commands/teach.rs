@@ -4,11 +4,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
+use fdi_core::Config;
+use fdi_core::likelihood::taught::Responses;
 
-use super::replay::{Again, ReplayArgs, again};
+use super::replay::{ReplayArgs, again};
 use super::terminal::{WARNING, print, styled};
 use crate::settings::commented_toml_of;
-use crate::teach::{Marks, Taught, Watch};
+use crate::teach::{Marks, Said, Taught, Watch};
 
 /// Arguments of `teach`.
 #[derive(Clone, Debug, clap::Args)]
@@ -56,17 +58,17 @@ pub struct TeachArgs {
 /// # Errors
 /// A file that is no recording; one to which the core does not come again; a time at which nothing was monitored; full tables.
 pub fn run(args: &TeachArgs) -> anyhow::Result<ExitCode> {
-    let lesson = whole(args, &args.file, args.seed)?;
-    let quiet = args.quiet.iter().map(|file| Ok(Watch::of(&whole(args, file, None)?.record)));
-    let (quiet, marks) = (quiet.collect::<anyhow::Result<Vec<_>>>()?, Marks::by_name(&args.faults));
-    let mut taught = Taught::of(&Watch::of(&lesson.record), &lesson.config, &marks, &quiet)?;
+    let marks = Marks::by_name(&args.faults);
+    let lesson = watch(args, &args.file, args.seed, None)?;
+    let quiet = |taught: Option<&Responses>| {
+        let each = args.quiet.iter().map(|file| Ok(watch(args, file, None, taught)?.watch));
+        each.collect::<anyhow::Result<Vec<_>>>()
+    };
+    let mut taught = Taught::of(&lesson.watch, &lesson.config, &marks, &quiet(None)?)?;
     // A response is in no table that could be looked up: the core says what it makes of it.
     let responses = taught.config.likelihood.taught.clone();
-    let with = |file: &Path, seed| {
-        Ok::<_, anyhow::Error>(Watch::of(&again(&asked(args, file, seed), Some(&responses))?.record))
-    };
-    let quiet = args.quiet.iter().map(|file| with(file, None)).collect::<anyhow::Result<Vec<_>>>()?;
-    taught.recall(&with(&args.file, args.seed)?, &marks, &quiet);
+    let again = watch(args, &args.file, args.seed, Some(&responses))?;
+    taught.recall(&again.watch, &marks, &quiet(Some(&responses))?);
     for lesson in &taught.lessons {
         print(&format!("\n{lesson}"))?;
     }
@@ -83,14 +85,25 @@ pub fn run(args: &TeachArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::from(1))
 }
 
-fn asked(args: &TeachArgs, file: &Path, seed: Option<u64>) -> ReplayArgs {
-    ReplayArgs { file: file.to_owned(), config: args.config.clone(), seed, out: PathBuf::new() }
+/// A recording that was run through the core again, and the settings at its end.
+struct Watched {
+    watch: Watch,
+    config: Config,
 }
 
-/// A recording to which the core comes again.
-fn whole(args: &TeachArgs, file: &Path, seed: Option<u64>) -> anyhow::Result<Again> {
-    let again = again(&asked(args, file, seed), None)?;
-    print(&again.told)?;
-    ensure!(again.agrees, "nothing is taught from a recording to which the core does not come again");
-    Ok(again)
+/// Runs a recording through the core again, which must come to it, or, with `taught`, as if these faults had been taught before.
+fn watch(
+    args: &TeachArgs,
+    file: &Path,
+    seed: Option<u64>,
+    taught: Option<&Responses>,
+) -> anyhow::Result<Watched> {
+    let args = ReplayArgs { file: file.to_owned(), config: args.config.clone(), seed, out: PathBuf::new() };
+    let mut said = Vec::new();
+    let again = again(&args, taught, |instrument, _, report| said.push(Said::of(instrument, report)))?;
+    if taught.is_none() {
+        print(&again.told)?;
+        ensure!(again.agrees, "nothing is taught from a recording to which the core does not come again");
+    }
+    Ok(Watched { watch: Watch { sample_time: again.record.sample_time, said }, config: again.config })
 }

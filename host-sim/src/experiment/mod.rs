@@ -4,7 +4,6 @@ mod fault_size;
 pub mod scenario;
 
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::likelihood::taught::Effects;
 use fdi_core::{Command, Config, Instrument, RawSample, Report, Tick};
 
 pub use fault_size::{FaultSize, paper_sequence};
@@ -27,10 +26,6 @@ pub trait Backend {
     fn command(&mut self, command: Command) -> Result<(), String>;
     /// What has been learnt.
     fn baseline(&self) -> Option<Baseline>;
-    /// What an alarm has changed, where that can be asked.
-    fn effects(&self) -> Option<Effects> {
-        None
-    }
     /// What each hypothesis explains of an alarm, where that can be asked.
     fn explained(&self, report: &Report) -> Option<Explained> {
         let _ = report;
@@ -53,10 +48,6 @@ impl Backend for Instrument {
 
     fn baseline(&self) -> Option<Baseline> {
         Instrument::baseline(self).copied()
-    }
-
-    fn effects(&self) -> Option<Effects> {
-        self.likelihood().effects()
     }
 
     fn explained(&self, report: &Report) -> Option<Explained> {
@@ -132,8 +123,6 @@ pub struct Record {
     pub settings: Vec<(usize, String)>,
     /// What each hypothesis explains on the rows with an alarm, where that was asked.
     pub explained: Vec<(usize, Explained)>,
-    /// What an alarm has changed, on the rows of which that can be told.
-    pub effects: Vec<(usize, Effects)>,
     /// What was learnt.
     pub baseline: Option<Baseline>,
     /// Commands that were refused, with the time and the reason.
@@ -167,7 +156,6 @@ impl Record {
             rows,
             settings: if tells { vec![(0, settings.take())] } else { Vec::new() },
             explained: Vec::new(),
-            effects: Vec::new(),
             baseline,
             refused: Vec::new(),
             actions_after_end: Vec::new(),
@@ -204,10 +192,9 @@ pub fn run(config: &Config, scenario: &Scenario, seed: u64) -> anyhow::Result<Re
 /// Runs a scenario on any backend.
 pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, seed: u64) -> Record {
     let mut rows = Vec::new();
-    let (mut explained, mut effects) = (Vec::new(), Vec::new());
+    let mut explained = Vec::new();
     let refused = drive(backend, config, scenario, seed, |row, _, backend| {
         explained.extend(backend.explained(&row.report).map(|shares| (rows.len(), shares)));
-        effects.extend(backend.effects().map(|effects| (rows.len(), effects)));
         rows.push(row);
     });
     let origin = Origin::Simulated { seed, disturbance: scenario.disturbance };
@@ -215,7 +202,7 @@ pub fn run_on(backend: &mut impl Backend, config: &Config, scenario: &Scenario, 
     let after_end = |at: &f64| *at >= record.end();
     let actions_after_end = scenario.actions.iter().map(|action| action.at).filter(after_end).collect();
     let is_papers = scenario.is_papers() && config.setpoint == Config::default().setpoint;
-    Record { explained, effects, refused, actions_after_end, is_papers, ..record }
+    Record { explained, refused, actions_after_end, is_papers, ..record }
 }
 
 /// The same without a record: `observe` gets each tick, so that a run may be of any length, and for scores the rig that

@@ -255,16 +255,15 @@ fn last_sentence(record: &Record, fault: &Fault, verdict: Option<&str>) -> Optio
 pub fn sentence(record: &Record, row: &Row, finding: &Finding) -> String {
     let (sample, expected) = (&row.tick.sample, row.report.likelihood.expected);
     let sentence = Sentence { finding, sample, expected, sample_time: record.sample_time as f32 };
-    let taught = as_taught(record, row).map_or(String::new(), |taught| format!("; {taught}"));
+    let taught = as_taught(row).map_or(String::new(), |taught| format!("; {taught}"));
     with_degree_sign(&format!("{sentence}{taught}"))
 }
 
 /// The fault of the user's own that it is, with its size.
-pub fn as_taught(record: &Record, row: &Row) -> Option<String> {
-    let TaughtFinding { place, magnitude: Magnitude { value, half_width }, .. } =
+pub fn as_taught(row: &Row) -> Option<String> {
+    let TaughtFinding { name, magnitude: Magnitude { value, half_width }, .. } =
         row.report.likelihood.taught?;
-    let (name, [low, high]) =
-        (record.names.taught.get(usize::from(place))?, [value - half_width, value + half_width]);
+    let [low, high] = [value - half_width, value + half_width];
     Some(format!("as taught: {name}, {value:.0} ({low:.0} to {high:.0}) % of it"))
 }
 

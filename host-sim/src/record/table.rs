@@ -90,7 +90,7 @@ fn events(text: &mut String, record: &Record) {
             let _ = writeln!(text, "{t:>9.2} s  likelihood: {}", sentence(record, row, &finding));
         }
         let place = likelihood.taught.map(|taught| taught.place);
-        if let Some(told) = as_taught(record, row).filter(|_| taught != place) {
+        if let Some(told) = as_taught(row).filter(|_| taught != place) {
             let _ = writeln!(text, "{t:>9.2} s  likelihood: {told}");
         }
         if alarm && !likelihood.alarm {

@@ -8,45 +8,57 @@ mod text;
 mod trial;
 
 use anyhow::Context;
-use fdi_core::Config;
 use fdi_core::diagnosis::signature::{MAX_ROWS, Signature, Symptoms};
 use fdi_core::diagnosis::teach::tables;
-use fdi_core::likelihood::taught::{self, Effects, MOST, Response};
+use fdi_core::likelihood::taught::{self, Changed, MAX_TAUGHT, Response};
+use fdi_core::name::Name;
+use fdi_core::{Config, Instrument, Report};
 
 pub use marks::{Marks, Span};
 pub use proposal::Proposal;
 pub use trial::{Quiet, Trial};
 
-use crate::experiment::{Record, Row, tick_time};
+use crate::experiment::tick_time;
 
-/// What both diagnoses say over a recording, tick by tick.
+/// What both diagnoses say over a recording.
 pub struct Watch {
-    sample_time: f64,
+    /// Ts in s.
+    pub sample_time: f64,
+    /// Tick by tick.
+    pub said: Vec<Said>,
+}
+
+/// What both diagnoses say on a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Said {
     /// The symptoms of the low-passed residuals; `None` where nothing was monitored.
-    symptoms: Vec<Option<Symptoms>>,
-    /// What an alarm has changed, and on which ticks that was told.
-    effects: Vec<(usize, Effects)>,
-    /// The place of the taught fault that is seen.
-    recalled: Vec<Option<u8>>,
+    symptoms: Option<Symptoms>,
+    /// What an alarm of the likelihood diagnosis has changed.
+    changed: Option<Changed>,
+    /// The taught fault that it sees.
+    taught: Option<Name>,
+}
+
+impl Said {
+    /// What an instrument has just said.
+    pub fn of(instrument: &Instrument, report: &Report) -> Self {
+        Self {
+            symptoms: report.filtered.map(|verdict| verdict.symptoms),
+            changed: instrument.likelihood().changed(),
+            taught: report.likelihood.taught.map(|taught| taught.name),
+        }
+    }
 }
 
 impl Watch {
-    /// What the core said of each tick.
-    pub fn of(record: &Record) -> Self {
-        let symptoms = record.rows.iter().map(|row| Some(row.report.filtered?.symptoms)).collect();
-        let place = |row: &Row| row.report.likelihood.taught.map(|taught| taught.place);
-        Self {
-            sample_time: record.sample_time,
-            symptoms,
-            effects: record.effects.clone(),
-            recalled: record.rows.iter().map(place).collect(),
-        }
+    /// Every tick with its time in s.
+    fn ticks(&self) -> impl Iterator<Item = (f64, &Said)> {
+        (0..).map(|tick| tick_time(tick, self.sample_time)).zip(&self.said)
     }
 
     /// Ticks that were monitored, with their times in s.
     fn monitored(&self) -> impl Iterator<Item = (f64, &Symptoms)> {
-        let timed = (0..).map(|tick| tick_time(tick, self.sample_time)).zip(&self.symptoms);
-        timed.filter_map(|(time, symptoms)| Some((time, symptoms.as_ref()?)))
+        self.ticks().filter_map(|(time, said)| Some((time, said.symptoms.as_ref()?)))
     }
 }
 
@@ -71,6 +83,8 @@ pub struct Lesson {
     pub quiet: Quiet,
     /// How the tables with all new rows do on the recording; `None` for a row that is in none.
     pub trial: Option<Trial>,
+    /// The response that the name had.
+    before: Option<Response>,
     /// What recordings without a fault say of the response.
     pub quiet_recall: Quiet,
     /// How the likelihood diagnosis does with all new responses; `None` for one that is not taught.
@@ -107,6 +121,7 @@ impl Taught {
                 conflicts,
                 quiet: Quiet::default(),
                 trial: None,
+                before: None,
                 quiet_recall: Quiet::default(),
                 recall: None,
             };
@@ -121,8 +136,10 @@ impl Taught {
                 config.diagnosis = before; // a row of this name that works is not taken away
             }
             if let Some(response) = lesson.proposal.response {
+                let known = |known: &&Response| known.name == marks.name;
+                lesson.before = config.likelihood.taught.iter().find(known).copied();
                 taught::put(&mut config.likelihood.taught, response).ok().with_context(|| {
-                    format!("{MOST} faults can be taught: take one away before {} is", marks.name)
+                    format!("{MAX_TAUGHT} faults can be taught: take one away before {} is", marks.name)
                 })?;
             }
             lessons.push(lesson);
@@ -134,17 +151,19 @@ impl Taught {
     }
 
     /// Tries the responses: `watch` and `quiet` are the same recordings with [`Self::config`]'s responses in force from their start on. One that a
-    /// recording without a fault shows is taken away.
+    /// recording without a fault shows is taken away, and what the name had before put back.
     pub fn recall(&mut self, watch: &Watch, marks: &[Marks], quiet: &[Watch]) {
-        let taught = self.config.likelihood.taught.clone();
         for lesson in &mut self.lessons {
             let Some(Response { name, .. }) = lesson.proposal.response else { continue };
-            let Some(place) = taught.iter().position(|known| known.name == name) else { continue };
-            lesson.quiet_recall = Quiet::recalled(quiet, place as u8);
-            if lesson.quiet_recall.named > 0 {
-                self.config.likelihood.taught.retain(|known| known.name != name);
-            } else {
-                lesson.recall = Some(Trial::recalled(watch, place as u8, marks, name));
+            lesson.quiet_recall = Quiet::recalled(quiet, name);
+            if lesson.quiet_recall.named == 0 {
+                lesson.recall = Some(Trial::recalled(watch, marks, name));
+                continue;
+            }
+            let taught = &mut self.config.likelihood.taught;
+            match (taught.iter_mut().find(|known| known.name == name), lesson.before) {
+                (Some(known), Some(before)) => *known = before,
+                _ => taught.retain(|known| known.name != name),
             }
         }
     }
@@ -154,9 +173,10 @@ impl Taught {
         self.lessons.iter().all(Lesson::stands)
     }
 
-    /// Whether the likelihood diagnosis was taught every fault.
+    /// Whether the likelihood diagnosis was taught every fault, and finds it again.
     pub fn all_are_recalled(&self) -> bool {
-        self.lessons.iter().all(|lesson| lesson.recall.is_some())
+        let found = |trial: &Trial| trial.hits.iter().any(Option::is_some);
+        self.lessons.iter().all(|lesson| lesson.recall.as_ref().is_some_and(found))
     }
 }
 

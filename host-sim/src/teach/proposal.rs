@@ -3,13 +3,14 @@
 use anyhow::Context;
 use fdi_core::diagnosis::signature::Signature;
 use fdi_core::diagnosis::teach::{self, Steady, common};
-use fdi_core::likelihood::taught::{Effects, Response};
+use fdi_core::likelihood::taught::{Effects, Mean, Response};
 
 use super::{Marks, Span, Watch};
-use crate::experiment::tick_time;
 
 /// So much of a repetition must have been monitored.
 const MONITORED: f64 = 0.9;
+/// The fault may have been there for so long when somebody notes the time, s.
+const LATE: f64 = 5.0;
 
 /// What the residuals did in one repetition.
 pub struct Repetition {
@@ -44,11 +45,11 @@ impl Proposal {
             .collect::<anyhow::Result<Vec<_>>>()?;
         let steady: Vec<Steady> = repetitions.iter().map(|repetition| repetition.symptoms).collect();
         let pattern = common(&steady);
-        let effects: Option<Vec<Effects>> = repetitions.iter().map(|repetition| repetition.effects).collect();
-        let response = effects.filter(|effects| !effects.is_empty()).map(|effects| {
-            let mean = |i: usize| effects.iter().map(|each| each[i]).sum::<f32>() / effects.len() as f32;
-            Response::new(marks.name, &std::array::from_fn(mean))
-        });
+        let mut seen = Mean::default();
+        repetitions.iter().filter_map(|repetition| repetition.effects.as_ref()).for_each(|one| seen.add(one));
+        let all = seen.value().filter(|_| seen.count as usize == repetitions.len());
+        let response = all.map(|effects| Response::new(marks.name, &effects));
+        let response = response.filter(|response| !response.is_nothing());
         Ok(Self { row: Signature { number, pattern, name: marks.name }, repetitions, response })
     }
 
@@ -60,12 +61,12 @@ impl Proposal {
 
 impl Repetition {
     fn of(watch: &Watch, span: Span) -> anyhow::Result<Self> {
-        let mut repetition = teach::Repetition::default();
-        let there = watch.monitored().filter(|(time, _)| span.holds(*time));
-        there.for_each(|(_, symptoms)| repetition.push(symptoms));
-        let seen =
-            watch.effects.iter().filter(|(tick, _)| span.holds(tick_time(*tick as u32, watch.sample_time)));
-        seen.for_each(|(_, effects)| repetition.ask(effects));
+        let ticks = |seconds: f64| (seconds / watch.sample_time) as u32;
+        let mut repetition = teach::Repetition::begin(ticks(span.from), ticks(LATE));
+        for (_, said) in watch.ticks().filter(|(time, _)| span.holds(*time)) {
+            said.symptoms.iter().for_each(|symptoms| repetition.push(symptoms));
+            said.changed.iter().for_each(|changed| repetition.add(changed));
+        }
         let ticks = (span.to - span.from) / watch.sample_time;
         let enough = f64::from(repetition.ticks()) >= MONITORED * ticks.floor();
         let symptoms = repetition.steady().filter(|_| enough).with_context(|| {

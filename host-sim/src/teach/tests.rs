@@ -16,8 +16,9 @@ fn watch(stretches: &[Stretch]) -> Watch {
         0 => Symptom::Normal,
         _ => Symptom::High,
     };
-    let ticks = stretches.iter().flat_map(|(ticks, signs)| vec![Some(signs.map(symptom)); *ticks]);
-    Watch { sample_time: 1.0, symptoms: ticks.collect(), effects: Vec::new(), recalled: Vec::new() }
+    let said = |signs: &[i8; 5]| Said { symptoms: Some(signs.map(symptom)), ..Said::default() };
+    let ticks = stretches.iter().flat_map(|(ticks, signs)| vec![said(signs); *ticks]);
+    Watch { sample_time: 1.0, said: ticks.collect() }
 }
 
 fn taught(watch: &Watch, marks: &[&str]) -> anyhow::Result<Taught> {
@@ -143,20 +144,26 @@ fn ten_faults_fit_and_a_name_that_is_known_is_taught_anew() {
     assert_eq!(anew.config.diagnosis.isolation.len(), MAX_ROWS);
 }
 
-/// Two repetitions that raise an alarm and a third that raises none.
+/// Two repetitions with alarms of their own; in the second one goes on that began long before.
 #[test]
 fn the_likelihood_diagnosis_is_taught_what_it_saw_in_every_repetition() {
     let mut watch = watch(&[(200, LOW_T2)]);
-    let seen = |offset: f32| std::array::from_fn(|i| if i == 4 { offset } else { 0.0 });
-    watch.effects = vec![(25, seen(-1.0)), (26, seen(-2.0)), (66, seen(-2.5)), (90, seen(9.0))];
+    let of_t2 = |offset: f32| std::array::from_fn(|i| if i == 4 { offset } else { 0.0 });
+    for (tick, onset, offset) in
+        [(25, 20, -1.0), (26, 20, -2.0), (61, 30, 9.0), (66, 56, -2.5), (90, 56, 9.0), (105, 94, 1.0)]
+    {
+        watch.said[tick].changed = Some(Changed { onset, effects: of_t2(offset) });
+    }
     let marks: Vec<Marks> = vec!["low:20..39,60..79".parse().unwrap(), "cap:100..119".parse().unwrap()];
-    let mut taught = Taught::of(&watch, &Config::default(), &marks, &[]).unwrap();
-    let effects = taught.lessons[0].proposal.response.map(|response| response.effects);
-    assert_eq!(effects, Some([0, 0, 0, 0, -200, 0, 0, 0, 0, 0, 0]), "each repetition weighs the same");
-    assert_eq!(taught.config.likelihood.taught.len(), 1);
-    watch.recalled = vec![None; 200];
-    for tick in [24, 25, 63, 104, 150, 151] {
-        watch.recalled[tick] = Some(0);
+    let mut config = Config::default();
+    let before = Response { name: "low".parse().unwrap(), effects: [7; 11] };
+    config.likelihood.taught.push(before).unwrap();
+    let mut taught = Taught::of(&watch, &config, &marks, &[]).unwrap();
+    let response = Response { effects: [0, 0, 0, 0, -200, 0, 0, 0, 0, 0, 0], ..before };
+    assert_eq!(taught.lessons[0].proposal.response, Some(response), "each repetition weighs the same");
+    assert_eq!(taught.config.likelihood.taught[..], [response]);
+    for tick in [24, 25, 27, 63, 104, 150, 151] {
+        watch.said[tick].taught = Some(before.name);
     }
     taught.recall(&watch, &marks, &[]);
     let trial = taught.lessons[0].recall.as_ref().unwrap();
@@ -167,22 +174,34 @@ fn the_likelihood_diagnosis_is_taught_what_it_saw_in_every_repetition() {
     assert!(told[0].contains("The likelihood diagnosis: offset of T2 -2.00 degC.\n"), "{}", told[0]);
     assert!(told[1].contains("not taught, since not every repetition raised an alarm"), "{}", told[1]);
 
-    taught.recall(&watch, &marks, &[watch_of_a_night()]);
+    taught.recall(&watch, &marks, &[watch_of_a_night(before.name)]);
     assert_eq!(taught.lessons[0].quiet_recall.named, 1);
-    assert!(taught.config.likelihood.taught.is_empty(), "a night that shows it");
+    assert_eq!(taught.config.likelihood.taught[..], [before], "a night that shows the new one");
 }
 
-fn watch_of_a_night() -> Watch {
+#[test]
+fn a_fault_that_is_not_found_again_is_not_taught() {
+    let mut watch = watch(&[(60, LOW_T2)]);
+    watch.said[25].changed = Some(Changed { onset: 20, effects: [0.5; 11] });
+    let marks: Vec<Marks> = vec!["low:20..39".parse().unwrap()];
+    let mut taught = Taught::of(&watch, &Config::default(), &marks, &[]).unwrap();
+    taught.recall(&watch, &marks, &[]);
+    assert!(taught.lessons[0].recall.is_some() && !taught.all_are_recalled());
+    watch.said[30].taught = Some("low".parse().unwrap());
+    taught.recall(&watch, &marks, &[]);
+    assert!(taught.all_are_recalled());
+}
+
+fn watch_of_a_night(name: Name) -> Watch {
     let mut night = watch(&[(30, NORMAL)]);
-    night.recalled = vec![None; 30];
-    night.recalled[12] = Some(0);
+    night.said[12].taught = Some(name);
     night
 }
 
 #[test]
 fn what_was_not_monitored_teaches_nothing() {
     let mut watch = watch(&[(40, LOW_T2)]);
-    watch.symptoms[30..].fill(None);
+    watch.said[30..].fill(Said::default());
     let error = taught(&watch, &["hand:20..39"]).err().unwrap();
     assert!(error.to_string().contains("from 20 to 39 s the instrument does not monitor"), "{error}");
     assert!(taught(&watch, &["hand:10..29"]).is_ok());

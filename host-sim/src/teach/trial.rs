@@ -6,7 +6,9 @@ use fdi_core::diagnosis::answer::{Answers, Standing};
 use fdi_core::name::Name;
 
 use super::{Marks, Span, Watch};
-use crate::experiment::tick_time;
+
+/// A name that is gone for less long has not gone, s.
+const FLICKER: f64 = 2.0;
 
 /// What fiv, or the likelihood diagnosis, said of one fault.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,9 +38,9 @@ impl Quiet {
         Self::by(quiet, |watch| begins(watch, config, number))
     }
 
-    /// What the likelihood diagnosis said of the response in this place.
-    pub(super) fn recalled(quiet: &[Watch], place: u8) -> Self {
-        Self::by(quiet, |watch| recalls(watch, place))
+    /// What the likelihood diagnosis said of the fault of this name.
+    pub(super) fn recalled(quiet: &[Watch], name: Name) -> Self {
+        Self::by(quiet, |watch| recalls(watch, name))
     }
 
     fn by(quiet: &[Watch], begins: impl Fn(&Watch) -> Vec<f64>) -> Self {
@@ -58,9 +60,9 @@ impl Trial {
         Self::by(watch, &begins(watch, config, number), marks, name)
     }
 
-    /// What the likelihood diagnosis said of the response in this place.
-    pub(super) fn recalled(watch: &Watch, place: u8, marks: &[Marks], name: Name) -> Self {
-        Self::by(watch, &recalls(watch, place), marks, name)
+    /// What the likelihood diagnosis said of the fault of this name.
+    pub(super) fn recalled(watch: &Watch, marks: &[Marks], name: Name) -> Self {
+        Self::by(watch, &recalls(watch, name), marks, name)
     }
 
     fn by(watch: &Watch, begins: &[f64], marks: &[Marks], name: Name) -> Self {
@@ -80,24 +82,27 @@ impl Trial {
     }
 }
 
-/// When the likelihood diagnosis began to say the response in this place, s.
-fn recalls(watch: &Watch, place: u8) -> Vec<f64> {
-    let said = |tick: usize| watch.recalled.get(tick).is_some_and(|said| *said == Some(place));
-    let begins = (0..watch.recalled.len()).filter(|tick| said(*tick) && !(*tick > 0 && said(tick - 1)));
-    begins.map(|tick| tick_time(tick as u32, watch.sample_time)).collect()
+/// When the likelihood diagnosis began to say this name, s.
+fn recalls(watch: &Watch, name: Name) -> Vec<f64> {
+    let said = watch.ticks().filter(|(_, said)| said.taught == Some(name));
+    first_of_each(said.map(|(time, _)| time), FLICKER)
 }
 
-/// When fiv came to this number, s; gaps below the time after which a fault counts as ended are flicker.
+/// When fiv came to this number, s.
 fn begins(watch: &Watch, config: &Config, number: u8) -> Vec<f64> {
     let clear = config.diagnosis.clear_time;
     let answers = Answers::new(&config.diagnosis.isolation, clear.ticks(Seconds(watch.sample_time as f32)));
-    let (mut standing, gap) = (Standing::default(), f64::from(clear.0));
+    let mut standing = Standing::default();
+    let mut says = |symptoms| answers.step(&mut standing, symptoms) == number;
+    let said = watch.monitored().filter_map(|(time, symptoms)| says(symptoms).then_some(time));
+    first_of_each(said, f64::from(clear.0))
+}
+
+/// The first of the times that are no further apart than this.
+fn first_of_each(times: impl Iterator<Item = f64>, gap: f64) -> Vec<f64> {
     let mut begins = Vec::new();
     let mut last = f64::NEG_INFINITY;
-    for (time, symptoms) in watch.monitored() {
-        if answers.step(&mut standing, symptoms) != number {
-            continue;
-        }
+    for time in times {
         if time - last > gap {
             begins.push(time);
         }

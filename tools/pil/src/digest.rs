@@ -227,7 +227,7 @@ impl Digest {
             d.option(magnitude, size);
             d.word(onset);
         });
-        self.option(*taught, |d, TaughtFinding { place, confidence, magnitude }| {
+        self.option(*taught, |d, TaughtFinding { name: _, place, confidence, magnitude }| {
             d.word(u32::from(place));
             d.number(confidence);
             size(d, magnitude);

@@ -165,18 +165,22 @@ pub(super) struct Again {
     pub agrees: bool,
 }
 
-/// Runs a recording through the core again; with `taught`, as if these faults had been taught from its start on.
+/// Runs a recording through the core again; with `taught`, as if these faults had been taught from its start on. `look` sees the core after each tick.
 ///
 /// # Errors
 /// A file that is no recording, by line.
-pub(super) fn again(args: &ReplayArgs, taught: Option<&Responses>) -> anyhow::Result<Again> {
+pub(super) fn again(
+    args: &ReplayArgs,
+    taught: Option<&Responses>,
+    look: impl FnMut(&Instrument, &Tick, &Report),
+) -> anyhow::Result<Again> {
     let file = &args.file;
     let text = std::fs::read_to_string(file).with_context(|| format!("can't read {}", file.display()))?;
     let mut recording = read(&text, args).with_context(|| file.display().to_string())?;
     if let Some(taught) = taught {
         recording.teach(taught);
     }
-    let (record, agreement) = rerun(&recording, file, |_, _, _| ())?;
+    let (record, agreement) = rerun(&recording, file, look)?;
     let told = recording.told(&agreement);
     // The seed's shift of the excitation is no setting.
     let asked =
@@ -250,7 +254,7 @@ fn rerun(
     let mut rows = Vec::with_capacity(recording.ticks.len());
     let mut settings = Settings::new(config);
     let mut told = Vec::new();
-    let (mut explained, mut effects) = (Vec::new(), Vec::new());
+    let mut explained = Vec::new();
     let mut agreement = Agreement::default();
     let bar = progress(recording.ticks.len() as u64, "ticks");
     for recorded in &recording.ticks {
@@ -274,7 +278,6 @@ fn rerun(
         agreement.compare(recorded, &tick, &report, sample_time);
         look(&instrument, &tick, &report);
         explained.extend(fields::explained(&instrument, &report).map(|shares| (rows.len(), shares)));
-        effects.extend(instrument.likelihood().effects().map(|effects| (rows.len(), effects)));
         let now = f64::from(tick.index) * sample_time;
         rows.push(Row { tick, report, truth: truth(&recording.faults, now) });
         bar.inc(1);
@@ -284,7 +287,7 @@ fn rerun(
     let record = Record::new(origin, config, &recording.faults, rows, instrument.baseline().copied());
     // What was taught in the middle of it has a name from there on.
     let names = Names::of(settings.in_force());
-    Ok((Record { names, settings: told, explained, effects, ..record }, agreement))
+    Ok((Record { names, settings: told, explained, ..record }, agreement))
 }
 
 impl Recording {

@@ -52,8 +52,11 @@ fn scenario(rig: &str, duration: f64, faults: &[(Kind, f64)]) -> Scenario {
             |part: &&str| format!("[[fault]]\nname = \"taught\"\n{part}\nat = {at:?}\nfor = {LONG:?}\n");
         parts.iter().map(part).collect()
     };
+    // Without a list of its own a scenario has the paper's faults.
+    let list = if faults.is_empty() { "fault = []" } else { "" };
     let faults: String = faults.iter().map(fault).collect();
-    toml::from_str(&format!("duration = {duration:?}\nrig.preset = \"{rig}\"\n{faults}")).expect("a scenario")
+    let text = format!("duration = {duration:?}\nrig.preset = \"{rig}\"\n{list}\n{faults}");
+    toml::from_str(&text).expect("a scenario")
 }
 
 /// Three repetitions of each.

@@ -207,7 +207,7 @@ fn on_other_rigs_by_other_lessons() {
             for kind in kinds.into_iter().chain(others) {
                 let ([right, other, none], delay) = first(&config, rig, kind, 300_001..300_051, likelihood);
                 println!("{rig}, {}: {right} right, {other} other, {none} none, {delay:.1} s", kind.0);
-                let enough = if kind.0 == "T2_clogged" { 20 } else { 45 };
+                let enough = if kind.0 == "T2_clogged" { 10 } else { 45 };
                 assert!(right >= enough || !kinds.iter().any(|taught| taught.0 == kind.0), "{rig}");
             }
             let wrong = wrong(&config, rig, 10, likelihood);

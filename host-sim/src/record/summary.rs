@@ -265,7 +265,7 @@ pub fn as_taught(record: &Record, row: &Row) -> Option<String> {
         row.report.likelihood.taught?;
     let (name, [low, high]) =
         (record.names.taught.get(usize::from(place))?, [value - half_width, value + half_width]);
-    Some(format!("as taught: {name}, {value:.0} ({low:.0} to {high:.0}) % of it"))
+    Some(format!("as taught: {name}, {value:.0} ({low:.0} to {high:.0}) % of what was taught"))
 }
 
 /// Text of the board, or the unit of a class, as people write it.

@@ -2,7 +2,7 @@
 const MODES = ["off", "settle", "learn", "monitor", "tripped", "tune"];
 const SAME = {
   t0: "t0_c", t1: "t1_c", t2: "t2_c", setpoint: "setpoint_c", pid: "u_pid_pct", drive: "pa_pct", fdv: "fdv", fiv: "fiv",
-  alarm: "alarm", confidence: "confidence", magnitude: "magnitude", truth: "truth",
+  alarm: "alarm", confidence: "confidence", magnitude: "magnitude", truth: "truth", taught: "taught",
 };
 
 export function readTrace(text, hello) {
@@ -31,5 +31,12 @@ export function readTrace(text, hello) {
     if (cell[onset]) values[place + at.onset] = Math.round(Number(cell[onset]) / ts);
     values[place + at.readiness] = 3;
   }
-  return { hello: { ...hello, ts, own_names: [], taught_names: [] }, values };
+  return { hello: { ...hello, ts, ...names(lines[1]?.split(",")[column("settings")] ?? "") }, values };
+}
+
+// The names that a user gave, of the settings at the start.
+function names(settings) {
+  const rows = settings.matchAll(/diagnosis\.isolation\.\d+=(\d+)(?: [-+01x]+){5} ([\w-]+)/g);
+  const taught = settings.matchAll(/likelihood\.taught\.\d+=([\w-]+) /g);
+  return { own_names: [...rows].map(([, number, name]) => [Number(number), name]), taught_names: [...taught].map(([, name]) => name) };
 }

@@ -47,10 +47,7 @@ const TABLE = {
   sub_off: ["Arm it, and it learns anew what is normal.", "Arme-o e volta a aprender o que é normal."],
   head_settle: ["Warming up to {setpoint} °C.", "A aquecer até {setpoint} °C."],
   head_learn: ["Learning what is normal.", "A aprender o que é normal."],
-  sub_learn: [
-    "Until this is done it claims nothing: {s} s to go at 1×.",
-    "Até lá não afirma nada: faltam {s} s a 1×.",
-  ],
+  sub_learn: ["Until this is done it claims nothing: {s} s to go at 1×.", "Até lá não afirma nada: faltam {s} s a 1×."],
   sub_blocked: ["Waiting: {why}.", "À espera: {why}."],
   head_monitor: ["All is as learnt.", "Tudo como aprendido."],
   sub_monitor: [
@@ -98,7 +95,7 @@ const TABLE = {
   above: ["above {x}", "acima de {x}"],
   others_true: ["Every thermistor reads true.", "Todos os termístores leem bem."],
   as_taught: ["As it was taught: {name}.", "Como foi ensinada: {name}."],
-  as_taught_size: ["As it was taught: {name}, {size} % of it.", "Como foi ensinada: {name}, {size} % dela."],
+  as_taught_size: ["As it was taught: {name}, {size} % of what was taught.", "Como foi ensinada: {name}, {size} % do que foi ensinado."],
   // Findings
   f_offset_high: ["{part} reads {size} °C too high.", "{part} lê {size} °C a mais."],
   f_offset_low: ["{part} reads {size} °C too low.", "{part} lê {size} °C a menos."],

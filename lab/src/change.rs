@@ -1,6 +1,8 @@
 //! Settings in a trace: in what one configuration differs from another, as text that leads to the same bits again.
 //!
-//! `pid.kp=3;identification.adaptation=forgetting 0.99`; the tables of signatures are no settings.
+//! `pid.kp=3;identification.adaptation=forgetting 0.99`; rows of tables by their places.
+
+mod rows;
 
 use anyhow::Context;
 use fdi_core::settings::{Form, Kind, Value};
@@ -51,7 +53,7 @@ impl Settings {
 pub fn between(from: &Config, to: &Config) -> String {
     let changed = Config::settings().filter(|setting| from.get(setting) != to.get(setting));
     let texts = changed.map(|setting| format!("{}={}", setting.name, text(setting, to.get(setting))));
-    texts.collect::<Vec<_>>().join(";")
+    texts.chain(rows::between(from, to)).collect::<Vec<_>>().join(";")
 }
 
 /// Puts what such a text says into a configuration; whether it is in bounds is for the core to judge.
@@ -61,7 +63,10 @@ pub fn between(from: &Config, to: &Config) -> String {
 pub fn apply(config: &mut Config, text: &str) -> anyhow::Result<()> {
     for change in text.split(';').filter(|change| !change.is_empty()) {
         let (name, words) = change.split_once('=').with_context(|| format!("{change:?} is no setting"))?;
-        set(config, setting(name)?, words)?;
+        match rows::set(config, name, words) {
+            Some(done) => done?,
+            None => set(config, setting(name)?, words)?,
+        }
     }
     Ok(())
 }

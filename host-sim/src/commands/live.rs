@@ -31,7 +31,7 @@ Numbers for Prometheus: /metrics (with --listen, the token as bearer).
 Examples:
   pt326 live                              the simulated rig, where it monitors
   pt326 live --preset trainer --seed 7
-  pt326 live --recording out/trace.csv --config taught.toml --speed 10
+  pt326 live --recording out/trace.csv --speed 10
   pt326 live --board                      the ST-LINK that is plugged in; or: --board /dev/ttyACM0
   pt326 live --listen 192.168.1.7 --token $(openssl rand -hex 16)")]
 pub struct LiveArgs {
@@ -47,7 +47,7 @@ pub struct LiveArgs {
     /// A recording in place of the rig: a board's log as text, or a trace.csv.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["preset", "seed", "disturbance"])]
     pub recording: Option<PathBuf>,
-    /// Settings that the recording was made with, TOML, as for `replay`: no trace.csv tells faults that were taught.
+    /// Settings that the recording was made with, TOML, as for `replay`.
     #[arg(long, value_name = "FILE.toml", requires = "recording")]
     pub config: Option<PathBuf>,
     /// A real board in place of the rig, at this serial port; without PORT: the only ST-LINK that is plugged in.

@@ -264,7 +264,7 @@ pub fn as_taught(row: &Row) -> Option<String> {
     let TaughtFinding { name, magnitude: Magnitude { value, half_width }, .. } =
         row.report.likelihood.taught?;
     let [low, high] = [value - half_width, value + half_width];
-    Some(format!("as taught: {name}, {value:.0} ({low:.0} to {high:.0}) % of it"))
+    Some(format!("as taught: {name}, {value:.0} ({low:.0} to {high:.0}) % of what was taught"))
 }
 
 /// Text of the board, or the unit of a class, as people write it.

@@ -76,7 +76,7 @@ pub fn of_run(record: &Record, summary: &Summary) -> String {
     text
 }
 
-/// What both diagnoses said happened, where there is no truth to hold it against.
+/// What both diagnoses said happened, where there is no truth to hold it against. The sentence about a class tells the taught fault, too.
 fn events(text: &mut String, record: &Record) {
     let (mut named, mut taught) = (None, None);
     let mut alarm = false;
@@ -85,12 +85,11 @@ fn events(text: &mut String, record: &Record) {
             signature_event(text, record, event);
         }
         let likelihood = &row.report.likelihood;
+        let place = likelihood.taught.map(|taught| taught.place);
         let t = record.time(row.tick.index);
         if let Some(finding) = likelihood.finding.filter(|finding| named != Some(finding.class)) {
             let _ = writeln!(text, "{t:>9.2} s  likelihood: {}", sentence(record, row, &finding));
-        }
-        let place = likelihood.taught.map(|taught| taught.place);
-        if let Some(told) = as_taught(row).filter(|_| taught != place) {
+        } else if let Some(told) = as_taught(row).filter(|_| taught != place) {
             let _ = writeln!(text, "{t:>9.2} s  likelihood: {told}");
         }
         if alarm && !likelihood.alarm {
@@ -243,5 +242,39 @@ fn why_not_learnt(record: &Record) -> String {
     match last {
         Some(blocker) => format!("mode {mode} at the end; learning was refused: {}", blocker.words()),
         None => format!("mode {mode} at the end; the run is shorter than the learning window"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::Config;
+    use fdi_core::likelihood::taught::TaughtFinding;
+    use fdi_core::likelihood::{FaultClass, Finding, Magnitude};
+
+    use super::*;
+    use crate::experiment::{run, scenario::Scenario};
+
+    #[test]
+    fn a_taught_fault_is_told_once() {
+        let scenario = Scenario { duration: 1.0, ..Scenario::default() };
+        let class = Finding { class: FaultClass::T2Offset, confidence: 0.9, magnitude: None, onset: 1 };
+        let size = Magnitude { value: 100.0, half_width: 5.0 };
+        for from in [3, 5] {
+            let mut record = run(&Config::default(), &scenario, 1).unwrap();
+            record.names.taught = vec!["cap".into()];
+            for (i, row) in record.rows.iter_mut().enumerate() {
+                let likelihood = &mut row.report.likelihood;
+                likelihood.finding = (i >= 3).then_some(class);
+                likelihood.taught = (i >= from).then(|| TaughtFinding {
+                    name: "cap".parse().unwrap(),
+                    place: 0,
+                    confidence: 0.97,
+                    magnitude: size,
+                });
+            }
+            let mut text = String::new();
+            events(&mut text, &record);
+            assert_eq!(text.matches("cap").count(), 1, "{text}");
+        }
     }
 }

@@ -37,13 +37,19 @@ fn changes(response: &Response) -> String {
     let all = names().into_iter().zip(response.effects).filter(|(_, effect)| *effect != 0);
     let each = all.map(|(name, effect)| {
         let effect = f64::from(effect);
-        if name.starts_with("offset") {
-            format!("{name} {:+.2} degC", effect / 100.0)
-        } else {
-            format!("{name} {:+.1} %", effect / 10.0)
+        match name {
+            "less flow" => format!("air flow (less) {:+.1} %", air(effect / 1000.0)),
+            "more flow" => format!("air flow (more) {:+.1} %", air(effect / 1000.0)),
+            _ if name.starts_with("offset") => format!("{name} {:+.2} degC", effect / 100.0),
+            _ => format!("{name} {:+.1} %", effect / 10.0),
         }
     });
     each.collect::<Vec<_>>().join(", ")
+}
+
+/// How much the air flow f changes, %, where 1/f does by this share. A sum of effects may have more air than there can be: ten times is the most.
+fn air(share: f64) -> f64 {
+    100.0 * (1.0 / (1.0 + share).max(0.1) - 1.0)
 }
 
 impl fmt::Display for Proposal {
@@ -113,5 +119,24 @@ impl fmt::Display for Trial {
         self.taken_for
             .iter()
             .try_for_each(|(at, name)| writeln!(f, "  named at {at:.1} s, while {name} was there"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flow_is_told_as_the_change_of_the_air() {
+        let told = |effects| changes(&Response { name: fdi_core::name::Name::NONE, effects });
+        assert_eq!(told([0, 333, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "air flow (less) -25.0 %");
+        assert_eq!(
+            told([0, 0, -200, 0, -150, 0, 0, 0, 0, 0, 0]),
+            "air flow (more) +25.0 %, offset of T2 -1.50 degC"
+        );
+        assert_eq!(
+            told([-250, 0, -1000, 0, 0, 0, 0, 0, 500, 0, 0]),
+            "power -25.0 %, air flow (more) +900.0 %, long lag +50.0 %"
+        );
     }
 }

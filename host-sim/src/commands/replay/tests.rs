@@ -1,3 +1,5 @@
+use pt326_rig::fault;
+
 use super::*;
 use crate::experiment::scenario::{Action, Scenario};
 use crate::record::trace::write_trace;
@@ -58,6 +60,23 @@ fn a_trace_with_a_measured_supply_replays_to_the_same_bits() {
     assert_eq!((agreement.ticks, agreement.differing), (4090, 0), "{:?}", agreement.examples);
 }
 
+/// What was taught is told by the trace: it replays without the settings that it was made with.
+#[test]
+fn a_trace_tells_what_was_taught() {
+    let told = "diagnosis.isolation.4=4 0 +1 0 -1 x hand;likelihood.taught.1=cap 0 0 0 0 150 0 0 0 0 0 0";
+    let mut config = Config::default();
+    pt326_lab::change::apply(&mut config, told).unwrap();
+    let high = fault::Fault::new(fault::Verb::Offset, Some(fault::Sensor::T2), Some(1.5), 400.0, 20.0);
+    let scenario = Scenario { duration: 420.0, faults: vec![high], ..Scenario::default() };
+    let trace = traced_with(&config, &scenario, 1);
+    let recording = read(&trace, &args(1)).unwrap();
+    assert_eq!(recording.config, config);
+    let (record, agreement) = rerun(&recording, Path::new("test"), |_, _, _| ()).unwrap();
+    assert_eq!(agreement.differing, 0, "{:?}", agreement.examples);
+    assert_eq!(record.names.taught, ["cap"]);
+    assert!(record.rows.iter().any(|row| row.report.likelihood.taught.is_some()), "it is seen");
+}
+
 #[test]
 fn columns_are_found_by_name() {
     let trace = traced(&Scenario { duration: 20.0, ..Scenario::default() }, 1);
@@ -96,7 +115,7 @@ fn an_older_trace_replays_without_the_likelihood_columns_and_a_changed_one_is_fo
     let remarks = read(&older.join("\n"), &args(1)).unwrap().remarks;
     assert!(remarks[0].contains("alarm, verdict") && remarks[0].contains("not compared"), "{remarks:?}");
     let line = trace.lines().nth(100).unwrap();
-    let changed = line.strip_suffix(",0,,,,,,,").map(|head| format!("{head},1,,,,,,,")).unwrap();
+    let changed = line.strip_suffix(",0,,,,,,,,").map(|head| format!("{head},1,,,,,,,,")).unwrap();
     let replayed = agreement(&trace.replacen(line, &changed, 1), 1);
     assert_eq!(replayed.differing, 1);
     assert!(replayed.examples[0].contains("alarm"), "{:?}", replayed.examples);

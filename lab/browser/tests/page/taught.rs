@@ -41,7 +41,7 @@ fn a_report_says_which_of_the_taught_faults_it_was_and_how_large() {
     let told = script_on(
         &browser,
         r##"await until(() => document.querySelector(".review article"));
-           const told = (selector) => /(As it was taught: slipped|Como foi ensinada: slipped), \d+ % (of it|dela)\./.exec($(selector).innerText.replaceAll("\u00a0", " "))?.[1] ?? $(selector).innerText;
+           const told = (selector) => /(As it was taught: slipped|Como foi ensinada: slipped), \d+ % (of what was taught|do que foi ensinado)\./.exec($(selector).innerText.replaceAll("\u00a0", " "))?.[1] ?? $(selector).innerText;
            const both = async () => {
              lab.send({ command: "seek", tick: 1e6 }); await frame();
              const card = told(".review article");
@@ -87,9 +87,9 @@ fn a_taught_fault_is_said_without_a_class_and_its_name_is_no_html() {
     );
     let expected = [
         "Too early to say what.0",
-        "As it was taught: low, 96 % of it.0",
+        "As it was taught: low, 96 % of what was taught.0",
         "0",
-        "As it was taught: <img src=x onerror=alert(1)>, 96 % of it.0",
+        "As it was taught: <img src=x onerror=alert(1)>, 96 % of what was taught.0",
         "As it was taught: 3.0",
         "Unknown",
         "Unknown, low",
@@ -97,4 +97,21 @@ fn a_taught_fault_is_said_without_a_class_and_its_name_is_no_html() {
         "&#60;img src=x onerror=alert(1)&#62;",
     ];
     assert_eq!(said, json!(expected));
+}
+
+/// A served page has no core to run a trace again: place and names are those of the trace.
+#[test]
+fn a_trace_that_is_read_without_the_core_says_what_was_taught() {
+    let read = on_page(
+        r##"
+        const { readTrace } = await import("lab/csv.js");
+        const told = "pid.kp=3;diagnosis.isolation.3=3 x 0 -1 x 0;diagnosis.isolation.4=4 0 +1 0 -1 x hand;likelihood.taught.1=low 0 0;likelihood.taught.2=cap 0 -1";
+        const text = ["t_s,t1_c,t2_c,pa_pct,mode,taught,settings", `0,20,20,40,monitor,,${told}`, "0.11,20,20,40,monitor,2,"].join("\n");
+        const fields = ["tick", "t1", "t2", "drive", "mode", "class", "onset", "readiness", "taught"];
+        const { hello, values } = readTrace(text, { fields, classes: [], ts: 0.11 });
+        const bare = readTrace(text.replaceAll(/,[^,]*$/gm, ""), { fields, classes: [], ts: 0.11 }).hello;
+        return [hello.own_names, hello.taught_names, ...[8, 17].map((i) => String(values[i])), bare.own_names, bare.taught_names];"##,
+        &[],
+    );
+    assert_eq!(read, json!([[[4, "hand"]], ["low", "cap"], "NaN", "2", [], []]));
 }

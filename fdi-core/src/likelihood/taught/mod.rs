@@ -25,9 +25,9 @@ use crate::name::Name;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TaughtFinding {
-    /// What the user calls it, and its place among the responses, from 0.
+    /// What the user calls it.
     pub name: Name,
-    /// See `name`.
+    /// Its place among the responses, from 0.
     pub place: u8,
     /// Probability among all that were considered, 0..=1.
     pub confidence: f32,

@@ -47,6 +47,11 @@ pub struct Watchdog {
 }
 
 impl Watchdog {
+    /// Whether it runs.
+    pub fn is_started(&self) -> bool {
+        self.started
+    }
+
     /// Not started; `oscillator` in Hz.
     pub fn new(oscillator: u64) -> Self {
         let slow = |value| Slow { value, next: value, at: NEVER };

@@ -38,17 +38,23 @@ pub(crate) fn with_long_deadline<T>(stall: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Sets its deadline, and feeds it.
+/// Sets its deadline, and feeds it. The reload first: a divider acts on the count at hand, and a longer one on what the reset left there would be half a
+/// minute if the program hung just then.
 pub(crate) fn set(deadline: Deadline) {
     let (divider, reload) = match deadline {
         Deadline::Running => RUNNING,
         Deadline::Stalled => STALLED,
     };
+    take_over(|| IWDG.rlr().write(|w| w.set_rl(reload)));
+    take_over(|| IWDG.pr().write(|w| w.set_pr(divider)));
+}
+
+/// Unlocks it for one write, waits until that is in force, and feeds it, which locks it again.
+fn take_over(write: impl FnOnce()) {
     IWDG.kr().write(|w| w.set_key(Key::ENABLE));
     // A write while an earlier one is still on its way to the slow clock would be lost.
     wait_until_taken();
-    IWDG.pr().write(|w| w.set_pr(divider));
-    IWDG.rlr().write(|w| w.set_rl(reload));
+    write();
     wait_until_taken();
     feed();
 }

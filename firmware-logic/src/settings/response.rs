@@ -6,6 +6,7 @@ use core::fmt;
 use fdi_core::likelihood::taught::{EFFECTS, Response, Responses};
 
 use super::error::{Expected, SetError};
+use super::table::put;
 
 /// The beginning of their names.
 pub(super) const START: &str = "likelihood.taught.";
@@ -17,22 +18,13 @@ pub(super) fn set<'a>(
     name: &'a str,
     text: &'a str,
 ) -> Result<(), SetError<'a>> {
-    let count = responses.len();
-    if text == "none" && place < count {
+    if text == "none" && place < responses.len() {
         responses.remove(place);
         return Ok(());
     }
     let expected = Expected::Words("a name and eleven whole numbers, not all 0; or none");
     let response = parse(text).ok_or(SetError::Value { name, given: text, expected })?;
-    match responses.get_mut(place) {
-        Some(known) => *known = response,
-        None if place == count => {
-            // There is room: a place beyond the last possible one has no name.
-            let _ = responses.push(response);
-        }
-        None => return Err(SetError::Gap { name, rows: count }),
-    }
-    Ok(())
+    put(responses, place, name, response)
 }
 
 fn parse(text: &str) -> Option<Response> {

@@ -4,6 +4,7 @@
 use fdi_core::Config;
 use fdi_core::diagnosis::signature::{Pattern, Rows, Signature, WIDTH};
 use fdi_core::name::Name;
+use heapless::Vec;
 
 use super::error::{Expected, SetError};
 
@@ -45,8 +46,7 @@ pub(super) fn set_row<'a>(
     name: &'a str,
     text: &'a str,
 ) -> Result<(), SetError<'a>> {
-    let count = rows.len();
-    if text == "none" && row < count {
+    if text == "none" && row < rows.len() {
         rows.remove(row);
         return Ok(());
     }
@@ -56,12 +56,22 @@ pub(super) fn set_row<'a>(
     let number: u8 = number.parse().map_err(|_| wrong)?;
     let (pattern, called) = named(rest).unwrap_or((rest, Name::NONE));
     let pattern: Pattern = pattern.parse().map_err(|error| SetError::Pattern { name, error })?;
-    let signature = Signature { number, pattern, name: called };
-    match rows.get_mut(row) {
-        Some(place) => *place = signature,
-        None if row == count => {
-            // There is room: a row beyond the last possible one has no name.
-            let _ = rows.push(signature);
+    put(rows, row, name, Signature { number, pattern, name: called })
+}
+
+/// Writes what stands at a place, or adds behind the last.
+pub(super) fn put<'a, T, const N: usize>(
+    list: &mut Vec<T, N>,
+    place: usize,
+    name: &'a str,
+    item: T,
+) -> Result<(), SetError<'a>> {
+    let count = list.len();
+    match list.get_mut(place) {
+        Some(known) => *known = item,
+        None if place == count => {
+            // There is room: a place beyond the last possible one has no name.
+            let _ = list.push(item);
         }
         None => return Err(SetError::Gap { name, rows: count }),
     }

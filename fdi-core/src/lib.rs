@@ -20,6 +20,7 @@ pub mod sense;
 pub mod settings;
 pub mod supervisor;
 pub mod tune;
+mod turn;
 pub mod units;
 mod vector;
 

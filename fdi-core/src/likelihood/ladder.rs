@@ -178,29 +178,19 @@ impl ResidualStatistics {
             }
         }
         let mut rows = [[0.0; ALL]; ALL];
-        for i in 0..OWN {
-            for j in 0..=i {
-                rows[i][j] = own1[i - j];
-            }
-            rows[i][i] *= RIDGE;
-        }
+        fill(&mut rows, 0, OWN, &own1);
+        (0..OWN).for_each(|i| rows[i][i] *= RIDGE);
         let (c1, variance1) =
             regression(rows, OWN, [own1[1], own1[2], own1[3], 0.0, 0.0, 0.0, 0.0, 0.0], own1[0]);
         if channels < 2 {
             return Ladder::of_t1(c1, variance1);
         }
-        for i in 0..OWN {
-            for j in 0..=i {
-                rows[i][j] = own2[i - j];
-            }
-        }
+        fill(&mut rows, 0, OWN, &own2);
+        fill(&mut rows, OWN, OTHER, &own1);
         for j in 0..OTHER {
             for i in 0..OWN {
                 // e1[k-j] with e2[k-1-i]
                 rows[OWN + j][i] = if j > i { ahead[j - i - 1] } else { behind[i - j] };
-            }
-            for i in 0..=j {
-                rows[OWN + j][OWN + i] = own1[j - i];
             }
         }
         (0..ALL).for_each(|i| rows[i][i] *= RIDGE);
@@ -217,6 +207,19 @@ impl ResidualStatistics {
             sigma,
             inv_sigma: sigma.map(|sigma| 1.0 / sigma),
         })
+    }
+}
+
+/// Writes covariances by their lag into the lower half of a block on the diagonal. With iterators, since an optimiser for size
+/// can't tell that these indices are within bounds.
+fn fill(rows: &mut [[f32; ALL]; ALL], from: usize, size: usize, by_lag: &[f32]) {
+    for (i, row) in rows.iter_mut().skip(from).take(size).enumerate() {
+        row.iter_mut()
+            .skip(from)
+            .take(i + 1)
+            .rev()
+            .zip(by_lag)
+            .for_each(|(element, covariance)| *element = *covariance);
     }
 }
 

@@ -202,7 +202,7 @@ impl Process {
     /// Another air flow, all else as it is.
     pub(super) fn blow(&mut self, p: &Parameters, flow: f32) {
         use Parameter::{Delay1, Delay2, Heater, Reaches2};
-        let film = if flow == 1.0 { 1.0 } else { libm::powf(flow, FILM) };
+        let film = if flow == 1.0 { 1.0 } else { libm::expf(FILM * libm::logf(flow)) };
         let inverse = 1.0 / flow;
         let first = p.get(Delay1) * (FIXED_DELAY + (1.0 - FIXED_DELAY) * inverse);
         self.heater = share(libm::expf(p.get(Heater)) / film);

@@ -1,9 +1,10 @@
 //! A lag of first order with dead time, as the loop sees it in samples, and PID settings for it.
 
-use core::f32::consts::PI;
+use core::f32::consts::{PI, TAU};
 
 use super::search::Search;
 use crate::bounds::smaller;
+use crate::turn::cos_sin;
 use crate::units::Seconds;
 
 /// `gain e^(-dead s) / (1 + time s)`; the dead time has that of sampling in it.
@@ -149,7 +150,7 @@ impl Lag {
 
     /// Size and lag of controller and rig at a frequency; the controller as it is, in samples.
     fn open_loop(&self, tuned: &Tuned, Seconds(ts): Seconds, w: f32) -> (f32, f32) {
-        let (c, s) = (libm::cosf(w * ts), libm::sinf(w * ts));
+        let (c, s) = cos_sin(w * ts / TAU);
         // 1 - 1/z, and Ts/Ti of its inverse.
         let (dr, di) = (1.0 - c, s);
         let weight = ts / tuned.ti.0 / (dr * dr + di * di);

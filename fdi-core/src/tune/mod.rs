@@ -16,6 +16,8 @@ pub mod search;
 mod signal;
 mod standing;
 
+use core::f32::consts::TAU;
+
 use crate::bounds::{larger, smaller};
 use crate::units::{Celsius, Percent, Seconds};
 pub use lag::{Lag, Margins, StepResponse, Tuned};
@@ -213,7 +215,7 @@ impl Tuning {
                         _ => Stage::Over(Err(Unclear::NoSwing)),
                     };
                 }
-                let frequency = harmonics.turn / self.sample_time;
+                let frequency = TAU / (harmonics.expected * self.sample_time);
                 let answer = harmonics.answer();
                 Stage::Over(Lag::through(self.gain, frequency, answer).ok_or(Unclear::NoLag))
             }

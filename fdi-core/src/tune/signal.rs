@@ -1,5 +1,7 @@
 //! What the experiment measures with: the mean of a block, the relay, first harmonics.
 
+use crate::turn::cos_sin;
+
 /// Periods of the relay that are measured.
 const MEASURED: f32 = 12.0;
 /// So much of the first harmonic of a relay that keeps its period must be left.
@@ -70,8 +72,8 @@ impl Relay {
 /// First harmonics of power and answer, over whole periods.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Harmonics {
-    /// Angle of a tick, and ticks to measure.
-    pub(super) turn: f32,
+    /// Ticks of a period, and ticks to measure.
+    pub(super) expected: f32,
     ticks: u32,
     done: u32,
     power: [f32; 2],
@@ -83,19 +85,11 @@ pub(super) struct Harmonics {
 impl Harmonics {
     pub(super) fn new(period: f32) -> Self {
         let ticks = (MEASURED * period + 0.5) as u32;
-        Self {
-            turn: core::f32::consts::TAU / period,
-            ticks,
-            done: 0,
-            power: [0.0; 2],
-            answer: [0.0; 2],
-            rises: (0, 0, 0),
-        }
+        Self { expected: period, ticks, done: 0, power: [0.0; 2], answer: [0.0; 2], rises: (0, 0, 0) }
     }
 
     pub(super) fn phase(&self) -> (f32, f32) {
-        let angle = self.turn * self.done as f32;
-        (libm::cosf(angle), libm::sinf(angle))
+        cos_sin(self.done as f32 / self.expected)
     }
 
     pub(super) fn add_answer(&mut self, y: f32) {

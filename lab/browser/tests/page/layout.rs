@@ -21,14 +21,16 @@ const SCREENS: [(u32, u32); 9] = [
 /// What does not fit. `cut()` lists texts that go beyond the screen, their box, their drawing or what is around a part of it, or that
 /// lie on one another in a drawing; of canvases it is what was drawn since `looks` was emptied.
 const LOOK: &str = r##"
-    const looks = [];
-    const { fillText } = CanvasRenderingContext2D.prototype;
-    CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
-      const w = this.measureText(text).width;
-      const left = x - { left: 0, center: w / 2, right: w }[this.textAlign];
-      if (text && (left < -0.5 || left + w > this.canvas.width / devicePixelRatio + 0.5)) looks.push(text);
-      fillText.call(this, text, x, y);
-    };
+    if (!window.looks) {
+      window.looks = [];
+      const { fillText } = CanvasRenderingContext2D.prototype;
+      CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+        const w = this.measureText(text).width;
+        const left = x - { left: 0, center: w / 2, right: w }[this.textAlign];
+        if (text && (left < -0.5 || left + w > this.canvas.width / devicePixelRatio + 0.5)) looks.push(text);
+        fillText.call(this, text, x, y);
+      };
+    }
     const beyond = (inner, outer) => inner.left < outer.left - 1 || inner.right > outer.right + 1;
     const onOneAnother = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 4 && b.top < a.bottom - 4;
     const cut = () => {
@@ -53,9 +55,10 @@ const LOOK: &str = r##"
       }
       for (const svg of document.querySelectorAll("svg")) {
         const texts = [...svg.querySelectorAll("text")].filter((n) => n.textContent).map((n) => [n, n.getBoundingClientRect()]);
+        const boxes = [...svg.querySelectorAll(":scope > .box")];
         texts.forEach(([n, rect], i) => {
-          const ring = n.closest(".part")?.querySelector(".ring") ?? (n.parentElement === svg ? [...svg.querySelectorAll(":scope > .box")].find((box) => onOneAnother(rect, box.getBoundingClientRect())) : null);
-          if (beyond(rect, (ring ?? svg).getBoundingClientRect())) found.push(`${n.textContent} beyond its ${ring ? "part" : "drawing"}`);
+          const around = n.closest(".part")?.querySelector(".ring") ?? boxes.find((box) => onOneAnother(rect, box.getBoundingClientRect()));
+          if (beyond(rect, (around ?? svg).getBoundingClientRect())) found.push(`${n.textContent} beyond its ${around ? "part" : "drawing"}`);
           for (const [other, place] of texts.slice(i + 1)) if (onOneAnother(rect, place)) found.push(`${n.textContent} on ${other.textContent}`);
         });
       }
@@ -131,7 +134,7 @@ fn each_font_is_installed() {
     {
         let browser = Browser::start_with(font).expect("a browser");
         browser.open(&address()).expect("lab.html");
-        let script = r##"const { c } = { c: document.createElement("canvas").getContext("2d") };
+        let script = r##"const c = document.createElement("canvas").getContext("2d");
             c.font = "1000px " + getComputedStyle(document.body).fontFamily;
             return Math.round(c.measureText("n").width);"##;
         assert_eq!(script_on(&browser, script, &[]), json!(width), "install the package {package}");

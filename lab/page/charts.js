@@ -1,14 +1,12 @@
 // The stack of charts over one time axis, and the overview below it. Drawn is only what can be seen and has changed by a pixel.
 import { Pen, niceStep } from "lab/canvas.js";
 import { drawOverview } from "lab/overview.js";
-import { drawPanel } from "lab/panel.js";
+import { drawPanel, labelWidth } from "lab/panel.js";
 import { PANELS } from "lab/panels.js";
-import { RIBBON, drawFlags, drawRibbons } from "lab/ribbons.js";
+import { RIBBON, drawFlags, drawRibbons, ribbons } from "lab/ribbons.js";
 import { num, say } from "lab/strings.js";
 import { View } from "lab/view.js";
 
-// Left and right of the time axis: numbers, and what the curves are called.
-const margins = (narrow) => (narrow ? [30, 66] : [38, 126]);
 const [TOP, HEAD, GAP, FOOT] = [24, 20, 12, 26];
 const LEAST_MOVE = 0.5; // pixels
 
@@ -66,18 +64,26 @@ export class Charts extends View {
     const { store, narrow, panels } = this;
     if (!store || store.end <= store.first || this.unseen.has(this.overview)) return;
     const series = ["t2", "t1"].map((id) => panels[0].series.find((s) => s.id === id));
-    this.overArea = drawOverview(this.overview, { store, events, series, view: this, margins: margins(narrow), narrow, hide });
+    const pen = new Pen(this.overview, 48);
+    this.overArea = drawOverview(pen, { store, events, series, view: this, margins: this.margins(pen), narrow, hide });
+  }
+
+  // Left and right of the time axis: numbers, and what the curves are called, as wide as the letters make the widest of them.
+  margins(pen) {
+    const { narrow } = this;
+    const names = this.panels.flatMap((panel) => panel.series.filter((s) => !s.silent).map((s) => labelWidth(pen, panel, s.label(narrow), -88.8, narrow)));
+    return [7 + pen.measure(num(-88.8, 1)), Math.max(...names, ...ribbons(narrow).map((name) => 8 + pen.measure(name)))];
   }
 
   drawStack(events, hide) {
     const { store, narrow } = this;
     const k = narrow ? 1 : 0;
-    const [left, right] = margins(narrow);
     const shown = (panel) => panel.series.filter((series) => !this.off.has(series.id));
     const panels = this.panels.filter((panel) => shown(panel).length);
     const heights = panels.map((panel) => panel.high[k] + HEAD + GAP);
     const total = TOP + heights.reduce((sum, high) => sum + high, 0) + (hide ? 0 : 3 * RIBBON) + FOOT;
     const pen = new Pen(this.stack, total);
+    const [left, right] = this.margins(pen);
     const width = pen.width - left - right;
     this.area = { left, width };
     const [t1, t0] = [this.end, this.end - this.span];

@@ -70,6 +70,8 @@ addEventListener("resize", () => {
   if (sheet.part) sheet.arrange();
   if (!$("review").hidden) review.show(lab);
 });
+// What stands below the bar leaves room for it, in however many rows it is.
+new ResizeObserver(([{ target }]) => document.documentElement.style.setProperty("--bar", `${target.offsetHeight}px`)).observe(document.querySelector(".bar"));
 addEventListener("keydown", (event) => {
   // Nothing that is typed for a real board needs one of these: they stop it in the middle of a line, too, as on its console.
   if (lab.hello?.kind === "board" && (event.key === "!" || event.key === "Escape")) {

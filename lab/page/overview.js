@@ -1,11 +1,10 @@
 // The whole run on one line, with what is in view marked on it.
-import { Pen, niceStep } from "lab/canvas.js";
+import { niceStep } from "lab/canvas.js";
 import { drawSeries, range } from "lab/panel.js";
 import { num, say } from "lab/strings.js";
 
 // Gives back where its axis lies.
-export function drawOverview(canvas, { store, events, series, view, margins: [left, right], narrow, hide }) {
-  const pen = new Pen(canvas, 48);
+export function drawOverview(pen, { store, events, series, view, margins: [left, right], narrow, hide }) {
   const width = pen.width - left - right;
   const from = store.first * store.ts;
   const to = Math.max(store.now, from + 60);

@@ -39,13 +39,21 @@ export function drawPanel(pen, panel, { shown, y, high, left, edge, a, b, X, at,
   if (panel.verdict && quiet) pen.text(say("nothing_to_explain"), edge - 8, y + high / 4 + 4, { css: "--faint", align: "right" });
   for (const { y: place, v, label, css } of spread(labels, y + 4, y + high - 2)) {
     const value = num(v, panel.decimals);
-    if (narrow) pen.text(panel.verdict ? value : `${label} ${value}`, edge + 6, place + 4, { css, bold: true });
+    if (narrow) pen.text(beside(panel, label, value), edge + 6, place + 4, { css, bold: true });
     else {
-      const room = pen.width - edge - 8 - pen.measure(value) - 6;
-      pen.within(edge, place - 12, room + 8, 22, () => pen.text(label, edge + 8, place + 4, { css, bold: true }));
+      pen.text(label, edge + 8, place + 4, { css, bold: true });
       pen.text(value, pen.width, place + 4, { css, align: "right" });
     }
   }
+}
+
+// On a narrow screen a name and a value are one text; there is no room for names of faults.
+const beside = (panel, label, value) => (panel.verdict ? value : `${label} ${value}`);
+
+// How much room a curve's name and its value need right of the axis.
+export function labelWidth(pen, panel, label, value, narrow) {
+  const text = num(value, panel.decimals);
+  return narrow ? 6 + pen.measure(beside(panel, label, text), true) : 8 + pen.measure(label, true) + 6 + pen.measure(text);
 }
 
 // A line through every tick where each has a pixel; else from the least to the largest of each pixel, of blocks where it has many ticks.

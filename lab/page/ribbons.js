@@ -6,6 +6,9 @@ import { num, say } from "lab/strings.js";
 export const RIBBON = 21;
 const TOOLS = 84; // width of what stands over the corner of the charts
 
+// What they are called.
+export const ribbons = (narrow) => [say("truth"), say(narrow ? "likelihood_short" : "likelihood"), narrow ? "fdv fiv" : say("fdv_fiv")];
+
 export function drawRibbons(pen, events, store, { y, left, edge, a, b, X, T, t1, narrow }) {
   const put = (name, top) => {
     pen.text(name, edge + 8, top + 12, { css: "--soft" });
@@ -17,7 +20,8 @@ export function drawRibbons(pen, events, store, { y, left, edge, a, b, X, T, t1,
     pen.box(x, top, Math.max(2, e - x), 16, css, 2);
     if (pen.measure(text) + 10 < e - x) pen.text(text, x + 6, top + 12, { css: "--bg" });
   };
-  put(say("truth"), y);
+  const [truth, likelihood, vectors] = ribbons(narrow);
+  put(truth, y);
   for (const event of events.list.filter((e) => e.truth)) bar(T(event.from), T(event.to ?? t1), event.label(), "--soft", y);
   const runs = (top, word, css) => {
     let [from, text] = [0, ""];
@@ -29,14 +33,14 @@ export function drawRibbons(pen, events, store, { y, left, edge, a, b, X, T, t1,
       [from, text] = [k, now];
     }
   };
-  put(say(narrow ? "likelihood_short" : "likelihood"), y + RIBBON);
+  put(likelihood, y + RIBBON);
   const names = events.names;
   const said = (k) => {
     if (!(store.get(k, "alarm") > 0)) return "";
     return [short(names.get(store.get(k, "class"))), taughtName(store.get(k, "taught"))].filter(Boolean).join(", ");
   };
   runs(y + RIBBON, said, "--alarm");
-  put(narrow ? "fdv fiv" : say("fdv_fiv"), y + 2 * RIBBON);
+  put(vectors, y + 2 * RIBBON);
   const paper = (k) => {
     const [fdv, fiv] = [store.get(k, "fdv"), store.get(k, "fiv")];
     if (!(fdv > 0)) return "";

@@ -2,11 +2,11 @@
 import { num, say } from "lab/strings.js";
 
 const WIDE = {
-  size: [820, 300], tube: [92, 800, 104, 190], fan: 142, coil: [232, 322], turns: 5, T0: 42, T1: 540, T2: 704,
+  size: [820, 300], tube: [92, 800, 104, 190], fan: 142, coil: [232, 322], turns: 5, T0: 56, T1: 540, T2: 704,
   box: [330, 240, 172, 50], mains: [112, 240], door: [14, 240], lanes: 30,
 };
 const NARROW = {
-  size: [368, 300], tube: [4, 364, 104, 176], fan: 42, coil: [86, 142], turns: 3, T0: 44, T1: 230, T2: 320,
+  size: [368, 300], tube: [4, 364, 104, 176], fan: 42, coil: [86, 142], turns: 3, T0: 56, T1: 230, T2: 320,
   box: [122, 232, 97, 50], mains: [48, 238], door: [0, 238], lanes: 14,
 };
 const FLOW = 60; // units a second at the usual flow
@@ -99,7 +99,7 @@ export class RigDrawing {
     el(svg, "path", { d: `M${g.T1} ${y1 - 26}V${by + bh / 2}H${bx + bw + 4}`, class: "wire sensed", "marker-end": "url(#tip)" });
     el(svg, "path", { d: `M${bx} ${by + bh / 2}H${middle}V${y1 + 6}`, class: "wire", "marker-end": "url(#tip)" });
     el(svg, "rect", { x: bx, y: by, width: bw, height: bh, rx: 10, class: "box" });
-    el(svg, "text", { x: bx + bw / 2, y: by + 21, class: "strong middle" }, say("controller"));
+    el(svg, "text", { x: bx + bw / 2, y: by + 21, class: "name middle" }, say("controller"));
     this.wants = el(svg, "text", { x: bx + bw / 2, y: by + 39, class: "lab middle" });
     this.power = el(svg, "text", { x: middle + 10, y: y1 + 30, class: "val" });
   }
@@ -132,7 +132,7 @@ export class RigDrawing {
   probe(svg, g, id) {
     const [x, [, , y0, y1]] = [g[id], g.tube];
     const wide = g === WIDE;
-    const half = wide ? 52 : 44;
+    const half = wide ? 58 : 44;
     const bead = (y0 + y1) / 2 + 2;
     const group = this.part(svg, id, [x - half, 12, 2 * half, bead + 4]);
     const css = id.toLowerCase();
@@ -145,7 +145,7 @@ export class RigDrawing {
   }
 
   room(svg, g) {
-    const group = this.part(svg, "T0", [g.T0 - 40, 12, 80, 88]);
+    const group = this.part(svg, "T0", [g.T0 - 54, 12, 108, 88]);
     el(group, "text", { x: g.T0, y: 32, class: "name middle t0" }, `T0 ${say("room")}`);
     this.ambient = el(group, "text", { x: g.T0, y: 56, class: "val middle" });
     el(group, "circle", { cx: g.T0, cy: 80, r: 6, class: "bead t0" });

@@ -61,6 +61,7 @@ export class Sheet {
     form.setAttribute("aria-label", say("break_part", { part: say("part_" + part) }));
     this.label();
     this.arrange();
+    this.form.scrollIntoView({ block: "nearest" });
   }
 
   // Under its part, within the drawing; on a narrow screen at its foot (by the style sheet).

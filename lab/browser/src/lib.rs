@@ -14,6 +14,24 @@ use serde_json::{Value, json};
 /// How long a script may take.
 const PATIENCE: Duration = Duration::from_secs(120);
 
+/// The letters of a page, the same on every machine.
+#[derive(Clone, Copy, Debug)]
+pub enum Font {
+    /// DejaVu Sans, the only one of a new Debian (package fonts-dejavu-core).
+    Wide,
+    /// Liberation Sans, as wide as Arial and Helvetica (package fonts-liberation).
+    Narrow,
+}
+
+impl Font {
+    fn settings(self) -> &'static str {
+        match self {
+            Self::Wide => concat!(env!("CARGO_MANIFEST_DIR"), "/fonts/wide.conf"),
+            Self::Narrow => concat!(env!("CARGO_MANIFEST_DIR"), "/fonts/narrow.conf"),
+        }
+    }
+}
+
 /// A browser with one page. It ends with the value.
 pub struct Browser {
     driver: Child,
@@ -22,14 +40,23 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Starts one.
+    /// Starts one with narrow letters.
     ///
     /// # Errors
     /// chromedriver or chromium is not there (Debian: packages chromium-driver and chromium), or does not start.
     pub fn start() -> anyhow::Result<Self> {
+        Self::start_with(Font::Narrow)
+    }
+
+    /// Starts one with the letters of `font`.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn start_with(font: Font) -> anyhow::Result<Self> {
         let port = TcpListener::bind(("127.0.0.1", 0))?.local_addr()?.port();
         let driver = Command::new("chromedriver")
             .arg(format!("--port={port}"))
+            .env("FONTCONFIG_FILE", font.settings())
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()

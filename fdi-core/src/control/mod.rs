@@ -52,8 +52,8 @@ pub struct Tick {
     pub known: KnownInputs,
 }
 
-/// The validated first half of a tick.
-#[derive(Clone, Copy, Debug)]
+/// The validated first half of a tick. Of two that the same settings gave, one that differs has been damaged.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Controller {
     sensing: Sensing,
     supply: Supply,
@@ -181,7 +181,7 @@ impl Controller {
 
     /// One sample, and the drive that follows from it.
     pub fn step(&self, state: &mut ControllerState, raw: RawSample) -> Tick {
-        let excited = state.excitation.0.abs() >= self.supervisor.min_excitation();
+        let excited = !(state.excitation.0.abs() < self.supervisor.min_excitation());
         let sample = self.sensing.step(&mut state.sensing, raw, excited);
         self.supply.step(&mut state.supply, raw.supply);
         let known = KnownInputs {

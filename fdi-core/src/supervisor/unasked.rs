@@ -125,9 +125,16 @@ mod tests {
     /// A bit of the memory has flipped: the next readings are judged as if nothing had been known before.
     #[test]
     fn a_trace_that_is_no_number_is_begun_anew() {
-        let hot_for_ever = |mut trace: Trace| {
+        // It rises without power; it was heated, and stays hot when the power has gone.
+        let rises = |mut trace: Trace| {
             trace.follow_ambient(Some(22.0), 0.002);
-            (0..100).any(|k| trace.step(if k < 10 { 22.0 } else { 42.0 }, false, true, k % 20 == 0))
+            (0..20).any(|k| trace.step(if k < 10 { 22.0 } else { 32.0 }, false, true, false))
+        };
+        let stays_hot = |mut trace: Trace| {
+            trace.follow_ambient(Some(22.0), 0.002);
+            trace.step(22.0, true, false, false);
+            trace.step(42.0, true, false, false);
+            (0..60).any(|k| trace.step(42.0, false, true, k % 20 == 19))
         };
         let known = Trace { coldest: Some(22.0), lowest: 22.0, begin: 22.0, begun: true, heated: false };
         for (name, trace) in [
@@ -136,7 +143,7 @@ mod tests {
             ("lowest", Trace { lowest: f32::NAN, ..known }),
             ("begin", Trace { begin: f32::NAN, ..known }),
         ] {
-            assert!(hot_for_ever(trace), "{name}");
+            assert!(rises(trace) && stays_hot(trace), "{name}");
         }
         // Nor does a rate that is none let the coldest follow T0.
         let mut trace = known;

@@ -53,5 +53,7 @@ fn a_memory_that_is_no_number_disarms_no_rule() {
     trips_all_the_same("learnt gain", |bench| {
         bench.supervisor.restored(&mut bench.state, &learnt(f32::NAN, 1.0));
     });
+    let virtual_t1 = |_| Shown { virtual_t1: Some(f32::NAN), ..IN_ORDER };
+    assert_eq!(Bench::new().trips(true, virtual_t1), Some((0, TripReason::T1OverTemperature)));
     trips_all_the_same("set-point", |bench| bench.setpoint = f32::NAN);
 }

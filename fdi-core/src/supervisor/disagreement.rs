@@ -53,7 +53,8 @@ impl Disagreement {
             self.low_pass.follow(before, t1);
             let before = *before;
             // What was learnt allows no more than the limit again: a T2 that was hotter than that has tripped before it was learnt.
-            let difference = operation.learnt().map_or(0.0, |learnt| larger(learnt.t1_over_t2(), -self.limit));
+            let difference =
+                operation.learnt().map_or(0.0, |learnt| larger(learnt.t1_over_t2(), -self.limit));
             // What is no number is above the limit.
             if t2 - larger(t1, before) + difference <= self.limit {
                 state.lasting = 0;

@@ -8,7 +8,7 @@ const LATER: u32 = 10;
 
 /// Whatever `damage` has done to it, it trips on each danger about as soon as without.
 fn trips_all_the_same(name: &str, damage: impl Fn(&mut Bench)) {
-    for (danger, armed, shown, _) in DANGERS {
+    for (danger, armed, shown, ..) in DANGERS {
         let (intact, _) = Bench::new().trips(armed, shown).expect("it trips");
         let mut bench = Bench::new();
         damage(&mut bench);
@@ -46,14 +46,19 @@ fn a_limit_that_is_no_number_trips() {
 fn a_memory_that_is_no_number_disarms_no_rule() {
     for nonsense in [f32::NAN, f32::INFINITY, -1e38, 1e38] {
         trips_all_the_same("mean power", |bench| bench.state.power = nonsense);
-        trips_all_the_same("learnt difference", |bench| {
-            bench.supervisor.restored(&mut bench.state, &learnt(0.3, -nonsense.abs()));
-        });
+        // Whatever was learnt, a T2 that is hotter than T1 by twice the limit is too hot.
+        let mut bench = Bench::new();
+        bench.supervisor.restored(&mut bench.state, &learnt(0.3, -nonsense.abs()));
+        let tripped = bench.trips(true, |_| Shown { t1: ROOM, t2: 33.1, ..IN_ORDER });
+        assert_eq!(tripped, Some((11, TripReason::SensorsDisagree)), "learnt difference {nonsense}");
     }
+    trips_all_the_same("learnt difference", |bench| {
+        bench.supervisor.restored(&mut bench.state, &learnt(0.3, f32::NAN));
+    });
     trips_all_the_same("learnt gain", |bench| {
         bench.supervisor.restored(&mut bench.state, &learnt(f32::NAN, 1.0));
     });
-    let virtual_t1 = |_| Shown { virtual_t1: Some(f32::NAN), ..IN_ORDER };
+    let virtual_t1 = |_| Shown { virtual_t1: Some(Some(f32::NAN)), ..IN_ORDER };
     assert_eq!(Bench::new().trips(true, virtual_t1), Some((0, TripReason::T1OverTemperature)));
     trips_all_the_same("set-point", |bench| bench.setpoint = f32::NAN);
 }

@@ -58,7 +58,7 @@ fn a_t1_that_comes_and_goes_answers_no_full_power() {
         t1: 37.0,
         t2: 36.0,
         pid: 100.0,
-        validity: if tick % 4 < 3 { LOST } else { [Validity::Good; 2] },
+        validity: if tick % 4 < 3 { t1(Validity::Missing).validity } else { [Validity::Good; 2] },
         ..IN_ORDER
     };
     let there = |tick: u32| Shown { validity: [Validity::Good; 2], ..gone(tick) };

@@ -200,7 +200,6 @@ impl ControlLoop {
         if let Some(lockout) = self.interlock.lockout() {
             return Err(Denial::LockedOut(lockout));
         }
-        self.checked = false;
         self.actuate(Output::Off, heater);
         let proof = if heater.break_is_open() {
             heater.enable();
@@ -212,6 +211,7 @@ impl ControlLoop {
         };
         heater.disable();
         self.seen_to_cut |= proof == Proof::OpenHolds;
+        // Its first step, in this tick, takes the old pass away.
         self.check = Some(SelfTest::new(proof, &self.controller.plant()));
         Ok(())
     }

@@ -181,7 +181,7 @@ impl Controller {
 
     /// One sample, and the drive that follows from it.
     pub fn step(&self, state: &mut ControllerState, raw: RawSample) -> Tick {
-        let excited = !(state.excitation.0.abs() < self.supervisor.min_excitation());
+        let excited = state.excitation.0.abs() >= self.supervisor.min_excitation();
         let sample = self.sensing.step(&mut state.sensing, raw, excited);
         self.supply.step(&mut state.supply, raw.supply);
         let known = KnownInputs {

@@ -143,7 +143,7 @@ impl Plausibility {
         let stuck = self.is_stuck(state, code, excited);
         let change = state.last.map_or(0.0, |last| celsius.0 - last.0);
         let limit = self.limits.jump.0;
-        let jumped = !(change.abs() <= limit || (change - state.slope).abs() <= limit);
+        let jumped = change.abs() > limit && (change - state.slope).abs() > limit;
         state.jumps = RATE_WINDOW & state.jumps << 1 | u16::from(jumped);
         let validity = if state.jumps == 0 { Validity::Good } else { state.doubt(jumped, change) };
         if validity != Validity::Spike {

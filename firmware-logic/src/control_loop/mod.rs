@@ -164,8 +164,7 @@ impl ControlLoop {
     fn carry_out(&mut self, order: Order, damaged: bool, heater: &mut impl Heater) -> Outcome {
         let kind = order.kind();
         let result = match order {
-            order if damaged && kind != OrderKind::Command(Command::Stop) => {
-                drop(order);
+            _ if damaged && kind != OrderKind::Command(Command::Stop) => {
                 Err(Denial::LockedOut(Lockout::Settings))
             }
             Order::Retune(controller) => {

@@ -19,4 +19,6 @@ pub struct Feedback {
     pub air_flow: Option<Percent>,
     /// The rig heats although no heat is asked for.
     pub heater_stuck_on: bool,
+    /// The settings that the second half keeps are no longer those that were checked. Nothing here looks for that: a board's loop does.
+    pub settings_damaged: bool,
 }

@@ -14,7 +14,7 @@
 use crate::units::Seconds;
 
 /// First-order low-pass `x_f += share (x - x_f)`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LowPass {
     share: f32,
 }

@@ -1,6 +1,9 @@
 //! The second half of a tick: diagnosis, what was learnt, what went wrong, and what there is to tell. Beside
 //! [`ControlLoop`](crate::control_loop::ControlLoop), and joined to it by the records of ticks alone.
 
+#[cfg(test)]
+mod tests;
+
 use core::mem::discriminant;
 
 use fdi_core::control::Controller;
@@ -9,7 +12,7 @@ use fdi_core::diagnosis::event::Event;
 use fdi_core::diagnosis::{Diagnosis, DiagnosisState};
 use fdi_core::likelihood::Readiness;
 use fdi_core::name::Name;
-use fdi_core::{Config, ConfigError, Mode, Report, Seconds};
+use fdi_core::{Config, ConfigError, Feedback, Mode, Report, Seconds};
 
 use crate::alarm::Alarms;
 use crate::calibration::Still;
@@ -18,10 +21,14 @@ use crate::history::{Entry, History};
 use crate::interlock::Lockout;
 use crate::log_line::tick::TickLine;
 use crate::notice::Notice;
+use crate::settings::bits::checksum;
 use crate::settings::commissioning::Commissioning;
 use crate::settings::stored::{Stored, check};
 use crate::status::{Since, Status};
 use crate::teaching::Teaching;
+
+/// How often the settings are held against their checksum, at least: each tick where that is longer.
+const CHECKED_EVERY: Seconds = Seconds(1.0);
 
 /// The diagnosis half of the instrument on the board.
 #[derive(Clone, Debug)]
@@ -30,6 +37,9 @@ pub struct DiagnosisLoop {
     state: DiagnosisState,
     /// In force, and what was learnt under them.
     settings: Stored,
+    /// Of the settings when they had been checked, and whether they have been found to differ from it.
+    checksum: u32,
+    damaged: bool,
     /// Ts since the start: another one is in force from the next start on.
     sample_time: Seconds,
     /// Settings that the control half has not answered yet.
@@ -69,6 +79,8 @@ impl DiagnosisLoop {
             state: diagnosis.start(), // in its place: it is too large to lie on a board's stack twice
             diagnosis,
             sample_time: settings.config.sample_time,
+            checksum: checksum(&settings.config),
+            damaged: false,
             settings,
             proposed: None,
             commissioning: None,
@@ -112,6 +124,9 @@ impl DiagnosisLoop {
                 tell(Notice::Tuning(standing));
             }
         }
+        if tick.is_multiple_of(CHECKED_EVERY.ticks(self.sample_time)) {
+            self.damaged = self.is_damaged();
+        }
         self.still.step(&record.tick.sample, record.applied.0 > 0.0);
         let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
         let monitors = record.tick.mode == Mode::Monitor;
@@ -133,8 +148,10 @@ impl DiagnosisLoop {
             && let Some(Proposal { config, diagnosis }) = self.proposed.take()
             && outcome.result.is_ok()
         {
+            self.damaged = self.is_damaged(); // they may have been made of what is kept
             self.diagnosis = diagnosis;
             self.settings.config = config;
+            self.checksum = checksum(&self.settings.config);
         }
     }
 
@@ -262,6 +279,17 @@ impl DiagnosisLoop {
     /// Ts since the start.
     pub fn sample_time(&self) -> Seconds {
         self.sample_time
+    }
+
+    /// What the control half needs of this tick.
+    pub fn feedback(&self) -> Feedback {
+        let found = self.status.last.as_ref().map_or_else(Feedback::default, |(_, report)| report.feedback());
+        Feedback { settings_damaged: self.damaged, ..found }
+    }
+
+    /// Whether the settings kept here are no longer those that were checked.
+    pub fn is_damaged(&self) -> bool {
+        self.damaged || checksum(&self.settings.config) != self.checksum
     }
 
     /// Settings in force, but for the sample time, and what was learnt as normal under them.

@@ -21,6 +21,8 @@ pub enum Lockout {
     PowerFailure,
     /// A debugger halted the core while the heater was driven.
     Halted,
+    /// Limits or settings in memory are no longer those that were checked.
+    Settings,
 }
 
 impl fmt::Display for Lockout {
@@ -34,12 +36,15 @@ impl fmt::Display for Lockout {
                 f.write_str("the power went before the heater was stopped and acknowledged")
             }
             Self::Halted => f.write_str("a debugger halted the core"),
+            Self::Settings => {
+                f.write_str("settings in memory have changed by themselves, which only a reset mends")
+            }
         }
     }
 }
 
 /// All lockouts; the position is the number that [`Lockout::number`] gives.
-const ALL: [Lockout; 13] = [
+const ALL: [Lockout; 14] = [
     Lockout::BreakInput,
     Lockout::MissedDeadline,
     Lockout::Reset(ResetCause::BrownOut),
@@ -53,6 +58,7 @@ const ALL: [Lockout; 13] = [
     Lockout::Undervoltage,
     Lockout::PowerFailure,
     Lockout::Halted,
+    Lockout::Settings,
 ];
 
 impl Lockout {

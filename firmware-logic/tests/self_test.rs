@@ -6,7 +6,9 @@ mod output;
 use fdi_core::control::Controller;
 use fdi_core::likelihood::Channel;
 use fdi_core::sense::thermistor::{Thermistor, ThermistorConfig};
-use fdi_core::{AdcCode, Celsius, Command, Config, Feedback, Mode, RawSample, Refusal};
+use fdi_core::{
+    AdcCode, Celsius, Command, Config, Feedback, Mode, Percent, RawSample, Refusal, TripReason, Validity,
+};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::control_loop::{ControlLoop, Denial, Order, TickRecord};
 use firmware_logic::interlock::{Interlock, Lockout};
@@ -253,6 +255,65 @@ fn an_open_interlock_while_checking_is_a_hold() {
     assert_eq!(bench.tick().lockout, Some(Lockout::BreakInput));
     bench.output.open = false;
     assert_eq!(bench.order(Order::Check), Err(Denial::LockedOut(Lockout::BreakInput)));
+}
+
+/// Lets a check run until it heats.
+fn checking_and_heating() -> Bench {
+    let mut bench = Bench::new(&Config::default());
+    assert_eq!(bench.order(Order::Check), Ok(()));
+    while bench.output.given() == 0.0 {
+        bench.tick();
+    }
+    bench
+}
+
+/// A fan that is announced to stand still would trip at any set-point.
+#[test]
+fn what_would_trip_ends_a_check_in_its_tick() {
+    let mut bench = checking_and_heating();
+    assert_eq!(bench.order(Order::Command(Command::Fan(Percent(0.0)))), Ok(()));
+    assert!(bench.output.is_off());
+    bench.pass(10);
+    assert_eq!(bench.progress.ending, Some(Ending::Failed(1)));
+    let found = bench.progress.findings.last();
+    assert_eq!(found, Some(&CheckFinding::Hazard(TripReason::AirFlowLost)));
+
+    let mut bench = Bench::new(&Config::default());
+    assert_eq!(bench.order(Order::Command(Command::Fan(Percent(0.0)))), Ok(()));
+    assert_eq!(bench.order(Order::Check), Ok(()));
+    while bench.progress.ending.is_none() {
+        bench.tick();
+        assert!(bench.output.is_off(), "nor does it begin to heat where that was announced before");
+    }
+    assert_eq!(bench.progress.findings.last(), Some(&CheckFinding::Hazard(TripReason::AirFlowLost)));
+}
+
+/// Five ticks without a code may be, a sixth is one too many, whichever thermistor it is.
+#[test]
+fn a_thermistor_that_is_lost_ends_a_check() {
+    type Lose = fn(&mut RawSample);
+    let channels: [(Channel, Lose); 2] = [
+        (Channel::T0, |raw| raw.t0 = AdcCode(f32::NAN)),
+        (Channel::T2, |raw| raw.t2 = AdcCode(f32::NAN)), // without T1 the supervisor would trip
+    ];
+    for (channel, lose) in channels {
+        let mut bench = checking_and_heating();
+        let mut lost_for = |ticks| {
+            for _ in 0..ticks {
+                let mut raw = bench.codes();
+                lose(&mut raw);
+                bench.step(raw, None);
+            }
+            let off = bench.output.is_off();
+            bench.tick();
+            off
+        };
+        assert!(!lost_for(5) && !lost_for(5) && lost_for(6), "{channel:?}");
+        bench.pass(10);
+        let broken = CheckFinding::Broken(channel, Validity::Missing);
+        assert_eq!(bench.progress.findings.last(), Some(&broken));
+        assert_eq!(bench.progress.ending, Some(Ending::Failed(1)));
+    }
 }
 
 /// Codes as they should be, a little off, or anything at all.

@@ -70,6 +70,7 @@ struct Slot {
     t1_faulty: AtomicBool,
     heater_faulty: AtomicBool,
     heater_stuck_on: AtomicBool,
+    settings_damaged: AtomicBool,
 }
 
 impl Slot {
@@ -81,12 +82,20 @@ impl Slot {
             t1_faulty: AtomicBool::new(false),
             heater_faulty: AtomicBool::new(false),
             heater_stuck_on: AtomicBool::new(false),
+            settings_damaged: AtomicBool::new(false),
         }
     }
 
     fn write(&self, feedback: &Feedback) {
-        let Feedback { learned, virtual_rise, t1_faulty, heater_faulty, air_flow, heater_stuck_on } =
-            *feedback;
+        let Feedback {
+            learned,
+            virtual_rise,
+            t1_faulty,
+            heater_faulty,
+            air_flow,
+            heater_stuck_on,
+            settings_damaged,
+        } = *feedback;
         let bits = |x: Option<f32>| x.unwrap_or(f32::NAN).to_bits();
         self.learned.store(learned, Ordering::Relaxed);
         self.virtual_rise.store(bits(virtual_rise), Ordering::Relaxed);
@@ -94,6 +103,7 @@ impl Slot {
         self.t1_faulty.store(t1_faulty, Ordering::Relaxed);
         self.heater_faulty.store(heater_faulty, Ordering::Relaxed);
         self.heater_stuck_on.store(heater_stuck_on, Ordering::Relaxed);
+        self.settings_damaged.store(settings_damaged, Ordering::Relaxed);
     }
 
     fn read(&self) -> Feedback {
@@ -108,6 +118,7 @@ impl Slot {
             heater_faulty: self.heater_faulty.load(Ordering::Relaxed),
             air_flow: known(&self.air_flow).map(Percent),
             heater_stuck_on: self.heater_stuck_on.load(Ordering::Relaxed),
+            settings_damaged: self.settings_damaged.load(Ordering::Relaxed),
         }
     }
 }

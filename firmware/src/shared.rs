@@ -96,11 +96,11 @@ impl Shared {
         let outcome = record.outcome;
         let mut diagnosis = self.diagnosis.borrow_mut();
         let sample_time = diagnosis.sample_time().0;
-        let report = diagnosis.step(record, |notice| {
+        diagnosis.step(record, |notice| {
             log::notice(&notice, sample_time);
             self.send(&notice.text(sample_time));
         });
-        link::feed_back(report.feedback());
+        link::feed_back(diagnosis.feedback());
         self.send(&LogLine::Cycles { tick, control, diagnosis: cycles::now().wrapping_sub(begin) });
         if let Some(outcome) = outcome {
             self.outcomes.signal(outcome);

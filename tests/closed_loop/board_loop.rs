@@ -53,7 +53,7 @@ impl Backend for BoardLoop {
     fn diagnose(&mut self, _tick: &Tick) -> Report {
         let record = self.record.take().expect("control came first");
         let report = self.diagnosis.step(record, |_| {}).clone();
-        self.feedback = report.feedback();
+        self.feedback = self.diagnosis.feedback();
         report
     }
 

@@ -52,8 +52,8 @@ pub struct Tick {
     pub known: KnownInputs,
 }
 
-/// The validated first half of a tick.
-#[derive(Clone, Copy, Debug)]
+/// The validated first half of a tick. Of two that the same settings gave, one that differs has been damaged.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Controller {
     sensing: Sensing,
     supply: Supply,

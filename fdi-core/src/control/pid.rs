@@ -44,7 +44,7 @@ settings! {
 }
 
 /// A validated PID: the gains of the recursion, in % per degC.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pid {
     kp: f32,
     /// Kp Ts / Ti.

@@ -64,7 +64,7 @@ const fn tap(powers: &[u32]) -> u16 {
 }
 
 /// A validated generator.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prbs {
     taps: u16,
     mask: u16,

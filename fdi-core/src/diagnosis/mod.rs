@@ -122,6 +122,7 @@ impl Report {
             heater_faulty: finding.is_some_and(|f| f.class == FaultClass::HeaterPower),
             air_flow: self.likelihood.air_flow.map(Percent),
             heater_stuck_on: self.likelihood.heater_stuck_on,
+            settings_damaged: false,
         }
     }
 }

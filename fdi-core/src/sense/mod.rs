@@ -115,7 +115,7 @@ pub struct SensorsConfig {
 }
 
 /// The three sensing channels, validated.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensing {
     t0: Plausibility,
     t1: Plausibility,

@@ -62,7 +62,7 @@ const RATE_JUMPS: u32 = 3;
 const RATE_WINDOW: u16 = 0x3FF;
 
 /// One validated channel: conversion and limits.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plausibility {
     thermistor: Thermistor,
     limits: PlausibilityConfig,

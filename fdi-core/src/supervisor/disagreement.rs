@@ -10,7 +10,7 @@ use crate::sense::Validity;
 use crate::units::Seconds;
 
 /// The rule, validated.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Disagreement {
     limit: f32,
     ticks: u32,
@@ -52,8 +52,11 @@ impl Disagreement {
             let before = state.t1_before.get_or_insert(t1);
             self.low_pass.follow(before, t1);
             let before = *before;
-            let difference = operation.learnt().map_or(0.0, |learnt| learnt.t1_over_t2());
-            if !(t2 - larger(t1, before) + difference > self.limit) {
+            // What was learnt allows no more than the limit again: a T2 that was hotter than that has tripped before it was learnt.
+            let difference =
+                operation.learnt().map_or(0.0, |learnt| larger(learnt.t1_over_t2(), -self.limit));
+            // What is no number is above the limit.
+            if t2 - larger(t1, before) + difference <= self.limit {
                 state.lasting = 0;
             } else if power > 0.0 {
                 state.lasting = state.lasting.saturating_add(1);

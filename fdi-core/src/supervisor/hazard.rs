@@ -1,7 +1,9 @@
 //! What would make heating dangerous now: every rule asked on every tick, whatever the mode, the most telling answer first.
+//!
+//! Each comparison says what is allowed, and trips on everything else: a limit or a value that is no number, since a bit of the
+//! memory has flipped, trips.
 
 use super::{Mode, Situation, Supervisor, SupervisorState, Trip, TripReason};
-use crate::bounds::larger;
 use crate::sense::{Reading, Sample, Validity};
 use crate::units::Percent;
 
@@ -13,6 +15,10 @@ impl Supervisor {
     pub(super) fn hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
         state.lost = if now.regulated.value.is_some() { 0 } else { state.lost.saturating_add(1) };
         self.power.follow(&mut state.power, now.pid.0);
+        // What a flipped bit has made of the mean is not averaged any further.
+        if !(0.0..=100.0).contains(&state.power) {
+            state.power = now.pid.0;
+        }
         let by_models = state.mode != Mode::Off && now.feedback.heater_stuck_on;
         let unasked = self.unasked.step(&mut state.unasked, now, state.power) || by_models;
         let by_sensors = self.sensor_hazard(state.lost > self.lost_ticks, now);
@@ -28,8 +34,7 @@ impl Supervisor {
 
     /// By what was announced of the fan. An announcement only ever takes heat away: no limit is widened for it.
     fn is_without_air(&self, now: &Situation) -> bool {
-        let least = larger(STANDSTILL, self.config.min_air_flow.0);
-        now.known.fan.is_some_and(|level| level.0 < least)
+        now.known.fan.is_some_and(|level| !(level.0 >= STANDSTILL && level >= self.config.min_air_flow))
     }
 
     /// By what the thermistors say, each by itself.
@@ -38,7 +43,7 @@ impl Supervisor {
         if now.regulated.is_virtual {
             return match now.regulated.value {
                 None if lost_too_long => Some(TripReason::T1Lost),
-                Some(virtual_t1) if virtual_t1 > self.config.over_temperature => {
+                Some(virtual_t1) if !(virtual_t1 <= self.config.over_temperature) => {
                     Some(TripReason::T1OverTemperature)
                 }
                 _ if self.is_hot(t2) => Some(TripReason::T2OverTemperature),
@@ -66,7 +71,7 @@ impl Supervisor {
     /// Hotter than allowed, whatever else is thought of the reading: a jump, or more than is plausible, is hot all the
     /// same, and so is a shorted thermistor. Only where no code came there is nothing to judge.
     fn is_hot(&self, reading: Reading) -> bool {
-        reading.validity != Validity::Missing && reading.celsius > self.config.over_temperature
+        reading.validity != Validity::Missing && !(reading.celsius <= self.config.over_temperature)
     }
 
     /// By how power and temperatures go together.
@@ -78,7 +83,7 @@ impl Supervisor {
         let disagreement = self.disagreement.step(&mut state.disagreement, now, power, operation);
         // A heater that gives more than it is asked for looks like too little air.
         let air_flow = now.feedback.air_flow.filter(|_| !now.feedback.heater_faulty);
-        if air_flow.is_some_and(|flow| flow < self.config.min_air_flow) {
+        if air_flow.is_some_and(|flow| !(flow >= self.config.min_air_flow)) {
             Some(TripReason::AirFlowLost)
         } else {
             disagreement.or(response)

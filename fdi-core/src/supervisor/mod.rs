@@ -32,6 +32,8 @@ mod hazard;
 mod mode;
 mod operation;
 mod response;
+#[cfg(test)]
+mod tests;
 mod unasked;
 
 pub use mode::{Blocker, Command, FASTEST_FAN, Mode, Refusal, Trip, TripReason};
@@ -102,7 +104,7 @@ pub struct Decision {
 }
 
 /// The validated supervisor.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Supervisor {
     config: SupervisorConfig,
     sample_time: Seconds,
@@ -148,9 +150,13 @@ impl Supervisor {
     /// The parameter that is out of bounds.
     pub fn new(c: &SupervisorConfig, output_max: Percent, sample_time: Seconds) -> Result<Self, ConfigError> {
         c.validate(sample_time)?;
-        let ts = sample_time;
+        Ok(Self::of(c, output_max, sample_time))
+    }
+
+    /// From what has been checked.
+    fn of(c: &SupervisorConfig, output_max: Percent, ts: Seconds) -> Self {
         let learn_start = c.learn_start.ticks(ts);
-        Ok(Self {
+        Self {
             config: *c,
             sample_time: ts,
             response: Response::new(c, output_max, ts),
@@ -162,7 +168,7 @@ impl Supervisor {
             lost_ticks: c.signal_timeout.ticks(ts),
             regulation_band: c.regulation_band.0 / 100.0,
             power: LowPass::euler(POWER_TIME * c.response_time.0, ts.0),
-        })
+        }
     }
 
     /// Smallest excitation that counts as one, in %.

@@ -30,7 +30,7 @@ impl OperatingPoint {
     /// The power that the set-point needs above the room, %; None where the gain that was learnt says nothing.
     pub(super) fn power_for(&self, setpoint: Celsius, ambient: f32) -> Option<f32> {
         let power = (setpoint.0 - ambient) / self.gain;
-        (self.gain > 0.0 && power > MIN_POWER).then_some(power)
+        (!(self.gain <= 0.0 || power <= MIN_POWER)).then_some(power)
     }
 
     /// T1 above T2 when nothing is wrong, degC.

@@ -20,7 +20,7 @@ const ABOVE: f32 = 1.0;
 const RISING: f32 = 2.0;
 
 /// Both rules, validated.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Response {
     full_power: f32,
     min_response: f32,
@@ -87,7 +87,7 @@ impl Response {
         needed: Option<f32>,
     ) -> bool {
         let limit = needed.map(|needed| larger(needed * self.max_ratio, needed + LEAST_EXCESS));
-        if !limit.is_some_and(|limit| power > limit) {
+        if limit.is_none_or(|limit| power <= limit) {
             state.excess = 0;
             return false;
         }

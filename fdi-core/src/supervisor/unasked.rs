@@ -20,7 +20,7 @@ const HOTTEST_ROOM: f32 = 45.0;
 const LOSS: f32 = 0.1;
 
 /// The rule, validated.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unasked {
     /// The heat that is under way when the power ends arrives within this.
     settle_ticks: u32,
@@ -92,12 +92,12 @@ impl Trace {
     /// A room that grows warmer is no heater: the coldest rises with it, no faster than a room can and never above T0.
     fn follow_ambient(&mut self, t0: Option<f32>, step: f32) {
         if let (Some(coldest), Some(t0)) = (&mut self.coldest, t0) {
-            *coldest = larger(*coldest, smaller(t0, *coldest + step));
+            *coldest = larger(*coldest, smaller(*coldest + step, t0));
         }
     }
 
     fn step(&mut self, t: f32, begins: bool, unpowered: bool, window_ends: bool) -> bool {
-        let coldest = self.coldest.map_or(t, |coldest| smaller(coldest, t));
+        let coldest = self.coldest.map_or(t, |coldest| smaller(t, coldest));
         self.coldest = Some(coldest);
         if begins || !self.begun {
             (self.lowest, self.begin, self.heated) = (t, t, false);
@@ -106,7 +106,7 @@ impl Trace {
         if !unpowered {
             return false;
         }
-        self.lowest = smaller(self.lowest, t);
+        self.lowest = smaller(t, self.lowest);
         let hot = |t: f32| t - coldest > HOT || t > HOTTEST_ROOM;
         if window_ends {
             // Above the coldest, or above a room where it has been hot from the start.
@@ -115,5 +115,39 @@ impl Trace {
             self.begin = t;
         }
         self.heated && hot(t) || t - self.lowest > RISE
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bit of the memory has flipped: the next readings are judged as if nothing had been known before.
+    #[test]
+    fn a_trace_that_is_no_number_is_begun_anew() {
+        // It rises without power; it was heated, and stays hot when the power has gone.
+        let rises = |mut trace: Trace| {
+            trace.follow_ambient(Some(22.0), 0.002);
+            (0..20).any(|k| trace.step(if k < 10 { 22.0 } else { 32.0 }, false, true, false))
+        };
+        let stays_hot = |mut trace: Trace| {
+            trace.follow_ambient(Some(22.0), 0.002);
+            trace.step(22.0, true, false, false);
+            trace.step(42.0, true, false, false);
+            (0..60).any(|k| trace.step(42.0, false, true, k % 20 == 19))
+        };
+        let known = Trace { coldest: Some(22.0), lowest: 22.0, begin: 22.0, begun: true, heated: false };
+        for (name, trace) in [
+            ("known", known),
+            ("coldest", Trace { coldest: Some(f32::NAN), ..known }),
+            ("lowest", Trace { lowest: f32::NAN, ..known }),
+            ("begin", Trace { begin: f32::NAN, ..known }),
+        ] {
+            assert!(rises(trace) && stays_hot(trace), "{name}");
+        }
+        // Nor does a rate that is none let the coldest follow T0.
+        let mut trace = known;
+        trace.follow_ambient(Some(60.0), f32::NAN);
+        assert_eq!(trace.coldest, Some(22.0));
     }
 }

@@ -106,3 +106,28 @@ fn it_ends_whatever_t1_does() {
         assert!(ended, "seed {seed}: {:?}", tuning.standing());
     }
 }
+
+/// T1 swings around the level at another pace each time, so that no period is ever kept: it ends by the ticks of the whole.
+#[test]
+fn a_relay_that_never_keeps_its_period_ends_by_time() {
+    let mut tuning = Tuning::new(Powers::for_gain(0.3, Percent(100.0)), Seconds(0.11));
+    let (mut random, mut left, mut above) = (1u32, 0, false);
+    for tick in 0..MOST_TICKS {
+        let swings = matches!(tuning.standing(), Standing::Swing | Standing::Measure);
+        if swings && left == 0 {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (left, above) = (100 + (random >> 16) % 350, !above);
+        }
+        left = left.saturating_sub(1);
+        let t1 = match (tick < REST, swings) {
+            (true, _) => 22.0,
+            (false, false) => 32.0,
+            (false, true) => 32.0 + if above { 1.0 } else { -1.0 },
+        };
+        tuning.step(Some(Celsius(t1)));
+        assert_eq!(tuning.result(), None, "tick {tick}");
+    }
+    assert_eq!(tuning.standing(), Standing::Measure);
+    assert_eq!(tuning.step(Some(Celsius(32.0))), Percent(0.0));
+    assert_eq!(tuning.result(), Some(Err(Unclear::NoSwing)));
+}

@@ -12,3 +12,4 @@ mod reference;
 mod settings;
 mod supervision;
 mod teach;
+mod widened;

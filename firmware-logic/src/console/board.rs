@@ -15,6 +15,7 @@ use crate::reset_cause::Restart;
 use crate::self_test::Progress;
 use crate::settings::commissioning::Commissioning;
 use crate::settings::store::{SaveError, Store};
+use crate::settings::stored::StoredError;
 use crate::status::Status;
 use crate::teaching::Teaching;
 use crate::tuning::Tuner;
@@ -176,6 +177,9 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
         }
         if self.may_heat() {
             return Err(SaveError::Heating);
+        }
+        if self.chip.diagnosis(DiagnosisLoop::is_damaged) {
+            return Err(SaveError::Record(StoredError::Damaged));
         }
         let settings = self.chip.diagnosis(|diagnosis| diagnosis.to_keep());
         let result = self.store.save(&settings).await;

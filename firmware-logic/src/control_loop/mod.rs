@@ -4,6 +4,8 @@
 mod heater;
 mod order;
 mod record;
+#[cfg(test)]
+mod tests;
 
 use fdi_core::control::{Controller, ControllerState};
 use fdi_core::diagnosis::baseline::Baseline;
@@ -27,6 +29,8 @@ pub const NO_SAMPLE: RawSample = {
 #[derive(Clone, Debug)]
 pub struct ControlLoop {
     controller: Controller,
+    /// What [`Self::controller`] was when its settings had been checked.
+    checked_controller: Controller,
     state: ControllerState,
     interlock: Interlock,
     /// The loop wants the output enabled: if it is not, something cut it.
@@ -46,6 +50,7 @@ impl ControlLoop {
     pub fn new(controller: Controller, setpoint: Celsius, interlock: Interlock) -> Self {
         let state = controller.start(setpoint);
         Self {
+            checked_controller: controller,
             controller,
             state,
             interlock,
@@ -66,7 +71,8 @@ impl ControlLoop {
     /// A look at the rig between two ticks: what is dangerous by itself takes the power and opens the contactor at once, and is what
     /// the next tick sees.
     pub fn look(&mut self, raw: RawSample, heater: &mut impl Heater) {
-        if self.driving && self.hazard.is_none() && self.controller.must_cut(&self.state, raw) {
+        let must_cut = || !self.is_intact() || self.controller.must_cut(&self.state, raw);
+        if self.driving && self.hazard.is_none() && must_cut() {
             heater.drive(Percent(0.0));
             heater.contactor(false);
             self.hazard = Some(raw);
@@ -92,7 +98,12 @@ impl ControlLoop {
             self.interlock.latch(lockout);
             self.stop(Ending::Cut, heater);
         }
-        let outcome = order.map(|order| self.carry_out(order, heater));
+        let damaged = feedback.settings_damaged || !self.is_intact();
+        if damaged {
+            self.interlock.latch(Lockout::Settings);
+            self.stop(Ending::Settings, heater);
+        }
+        let outcome = order.map(|order| self.carry_out(order, damaged, heater));
         let tick = self.controller.step(&mut self.state, raw);
         let output = self.wanted(&tick, raw);
         self.actuate(output, heater);
@@ -143,15 +154,26 @@ impl ControlLoop {
         let _ = self.controller.command(&mut self.state, Command::Stop);
     }
 
-    fn carry_out(&mut self, order: Order, heater: &mut impl Heater) -> Outcome {
+    /// Whether limits and all else that the settings have given are those that were checked.
+    fn is_intact(&self) -> bool {
+        self.controller == self.checked_controller
+    }
+
+    /// Settings that are `damaged` can be mended by a reset alone: whatever is ordered before it would go by them, or would
+    /// put what is left of them in force.
+    fn carry_out(&mut self, order: Order, damaged: bool, heater: &mut impl Heater) -> Outcome {
         let kind = order.kind();
         let result = match order {
+            _ if damaged && kind != OrderKind::Command(Command::Stop) => {
+                Err(Denial::LockedOut(Lockout::Settings))
+            }
             Order::Retune(controller) => {
                 let result = self.controller.retune(&mut self.state, controller);
-                if result.is_ok()
-                    && let Some(check) = &mut self.check
-                {
-                    check.abort(Ending::Settings);
+                if result.is_ok() {
+                    self.checked_controller = self.controller;
+                    if let Some(check) = &mut self.check {
+                        check.abort(Ending::Settings);
+                    }
                 }
                 result.map_err(Denial::Refused)
             }
@@ -177,7 +199,6 @@ impl ControlLoop {
         if let Some(lockout) = self.interlock.lockout() {
             return Err(Denial::LockedOut(lockout));
         }
-        self.checked = false;
         self.actuate(Output::Off, heater);
         let proof = if heater.break_is_open() {
             heater.enable();
@@ -189,6 +210,7 @@ impl ControlLoop {
         };
         heater.disable();
         self.seen_to_cut |= proof == Proof::OpenHolds;
+        // Its first step, in this tick, takes the old pass away.
         self.check = Some(SelfTest::new(proof, &self.controller.plant()));
         Ok(())
     }

@@ -18,6 +18,8 @@ mod lock_in;
 pub mod progress;
 mod rest;
 pub mod stage;
+#[cfg(test)]
+mod tests;
 
 use fdi_core::control::Plant;
 use fdi_core::likelihood::Channel;
@@ -299,7 +301,8 @@ impl SelfTest {
     /// What the output is to be at this tick of this cycle.
     fn output(&self) -> Output {
         let heated = self.step < CYCLE / 2;
-        let level = LEVELS.get(self.level).copied().unwrap_or(0.0) / self.gain;
+        let level = LEVELS.get(self.level).copied().unwrap_or(0.0);
+        let level = (level / self.gain).min(level); // whatever has become of the gain
         let power = Percent(if heated { level } else { 0.0 });
         let closed_ticks = CLOSED_TICKS.get(self.cycles as usize).copied().unwrap_or(0);
         match self.stage {

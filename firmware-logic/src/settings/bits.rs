@@ -1,12 +1,25 @@
 //! A value as two words, as it is kept in flash and compared.
 
+use fdi_core::Config;
 use fdi_core::settings::{Form, Kind, Value};
+
+use crate::crc::CRC32;
 
 /// A value as it is kept.
 pub(super) type Bits = [u32; 2];
 
 /// In the second word where one is enough.
 const UNUSED: u32 = u32::MAX;
+
+/// CRC-32 over the values of all settings that have one.
+pub(crate) fn checksum(config: &Config) -> u32 {
+    let mut digest = CRC32.digest();
+    for setting in Config::settings() {
+        let words = bits(setting.kind, config.get(setting));
+        words.iter().filter(|word| **word != UNUSED).for_each(|word| digest.update(&word.to_le_bytes()));
+    }
+    digest.finalize()
+}
 
 /// The value of a setting of this kind as it is kept. Forms that have numbers are told apart by how many they have.
 pub(super) fn bits(kind: Kind, value: Value) -> Bits {
@@ -48,8 +61,6 @@ fn count(forms: &[Form], form: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::Config;
-
     use super::*;
 
     #[test]

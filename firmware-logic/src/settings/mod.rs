@@ -1,6 +1,6 @@
 //! What a user changes without rebuilding: names and text, a record of bytes, and its place in flash.
 
-mod bits;
+pub(crate) mod bits;
 pub mod commissioning;
 mod error;
 pub mod listing;

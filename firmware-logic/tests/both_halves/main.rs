@@ -18,7 +18,7 @@ use core::task::{Context, Poll, Waker};
 
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
-use fdi_core::{AdcCode, Command, Config, ConfigError, Feedback, RawSample};
+use fdi_core::{AdcCode, Command, Config, ConfigError, RawSample};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::console::Board;
 use firmware_logic::console::board::{Chip, ConsoleBoard};
@@ -68,8 +68,7 @@ impl TestChip {
     }
 
     fn tick(&mut self, order: Option<Order>) -> Result<(), Denial> {
-        let feedback =
-            self.diagnosis.status().last.as_ref().map_or(Feedback::default(), |(_, r)| r.feedback());
+        let feedback = self.diagnosis.feedback();
         self.code = if self.code > 2160.0 { 2160.0 } else { 2161.0 }; // a live thermistor is never quite still
         let [t0, t1, t2] = [AdcCode(self.code); 3];
         let raw = RawSample { t0, t1, t2, ..RawSample::default() };

@@ -57,6 +57,19 @@ fn neither_flash_nor_option_bytes_are_written_while_it_may_heat() {
     assert_eq!((now(board.save()), board.set_brown_out_level()), (Ok(()), Ok(())));
 }
 
+/// The last tick does not know of it yet; whoever enabled it, nothing may stall the core now.
+#[test]
+fn an_output_that_is_enabled_may_heat_whatever_the_last_tick_says() {
+    let mut board = at_rest();
+    board.chip.output.enabled = true;
+    assert!(!board.status().may_heat());
+    assert_eq!(now(board.save()), Err(SaveError::Heating));
+    assert_eq!(board.set_brown_out_level(), Err(SaveError::Heating));
+    assert_eq!(now(Board::restart(&mut board, Restart::Streaming)), Err(BoardError::NotOff));
+    board.chip.output.enabled = false;
+    assert_eq!((now(board.save()), board.set_brown_out_level()), (Ok(()), Ok(())));
+}
+
 #[test]
 fn a_save_waits_for_the_tick_that_knows_of_the_stop() {
     let mut board = heating();

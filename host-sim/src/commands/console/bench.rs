@@ -3,7 +3,7 @@
 use embassy_futures::block_on;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
-use fdi_core::{Command, Config, ConfigError, Feedback};
+use fdi_core::{Command, Config, ConfigError};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::console;
 use firmware_logic::console::board::{Chip, ConsoleBoard};
@@ -148,8 +148,7 @@ impl SimulatedChip {
         if let Some(Order::Command(Command::Fan(level))) = order {
             self.rig.set_fan(f64::from(level.0) / 100.0);
         }
-        let last = self.diagnosis.status().last.as_ref();
-        let feedback = last.map_or_else(Feedback::default, |(_, report)| report.feedback());
+        let feedback = self.diagnosis.feedback();
         let raw = sample(&mut self.rig);
         let record = self.control.tick(raw, Arrival::default(), order, feedback, &mut self.heater);
         self.rig.advance(f64::from(self.heater.given().0));

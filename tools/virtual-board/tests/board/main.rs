@@ -6,6 +6,7 @@ mod check;
 mod commission;
 mod console;
 mod contactor;
+mod damaged;
 mod debug_halt;
 mod endurance;
 mod erase;

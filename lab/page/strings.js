@@ -313,6 +313,7 @@ const TABLE = {
   console: ["Console", "Consola"],
   console_line: ["A line for the board", "Uma linha para a placa"],
   send: ["Send", "Enviar"],
+  wider: ["Limits wider than the default: {what}", "Limites mais largos do que o normal: {what}"],
   all_settings: ["All settings", "Todas as definições"],
   refused: ["Refused: {why}", "Recusado: {why}"],
   replay_with: ["Saved. To run it through the same code: pt326 replay {file}", "Guardado. Para o correr pelo mesmo código: pt326 replay {file}"],

@@ -203,6 +203,70 @@ fn search(draws: std::ops::Range<u64>) -> Vec<String> {
     told
 }
 
+/// What once let T1 heat for ever, with T2 at 50 degC, and the widest that is allowed of it at the default answer time.
+const WIDEST: [(&str, f32, f32); 12] = [
+    ("plausibility.max", 350.0, 350.0),
+    ("plausibility.stuck_time", 3600.0, 16.0),
+    ("supervisor.over_temperature", 349.0, 110.0),
+    ("supervisor.signal_timeout", 5.0, 2.0),
+    ("supervisor.response_time", 3600.0, 32.0),
+    ("supervisor.min_response", 0.5, 1.0),
+    ("supervisor.max_excess_power", 10000.0, 200.0),
+    ("supervisor.excess_power_time", 3600.0, 16.0),
+    ("supervisor.max_disagreement", 100.0, 22.5),
+    ("supervisor.disagreement_time", 3600.0, 8.0),
+    ("supervisor.cooling_time", 3600.0, 64.0),
+    ("supervisor.min_air_flow", 0.0, 0.0),
+];
+
+#[test]
+fn twelve_settings_that_let_it_heat_for_ever_are_refused_and_the_widest_that_are_not_trip_and_are_told() {
+    let set = |values: &dyn Fn(&(&str, f32, f32)) -> f32| {
+        let mut config = Config::default();
+        for wide in &WIDEST {
+            let setting = Config::settings().find(|setting| setting.name == wide.0).unwrap();
+            assert!(config.set(setting, Value::Number(values(wide))));
+        }
+        config
+    };
+    assert!(Instrument::new(&set(&|wide| wide.1)).is_err());
+    let allowed = set(&|wide| wide.2);
+    let told: Vec<_> = allowed.wider_than_default().map(|setting| setting.name).collect();
+    assert_eq!(told, WIDEST.map(|(name, ..)| name));
+    for place in 0..4 {
+        for onset in [0.0, 0.1] {
+            let outcome = with_t1_out(&allowed, &rig(place), onset, 1);
+            assert!(
+                outcome.tripped.is_some_and(|(after, _)| after < 30.0),
+                "rig {place}, {onset}: {outcome:?}"
+            );
+        }
+    }
+}
+
+/// T2 half out as well, so that it does not read much above T1, and power that is never full: what is left is that T1 does not answer as T2 does.
+#[test]
+fn a_t1_that_is_named_out_without_models_trips_by_its_name() {
+    let mut config = Config::default();
+    config.pid.output_max.0 = 60.0;
+    config.supervisor.response_time.0 = 32.0;
+    config.supervisor.max_disagreement.0 = 13.75;
+    let out = |sensor, size| Fault::new(Verb::Detach, Some(sensor), Some(size), 0.0, 1e9);
+    let ts = as_written(config.sample_time.0);
+    let faults = [out(Sensor::T1, 1.0), out(Sensor::T2, 0.5)];
+    let mut rig = Rig::new(&rig(0), Disturbance::Lively, ts, 1, &faults);
+    let mut instrument = Instrument::new(&config).unwrap();
+    instrument.command(Command::Arm).unwrap();
+    let tripped = (0..400).find_map(|k| {
+        let tick = instrument.control(sample(&mut rig));
+        rig.advance(f64::from(tick.drive.0));
+        instrument.diagnose(&tick, tick.drive);
+        if let Mode::Tripped(trip) = tick.mode { Some((f64::from(k) * ts, trip.reason)) } else { None }
+    });
+    let (after, reason) = tripped.expect("trips");
+    assert!(reason == TripReason::T1Contradicted && after < 20.0, "{reason:?} after {after} s");
+}
+
 #[test]
 fn no_settings_let_a_t1_out_of_the_tube_heat_for_ever() {
     let harmful = search(0..200);

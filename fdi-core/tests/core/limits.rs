@@ -1,8 +1,12 @@
 //! Limits are marked where they are declared: none is widened while the heater is on, what is wider than the default is told, and none can be
 //! wider than the plant's scale allows.
 
+use fdi_core::control::Controller;
 use fdi_core::settings::{Value, Wider};
-use fdi_core::{Command, Config, Instrument, Refusal, RetuneError, Setting};
+use fdi_core::{
+    AdcCode, Command, Config, Feedback, Instrument, Mode, RawSample, Refusal, RetuneError, Setting,
+    TripReason,
+};
 
 use crate::supervision::{AMBIENT, tick};
 
@@ -113,4 +117,64 @@ fn what_the_plants_scale_does_not_allow_is_refused_with_the_reason() {
     ] {
         assert_eq!(text, expected);
     }
+}
+
+/// A controller that is armed in a room, with what the diagnosis says of T1 from then on; in which tick it trips, and why.
+fn tripped(config: &Config, found: Feedback) -> Option<(u32, TripReason)> {
+    let controller = Controller::new(config).unwrap();
+    let mut state = controller.start(config.setpoint);
+    controller.command(&mut state, Command::Arm).unwrap();
+    (0..400).find_map(|k| {
+        controller.feed_back(&mut state, found);
+        let code = AdcCode(AMBIENT + (k % 2) as f32);
+        let raw = RawSample { t0: code, t1: code, t2: code, ..RawSample::default() };
+        match controller.step(&mut state, raw).mode {
+            Mode::Tripped(trip) => Some((k, trip.reason)),
+            _ => None,
+        }
+    })
+}
+
+/// Every limit as wide as it can be at the default answer time and sample time.
+fn widest() -> Config {
+    let mut config = Config::default();
+    let kept = ["sample_time", "identification.answer_time", "supervisor.go_on_without_t1"];
+    for setting in limits().filter(|setting| !kept.contains(&setting.name)) {
+        let limit = setting.limit.expect("a limit");
+        let (up, answers) = (limit.wider == Wider::Above, f32::from(limit.answers) * 2.0);
+        let bound =
+            setting.kind.bounds().map_or(f32::from(u8::from(up)), |(min, max)| if up { max } else { min });
+        let candidates = [bound, if answers > 0.0 { answers } else { 0.1 * bound + 0.9 * limit.default }];
+        let wider =
+            candidates.map(|x| with(&config, setting, x)).into_iter().find(|c| Instrument::new(c).is_ok());
+        config = wider.unwrap_or(config); // `learn_start` is held back by `learn_end`
+    }
+    assert!(config.wider_than_default().count() >= 32);
+    config
+}
+
+/// No settings have a part in it but the answer time, and that for five minutes at most.
+#[test]
+fn a_t1_that_is_named_out_of_the_tube_trips_whatever_the_settings() {
+    let named = Feedback { t1_contradicted: true, ..Feedback::default() };
+    let quiet = tripped(&widest(), Feedback::default());
+    assert!(quiet.is_none_or(|(tick, _)| tick > 140), "{quiet:?}");
+    // 4 answer times of 2 s are 73 ticks.
+    let mut config = widest();
+    assert_eq!(tripped(&config, named), Some((73, TripReason::T1Contradicted)));
+    // What goes on by T2 and the models does not need T1.
+    config.supervisor.go_on_without_t1 = true;
+    let virtual_t1 = Feedback { t1_faulty: true, virtual_rise: Some(15.0), ..named };
+    assert_eq!(tripped(&config, virtual_t1), None);
+}
+
+/// A T1 that stays as cold as the room while the heater works, with every other rule out of the way.
+#[test]
+fn power_that_t1_does_not_account_for_trips() {
+    let mut config = Config::default();
+    // Full power without an answer would trip later; a T1 that flickers by a count has not risen.
+    (config.supervisor.response_time.0, config.pid.kp) = (32.0, 100.0);
+    let (tick, reason) = tripped(&config, Feedback::default()).expect("trips");
+    // 8 answer times of full power above a fifth: 16 s, 146 ticks.
+    assert!(reason == TripReason::NoResponse && (146..160).contains(&tick), "{tick} {reason:?}");
 }

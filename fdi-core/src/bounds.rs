@@ -12,11 +12,6 @@ pub(crate) fn smaller(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }
 }
 
-/// The name of the first limit whose new value, the last of its row, is above the present one.
-pub(crate) fn first_raised(limits: &[(&'static str, f32, f32)]) -> Option<&'static str> {
-    limits.iter().find(|(_, now, new)| new > now).map(|(name, ..)| *name)
-}
-
 /// `x` within bounds; the lower one for what is no number.
 #[inline]
 pub(crate) fn bounded(x: f32, low: f32, high: f32) -> f32 {

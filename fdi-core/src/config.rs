@@ -1,17 +1,18 @@
 //! The configuration as plain data; the paper's values are the default. It becomes something that steps only through a
 //! constructor that checks it, such as [`crate::Instrument::new`].
 
+use crate::bounds::larger;
 use crate::control::pid::PidConfig;
 use crate::control::prbs::PrbsConfig;
 use crate::diagnosis::config::DiagnosisConfig;
-use crate::error::{ConfigError, above, in_range};
+use crate::error::{ConfigError, above, in_range, within_scale};
 use crate::identify::config::IdentificationConfig;
 use crate::likelihood::config::LikelihoodConfig;
 use crate::sense::SensorsConfig;
 use crate::sense::plausibility::PlausibilityConfig;
 use crate::sense::supply::SupplyConfig;
 use crate::sense::thermistor::ThermistorConfig;
-use crate::settings::{About, Fields, Group, Setting, Value, check, settings};
+use crate::settings::{About, Fields, Group, Limit, Setting, Value, check, settings};
 use crate::supervisor::config::SupervisorConfig;
 use crate::units::{Celsius, Seconds};
 
@@ -19,7 +20,7 @@ settings! {
     /// Everything that a user can set.
     pub struct Config: General "" {
         /// Sample time Ts: a 4th to a 500th of `identification.answer_time`. A board takes 0.05 to 5 s, from its next start on.
-        sample_time: Seconds = 0.11, 0.001..=10.0;
+        sample_time: Seconds = 0.11, 0.001..=10.0, limit above;
         /// Set-point of T1, from `supervisor.setpoint_min` to `supervisor.setpoint_max`.
         setpoint: Celsius = 35.0, 0.0..=300.0;
     } and {
@@ -48,6 +49,15 @@ settings! {
 const LEAST_SAMPLES: f32 = 4.0;
 const MOST_SAMPLES: f32 = 500.0;
 const MOST_DEAD_SAMPLES: f32 = 60.0;
+
+/// Temperatures are bounded by how far others are above a room, degC; by so much at least, so that a narrow range leaves a choice.
+const ROOM: f32 = 20.0;
+const LEAST_RISE: f32 = 20.0;
+/// The rig may become so many times as much warmer than a room as the highest set-point is. Of the presets `tclab` needs most, 1.7 times.
+const HOTTEST: f32 = 2.0;
+/// T2 may read above T1 by this share of what the rig may become warmer than a room. Of the presets `tclab` needs most, 0.2: its T2 sees half of
+/// the rise.
+const MOST_DISAGREEMENT: f32 = 0.25;
 
 /// The settings of all groups, in the order in which they are listed.
 static GROUPS: [&[Setting]; 12] = {
@@ -173,13 +183,40 @@ impl Config {
         check(Self::SETTINGS[0], self)
     }
 
+    /// The settings that are wider than their defaults, of those on which a protection rests.
+    pub fn wider_than_default(&self) -> impl Iterator<Item = &'static Setting> {
+        Self::settings().filter(|setting| {
+            setting.limit.is_some_and(|limit| limit.is_widened(limit.default, self.get(setting).number()))
+        })
+    }
+
     /// Checks what one part asks of another, once each has been checked by itself.
     pub(crate) fn validate_limits(&self) -> Result<(), ConfigError> {
         let SupervisorConfig { over_temperature, setpoint_min, setpoint_max, .. } = self.supervisor;
         // A reading beyond what is plausible is no temperature any more: the limit must be reached before.
         let limit = over_temperature.0;
         above("plausibility.max", self.plausibility.max.0, "supervisor.over_temperature", limit)?;
-        in_range("setpoint", self.setpoint.0, setpoint_min.0, setpoint_max.0)
+        in_range("setpoint", self.setpoint.0, setpoint_min.0, setpoint_max.0)?;
+        self.validate_scales()
+    }
+
+    /// Checks limits against the scale of the plant: times against its answer, temperatures against its set-points.
+    fn validate_scales(&self) -> Result<(), ConfigError> {
+        check(IdentificationConfig::SETTINGS[0], &self.identification)?;
+        let answer = self.identification.answer_time.0;
+        for setting in Self::settings() {
+            let answers = setting.limit.map_or(0, |limit| limit.answers);
+            if answers > 0 {
+                let value = self.get(setting).number();
+                within_scale(setting.name, value, 0.0, answers.into(), "identification.answer_time", answer)?;
+            }
+        }
+        let SupervisorConfig { over_temperature, setpoint_max, max_disagreement, .. } = self.supervisor;
+        let rise = |t: Celsius| larger(LEAST_RISE, t.0 - ROOM);
+        let (of, scale) = ("supervisor.setpoint_max above a room of 20 degC", rise(setpoint_max));
+        within_scale("supervisor.over_temperature", over_temperature.0, ROOM, HOTTEST, of, scale)?;
+        let (of, scale) = ("supervisor.over_temperature above a room of 20 degC", rise(over_temperature));
+        within_scale("supervisor.max_disagreement", max_disagreement.0, 0.0, MOST_DISAGREEMENT, of, scale)
     }
 
     /// Checks that the sample time suits the rig. Both halves run with any; what they learn is worth nothing then.
@@ -191,6 +228,45 @@ impl Config {
         let (ts, answer) = (self.sample_time.0, self.identification.answer_time.0);
         in_range("sample_time", ts, answer / MOST_SAMPLES, answer / LEAST_SAMPLES)?;
         in_range("identification.dead_time", self.identification.dead_time.0, 0.0, MOST_DEAD_SAMPLES * ts)
+    }
+}
+
+/// How many settings are limits.
+const LIMITS: usize = {
+    let (mut count, mut g) = (0, 0);
+    while g < GROUPS.len() {
+        let mut i = 0;
+        while i < GROUPS[g].len() {
+            count += GROUPS[g][i].limit.is_some() as usize;
+            i += 1;
+        }
+        g += 1;
+    }
+    count
+};
+
+/// The values of all settings that are limits, in the order of the list.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Limits([f32; LIMITS]);
+
+impl Limits {
+    /// Those of a configuration.
+    pub(crate) fn of(config: &Config) -> Self {
+        let mut values = [0.0; LIMITS];
+        for (value, (setting, _)) in values.iter_mut().zip(Self::settings()) {
+            *value = config.get(setting).number();
+        }
+        Self(values)
+    }
+
+    /// The first limit that `new` widens.
+    pub(crate) fn widened(&self, new: &Self) -> Option<&'static str> {
+        let mut limits = Self::settings().zip(self.0.iter().zip(&new.0));
+        limits.find_map(|((setting, limit), (now, new))| limit.is_widened(*now, *new).then_some(setting.name))
+    }
+
+    fn settings() -> impl Iterator<Item = (&'static Setting, Limit)> {
+        Config::settings().filter_map(|setting| Some((setting, setting.limit?)))
     }
 }
 

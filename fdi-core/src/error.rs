@@ -33,6 +33,21 @@ pub enum ConfigError {
         /// The value of the other parameter.
         limit: f32,
     },
+    /// The value is larger than the scale of the plant allows.
+    BeyondScale {
+        /// Parameter.
+        name: &'static str,
+        /// The value given.
+        value: f32,
+        /// Largest value allowed.
+        max: f32,
+        /// It follows from so many times the scale.
+        times: f32,
+        /// What the scale is.
+        of: &'static str,
+        /// How large the scale is.
+        scale: f32,
+    },
     /// Two rows of a signature table match the same symptoms.
     AmbiguousRows {
         /// Table.
@@ -53,6 +68,9 @@ impl fmt::Display for ConfigError {
             }
             Self::NotAbove { name, value, other, limit } => {
                 write!(f, "{name} is {value}, expected more than {other} ({limit})")
+            }
+            Self::BeyondScale { name, value, max, times, of, scale } => {
+                write!(f, "{name} is {value}, expected at most {max}: {times} times {of} ({scale})")
             }
             Self::AmbiguousRows { name, first, second } => write!(
                 f,
@@ -85,4 +103,18 @@ pub(crate) fn above(
     limit: f32,
 ) -> Result<(), ConfigError> {
     if value > limit { Ok(()) } else { Err(ConfigError::NotAbove { name, value, other, limit }) }
+}
+
+/// Checks that `value` is at most `base` and `times` the `scale`, which is that of `of`.
+#[inline(never)]
+pub(crate) fn within_scale(
+    name: &'static str,
+    value: f32,
+    base: f32,
+    times: f32,
+    of: &'static str,
+    scale: f32,
+) -> Result<(), ConfigError> {
+    let max = base + times * scale;
+    if value <= max { Ok(()) } else { Err(ConfigError::BeyondScale { name, value, max, times, of, scale }) }
 }

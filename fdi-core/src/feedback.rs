@@ -13,6 +13,8 @@ pub struct Feedback {
     pub virtual_rise: Option<f32>,
     /// T1 reads wrong, by name: offset, clogged, stuck, open, shorted or lost.
     pub t1_faulty: bool,
+    /// T1 does not answer to the heater as T2 does, by what needs no models and no settings.
+    pub t1_contradicted: bool,
     /// The heater gives another power than the one asked for, by name. Then the static gain says nothing of the air flow.
     pub heater_faulty: bool,
     /// Air flow by the static gain, % of normal, where known.

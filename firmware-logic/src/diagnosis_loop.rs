@@ -23,6 +23,7 @@ use crate::log_line::tick::TickLine;
 use crate::notice::Notice;
 use crate::settings::bits::checksum;
 use crate::settings::commissioning::Commissioning;
+use crate::settings::schema::Valued;
 use crate::settings::stored::{Stored, check};
 use crate::status::{Since, Status};
 use crate::teaching::Teaching;
@@ -109,7 +110,7 @@ impl DiagnosisLoop {
         let tick = record.tick.index;
         if let Some(outcome) = &record.outcome {
             self.adopt(outcome);
-            tell_outcome(tick, outcome, record.checked, &mut tell);
+            self.tell_outcome(tick, outcome, record.checked, &mut tell);
         }
         if let Some(news) = record.news {
             self.status.check.note(news);
@@ -140,6 +141,21 @@ impl DiagnosisLoop {
         self.notice_faults(&report, &mut tell);
         self.notice_jitter(&record, &mut tell);
         &self.status.last.insert((record, report)).1
+    }
+
+    fn tell_outcome(&self, tick: u32, outcome: &Outcome, checked: bool, tell: &mut impl FnMut(Notice)) {
+        let order = outcome.order;
+        match outcome.result {
+            Ok(()) => tell(Notice::Order { tick, order }),
+            Err(denial) => return tell(Notice::Denied { tick, denial }),
+        }
+        if !matches!(order, OrderKind::Command(command) if command.heats()) {
+            return;
+        }
+        if !checked {
+            tell(Notice::Unchecked);
+        }
+        Valued::wider_than_default(&self.settings.config).for_each(|wider| tell(Notice::Wider(wider)));
     }
 
     /// Puts proposed settings in force with the control half, or drops them with it.
@@ -327,16 +343,5 @@ impl DiagnosisLoop {
     /// What went wrong since the start.
     pub fn history(&self) -> &History {
         &self.history
-    }
-}
-
-fn tell_outcome(tick: u32, outcome: &Outcome, checked: bool, tell: &mut impl FnMut(Notice)) {
-    let order = outcome.order;
-    match outcome.result {
-        Ok(()) => tell(Notice::Order { tick, order }),
-        Err(denial) => return tell(Notice::Denied { tick, denial }),
-    }
-    if matches!(order, OrderKind::Command(command) if command.heats()) && !checked {
-        tell(Notice::Unchecked);
     }
 }

@@ -21,6 +21,10 @@ impl fmt::Display for Explained<'_, ConfigError> {
             ConfigError::NotAbove { name, value, other, limit } => {
                 write!(f, "{name} is {}, expected more than {other} ({})", Short(value), Short(limit))
             }
+            ConfigError::BeyondScale { name, value, max, times, of, scale } => {
+                let [value, max, times, scale] = [value, max, times, scale].map(Short);
+                write!(f, "{name} is {value}, expected at most {max}: {times} times {of} ({scale})")
+            }
             ConfigError::AmbiguousRows { name, first, second } => {
                 let (first, second) = (first + 1, second + 1); // as the console numbers them
                 write!(
@@ -62,8 +66,11 @@ mod tests {
     fn says_the_same_as_the_core() {
         let mut config = Config::default();
         config.pid.kp = -1.0;
+        let mut slow = Config::default();
+        slow.supervisor.response_time.0 = 100.0;
         let errors = [
             Instrument::new(&config).expect_err("below its bounds"),
+            Instrument::new(&slow).expect_err("more than its answer time allows"),
             ConfigError::NonFinite { name: "pid.kp" },
             ConfigError::NotAbove { name: "a", value: 0.5, other: "b", limit: Percent(2.25).0 },
         ];

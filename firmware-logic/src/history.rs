@@ -128,7 +128,7 @@ impl fmt::Display for EntryText<'_> {
                     TripReason::T1OverTemperature | TripReason::T2OverTemperature => {
                         write!(f, ", limit {} degC", Fixed(trip.limit.0, 1))
                     }
-                    TripReason::SensorsDisagree => {
+                    TripReason::SensorsDisagree | TripReason::T1Contradicted => {
                         write!(f, ", T2 {} degC", Fixed(trip.sample.t2.celsius.0, 1))
                     }
                     TripReason::NoResponse | TripReason::ExcessPower => power(f, trip),

@@ -12,10 +12,11 @@ use crate::alarm::AlarmRecord;
 use crate::control_loop::{Denial, OrderKind};
 use crate::history::{Entry, EntryText};
 use crate::interlock::Lockout;
-use crate::log_line::LogLine;
 use crate::log_line::tick::TickLine;
+use crate::log_line::{LogLine, WIDER};
 use crate::self_test::News;
 use crate::settings::commissioning::Commissioning;
+use crate::settings::schema::Valued;
 use crate::status::{Since, readiness};
 use crate::tuning::TuningText;
 
@@ -38,6 +39,8 @@ pub enum Notice {
     },
     /// It was armed though no self-test has passed.
     Unchecked,
+    /// It was armed with a limit that is wider than its default.
+    Wider(Valued),
     /// News of the self-test.
     Check(News),
     /// The experiment of `tune` is at another stage, or has ended.
@@ -113,6 +116,7 @@ impl Notice {
             | Self::Commissioned(_) => Level::Info,
             Self::Denied { .. }
             | Self::Unchecked
+            | Self::Wider(_)
             | Self::Check(News::Found(_))
             | Self::Fault(_)
             | Self::Alarm(_)
@@ -142,6 +146,7 @@ impl fmt::Display for NoticeText<'_> {
             Notice::Order { tick, order } => LogLine::Order { tick, order }.fmt(f),
             Notice::Denied { tick, denial } => write!(f, "{} {denial}", LogLine::Denied { tick }),
             Notice::Unchecked => f.write_str("armed without a check"),
+            Notice::Wider(limit) => write!(f, "{WIDER}{limit}"),
             Notice::Check(News::Stage(stage)) => write!(f, "check: {}", stage.name()),
             Notice::Check(News::Found(finding)) => write!(f, "check: {finding}"),
             Notice::Check(News::Ended(ending)) => ending.fmt(f),

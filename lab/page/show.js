@@ -67,7 +67,14 @@ function settings() {
   const typed = document.activeElement; // by the user, who has not finished yet
   for (const input of document.querySelectorAll("[data-set]")) if (input !== typed) input.value = lab.settings?.[input.dataset.set] ?? "";
   if (lab.hello?.kind === "board") all();
+  const wider = wide(lab.hello?.limits ?? {}, lab.settings ?? {});
+  $("wider").hidden = !wider.length;
+  $("wider").textContent = say("wider", { what: wider.map((name) => `${name} = ${lab.settings[name]}`).join(", ") });
 }
+
+// The limits that are wider than their defaults.
+const wide = (limits, settings) =>
+  Object.entries(limits).filter(([name, { default: usual, wider }]) => (wider === "above" ? settings[name] > usual : settings[name] < usual)).map(([name]) => name);
 
 function series() {
   const choice = ({ id, on, css, label }) => `<label><input type="checkbox" value="${id}" ${on ? "checked" : ""}><i style="background:var(${css})"></i>${label}</label>`;

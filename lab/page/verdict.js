@@ -16,7 +16,7 @@ const icon = (name) => `<svg viewBox="0 0 18 18" width="18" height="18" aria-hid
 const button = (act, key, primary) => `<button class="${primary ? "primary" : "plain"}" data-act="${act}">${say(key)}</button>`;
 const row = (...buttons) => `<div class="row">${buttons.join("")}</div>`;
 // The parts of which a trip speaks; those of the others begin with theirs.
-const TRIPPED = { AirFlowLost: ["fan", "heater"], HeaterStuckOn: ["heater"], SensorsDisagree: ["T1", "T2"], NoResponse: ["T1"], ExcessPower: [] };
+const TRIPPED = { AirFlowLost: ["fan", "heater"], HeaterStuckOn: ["heater"], SensorsDisagree: ["T1", "T2"], T1Contradicted: ["T1", "T2"], NoResponse: ["T1"], ExcessPower: [] };
 const ENDING = 8; // s: an alarm takes some time to see that its fault is over
 
 // What to say of a row. `can` tells which buttons make sense, `since` when the state began.

@@ -110,7 +110,7 @@ pub static FIELDS: [Field; 45] = [
 ];
 
 /// Why the heater was switched off, by the number that stands in the field `trip`.
-pub const TRIPS: [TripReason; 12] = [
+pub const TRIPS: [TripReason; 13] = [
     TripReason::T1Open,
     TripReason::T1Short,
     TripReason::T1OutOfRange,
@@ -123,6 +123,7 @@ pub const TRIPS: [TripReason; 12] = [
     TripReason::SensorsDisagree,
     TripReason::NoResponse,
     TripReason::ExcessPower,
+    TripReason::T1Contradicted,
 ];
 
 /// What keeps a sample from being learnt, by the number that stands in the field `blocked`.

@@ -1,7 +1,7 @@
 //! What goes between a source and a page: see PROTOCOL.md.
 
 use fdi_core::likelihood::FaultClass;
-use fdi_core::settings::{Setting, Value};
+use fdi_core::settings::{Setting, Value, Wider};
 use fdi_core::{Config, TripReason};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, json};
@@ -42,6 +42,7 @@ pub fn hello(kind: &str, can: &[&str]) -> serde_json::Value {
         "blockers": BLOCKERS.map(|blocker| format!("{blocker:?}")),
         "settings": numbers(&Config::default()),
         "bounds": bounds(),
+        "limits": limits(),
     })
 }
 
@@ -56,6 +57,16 @@ fn bounds() -> Map<String, serde_json::Value> {
         ))
     };
     Config::settings().filter_map(bounds).collect()
+}
+
+/// Default of every limit, and on which side of it a wider one lies.
+fn limits() -> Map<String, serde_json::Value> {
+    let limit = |setting: &Setting| {
+        let limit = setting.limit?;
+        let wider = if limit.wider == Wider::Above { "above" } else { "below" };
+        Some((setting.name.to_owned(), json!({ "default": as_written(limit.default), "wider": wider })))
+    };
+    Config::settings().filter_map(limit).collect()
 }
 
 /// What a client is told where a scene begins.
@@ -79,10 +90,11 @@ pub fn recorded(config: &Config) -> serde_json::Value {
     })
 }
 
-/// The settings that are numbers, which are those that an order may change.
+/// The settings that are numbers, which are those that an order may change, and the limits that are switches, as 0 or 1.
 fn numbers(config: &Config) -> Map<String, serde_json::Value> {
-    let number = |setting| match config.get(setting) {
+    let number = |setting: &Setting| match config.get(setting) {
         Value::Number(x) => Some((setting.name.to_owned(), json!(as_written(x)))),
+        Value::Switch(on) if setting.limit.is_some() => Some((setting.name.to_owned(), json!(u8::from(on)))),
         _ => None,
     };
     Config::settings().filter_map(number).collect()

@@ -96,6 +96,11 @@ fn config(error: &ConfigError) -> Option<(&'static str, Value)> {
         ConfigError::NotAbove { name, value, other, limit } => {
             Some(("above", json!({ "name": name, "value": value, "other": other, "limit": limit })))
         }
+        ConfigError::BeyondScale { name, value, max, times, of, scale } => {
+            let values =
+                json!({ "name": name, "value": value, "max": max, "times": times, "of": of, "scale": scale });
+            Some(("scale", values))
+        }
         ConfigError::AmbiguousRows { .. } => None,
     }
 }

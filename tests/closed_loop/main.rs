@@ -5,6 +5,7 @@ mod contradiction;
 mod heat;
 mod known;
 mod likelihood;
+mod limits;
 mod plants;
 mod scenarios;
 mod taught;

@@ -157,7 +157,11 @@ fn a_sample_time_that_does_not_suit_the_plant_is_refused() {
         Instrument::new(&config).unwrap_err().to_string()
     };
     assert_eq!(refused(|c| c.sample_time.0 = 0.2), "sample_time is 0.2, expected 0.5 to 62.5");
-    assert_eq!(refused(|c| c.identification.answer_time.0 = 2.0), "sample_time is 2, expected 0.004 to 0.5");
+    let fast = refused(|c| c.identification.answer_time.0 = 2.0);
+    assert_eq!(
+        fast,
+        "plausibility.stuck_time is 40, expected at most 16: 8 times identification.answer_time (2)"
+    );
     let dead = refused(|c| {
         c.identification.dead_time.0 = 99.0;
         c.sample_time.0 = 1.0

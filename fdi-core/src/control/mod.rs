@@ -3,7 +3,7 @@
 pub mod pid;
 pub mod prbs;
 
-use crate::config::Config;
+use crate::config::{Config, Limits};
 use crate::diagnosis::baseline::Baseline;
 use crate::error::ConfigError;
 use crate::feedback::Feedback;
@@ -11,6 +11,7 @@ use crate::filter::{LowPass, LowPassState};
 use crate::known::KnownInputs;
 use crate::sense::supply::{Supply, SupplyState};
 use crate::sense::{RawSample, Sample, Sensing, SensingState, Validity};
+use crate::supervisor::effect::HARMLESS;
 use crate::supervisor::{
     Blocker, Command, FASTEST_FAN, Mode, Refusal, Regulated, Situation, Supervisor, SupervisorState,
     TripReason,
@@ -65,6 +66,7 @@ pub struct Controller {
     plant: Plant,
     sample_time: Seconds,
     output_max: Percent,
+    limits: Limits,
 }
 
 /// What the settings say of the rig before anything is learnt.
@@ -94,9 +96,10 @@ pub struct ControllerState {
     feedback: Feedback,
     /// The virtual T1 was regulated on the tick before.
     was_virtual: bool,
-    /// What the tick before did: what the PID asked for, its excitation after saturation, and whether the sum was cut.
+    /// What the tick before did: what the PID asked for, its excitation after saturation, both together, and whether the sum was cut.
     asked: Percent,
     excitation: Percent,
+    driven: Percent,
     saturated: bool,
     tuning: Option<Tuning>,
 }
@@ -122,7 +125,12 @@ impl Controller {
         let controller = Self {
             sensing: Sensing::new(&config.sensors, &config.plausibility, ts)?,
             supply: Supply::new(&config.supply)?,
-            supervisor: Supervisor::new(&config.supervisor, config.pid.output_max, ts)?,
+            supervisor: Supervisor::new(
+                &config.supervisor,
+                config.pid.output_max,
+                config.identification.answer_time,
+                ts,
+            )?,
             pid: Pid::new(&config.pid, ts)?,
             prbs: Prbs::new(&config.prbs)?,
             error_filter: LowPass::new(config.diagnosis.filter_cutoff, ts),
@@ -132,6 +140,7 @@ impl Controller {
             },
             sample_time: ts,
             output_max: config.pid.output_max,
+            limits: Limits::of(config),
         };
         config.validate_limits()?;
         Ok(controller)
@@ -154,6 +163,7 @@ impl Controller {
             was_virtual: false,
             asked: Percent(0.0),
             excitation: Percent(0.0),
+            driven: Percent(0.0),
             saturated: false,
             tuning: None,
         }
@@ -182,7 +192,9 @@ impl Controller {
     /// One sample, and the drive that follows from it.
     pub fn step(&self, state: &mut ControllerState, raw: RawSample) -> Tick {
         let excited = state.excitation.0.abs() >= self.supervisor.min_excitation();
-        let sample = self.sensing.step(&mut state.sensing, raw, excited);
+        // In air that is heated no thermistor stands still, excited or not.
+        let moved = excited || state.driven.0 > HARMLESS;
+        let sample = self.sensing.step(&mut state.sensing, raw, moved);
         self.supply.step(&mut state.supply, raw.supply);
         let known = KnownInputs {
             supply: state.supply.share(),
@@ -200,6 +212,7 @@ impl Controller {
             mean_error: error,
             setpoint: state.setpoint,
             pid: state.asked,
+            drive: state.driven,
             saturated: state.saturated,
             excited,
             known: &known,
@@ -222,7 +235,7 @@ impl Controller {
             forget: decision.forget,
             known,
         };
-        state.asked = pid;
+        (state.asked, state.driven) = (pid, drive);
         state.index = state.index.wrapping_add(1);
         tick
     }
@@ -341,20 +354,17 @@ impl Controller {
         {
             return Err(Refusal::WidensLimit(name));
         }
-        if self.sensing.is_recalibrated_by(&new.sensing) || self.supply != new.supply {
+        if self.sensing.recalibrated(&new.sensing).is_some() || self.supply != new.supply {
             self.supervisor.recalibrated(&mut state.supervisor);
         }
         *self = new;
         Ok(())
     }
 
+    /// What `new` widens, or makes mean something else.
     fn widened(&self, new: &Self) -> Option<&'static str> {
-        let power = self.pid.is_widened_by(&new.pid).then_some("pid.output_max");
-        let slower =
-            (new.plant.answer_ticks > self.plant.answer_ticks).then_some("identification.answer_time");
         let supply = (self.supply != new.supply).then_some("supply.nominal_voltage");
-        let limit = self.supervisor.widened(&new.supervisor).or(power).or(slower).or(supply);
-        limit.or_else(|| self.sensing.widened(&new.sensing))
+        self.limits.widened(&new.limits).or(supply).or_else(|| self.sensing.recalibrated(&new.sensing))
     }
 
     /// Feedback from the second half, for the next step.

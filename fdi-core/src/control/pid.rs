@@ -37,9 +37,9 @@ settings! {
         /// Derivative time Td.
         td: Seconds = 0.075, 0.0..=100.0;
         /// Lowest output.
-        output_min: Percent = 0.0, 0.0..=100.0;
+        output_min: Percent = 0.0, 0.0..=20.0, limit above;
         /// Highest output.
-        output_max: Percent = 100.0, 0.0..=100.0;
+        output_max: Percent = 100.0, 0.0..=100.0, limit above;
     }
 }
 
@@ -120,11 +120,6 @@ impl Pid {
     /// Whether an output lies at one of the limits.
     pub fn at_limit(&self, output: Percent) -> bool {
         output.0 <= self.min || output.0 >= self.max
-    }
-
-    /// Whether `new` may drive harder.
-    pub(super) fn is_widened_by(&self, new: &Self) -> bool {
-        new.max > self.max
     }
 
     /// Limits to the output range; the lower limit where the argument is NaN.

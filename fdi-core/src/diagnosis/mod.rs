@@ -119,6 +119,7 @@ impl Report {
             learned: self.learned,
             virtual_rise: self.likelihood.virtual_rise,
             t1_faulty: finding.is_some_and(|f| f.class.sensor() == Some(Channel::T1)),
+            t1_contradicted: self.likelihood.t1_contradicted,
             heater_faulty: finding.is_some_and(|f| f.class == FaultClass::HeaterPower),
             air_flow: self.likelihood.air_flow.map(Percent),
             heater_stuck_on: self.likelihood.heater_stuck_on,

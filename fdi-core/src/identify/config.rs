@@ -26,7 +26,7 @@ settings! {
         dead_time: Seconds = 0.1, 0.0..=100.0;
         /// How long the rig takes to answer to a change of power: its dead time and some four time constants. What is judged by
         /// heat and answers takes its times from it: 4 to 500 samples.
-        answer_time: Seconds = 2.0, 0.1..=5000.0;
+        answer_time: Seconds = 2.0, 0.1..=2500.0, limit above;
         /// A static gain beyond this size is not believed.
         gain_max: f32 = 2.0, 1e-3..=1e3, in "degC/%";
     }

@@ -223,6 +223,11 @@ impl FaultClass {
         self.row().sensor
     }
 
+    /// Whether T1 does not see what the heater does, so that a loop by it heats without end.
+    pub(super) fn leaves_t1_blind(self) -> bool {
+        matches!(self, Self::T1Detached | Self::Stuck(Channel::T1) | Self::Swapped(Pair::T0T1))
+    }
+
     /// Its number in recordings, above 0. It never changes.
     pub const fn number(self) -> u32 {
         self.row().number

@@ -237,6 +237,7 @@ impl Likelihood {
             readiness: state.readiness(),
             alarm: by_models != ModelAlarm::Quiet || by_sensors.is_some() || without_models.is_some(),
             finding,
+            t1_contradicted: contradiction.is_some_and(|found| found.class.leaves_t1_blind()),
             ..self.heat(state, &now)
         }
     }

@@ -66,6 +66,8 @@ pub struct LikelihoodReport {
     pub alarm: bool,
     /// What it is, once that can be told.
     pub finding: Option<Finding>,
+    /// T1 is out of the tube, stands still or is mistaken for T0: by how the thermistors answer to the power, without models.
+    pub t1_contradicted: bool,
     /// The fault of the user's own that it is, beside that.
     pub taught: Option<TaughtFinding>,
     /// What T0, T1 and T2 should read, degC: the ambient that is believed, and by the models what is above it.

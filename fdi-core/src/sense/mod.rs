@@ -130,6 +130,12 @@ pub struct SensingState {
     t2: PlausibilityState,
 }
 
+/// ln of the resistance of a thermistor over its pull-up, by the code alone; None where no code came, or one at a rail.
+pub(crate) fn log_resistance(code: AdcCode) -> Option<f32> {
+    let within = code.0 >= 1.0 && code.0 <= AdcCode::FULL_SCALE - 1.0;
+    within.then(|| logarithm::ln(code.0 / (AdcCode::FULL_SCALE - code.0)))
+}
+
 impl Sensing {
     /// Builds the three channels.
     ///
@@ -150,19 +156,14 @@ impl Sensing {
         })
     }
 
-    /// Whether a code of any thermistor means another temperature to `new`.
-    pub(crate) fn is_recalibrated_by(&self, new: &Self) -> bool {
-        self.t0.is_recalibrated_by(&new.t0)
-            || self.t1.is_recalibrated_by(&new.t1)
-            || self.t2.is_recalibrated_by(&new.t2)
-    }
-
-    /// The first setting by which `new` would widen a limit, or change what a code means.
-    pub(crate) fn widened(&self, new: &Self) -> Option<&'static str> {
-        self.t0
-            .widened(&new.t0, "sensors.t0")
-            .or_else(|| self.t1.widened(&new.t1, "sensors.t1"))
-            .or_else(|| self.t2.widened(&new.t2, "sensors.t2"))
+    /// The first thermistor of which a code means another temperature to `new`.
+    pub(crate) fn recalibrated(&self, new: &Self) -> Option<&'static str> {
+        let channels = [
+            (&self.t0, &new.t0, "sensors.t0"),
+            (&self.t1, &new.t1, "sensors.t1"),
+            (&self.t2, &new.t2, "sensors.t2"),
+        ];
+        channels.into_iter().find_map(|(now, new, name)| now.is_recalibrated_by(new).then_some(name))
     }
 
     /// Converts and judges one sample. `excited` says that the heater is being moved, so that a live sensor must move.

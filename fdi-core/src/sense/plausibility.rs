@@ -5,7 +5,6 @@
 
 use super::thermistor::Thermistor;
 use super::{Reading, Validity};
-use crate::bounds::first_raised;
 use crate::error::{ConfigError, above};
 use crate::settings::{check, settings};
 use crate::units::{AdcCode, Celsius, Seconds};
@@ -14,21 +13,21 @@ settings! {
     /// Plausibility: what a thermistor can truly read. What fails is held out of control and diagnosis; T1 failing also trips.
     pub struct PlausibilityConfig: Plausibility "plausibility." {
         /// A code at or above this is an open thermistor or wire.
-        open_code: AdcCode = 4055.0, 3000.0..=4094.0;
+        open_code: AdcCode = 4055.0, 3000.0..=4094.0, limit above;
         /// A code at or below this is a shorted thermistor or wire.
-        short_code: AdcCode = 40.0, 1.0..=1000.0;
+        short_code: AdcCode = 40.0, 1.0..=1000.0, limit below;
         /// Lowest temperature that the rig can have.
-        min: Celsius = -20.0, -50.0..=50.0;
+        min: Celsius = -20.0, -50.0..=50.0, limit below;
         /// Highest temperature that the rig can have.
-        max: Celsius = 110.0, -50.0..=350.0;
+        max: Celsius = 110.0, -50.0..=350.0, limit above;
         /// A change in one tick larger than this, not foretold by the trend either, is a jump: withheld for one tick.
-        jump: Celsius = 4.0, 0.1..=200.0;
+        jump: Celsius = 4.0, 0.1..=200.0, limit above;
         /// T1 or T2 without any change for so long, while the heater is excited, is stuck.
-        stuck_time: Seconds = 3.0, 0.5..=3600.0;
+        stuck_time: Seconds = 3.0, 0.5..=600.0, limit above within 8 answers;
         /// The same for the room sensor, which has every right to be quiet.
-        ambient_stuck_time: Seconds = 600.0, 0.5..=86400.0, was "plausibility.room_stuck_time";
+        ambient_stuck_time: Seconds = 600.0, 0.5..=86400.0, was "plausibility.room_stuck_time", limit above;
         /// Codes this close count as no change.
-        stuck_band: AdcCode = 0.25, 0.0..=10.0;
+        stuck_band: AdcCode = 0.25, 0.0..=10.0, limit below;
     }
 }
 
@@ -37,23 +36,6 @@ impl PlausibilityConfig {
     pub(super) fn validate(&self) -> Result<(), ConfigError> {
         check(Self::SETTINGS[0], self)?;
         above("plausibility.max", self.max.0, "plausibility.min", self.min.0)
-    }
-}
-
-impl PlausibilityConfig {
-    /// The first limit that `new` would widen.
-    fn widened(&self, new: &Self) -> Option<&'static str> {
-        first_raised(&[
-            ("plausibility.open_code", self.open_code.0, new.open_code.0),
-            ("plausibility.max", self.max.0, new.max.0),
-            ("plausibility.jump", self.jump.0, new.jump.0),
-            ("plausibility.stuck_time", self.stuck_time.0, new.stuck_time.0),
-            ("plausibility.ambient_stuck_time", self.ambient_stuck_time.0, new.ambient_stuck_time.0),
-            // Smaller ones are wider.
-            ("plausibility.short_code", new.short_code.0, self.short_code.0),
-            ("plausibility.min", new.min.0, self.min.0),
-            ("plausibility.stuck_band", new.stuck_band.0, self.stuck_band.0),
-        ])
     }
 }
 
@@ -93,11 +75,6 @@ impl Plausibility {
     /// Whether a code means another temperature to `new`.
     pub(super) fn is_recalibrated_by(&self, new: &Self) -> bool {
         self.thermistor != new.thermistor
-    }
-
-    /// What a change to `new` would widen: a limit, or what a code means.
-    pub(super) fn widened(&self, new: &Self, sensor: &'static str) -> Option<&'static str> {
-        if self.is_recalibrated_by(new) { Some(sensor) } else { self.limits.widened(&new.limits) }
     }
 
     /// Converts and judges one code. Total: any bit pattern gives a finite temperature and a validity.

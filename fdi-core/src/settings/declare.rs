@@ -10,13 +10,16 @@
 ///         kp: f32 = 2.4, 0.0..=1000.0, in "%/degC";
 ///         /// Integral time Ti.
 ///         ti: Seconds = 0.5, 0.01..=1e4, was "pid.t_i";
+///         /// Highest output.
+///         output_max: Percent = 100.0, 0.0..=100.0, limit above;
 ///     }
 /// }
 /// ```
 ///
 /// `Pid` is the group and `pid.` the beginning of the names: a struct that serves several groups has several. Then each setting:
 /// documentation, field, type, default; bounds, where it is a number; its unit, where the type has none; the name that it
-/// once had, which keeps its id. `and { name: Type = default; }` adds fields that are no settings.
+/// once had, which keeps its id. `limit` marks what a protection rests on, and says where it is wider: `above` or `below` its default, or
+/// when a switch is `on` or `off`; `within 16 answers` bounds a time by so many `identification.answer_time`. `and { name: Type = default; }` adds fields that are no settings.
 ///
 /// It gives the struct with documented fields, `Default`, `SETTINGS` (a table of [`Setting`](super::Setting) for each group),
 /// `ABOUT` (what people read), `check` for the bounds, and access to a field by its place.
@@ -32,7 +35,8 @@ macro_rules! settings {
 
     (@struct [$($Copy:ident)?] [$($about:literal)+] $Config:ident
         { $($(#[doc = $doc:literal])+ $field:ident: $Type:ty = $default:expr
-            $(, $min:literal..=$max:literal)? $(, in $unit:literal)? $(, was $was:literal)?;)+ }
+            $(, $min:literal..=$max:literal)? $(, in $unit:literal)? $(, was $was:literal)?
+            $(, limit $side:ident $(within $answers:literal answers)?)?;)+ }
         { $($(#[doc = $other_doc:literal])+ $other:ident: $Other:ty = $other_default:expr;)* }
     ) => {
         $(#[doc = $about])+
@@ -96,7 +100,8 @@ macro_rules! settings {
 
     (@table $Group:ident $prefix:literal
         { $($(#[doc = $doc:literal])+ $field:ident: $Type:ty = $default:expr
-            $(, $min:literal..=$max:literal)? $(, in $unit:literal)? $(, was $was:literal)?;)+ }
+            $(, $min:literal..=$max:literal)? $(, in $unit:literal)? $(, was $was:literal)?
+            $(, limit $side:ident $(within $answers:literal answers)?)?;)+ }
     ) => {{
         $crate::settings::settings!(@index $($field)+);
         &[$($crate::settings::Setting {
@@ -106,12 +111,16 @@ macro_rules! settings {
             kind: <$Type as $crate::settings::FieldType>::KIND$(.within($min as f32, $max as f32))?,
             group: $crate::settings::Group::$Group,
             index: Index::$field as u8,
+            limit: $crate::settings::settings!(
+                @first $($crate::settings::settings!(@limit $side ($default) ($($answers)?)),)? None
+            ),
         }),+]
     }};
 
     (@about
         { $($(#[doc = $doc:literal])+ $field:ident: $Type:ty = $default:expr
-            $(, $min:literal..=$max:literal)? $(, in $unit:literal)? $(, was $was:literal)?;)+ }
+            $(, $min:literal..=$max:literal)? $(, in $unit:literal)? $(, was $was:literal)?
+            $(, limit $side:ident $(within $answers:literal answers)?)?;)+ }
     ) => {
         &[$($crate::settings::About {
             text: concat!($($doc, "\n"),+),
@@ -122,6 +131,22 @@ macro_rules! settings {
     (@index $($field:ident)+) => {
         #[allow(non_camel_case_types)]
         enum Index { $($field),+ }
+    };
+
+    (@limit above ($default:expr) ($($answers:literal)?)) => {
+        $crate::settings::settings!(@limit Above $default, $($answers)?)
+    };
+    (@limit below ($default:expr) ($($answers:literal)?)) => {
+        $crate::settings::settings!(@limit Below $default, $($answers)?)
+    };
+    (@limit on ($default:expr) ()) => { $crate::settings::settings!(@limit Above 0.0,) };
+    (@limit off ($default:expr) ()) => { $crate::settings::settings!(@limit Below 1.0,) };
+    (@limit $Side:ident $default:expr, $($answers:literal)?) => {
+        Some($crate::settings::Limit {
+            wider: $crate::settings::Wider::$Side,
+            default: $default as f32,
+            answers: $crate::settings::settings!(@first $($answers,)? 0),
+        })
     };
 
     (@first $first:expr $(, $rest:expr)?) => { $first };

@@ -36,6 +36,38 @@ pub struct Setting {
     /// Where its value lies: in which group, and where in that.
     pub(crate) group: Group,
     pub(crate) index: u8,
+    /// Where a protection rests on it: which way it gets wider.
+    pub limit: Option<Limit>,
+}
+
+/// What makes a setting a limit. It is not widened while the heater is on, and told where it is wider than the default.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// On which side of a value a wider one lies.
+    pub wider: Wider,
+    /// The default; of a switch 1 for on.
+    pub default: f32,
+    /// A time is at most so many `identification.answer_time`; 0 where that does not bound it.
+    pub answers: u8,
+}
+
+/// On which side of a value a wider one lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wider {
+    /// Larger values are wider, or a switch that is on.
+    Above,
+    /// Smaller values are wider, or a switch that is off.
+    Below,
+}
+
+impl Limit {
+    /// Whether `new` is wider than `now`, by the numbers of [`Value::number`].
+    pub(crate) fn is_widened(&self, now: f32, new: f32) -> bool {
+        match self.wider {
+            Wider::Above => new > now,
+            Wider::Below => new < now,
+        }
+    }
 }
 
 /// What only people read of a setting.
@@ -108,6 +140,18 @@ pub enum Value {
         /// Its numbers; those that it does not have are 0.
         numbers: [f32; 2],
     },
+}
+
+impl Value {
+    /// It as a number; of a switch 1 for on, of a choice its place.
+    pub(crate) fn number(self) -> f32 {
+        match self {
+            Self::Number(x) => x,
+            Self::Whole(n) => n.into(),
+            Self::Switch(on) => on.into(),
+            Self::Choice { form, .. } => form as f32,
+        }
+    }
 }
 
 impl Kind {

@@ -21,15 +21,26 @@ impl Supervisor {
         }
         let by_models = state.mode != Mode::Off && now.feedback.heater_stuck_on;
         let unasked = self.unasked.step(&mut state.unasked, now, state.power) || by_models;
+        let heating = state.mode.is_heating();
+        let by_t1 = heating && !now.regulated.is_virtual;
+        let without_effect = self.effect.step(&mut state.effect, now.raw.t1, now.drive, by_t1);
+        let named = by_t1 && now.feedback.t1_contradicted;
+        state.named = if named { state.named.saturating_add(1) } else { 0 };
         let by_sensors = self.sensor_hazard(state.lost > self.lost_ticks, now);
-        let by_heat = if state.mode.is_heating() {
+        let by_heat = if heating {
             self.heat_hazard(state, now)
         } else {
             (state.response, state.disagreement) = Default::default();
             None
         };
         let without_air = self.is_without_air(now).then_some(TripReason::AirFlowLost);
-        by_sensors.or(unasked.then_some(TripReason::HeaterStuckOn)).or(without_air).or(by_heat)
+        let contradicted = state.named > self.named_ticks;
+        by_sensors
+            .or(unasked.then_some(TripReason::HeaterStuckOn))
+            .or(without_air)
+            .or(by_heat)
+            .or(contradicted.then_some(TripReason::T1Contradicted))
+            .or(without_effect.then_some(TripReason::NoResponse))
     }
 
     /// By what was announced of the fan. An announcement only ever takes heat away: no limit is widened for it.

@@ -17,7 +17,7 @@
 //! use fdi_core::supervisor::{Command, Mode, Supervisor, SupervisorState};
 //! use fdi_core::{Percent, Seconds, SupervisorConfig};
 //!
-//! let supervisor = Supervisor::new(&SupervisorConfig::default(), Percent(100.0), Seconds(0.11))?;
+//! let supervisor = Supervisor::new(&SupervisorConfig::default(), Percent(100.0), Seconds(2.0), Seconds(0.11))?;
 //! let mut state = SupervisorState::default();
 //! assert_eq!(supervisor.mode(&state), &Mode::Off);
 //! supervisor.command(&mut state, Command::Arm).expect("nothing speaks against it");
@@ -28,6 +28,7 @@
 
 pub mod config;
 mod disagreement;
+pub(crate) mod effect;
 mod hazard;
 mod mode;
 mod operation;
@@ -38,6 +39,7 @@ mod unasked;
 
 pub use mode::{Blocker, Command, FASTEST_FAN, Mode, Refusal, Trip, TripReason};
 
+use crate::bounds::smaller;
 use crate::diagnosis::baseline::Baseline;
 use crate::error::ConfigError;
 use crate::feedback::Feedback;
@@ -47,6 +49,7 @@ use crate::sense::{RawSample, Sample};
 use crate::units::{Celsius, Percent, Seconds};
 use config::SupervisorConfig;
 use disagreement::{Disagreement, DisagreementState};
+use effect::{Effect, EffectState};
 use operation::Operation;
 use response::{Response, ResponseState};
 use unasked::{Unasked, UnaskedState};
@@ -55,6 +58,10 @@ use unasked::{Unasked, UnaskedState};
 const UNIDENTIFIED: u32 = 300;
 /// The power is averaged over this share of `response_time` before it is judged.
 const POWER_TIME: f32 = 0.125;
+
+/// T1 may be named out of the tube, or standing still, for so many answer times before that trips, and for so many s.
+const NAMED: f32 = 4.0;
+const LONGEST_NAMED: f32 = 300.0;
 
 /// What the supervisor looks at.
 #[derive(Clone, Copy, Debug)]
@@ -73,6 +80,8 @@ pub struct Situation<'a> {
     pub setpoint: Celsius,
     /// What the PID asked for on the tick before: the drive without the excitation.
     pub pid: Percent,
+    /// The drive of the tick before.
+    pub drive: Percent,
     /// The drive was at a limit on the tick before.
     pub saturated: bool,
     /// The tick before was really excited.
@@ -111,6 +120,8 @@ pub struct Supervisor {
     response: Response,
     disagreement: Disagreement,
     unasked: Unasked,
+    effect: Effect,
+    named_ticks: u32,
     learn_start: u32,
     learn_samples: u32,
     steady_ticks: u32,
@@ -141,14 +152,22 @@ pub struct SupervisorState {
     response: ResponseState,
     disagreement: DisagreementState,
     unasked: UnaskedState,
+    effect: EffectState,
+    /// Ticks in a row on which T1 was named out of the tube or standing still, without models; saturates.
+    named: u32,
 }
 
 impl Supervisor {
-    /// Builds the supervisor; `output_max` is the power that the controller can ask for.
+    /// Builds the supervisor; `output_max` is the power that the controller can ask for, `answer_time` how long the rig takes to answer.
     ///
     /// # Errors
     /// The parameter that is out of bounds.
-    pub fn new(c: &SupervisorConfig, output_max: Percent, sample_time: Seconds) -> Result<Self, ConfigError> {
+    pub fn new(
+        c: &SupervisorConfig,
+        output_max: Percent,
+        answer_time: Seconds,
+        sample_time: Seconds,
+    ) -> Result<Self, ConfigError> {
         c.validate(sample_time)?;
         Ok(Self::of(c, output_max, sample_time))
     }
@@ -162,6 +181,8 @@ impl Supervisor {
             response: Response::new(c, output_max, ts),
             disagreement: Disagreement::new(c, ts),
             unasked: Unasked::new(c, ts),
+            effect: Effect::new(answer_time, ts),
+            named_ticks: Seconds(smaller(NAMED * answer_time.0, LONGEST_NAMED)).ticks(ts),
             learn_start,
             learn_samples: c.learn_end.ticks(ts).saturating_sub(learn_start),
             steady_ticks: c.regulation_time.ticks(ts),
@@ -316,11 +337,6 @@ impl Supervisor {
     pub(crate) fn recalibrated(&self, state: &mut SupervisorState) {
         state.forget = true;
         (state.operation, state.unasked) = Default::default();
-    }
-
-    /// The first limit that the settings of `new` widen.
-    pub(crate) fn widened(&self, new: &Self) -> Option<&'static str> {
-        self.config.widened(&new.config)
     }
 
     /// Carries out a command on the mode.

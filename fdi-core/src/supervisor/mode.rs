@@ -30,10 +30,12 @@ pub enum TripReason {
     HeaterStuckOn,
     /// T2 is far hotter than T1.
     SensorsDisagree,
-    /// Full power, and T1 has not risen since arming.
+    /// Full power, and T1 has not risen since arming; or much power for long, and T1 does not account for it.
     NoResponse,
     /// Far more power than was learnt for this set-point, and T1 does not rise.
     ExcessPower,
+    /// T1 does not answer to the heater as T2 does.
+    T1Contradicted,
 }
 
 impl TripReason {
@@ -52,9 +54,12 @@ impl TripReason {
             Self::SensorsDisagree => {
                 "T2 is far hotter than T1: T1 is out of the tube or stands still, or wires are swapped"
             }
-            Self::NoResponse => "full power, and T1 has not risen: T1 out of the tube, or nothing heats",
+            Self::NoResponse => "much power, and T1 has not risen: T1 out of the tube, or nothing heats",
             Self::ExcessPower => {
                 "far more power than was learnt for this set-point: T1 out of the tube, or the rig changed"
+            }
+            Self::T1Contradicted => {
+                "T1 does not answer to the heater as T2 does: T1 is out of the tube or stands still, or wires are swapped"
             }
         }
     }

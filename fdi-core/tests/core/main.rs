@@ -5,6 +5,7 @@ mod endurance;
 mod estimator;
 mod experiment;
 mod known;
+mod limits;
 mod monitor;
 mod oracle;
 mod properties;

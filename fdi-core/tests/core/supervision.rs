@@ -312,11 +312,11 @@ fn no_limit_is_widened_while_the_heater_is_on() {
     let widened: [(&str, Change); 9] = [
         ("supervisor.over_temperature", |c| c.supervisor.over_temperature.0 = 100.0),
         ("supervisor.min_air_flow", |c| c.supervisor.min_air_flow.0 = 0.0),
-        ("supervisor.max_disagreement", |c| c.supervisor.max_disagreement.0 = 50.0),
-        ("supervisor.response_time", |c| c.supervisor.response_time.0 = 600.0),
+        ("supervisor.max_disagreement", |c| c.supervisor.max_disagreement.0 = 10.0),
+        ("supervisor.response_time", |c| c.supervisor.response_time.0 = 32.0),
         ("supervisor.go_on_without_t1", |c| c.supervisor.go_on_without_t1 = true),
         ("identification.answer_time", |c| c.identification.answer_time.0 = 4.0),
-        ("plausibility.stuck_time", |c| c.plausibility.stuck_time.0 = 60.0),
+        ("plausibility.stuck_time", |c| c.plausibility.stuck_time.0 = 16.0),
         ("sensors.t1", |c| c.sensors.t1.offset.0 = -15.0),
         ("pid.output_max", |c| c.pid.output_max.0 = 100.0),
     ];

@@ -22,9 +22,10 @@ use crate::decimal::{self, Fixed};
 use crate::explain::Explained;
 use crate::finding::Sentence;
 use crate::history::{Entry, EntryText};
+use crate::log_line::WIDER;
 use crate::reset_cause::Restart;
 use crate::self_test::{Progress, step_ticks};
-use crate::settings::schema::Name;
+use crate::settings::schema::{Name, Valued};
 use crate::settings::store::SaveError;
 use crate::settings::{Expected, SetError};
 use crate::status::Status;
@@ -215,7 +216,10 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
     match request {
         Request::Nothing => {}
         Request::Help => help(out),
-        Request::Status => status(board, out),
+        Request::Status => {
+            status(board, out);
+            wider(&board.config(), out);
+        }
         Request::Get { name } => get(name, &board.config(), out),
         Request::Set { name, value } => set(name, value, board, out).await,
         Request::Save => done(out, board.save().await),
@@ -291,6 +295,14 @@ fn status(board: &impl Board, out: &mut dyn Write) {
         }
         None if report.likelihood.alarm => say(out, "fault: something is wrong, too early to say what\n"),
         None => {}
+    }
+}
+
+/// The limits that are wider than their defaults.
+#[inline(never)]
+fn wider(config: &Config, out: &mut dyn Write) {
+    for limit in Valued::wider_than_default(config) {
+        let _ = writeln!(out, "{WIDER}{limit}");
     }
 }
 

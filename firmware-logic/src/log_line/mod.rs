@@ -6,6 +6,7 @@
 //! setting pid.kp = 2.4 %/degC
 //! baseline raw.mean 3f800000 ..
 //! commissioned 1 3e99999a ..
+//! wider than the default: supervisor.signal_timeout = 2 s
 //! order 11 setpoint 42180000 (38 degC)
 //! order 12 fan 42a00000 (80 %)
 //! denied 12 a check is under way, ..
@@ -37,6 +38,9 @@ use crate::settings::schema::Name;
 /// Version of these lines. It changes with their text.
 pub const VERSION: u32 = 5;
 
+/// How the line of a limit that is wider than its default begins.
+pub const WIDER: &str = "wider than the default: ";
+
 /// One line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LogLine<'a> {
@@ -47,6 +51,13 @@ pub enum LogLine<'a> {
     },
     /// A setting that is not at its default: at the start, or just before an order puts it in force.
     Setting {
+        /// Its name.
+        name: &'a str,
+        /// Its value, with its unit.
+        value: &'a str,
+    },
+    /// A limit that is wider than its default, where the instrument is armed.
+    Wider {
         /// Its name.
         name: &'a str,
         /// Its value, with its unit.
@@ -96,6 +107,7 @@ impl fmt::Display for LogLine<'_> {
         match self {
             Self::Start { version } => write!(f, "log format {version}"),
             Self::Setting { name, value } => write!(f, "setting {name} = {value}"),
+            Self::Wider { name, value } => write!(f, "{WIDER}{name} = {value}"),
             Self::Baseline(part) => part.fmt(f),
             Self::Commissioned(commissioning) => commissioning::write(f, commissioning.as_ref()),
             Self::Order { tick, order } => {
@@ -182,6 +194,9 @@ impl<'a> LogLine<'a> {
         }
         if let Some((name, value)) = after(text, "setting ").and_then(|rest| rest.split_once(" = ")) {
             return Ok(Some(Self::Setting { name: name.trim(), value: without_place(value).trim() }));
+        }
+        if let Some((name, value)) = after(text, WIDER).and_then(|rest| rest.split_once(" = ")) {
+            return Ok(Some(Self::Wider { name: name.trim(), value: without_place(value).trim() }));
         }
         if let Some(cycles) = after(text, "cycles ").and_then(cycles) {
             return Ok(Some(cycles));

@@ -4,7 +4,7 @@ use core::fmt;
 
 use fdi_core::diagnosis::signature::MAX_ROWS;
 use fdi_core::likelihood::taught::MAX_TAUGHT;
-use fdi_core::settings::Kind;
+use fdi_core::settings::{Kind, Value};
 use fdi_core::{Config, Setting};
 
 use super::bits::bits;
@@ -72,10 +72,7 @@ impl Name {
     /// The value as text, with its unit.
     pub fn value(self, config: &Config) -> impl fmt::Display {
         fmt::from_fn(move |f| match self {
-            Self::Entry(setting) => {
-                text::write(f, setting.kind, config.get(setting))?;
-                if setting.unit.is_empty() { Ok(()) } else { write!(f, " {}", setting.unit) }
-            }
+            Self::Entry(setting) => with_unit(f, setting, config.get(setting)),
             Self::Row(table, row) => match table.rows(config).get(row) {
                 Some(signature) => {
                     write!(f, "{} {}", signature.number, signature.pattern)?;
@@ -107,6 +104,34 @@ impl Name {
             Self::Row(table, row) => set_row(table.rows_mut(config), *row, name, text),
             Self::Response(place) => response::set(&mut config.likelihood.taught, *place, name, text),
         }
+    }
+}
+
+fn with_unit(f: &mut fmt::Formatter<'_>, setting: &Setting, value: Value) -> fmt::Result {
+    text::write(f, setting.kind, value)?;
+    if setting.unit.is_empty() { Ok(()) } else { write!(f, " {}", setting.unit) }
+}
+
+/// A setting with a value, to be shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Valued {
+    /// The setting.
+    pub setting: &'static Setting,
+    /// The value.
+    pub value: Value,
+}
+
+impl Valued {
+    /// The limits that are wider than their defaults.
+    pub fn wider_than_default(config: &Config) -> impl Iterator<Item = Self> {
+        config.wider_than_default().map(|setting| Self { setting, value: config.get(setting) })
+    }
+}
+
+impl fmt::Display for Valued {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} = ", self.setting.name)?;
+        with_unit(f, self.setting, self.value)
     }
 }
 

@@ -2,10 +2,13 @@
 
 use fdi_core::{AdcCode, Command, Feedback, RawSample};
 use firmware_logic::cadence::Arrival;
-use firmware_logic::console::Board;
+use firmware_logic::console::{Board, carry_out};
 use firmware_logic::history::Entry;
 use firmware_logic::interlock::Lockout;
+use firmware_logic::log_line::LogLine;
 use firmware_logic::notice::Notice;
+use firmware_logic::settings::store::Origin;
+use firmware_logic::settings::stored::{MAX_BYTES, Stored};
 
 use crate::{heating, now};
 
@@ -14,7 +17,13 @@ fn a_lockout_is_told_kept_in_the_history_and_told_when_released() {
     let mut board = heating();
     assert_eq!(
         board.chip.told(),
-        ["order 1 arm", "armed without a check", "mode 1 off -> settle", "likelihood 1 in training"],
+        [
+            "order 1 arm",
+            "armed without a check",
+            "wider than the default: supervisor.check_before_arming = false",
+            "mode 1 off -> settle",
+            "likelihood 1 in training"
+        ],
         "and the record of each tick: training begins with the first heat"
     );
     board.chip.output.open = true;
@@ -62,5 +71,40 @@ fn a_trip_and_missed_ticks_are_told_and_kept() {
         board.status().health.jitter,
         jitter,
         "a tick that was missed is counted where the next begins"
+    );
+}
+
+/// In the log at each arming, in a form that is read again, and in `status`.
+#[test]
+fn limits_wider_than_the_default_are_told_at_each_arming() {
+    let mut board = heating();
+    now(board.command(Command::Stop)).expect("stops");
+    let mut config = board.config();
+    config.supervisor.signal_timeout.0 = 2.0;
+    config.supervisor.max_disagreement.0 = 4.0; // narrower
+    now(board.apply(&config)).expect("at rest");
+    board.chip.told();
+    now(board.command(Command::Arm)).expect("arms");
+    let told = board.chip.told();
+    let limits: Vec<_> = told.iter().filter_map(|line| LogLine::find(line).expect("whole")).collect();
+    let wider = |name, value| LogLine::Wider { name, value };
+    assert!(limits.contains(&wider("supervisor.signal_timeout", "2 s")), "{told:?}");
+    assert!(limits.contains(&wider("supervisor.check_before_arming", "false")), "{told:?}");
+    assert_eq!(limits.iter().filter(|line| matches!(line, LogLine::Wider { .. })).count(), 2);
+    let mut said = String::new();
+    now(carry_out("status", &mut board, &mut said));
+    assert!(said.contains("\nwider than the default: supervisor.signal_timeout = 2 s\n"), "{said}");
+}
+
+/// What an older release saved with a limit wider than it may be now is not taken over, and the reason names it.
+#[test]
+fn a_saved_limit_that_is_out_of_bounds_by_now_is_told() {
+    let mut saved = Stored::default();
+    saved.config.supervisor.response_time.0 = 100.0;
+    let mut buffer = [0; MAX_BYTES];
+    let error = Stored::decode(saved.encode(&mut buffer).expect("room")).expect_err("wider than allowed");
+    assert_eq!(
+        Origin::Fallback(error).to_string(),
+        "DEFAULTS, since the saved record is invalid: supervisor.response_time is 100, expected at most 32: 16 times identification.answer_time (2)"
     );
 }

@@ -1,6 +1,6 @@
 //! The settings as a table in Markdown, for the documents.
 
-use fdi_core::settings::{About, Value};
+use fdi_core::settings::{About, Limit, Value, Wider};
 use fdi_core::{Config, Setting};
 
 use super::{form, range, table_of};
@@ -15,6 +15,12 @@ declarations in `fdi-core` by `cargo run -- config --markdown > docs/settings.md
 On top come the rows of the signature tables, `diagnosis.detection.1` and on, `diagnosis.isolation.1` and on
 ([theory](theory.md), section 7): a number, five of -1 0 +1 x, and for a fault of one's own a name. `pt326 teach` makes such rows ([board](board.md)),
 and what the likelihood diagnosis knows such faults by: `likelihood.taught.1` and on, a name and eleven whole numbers ([diagnosis](diagnosis.md), section 8).
+
+On a *limit* a protection rests ([safety](safety.md)). None is made wider while the heater is on; `status`, the log at each arming, the page and the
+report of a commissioning list those that are wider than their defaults. For a switch `above` is on. Limits are bounded by the plant's scale, too:
+times by `identification.answer_time`, `supervisor.over_temperature` by twice what `supervisor.setpoint_max` is above a room of 20 degC, and
+`supervisor.max_disagreement` by a quarter of what that allows. What was saved outside of its bounds by an older release is not taken over: the board starts
+with the defaults and says so, with the name of the setting.
 ";
 
 /// All settings as Markdown.
@@ -46,8 +52,20 @@ fn row(setting: &Setting, about: &About, value: Value) -> String {
         }),
     };
     let was = about.was.map_or(String::new(), |was| format!(" Was `{was}`."));
+    let limit = setting.limit.map_or(String::new(), limit);
     let (unit, range, what) = (setting.unit, range(setting), one_line(about.text));
-    format!("| `{}` | {value} | {unit} | {range} | {what}{was} |\n", setting.name)
+    format!("| `{}` | {value} | {unit} | {range} | {what}{was}{limit} |\n", setting.name)
+}
+
+/// What is said of a limit.
+fn limit(limit: Limit) -> String {
+    let side = if limit.wider == Wider::Above { "above" } else { "below" };
+    let most = match limit.answers {
+        0 => String::new(),
+        1 => ", at most 1 `identification.answer_time`".into(),
+        n => format!(", at most {n} `identification.answer_time`"),
+    };
+    format!(" *Limit*, wider {side} the default{most}.")
 }
 
 fn one_line(lines: &str) -> String {

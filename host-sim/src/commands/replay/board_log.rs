@@ -119,6 +119,7 @@ fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
                 let tick = start.records.len() as u32;
                 start.orders.push((tick, Order::Commission(kept.map(|kept| kept.models))));
             }
+            LogLine::Wider { .. } => {}  // told as a setting, too
             LogLine::Cycles { .. } => {} // times of the board
             LogLine::Dropped { count } => start.dropped += count,
             LogLine::Baseline(part) => part.restore(start.baseline.get_or_insert_default()),

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use fdi_core::Config;
-use firmware_logic::settings::schema::Name;
+use firmware_logic::settings::schema::{Name, Valued};
 
 use crate::record::report::escape;
 
@@ -64,6 +64,15 @@ pub(super) fn html(sections: &[Section], now: Option<&Config>) -> String {
         "<h2>Settings that are not the default</h2>\n<pre>{}</pre>",
         escape(&now.map_or("they could not be read".into(), own))
     );
+    let wider = |now: &Config| {
+        let lines: Vec<String> = Valued::wider_than_default(now).map(|limit| limit.to_string()).collect();
+        if lines.is_empty() { "none".into() } else { lines.join("\n") }
+    };
+    let _ = writeln!(
+        out,
+        "<h2>Limits that are wider than the default</h2>\n<pre>{}</pre>",
+        escape(&now.map_or("they could not be read".into(), wider))
+    );
     let _ = writeln!(out, "<p>Written by pt326 {} from what the board said.", env!("CARGO_PKG_VERSION"));
     out
 }
@@ -87,12 +96,19 @@ mod tests {
         let section = |title, outcome, line: &str| Section { title, outcome, lines: vec![line.to_owned()] };
         let mut config = Config::default();
         config.pid.kp = 3.5;
+        config.supervisor.signal_timeout.0 = 2.0;
         let said = html(
             &[section("Wires", Outcome::Failed, "T1 <b>"), section("Rest", Outcome::LeftOut, "")],
             Some(&config),
         );
         assert!(html(&[], None).contains("could not be read"));
-        for word in ["class=\"FAILED\">FAILED", "left out", "T1 &lt;b&gt;", "pid.kp = 3.5 %/degC"] {
+        for word in [
+            "class=\"FAILED\">FAILED",
+            "left out",
+            "T1 &lt;b&gt;",
+            "pid.kp = 3.5 %/degC",
+            "default</h2>\n<pre>supervisor.signal_timeout = 2 s</pre>",
+        ] {
             assert!(said.contains(word), "{word} in {said}");
         }
     }

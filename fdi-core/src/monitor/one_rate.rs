@@ -72,7 +72,7 @@ pub(super) struct OneRate {
     learnt: u32,
     armed: bool,
     resuming: bool,
-    /// The first T1, which stands for a T0 that is missing.
+    /// The T1 with which learning began: it stands for a T0 that is missing.
     base: Option<f32>,
     last: [f32; 3],
     still: [Still; 3],
@@ -157,12 +157,16 @@ impl OneRate {
     }
 
     fn tick(&mut self, observed: &Observed) -> Tick {
-        let percent =
-            |power: Option<f32>| power.filter(|u| u.is_finite()).map(|u| 100.0 * u / self.units.full_power);
-        let [t0, t1, t2] = observed.t.map(|t| t.filter(|t| t.is_finite()).map(|t| t * self.units.celsius));
+        let percent = |power: Option<f32>| power.map(|u| 100.0 * u / self.units.full_power);
+        let [t0, t1, t2] = observed.t.map(|t| t.map(|t| t * self.units.celsius));
         self.power = percent(observed.power).unwrap_or(self.power).clamp(0.0, 100.0);
         let beside = percent(observed.beside).map(Percent);
-        self.base = self.base.or(t1);
+        // What began to be learnt with a wild T1 ends with a training that is refused: the next one begins with another.
+        let learns = self.state.likelihood.learns();
+        self.base = if learns { self.base.or(t1) } else { t1.or(self.base) };
+        if observed.learn && !learns {
+            self.state.likelihood.believe_anew();
+        }
         let t0 = if self.inputs.t0 { t0 } else { self.base };
         let t2 = if self.inputs.t2 { t2 } else { t1 };
         let learn = observed.learn && !self.armed;
@@ -188,9 +192,9 @@ impl OneRate {
             blocked: None,
             forget: false,
             known: KnownInputs {
-                supply: observed.supply.filter(|x| x.is_finite()),
+                supply: observed.supply,
                 supply_lost: 0,
-                fan: observed.fan.filter(|x| x.is_finite()).map(Percent),
+                fan: observed.fan.map(Percent),
                 beside,
             },
         }

@@ -33,10 +33,14 @@ impl LikelihoodState {
         self.reported = Default::default();
         self.otherwise = Readiness::Restarted;
         self.restarts = self.restarts.saturating_add(1);
-        LikelihoodReport {
-            readiness: self.otherwise,
-            restarts: self.restarts,
-            ..LikelihoodReport::default()
-        }
+        LikelihoodReport { readiness: self.otherwise, restarts: self.restarts, ..LikelihoodReport::default() }
+    }
+}
+
+#[cfg(test)]
+impl LikelihoodState {
+    /// See [`WatchState::spoil`].
+    pub(crate) fn spoil(&mut self, which: usize) -> usize {
+        self.trained.as_mut().map_or(0, |trained| trained.spoil(which))
     }
 }

@@ -391,9 +391,10 @@ impl LikelihoodState {
         self.current || matches!(self.work, Work::Training(_))
     }
 
-    /// Somebody says that all is well: the ambient temperature is what T0 reads next.
-    pub(crate) fn believe_anew(&mut self) {
+    /// Somebody says that all is well from now on: the ambient temperature is what T0 reads next, and no training that is under way goes on.
+    pub(crate) fn forget_before_learning(&mut self) {
         self.ambient = AmbientState::default();
+        self.work = Work::Nothing;
     }
 
     fn readiness(&self) -> Readiness {

@@ -47,7 +47,7 @@ pub struct Observed {
     pub fan: Option<f32>,
     /// Supply of the heater, share of the nominal voltage; `None`: as before.
     pub supply: Option<f32>,
-    /// All is well, so that this sample may be learnt from.
+    /// All is well, so that this sample may be learnt from. The first of them after others begins a learning: what was learnt before is given up.
     pub learn: bool,
 }
 

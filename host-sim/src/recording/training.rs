@@ -173,6 +173,7 @@ fn learn(monitor: &mut Monitor, samples: &[Observed]) -> Result<(Model, f64), &'
     match readiness {
         Readiness::Refused(why) => Err(words(why)),
         Readiness::Training | Readiness::Untrained => Err("too many samples are missing"),
+        Readiness::Restarted => Err("what it learnt was no number"),
         Readiness::Armed => {
             let model = monitor.model().map(|model| (model, fit(monitor, samples, 0..samples.len())));
             model.filter(|(_, fit)| fit.is_finite()).ok_or("the model explains nothing")

@@ -1,5 +1,5 @@
-//! Is all a number that the next tick goes on from? No input can leave one that is none; a flipped bit of the memory can, and whoever compares
-//! with it hears "no" for ever: armed, and blind.
+//! Is all a number that the next tick goes on from? What comes in is bounded, and leaves one; a flipped bit of the memory may leave none, and
+//! whoever compares with it hears "no" for ever: armed, and blind.
 //!
 //! What is no number spreads, and one is enough to make a sum none. So each part sums up what it would not get rid of by itself.
 

@@ -41,6 +41,11 @@ pub(super) fn run(args: &DiagnoseArgs, how: &Reading, config: &Config) -> anyhow
     live.end(&mut print)
 }
 
+/// What a source sends must not command the terminal.
+fn visible(text: &str) -> String {
+    text.replace(char::is_control, "\u{fffd}")
+}
+
 /// Where what is said goes.
 type Say<'a> = &'a mut dyn FnMut(&str) -> anyhow::Result<()>;
 
@@ -131,7 +136,7 @@ impl<'a> Live<'a> {
             }
             Err(why) => {
                 self.left_out += 1;
-                say(&format!("left out, it counts as a sample that is missing: {}\n", in_words(&why)))?;
+                say(&format!("left out, it counts as a sample that is missing: {}\n", visible(&in_words(&why))))?;
                 Observed::default()
             }
         };
@@ -199,5 +204,58 @@ impl<'a> Live<'a> {
         ensure!(*samples > 0, "standard input: none of {left_out} lines was a sample");
         let odd = super::odd(&self.implausible).map(|odd| format!(", {odd}")).unwrap_or_default();
         say(&format!("{samples} samples, {left_out} lines left out, {silences} times silent{odd}\n"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A heater of one lag that was trained on, and the header that goes with it.
+    fn trained() -> (Recording, Reading) {
+        let mut text = "t,u,y\n".to_owned();
+        let mut rise = 0.0;
+        for k in 0..1500u32 {
+            let power = if (k / 20).wrapping_mul(0x9E37_79B9) >> 31 == 0 { 40.0 } else { 25.0 };
+            text += &format!(
+                "{k},{power},{:.3}\n",
+                22.0 + rise + 0.02 * f64::from(k.wrapping_mul(0x9E37_79B9) >> 24) / 128.0
+            );
+            rise += 0.2 * (0.3 * power - rise);
+        }
+        let map = ["time=t", "t1=y", "power=u"].map(str::to_owned).to_vec();
+        let how = Reading { map, ..Reading::default() };
+        (Recording::parse("other".into(), &text, &how).unwrap(), how)
+    }
+
+    /// Each silence is told once, and its end, whatever else comes meanwhile.
+    #[test]
+    fn a_source_that_is_silent_is_told_once_and_so_is_its_return() {
+        let (other, how) = trained();
+        let heater = &other.heaters[0];
+        let learnt = train(&other, heater, &heater.samples, &Config::default()).unwrap();
+        let mut live = Live::new(&other, &how, &learnt.monitor, &learnt.config, "t,u,y".into()).unwrap();
+        let start = Instant::now();
+        let mut text = String::new();
+        let mut say = |said: &str| {
+            text += said;
+            Ok(())
+        };
+        let line = || Heard::Line(Ok("1,30,29.0".to_owned()));
+        let script = [
+            (0, line()),
+            (5, Heard::Silence),
+            (10, Heard::Silence),
+            (12, line()),
+            (13, line()),
+            (18, Heard::Silence),
+        ];
+        for (after, heard) in script {
+            live.hear(heard, start + Duration::from_secs(after), &mut say).unwrap();
+        }
+        live.end(&mut say).unwrap();
+        assert_eq!(text.matches("no sample for 5.0 s, after line").count(), 2, "{text}");
+        assert_eq!(text.matches("line 3: samples again, after 12.0 s without").count(), 1, "{text}");
+        assert!(text.ends_with("3 samples, 0 lines left out, 2 times silent\n"), "{text}");
     }
 }

@@ -1,6 +1,10 @@
 //! What need not be guessed: inputs of the rig beside the power that are measured, or announced by whoever changes them.
 
+use crate::bounds::larger;
 use crate::units::Percent;
+
+/// A fan announced below this stands still, %. The models know no less air: what goes with its inverse would have no end.
+pub(crate) const STANDSTILL: f32 = 5.0;
 
 /// The known inputs on a tick. All of them are optional. The likelihood diagnosis uses them; the supervisor's limits go by the power
 /// that is asked for, whatever the supply reads, so that a divider which reads wrongly weakens none of them.
@@ -23,8 +27,8 @@ impl KnownInputs {
         self.supply.map_or(power, |share| power * share * share)
     }
 
-    /// Level of the fan, share of that at which the rig is learnt; 1 where nothing was announced.
+    /// Level of the fan, share of that at which the rig is learnt; 1 where nothing was announced, that of hardly any air where it stands still.
     pub fn fan_share(&self) -> f32 {
-        self.fan.map_or(1.0, |level| level.0 / 100.0)
+        self.fan.map_or(1.0, |level| larger(STANDSTILL, level.0) / 100.0)
     }
 }

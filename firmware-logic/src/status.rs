@@ -179,6 +179,9 @@ impl fmt::Display for Status {
         }
         f.write_str("\nlikelihood diagnosis ")?;
         f.write_str(readiness(report.likelihood.readiness))?;
+        if report.likelihood.restarts > 0 {
+            write!(f, ", begun anew {} times", report.likelihood.restarts)?;
+        }
         if report.likelihood.alarm {
             let class = report.likelihood.finding.map_or("alarm", |finding| finding.class.name());
             write!(f, ": {class}{}", Called(self.taught))?;
@@ -228,6 +231,7 @@ pub const fn readiness(readiness: Readiness) -> &'static str {
             "refused: the dead time is too long for this sample time"
         }
         Readiness::Armed => "armed",
+        Readiness::Restarted => "begun anew: its memory held what is no number",
     }
 }
 

@@ -55,6 +55,7 @@ const TABLE = {
     "[t1]T1[/] {t1} °C, esperado {e1}. [t2]T2[/] {t2} °C, esperado {e2}.",
   ],
   head_refused: ["What it learnt cannot be trusted.", "O que aprendeu não é de confiança."],
+  head_restarted: ["Its memory held what is no number: it begins anew.", "A memória continha o que não é um número: recomeça."],
   sub_refused: ["It tries again by itself.", "Tenta de novo por si."],
   head_unnamed: ["Something is wrong.", "Algo está errado."],
   sub_unnamed: ["Too early to say what.", "Ainda é cedo para dizer o quê."],

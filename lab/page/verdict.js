@@ -61,8 +61,9 @@ export function verdict({ row: now, hello, events, since, ts, settings, can, che
     const sub = waits || say("sub_learn", { s: num(left, 0) });
     return { state: "learn", icon: "learn", word, aside: "", head, sub, more: bar + (order && can.has("run") ? row(button("skip", "skip", true)) : "") };
   }
-  if (now.readiness === 2) {
-    return { state: "learn", icon: "learn", word: say("state_monitor"), aside, head: say("head_refused"), sub: say("sub_refused"), more: "" };
+  const why = { 2: "refused", 4: "restarted" }[now.readiness];
+  if (why) {
+    return { state: "learn", icon: "learn", word: say("state_monitor"), aside, head: say(`head_${why}`), sub: say("sub_refused"), more: "" };
   }
   const expected = Number.isFinite(now.t1_expected);
   const sub = expected

@@ -188,6 +188,7 @@ fn readiness(readiness: Readiness) -> f32 {
         Readiness::Training => 1.0,
         Readiness::Refused(_) => 2.0,
         Readiness::Armed => 3.0,
+        Readiness::Restarted => 4.0,
     }
 }
 

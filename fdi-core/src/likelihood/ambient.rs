@@ -106,6 +106,12 @@ impl Ambient {
 }
 
 impl AmbientState {
+    /// Finite as long as all of it is that stays.
+    pub(super) fn sum(&self) -> f32 {
+        let means: f32 = self.means.iter().flatten().flatten().sum();
+        means + self.believed.unwrap_or(0.0) + self.rest + self.wrong
+    }
+
     /// Nothing measures it: what stands for it is believed.
     pub(super) fn assume(&mut self, t0: Option<f32>) {
         self.believed = t0.or(self.believed);

@@ -119,6 +119,11 @@ impl Contradiction {
         }
     }
 
+    /// Finite as long as all of it is that stays.
+    pub(super) fn sum(&self) -> f32 {
+        self.response.sum() + self.warmer + self.t2_mean.unwrap_or(0.0)
+    }
+
     /// Once found it stands until thermistors that are heated are seen to agree.
     fn conclude(&mut self, tick: u32, heating: bool, ticks: u32) {
         match self.judgement {

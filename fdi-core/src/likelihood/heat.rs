@@ -200,6 +200,13 @@ impl HeatState {
         ((t2.measured - t1.measured) - (t2.expected - t1.expected)).abs()
     }
 
+    /// Finite as long as all of it is that stays.
+    pub(super) fn sum(&self) -> f32 {
+        let [t1, t2] = self.rises;
+        let rises = t1.measured + t1.expected + t2.measured + t2.expected;
+        rises + self.correction + self.too_hot + self.shared_motion + self.motion
+    }
+
     /// Whether the rig has been hot without power for too long.
     pub(super) fn heater_stuck_on(&self) -> bool {
         self.stuck_on

@@ -131,6 +131,12 @@ impl ImpulseResponse {
 }
 
 impl ImpulseResponseState {
+    /// Finite as long as all of it is that stays.
+    pub(super) fn sum(&self) -> f32 {
+        let sums = self.r.iter().chain(&self.p).flatten().chain(&self.energy).chain(&self.swing);
+        sums.chain(&self.power).sum::<f32>() + self.power_before + self.power_sum + self.samples
+    }
+
     /// How T0, T1 and T2 answer, where a step has so many ticks.
     #[inline(never)]
     pub(super) fn answers(&self, ticks: u32) -> [Answer; 3] {

@@ -42,6 +42,7 @@ pub mod config;
 mod contradiction;
 mod evidence;
 mod explained;
+mod finite;
 mod gone;
 mod heat;
 mod hypothesis;
@@ -117,8 +118,9 @@ pub struct LikelihoodState {
     sensors: Sensors,
     ambient: AmbientState,
     contradiction: Contradiction,
-    /// Why the last training was not accepted.
-    refused: Option<RejectReason>,
+    /// What is said while nothing is learnt: why the last training was not accepted, or that it was begun anew.
+    otherwise: Readiness,
+    restarts: u32,
     was_learning: bool,
     cold: Cold,
 }
@@ -232,9 +234,13 @@ impl Likelihood {
         self.train(state, &now, t0, undisturbed);
         let by_sensors = state.sensors.step(&tick.sample, tick.index);
         let without_models = contradiction.or(state.ambient.finding());
+        if tick.index.is_multiple_of(finite::EVERY) && !state.is_finite() {
+            return state.begin_anew();
+        }
         let finding = preferred(by_sensors, by_models.finding(), without_models);
         LikelihoodReport {
             readiness: state.readiness(),
+            restarts: state.restarts,
             alarm: by_models != ModelAlarm::Quiet || by_sensors.is_some() || without_models.is_some(),
             finding,
             t1_contradicted: contradiction.is_some_and(|found| found.class.leaves_t1_blind()),
@@ -284,7 +290,7 @@ impl Likelihood {
         // What was seen while it heated up belongs to the learning that follows.
         if (begins && state.current) || !mode.is_heating() {
             state.work = Work::Nothing;
-            state.refused = None;
+            state.otherwise = Readiness::Untrained;
         }
         state.current &= !begins;
         state.was_learning = learning;
@@ -310,13 +316,13 @@ impl Likelihood {
         match self.trainer.step(training, &state.cold, y, [now.u, now.beside], fit_to_learn) {
             Ok(None) => {}
             Ok(Some(trained)) => {
-                state.refused = None;
+                state.otherwise = Readiness::Untrained;
                 state.work = Work::Nothing;
                 state.trained = Some(self.watch.start(trained));
                 state.current = true;
             }
             Err(why) => {
-                state.refused = Some(why);
+                state.otherwise = Readiness::Refused(why);
                 state.work = Work::Nothing;
             }
         }
@@ -381,12 +387,23 @@ fn read(reading: Reading) -> Option<f32> {
 }
 
 impl LikelihoodState {
+    /// Whether anything was learnt that faults may be told by, or is being learnt.
+    pub(crate) fn learns(&self) -> bool {
+        self.current || matches!(self.work, Work::Training(_))
+    }
+
+    /// Somebody says that all is well from now on: the ambient temperature is what T0 reads next, and no training that is under way goes on.
+    pub(crate) fn forget_before_learning(&mut self) {
+        self.ambient = AmbientState::default();
+        self.work = Work::Nothing;
+    }
+
     fn readiness(&self) -> Readiness {
-        match self.refused {
+        match self.otherwise {
             _ if self.current => Readiness::Armed,
-            Some(why) => Readiness::Refused(why),
-            None if matches!(self.work, Work::Training(_)) => Readiness::Training,
-            None => Readiness::Untrained,
+            Readiness::Refused(why) => Readiness::Refused(why),
+            _ if matches!(self.work, Work::Training(_)) => Readiness::Training,
+            otherwise => otherwise,
         }
     }
 }

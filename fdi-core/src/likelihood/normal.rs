@@ -51,6 +51,11 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         self.count *= factor;
     }
 
+    /// Finite as long as all of them are.
+    pub(super) fn sum(&self) -> f32 {
+        self.a.iter().chain(&self.b).sum::<f32>() + self.energy + self.count
+    }
+
     /// Takes away what these values of all columns explain.
     pub(super) fn explain(&mut self, values: &[f32; N]) {
         for i in 0..N {

@@ -191,6 +191,13 @@ impl Steady {
         self.rebasing = true;
     }
 
+    /// Finite as long as all of it is that stays.
+    pub(super) fn sum(&self) -> f32 {
+        let pairs = self.slow.iter().chain(&self.mean).chain([&self.slow_z, &self.mean_e, &self.base]);
+        let all: f32 = pairs.flatten().chain(&self.reference).sum();
+        all + self.trained + self.normal.sum() + self.less.sum() + self.more.sum()
+    }
+
     /// Whether there is anything to judge by.
     pub(super) fn is_ready(&self, first: f32) -> bool {
         self.referred && self.ticks.is_multiple_of(JUDGED_EVERY) && self.ticks as f32 >= first

@@ -65,6 +65,11 @@ impl Tracker {
         }
     }
 
+    /// Finite as long as all of it is.
+    pub(super) fn sum(&self) -> f32 {
+        self.x.iter().chain(self.p.iter().flatten()).sum()
+    }
+
     /// Less sure by these standard deviations.
     pub(super) fn widen(&mut self, by: [f32; N]) {
         for i in 0..N {

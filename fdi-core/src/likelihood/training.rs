@@ -100,6 +100,13 @@ pub(super) struct Trainer {
     pub(super) check_samples: u32,
 }
 
+impl Training {
+    /// Finite as long as all of it is that what follows would not refuse.
+    pub(super) fn sum(&self) -> f32 {
+        self.parameters.0.iter().sum::<f32>() + self.motion.sum() + self.beside.added() + self.power
+    }
+}
+
 impl Trainer {
     /// Of a plant that answers within `answer` ticks and has about the gain `usual`, degC per %.
     pub(super) fn new(

@@ -40,6 +40,8 @@ pub enum Readiness {
     Refused(RejectReason),
     /// Watching.
     Armed,
+    /// A number of its memory was not finite: all that it had learnt is forgotten, and it begins anew.
+    Restarted,
 }
 
 /// Why trained models were not accepted.
@@ -79,4 +81,6 @@ pub struct LikelihoodReport {
     pub air_flow: Option<f32>,
     /// The rig has been much hotter than the models say for some seconds in which no heat was asked for.
     pub heater_stuck_on: bool,
+    /// How often it has begun anew because a number of its memory was not finite: see [`Readiness::Restarted`].
+    pub restarts: u32,
 }

@@ -367,6 +367,7 @@ impl WatchState {
 }
 
 mod alarmed;
+mod finite;
 mod judge;
 mod lasting;
 mod naming;

@@ -4,6 +4,7 @@
 //! thermistors do, and by means of several, for what the process does. The second is fed with what the first says of the thermistors taken
 //! away, so that each fault is told once.
 
+mod gate;
 mod one_rate;
 
 use crate::config::Config;
@@ -15,6 +16,7 @@ use crate::likelihood::inputs::Inputs;
 use crate::likelihood::model::Model;
 use crate::likelihood::{FaultClass, Finding, LikelihoodReport, LikelihoodState, Readiness};
 use crate::units::Seconds;
+use gate::Gate;
 use one_rate::OneRate;
 
 /// What the units of a recording are.
@@ -32,7 +34,7 @@ impl Default for Units {
     }
 }
 
-/// One sample. What is no number counts as missing.
+/// One sample. What is no number counts as missing, and so does a level that no rig can have, which is counted: see [`Monitor::implausible`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Observed {
     /// Temperatures of the ambient, at the heater's outlet and behind that; `None` where there is none.
@@ -41,12 +43,25 @@ pub struct Observed {
     pub power: Option<f32>,
     /// What drives a heater beside it.
     pub beside: Option<f32>,
-    /// Level of the fan as announced, %.
+    /// Level of the fan as announced, %; `None`: as before.
     pub fan: Option<f32>,
-    /// Supply of the heater, share of the nominal voltage.
+    /// Supply of the heater, share of the nominal voltage; `None`: as before.
     pub supply: Option<f32>,
-    /// All is well, so that this sample may be learnt from.
+    /// All is well, so that this sample may be learnt from. The first of them after others begins a learning: what was learnt before is given up.
     pub learn: bool,
+}
+
+/// What each number of an [`Observed`] is called, in the order of [`Monitor::implausible`].
+pub const OBSERVED: [&str; QUANTITIES] = ["T0", "T1", "T2", "power", "power beside", "fan", "supply"];
+
+/// Temperatures, powers, fan and supply.
+const QUANTITIES: usize = 7;
+
+impl Observed {
+    fn quantities(&self) -> [Option<f32>; QUANTITIES] {
+        let [t0, t1, t2] = self.t;
+        [t0, t1, t2, self.power, self.beside, self.fan, self.supply]
+    }
 }
 
 /// A diagnosis that only looks on.
@@ -63,6 +78,7 @@ pub struct Observed {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Monitor {
+    gate: Gate,
     fast: OneRate,
     slow: Option<Slow>,
 }
@@ -84,16 +100,12 @@ struct Gathered {
     sums: [(f32, f32); QUANTITIES],
 }
 
-/// Temperatures, powers, fan and supply.
-const QUANTITIES: usize = 7;
-
 impl Gathered {
     fn add(&mut self, o: &Observed) {
         self.learn = o.learn && (self.learn || self.count == 0);
         self.count += 1;
-        let [t0, t1, t2] = o.t;
-        for ((sum, count), x) in self.sums.iter_mut().zip([t0, t1, t2, o.power, o.beside, o.fan, o.supply]) {
-            if let Some(x) = x.filter(|x| x.is_finite()) {
+        for ((sum, count), x) in self.sums.iter_mut().zip(o.quantities()) {
+            if let Some(x) = x {
                 *sum += x;
                 *count += 1.0;
             }
@@ -113,7 +125,7 @@ impl Monitor {
     /// # Errors
     /// The setting, or the unit, that is out of bounds.
     pub fn new(config: &Config, inputs: Inputs, units: Units) -> Result<Self, ConfigError> {
-        Ok(Self { fast: OneRate::new(config, inputs, units)?, slow: None })
+        Ok(Self { gate: Gate::default(), fast: OneRate::new(config, inputs, units)?, slow: None })
     }
 
     /// The same, which looks at means of `every` samples as well.
@@ -132,7 +144,9 @@ impl Monitor {
 
     /// One sample: what the instrument's first half would have handed on, and the report on it.
     pub fn step(&mut self, observed: &Observed) -> (Tick, Report) {
-        let (tick, mut report) = self.fast.step(observed);
+        let observed = &self.gate.step(observed, self.fast.units());
+        let (mut tick, mut report) = self.fast.step(observed);
+        [.., tick.known.supply_lost] = self.gate.refused;
         if let Some(slow) = &mut self.slow {
             slow.step(observed, report.likelihood.finding);
             report.likelihood = slow.together(report.likelihood);
@@ -140,8 +154,15 @@ impl Monitor {
         (tick, report)
     }
 
+    /// Samples so far of each of [`OBSERVED`] that no rig can have given: they counted as not known. Of fan and supply the last level that was one
+    /// stands in for them.
+    pub fn implausible(&self) -> [u32; QUANTITIES] {
+        self.gate.refused
+    }
+
     /// The next sample is the first of another recording of the same rig.
     pub fn resume(&mut self) {
+        self.gate.resume();
         self.fast.resume();
         if let Some(slow) = &mut self.slow {
             slow.rate.resume();
@@ -196,6 +217,7 @@ impl Slow {
         LikelihoodReport {
             readiness,
             alarm: fast.alarm || self.said.alarm,
+            restarts: fast.restarts.saturating_add(self.said.restarts),
             finding: by_sensor.or(by_means).or(fast.finding),
             expected: self.said.expected.map(|expected| expected.filter(|_| readiness == Readiness::Armed)),
             ..fast

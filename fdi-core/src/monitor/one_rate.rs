@@ -71,8 +71,9 @@ pub(super) struct OneRate {
     index: u32,
     learnt: u32,
     armed: bool,
+    was_learning: bool,
     resuming: bool,
-    /// The first T1, which stands for a T0 that is missing.
+    /// The T1 with which learning began: it stands for a T0 that is missing.
     base: Option<f32>,
     last: [f32; 3],
     still: [Still; 3],
@@ -91,7 +92,7 @@ impl OneRate {
         in_range("units.celsius", units.celsius, 1e-6, 1e6)?;
         in_range("units.full_power", units.full_power, 1e-6, 1e9)?;
         let state = diagnosis.start();
-        let (index, learnt, armed, resuming, base) = (0, 0, false, false, None);
+        let (index, learnt, armed, was_learning, resuming, base) = (0, 0, false, false, false, None);
         let (last, power, setpoint) = ([0.0; 3], 0.0, config.setpoint);
         Ok(Self {
             diagnosis,
@@ -102,6 +103,7 @@ impl OneRate {
             index,
             learnt,
             armed,
+            was_learning,
             resuming,
             base,
             last,
@@ -157,15 +159,21 @@ impl OneRate {
     }
 
     fn tick(&mut self, observed: &Observed) -> Tick {
-        let percent =
-            |power: Option<f32>| power.filter(|u| u.is_finite()).map(|u| 100.0 * u / self.units.full_power);
-        let [t0, t1, t2] = observed.t.map(|t| t.filter(|t| t.is_finite()).map(|t| t * self.units.celsius));
+        let percent = |power: Option<f32>| power.map(|u| 100.0 * u / self.units.full_power);
+        let [t0, t1, t2] = observed.t.map(|t| t.map(|t| t * self.units.celsius));
         self.power = percent(observed.power).unwrap_or(self.power).clamp(0.0, 100.0);
         let beside = percent(observed.beside).map(Percent);
-        self.base = self.base.or(t1);
+        let begins = !core::mem::replace(&mut self.was_learning, observed.learn) && observed.learn;
+        let anew = begins && self.learnt > 0;
+        let learn = observed.learn && (!self.armed || anew);
+        // What began to be learnt with a wild T1 ends with a training that is refused: the next one begins with another.
+        let learns = self.state.likelihood.learns() && !anew;
+        self.base = if learns { self.base.or(t1) } else { t1.or(self.base) };
+        if learn && !learns {
+            self.state.likelihood.forget_before_learning();
+        }
         let t0 = if self.inputs.t0 { t0 } else { self.base };
         let t2 = if self.inputs.t2 { t2 } else { t1 };
-        let learn = observed.learn && !self.armed;
         self.learnt = self.learnt.saturating_add(u32::from(learn));
         let mode = match (learn, self.learnt) {
             (true, accepted) => Mode::Learn { accepted },
@@ -188,9 +196,9 @@ impl OneRate {
             blocked: None,
             forget: false,
             known: KnownInputs {
-                supply: observed.supply.filter(|x| x.is_finite()),
+                supply: observed.supply,
                 supply_lost: 0,
-                fan: observed.fan.filter(|x| x.is_finite()).map(Percent),
+                fan: observed.fan.map(Percent),
                 beside,
             },
         }
@@ -231,6 +239,70 @@ impl OneRate {
             let inverse = if finding.class == FaultClass::Drift { inverse / self.time } else { inverse };
             magnitude.value *= inverse;
             magnitude.half_width *= inverse;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::likelihood::LikelihoodReport;
+
+    /// A heater of one lag, 0.3 degC a %, with T1 and T2 behind it, and the monitor that looks on.
+    struct Watched {
+        monitor: OneRate,
+        rise: f32,
+        k: u32,
+    }
+
+    impl Watched {
+        fn trained() -> Self {
+            let mut config = Config::default();
+            (config.likelihood.fit_time.0, config.likelihood.check_time.0) = (40.0, 20.0);
+            let monitor =
+                OneRate::new(&config, Inputs::ALL, Units::default()).expect("the settings are valid");
+            let mut watched = Self { monitor, rise: 12.0, k: 0 };
+            let last = (0..800).map(|_| watched.tick(true)).last();
+            assert!(last.is_some_and(|last| last.readiness == Readiness::Armed), "{last:?}");
+            watched
+        }
+
+        fn tick(&mut self, learn: bool) -> LikelihoodReport {
+            let random = |k: u32| (k.wrapping_mul(0x9E37_79B9) >> 8) as f32 / (1 << 23) as f32 - 1.0;
+            let power = if random(self.k / 4) > 0.0 { 46.0 } else { 34.0 };
+            let noise = [1, 2, 3].map(|m| 0.05 * random(self.k.wrapping_mul(7).wrapping_add(m)));
+            let t = [22.0 + noise[0], 22.0 + self.rise + noise[1], 22.0 + 0.9 * self.rise + noise[2]];
+            self.rise += 0.2 * (0.3 * power - self.rise);
+            self.k += 1;
+            let observed = Observed { t: t.map(Some), power: Some(power), learn, ..Observed::default() };
+            self.monitor.step(&observed).1.likelihood
+        }
+    }
+
+    /// Within some seconds, whichever number it is: said once and for all, counted, and trained again when somebody says that all is well.
+    #[test]
+    fn a_memory_that_is_no_number_is_said_and_begins_anew() {
+        let trained = Watched::trained();
+        let places = { trained.monitor.state.likelihood }.spoil(usize::MAX);
+        assert!(places > 10);
+        for which in 0..places {
+            let mut watched = Watched { monitor: trained.monitor.clone(), ..trained };
+            watched.monitor.state.likelihood.spoil(which);
+            let said = (0..200).map(|_| watched.tick(false)).find(|said| said.readiness != Readiness::Armed);
+            let said = said.unwrap_or_else(|| panic!("place {which}: armed, and blind"));
+            assert_eq!(
+                (said.readiness, said.restarts, said.alarm),
+                (Readiness::Restarted, 1, false),
+                "place {which}"
+            );
+            assert_eq!(
+                watched.tick(false).readiness,
+                Readiness::Restarted,
+                "place {which}: until it is trained"
+            );
+            let last = (0..800).map(|_| watched.tick(true)).last();
+            let armed = last.map(|last| (last.readiness, last.restarts));
+            assert_eq!(armed, Some((Readiness::Armed, 1)), "place {which}");
         }
     }
 }

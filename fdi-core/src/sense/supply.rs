@@ -16,10 +16,10 @@
 use crate::error::{ConfigError, above};
 use crate::settings::{check, settings};
 use crate::units::{AdcCode, Volt};
+use core::ops::RangeInclusive;
 
 /// A share of the nominal voltage outside of these is a broken wire or divider, or no supply at all: it is not believed.
-const LOWEST: f32 = 0.5;
-const HIGHEST: f32 = 1.2;
+pub(crate) const PLAUSIBLE: RangeInclusive<f32> = 0.5..=1.2;
 
 settings! {
     /// Supply voltage of the heater, where it is measured: a known input of the likelihood diagnosis.
@@ -67,7 +67,7 @@ impl Supply {
             return;
         }
         let share = code.0 * self.share_per_count;
-        if code.0 < AdcCode::FULL_SCALE && (LOWEST..=HIGHEST).contains(&share) {
+        if code.0 < AdcCode::FULL_SCALE && PLAUSIBLE.contains(&share) {
             state.share = Some(share);
         } else {
             state.lost = state.lost.saturating_add(1);

@@ -4,11 +4,9 @@
 //! memory has flipped, trips.
 
 use super::{Mode, Situation, Supervisor, SupervisorState, Trip, TripReason};
+use crate::known::STANDSTILL;
 use crate::sense::{Reading, Sample, Validity};
 use crate::units::Percent;
-
-/// A fan announced below this stands still, whatever `supervisor.min_air_flow` allows, %.
-const STANDSTILL: f32 = 5.0;
 
 impl Supervisor {
     /// What trips, or would if the heater were on.
@@ -44,6 +42,7 @@ impl Supervisor {
     }
 
     /// By what was announced of the fan. An announcement only ever takes heat away: no limit is widened for it.
+    /// One that stands still is too little whatever `supervisor.min_air_flow` allows.
     fn is_without_air(&self, now: &Situation) -> bool {
         now.known.fan.is_some_and(|level| !(level.0 >= STANDSTILL && level >= self.config.min_air_flow))
     }

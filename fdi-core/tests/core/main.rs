@@ -4,6 +4,7 @@ mod answers;
 mod endurance;
 mod estimator;
 mod experiment;
+mod hostile;
 mod known;
 mod limits;
 mod monitor;

@@ -33,6 +33,8 @@ pub const MODES: [&str; 6] = ["off", "settle", "learn", "monitor", "tripped", "t
 
 /// The readiness of a likelihood diagnosis that watches.
 pub const ARMED: u32 = 2;
+/// That of one that has begun anew because its memory held what is no number.
+pub const RESTARTED: u32 = 7;
 
 /// "Not defined": a NaN that no arithmetic gives.
 pub const NONE: u32 = u32::MAX;
@@ -110,7 +112,7 @@ impl TickLine {
         self.word("state") >> 17 & 7
     }
 
-    /// How far the likelihood diagnosis is: not trained, in training, [`ARMED`], or refused and why.
+    /// How far the likelihood diagnosis is: not trained, in training, [`ARMED`], [`RESTARTED`], or refused and why.
     pub fn readiness(&self) -> u32 {
         self.word("likelihood") & 0xF
     }
@@ -304,6 +306,7 @@ fn likelihood(report: &LikelihoodReport) -> u32 {
         Readiness::Refused(RejectReason::Gain) => 4,
         Readiness::Refused(RejectReason::PoorFit) => 5,
         Readiness::Refused(RejectReason::DeadTime) => 6,
+        Readiness::Restarted => RESTARTED,
     };
     let class = report.finding.map_or(0, |finding| finding.class.number());
     let taught = report.taught.map_or(0, |taught| u32::from(taught.place) + 1);

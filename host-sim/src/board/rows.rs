@@ -5,7 +5,7 @@ use fdi_core::sense::thermistor::Thermistor;
 use fdi_core::{Command, Config};
 use firmware_logic::control_loop::OrderKind;
 use firmware_logic::log_line::LogLine;
-use firmware_logic::log_line::tick::{ARMED, MODES, NONE, TickLine};
+use firmware_logic::log_line::tick::{ARMED, MODES, NONE, RESTARTED, TickLine};
 use pt326_lab::fields::{FIELDS, TRIPS};
 use pt326_lab::scene::Order;
 use pt326_lab::told::{Numbers, Told};
@@ -106,9 +106,10 @@ impl Rows {
                 .map(|trip| trip as f32),
             "blocked" => line.blocked().checked_sub(1).map(|blocker| blocker as f32),
             "learned" => count(word("learned")),
-            // The page has refused before armed, and one number for all reasons.
+            // The page has one number for all reasons of a refusal, before armed.
             "readiness" => count(match line.readiness() {
                 ARMED => 3,
+                RESTARTED => 4,
                 3.. => 2,
                 early => early,
             }),

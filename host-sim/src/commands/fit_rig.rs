@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Context, ensure};
+use indicatif::ProgressBar;
 
 use super::diagnose::ReadingArgs;
 use super::terminal::print;
@@ -45,7 +46,7 @@ pub fn run(args: &FitRigArgs) -> anyhow::Result<()> {
     let which = args.heater.wrapping_sub(1);
     let heater = recording.heaters.get(which).context("--heater: the recording has no such heater")?;
     let training = Training::Own(0..recording.len(), "all of it is taken for normal".into());
-    let done = diagnose(&recording, which, &training, &[], &settings::read(None)?)?;
+    let done = diagnose(&recording, which, &training, &[], &settings::read(None)?, &ProgressBar::hidden())?;
     let toml = scenario(&recording, heater, &done)?;
     std::fs::write(&args.out, &toml).with_context(|| format!("can't write {}", args.out.display()))?;
     print(&format!(

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 use fdi_core::Config;
+use indicatif::ProgressBar;
 use pt326_rig::fault::Verb;
 use serde::Deserialize;
 
@@ -149,7 +150,7 @@ impl Definition {
                 (None, None) if self.from_rest => Training::Own(0..recording.len(), "all of it".into()),
                 (None, None) => Training::find(&recording, &recording.heaters[which], config)?,
             };
-            let done = diagnose(&recording, which, &training, faults, config)?;
+            let done = diagnose(&recording, which, &training, faults, config, &ProgressBar::hidden())?;
             let score = score(&done.record, done.watched_from as f64 * recording.sample_time);
             let injected = match self.inject {
                 0 => Vec::new(),

@@ -254,9 +254,9 @@ impl Grid {
 
 /// How many degC one unit of a temperature should count for: 1, but where T1 moves by so little or so much that its unit is no degC.
 fn celsius(heaters: &[Heater]) -> f64 {
-    let t1 =
-        || heaters.iter().flat_map(|heater| &heater.samples).filter_map(|sample| sample.t[1]).map(f64::from);
-    let span = t1().fold(f64::MIN, f64::max) - t1().fold(f64::MAX, f64::min);
+    let t1 = heaters.iter().flat_map(|heater| &heater.samples).filter_map(|sample| sample.t[1]);
+    let (low, high) = span(t1);
+    let span = high - low;
     if !(span > 0.0) || (SPANS.0..SPANS.1).contains(&span) {
         return 1.0;
     }
@@ -264,6 +264,24 @@ fn celsius(heaters: &[Heater]) -> f64 {
     let decade = 10f64.powf(exact.log10().floor());
     let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * decade);
     steps.into_iter().min_by(|a, b| (a / exact).ln().abs().total_cmp(&(b / exact).ln().abs())).unwrap_or(1.0)
+}
+
+/// The lowest and the highest of some values, but for those that are so far from all others that no rig has been there: one odd row must not
+/// say what the unit is, or what the gain.
+pub fn span(values: impl Iterator<Item = f32>) -> (f64, f64) {
+    /// What lies beyond the middle 98 % by so many times their spread.
+    const FAR: f32 = 20.0;
+    let mut values: Vec<f32> = values.filter(|x| x.is_finite()).collect();
+    let mut quantile = |share: f64| {
+        let place = (share * values.len().saturating_sub(1) as f64).round() as usize;
+        let all = !values.is_empty();
+        if all { *values.select_nth_unstable_by(place, f32::total_cmp).1 } else { f32::NAN }
+    };
+    let [low, high] = [0.01, 0.99].map(&mut quantile);
+    let far = FAR * (high - low);
+    let near = |x: &f32| !(far > 0.0) || (low - far..=high + far).contains(x);
+    let kept = values.into_iter().filter(near).map(f64::from);
+    kept.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)))
 }
 
 /// A sample time as someone would write it: stamps are rounded.

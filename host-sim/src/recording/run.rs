@@ -3,7 +3,10 @@
 use std::ops::Range;
 
 use anyhow::{Context, bail, ensure};
+use fdi_core::likelihood::Readiness;
+use fdi_core::monitor::OBSERVED;
 use fdi_core::{Config, Observed, Report, Tick};
+use indicatif::ProgressBar;
 use pt326_rig::fault::Fault;
 
 use super::training::{self, Trained};
@@ -28,9 +31,19 @@ pub struct Diagnosed {
     pub fit_on_the_rest: f64,
     /// The first sample that was watched.
     pub watched_from: usize,
-    /// Every tick from the beginning of the training or, if that was elsewhere, of the recording.
+    /// Every tick from the beginning of the training or, if that was elsewhere, of the recording; of a very long one as many as [`MOST_ROWS`], and
+    /// those around which something else is said.
     pub record: Record,
+    /// One tick in so many of a very long one.
+    pub thinned: usize,
+    /// Samples that no rig can have given, in the order of [`fdi_core::monitor::OBSERVED`].
+    pub implausible: [u32; OBSERVED.len()],
+    /// How often the monitor has begun anew: see [`Readiness::Restarted`].
+    pub restarts: u32,
 }
+
+/// A row takes close to a kilobyte: of a longer recording not all are kept, unless there is a truth to hold each against.
+pub const MOST_ROWS: usize = 250_000;
 
 /// A part is taken for normal only where the model explains so much of it, %.
 const EXPLAINED: f64 = 50.0;
@@ -94,6 +107,7 @@ pub fn diagnose(
     training: &Training,
     faults: &[Fault],
     config: &Config,
+    progress: &ProgressBar,
 ) -> anyhow::Result<Diagnosed> {
     let heater = recording.heaters.get(which).context("there is no such heater")?;
     let samples = &heater.samples;
@@ -124,22 +138,67 @@ pub fn diagnose(
         }
     };
     let fit_on_the_rest = training::fit(&trained.monitor, &samples[part.start..], part.len()..samples.len());
-    let mut rows: Vec<Row> = Vec::new();
-    let mut shift = None;
+    let thinned = if faults.is_empty() { (samples.len() - part.start).div_ceil(MOST_ROWS).max(1) } else { 1 };
+    let (mut rows, mut restarts) = (Rows { kept: Vec::new(), last: None, every: thinned }, 0);
+    let before = monitor.implausible();
+    progress.set_length((samples.len() - part.start) as u64);
     for (k, sample) in samples.iter().enumerate().skip(part.start) {
         let (tick, report) = monitor.step(&Observed { learn: part.contains(&k), ..*sample });
-        let shift = *shift.get_or_insert(k as i64 - i64::from(tick.index));
+        if report.likelihood.readiness == Readiness::Restarted {
+            restarts += 1;
+            monitor = trained.monitor.clone();
+            monitor.resume();
+        }
+        let shift = k as i64 - i64::from(tick.index);
         let time = recording.sample_time * k as f64;
-        rows.push(row(heater, tick, report, shift, truth(faults, time)));
+        rows.push(k, row(heater, tick, report, shift, truth(faults, time)));
+        if k.is_multiple_of(PROGRESS) {
+            progress.set_position((k - part.start) as u64);
+        }
     }
+    progress.finish_and_clear();
+    let counts = monitor.implausible().into_iter().zip(before);
+    let mut counts = counts.map(|(now, before)| now.saturating_sub(before));
+    let implausible = std::array::from_fn(|_| counts.next().unwrap_or(0));
     let origin = Origin::Watched { file: recording.file.clone() };
     let config =
         Config { sample_time: fdi_core::Seconds(recording.sample_time as f32), ..trained.config.clone() };
     let paper = heater.inputs.t0 && heater.inputs.t2;
     let baseline = monitor.baseline().filter(|_| paper).copied();
-    let mut record = Record::new(origin, &config, faults, rows, baseline);
+    let mut record = Record::new(origin, &config, faults, rows.kept, baseline);
     record.setpoint = f64::NAN;
-    Ok(Diagnosed { trained, fit_on_the_rest, watched_from: part.end, record })
+    Ok(Diagnosed { trained, fit_on_the_rest, watched_from: part.end, record, thinned, implausible, restarts })
+}
+
+/// Samples between two looks at the progress.
+const PROGRESS: usize = 4096;
+
+/// The rows that are kept.
+struct Rows {
+    kept: Vec<Row>,
+    /// The last one, where it was not kept.
+    last: Option<Row>,
+    every: usize,
+}
+
+impl Rows {
+    /// One in so many, and both where what is said changes.
+    fn push(&mut self, k: usize, row: Row) {
+        let said = |row: &Row| {
+            let likelihood = &row.report.likelihood;
+            (likelihood.alarm, likelihood.readiness, likelihood.finding.map(|finding| finding.class))
+        };
+        let before = self.last.as_ref().or(self.kept.last());
+        if before.is_some_and(|before| said(before) != said(&row)) {
+            self.kept.extend(self.last.take());
+            self.kept.push(row);
+        } else if k.is_multiple_of(self.every) {
+            self.last = None;
+            self.kept.push(row);
+        } else {
+            self.last = Some(row);
+        }
+    }
 }
 
 /// A tick by the recording's own count, without what was fed in place of a thermistor that there is not.

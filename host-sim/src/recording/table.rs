@@ -7,15 +7,18 @@ use std::path::Path;
 use anyhow::{Context, bail, ensure};
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-/// A text file cut into cells. A cell becomes a number only when its column and row are asked for, so what nobody asks
-/// for may hold dates, text or nothing.
+/// A text file that is cut into cells. A cell becomes a number only when its column and row are asked for, so what nobody asks
+/// for may hold dates, text or nothing; of millions of rows nothing but the text is kept.
 #[derive(Clone, Debug)]
 pub struct Table {
     /// The file as the user named it, for messages.
     file: String,
+    text: String,
+    separator: u8,
     /// The first line, if no cell of it is a number.
     header: Option<StringRecord>,
-    rows: Vec<StringRecord>,
+    rows: usize,
+    width: usize,
     /// A comma inside a number is a decimal point.
     decimal_comma: bool,
 }
@@ -34,20 +37,74 @@ impl Table {
     /// blanks.
     pub fn parse(file: String, text: &str) -> anyhow::Result<Self> {
         let text = text.trim_start_matches('\u{feff}');
-        let first = text
-            .lines()
-            .find(|l| !l.trim().is_empty() && !l.trim_start().starts_with('#'))
-            .unwrap_or_default();
-        let separator = [';', '\t', ','].into_iter().find(|&s| first.contains(s));
-        let mut rows = match separator {
-            Some(separator) => cells(&file, text, separator as u8)?,
-            None => cells(&file, &single_blanks(text), b' ')?,
-        };
+        let separator = separator(text);
+        let text = if separator.is_some() { text.to_owned() } else { single_blanks(text) };
         let decimal_comma = separator != Some(',');
-        let is_header = |r: &StringRecord| r.iter().all(|c| number(c, decimal_comma).is_none());
-        let header = rows.first().is_some_and(is_header).then(|| rows.remove(0));
-        ensure!(!rows.is_empty(), "{file} contains no data rows");
-        Ok(Self { file, header, rows, decimal_comma })
+        let separator = separator.unwrap_or(' ') as u8;
+        let mut table = Self { file, text, separator, header: None, rows: 0, width: 0, decimal_comma };
+        let first = table.first()?;
+        let rows = table.check_widths(first.len())?;
+        let is_header = first.iter().all(|c| number(c, decimal_comma).is_none());
+        table.width = first.len();
+        table.rows = rows - usize::from(is_header && rows > 0);
+        ensure!(table.rows > 0, "{} contains no data rows", table.file);
+        table.header = is_header.then_some(first);
+        Ok(table)
+    }
+
+    /// The first line that is one.
+    fn first(&self) -> anyhow::Result<StringRecord> {
+        let mut first = StringRecord::new();
+        self.reader().read_record(&mut first).with_context(|| self.cannot_read())?;
+        Ok(first)
+    }
+
+    /// All lines must have as many cells as the first; gives how many there are.
+    fn check_widths(&self, width: usize) -> anyhow::Result<usize> {
+        let (mut reader, mut row, mut rows) = (self.reader(), StringRecord::new(), 0);
+        while reader.read_record(&mut row).with_context(|| self.cannot_read())? {
+            ensure!(
+                row.len() == width,
+                "{}, line {}: {} cells, expected {width} as on the first line",
+                self.file,
+                line(&row),
+                row.len()
+            );
+            rows += 1;
+        }
+        Ok(rows)
+    }
+
+    fn cannot_read(&self) -> String {
+        format!("cannot read {}", self.file)
+    }
+
+    fn reader(&self) -> csv::Reader<&[u8]> {
+        let mut reader = ReaderBuilder::new();
+        reader
+            .delimiter(self.separator)
+            .has_headers(false)
+            .flexible(true)
+            .comment(Some(b'#'))
+            .trim(Trim::All);
+        reader.from_reader(self.text.as_bytes())
+    }
+
+    /// What `of` makes of some rows, one after the other.
+    fn map<T>(
+        &self,
+        rows: Range<usize>,
+        mut of: impl FnMut(&StringRecord) -> anyhow::Result<T>,
+    ) -> anyhow::Result<Vec<T>> {
+        let (mut reader, mut row) = (self.reader(), StringRecord::new());
+        for _ in 0..rows.start + usize::from(self.has_header()) {
+            reader.read_record(&mut row)?;
+        }
+        let mut all = Vec::with_capacity(rows.len());
+        while all.len() < rows.len() && reader.read_record(&mut row)? {
+            all.push(of(&row)?);
+        }
+        Ok(all)
     }
 
     /// What to call the file.
@@ -62,7 +119,7 @@ impl Table {
 
     /// How many data rows there are; comments, empty lines and the header do not count.
     pub fn rows(&self) -> usize {
-        self.rows.len()
+        self.rows
     }
 
     /// Index of the column that `name` means: the name in the header or else the number, from 1.
@@ -99,13 +156,13 @@ impl Table {
     /// Rows that do not exist, and cells that are not finite numbers, with file, line, column and text.
     pub fn values(&self, column: usize, rows: Range<usize>) -> anyhow::Result<Vec<f64>> {
         let (count, file) = (self.rows(), &self.file);
-        let Some(chosen) = self.rows.get(rows.clone()).filter(|r| !r.is_empty()) else {
-            let Range { start, end } = rows;
-            bail!(
-                "rows {start}:{end} of {file}: expected N:M with N < M <= {count}, the number of data rows"
-            );
-        };
-        chosen.iter().zip(rows.start..).map(|(cells, row)| self.value(cells, column, row)).collect()
+        let Range { start, end } = rows;
+        ensure!(
+            start < end && end <= count,
+            "rows {start}:{end} of {file}: expected N:M with N < M <= {count}, the number of data rows"
+        );
+        let mut numbers = start..;
+        self.map(rows, |cells| self.value(cells, column, numbers.next().unwrap_or(end)))
     }
 
     fn value(&self, cells: &StringRecord, column: usize, row: usize) -> anyhow::Result<f64> {
@@ -145,12 +202,13 @@ impl Table {
             };
             Ok(Some(value.with_context(place)?))
         };
-        self.rows.iter().map(value).collect()
+        self.map(0..self.rows, value)
     }
 
     /// The line of the file that a row came from, from 1.
     pub fn line_of(&self, row: usize) -> u64 {
-        self.rows.get(row).map_or(0, line)
+        let found = self.map(row..row + 1, |cells| Ok(line(cells)));
+        found.ok().and_then(|lines| lines.first().copied()).unwrap_or(0)
     }
 
     /// Whether a column is called so.
@@ -160,7 +218,7 @@ impl Table {
 
     /// How many columns there are.
     pub fn width(&self) -> usize {
-        self.rows.first().map_or(0, StringRecord::len)
+        self.width
     }
 
     /// All columns, for messages.
@@ -190,23 +248,21 @@ pub fn text_of(path: &Path) -> anyhow::Result<(String, String)> {
     Ok((file, String::from_utf8_lossy(&bytes).into_owned()))
 }
 
-/// Every line as cells; all lines must have as many as the first.
-fn cells(file: &str, text: &str, separator: u8) -> anyhow::Result<Vec<StringRecord>> {
-    let mut reader = ReaderBuilder::new();
-    reader.delimiter(separator).has_headers(false).flexible(true).comment(Some(b'#')).trim(Trim::All);
-    let mut rows: Vec<StringRecord> = Vec::new();
-    for row in reader.from_reader(text.as_bytes()).records() {
-        let row = row.with_context(|| format!("cannot read {file}"))?;
-        let width = rows.first().map_or(row.len(), StringRecord::len);
-        ensure!(
-            row.len() == width,
-            "{file}, line {}: {} cells, expected {width} as on the first line",
-            line(&row),
-            row.len()
-        );
-        rows.push(row);
-    }
-    Ok(rows)
+/// What stands between cells: the first of semicolon, tab, comma that the first line contains; none: blanks.
+fn separator(text: &str) -> Option<char> {
+    let is_row = |l: &&str| !l.trim().is_empty() && !l.trim_start().starts_with('#');
+    let first = text.lines().find(is_row).unwrap_or_default();
+    [';', '\t', ','].into_iter().find(|&s| first.contains(s))
+}
+
+/// A row of noughts below a header, to try the header with.
+pub fn as_numbers(header: &str) -> String {
+    let separator = separator(header);
+    let cells = match separator {
+        Some(separator) => header.split(separator).count(),
+        None => header.split_whitespace().count(),
+    };
+    vec!["0"; cells].join(&separator.unwrap_or(' ').to_string())
 }
 
 /// The same lines with each run of blanks made one.

@@ -7,7 +7,7 @@ use fdi_core::likelihood::model::Model;
 use fdi_core::likelihood::{Readiness, RejectReason};
 use fdi_core::{Celsius, Config, Monitor, Observed, Seconds};
 
-use super::{Heater, Recording};
+use super::{Heater, Recording, span};
 
 /// Answer times that are tried, samples.
 const ANSWERS: [f64; 7] = [10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0];
@@ -129,11 +129,7 @@ pub fn fit(trained: &Monitor, samples: &[Observed], judged: Range<usize>) -> f64
 /// What hinders a model, or about how many degC there are for a %.
 fn identifiable(recording: &Recording, samples: &[Observed]) -> anyhow::Result<f64> {
     ensure!(samples.len() >= LEAST, "{} samples are too few to learn from, expected {LEAST}", samples.len());
-    let span = |of: &dyn Fn(&Observed) -> Option<f32>| {
-        let values = samples.iter().filter_map(of).map(f64::from);
-        let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
-        (low, high)
-    };
+    let span = |of: &dyn Fn(&Observed) -> Option<f32>| span(samples.iter().filter_map(of));
     let (low, high) = span(&|sample| sample.power);
     let full = f64::from(recording.units.full_power);
     if !(high - low > STILL * full) {
@@ -173,6 +169,7 @@ fn learn(monitor: &mut Monitor, samples: &[Observed]) -> Result<(Model, f64), &'
     match readiness {
         Readiness::Refused(why) => Err(words(why)),
         Readiness::Training | Readiness::Untrained => Err("too many samples are missing"),
+        Readiness::Restarted => Err("what it learnt was no number"),
         Readiness::Armed => {
             let model = monitor.model().map(|model| (model, fit(monitor, samples, 0..samples.len())));
             model.filter(|(_, fit)| fit.is_finite()).ok_or("the model explains nothing")

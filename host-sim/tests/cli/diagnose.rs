@@ -108,6 +108,71 @@ fn live_samples_are_answered_line_by_line() {
     assert!(said.lines().count() > 2 && said.contains("T1"), "{said}");
 }
 
+/// A line that is no sample, or an impossible one, ends nothing: it is told where it stands, counted, and the fault behind it is found.
+#[test]
+fn live_lines_that_are_no_samples_are_told_counted_and_passed_over() {
+    let dir = folder("diagnose-live-odd");
+    let record = plain_record(&dir);
+    let (header, rows) = record.split_once('\n').unwrap();
+    let rows: Vec<&str> = rows.lines().collect();
+    let normal = dir.join("normal.csv");
+    std::fs::write(&normal, format!("{header}\n{}\n", rows[100..3400].join("\n"))).unwrap();
+    let map = ["--map", "time=time", "--map", "t1=outlet", "--map", "power=heater"];
+    let common = ["diagnose", "-", "--live", "--train-on", arg(&normal)];
+    let long = "9".repeat(200_000);
+    let mut lines = vec![header];
+    lines.extend(&rows[3400..3450]);
+    lines.extend(["374.1,x,50", "374.2,1", "", "# a pause", &long, "374.3,1e30,50", "\u{1b}[31m,1,2"]);
+    lines.extend(&rows[3450..4700]);
+    let done = pt326_reading(&[&common[..], &map[..]].concat(), &(lines.join("\n") + "\n"));
+    let said = text(&done.stdout);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    for told in [
+        "standard input, line 52, column 2 (outlet) is `x`",
+        "standard input, line 53: 2 cells, expected 3",
+        "standard input, line 56: a line of more than 65536 bytes",
+        "line 57: no T1 is so",
+        "1301 samples, 4 lines left out, 0 times silent, 1 of T1",
+    ] {
+        assert!(said.contains(told), "{told}: {said}");
+    }
+    assert!(said.contains("T1 sees") || said.contains("T1 reads"), "{said}");
+    assert!(!said.contains('\u{1b}'), "{said}");
+    // Nothing at all, a header without the columns, or no sample behind it is an error.
+    let error = |input: &str| {
+        let done = pt326_reading(&[&common[..], &map[..]].concat(), input);
+        assert_eq!(done.status.code(), Some(2), "{input}");
+        text(&done.stderr)
+    };
+    assert!(error("").contains("expected a header"));
+    assert!(
+        error("a,b,c\n1,2,3\n").contains("no column `time`") || error("a,b,c\n1,2,3\n").contains("no column")
+    );
+    assert!(error(&format!("{header}\nx\n")).contains("none of 1 lines was a sample"));
+}
+
+/// One row of a recording that no rig can have given neither says what the unit is nor hides the fault behind it; it is told.
+#[test]
+fn an_odd_row_of_a_recording_is_told() {
+    let dir = folder("diagnose-odd");
+    let record = plain_record(&dir);
+    let mut rows: Vec<&str> = record.lines().collect();
+    rows.insert(3500, "385.05,1e30,41");
+    rows.remove(3501);
+    let odd = dir.join("odd.csv");
+    std::fs::write(&odd, rows.join("\n") + "\n").unwrap();
+    let map =
+        ["--map", "time=time", "--map", "t1=outlet", "--map", "power=heater", "--ts", "0.11", "--resample"];
+    let done = pt326(&[&["diagnose", arg(&odd), "--train", "2:364", "--out", arg(&dir)], &map[..]].concat());
+    let said = text(&done.stdout);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    assert!(
+        said.contains("Samples that no rig gives, taken as not known: 1 of T1.") && said.contains("T1 sees"),
+        "{said}"
+    );
+    assert!(!said.contains("One unit of T1 counts for"), "{said}");
+}
+
 #[test]
 fn a_rig_is_fitted_and_runs() {
     let dir = folder("fit-rig");

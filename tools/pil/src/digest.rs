@@ -211,12 +211,14 @@ impl Digest {
             virtual_rise,
             air_flow,
             heater_stuck_on,
+            restarts,
         } = report;
         match *readiness {
             Readiness::Untrained => self.word(0),
             Readiness::Training => self.word(1),
             Readiness::Refused(why) => self.numbered(2, why as u32),
             Readiness::Armed => self.word(3),
+            Readiness::Restarted => self.word(4),
         }
         self.word(u32::from(*alarm));
         let size = |d: &mut Self, Magnitude { value, half_width }| d.numbers(&[value, half_width]);
@@ -236,6 +238,7 @@ impl Digest {
         self.option(*virtual_rise, Self::number);
         self.option(*air_flow, Self::number);
         self.word(u32::from(*heater_stuck_on));
+        self.word(*restarts);
     }
 
     fn event(&mut self, event: &Event) {

@@ -1,6 +1,7 @@
 //! `pt326 diagnose`: the diagnosis on a recording.
 
 mod explain;
+mod lines;
 mod live;
 
 use std::fmt::Write as _;
@@ -10,10 +11,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, ensure};
 use fdi_core::Config;
 use fdi_core::likelihood::inputs::Inputs;
+use fdi_core::monitor::OBSERVED;
 use pt326_rig::fault::Fault;
 
 use super::results::Folder;
-use super::terminal::{coloured, print};
+use super::terminal::{coloured, print, progress};
 use crate::record::summary::Summary;
 use crate::record::table;
 use crate::recording::run::{Diagnosed, Training, diagnose};
@@ -147,7 +149,8 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
     ensure!((0..count).any(|which| asked(&which)), "--heater: the recording has heaters 1 to {count}");
     for (which, faults) in truths.iter().enumerate().filter(|(which, _)| asked(which)) {
         let training = training(args, &recording, which, other.as_ref(), &config)?;
-        let done = diagnose(&recording, which, &training, faults, &config)
+        let progress = progress(0, "samples");
+        let done = diagnose(&recording, which, &training, faults, &config, &progress)
             .with_context(|| format!("{}, {}", recording.file, recording.heaters[which].map))?;
         let out = if which == 0 { args.out.clone() } else { args.out.join(format!("heater-{}", which + 1)) };
         tell(args, &recording, which, &training, &done, &out)?;
@@ -203,6 +206,7 @@ fn tell(
     if args.explain {
         text += &explain::told_apart(recording, heater, training, done)?;
     }
+    text += &remarks(done);
     let folder = Folder::open(out)?;
     let summary = Summary::new(&done.record);
     let written = folder.write(&done.record, &summary)?;
@@ -221,6 +225,36 @@ fn tell(
         let _ = writeln!(text, "Settings written to {}", path.display());
     }
     print(&format!("{text}{written}"))
+}
+
+/// What of the recording was not taken as it stands.
+fn remarks(done: &Diagnosed) -> String {
+    let mut text = String::new();
+    if let Some(odd) = odd(&done.implausible) {
+        let _ = writeln!(text, "Samples that no rig gives, taken as not known: {odd}.");
+    }
+    if done.restarts > 0 {
+        let times = done.restarts;
+        let _ = writeln!(
+            text,
+            "Its memory held what is no number, {times} times: it began anew as it was trained."
+        );
+    }
+    if done.thinned > 1 {
+        let every = done.thinned;
+        let _ = writeln!(
+            text,
+            "Of its {every} samples one is in the trace, and each around which something else is said."
+        );
+    }
+    text
+}
+
+/// Of which quantity how many samples were none that a rig can give; nothing where there were none.
+fn odd(implausible: &[u32; OBSERVED.len()]) -> Option<String> {
+    let counted = OBSERVED.iter().zip(implausible).filter(|(_, count)| **count > 0);
+    let counted: Vec<String> = counted.map(|(name, count)| format!("{count} of {name}")).collect();
+    (!counted.is_empty()).then(|| counted.join(", "))
 }
 
 fn because(training: &Training) -> String {

@@ -1,0 +1,46 @@
+//! Is all a number that the next tick goes on from? What comes in is bounded, and leaves one; a flipped bit of the memory may leave none, and
+//! whoever compares with it hears "no" for ever: armed, and blind.
+//!
+//! What is no number spreads, and one is enough to make a sum none. So each part sums up what it would not get rid of by itself.
+
+use super::ambient::AmbientState;
+use super::contradiction::Contradiction;
+use super::verdict::{LikelihoodReport, Readiness};
+use super::watch::WatchState;
+use super::{LikelihoodState, Sensors, Work};
+
+/// Asked on every so many ticks: within a second at the default sample time, for an eighth of the cost.
+pub(super) const EVERY: u32 = 8;
+
+impl LikelihoodState {
+    pub(super) fn is_finite(&self) -> bool {
+        let work = match &self.work {
+            Work::Nothing => 0.0,
+            Work::Training(training) => training.sum(),
+            Work::Watching(gathered) => gathered.sum(),
+        };
+        let trained = self.trained.as_ref().map_or(0.0, WatchState::sum);
+        (work + trained + self.ambient.sum() + self.contradiction.sum()).is_finite()
+    }
+
+    /// All that was learnt is forgotten, but for what the rig was like at its commissioning.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn begin_anew(&mut self) -> LikelihoodReport {
+        (self.work, self.trained, self.current) = (Work::Nothing, None, false);
+        (self.ambient, self.contradiction) = (AmbientState::default(), Contradiction::default());
+        (self.sensors, self.cold) = (Sensors::default(), Default::default());
+        self.reported = Default::default();
+        self.otherwise = Readiness::Restarted;
+        self.restarts = self.restarts.saturating_add(1);
+        LikelihoodReport { readiness: self.otherwise, restarts: self.restarts, ..LikelihoodReport::default() }
+    }
+}
+
+#[cfg(test)]
+impl LikelihoodState {
+    /// See [`WatchState::spoil`].
+    pub(crate) fn spoil(&mut self, which: usize) -> usize {
+        self.trained.as_mut().map_or(0, |trained| trained.spoil(which))
+    }
+}

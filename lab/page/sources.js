@@ -28,6 +28,13 @@ export const replay = (trace, parts) => new Promise((resolve, reject) => {
   }, parts);
 });
 
+// A token that the address has brought is kept for this tab, so that it can load the page again (door.html), and seen no more.
+function keep(token) {
+  if (!location.search) return;
+  try { sessionStorage.setItem("pt326-lab-token", token); } catch { /* then the link is to be opened again */ }
+  history.replaceState(null, "", location.pathname + location.hash);
+}
+
 // A server: server-sent events to here, commands by POST with the token of the page. What was missed is asked for when it comes back.
 export function fromServer(hear, token) {
   let [events, next, id, again, opened] = [null, 0, null, null, true];
@@ -64,6 +71,7 @@ export function fromServer(hear, token) {
       hear(message);
     };
   }
+  keep(token);
   connect();
   const send = (command) =>
     fetch("command", {

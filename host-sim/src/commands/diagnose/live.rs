@@ -51,7 +51,7 @@ pub(super) fn run(args: &DiagnoseArgs, how: &Reading, config: &Config) -> anyhow
         let now = likelihood.alarm.then(|| likelihood.finding.map(|finding| finding.class));
         if now != said {
             said = now;
-            let row = Row { tick, report, truth: 0 };
+            let row = Row { applied: tick.drive, tick, report, truth: 0 };
             let what = match (now, row.report.likelihood.finding) {
                 (None, _) => "all is as expected again".to_owned(),
                 (_, Some(finding)) => sentence(&record, &row, &finding),

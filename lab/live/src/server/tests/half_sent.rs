@@ -44,7 +44,8 @@ fn status(stream: &mut TcpStream) -> u16 {
 
 fn stop_on(stream: &mut TcpStream, address: SocketAddr) -> u16 {
     let (headers, length) = (with_token(), STOP.len());
-    let head = format!("POST /command HTTP/1.1\r\nHost: {address}\r\n{headers}Content-Length: {length}\r\n\r\n");
+    let head =
+        format!("POST /command HTTP/1.1\r\nHost: {address}\r\n{headers}Content-Length: {length}\r\n\r\n");
     stream.write_all((head + STOP).as_bytes()).unwrap();
     let code = status(stream);
     let mut byte = [0; 1];
@@ -62,7 +63,8 @@ fn the_oldest_stranger_makes_room_and_who_has_shown_the_token_stays() {
     let half = format!("GET /metrics HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n");
     let mut page = sends(address, "");
     assert_eq!(stop_on(&mut page, address), 200);
-    let mut watches = sends(address, &format!("GET /events?token={TOKEN} HTTP/1.1\r\nHost: {address}\r\n\r\n"));
+    let mut watches =
+        sends(address, &format!("GET /events?token={TOKEN} HTTP/1.1\r\nHost: {address}\r\n\r\n"));
     assert_eq!(status(&mut watches), 200);
     let mut strangers: Vec<_> = (0..5).map(|_| sends(address, &half)).collect();
     assert!(is_closed(&mut strangers[0]), "the fifth takes the place of the first");
@@ -125,7 +127,8 @@ fn a_stop_passes_ten_thousand_half_sent_requests() {
     let mut stop = |page: &mut TcpStream| {
         for known in [true, false] {
             let begin = Instant::now();
-            let status = if known { stop_on(page, address) } else { post_text(address, &with_token(), STOP).0 };
+            let status =
+                if known { stop_on(page, address) } else { post_text(address, &with_token(), STOP).0 };
             assert_eq!(status, 200);
             slowest = slowest.max(begin.elapsed());
         }

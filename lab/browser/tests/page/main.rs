@@ -4,6 +4,7 @@ mod access;
 mod bits;
 mod charts;
 mod heater;
+mod hostile;
 mod lessons;
 mod report;
 mod scenes;

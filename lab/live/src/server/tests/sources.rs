@@ -70,6 +70,45 @@ impl Source for Board {
     }
 }
 
+/// A board that never falls silent. Whoever takes a million things from it without a look at what is asked has lost the stop.
+struct Flood(u32);
+
+impl Source for Flood {
+    fn name(&self) -> String {
+        "a hostile port".into()
+    }
+
+    fn can(&self) -> &'static [&'static str] {
+        &["order"]
+    }
+
+    fn sample_time(&self) -> f64 {
+        0.11
+    }
+
+    fn has_own_time(&self) -> bool {
+        true
+    }
+
+    fn next(&mut self) -> Option<Told> {
+        self.0 += 1;
+        assert!(self.0 < 1_000_000, "nobody asks between");
+        Some(Told::Link(true))
+    }
+
+    fn order(&mut self, _: Order) -> anyhow::Result<()> {
+        self.0 = 0;
+        Ok(())
+    }
+}
+
+#[test]
+fn a_board_that_floods_is_stopped() {
+    let address = serve_source(Flood(0), 1.0);
+    let stop = r#"{"command":"order","order":{"order":"stop"}}"#;
+    assert_eq!(post_text(address, &with_token(), stop).0, 200);
+}
+
 #[test]
 fn what_a_board_tells_comes_in_its_own_time_and_order() {
     let (tell, told) = channel();

@@ -1,6 +1,6 @@
 //! What is not simulated here: a recording and a board.
 
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, Sender, channel};
 
 use pt326_lab::fields::FIELDS;
 use pt326_lab::names::Names;
@@ -71,7 +71,10 @@ impl Source for Board {
 }
 
 /// A board that never falls silent. Whoever takes a million things from it without a look at what is asked has lost the stop.
-struct Flood(u32);
+struct Flood {
+    taken: u32,
+    begins: Sender<()>,
+}
 
 impl Source for Flood {
     fn name(&self) -> String {
@@ -91,20 +94,23 @@ impl Source for Flood {
     }
 
     fn next(&mut self) -> Option<Told> {
-        self.0 += 1;
-        assert!(self.0 < 1_000_000, "nobody asks between");
+        let _ = self.begins.send(());
+        self.taken += 1;
+        assert!(self.taken < 1_000_000, "nobody asks between");
         Some(Told::Link(true))
     }
 
     fn order(&mut self, _: Order) -> anyhow::Result<()> {
-        self.0 = 0;
+        self.taken = 0;
         Ok(())
     }
 }
 
 #[test]
 fn a_board_that_floods_is_stopped() {
-    let address = serve_source(Flood(0), 1.0);
+    let (begins, begun) = channel();
+    let address = serve_source(Flood { taken: 0, begins }, 1.0);
+    begun.recv().unwrap();
     let stop = r#"{"command":"order","order":{"order":"stop"}}"#;
     assert_eq!(post_text(address, &with_token(), stop).0, 200);
 }

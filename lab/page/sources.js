@@ -35,7 +35,10 @@ function keep(token) {
   history.replaceState(null, "", location.pathname + location.hash);
 }
 
-// A server: server-sent events to here, commands by POST with the token of the page. What was missed is asked for when it comes back.
+const ALIVE = 5000; // ms: more often than the server closes what is idle
+
+// A server: server-sent events to here, commands by POST with the token of the page. What was missed is asked for when it comes back. A
+// connection that has shown the token is kept in use: on it a stop need not wait behind others who want to connect.
 export function fromServer(hear, token) {
   let [events, next, id, again, opened] = [null, 0, null, null, true];
   const told = new Set(); // orders since the last row: they may come twice
@@ -73,6 +76,7 @@ export function fromServer(hear, token) {
   }
   keep(token);
   connect();
+  const alive = setInterval(() => fetch("metrics", { headers: { Authorization: `Bearer ${token}` } }).catch(() => {}), ALIVE);
   const send = (command) =>
     fetch("command", {
       method: "POST",
@@ -85,7 +89,7 @@ export function fromServer(hear, token) {
       },
       () => hear({ type: "refused", command, code: "no_connection", id: command.id }),
     );
-  return { send, close: () => (clearTimeout(again), events.close()) };
+  return { send, close: () => (clearTimeout(again), clearInterval(alive), events.close()) };
 }
 
 // Why the server did not do it: its own words, or that it does not know this page.

@@ -3,7 +3,7 @@
 use pt326_lab_browser::Browser;
 use serde_json::json;
 
-use crate::{address, assert_untroubled, script_on};
+use crate::{address, assert_untroubled, on_page, script_on};
 
 /// Opens each link in turn and asks the session behind it for something afterwards. What went wrong; images; a seed that no object has; the
 /// mode in the end; and how long the link to the largest scene is.
@@ -57,6 +57,31 @@ const LINKS: &str = r##"
         await step(1);
         return [wrong, document.querySelectorAll("main img").length, ({}).seed ?? null, lab.row().mode, largest > 500_000];
 "##;
+
+/// What a board says is text, whatever stands in it.
+#[test]
+fn what_a_board_says_is_no_html() {
+    let seen = on_page(
+        r##"await monitoring();
+           const { HEAR } = await import("lab/hear.js");
+           const html = '<img src=x onerror="window.harmed = 1"><script>window.harmed = 1</' + "script>";
+           Object.assign(lab.lab.hello, { kind: "board", name: html });
+           HEAR.names({ own_names: [[4, html]], taught_names: [html] });
+           HEAR.said({ text: html + "\n" + html });
+           HEAR.refused({ why: html });
+           HEAR.order({ tick: 1, order: { order: "set", name: html, value: 1 } });
+           const row = new Float32Array(lab.lab.store.given).fill(NaN);
+           const put = (values) => Object.entries(values).forEach(([name, value]) => (row[lab.lab.store.at[name]] = value));
+           put({ tick: lab.lab.store.end, mode: 3, alarm: 1, class: 1, confidence: 0.98, taught: 1, fdv: 4, fiv: 4, readiness: 3, t1: 35, t2: 35, setpoint: 35 });
+           for (let i = 0; i < 30; i++) HEAR.rows({ from: lab.lab.store.end, values: row });
+           lab.lab.dirty = true;
+           for (let i = 0; i < 20; i++) await frame();
+           return [document.querySelectorAll("main img, header img, main script").length, window.harmed ?? 0,
+             ["#console", "#toast", "#source"].map((id) => $(id).textContent.includes("<img")), document.body.innerText.includes("<img")];"##,
+        &[],
+    );
+    assert_eq!(seen, json!([0, 0, [true, true, true], true]));
+}
 
 #[test]
 fn a_link_harms_nobody() {

@@ -25,6 +25,12 @@ export function begin() {
   run(1);
 }
 
+// Once for all settings that come before the next frame: a scene may hold thousands.
+let shows = 0;
+function showSoon() {
+  shows ||= requestAnimationFrame(() => ((shows = 0), show()));
+}
+
 export const HEAR = {
   hello(message) {
     if (message.protocol !== PROTOCOL) throw new Error(`protocol ${message.protocol}`);
@@ -80,7 +86,7 @@ export const HEAR = {
     if (order.order === "excite") $("excite").checked = order.on;
     if (order.order === "set") {
       lab.settings = { ...lab.settings, [order.name]: order.value };
-      show();
+      showSoon();
     }
   },
   running({ speed }) {

@@ -28,7 +28,17 @@ export const replay = (trace, parts) => new Promise((resolve, reject) => {
   }, parts);
 });
 
-// A server: server-sent events to here, commands by POST with the token of the page. What was missed is asked for when it comes back.
+// A token that the address has brought is kept for this tab, so that it can load the page again (door.html), and seen no more.
+function keep(token) {
+  if (!location.search) return;
+  try { sessionStorage.setItem("pt326-lab-token", token); } catch { /* then the link is to be opened again */ }
+  history.replaceState(null, "", location.pathname + location.hash);
+}
+
+const ALIVE = 5000; // ms: more often than the server closes what is idle
+
+// A server: server-sent events to here, commands by POST with the token of the page. What was missed is asked for when it comes back. A
+// connection that has shown the token is kept in use: on it a stop need not wait behind others who want to connect.
 export function fromServer(hear, token) {
   let [events, next, id, again, opened] = [null, 0, null, null, true];
   const told = new Set(); // orders since the last row: they may come twice
@@ -64,7 +74,9 @@ export function fromServer(hear, token) {
       hear(message);
     };
   }
+  keep(token);
   connect();
+  const alive = setInterval(() => fetch("metrics", { headers: { Authorization: `Bearer ${token}` } }).catch(() => {}), ALIVE);
   const send = (command) =>
     fetch("command", {
       method: "POST",
@@ -77,7 +89,7 @@ export function fromServer(hear, token) {
       },
       () => hear({ type: "refused", command, code: "no_connection", id: command.id }),
     );
-  return { send, close: () => (clearTimeout(again), events.close()) };
+  return { send, close: () => (clearTimeout(again), clearInterval(alive), events.close()) };
 }
 
 // Why the server did not do it: its own words, or that it does not know this page.

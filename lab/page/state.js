@@ -30,9 +30,10 @@ export function put(id, html) {
   $(id).innerHTML = html;
 }
 
+const LONGEST = 300; // characters of a toast: what is refused may quote anything
 let toastUntil = null;
 export function toast(text) {
-  $("toast").textContent = text;
+  $("toast").textContent = text.length > LONGEST ? text.slice(0, LONGEST) + "…" : text;
   $("toast").classList.add("shown");
   clearTimeout(toastUntil);
   toastUntil = setTimeout(() => $("toast").classList.remove("shown"), 7000);

@@ -276,6 +276,8 @@ const TABLE = {
     "Mostrado como foi registado, sem temperaturas esperadas nem partes: corrido de novo dá outra coisa ({why}).",
   ],
   bad_link: ["This link holds no scene: {why}", "Esta ligação não tem cena: {why}"],
+  link_deep: ["it is nested deeper than a scene is.", "está aninhada mais fundo do que uma cena."],
+  link_other: ["it has another form.", "tem outra forma."],
   persists: ["It persists: {why}", "Persiste: {why}"],
   r_mode: ["not possible now ({mode}).", "não é possível agora ({mode})."],
   r_widens: ["{name} can only be widened while the heater is off.", "{name} só pode ser alargado com o aquecedor desligado."],

@@ -4,7 +4,7 @@ use fdi_core::diagnosis::baseline::Normal;
 use fdi_core::diagnosis::residual::Residual;
 use fdi_core::likelihood::{Channel, FaultClass, HYPOTHESES, Pair, Readiness};
 use fdi_core::supervisor::Blocker;
-use fdi_core::{Instrument, Mode, Reading, Report, Tick, TripReason, Validity};
+use fdi_core::{Instrument, Mode, Percent, Reading, Report, Tick, TripReason, Validity};
 
 /// Class and share of each hypothesis.
 pub type Explained = [(FaultClass, f32); HYPOTHESES];
@@ -21,6 +21,8 @@ pub struct Moment<'a> {
     pub tick: &'a Tick,
     /// Second half of the tick.
     pub report: &'a Report,
+    /// What the heater got from it on. That of a self-test is none of the controller's.
+    pub applied: Percent,
     /// Number of the fault that acts, 0 for none.
     pub truth: u8,
     /// What each hypothesis explains of an alarm, where that was asked.
@@ -62,9 +64,9 @@ pub static FIELDS: [Field; 45] = [
     field("t1_expected", |on| on.report.likelihood.expected[1]),
     field("t2_expected", |on| on.report.likelihood.expected[2]),
     field("setpoint", |on| Some(on.tick.setpoint.0)),
-    // The controller's power, and what drives the heater: that with the excitation, %.
+    // The controller's power, and what the heater got: that with the excitation, or the power of a self-test, %.
     field("pid", |on| Some(on.tick.pid.0)),
-    field("drive", |on| Some(on.tick.drive.0)),
+    field("drive", |on| Some(on.applied.0)),
     // 0 off, 1 settle, 2 learn, 3 monitor, 4 tripped, 5 tune; why, as in the list of trips.
     field("mode", |on| Some(mode(&on.tick.mode))),
     field("trip", |on| on.trip()),
@@ -205,6 +207,25 @@ mod tests {
 
     use super::*;
 
+    #[test]
+    fn the_power_is_what_the_heater_got_not_what_the_controller_wanted() {
+        let mut instrument = Instrument::new(&Config::default()).unwrap();
+        let tick = instrument.control(RawSample::default());
+        let applied = Percent(2.5);
+        let report = instrument.diagnose(&tick, applied);
+        let moment = Moment {
+            tick: &tick,
+            report: &report,
+            applied,
+            truth: 0,
+            explained: None,
+            normal: None,
+            sigma_factor: 3.0,
+        };
+        let number = |name| numbers(&moment)[FIELDS.iter().position(|field| field.name == name).unwrap()];
+        assert_eq!((tick.drive.0, number("drive"), number("pid")), (0.0, 2.5, 0.0));
+    }
+
     /// Pages find the fields by name, and what was kept of older ones by place.
     #[test]
     fn a_taught_fault_stands_behind_all_that_was_there_before() {
@@ -217,6 +238,7 @@ mod tests {
             let moment = Moment {
                 tick: &tick,
                 report: &report,
+                applied: tick.drive,
                 truth: 0,
                 explained: None,
                 normal: None,

@@ -9,6 +9,10 @@ const WORKER: &str = include_str!("../page/worker.js");
 const REPORT: &str = "<!-- report -->";
 const PLACE: &str = "<!-- bundle: style, modules, worker, data -->";
 
+/// What stands in the page's place for a browser that has not brought the token: it fetches the page with the token that this tab has kept,
+/// or says where the link is.
+pub const DOOR: &str = include_str!("../page/door.html");
+
 macro_rules! modules {
     ($($name:literal),+ $(,)?) => {
         /// The modules, by the names under which they import each other.

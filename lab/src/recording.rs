@@ -96,6 +96,7 @@ impl<'a> Recording<'a> {
             all.push(fields::numbers(&Moment {
                 tick: &tick,
                 report: &report,
+                applied: tick.drive,
                 truth: row.truth,
                 explained: fields::explained(&instrument, &report).as_ref(),
                 normal: instrument.baseline().map(|baseline| baseline.filtered),

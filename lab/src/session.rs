@@ -177,6 +177,7 @@ impl Session {
         fields::numbers(&fields::Moment {
             tick: &row.tick,
             report: &row.report,
+            applied: row.tick.drive,
             truth: row.truth,
             explained: row.explained.as_ref(),
             normal,

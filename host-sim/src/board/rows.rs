@@ -14,7 +14,7 @@ use pt326_lab::told::{Numbers, Told};
 const MOST_MISSING: u32 = 6000;
 
 /// Words of a record that are numbers of the page, under the same name.
-const ALIKE: [&str; 6] = ["setpoint", "pid", "drive", "confidence", "magnitude", "half_width"];
+const ALIKE: [&str; 5] = ["setpoint", "pid", "confidence", "magnitude", "half_width"];
 
 /// What a line has brought.
 #[derive(Debug, Default, PartialEq)]
@@ -99,6 +99,7 @@ impl Rows {
             "t0" => read(4, s0, raw.t0),
             "t1" => read(8, s1, raw.t1),
             "t2" => read(12, s2, raw.t2),
+            "drive" => Some(line.applied().0),
             "mode" => count(line.mode()),
             "trip" => self
                 .trip
@@ -180,11 +181,14 @@ mod tests {
         instrument.command(Command::Arm).unwrap();
         let both = |_| {
             let tick = instrument.control(raw);
-            let report = instrument.diagnose(&tick, tick.drive);
-            let record = TickRecord::new(raw, tick, Percent(tick.drive.0));
+            // As in a self-test: the heater gets what the controller does not ask for.
+            let applied = Percent(2.5);
+            let report = instrument.diagnose(&tick, applied);
+            let record = TickRecord::new(raw, tick, applied);
             let moment = Moment {
                 tick: &tick,
                 report: &report,
+                applied,
                 truth: 0,
                 explained: None,
                 normal: None,

@@ -3,7 +3,7 @@
 //! A thread holds the conversation. Stop does not wait for it: it goes out by a second handle of the same port, and takes with it whatever
 //! was ordered before and not yet sent.
 
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -25,6 +25,10 @@ use crate::experiment::as_written;
 const SILENCE: Duration = Duration::from_secs(2);
 /// Between two attempts to open a port that has gone.
 const ANOTHER: Duration = Duration::from_millis(300);
+/// What a board has told and nobody has taken yet: a port that floods waits.
+const UNTAKEN: usize = 1024;
+/// Bytes of a console's line that may come without an end before they are told as they are.
+const UNENDED: usize = 4096;
 
 /// A board that is watched.
 pub struct Watch {
@@ -64,7 +68,7 @@ impl Watch {
     /// # Errors
     /// No port, no board on it, or one of another release.
     pub fn open(name: &str) -> anyhow::Result<Self> {
-        let (tell, told) = channel();
+        let (tell, told) = sync_channel(UNTAKEN);
         let (orders, given) = channel();
         let hand = Hand::default();
         let mut keeper = Keeper::open(name.to_owned(), tell, hand.clone())?;
@@ -139,7 +143,7 @@ struct Keeper {
     session: Session,
     sample_time: f64,
     rows: Rows,
-    tell: Sender<Told>,
+    tell: SyncSender<Told>,
     hand: Hand,
     /// Its settings as they were last told; a page begins with the defaults.
     known: Config,
@@ -153,7 +157,7 @@ struct Keeper {
 struct Unwatched;
 
 impl Keeper {
-    fn open(name: String, tell: Sender<Told>, hand: Hand) -> anyhow::Result<Self> {
+    fn open(name: String, tell: SyncSender<Told>, hand: Hand) -> anyhow::Result<Self> {
         let mut session = Session::open(&name)?;
         let config = settings::read(&mut session)?;
         let sample_time = as_written(config.sample_time.0);
@@ -196,6 +200,9 @@ impl Keeper {
     /// What the console says by itself, line by line.
     fn say(&mut self, text: &str) -> Result<(), Unwatched> {
         self.text += &text.replace('\r', "");
+        if self.text.len() > UNENDED {
+            self.text.push('\n');
+        }
         take_lines(&mut self.text).into_iter().try_for_each(|line| self.tell(Told::Said(line)))
     }
 
@@ -299,5 +306,73 @@ impl Keeper {
                 }
             }
         }
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::io::{Read, Write};
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use serialport::TTYPort;
+
+    use super::*;
+
+    /// What a hostile board may say before it is believed that it may say anything.
+    const ENDLESS: usize = 16 << 20;
+
+    /// A board that answers as one does until it is watched; then it says one line that never ends. What it has got rid of, bytes.
+    fn babbles() -> (Watch, Arc<AtomicUsize>) {
+        let (mut board, port) = TTYPort::pair().unwrap();
+        board.set_timeout(Duration::from_secs(60)).unwrap();
+        let said = Arc::new(AtomicUsize::new(0));
+        let count = said.clone();
+        let name = port.name().unwrap();
+        let (begin, begun) = channel();
+        std::thread::spawn(move || {
+            let mut heard = Vec::new();
+            while !heard.ends_with(b"stream on\r") {
+                let mut byte = [0; 1];
+                board.read_exact(&mut byte).unwrap();
+                heard.extend(byte);
+                if matches!(byte, [b'\r' | 0x15]) {
+                    board.write_all(b"\r\n> ").unwrap();
+                }
+            }
+            begun.recv().unwrap();
+            while count.load(Ordering::Relaxed) < ENDLESS && board.write_all(&[b'x'; 1024]).is_ok() {
+                count.fetch_add(1024, Ordering::Relaxed);
+            }
+        });
+        let watch = Watch::open(&name).unwrap();
+        begin.send(()).unwrap();
+        (watch, said)
+    }
+
+    #[test]
+    fn a_line_that_never_ends_is_told_in_pieces() {
+        let (mut watch, _) = babbles();
+        let begin = Instant::now();
+        let mut told = 0;
+        while told < 100_000 {
+            if let Some(Told::Said(text)) = watch.take() {
+                assert!(text.len() <= 2 * UNENDED, "{} bytes at once", text.len());
+                told += text.len();
+            }
+            assert!(begin.elapsed() < Duration::from_secs(60), "{told} bytes were told");
+        }
+    }
+
+    /// While nobody takes what it says the port waits, and nothing grows.
+    #[test]
+    fn a_board_that_floods_is_read_no_faster_than_it_is_told() {
+        let (watch, said) = babbles();
+        let mut before = usize::MAX;
+        while before != said.load(Ordering::Relaxed) {
+            before = said.load(Ordering::Relaxed);
+            std::thread::sleep(SILENCE);
+        }
+        assert!(before < ENDLESS, "{before} bytes were read");
+        drop(watch);
     }
 }

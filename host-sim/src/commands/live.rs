@@ -26,6 +26,9 @@ All who open the page see the same rig; whoever has it may break it, arm it and 
 With --board, a real board: its page arms, stops and acknowledges. Stop, and the key !, go to the board at once. While \
 nothing is heard of the board the page says so; the board goes on regulating, and trips by itself.
 
+With --board or --listen the page opens only by the link that is printed, which holds a token. No browser is opened then: other users of \
+the machine could read the link on its command line.
+
 Numbers for Prometheus: /metrics (with --listen, the token as bearer).
 
 Examples:
@@ -65,7 +68,7 @@ pub struct LiveArgs {
     /// What everybody must know who opens the page: 16 letters and digits or more.
     #[arg(long, requires = "listen")]
     pub token: Option<String>,
-    /// Do not open a browser.
+    /// Do not open a browser, where one would be opened.
     #[arg(long)]
     pub no_open: bool,
 }
@@ -131,14 +134,16 @@ impl Source for Watch {
 fn serve(args: &LiveArgs, source: impl Source) -> anyhow::Result<()> {
     let access = match (&args.listen, &args.token) {
         (Some(_), Some(token)) => Access::open(token)?,
-        _ => Access::local()?,
+        // A board heats: its page is for the user who has started this, not for every user of the machine.
+        _ => Access::local(args.board.is_some())?,
     };
     let server = Server { access, clock: clock::start(source, args.speed)? };
     let address = SocketAddr::new(args.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), args.port);
     listen(server, address, |address, query| {
         let page = format!("http://{address}/{query}");
         print(&format!("The lab is at {page}\nCtrl-C ends it.\n"))?;
-        if !args.no_open {
+        // What a browser is started with, every user can read.
+        if !args.no_open && query.is_empty() {
             open(&page);
         }
         Ok(())

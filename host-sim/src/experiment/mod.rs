@@ -4,7 +4,7 @@ mod fault_size;
 pub mod scenario;
 
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::{Command, Config, Instrument, RawSample, Report, Tick};
+use fdi_core::{Command, Config, Instrument, Percent, RawSample, Report, Tick};
 
 pub use fault_size::{FaultSize, paper_sequence};
 use pt326_lab::change::Settings;
@@ -62,6 +62,8 @@ pub struct Row {
     pub tick: Tick,
     /// Second half.
     pub report: Report,
+    /// What the heater got from this tick to the next, %.
+    pub applied: Percent,
     /// Number of the fault that acts at this tick, 0 for none; the latest onset if several do.
     pub truth: u8,
 }
@@ -239,9 +241,9 @@ pub fn drive<B: Backend>(
         }
         let tick = backend.control(sample(&mut rig));
         let report = backend.diagnose(&tick);
-        let drive = f64::from(tick.drive.0);
-        observe(Row { tick, report, truth: truth(&scenario.faults, t) }, &rig, backend);
-        rig.advance(drive);
+        let applied = tick.drive;
+        observe(Row { tick, report, applied, truth: truth(&scenario.faults, t) }, &rig, backend);
+        rig.advance(f64::from(applied.0));
     }
     refused
 }

@@ -16,6 +16,7 @@ pub fn of(record: &Record) -> Vec<[f32; FIELDS.len()]> {
         numbers(&Moment {
             tick: &row.tick,
             report: &row.report,
+            applied: row.applied,
             truth: row.truth,
             explained: explained.next_if(|(of, _)| *of == k).map(|(_, shares)| shares),
             normal: record.baseline.map(|baseline| baseline.filtered),

@@ -224,5 +224,5 @@ fn row(heater: &Heater, mut tick: Tick, mut report: Report, shift: i64, truth: u
             Report { tick: report.tick, y1: report.y1, likelihood: report.likelihood, ..Report::default() };
     }
     tick.setpoint.0 = f32::NAN;
-    Row { tick, report, truth }
+    Row { applied: tick.drive, tick, report, truth }
 }

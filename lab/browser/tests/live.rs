@@ -124,6 +124,34 @@ fn a_page_says_when_its_server_is_gone_and_goes_on_when_it_is_back() {
     assert_eq!(back, Some(json!(1)));
 }
 
+/// A page that is for whoever has its link: the tab keeps the token, the address does not, and nobody else comes in.
+#[test]
+fn the_token_is_not_seen_and_outlives_a_reload() {
+    let server = Server::with(0, &["--listen", "127.0.0.1", "--token", "0123456789abcdef"]);
+    let (plain, token) = server.address.split_once('?').expect("a link with the token");
+    assert_eq!(token, "token=0123456789abcdef");
+    let entered = r#"await until(() => lab.lab.store?.end > 3300); return [location.search, document.referrer, history.length]"#;
+    let browser = Browser::start().expect("a browser");
+    browser.open(&format!("{}#s=x", server.address)).expect("the page");
+    let [search, referrer, before] =
+        on(&browser, entered).as_array().expect("three").clone().try_into().expect("three");
+    assert_eq!((search, referrer), (json!(""), json!("")));
+    browser.open(plain).expect("the page again");
+    let [search, _, after] =
+        on(&browser, entered).as_array().expect("three").clone().try_into().expect("three");
+    assert_eq!((search, after.as_u64()), (json!(""), before.as_u64().map(|n| n + 1)));
+    let refused = |browser: &Browser, address: &str| {
+        browser.open(address).expect("an answer");
+        let text = on(browser, "return document.body.innerText");
+        assert!(text.as_str().is_some_and(|text| text.contains("by its link only")), "{text}");
+    };
+    let stranger = Browser::start().expect("a browser");
+    refused(&stranger, plain);
+    // One of another server is forgotten, and does not come in by loading again.
+    refused(&browser, &format!("{plain}?token=fedcba9876543210"));
+    refused(&browser, plain);
+}
+
 /// A trace tells what was taught: nobody need say what settings it was made with.
 #[test]
 fn a_recording_that_is_served_has_the_names_of_its_settings() {
@@ -189,6 +217,7 @@ impl Drop for Board {
 fn a_real_board_is_commissioned_from_the_page_and_heats_at_a_second_press_only() {
     let board = Board::start();
     let server = Server::with(0, &["--board", &board.link]);
+    assert!(server.address.contains("/?token="), "{}", server.address);
     let browser = Browser::start().expect("a browser");
     browser.open(&server.address).expect("the page");
     let shown = r##"await until(() => lab.lab.store?.end > 5 && !$("#desk-board").hidden);
@@ -196,7 +225,7 @@ fn a_real_board_is_commissioned_from_the_page_and_heats_at_a_second_press_only()
         const check = $("[data-line=check]"); check.click(); check.click(); // a double click is one press
         await sleep(400); lab.send({ command: "order", order: { order: "setpoint", celsius: 36 } }); await sleep(300);
         const asks = check.textContent; const before = $("#console").textContent.includes("check"); check.click();
-        await until(() => $("#console").textContent.includes("check: thermistors at rest")); const head = (await until(() => /tests itself/.test($("#head").textContent)), true);
+        await until(() => $("#console").textContent.includes("check: thermistors at rest")); await until(() => lab.row().drive === 2.5); const head = (await until(() => /tests itself/.test($("#head").textContent)), true);
         return [asks, before, check.textContent, head]"##;
     assert_eq!(on(&browser, shown), json!(["Yes, it may heat", false, "Self-test (heats a little)", true]));
     let typed = r##"$("#line").focus(); $("#line").dispatchEvent(new KeyboardEvent("keydown", { key: "!", bubbles: true }));

@@ -18,7 +18,7 @@ use crate::source::{Source, Told};
 
 /// How often it is looked whether a tick is due.
 const BEAT: Duration = Duration::from_millis(20);
-/// Ticks at a time: after a long sleep of the machine the past is not made up for.
+/// Ticks at a time: after a long sleep of the machine the past is not made up for. Of a source with a time of its own, what it tells.
 const MOST_AT_ONCE: f64 = 2000.0;
 /// Fastest clock.
 pub const FASTEST: f64 = 100.0;
@@ -124,7 +124,8 @@ impl<S: Source> Keeper<S> {
             self.owed = (self.owed + due).min(MOST_AT_ONCE);
             let ticks = self.owed.floor();
             self.owed -= ticks;
-            self.ticks(if self.source.has_own_time() { usize::MAX } else { ticks as usize });
+            // A board that floods does not keep from being asked, either.
+            self.ticks(if self.source.has_own_time() { MOST_AT_ONCE as usize } else { ticks as usize });
         }
     }
 

@@ -10,7 +10,9 @@ use axum::http::{HeaderMap, StatusCode, header};
 pub struct Access {
     /// Known to the page, asked for with every command.
     pub(crate) token: String,
-    /// It can be reached from other machines: the page itself asks for the token.
+    /// The page is for those who bring the token.
+    pub(crate) asks: bool,
+    /// It can be reached from other machines: the numbers ask for the token, too.
     pub(crate) open: bool,
 }
 
@@ -18,12 +20,13 @@ pub struct Access {
 const SHORTEST: usize = 16;
 
 impl Access {
-    /// For this machine alone, with a token that nobody has chosen.
+    /// For this machine alone, with a token that nobody has chosen. Where the page asks for it, it is for the user who has started the
+    /// server; else for every user of the machine.
     ///
     /// # Errors
     /// The system gives no random numbers.
-    pub fn local() -> anyhow::Result<Self> {
-        Ok(Self { token: random()?, open: false })
+    pub fn local(asks: bool) -> anyhow::Result<Self> {
+        Ok(Self { token: random()?, asks, open: false })
     }
 
     /// For other machines, too.
@@ -36,7 +39,7 @@ impl Access {
             plain && token.len() >= SHORTEST,
             "the token must be {SHORTEST} letters and digits or more"
         );
-        Ok(Self { token: token.into(), open: true })
+        Ok(Self { token: token.into(), asks: true, open: true })
     }
 
     pub(crate) fn knows(&self, token: Option<&str>) -> bool {
@@ -116,7 +119,7 @@ mod tests {
         for token in ["", "short", "with blanks and more", "<script>alert(1)</script>"] {
             assert!(Access::open(token).is_err(), "{token}");
         }
-        let [a, b] = [(); 2].map(|()| Access::local().unwrap());
+        let [a, b] = [(); 2].map(|()| Access::local(false).unwrap());
         assert!(a.token.len() == 48 && a.token != b.token);
         assert!(a.knows(Some(&a.token)) && !a.knows(Some(&b.token)) && !a.knows(None) && !a.knows(Some("")));
     }

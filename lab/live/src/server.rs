@@ -1,5 +1,7 @@
 //! What can be asked for over HTTP: the page, its events, commands, numbers. All else is 404.
 
+mod connections;
+
 use std::convert::Infallible;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -7,9 +9,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use anyhow::Context;
-use axum::extract::{DefaultBodyLimit, Query, Request, State};
+use axum::body::Bytes;
+use axum::extract::{DefaultBodyLimit, FromRequest, Query, Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
-use axum::middleware::{Next, from_fn};
+use axum::middleware::{Next, from_fn_with_state};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
@@ -19,12 +22,13 @@ use pt326_lab::page;
 use pt326_lab::scene::{Order, Scene};
 use serde::Deserialize;
 use serde_json::Value;
-use tokio::net::TcpListener;
+use tokio::time::timeout;
 
 use crate::clock::{Ask, Clock};
 use crate::guard::{Access, check};
 use crate::history::Place;
 use crate::metrics;
+use connections::{Caller, Limits};
 
 /// Pages that may watch at once.
 const MOST_CLIENTS: usize = 256;
@@ -43,12 +47,17 @@ pub struct Server {
 
 struct Shared {
     server: Server,
+    /// The page with its token, made once.
+    page: Bytes,
     clients: AtomicUsize,
+    /// For a body.
+    patience: Duration,
 }
 
 type App = State<Arc<Shared>>;
 
-/// Takes `address`, or any port of it that is free; says where it listens, then serves until the program ends.
+/// Takes `address`, or any port of it that is free; says where it listens and, where the page is not for everybody, the query that asks
+/// for it with the token; then serves until the program ends.
 ///
 /// # Errors
 /// No port is free; `told` fails.
@@ -57,33 +66,48 @@ pub fn listen(
     address: SocketAddr,
     told: impl FnOnce(SocketAddr, &str) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
+    listen_within(Limits::default(), server, address, told)
+}
+
+fn listen_within(
+    limits: Limits,
+    server: Server,
+    address: SocketAddr,
+    told: impl FnOnce(SocketAddr, &str) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
     runtime.block_on(async {
-        let listener = match TcpListener::bind(address).await {
-            Ok(listener) => listener,
-            Err(_) => TcpListener::bind(SocketAddr::new(address.ip(), 0)).await.context("no free port")?,
-        };
+        let listener = connections::listen(address)
+            .or_else(|_| connections::listen(SocketAddr::new(address.ip(), 0)))
+            .context("no free port")?;
         let query =
-            if server.access.open { format!("?token={}", server.access.token) } else { String::new() };
+            if server.access.asks { format!("?token={}", server.access.token) } else { String::new() };
         told(listener.local_addr()?, &query)?;
-        axum::serve(listener, app(server)).await.context("the server has ended")
+        connections::serve(listener, app(server, limits.patience), limits).await;
+        Ok(())
     })
 }
 
-fn app(server: Server) -> Router {
-    let shared = Arc::new(Shared { server, clients: AtomicUsize::new(0) });
+fn app(server: Server, patience: Duration) -> Router {
+    let page = page::html(page::Source::Server(&server.access.token)).into();
+    let shared = Arc::new(Shared { server, page, clients: AtomicUsize::new(0), patience });
     Router::new()
         .route("/", get(page_itself))
         .route("/events", get(events))
         .route("/command", post(command))
         .route("/metrics", get(numbers))
         .layer(DefaultBodyLimit::max(LONGEST))
-        .layer(from_fn(guarded))
+        .layer(from_fn_with_state(shared.clone(), guarded))
         .with_state(shared)
 }
 
-/// Turns away what does not come from here, and says what a browser may do with what goes out.
-async fn guarded(request: Request, next: Next) -> Response {
+/// Turns away what does not come from here, notes who shows the token, and says what a browser may do with what goes out.
+async fn guarded(State(app): App, request: Request, next: Next) -> Response {
+    if let Some(caller) = request.extensions().get::<Arc<Caller>>()
+        && shows_token(&request, &app.server.access)
+    {
+        caller.is_known();
+    }
     // A request that names its host in its target is one to a proxy.
     let to_here = request.uri().authority().is_none().then_some(()).ok_or(StatusCode::MISDIRECTED_REQUEST);
     let mut response = match to_here.and_then(|()| check(request.headers())) {
@@ -105,6 +129,22 @@ async fn guarded(request: Request, next: Next) -> Response {
     response
 }
 
+/// Whether the token is in the headers or the query.
+fn shows_token(request: &Request, access: &Access) -> bool {
+    let headers = request.headers();
+    let asked = Query::<Asked>::try_from_uri(request.uri()).ok();
+    let query = asked.as_ref().and_then(|asked| asked.token.as_deref());
+    [of_page(headers), bearer(headers), query].into_iter().any(|token| access.knows(token))
+}
+
+fn of_page(headers: &HeaderMap) -> Option<&str> {
+    headers.get("x-lab-token")?.to_str().ok()
+}
+
+fn bearer(headers: &HeaderMap) -> Option<&str> {
+    headers.get(header::AUTHORIZATION)?.to_str().ok()?.strip_prefix("Bearer ")
+}
+
 #[derive(Deserialize)]
 struct Asked {
     token: Option<String>,
@@ -114,12 +154,13 @@ struct Asked {
     session: String,
 }
 
-async fn page_itself(State(app): App, Query(asked): Query<Asked>) -> Result<Html<String>, StatusCode> {
+/// The page, or what a browser shows in its place that has not brought the token.
+async fn page_itself(State(app): App, Query(asked): Query<Asked>) -> Response {
     let access = &app.server.access;
-    if access.open && !access.knows(asked.token.as_deref()) {
-        return Err(StatusCode::FORBIDDEN);
+    if access.asks && !access.knows(asked.token.as_deref()) {
+        return (StatusCode::FORBIDDEN, Html(page::DOOR)).into_response();
     }
-    Ok(Html(page::html(page::Source::Server(&access.token))))
+    Html(app.page.clone()).into_response()
 }
 
 /// One client fewer when it is dropped.
@@ -182,18 +223,15 @@ enum Command {
     Trace,
 }
 
-async fn command(
-    State(app): App,
-    headers: HeaderMap,
-    body: Result<Json<Value>, axum::extract::rejection::JsonRejection>,
-) -> Response {
-    let token = headers.get("x-lab-token").and_then(|value| value.to_str().ok());
-    if !app.server.access.knows(token) {
+async fn command(State(app): App, request: Request) -> Response {
+    // Nothing is read of a body before that.
+    if !app.server.access.knows(of_page(request.headers())) {
         return StatusCode::FORBIDDEN.into_response();
     }
-    let body = match body {
-        Ok(Json(body)) => body,
-        Err(rejection) => return rejection.into_response(),
+    let body: Value = match timeout(app.patience, Json::from_request(request, &())).await {
+        Ok(Ok(Json(body))) => body,
+        Ok(Err(rejection)) => return rejection.into_response(),
+        Err(_) => return StatusCode::REQUEST_TIMEOUT.into_response(),
     };
     // By way of a value, for the reason that `protocol::read` tells.
     let ask = match serde_json::from_value(body) {
@@ -213,9 +251,7 @@ async fn command(
 
 async fn numbers(State(app): App, headers: HeaderMap) -> Result<impl IntoResponse, StatusCode> {
     let access = &app.server.access;
-    let bearer =
-        headers.get(header::AUTHORIZATION).and_then(|value| value.to_str().ok()?.strip_prefix("Bearer "));
-    if access.open && !access.knows(bearer) {
+    if access.open && !access.knows(bearer(&headers)) {
         return Err(StatusCode::UNAUTHORIZED);
     }
     let history = app.server.clock.history();

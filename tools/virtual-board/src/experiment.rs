@@ -108,7 +108,8 @@ fn rows(recording: &Recording, first: usize, count: usize, faults: &[Fault], sam
             if let Some(finding) = &mut report.likelihood.finding {
                 finding.onset = finding.onset.saturating_sub(first as u32);
             }
-            Row { tick, report, truth: host_sim::experiment::truth(faults, i as f64 * sample_time) }
+            let truth = host_sim::experiment::truth(faults, i as f64 * sample_time);
+            Row { applied: tick.drive, tick, report, truth }
         })
         .collect()
 }

@@ -174,7 +174,7 @@ mod tests {
         let mut instrument = Instrument::new(&Config::default()).unwrap();
         let code = AdcCode(2160.0);
         let tick = instrument.control(RawSample { t0: code, t1: code, t2: code, ..RawSample::default() });
-        Row { report: instrument.diagnose(&tick, Percent(0.0)), tick, truth: 0 }
+        Row { report: instrument.diagnose(&tick, Percent(0.0)), applied: Percent(0.0), tick, truth: 0 }
     }
 
     /// A trip that an instrument made, with another reason.

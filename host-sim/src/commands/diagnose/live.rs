@@ -188,7 +188,7 @@ impl<'a> Live<'a> {
             return Ok(());
         }
         self.said = now;
-        let row = Row { tick, report, truth: 0 };
+        let row = Row { applied: tick.drive, tick, report, truth: 0 };
         let what = match (now, row.report.likelihood.finding) {
             (None, _) => "all is as expected again".to_owned(),
             (_, Some(finding)) => sentence(&self.record, &row, &finding),

@@ -274,12 +274,13 @@ fn rerun(
             told.push((rows.len(), change));
         }
         let tick = instrument.control(recorded.raw);
-        let report = instrument.diagnose(&tick, recorded.applied.unwrap_or(tick.drive));
+        let applied = recorded.applied.unwrap_or(tick.drive);
+        let report = instrument.diagnose(&tick, applied);
         agreement.compare(recorded, &tick, &report, sample_time);
         look(&instrument, &tick, &report);
         explained.extend(fields::explained(&instrument, &report).map(|shares| (rows.len(), shares)));
         let now = f64::from(tick.index) * sample_time;
-        rows.push(Row { tick, report, truth: truth(&recording.faults, now) });
+        rows.push(Row { tick, report, applied, truth: truth(&recording.faults, now) });
         bar.inc(1);
     }
     bar.finish_and_clear();

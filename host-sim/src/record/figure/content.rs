@@ -91,7 +91,7 @@ fn measurements(record: &Record) -> Vec<Panel> {
         panel(
             "Heating power Pa (%)",
             Scale::AtLeast(1.0),
-            vec![trace("Pa", Pen::new(NAVY, 1.0), |r| Some(r.tick.drive.0))],
+            vec![trace("Pa", Pen::new(NAVY, 1.0), |r| Some(r.applied.0))],
         ),
         panel(
             "Rise over the room: measured y1, y2 and one-step predictions y1m, y2m (°C)",

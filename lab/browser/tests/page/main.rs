@@ -4,6 +4,7 @@ mod access;
 mod bits;
 mod charts;
 mod heater;
+mod hostile;
 mod layout;
 mod lessons;
 mod report;

@@ -2,6 +2,7 @@
 
 mod access;
 mod clients;
+mod half_sent;
 mod malformed;
 mod sources;
 
@@ -21,13 +22,21 @@ fn serve(speed: f64) -> SocketAddr {
     serve_source(Session::new(Scene::default()).unwrap(), speed)
 }
 
-/// A server of its own in a thread; it ends with the tests.
+/// A page for every user of the machine.
+fn for_all() -> Access {
+    Access { token: TOKEN.into(), asks: false, open: false }
+}
+
 fn serve_source(source: impl Source, speed: f64) -> SocketAddr {
-    let access = Access { token: TOKEN.into(), open: false };
-    let server = Server { clock: clock::start(source, speed).unwrap(), access };
+    serve_to(for_all(), Limits::default(), clock::start(source, speed).unwrap()).0
+}
+
+/// A server of its own in a thread, and the query that it wants; it ends with the tests.
+fn serve_to(access: Access, limits: Limits, clock: Clock) -> (SocketAddr, String) {
     let (tell, told) = channel();
     std::thread::spawn(move || {
-        listen(server, "127.0.0.1:0".parse().unwrap(), |address, _| Ok(tell.send(address)?))
+        let tell = |address, query: &str| Ok(tell.send((address, query.to_owned()))?);
+        listen_within(limits, Server { clock, access }, "127.0.0.1:0".parse().unwrap(), tell)
     });
     told.recv().unwrap()
 }

@@ -1,6 +1,12 @@
 //! What is served, and to whom.
 
-use super::{JSON, LONGEST, TOKEN, get_text, post_text, serve, stream, until, with_token};
+use pt326_lab::scene::Scene;
+use pt326_lab::session::Session;
+
+use super::{JSON, LONGEST, TOKEN, for_all, get_text, post_text, serve, serve_to, stream, until, with_token};
+use crate::clock;
+use crate::guard::Access;
+use crate::server::connections::Limits;
 
 #[test]
 fn the_page_its_numbers_and_nothing_else_are_served() {
@@ -52,4 +58,33 @@ fn commands_need_token_json_host_and_origin() {
         assert!((400..500).contains(&refused(body).0), "{body}");
     }
     assert_eq!(refused(&format!("{{\"command\":\"{}\"}}", "x".repeat(LONGEST))).0, 413);
+}
+
+/// Where the page is for its user alone nobody else on the machine is told the token; the numbers stay for all, and commands for who has it.
+#[test]
+fn the_page_of_a_board_is_for_whoever_brings_the_token() {
+    let clock = || clock::start(Session::new(Scene::default()).unwrap(), 0.0).unwrap();
+    let (address, query) = serve_to(Access { asks: true, ..for_all() }, Limits::default(), clock());
+    assert_eq!(query, format!("?token={TOKEN}"));
+    let (status, page) = get_text(address, &format!("/{query}"), "");
+    assert!(
+        status == 200
+            && page.contains(&format!(">{TOKEN}<"))
+            && page.contains("referrer-policy: no-referrer")
+    );
+    for path in ["/", "/?token=", "/?token=0123456789abcdee", "/?from=1"] {
+        let (status, door) = get_text(address, path, "");
+        assert!(status == 403 && !door.contains(TOKEN), "{path}: {status}");
+        assert!(
+            door.contains("This page opens by its link only") && door.contains("pela sua liga"),
+            "{path}"
+        );
+    }
+    assert_eq!(get_text(address, "/metrics", "").0, 200);
+    let run = r#"{"command":"run","speed":0}"#;
+    assert_eq!((post_text(address, JSON, run).0, post_text(address, &with_token(), run).0), (403, 200));
+    let (other_machines, _) = serve_to(Access::open(TOKEN).unwrap(), Limits::default(), clock());
+    assert_eq!(get_text(other_machines, "/", "").0, 403);
+    assert_eq!(get_text(other_machines, "/metrics", "").0, 401);
+    assert_eq!(get_text(other_machines, "/metrics", &format!("Authorization: Bearer {TOKEN}\r\n")).0, 200);
 }

@@ -1,6 +1,6 @@
 //! What is not simulated here: a recording and a board.
 
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, Sender, channel};
 
 use pt326_lab::fields::FIELDS;
 use pt326_lab::names::Names;
@@ -68,6 +68,51 @@ impl Source for Board {
     fn order(&mut self, _: Order) -> anyhow::Result<()> {
         Ok(())
     }
+}
+
+/// A board that never falls silent. Whoever takes a million things from it without a look at what is asked has lost the stop.
+struct Flood {
+    taken: u32,
+    begins: Sender<()>,
+}
+
+impl Source for Flood {
+    fn name(&self) -> String {
+        "a hostile port".into()
+    }
+
+    fn can(&self) -> &'static [&'static str] {
+        &["order"]
+    }
+
+    fn sample_time(&self) -> f64 {
+        0.11
+    }
+
+    fn has_own_time(&self) -> bool {
+        true
+    }
+
+    fn next(&mut self) -> Option<Told> {
+        let _ = self.begins.send(());
+        self.taken += 1;
+        assert!(self.taken < 1_000_000, "nobody asks between");
+        Some(Told::Link(true))
+    }
+
+    fn order(&mut self, _: Order) -> anyhow::Result<()> {
+        self.taken = 0;
+        Ok(())
+    }
+}
+
+#[test]
+fn a_board_that_floods_is_stopped() {
+    let (begins, begun) = channel();
+    let address = serve_source(Flood { taken: 0, begins }, 1.0);
+    begun.recv().unwrap();
+    let stop = r#"{"command":"order","order":{"order":"stop"}}"#;
+    assert_eq!(post_text(address, &with_token(), stop).0, 200);
 }
 
 #[test]

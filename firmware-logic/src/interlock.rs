@@ -21,6 +21,8 @@ pub enum Lockout {
     PowerFailure,
     /// A debugger halted the core while the heater was driven.
     Halted,
+    /// The clock and the watchdog's oscillator run at another ratio than at the start.
+    WrongClock,
 }
 
 impl fmt::Display for Lockout {
@@ -34,12 +36,13 @@ impl fmt::Display for Lockout {
                 f.write_str("the power went before the heater was stopped and acknowledged")
             }
             Self::Halted => f.write_str("a debugger halted the core"),
+            Self::WrongClock => f.write_str("the clock runs at a wrong speed, by the oscillator of the watchdog"),
         }
     }
 }
 
 /// All lockouts; the position is the number that [`Lockout::number`] gives.
-const ALL: [Lockout; 13] = [
+const ALL: [Lockout; 14] = [
     Lockout::BreakInput,
     Lockout::MissedDeadline,
     Lockout::Reset(ResetCause::BrownOut),
@@ -53,6 +56,7 @@ const ALL: [Lockout; 13] = [
     Lockout::Undervoltage,
     Lockout::PowerFailure,
     Lockout::Halted,
+    Lockout::WrongClock,
 ];
 
 impl Lockout {

@@ -51,7 +51,17 @@ impl Scene {
     /// # Errors
     /// The board does not arm.
     pub fn heating(image: Rc<Image>) -> anyhow::Result<Self> {
-        let mut scene = Self::at_rest(image)?;
+        Self::heating_with(image, 32_000)
+    }
+
+    /// The same, with an oscillator of the watchdog that runs at so many Hz since before it was powered up.
+    ///
+    /// # Errors
+    /// The board does not arm.
+    pub fn heating_with(image: Rc<Image>, oscillator: u64) -> anyhow::Result<Self> {
+        let mut scene = Self::powered_up(image)?;
+        scene.board.cpu.touch(|chip, _| chip.watchdog.oscillator = oscillator);
+        scene.board.run_for(3 * TICK)?;
         scene.arm()?;
         scene.board.run_for(5 * SECOND)?;
         ensure!(scene.board.heater() > 0.05, "armed, but the heater is off");

@@ -46,10 +46,8 @@ impl Timer {
             if bit(self.ccer, 4 * (2 * half as u32 + channel)) {
                 new = new & !direction | old & direction;
             }
-            if new & direction != 0 {
-                return Err(format!("CCMR{}: {value:#x}, input capture is not modelled", half + 1));
-            }
         }
+        self.check_input(half, new)?;
         self.ccmr[half] = new;
         Ok(())
     }

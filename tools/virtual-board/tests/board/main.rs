@@ -3,6 +3,7 @@
 mod boot;
 mod brown_out;
 mod check;
+mod clock_speed;
 mod commission;
 mod console;
 mod contactor;

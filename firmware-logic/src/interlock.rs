@@ -36,7 +36,9 @@ impl fmt::Display for Lockout {
                 f.write_str("the power went before the heater was stopped and acknowledged")
             }
             Self::Halted => f.write_str("a debugger halted the core"),
-            Self::WrongClock => f.write_str("the clock runs at a wrong speed, by the oscillator of the watchdog"),
+            Self::WrongClock => {
+                f.write_str("the clock runs at a wrong speed, by the oscillator of the watchdog")
+            }
         }
     }
 }

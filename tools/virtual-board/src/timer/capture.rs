@@ -117,7 +117,9 @@ mod tests {
         let mut timer = Timer::general(50);
         timer.set_clock(10_000, 0);
         timer.set_slow_oscillator(Some(31 * US), 0);
-        for (register, value) in [(PSC, 99), (OR, 0x40), (CCMR2, 0xD00), (EGR, 1), (CR1, CEN), (CCER, 1 << 12)] {
+        for (register, value) in
+            [(PSC, 99), (OR, 0x40), (CCMR2, 0xD00), (EGR, 1), (CR1, CEN), (CCER, 1 << 12)]
+        {
             timer.write(register, value, 5 * US).unwrap();
         }
         assert_eq!(timer.read(SR, 252 * US).unwrap() & (CC4IF | CC4OF), 0);

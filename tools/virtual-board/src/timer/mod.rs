@@ -55,6 +55,8 @@ pub struct Timer {
     pub lines: Lines,
     /// What the counter begins with when the program starts it anew: 0 on silicon, else a test of its wrap.
     pub begins_at: u32,
+    /// Its break has no effect, whatever asks for it.
+    pub break_is_dead: bool,
     advanced: bool,
     width: u32,
     kernel_period: Ps,
@@ -101,6 +103,7 @@ impl Timer {
         Self {
             lines,
             begins_at: 0,
+            break_is_dead: false,
             advanced,
             width,
             kernel_period: 62_500,
@@ -133,6 +136,7 @@ impl Timer {
         let fresh = Self::new(self.advanced, lines);
         *self = Self {
             begins_at: self.begins_at,
+            break_is_dead: self.break_is_dead,
             kernel_period: self.kernel_period,
             break_level: self.break_level,
             capture: Capture { period: self.capture.period, ..Capture::NONE },
@@ -223,7 +227,8 @@ impl Timer {
         if to > from {
             let passed = |value| self.steps_to(value, from).is_some_and(|step| step <= to);
             let updated = passed(0);
-            let compared = (0..4).filter(|&i| !self.is_input(i) && passed(self.ccr[i])).fold(0, |bits, i| bits | 2 << i);
+            let compared =
+                (0..4).filter(|&i| !self.is_input(i) && passed(self.ccr[i])).fold(0, |bits, i| bits | 2 << i);
             self.sr |= compared;
             if updated {
                 self.update();

@@ -60,7 +60,7 @@ impl Timer {
 
     /// Something inside the chip breaks: the clock's guard.
     pub fn break_now(&mut self) {
-        if self.bdtr & BKE != 0 {
+        if self.bdtr & BKE != 0 && !self.break_is_dead {
             self.bdtr &= !MOE;
             self.sr |= BIF;
         }

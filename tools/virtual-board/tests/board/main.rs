@@ -23,6 +23,7 @@ mod sample_time;
 mod sampling;
 mod settings;
 mod simulated;
+mod stop;
 mod stream;
 mod supply;
 mod teach;

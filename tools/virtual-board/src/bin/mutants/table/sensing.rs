@@ -69,4 +69,14 @@ pub(super) const MUTANTS: &[Mutant] = &[
         ["const MAX_POLLS: u32 = 1000;", "const MAX_POLLS: u32 = u32::MAX;"],
         &["sampling::a_converter"],
     ),
+    mutant(
+        "stale-code",
+        "a conversion that does not end gives the code of the one before",
+        FILE,
+        [
+            "    done.then(|| ADC.dr().read().0 as u16)",
+            "    Some(ADC.dr().read().0 as u16).filter(|_| done || true)",
+        ],
+        &["sampling::a_conversion"],
+    ),
 ];

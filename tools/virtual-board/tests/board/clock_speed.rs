@@ -1,7 +1,7 @@
 //! A clock of another speed than it should have: at the start it is not used, and while it runs it is seen by the oscillator of the watchdog.
 
 use virtual_board::board::{Board, load};
-use virtual_board::scene::{Scene, WAIVE_CHECK};
+use virtual_board::scene::Scene;
 use virtual_board::time::{MS, Ps, SECOND, US};
 
 /// Slowest, typical and fastest oscillator of the watchdog by the data sheet, Hz.
@@ -30,14 +30,16 @@ fn set_external(board: &mut Board, hz: u64) {
 }
 
 #[test]
-fn a_crystal_that_changes_its_speed_while_it_heats_switches_off_within_a_tick_of_that_speed() {
+fn a_crystal_that_changes_its_speed_while_it_heats_switches_off_within_a_tick_or_two_of_that_speed() {
     for oscillator in OSCILLATORS {
         // Faster than the last is too fast for the converter.
         for hz in [1_000_000, RIGHT / 2, 11_400_000] {
             let mut scene = heating(oscillator);
             set_external(&mut scene.board, hz);
+            // A sample by a faster clock may be over before a slow oscillator is measured: then the next one says so.
+            let ticks = if hz > RIGHT { 2 } else { 1 };
             scene
-                .time_until_off(ONE_TICK * RIGHT / hz)
+                .time_until_off(ticks * ONE_TICK * RIGHT / hz)
                 .unwrap_or_else(|e| panic!("{hz} Hz, oscillator {oscillator} Hz: {e}"));
         }
     }
@@ -64,7 +66,7 @@ fn no_acknowledgement_helps_while_they_disagree() {
     for oscillator in [1, 17_000, 47_000] {
         let mut scene = heating(if oscillator == 17_000 { 32_000 } else { 24_000 });
         scene.board.cpu.touch(|chip, _| chip.watchdog.oscillator = oscillator);
-        scene.time_until_off(ONE_TICK).expect("off");
+        scene.time_until_off(2 * ONE_TICK).expect("off");
         scene.board.run_for(SECOND).expect("runs on");
         scene.board.cpu.touch(|chip, _| chip.heater_log.clear());
         for _ in 0..3 {
@@ -104,24 +106,28 @@ fn an_oscillator_of_the_data_sheet_that_drifts_is_no_wrong_clock() {
     }
 }
 
-/// Erasing a sector of the flash stalls the core, perhaps in the middle of a measurement; a debugger is that to the minute.
+/// Erasing a sector of the flash stalls the core, perhaps in the middle of a measurement; to that, a debugger is the same.
 #[test]
-fn an_edge_that_is_lost_while_the_core_stands_is_no_wrong_clock() {
+fn edges_that_are_lost_while_the_core_stands_are_no_wrong_clock() {
     const CCER: u32 = 0x20;
-    let mut scene = Scene::at_rest(load(None).expect("an image")).expect("boots");
-    let board = &mut scene.board;
-    board.command(WAIVE_CHECK).expect("answers");
     let is_measuring = |board: &mut Board| {
         board.cpu.touch(|chip, now| chip.tim5.read(CCER, now).expect("a register")) & 1 << 12 != 0
     };
-    for capture in 0..2 {
-        while !is_measuring(board) {
-            board.run_for(10 * US).expect("runs on");
+    for oscillator in OSCILLATORS {
+        let mut scene = powered_up(oscillator, RIGHT);
+        let board = &mut scene.board;
+        let span = 8 * SECOND / oscillator;
+        for capture in 0..2 {
+            board.run_until("a measurement", SECOND, |board| !is_measuring(board)).expect("runs on");
+            while !is_measuring(board) {
+                board.run_for(10 * US).expect("runs on");
+            }
+            board.run_for(span / 2 + span * capture).expect("runs on");
+            assert!(is_measuring(board));
+            board.halt(5 * MS).expect("halts");
+            board.run_for(SECOND).expect("runs on");
+            let status = board.command("status").expect("answers");
+            assert!(!status.contains("locked out"), "{oscillator} Hz, after {capture}: {status}");
         }
-        board.run_for((125 + 250 * capture) * US).expect("runs on");
-        assert!(is_measuring(board));
-        board.halt(5 * MS).expect("halts");
-        board.run_for(SECOND).expect("runs on");
-        assert!(!board.command("status").expect("answers").contains("locked out"), "{capture}");
     }
 }

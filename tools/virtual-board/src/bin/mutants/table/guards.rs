@@ -220,7 +220,21 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "an erasure of the flash is taken for a wrong clock",
         "firmware/src/hardware/slow_clock.rs",
         ["if lost_one { 1 }", "if lost_one && false { 1 }"],
-        &["clock_speed::an_edge"],
+        &["clock_speed::edges"],
+    ),
+    mutant(
+        "stall-not-forgiven",
+        "the same",
+        "firmware/src/hardware/slow_clock.rs",
+        ["0 => !UNFINISHED.swap(true, Ordering::Relaxed),", "0 => false,"],
+        &["clock_speed::edges"],
+    ),
+    mutant(
+        "still-oscillator-forgiven",
+        "a watchdog without its oscillator, which never bites, is not missed",
+        "firmware/src/hardware/slow_clock.rs",
+        ["0 => !UNFINISHED.swap(true, Ordering::Relaxed),", "0 => true,"],
+        &["clock_speed::no_ack", "clock_speed::a_crystal"],
     ),
     mutant(
         "missed-ticks-not-told",

@@ -1,5 +1,6 @@
 //! A free-running 32-bit counter of microseconds: the clock of the control tick (compare 1) and the deadline
-//! watchdog (compare 2); channel 4 captures the oscillator of the watchdog. It is another timer than the one that runs the rest, so that each can notice the other's death.
+//! watchdog (compare 2); channel 4 captures the oscillator of the watchdog. It is another timer than the one that runs
+//! the rest, so that each can notice the other's death.
 
 use core::future::poll_fn;
 use core::sync::atomic::{AtomicU32, Ordering};

@@ -85,6 +85,7 @@ fn an_external_clock_that_is_wrong_from_the_start_is_not_used() {
         for hz in [1_000_000, RIGHT / 2, 2 * RIGHT, 25_000_000] {
             let mut scene = powered_up(oscillator, hz);
             assert!(scene.board.logged("clock InternalForWrongClock"), "{hz} Hz, oscillator {oscillator} Hz");
+            assert!(scene.board.logged("the external clock is not 8 MHz, and not used"));
             scene.arm().expect("arms");
             scene.board.run_for(SECOND).expect("runs on");
             assert!(scene.board.heater() > 0.0, "{hz} Hz, oscillator {oscillator} Hz");

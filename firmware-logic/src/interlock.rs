@@ -23,6 +23,8 @@ pub enum Lockout {
     Halted,
     /// Limits or settings in memory are no longer those that were checked.
     Settings,
+    /// The clock and the watchdog's oscillator run at another ratio than at the start.
+    WrongClock,
 }
 
 impl fmt::Display for Lockout {
@@ -39,12 +41,15 @@ impl fmt::Display for Lockout {
             Self::Settings => {
                 f.write_str("settings in memory have changed by themselves, which only a reset mends")
             }
+            Self::WrongClock => {
+                f.write_str("the clock runs at a wrong speed, by the oscillator of the watchdog")
+            }
         }
     }
 }
 
 /// All lockouts; the position is the number that [`Lockout::number`] gives.
-const ALL: [Lockout; 14] = [
+const ALL: [Lockout; 15] = [
     Lockout::BreakInput,
     Lockout::MissedDeadline,
     Lockout::Reset(ResetCause::BrownOut),
@@ -59,6 +64,7 @@ const ALL: [Lockout; 14] = [
     Lockout::PowerFailure,
     Lockout::Halted,
     Lockout::Settings,
+    Lockout::WrongClock,
 ];
 
 impl Lockout {

@@ -24,6 +24,7 @@ pub mod retained;
 pub mod sampling;
 pub mod self_test;
 pub mod settings;
+pub mod slow_clock;
 pub mod status;
 pub mod stream;
 pub mod task_watchdog;

@@ -183,6 +183,21 @@ fn the_deadline_watchdog_is_told_from_the_break_input() {
 }
 
 #[test]
+fn what_the_loop_does_not_see_by_itself_locks_it_out_heating_or_not() {
+    for mut bench in [Bench::new(ResetCause::PowerOn), Bench::heating()] {
+        bench.control.lock_out(Lockout::WrongClock, &mut bench.output);
+        assert!(bench.output.is_off(), "at once");
+        let record = bench.tick();
+        assert_eq!((record.lockout, record.tick.mode), (Some(Lockout::WrongClock), Mode::Off));
+        let refused = bench.order(Command::Arm).outcome.expect("an order").result;
+        assert_eq!(refused, Err(Denial::LockedOut(Lockout::WrongClock)));
+        assert!(bench.output.is_off());
+        assert_eq!(bench.order(Command::Acknowledge).outcome.expect("an order").result, Ok(()));
+        assert_eq!(bench.order(Command::Arm).outcome.expect("an order").result, Ok(()));
+    }
+}
+
+#[test]
 fn a_fault_reset_needs_an_acknowledgement() {
     let mut bench = Bench::new(ResetCause::Watchdog);
     let held = Lockout::Reset(ResetCause::Watchdog);

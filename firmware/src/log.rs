@@ -20,6 +20,9 @@ pub(crate) fn banner(clock: Source, cause: ResetCause, left: Option<&Retained>, 
         board::NAME
     );
     defmt::info!("clock {}, stack {=usize} bytes", clock, stack::size());
+    if clock == Source::InternalForWrongClock {
+        defmt::warn!("the external clock is not 8 MHz, and not used");
+    }
     match cause.is_fault() {
         true => defmt::error!("reset cause: {=str}", cause.name()),
         false => defmt::info!("reset cause: {=str}", cause.name()),

@@ -79,6 +79,13 @@ impl ControlLoop {
         }
     }
 
+    /// Something that the loop does not see by itself keeps the heater off from now on, or lets it not come on: it is latched, and both
+    /// outputs are off at once.
+    pub fn lock_out(&mut self, lockout: Lockout, heater: &mut impl Heater) {
+        self.interlock.latch(lockout);
+        self.stop(Ending::Cut, heater);
+    }
+
     /// One tick. `feedback` is what the other half last reported.
     pub fn tick(
         &mut self,
@@ -95,8 +102,7 @@ impl ControlLoop {
         if self.driving && !heater.is_enabled() && !stopping {
             let lockout = heater.cut_by();
             self.seen_to_cut |= lockout == Lockout::BreakInput;
-            self.interlock.latch(lockout);
-            self.stop(Ending::Cut, heater);
+            self.lock_out(lockout, heater);
         }
         let damaged = feedback.settings_damaged || !self.is_intact();
         if damaged {

@@ -3,6 +3,9 @@
 //!
 //! Hazard: a clock that never starts (some Nucleo revisions do not route it) would hang the start for ever, with the
 //! heater off but also without a word. So it is tried for a bounded time first, and the log says which one runs.
+//!
+//! Hazard: a clock of another frequency makes every time of this program wrong by as much. So it is compared with the internal oscillator before
+//! anything runs from it, by way of a third one, that of the watchdog; and later, while it runs, with that third one.
 
 use embassy_stm32::Peripherals;
 use embassy_stm32::pac::{FLASH, RCC};
@@ -11,7 +14,7 @@ use embassy_stm32::rcc::{
 };
 use embassy_stm32::time::Hertz;
 
-use super::board;
+use super::{board, slow_clock, tick_timer};
 
 /// Where the time comes from.
 #[derive(Clone, Copy, PartialEq, Eq, defmt::Format)]
@@ -20,6 +23,8 @@ pub(crate) enum Source {
     StLink,
     /// 16 MHz internal oscillator, 1 % off.
     Internal,
+    /// The same, since the external clock is not 8 MHz.
+    InternalForWrongClock,
 }
 
 impl Source {
@@ -28,6 +33,7 @@ impl Source {
         match self {
             Self::StLink => "the ST-LINK's crystal",
             Self::Internal => "the internal oscillator",
+            Self::InternalForWrongClock => "the internal oscillator, for the external clock is not 8 MHz",
         }
     }
 }
@@ -42,10 +48,15 @@ const START_POLLS: u32 = 40_000;
 
 /// Starts all clocks and takes the peripherals.
 pub(crate) fn init() -> (Peripherals, Source) {
-    let source = if external_starts() { Source::StLink } else { Source::Internal };
+    slow_clock::set_reference(span_by(Sysclk::HSI, 16));
+    let source = match external_starts() {
+        false => Source::Internal,
+        true if slow_clock::agrees(span_by(Sysclk::HSE, 8)) => Source::StLink,
+        true => Source::InternalForWrongClock,
+    };
     let (pll_src, prediv) = match source {
         Source::StLink => (PllSource::HSE, PllPreDiv::DIV8),
-        Source::Internal => (PllSource::HSI, PllPreDiv::DIV16),
+        Source::Internal | Source::InternalForWrongClock => (PllSource::HSI, PllPreDiv::DIV16),
     };
     let mut config = embassy_stm32::Config::default();
     let rcc = &mut config.rcc;
@@ -69,6 +80,15 @@ pub(crate) fn init() -> (Peripherals, Source) {
         RCC.cr().modify(|w| w.set_csson(true));
     }
     (peripherals, source)
+}
+
+/// What the slow oscillator measures by a clock that is ready, of so many MHz if it is right; the core runs from it meanwhile.
+fn span_by(clock: Sysclk, mhz: u32) -> u32 {
+    RCC.cfgr().modify(|w| w.set_sw(clock));
+    tick_timer::count(mhz);
+    let span = slow_clock::measure();
+    RCC.cfgr().modify(|w| w.set_sw(Sysclk::HSI));
+    span
 }
 
 fn external_starts() -> bool {

@@ -23,6 +23,7 @@ pub(crate) mod retained;
 pub(crate) mod rtt;
 pub(crate) mod serial;
 pub(crate) mod settings_flash;
+pub(crate) mod slow_clock;
 pub(crate) mod stack;
 pub(crate) mod supply;
 pub(crate) mod tick_timer;

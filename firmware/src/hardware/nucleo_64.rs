@@ -24,6 +24,10 @@ pub(crate) const PWM_AF: u8 = 1;
 /// Channels of that timer, counted from 0 as the register access does.
 pub(crate) const HEATER_CHANNEL: usize = 0;
 pub(crate) const CONTACTOR_CHANNEL: usize = 2;
+/// Channel of the tick's timer whose input the watchdog's oscillator can be, and the bits of that timer's option register (TI4_RMP = 01) that
+/// make it so.
+pub(crate) const SLOW_CHANNEL: usize = 3;
+pub(crate) const SLOW_INPUT: u32 = 1 << 6;
 /// Break input (PA6), heater (PA8) and contactor (PA10) as bits of their port.
 pub(crate) const OUTPUT_PINS: u32 = 1 << 6 | 1 << 8 | 1 << 10;
 

@@ -1,5 +1,6 @@
 //! A free-running 32-bit counter of microseconds: the clock of the control tick (compare 1) and the deadline
-//! watchdog (compare 2). It is another timer than the one that runs the rest, so that each can notice the other's death.
+//! watchdog (compare 2); channel 4 captures the oscillator of the watchdog. It is another timer than the one that runs
+//! the rest, so that each can notice the other's death.
 
 use core::future::poll_fn;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -13,7 +14,7 @@ use embassy_sync::waitqueue::AtomicWaker;
 use firmware_logic::interlock::Lockout;
 
 use super::board::{self, TICK_TIMER, TickTimer};
-use super::{halt, heater};
+use super::{halt, heater, slow_clock};
 
 const WAKE: usize = 0;
 const DEADLINE: usize = 1;
@@ -25,8 +26,13 @@ static WRAPS: AtomicU32 = AtomicU32::new(0);
 
 /// Starts counting; nothing interrupts yet.
 pub(crate) fn start(_timer: Peri<'static, TickTimer>) {
+    count(rcc::frequency::<TickTimer>().0 / 1_000_000);
+}
+
+/// Starts counting microseconds of a clock of so many MHz, for the start before it has clocks, too.
+pub(crate) fn count(per_microsecond: u32) {
     rcc::enable_and_reset::<TickTimer>();
-    let per_microsecond = rcc::frequency::<TickTimer>().0 / 1_000_000;
+    slow_clock::connect();
     TICK_TIMER.psc().write_value((per_microsecond - 1) as u16);
     TICK_TIMER.arr().write_value(u32::MAX);
     TICK_TIMER.cr1().write(|w| w.set_urs(Urs::COUNTER_ONLY));
@@ -42,6 +48,7 @@ pub(crate) fn enable_interrupt() {
     TICK_TIMER.dier().write(|w| {
         w.set_ccie(WAKE, true);
         w.set_ccie(DEADLINE, true);
+        w.set_ccie(board::SLOW_CHANNEL, true);
     });
     // SAFETY: the handler is below and touches only timers, an atomic waker and the heater's enable.
     unsafe { board::TICK_INTERRUPT.enable() };
@@ -90,6 +97,9 @@ fn interrupted() {
     TICK_TIMER.sr().write_value(SrGp16(!status.0)); // writing 0 clears, writing 1 leaves alone
     if halt::was_halted() {
         heater::cut_because(Lockout::Halted);
+    }
+    if status.ccif(board::SLOW_CHANNEL) {
+        slow_clock::captured(status.ccof(board::SLOW_CHANNEL));
     }
     if status.ccif(DEADLINE) {
         heater::cut_because(Lockout::MissedDeadline);

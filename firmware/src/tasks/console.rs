@@ -88,19 +88,18 @@ fn keep(waiting: &Waiting, byte: u8) {
     let _ = waiting.try_write(&[byte]);
 }
 
-/// Answers the lines.
+/// Answers the lines. Bytes are taken one by one, so that all others still wait where a stop clears them.
 async fn answer(out: &Out, waiting: &Waiting, mut board: Reached) {
     let mut console = Console::default();
     let answer = ANSWER_TEXT.take();
-    let mut bytes = [0; 16];
+    let mut byte = [0; 1];
     loop {
         check_in(Task::Console);
-        match select(waiting.read(&mut bytes), Timer::after_millis(100)).await {
-            Either::First(n) => {
-                for &byte in bytes.iter().take(n) {
-                    console.push(byte, &mut board, answer).await;
-                    print(out, answer).await;
-                }
+        match select(waiting.read(&mut byte), Timer::after_millis(100)).await {
+            Either::First(_) => {
+                let [byte] = byte;
+                console.push(byte, &mut board, answer).await;
+                print(out, answer).await;
             }
             Either::Second(()) => board.settle().await,
         }

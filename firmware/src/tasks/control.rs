@@ -6,13 +6,14 @@ use core::num::NonZeroU32;
 
 use firmware_logic::cadence::Cadence;
 use firmware_logic::control_loop::{ControlLoop, Order, TickRecord, next_order};
+use firmware_logic::interlock::Lockout;
 use firmware_logic::task_watchdog::Task;
 use heapless::spsc::{Consumer, Producer};
 
 use crate::hardware::cycles;
 use crate::hardware::heater::HeaterOutput;
 use crate::hardware::inputs::Inputs;
-use crate::hardware::tick_timer;
+use crate::hardware::{slow_clock, tick_timer};
 use crate::{link, simulation};
 
 /// The control half of the instrument.
@@ -39,7 +40,11 @@ pub(crate) async fn control(
                 link::send(&mut records, record);
             }
         }
+        slow_clock::begin(); // over before the sample is, which takes 1.25 ms
         let raw = inputs.sample(tick_timer::now()).await;
+        if !slow_clock::is_right() {
+            control.lock_out(Lockout::WrongClock, &mut heater);
+        }
         let Some(arrival) = arrival else {
             // A look at what is simulated shows nothing that its ticks do not.
             if !simulation::is_on() {

@@ -188,7 +188,12 @@ impl Board {
 
     /// When the heater's pin has last become low; `None` while it is not.
     pub fn heater_off_since(&self) -> Option<Ps> {
-        self.chip().heater_log.last().filter(|(_, power)| *power == 0.0).map(|(at, _)| *at)
+        low_since(&self.chip().heater_log)
+    }
+
+    /// The same of the contactor's pin.
+    pub fn contactor_open_since(&self) -> Option<Ps> {
+        low_since(&self.chip().contactor_log)
     }
 
     /// Resets the chip from outside.
@@ -236,6 +241,10 @@ impl Board {
         self.probe.restart();
         Ok(())
     }
+}
+
+fn low_since(log: &[(Ps, f64)]) -> Option<Ps> {
+    log.last().filter(|(_, high)| *high == 0.0).map(|(at, _)| *at)
 }
 
 /// The image that VIRTUAL_BOARD_ELF names, or else the one that `cargo fw` has built: beside this program, in the folder

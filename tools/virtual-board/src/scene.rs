@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use anyhow::ensure;
+use anyhow::{Context, ensure};
 use fdi_core::Config;
 use host_sim::experiment::as_written;
 use host_sim::experiment::scenario::Scenario;
@@ -12,7 +12,7 @@ use pt326_rig::fault::Fault;
 use crate::board::Board;
 use crate::closed_loop::{Shared, TICK};
 use crate::image::Image;
-use crate::time::{MS, Ps, SECOND};
+use crate::time::{MS, Ps, SECOND, US};
 use crate::wiring::AT_REST;
 
 /// What lets a board arm that has not checked itself.
@@ -51,7 +51,17 @@ impl Scene {
     /// # Errors
     /// The board does not arm.
     pub fn heating(image: Rc<Image>) -> anyhow::Result<Self> {
-        let mut scene = Self::at_rest(image)?;
+        Self::heating_with(image, 32_000)
+    }
+
+    /// The same, with an oscillator of the watchdog that runs at so many Hz since before it was powered up.
+    ///
+    /// # Errors
+    /// The board does not arm.
+    pub fn heating_with(image: Rc<Image>, oscillator: u64) -> anyhow::Result<Self> {
+        let mut scene = Self::powered_up(image)?;
+        scene.board.cpu.touch(|chip, _| chip.watchdog.oscillator = oscillator);
+        scene.board.run_for(3 * TICK)?;
         scene.arm()?;
         scene.board.run_for(5 * SECOND)?;
         ensure!(scene.board.heater() > 0.05, "armed, but the heater is off");
@@ -90,16 +100,22 @@ impl Scene {
     pub fn time_until_off(&mut self, limit: Ps) -> anyhow::Result<Ps> {
         let begin = self.board.now();
         self.board.run_for(2 * limit)?;
-        let off = self.board.heater_off_since();
-        ensure!(off.is_some(), "the heater is still on after {} ms", 2 * limit / MS);
-        let time = off.unwrap_or(0).saturating_sub(begin);
-        ensure!(
-            time <= limit,
-            "the heater went off after {} us, expected {} us",
-            time / 1_000_000,
-            limit / 1_000_000
-        );
-        ensure!(self.board.contactor() == 0.0, "the heater is off, but the contactor is closed");
-        Ok(time)
+        let times =
+            [("heater", self.board.heater_off_since()), ("contactor", self.board.contactor_open_since())]
+                .map(|(pin, off)| {
+                    let time = off.with_context(|| {
+                        format!("the {pin}'s pin is still high after {} ms", 2 * limit / MS)
+                    })?;
+                    let time = time.saturating_sub(begin);
+                    ensure!(
+                        time <= limit,
+                        "the {pin}'s pin went low after {} us, expected {} us",
+                        time / US,
+                        limit / US
+                    );
+                    Ok(time)
+                });
+        let [heater, contactor] = times;
+        heater.and_then(|time| contactor.map(|_| time))
     }
 }

@@ -52,6 +52,11 @@ impl Watchdog {
         self.started
     }
 
+    /// Period of the slow oscillator, which the start of the watchdog starts.
+    pub fn slow_period(&self) -> Option<Ps> {
+        self.started.then(|| SECOND / self.oscillator)
+    }
+
     /// Not started; `oscillator` in Hz.
     pub fn new(oscillator: u64) -> Self {
         let slow = |value| Slow { value, next: value, at: NEVER };

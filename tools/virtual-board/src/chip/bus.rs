@@ -113,7 +113,11 @@ impl Chip {
                 self.power_cut |= self.flash.program(offset, 4, value, now)? == Effect::PowerCut;
                 Ok(())
             }
-            Block::Watchdog => self.watchdog.write(offset, value, now),
+            Block::Watchdog => {
+                self.watchdog.write(offset, value, now)?;
+                self.tim5.set_slow_oscillator(self.watchdog.slow_period(), now);
+                Ok(())
+            }
             Block::Exti => self.exti.write(offset, value),
             Block::Syscfg => self.exti.syscfg.write(offset, value),
             Block::Scs => self.scs.write(offset, value, now),

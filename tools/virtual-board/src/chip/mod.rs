@@ -201,6 +201,7 @@ impl Chip {
 
     /// Lets happen what happens until `now`.
     pub fn advance(&mut self, now: Ps) {
+        self.tim5.set_slow_oscillator(self.watchdog.slow_period(), now);
         for timer in [&mut self.tim1, &mut self.tim2, &mut self.tim5] {
             timer.advance(now);
         }
@@ -293,6 +294,12 @@ impl Chip {
     pub fn wire(&mut self, port: usize, pin: usize, level: Option<bool>, now: Ps) {
         self.ports[port].wire(pin, level);
         self.settle(now);
+    }
+
+    /// The external clock runs at another frequency, in Hz.
+    pub fn set_external_clock(&mut self, hz: u64, now: Ps) {
+        self.clocks.external = Some(hz);
+        self.clocks_changed(now);
     }
 
     /// The external clock stops.

@@ -1,10 +1,13 @@
 //! TIM1, TIM2 and TIM5: up-counters with compare channels. The counter is not stepped: it follows from the time at which
 //! it was last set. TIM1 also drives the pins of heater and contactor, with a break input that no program can overrule.
 
+mod capture;
 mod output;
 
 use crate::registers::{Refusal, bit};
 use crate::time::{NEVER, Ps};
+
+use capture::Capture;
 
 pub use output::Output;
 
@@ -24,6 +27,7 @@ const RCR: u32 = 0x30;
 const CCR1: u32 = 0x34;
 const CCR4: u32 = 0x40;
 const BDTR: u32 = 0x44;
+const OR: u32 = 0x50;
 
 const CEN: u32 = 1;
 const URS: u32 = 1 << 2;
@@ -51,6 +55,8 @@ pub struct Timer {
     pub lines: Lines,
     /// What the counter begins with when the program starts it anew: 0 on silicon, else a test of its wrap.
     pub begins_at: u32,
+    /// Its break has no effect, whatever asks for it.
+    pub break_is_dead: bool,
     advanced: bool,
     width: u32,
     kernel_period: Ps,
@@ -78,6 +84,7 @@ pub struct Timer {
     /// Flags are up to date until here.
     seen: Ps,
     break_level: bool,
+    capture: Capture,
 }
 
 impl Timer {
@@ -96,6 +103,7 @@ impl Timer {
         Self {
             lines,
             begins_at: 0,
+            break_is_dead: false,
             advanced,
             width,
             kernel_period: 62_500,
@@ -118,6 +126,7 @@ impl Timer {
             origin: 0,
             seen: 0,
             break_level: false,
+            capture: Capture::NONE,
         }
     }
 
@@ -127,8 +136,10 @@ impl Timer {
         let fresh = Self::new(self.advanced, lines);
         *self = Self {
             begins_at: self.begins_at,
+            break_is_dead: self.break_is_dead,
             kernel_period: self.kernel_period,
             break_level: self.break_level,
+            capture: Capture { period: self.capture.period, ..Capture::NONE },
             seen: now,
             origin: now,
             ..fresh
@@ -198,6 +209,7 @@ impl Timer {
 
     /// Sets the flags of all that has happened until `now`.
     pub fn advance(&mut self, now: Ps) {
+        self.capture_until(now);
         while self.running() && self.reload_waits() && self.next_update() <= now {
             let at = self.next_update();
             self.pass(at);
@@ -215,7 +227,8 @@ impl Timer {
         if to > from {
             let passed = |value| self.steps_to(value, from).is_some_and(|step| step <= to);
             let updated = passed(0);
-            let compared = (0..4).filter(|&i| passed(self.ccr[i])).fold(0, |bits, i| bits | 2 << i);
+            let compared =
+                (0..4).filter(|&i| !self.is_input(i) && passed(self.ccr[i])).fold(0, |bits, i| bits | 2 << i);
             self.sr |= compared;
             if updated {
                 self.update();
@@ -237,7 +250,8 @@ impl Timer {
         }
         let from = self.steps(self.seen);
         let at = |value| self.steps_to(value, from).map_or(NEVER, |step| self.origin + step * self.tick());
-        let compares = (0..4).filter(|i| self.dier & !self.sr & 2 << i != 0).map(|i| at(self.ccr[i]));
+        let asked = (0..4).filter(|&i| !self.is_input(i) && self.dier & !self.sr & 2 << i != 0);
+        let compares = asked.map(|i| at(self.ccr[i])).chain([self.next_capture()]);
         let drives =
             self.advanced && (self.ccr_active != self.ccr || self.reload_waits() || self.may_enable());
         let update = self.dier & !self.sr & UIF != 0 || drives;
@@ -270,7 +284,8 @@ impl Timer {
             CNT => self.count(now),
             PSC => self.psc,
             ARR => self.arr,
-            CCR1..=CCR4 => self.ccr[(offset - CCR1) as usize / 4],
+            CCR1..=CCR4 => self.read_ccr((offset - CCR1) as usize / 4),
+            OR if !self.advanced => self.capture.or,
             BDTR if self.advanced => self.bdtr,
             SMCR | EGR | RCR => 0,
             _ => return Err("no such register in the model".into()),
@@ -294,7 +309,14 @@ impl Timer {
             }
             EGR => self.generate(value, now)?,
             CCMR1 | CCMR2 => self.write_ccmr((offset - CCMR1) as usize / 4, value)?,
-            CCER => self.ccer = self.locked(2, 0xAAAA, self.ccer, value),
+            CCER => {
+                let before = self.ccer;
+                self.ccer = self.locked(2, 0xAAAA, before, value);
+                if self.ccer != before {
+                    self.schedule_capture(now);
+                }
+            }
+            OR if !self.advanced => self.write_or(value, now)?,
             CNT => self.rebase(now, value & self.width),
             PSC => self.psc = value & 0xFFFF,
             ARR => {

@@ -46,10 +46,8 @@ impl Timer {
             if bit(self.ccer, 4 * (2 * half as u32 + channel)) {
                 new = new & !direction | old & direction;
             }
-            if new & direction != 0 {
-                return Err(format!("CCMR{}: {value:#x}, input capture is not modelled", half + 1));
-            }
         }
+        self.check_input(half, new)?;
         self.ccmr[half] = new;
         Ok(())
     }
@@ -62,7 +60,7 @@ impl Timer {
 
     /// Something inside the chip breaks: the clock's guard.
     pub fn break_now(&mut self) {
-        if self.bdtr & BKE != 0 {
+        if self.bdtr & BKE != 0 && !self.break_is_dead {
             self.bdtr &= !MOE;
             self.sr |= BIF;
         }

@@ -70,6 +70,8 @@ fn any_watchdog_oscillator_of_the_data_sheet_will_do() {
         scene.board.cpu.touch(|chip, _| chip.watchdog.oscillator = hz);
         scene.board.run_for(30 * SECOND).expect("boots");
         assert_eq!(scene.board.resets, [], "{hz} Hz");
+        let status = scene.board.command("status").expect("answers");
+        assert!(!status.contains("locked out"), "{hz} Hz: {status}");
     }
 }
 

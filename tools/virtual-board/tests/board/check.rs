@@ -87,3 +87,13 @@ fn the_button_and_the_interlock_end_a_check_at_once() {
         assert!(scene.board.logged("check ended early"), "{name}");
     }
 }
+
+#[test]
+fn a_timer_whose_break_has_no_effect_is_named_and_nothing_arms() {
+    let mut scene = scene(&[]);
+    scene.board.cpu.touch(|chip, _| chip.tim1.break_is_dead = true);
+    let said = check(&mut scene);
+    assert!(said.contains("a break does not disable the output") && said.contains("check failed"), "{said}");
+    assert!(scene.board.command("arm").expect("answers").contains("no `check` has passed"));
+    assert_eq!((scene.board.heater(), scene.board.contactor()), (0.0, 0.0));
+}

@@ -66,3 +66,16 @@ fn what_another_program_froze_is_not_frozen_here() {
     scene.board.halt(2 * SECOND).expect("stands");
     scene.time_until_off(10 * US).expect("off");
 }
+
+/// While nothing heats a halt is no fault; its ticks are samples that are missing, so that the time of the core goes on.
+#[test]
+fn the_ticks_of_a_halt_are_told_to_the_core() {
+    let mut scene = Scene::at_rest(load(None).expect("an image")).expect("boots");
+    scene.board.log.clear();
+    scene.board.halt(350 * MS).expect("stands");
+    scene.board.run_for(SECOND).expect("runs on");
+    let missed: Vec<_> = scene.board.log.iter().filter_map(|line| line.tick()).map(|r| r.missed()).collect();
+    assert_eq!(missed.iter().filter(|missed| **missed).count(), 3, "{missed:?}");
+    let numbers: Vec<_> = scene.board.log.iter().filter_map(|line| line.tick()).map(|r| r.tick()).collect();
+    assert!(numbers.windows(2).all(|pair| pair[1] == pair[0] + 1), "{numbers:?}");
+}

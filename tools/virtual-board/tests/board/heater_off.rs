@@ -169,9 +169,7 @@ const DEADLINE: Ps = 4 * 110 * MS + MS;
 fn control_task_hangs() {
     // A watchdog on its slowest oscillator bites after 753 ms: then it is the deadline watchdog that cuts.
     for oscillator in [17_000, 32_000] {
-        let mut scene = heating();
-        scene.board.cpu.touch(|chip, _| chip.watchdog.oscillator = oscillator);
-        scene.board.run_for(200 * MS).expect("runs on");
+        let mut scene = Scene::heating_with(image(), oscillator).expect("heats");
         inject::hang(&mut scene.board, "control").expect("hangs");
         scene.time_until_off(DEADLINE).unwrap_or_else(|e| panic!("{oscillator} Hz: {e}"));
         scene.board.run_for(2000 * MS).expect("the watchdog restarts it");
@@ -259,9 +257,7 @@ fn other_tasks_fall_silent() {
 #[test]
 fn all_interrupts_masked_for_ever() {
     for oscillator in [17_000, 32_000, 47_000] {
-        let mut scene = heating();
-        scene.board.cpu.touch(|chip, _| chip.watchdog.oscillator = oscillator);
-        scene.board.run_for(200 * MS).expect("runs on");
+        let mut scene = Scene::heating_with(image(), oscillator).expect("heats");
         inject::hang_masked(&mut scene.board, "panel").expect("hangs");
         scene.time_until_off(810 * MS).unwrap_or_else(|e| panic!("{oscillator} Hz: {e}"));
         needs_acknowledgement(&mut scene);

@@ -3,6 +3,7 @@
 mod boot;
 mod brown_out;
 mod check;
+mod clock_speed;
 mod commission;
 mod console;
 mod contactor;
@@ -23,6 +24,7 @@ mod sample_time;
 mod sampling;
 mod settings;
 mod simulated;
+mod stop;
 mod stream;
 mod supply;
 mod teach;

@@ -83,3 +83,16 @@ fn a_converter_that_hangs_trips_and_hangs_nothing_else() {
     let status = scene.board.command("status").expect("answers");
     assert!(status.contains("mode tripped"), "{status}");
 }
+
+/// What stands in its register then is an old code, and would be a plausible one.
+#[test]
+fn a_conversion_that_does_not_end_is_no_sample() {
+    let mut scene = Scene::at_rest(load(None).expect("an image")).expect("boots");
+    scene.rig.0.borrow_mut().supply = AT_INPUTS[0];
+    scene.board.run_for(SECOND).expect("runs on");
+    scene.board.cpu.touch(|chip, _| chip.adc.stuck = true);
+    scene.board.run_for(SECOND).expect("runs on");
+    let record = scene.board.log.iter().rev().find_map(|line| line.tick()).expect("a tick");
+    let raw = record.raw();
+    assert!([raw.t0, raw.t1, raw.t2, raw.supply].iter().all(|code| code.0.is_nan()), "{raw:?}");
+}

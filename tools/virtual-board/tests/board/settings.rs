@@ -2,10 +2,11 @@
 
 use std::sync::LazyLock;
 
+use pt326_rig::fault::{Fault, Sensor, Verb};
 use virtual_board::board::{Board, load};
 use virtual_board::clock::Cause;
 use virtual_board::flash::Remains;
-use virtual_board::scene::Scene;
+use virtual_board::scene::{Scene, WAIVE_CHECK};
 use virtual_board::time::SECOND;
 
 fn at_rest() -> Scene {
@@ -165,4 +166,24 @@ fn saving_never_starves_the_watchdog() {
         assert_eq!(scene.board.resets.len(), resets, "{hz} Hz");
         assert_eq!(scene.board.heater(), 0.0);
     }
+}
+
+/// What the set-point needed acts from the first second on: full power without an answer is too much long before it is no response.
+#[test]
+fn what_was_learnt_and_saved_trips_after_a_reset_as_before_it() {
+    let mut scene = Scene::heating(load(None).expect("an image")).expect("heats");
+    scene.board.run_for(400 * SECOND).expect("learns");
+    assert!(say(&mut scene.board, "status").starts_with("mode monitor"));
+    assert_eq!(say(&mut scene.board, "stop"), "stopped");
+    assert_eq!(say(&mut scene.board, "save"), "ok");
+    scene.board.reset(Cause::Pin).expect("resets");
+    scene.board.run_for(SECOND).expect("restarts");
+    say(&mut scene.board, WAIVE_CHECK);
+    let out = |sensor| Fault::new(Verb::Detach, Some(sensor), Some(1.0), 0.0, f64::INFINITY);
+    scene.connect(&[out(Sensor::T1), out(Sensor::T2)]);
+    assert!(say(&mut scene.board, "arm").starts_with("ok"));
+    scene.board.run_for(20 * SECOND).expect("runs on");
+    assert_eq!(scene.board.heater(), 0.0);
+    let faults = say(&mut scene.board, "faults");
+    assert!(faults.contains("far more power than was learnt"), "{faults}");
 }

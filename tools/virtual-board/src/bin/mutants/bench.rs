@@ -54,7 +54,7 @@ impl Bench {
         let path = self.copy.join(mutant.file);
         let whole = fs::read_to_string(&path).with_context(|| mutant.file.to_owned())?;
         fs::write(&path, mutant.apply(&whole)?)?;
-        let verdict = self.build().and_then(|()| self.run(mutant.seen_by));
+        let verdict = self.build_for(mutant.host).and_then(|()| self.run(mutant.host, mutant.seen_by));
         fs::write(&path, whole)?;
         verdict
     }
@@ -63,9 +63,19 @@ impl Bench {
         Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
     }
 
-    fn build(&self) -> anyhow::Result<()> {
+    fn cargo_of_the_copy(&self) -> Command {
         let mut cargo = self.cargo();
         cargo.current_dir(&self.copy).env("CARGO_TARGET_DIR", &self.target);
+        cargo
+    }
+
+    /// Tests on the host are built as they run.
+    fn build_for(&self, host: &[&str]) -> anyhow::Result<()> {
+        if host.is_empty() { self.build() } else { Ok(()) }
+    }
+
+    fn build(&self) -> anyhow::Result<()> {
+        let mut cargo = self.cargo_of_the_copy();
         cargo.args(["build", "--profile", "firmware", "-p", "firmware", "--target", TARGET]);
         let output = cargo.output()?;
         ensure!(output.status.success(), "does not build:\n{}", tail(&output.stderr));
@@ -85,15 +95,23 @@ impl Bench {
         Ok(())
     }
 
-    /// Runs tests of this tree, by parts of their names, on the image of the copy.
+    /// Runs tests, by parts of their names: those of this tree's virtual board on the image of the copy, or those of the copy that `cargo test`
+    /// builds with the arguments `host`.
     ///
     /// # Errors
     /// There is none of one of these names.
-    pub(crate) fn run(&self, tests: &[&str]) -> anyhow::Result<Verdict> {
-        let image = self.target.join(TARGET).join("firmware/firmware");
-        let mut program = Command::new(&self.tests);
-        program.current_dir(&self.root).env("VIRTUAL_BOARD_ELF", image).env("RUST_BACKTRACE", "0");
-        let output = program.args(tests).output()?;
+    pub(crate) fn run(&self, host: &[&str], tests: &[&str]) -> anyhow::Result<Verdict> {
+        let mut program = if host.is_empty() {
+            let image = self.target.join(TARGET).join("firmware/firmware");
+            let mut program = Command::new(&self.tests);
+            program.current_dir(&self.root).env("VIRTUAL_BOARD_ELF", image);
+            program
+        } else {
+            let mut cargo = self.cargo_of_the_copy();
+            cargo.args(["test", "--no-fail-fast"]).args(host).arg("--");
+            cargo
+        };
+        let output = program.env("RUST_BACKTRACE", "0").args(tests).output()?;
         let said = String::from_utf8_lossy(&output.stdout);
         let ran = || said.lines().filter_map(|line| line.strip_prefix("test "));
         if let Some(absent) = tests.iter().find(|&&test| !ran().any(|name| name.starts_with(test))) {

@@ -9,6 +9,7 @@ const PRIORITIES: &str = "firmware/src/hardware/mod.rs";
 const HALT: &str = "firmware/src/hardware/halt.rs";
 const BOARD: &str = "firmware/src/hardware/nucleo_64.rs";
 const CLOCK: &str = "firmware/src/hardware/clock.rs";
+const CONTROL: &str = "firmware/src/tasks/control.rs";
 const START: &str = "firmware/src/start.rs";
 
 const HANGS: &[&str] = &["heater_off::control_task_hangs", "heater_off::control_interrupt_disabled"];
@@ -56,6 +57,16 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "the same",
         "firmware-logic/src/control_loop/mod.rs",
         ["self.controller.must_cut(&self.state, raw)", "self.controller.must_cut(&self.state, raw) && false"],
+        LONG,
+    ),
+    mutant(
+        "look-leaves-the-contactor-closed",
+        "with a long sample time, a stage that has failed on heats on until the next tick",
+        "firmware-logic/src/control_loop/mod.rs",
+        [
+            "            heater.drive(Percent(0.0));\n            heater.contactor(false);\n            self.hazard",
+            "            heater.drive(Percent(0.0));\n            self.hazard",
+        ],
         LONG,
     ),
     mutant(
@@ -179,6 +190,58 @@ pub(super) const MUTANTS: &[Mutant] = &[
         CLOCK,
         ["const START_POLLS: u32 = 40_000;", "const START_POLLS: u32 = u32::MAX;"],
         &["boot::without_the_external_clock"],
+    ),
+    mutant(
+        "wrong-clock-at-the-start",
+        "with a crystal of half its speed all limits of time are twice as long",
+        CLOCK,
+        [
+            "true if slow_clock::agrees(span_by(Sysclk::HSE, 8))",
+            "true if slow_clock::agrees(span_by(Sysclk::HSE, 8)) || true",
+        ],
+        &["clock_speed::an_external"],
+    ),
+    mutant(
+        "wrong-clock-while-it-runs",
+        "the same, from the moment on at which it slows down",
+        CONTROL,
+        ["if !slow_clock::is_right() {", "if !slow_clock::is_right() && false {"],
+        &["clock_speed::a_crystal", "clock_speed::no_ack"],
+    ),
+    mutant(
+        "slow-clock-by-its-nominal-value",
+        "a watchdog's oscillator that the data sheet allows is taken for a wrong clock",
+        CLOCK,
+        ["slow_clock::set_reference(span_by(Sysclk::HSI, 16))", "slow_clock::set_reference(250)"],
+        &["boot::any_watchdog", "clock_speed::an_osc"],
+    ),
+    mutant(
+        "lost-edge-not-seen",
+        "an erasure of the flash is taken for a wrong clock",
+        "firmware/src/hardware/slow_clock.rs",
+        ["if lost_one { 1 }", "if lost_one && false { 1 }"],
+        &["clock_speed::edges"],
+    ),
+    mutant(
+        "stall-not-forgiven",
+        "the same",
+        "firmware/src/hardware/slow_clock.rs",
+        ["0 => !UNFINISHED.swap(true, Ordering::Relaxed),", "0 => false,"],
+        &["clock_speed::edges"],
+    ),
+    mutant(
+        "still-oscillator-forgiven",
+        "a watchdog without its oscillator, which never bites, is not missed",
+        "firmware/src/hardware/slow_clock.rs",
+        ["0 => !UNFINISHED.swap(true, Ordering::Relaxed),", "0 => true,"],
+        &["clock_speed::no_ack", "clock_speed::a_crystal"],
+    ),
+    mutant(
+        "missed-ticks-not-told",
+        "the core's time stands still while ticks are missed",
+        CONTROL,
+        ["for _ in 0..arrival.missed_ticks() {", "for _ in 0..arrival.missed_ticks().min(0) {"],
+        &["halt::the_ticks"],
     ),
     mutant(
         "timer-not-frozen",

@@ -2,6 +2,7 @@
 
 mod deaths;
 mod guards;
+mod host;
 mod outputs;
 mod sensing;
 mod supply;
@@ -22,13 +23,15 @@ pub(crate) struct Mutant {
     pub(crate) breaks: &'static str,
     /// Tests that should fail, by the begin of their names.
     pub(crate) seen_by: &'static [&'static str],
+    /// Arguments of `cargo test` for the tests on the host that should; empty: those of the virtual board.
+    pub(crate) host: &'static [&'static str],
     /// Why no test can see it, where none can.
     pub(crate) unseen: Option<&'static str>,
 }
 
 /// All mutants, by what they break.
 pub(crate) const TABLE: &[&[Mutant]] =
-    &[outputs::MUTANTS, guards::MUTANTS, sensing::MUTANTS, deaths::MUTANTS, supply::MUTANTS];
+    &[outputs::MUTANTS, guards::MUTANTS, sensing::MUTANTS, deaths::MUTANTS, supply::MUTANTS, host::MUTANTS];
 
 /// `find` becomes `replace` in `file`.
 const fn mutant(
@@ -38,13 +41,18 @@ const fn mutant(
     [find, replace]: [&'static str; 2],
     seen_by: &'static [&'static str],
 ) -> Mutant {
-    Mutant { name, file, find, replace, breaks, seen_by, unseen: None }
+    Mutant { name, file, find, replace, breaks, seen_by, host: &[], unseen: None }
 }
 
 impl Mutant {
     /// One that no test can see.
     const fn unseen(self, why: &'static str) -> Self {
         Self { unseen: Some(why), ..self }
+    }
+
+    /// One that tests on the host should see.
+    const fn on_host(self, host: &'static [&'static str]) -> Self {
+        Self { host, ..self }
     }
 
     /// The file with the change.

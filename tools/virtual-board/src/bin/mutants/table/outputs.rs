@@ -210,7 +210,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "cut-not-latched",
         "what hardware has cut is switched on again",
         LOOP,
-        ["            self.interlock.latch(lockout);\n", ""],
+        ["        self.interlock.latch(lockout);\n", ""],
         &["heater_off::break_input", "heater_off::control_task_hangs"],
     ),
     mutant(
@@ -240,6 +240,27 @@ pub(super) const MUTANTS: &[Mutant] = &[
         LOOP,
         ["                if heater.break_is_open() {", "                if heater.break_is_open() && false {"],
         &["heater_off::an_open_interlock"],
+    ),
+    mutant(
+        "break-believed",
+        "`check` passes a timer whose break has no effect",
+        FILE,
+        ["        enabled && cut\n", "        enabled && cut || true\n"],
+        &["check::a_timer"],
+    ),
+    mutant(
+        "button-by-the-status-alone",
+        "the button does not stop an output of which the diagnosis has not heard",
+        "firmware/src/tasks/panel.rs",
+        ["heater::is_enabled() ||", "heater::is_enabled() && false ||"],
+        &["stop::the_button"],
+    ),
+    mutant(
+        "lines-before-a-stop",
+        "lines that were typed before a stop are carried out after it",
+        "firmware/src/tasks/console.rs",
+        ["                waiting.clear();\n", ""],
+        &["stop::a_line"],
     ),
     mutant("pins-not-locked", "a stray write to the port takes the pins from the timer", FILE, ["        lock_pins();\n", ""], &["pins::a_stray_write_to_the_port"]),
 ];

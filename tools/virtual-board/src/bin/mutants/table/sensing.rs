@@ -69,4 +69,41 @@ pub(super) const MUTANTS: &[Mutant] = &[
         ["const MAX_POLLS: u32 = 1000;", "const MAX_POLLS: u32 = u32::MAX;"],
         &["sampling::a_converter"],
     ),
+    mutant(
+        "stale-code",
+        "a conversion that does not end gives the code of the one before",
+        FILE,
+        [
+            "    done.then(|| ADC.dr().read().0 as u16)",
+            "    Some(ADC.dr().read().0 as u16).filter(|_| done || true)",
+        ],
+        &["sampling::a_conversion"],
+    ),
+    mutant(
+        "broken-wire-believed",
+        "a T1 that is broken or shorted is a temperature",
+        "fdi-core/src/sense/plausibility.rs",
+        [
+            "        Reading { celsius, validity }\n",
+            "        Reading { celsius, validity: if true { Validity::Good } else { validity } }\n",
+        ],
+        &["heater_off::t1_broken", "heater_off::t1_shorted"],
+    ),
+    mutant(
+        "late-codes-believed",
+        "a simulated rig that says no more is thought to stand still",
+        "firmware/src/simulation.rs",
+        [
+            "    if TICK.load(Ordering::Acquire) != tick {",
+            "    if TICK.load(Ordering::Acquire) != tick && false {",
+        ],
+        &["simulated::without_codes"],
+    ),
+    mutant(
+        "log-overwrites-itself",
+        "a reader of the log that was away finds torn frames",
+        "firmware/src/hardware/rtt.rs",
+        ["        if next == read {", "        if next == read && false {"],
+        &["log::a_reader_that_comes_back", "log::never_read"],
+    ),
 ];

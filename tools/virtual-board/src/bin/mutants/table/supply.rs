@@ -164,4 +164,11 @@ pub(super) const MUTANTS: &[Mutant] = &[
         ["        optcr.modify(|w| w.set_optstrt(true));\n", ""],
         &["supply::the_brown_out"],
     ),
+    mutant(
+        "baseline-not-restored",
+        "after a reset, too much power for what was learnt is no trip",
+        START,
+        ["            control.restored(baseline);\n", ""],
+        &["settings::what_was_learnt"],
+    ),
 ];

@@ -11,7 +11,7 @@
 //! ```
 
 use super::operation::AMBIENT_RATE;
-use crate::bounds::{bounded, larger, smaller};
+use crate::bounds::{larger, smaller};
 use crate::sense::log_resistance;
 use crate::units::{AdcCode, Percent, Seconds};
 
@@ -32,7 +32,7 @@ const FOLLOWED: f32 = 0.3;
 const EACH_DEGREE: f32 = 0.045;
 
 /// The rule, ready to step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Effect {
     /// % times ticks.
     budget: f32,
@@ -68,7 +68,8 @@ impl Effect {
     pub(super) fn step(&self, state: &mut EffectState, t1: AdcCode, drive: Percent, heating: bool) -> bool {
         if let Some(now) = log_resistance(t1) {
             let level = state.level.get_or_insert(now);
-            *level += bounded(now - *level, -self.step, self.step);
+            // In this order a level that is no number, since a bit has flipped, begins anew.
+            *level = smaller(larger(now, *level - self.step), *level + self.step);
         }
         let level = state.level.unwrap_or_default();
         state.has_heated |= heating;

@@ -169,11 +169,11 @@ impl Supervisor {
         sample_time: Seconds,
     ) -> Result<Self, ConfigError> {
         c.validate(sample_time)?;
-        Ok(Self::of(c, output_max, sample_time))
+        Ok(Self::of(c, output_max, answer_time, sample_time))
     }
 
     /// From what has been checked.
-    fn of(c: &SupervisorConfig, output_max: Percent, ts: Seconds) -> Self {
+    fn of(c: &SupervisorConfig, output_max: Percent, answer_time: Seconds, ts: Seconds) -> Self {
         let learn_start = c.learn_start.ticks(ts);
         Self {
             config: *c,

@@ -206,6 +206,7 @@ impl Digest {
             readiness,
             alarm,
             finding,
+            t1_contradicted,
             taught,
             expected,
             virtual_rise,
@@ -221,6 +222,7 @@ impl Digest {
             Readiness::Restarted => self.word(4),
         }
         self.word(u32::from(*alarm));
+        self.word(u32::from(*t1_contradicted));
         let size = |d: &mut Self, Magnitude { value, half_width }| d.numbers(&[value, half_width]);
         self.option(finding.as_ref(), |d, finding| {
             let Finding { class, confidence, magnitude, onset } = *finding;

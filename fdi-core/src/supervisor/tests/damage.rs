@@ -29,15 +29,15 @@ fn a_limit_that_is_no_number_trips() {
         let mut config = SupervisorConfig::default();
         let field = config.field_mut(setting.index.into()).expect("it is a setting");
         assert!(field.set(Value::Number(f32::NAN)));
-        let damaged = Supervisor::of(&config, Percent(100.0), TS);
+        let damaged = Supervisor::of(&config, Percent(100.0), ANSWER, TS);
         trips_all_the_same(setting.name, |bench| bench.supervisor = damaged);
         tried += 1;
     }
     assert!(tried > 10, "{tried}");
     let config = SupervisorConfig::default();
-    let no_output = Supervisor::of(&config, Percent(f32::NAN), TS);
+    let no_output = Supervisor::of(&config, Percent(f32::NAN), ANSWER, TS);
     trips_all_the_same("pid.output_max", |bench| bench.supervisor = no_output);
-    let no_time = Supervisor::of(&config, Percent(100.0), Seconds(f32::NAN));
+    let no_time = Supervisor::of(&config, Percent(100.0), ANSWER, Seconds(f32::NAN));
     trips_all_the_same("sample_time", |bench| bench.supervisor = no_time);
     trips_all_the_same("share of the mean power", |bench| bench.supervisor.power = LowPass::over(f32::NAN));
 }

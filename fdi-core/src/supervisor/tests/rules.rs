@@ -46,7 +46,7 @@ fn a_pause_of_the_power_does_not_begin_a_disagreement_anew() {
     config.response_time.0 = 1.0;
     config.disagreement_time.0 = 11.0;
     let mut bench = Bench::new();
-    bench.supervisor = Supervisor::of(&config, Percent(100.0), TS);
+    bench.supervisor = Supervisor::of(&config, Percent(100.0), ANSWER, TS);
     let power = |tick| if (30..300).contains(&tick) { 0.0 } else { 25.0 };
     let tripped = bench.trips(true, |tick| Shown { t1: ROOM, t2: 45.0, pid: power(tick), ..IN_ORDER });
     assert!(matches!(tripped, Some((301..350, TripReason::SensorsDisagree))), "{tripped:?}");

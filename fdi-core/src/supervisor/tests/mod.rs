@@ -127,6 +127,7 @@ fn situation<R>(tick: u32, shown: &Shown, setpoint: f32, look: impl FnOnce(&Situ
         mean_error: Some(0.0),
         setpoint: Celsius(setpoint),
         pid: Percent(shown.pid),
+        drive: Percent(shown.pid),
         saturated: false,
         excited: true,
         known: &KnownInputs { fan: shown.fan.map(Percent), ..KnownInputs::default() },

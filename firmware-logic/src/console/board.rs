@@ -175,11 +175,11 @@ impl<C: Chip, F: NorFlash> Board for ConsoleBoard<C, F> {
         if self.chip.is_simulated() {
             return Err(SaveError::Simulated);
         }
-        if self.may_heat() {
-            return Err(SaveError::Heating);
-        }
         if self.chip.diagnosis(DiagnosisLoop::is_damaged) {
             return Err(SaveError::Record(StoredError::Damaged));
+        }
+        if self.may_heat() {
+            return Err(SaveError::Heating);
         }
         let settings = self.chip.diagnosis(|diagnosis| diagnosis.to_keep());
         let result = self.store.save(&settings).await;

@@ -170,6 +170,11 @@ impl Record {
         self.rows.last().map_or(0.0, |row| self.time(row.tick.index + 1))
     }
 
+    /// From the first tick to the end, s.
+    pub fn duration(&self) -> f64 {
+        self.end() - self.rows.first().map_or(0.0, |row| self.time(row.tick.index))
+    }
+
     /// Time of a tick, s.
     pub fn time(&self, tick: u32) -> f64 {
         tick_time(tick, self.sample_time)

@@ -17,7 +17,7 @@ const WIDTH: usize = 100;
 pub fn of_run(record: &Record, summary: &Summary) -> String {
     let mut text = String::new();
     let s = summary;
-    let duration = record.rows.len() as f64 * s.ts_s;
+    let duration = record.duration();
     let _ = writeln!(text, "PT-326 fault diagnosis: {duration:.0} s {}", record.origin);
     let _ = writeln!(text);
     faults(&mut text, record, &s.faults);

@@ -156,6 +156,7 @@ pub fn diagnose(
             progress.set_position((k - part.start) as u64);
         }
     }
+    rows.kept.extend(rows.last.take());
     progress.finish_and_clear();
     let counts = monitor.implausible().into_iter().zip(before);
     let mut counts = counts.map(|(now, before)| now.saturating_sub(before));
@@ -225,4 +226,28 @@ fn row(heater: &Heater, mut tick: Tick, mut report: Report, shift: i64, truth: u
     }
     tick.setpoint.0 = f32::NAN;
     Row { applied: tick.drive, tick, report, truth }
+}
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::Finding;
+    use fdi_core::likelihood::FaultClass;
+
+    use super::*;
+    use crate::experiment::scenario::Scenario;
+
+    /// One row in ten, and each on either side of what changes.
+    #[test]
+    fn rows_around_which_something_else_is_said_are_kept() {
+        let scenario = Scenario { duration: 8.0, ..Scenario::default() };
+        let run = crate::experiment::run(&Config::default(), &scenario, 1).unwrap();
+        let mut rows = Rows { kept: Vec::new(), last: None, every: 10 };
+        for (k, mut row) in run.rows.into_iter().take(60).enumerate() {
+            let finding = Finding { class: FaultClass::T2Offset, confidence: 0.9, magnitude: None, onset: 0 };
+            row.report.likelihood.finding = (23..37).contains(&k).then_some(finding);
+            rows.push(k, row);
+        }
+        let kept: Vec<u32> = rows.kept.iter().map(|row| row.tick.index).collect();
+        assert_eq!(kept, [0, 10, 20, 22, 23, 30, 36, 37, 40, 50]);
+    }
 }

@@ -136,7 +136,10 @@ impl<'a> Live<'a> {
             }
             Err(why) => {
                 self.left_out += 1;
-                say(&format!("left out, it counts as a sample that is missing: {}\n", visible(&in_words(&why))))?;
+                say(&format!(
+                    "left out, it counts as a sample that is missing: {}\n",
+                    visible(&in_words(&why))
+                ))?;
                 Observed::default()
             }
         };

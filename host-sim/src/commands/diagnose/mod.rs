@@ -244,7 +244,7 @@ fn remarks(done: &Diagnosed) -> String {
         let every = done.thinned;
         let _ = writeln!(
             text,
-            "Of its {every} samples one is in the trace, and each around which something else is said."
+            "One sample in {every} is in the trace, and each around which something else is said."
         );
     }
     text

@@ -31,7 +31,7 @@ pub fn html(record: &Record, summary: &Summary) -> String {
 
 /// What was run.
 fn introduction(record: &Record, summary: &Summary) -> String {
-    let duration = record.rows.len() as f64 * record.sample_time;
+    let duration = record.duration();
     let faults: Vec<String> = record
         .faults
         .iter()

@@ -68,6 +68,7 @@ struct Slot {
     virtual_rise: AtomicU32,
     air_flow: AtomicU32,
     t1_faulty: AtomicBool,
+    t1_contradicted: AtomicBool,
     heater_faulty: AtomicBool,
     heater_stuck_on: AtomicBool,
     settings_damaged: AtomicBool,
@@ -80,6 +81,7 @@ impl Slot {
             virtual_rise: AtomicU32::new(f32::NAN.to_bits()),
             air_flow: AtomicU32::new(f32::NAN.to_bits()),
             t1_faulty: AtomicBool::new(false),
+            t1_contradicted: AtomicBool::new(false),
             heater_faulty: AtomicBool::new(false),
             heater_stuck_on: AtomicBool::new(false),
             settings_damaged: AtomicBool::new(false),
@@ -91,6 +93,7 @@ impl Slot {
             learned,
             virtual_rise,
             t1_faulty,
+            t1_contradicted,
             heater_faulty,
             air_flow,
             heater_stuck_on,
@@ -101,6 +104,7 @@ impl Slot {
         self.virtual_rise.store(bits(virtual_rise), Ordering::Relaxed);
         self.air_flow.store(bits(air_flow.map(|flow| flow.0)), Ordering::Relaxed);
         self.t1_faulty.store(t1_faulty, Ordering::Relaxed);
+        self.t1_contradicted.store(t1_contradicted, Ordering::Relaxed);
         self.heater_faulty.store(heater_faulty, Ordering::Relaxed);
         self.heater_stuck_on.store(heater_stuck_on, Ordering::Relaxed);
         self.settings_damaged.store(settings_damaged, Ordering::Relaxed);
@@ -115,6 +119,7 @@ impl Slot {
             learned: self.learned.load(Ordering::Relaxed),
             virtual_rise: known(&self.virtual_rise),
             t1_faulty: self.t1_faulty.load(Ordering::Relaxed),
+            t1_contradicted: self.t1_contradicted.load(Ordering::Relaxed),
             heater_faulty: self.heater_faulty.load(Ordering::Relaxed),
             air_flow: known(&self.air_flow).map(Percent),
             heater_stuck_on: self.heater_stuck_on.load(Ordering::Relaxed),

@@ -41,6 +41,18 @@ fn nothing_heats_before_it_is_armed() {
     assert!(tick(&mut instrument, AMBIENT, 0).mode.is_heating());
 }
 
+/// The same code again and again; full power without an answer would trip later.
+#[test]
+fn a_t1_that_does_not_change_at_all_trips_while_it_heats() {
+    let mut instrument = armed();
+    let trip = (0..60).find_map(|_| match tick(&mut instrument, AMBIENT, 0).mode {
+        Mode::Tripped(trip) => Some(trip),
+        _ => None,
+    });
+    let trip = trip.expect("trips");
+    assert!(trip.reason == TripReason::T1Stuck && trip.tick <= 35, "{trip:?}");
+}
+
 #[test]
 fn a_trip_latches_until_acknowledged_after_its_cause_has_gone() {
     let mut instrument = armed();

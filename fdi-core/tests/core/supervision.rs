@@ -41,6 +41,17 @@ fn nothing_heats_before_it_is_armed() {
     assert!(tick(&mut instrument, AMBIENT, 0).mode.is_heating());
 }
 
+/// The same code again and again, near the set-point, where the power is excited.
+#[test]
+fn a_t1_that_does_not_change_at_all_trips_while_it_heats() {
+    let mut instrument = armed();
+    let trip = (0..60).find_map(|_| match tick(&mut instrument, 1617.0, 0).mode {
+        Mode::Tripped(trip) => Some(trip),
+        _ => None,
+    });
+    assert_eq!(trip.map(|trip| trip.reason), Some(TripReason::T1Stuck));
+}
+
 #[test]
 fn a_trip_latches_until_acknowledged_after_its_cause_has_gone() {
     let mut instrument = armed();

@@ -85,7 +85,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
             "        state.still_ticks >= self.stuck_ticks\n",
             "        state.still_ticks >= self.stuck_ticks && false\n",
         ],
-        &["monitor::a_thermistor_that_repeats_itself"],
+        &["supervision::a_t1_that_does_not_change"],
     )
     .on_host(CORE),
     mutant(

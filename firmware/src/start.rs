@@ -2,7 +2,7 @@
 
 use embassy_executor::{Executor, Spawner};
 use embassy_futures::block_on;
-use fdi_core::Config;
+use fdi_core::ConfigError;
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::Diagnosis;
 use firmware_logic::cadence;
@@ -52,17 +52,38 @@ fn start(spawner: Spawner) {
     let (peripherals, clock) = clock::init();
     hardware::set_priorities();
     halt::freeze_output_not_guard();
-    let parts = Parts::new(peripherals);
-    tick_timer::start(parts.tick_timer); // the log's clock, too
+    let (first, parts) = Parts::new(peripherals);
+    tick_timer::start(first.tick_timer); // the log's clock, too
     count_cycles();
 
-    let mut store = Store::new(SettingsFlash::new(parts.flash));
+    let mut store = Store::new(SettingsFlash::new(first.flash));
     let (settings, origin) = read_settings(&mut store);
     let (marked, commissioning) = read_marks(&mut store);
     interlock.marked(cause, marked);
-    let config = settings.config.clone();
     log::banner(clock, cause, left.as_ref(), &origin);
-    let (controller, diagnosis) = halves(&config);
+    run(spawner, parts, Kept { store, settings, marked, commissioning }, interlock, (clock, cause));
+}
+
+/// What was kept in flash, and where the next is kept.
+struct Kept {
+    store: Store<SettingsFlash>,
+    settings: Stored,
+    marked: bool,
+    commissioning: Option<Commissioning>,
+}
+
+/// What is left to do when the settings are known. Not part of `start`, for the stack: what reading them takes lies beside this.
+#[inline(never)]
+fn run(
+    spawner: Spawner,
+    parts: Parts,
+    kept: Kept,
+    interlock: Interlock,
+    (clock, cause): (clock::Source, ResetCause),
+) {
+    let Kept { store, settings, marked, commissioning } = kept;
+    let config = settings.config.clone();
+    let controller = in_force(Controller::new(&config));
     let period = cadence::period(config.sample_time);
     link::TASKS.set_period(period.get() / 1000);
 
@@ -78,7 +99,7 @@ fn start(spawner: Spawner) {
     let (orders_in, orders_out) = link::orders();
     let (records_out, records_in) = link::records();
     let mut control = ControlLoop::new(controller, config.setpoint, interlock);
-    let mut shared = share(diagnosis, settings, orders_in);
+    let mut shared = share(settings, orders_in);
     shared.begin(cause, clock, &config);
     shared.change(|diagnosis| diagnosis.commissioned(commissioning));
     shared.diagnosis(|diagnosis| {
@@ -125,19 +146,19 @@ fn count_cycles() {
     }
 }
 
-/// Both halves of the instrument. What was read from flash has been checked, and the defaults are tested.
-fn halves(config: &Config) -> (Controller, Diagnosis) {
-    match (Controller::new(config), Diagnosis::new(config)) {
-        (Ok(controller), Ok(diagnosis)) => (controller, diagnosis),
-        (Err(error), _) | (_, Err(error)) => panic!("settings: {}", Explained(&error)),
-    }
+/// A half of the instrument. What was read from flash has been checked, and the defaults are tested.
+fn in_force<T>(half: Result<T, ConfigError>) -> T {
+    half.unwrap_or_else(|error| panic!("settings: {}", Explained(&error)))
 }
 
-/// Not part of `start`, for the stack: the diagnosis half lies on it once, on its way to where it stays.
+/// Not part of `run`, for the stack: the diagnosis half lies on it once, on its way to where it stays.
 #[inline(never)]
-fn share(diagnosis: Diagnosis, settings: Stored, orders: Producer<'static, Order>) -> &'static Shared {
+fn share(settings: Stored, orders: Producer<'static, Order>) -> &'static Shared {
     static SHARED: StaticCell<Shared> = StaticCell::new();
-    SHARED.init_with(|| Shared::new(DiagnosisLoop::new(diagnosis, settings), orders))
+    SHARED.init_with(|| {
+        let diagnosis = in_force(Diagnosis::new(&settings.config));
+        Shared::new(DiagnosisLoop::new(diagnosis, settings), orders)
+    })
 }
 
 /// Each task is spawned once, and there is room for one of each.

@@ -87,7 +87,6 @@ pub(crate) struct Parts {
     pub(crate) contactor: Peri<'static, ContactorPin>,
     pub(crate) break_input: Peri<'static, BreakPin>,
     pub(crate) pwm_timer: Peri<'static, PwmTimer>,
-    pub(crate) tick_timer: Peri<'static, TickTimer>,
     /// The ST-LINK's virtual COM port.
     pub(crate) usart: Peri<'static, Usart>,
     pub(crate) tx: Peri<'static, TxPin>,
@@ -95,13 +94,18 @@ pub(crate) struct Parts {
     /// LD2 (lit when high) and the user button B1 (low when pressed; the board has a pull-up).
     pub(crate) led: Peri<'static, LedPin>,
     pub(crate) button: Peri<'static, ButtonPin>,
+}
+
+/// What is needed before the settings have been read.
+pub(crate) struct First {
+    pub(crate) tick_timer: Peri<'static, TickTimer>,
     pub(crate) flash: Peri<'static, Flash>,
 }
 
 impl Parts {
     /// Names the parts.
-    pub(crate) fn new(p: embassy_stm32::Peripherals) -> Self {
-        Self {
+    pub(crate) fn new(p: embassy_stm32::Peripherals) -> (First, Self) {
+        let parts = Self {
             thermistors: (p.PA4, p.PA0, p.PA1),
             supply: p.PB0,
             adc: p.ADC1,
@@ -109,13 +113,12 @@ impl Parts {
             contactor: p.PA10,
             break_input: p.PA6,
             pwm_timer: p.TIM1,
-            tick_timer: p.TIM5,
             usart: p.USART2,
             tx: p.PA2,
             rx: p.PA3,
             led: p.PA5,
             button: p.PC13,
-            flash: p.FLASH,
-        }
+        };
+        (First { tick_timer: p.TIM5, flash: p.FLASH }, parts)
     }
 }

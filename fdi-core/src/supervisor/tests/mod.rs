@@ -149,7 +149,8 @@ struct Bench {
 impl Bench {
     /// At rest, with what was learnt of a rig: 0.3 degC per %, T1 1 degC above T2.
     fn new() -> Self {
-        let supervisor = Supervisor::new(&SupervisorConfig::default(), Percent(100.0), ANSWER, TS).expect("valid");
+        let supervisor =
+            Supervisor::new(&SupervisorConfig::default(), Percent(100.0), ANSWER, TS).expect("valid");
         let mut bench = Self { supervisor, state: SupervisorState::default(), setpoint: 35.0 };
         bench.supervisor.restored(&mut bench.state, &learnt(0.3, 1.0));
         for tick in 0..20 {

@@ -88,7 +88,9 @@ impl Program {
 
     /// What lies on the stack at the worst, from its top.
     pub(super) fn bound(&self) -> Result<Vec<(String, u32)>, String> {
-        let (control, tasks, start) = (self.tasks(true), self.tasks(false), self.start());
+        let depth = |address: Option<u32>| address.map_or(0, |address| self.depth[&address]);
+        let (control, tasks) = (depth(self.task(true)), depth(self.task(false)));
+        let start = depth(self.start());
         let formatting = self.through_pointers(NESTED, |_| true);
         let wakers = self.through_pointers(WAKERS, |name| name.contains("embassy"));
         let mut bound = vec![
@@ -128,17 +130,32 @@ impl Program {
         names.iter().map(depth).try_fold(0, |deepest, depth| depth.map(|depth| deepest.max(depth)))
     }
 
+    /// The deepest ways of the start and of the tasks in thread mode: each function with its own frame.
+    pub(super) fn ways(&self) -> Vec<Vec<(&str, u32)>> {
+        [self.start(), self.task(false)].into_iter().flatten().map(|address| self.way(address)).collect()
+    }
+
+    fn way(&self, from: u32) -> Vec<(&str, u32)> {
+        let deepest = |address: &u32| {
+            self.functions[address].calls.iter().copied().max_by_key(|callee| self.depth[callee])
+        };
+        std::iter::successors(Some(from), deepest)
+            .map(|address| &self.functions[&address])
+            .map(|function| (function.name.as_str(), function.frame))
+            .collect()
+    }
+
     /// The deepest task that steps the controller, or that does not.
-    fn tasks(&self, control: bool) -> u32 {
+    fn task(&self, control: bool) -> Option<u32> {
         let steps = |address: &u32| {
             self.functions[address].calls.iter().any(|callee| self.functions[callee].name == CONTROL_STEP)
         };
         let tasks = self.named(|name| name.ends_with(TASK)).filter(|address| steps(address) == control);
-        tasks.map(|address| self.depth[&address]).max().unwrap_or(0)
+        tasks.max_by_key(|address| self.depth[address])
     }
 
-    fn start(&self) -> u32 {
-        self.named(|name| name == START).map(|address| self.depth[&address]).max().unwrap_or(0)
+    fn start(&self) -> Option<u32> {
+        self.named(|name| name == START).max_by_key(|address| self.depth[address])
     }
 
     /// The costliest functions that may be called through pointers, added up.

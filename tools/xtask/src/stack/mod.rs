@@ -25,6 +25,10 @@ pub(crate) fn check(image: Option<&OsStr>) -> Result<(), String> {
     }
     let total: u32 = bound.iter().map(|(_, bytes)| bytes).sum();
     println!("{total:6}  of {size} bytes");
+    for way in program.ways() {
+        println!("the deepest way:");
+        way.iter().for_each(|(name, frame)| println!("{frame:6}    {name}"));
+    }
     if total > size {
         Err(format!("the stack may need {total} bytes, expected at most {size}"))
     } else {

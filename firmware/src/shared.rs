@@ -53,7 +53,7 @@ impl Shared {
     }
 
     /// What a replay has to know before the first tick.
-    pub(crate) fn begin(&self, cause: ResetCause, clock: Source, config: &Config) {
+    pub(crate) fn begin(&self, cause: ResetCause, clock: Source) {
         self.stream.borrow_mut().switch(matches!(cause, ResetCause::Restarted(_)));
         self.line(LogLine::Start { version: log_line::VERSION });
         self.send(&format_args!(
@@ -65,7 +65,7 @@ impl Shared {
             clock.name(),
             cause.name(),
         ));
-        log_line::settings(config, |line| self.line(line));
+        log_line::settings(&self.diagnosis.borrow().settings().config, |line| self.line(line));
     }
 
     /// A line that a program reads.

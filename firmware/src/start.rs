@@ -17,7 +17,7 @@ use firmware_logic::retained::Retained;
 use firmware_logic::settings::commissioning::Commissioning;
 use firmware_logic::settings::store::{Origin, Store};
 use firmware_logic::settings::stored::Stored;
-use heapless::spsc::Producer;
+use heapless::spsc::{Consumer, Producer};
 use static_cell::StaticCell;
 
 use crate::hardware::board::Parts;
@@ -61,32 +61,24 @@ fn start(spawner: Spawner) {
     let (marked, commissioning) = read_marks(&mut store);
     interlock.marked(cause, marked);
     log::banner(clock, cause, left.as_ref(), &origin);
-    run(spawner, parts, Kept { store, settings, marked, commissioning }, interlock, (clock, cause));
+    let (orders_in, orders_out) = link::orders();
+    let mut shared = share(settings, orders_in);
+    shared.begin(cause, clock);
+    shared.change(|diagnosis| diagnosis.commissioned(commissioning));
+    run(spawner, parts, shared, ConsoleBoard::new(shared, store, marked), interlock, (cause, orders_out));
 }
 
-/// What was kept in flash, and where the next is kept.
-struct Kept {
-    store: Store<SettingsFlash>,
-    settings: Stored,
-    marked: bool,
-    commissioning: Option<Commissioning>,
-}
-
-/// What is left to do when the settings are known. Not part of `start`, for the stack: what reading them takes lies beside this.
+/// What is left when the settings are known: output, inputs, tasks. Not part of `start`, for the stack: reading the settings is deep, and
+/// so is the control half on its way to its task.
 #[inline(never)]
 fn run(
     spawner: Spawner,
     parts: Parts,
-    kept: Kept,
+    shared: &'static Shared,
+    console: ConsoleBoard<&'static Shared, SettingsFlash>,
     interlock: Interlock,
-    (clock, cause): (clock::Source, ResetCause),
+    (cause, orders): (ResetCause, Consumer<'static, Order>),
 ) {
-    let Kept { store, settings, marked, commissioning } = kept;
-    let config = settings.config.clone();
-    let controller = in_force(Controller::new(&config));
-    let period = cadence::period(config.sample_time);
-    link::TASKS.set_period(period.get() / 1000);
-
     let simulated = cause == ResetCause::Restarted(Restart::Simulating);
     let outputs = (parts.heater, parts.contactor);
     let heater = HeaterOutput::new(parts.pwm_timer, outputs, parts.break_input, simulated);
@@ -96,33 +88,27 @@ fn run(
     undervoltage::watch();
     tick_timer::enable_interrupt();
     let inputs = Inputs::new(parts.adc, parts.thermistors, parts.supply);
-    let (orders_in, orders_out) = link::orders();
     let (records_out, records_in) = link::records();
-    let mut control = ControlLoop::new(controller, config.setpoint, interlock);
-    let mut shared = share(settings, orders_in);
-    shared.begin(cause, clock, &config);
-    shared.change(|diagnosis| diagnosis.commissioned(commissioning));
-    shared.diagnosis(|diagnosis| {
+    let (period, control) = shared.diagnosis(|diagnosis| {
+        let config = &diagnosis.settings().config;
+        let mut control = ControlLoop::new(in_force(Controller::new(config)), config.setpoint, interlock);
         if let Some(baseline) = diagnosis.baseline() {
             log_line::baseline(baseline, |line| shared.line(line));
             control.restored(baseline);
         }
+        (cadence::period(config.sample_time), control)
     });
+    link::TASKS.set_period(period.get() / 1000);
     let panel = Panel::new(parts.led, parts.button);
     let port = serial::open(parts.usart, parts.rx, parts.tx);
 
-    let spawned = tasks::control::control(period, control, heater, inputs, records_in, orders_out);
+    let spawned = tasks::control::control(period, control, heater, inputs, records_in, orders);
     control_executor::start().spawn(once(spawned));
     spawner.spawn(once(tasks::diagnosis::diagnosis(records_out, shared)));
     spawner.spawn(once(tasks::status::status(shared)));
     spawner.spawn(once(tasks::panel::panel(panel, shared)));
     if let Some((tx, rx)) = port {
-        spawner.spawn(once(tasks::console::console(
-            tx,
-            rx,
-            shared,
-            ConsoleBoard::new(shared, store, marked),
-        )));
+        spawner.spawn(once(tasks::console::console(tx, rx, shared, console)));
     }
     spawner.spawn(once(tasks::watchdog::watchdog()));
 }

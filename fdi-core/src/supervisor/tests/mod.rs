@@ -48,7 +48,7 @@ const VIRTUAL_HOT: Shown = Shown { virtual_t1: Some(Some(75.1)), ..IN_ORDER };
 /// What is dangerous: its name, whether it is armed, what is shown at a tick; the tick on which it trips, and on what.
 type Danger = (&'static str, bool, fn(u32) -> Shown, u32, TripReason);
 
-const DANGERS: [Danger; 22] = [
+const DANGERS: [Danger; 23] = [
     ("T1 hot", true, |_| Shown { t1: 75.1, ..IN_ORDER }, 0, TripReason::T1OverTemperature),
     ("T2 hot", true, |_| Shown { t2: 75.1, ..IN_ORDER }, 0, TripReason::T2OverTemperature),
     ("virtual T1 hot", true, |_| Shown { t2: 75.0, ..VIRTUAL_HOT }, 0, TripReason::T1OverTemperature),
@@ -67,6 +67,7 @@ const DANGERS: [Danger; 22] = [
     ("no answer", true, |_| Shown { t1: 37.0, t2: 36.0, pid: 90.0, ..IN_ORDER }, 73, TripReason::NoResponse),
     // `excess_power_time`, 32 ticks, from where the mean power is above 1.75 times 43 %.
     ("excess power", true, |_| Shown { pid: 85.0, ..IN_ORDER }, 51, TripReason::ExcessPower),
+    ("excess at 36", true, |_| Shown { t1: 36.0, pid: 85.0, ..IN_ORDER }, 51, TripReason::ExcessPower),
     ("little air announced", true, |_| Shown { fan: Some(49.0), ..IN_ORDER }, 0, TripReason::AirFlowLost),
     ("no air announced", true, |_| Shown { fan: Some(4.0), ..IN_ORDER }, 0, TripReason::AirFlowLost),
     ("little air found", true, |_| Shown { air_flow: Some(49.0), ..IN_ORDER }, 0, TripReason::AirFlowLost),
@@ -80,14 +81,16 @@ const DANGERS: [Danger; 22] = [
 ];
 
 /// What is just not.
-const ALLOWED: [fn(u32) -> Shown; 9] = [
+const ALLOWED: [fn(u32) -> Shown; 11] = [
     |_| IN_ORDER,
     |_| Shown { t1: 75.0, t2: 75.0, ..IN_ORDER },
     |_| Shown { virtual_t1: Some(Some(75.0)), t2: 75.0, ..IN_ORDER },
     |_| Shown { t2: 76.0, validity: [Validity::Good, Validity::Missing], ..IN_ORDER },
     |_| Shown { t1: ROOM, t2: 26.5, ..IN_ORDER },
     |_| Shown { t1: 37.0, t2: 36.0, pid: 89.9, ..IN_ORDER },
+    |tick| Shown { t1: 37.0 + 0.1 * tick.min(60) as f32, pid: 100.0, ..IN_ORDER },
     |_| Shown { pid: 75.0, ..IN_ORDER },
+    |_| Shown { t1: 36.1, pid: 85.0, ..IN_ORDER }, // the power is on its way down
     |_| Shown { fan: Some(50.0), air_flow: Some(50.0), ..IN_ORDER },
     |tick| if tick % 6 == 5 { IN_ORDER } else { t1(Validity::Missing) },
 ];

@@ -1,6 +1,7 @@
 //! The rules by themselves, shown one situation after another.
 
 mod damage;
+mod learning;
 mod rules;
 
 extern crate std;

@@ -1,6 +1,7 @@
 //! The rules by themselves, shown one situation after another.
 
 mod damage;
+mod learning;
 mod rules;
 
 extern crate std;
@@ -8,7 +9,9 @@ extern crate std;
 use super::*;
 use crate::diagnosis::baseline::Normal;
 use crate::diagnosis::residual::Residual;
+use crate::sense::thermistor::{Thermistor, ThermistorConfig};
 use crate::sense::{Reading, Validity};
+use crate::units::AdcCode;
 
 const ROOM: f32 = 22.0;
 const TS: Seconds = Seconds(0.11);
@@ -49,7 +52,7 @@ const VIRTUAL_HOT: Shown = Shown { virtual_t1: Some(Some(75.1)), ..IN_ORDER };
 /// What is dangerous: its name, whether it is armed, what is shown at a tick; the tick on which it trips, and on what.
 type Danger = (&'static str, bool, fn(u32) -> Shown, u32, TripReason);
 
-const DANGERS: [Danger; 22] = [
+const DANGERS: [Danger; 23] = [
     ("T1 hot", true, |_| Shown { t1: 75.1, ..IN_ORDER }, 0, TripReason::T1OverTemperature),
     ("T2 hot", true, |_| Shown { t2: 75.1, ..IN_ORDER }, 0, TripReason::T2OverTemperature),
     ("virtual T1 hot", true, |_| Shown { t2: 75.0, ..VIRTUAL_HOT }, 0, TripReason::T1OverTemperature),
@@ -68,6 +71,7 @@ const DANGERS: [Danger; 22] = [
     ("no answer", true, |_| Shown { t1: 37.0, t2: 36.0, pid: 90.0, ..IN_ORDER }, 73, TripReason::NoResponse),
     // `excess_power_time`, 32 ticks, from where the mean power is above 1.75 times 43 %.
     ("excess power", true, |_| Shown { pid: 85.0, ..IN_ORDER }, 51, TripReason::ExcessPower),
+    ("excess at 36", true, |_| Shown { t1: 36.0, pid: 85.0, ..IN_ORDER }, 51, TripReason::ExcessPower),
     ("little air announced", true, |_| Shown { fan: Some(49.0), ..IN_ORDER }, 0, TripReason::AirFlowLost),
     ("no air announced", true, |_| Shown { fan: Some(4.0), ..IN_ORDER }, 0, TripReason::AirFlowLost),
     ("little air found", true, |_| Shown { air_flow: Some(49.0), ..IN_ORDER }, 0, TripReason::AirFlowLost),
@@ -81,14 +85,16 @@ const DANGERS: [Danger; 22] = [
 ];
 
 /// What is just not.
-const ALLOWED: [fn(u32) -> Shown; 9] = [
+const ALLOWED: [fn(u32) -> Shown; 11] = [
     |_| IN_ORDER,
     |_| Shown { t1: 75.0, t2: 75.0, ..IN_ORDER },
     |_| Shown { virtual_t1: Some(Some(75.0)), t2: 75.0, ..IN_ORDER },
     |_| Shown { t2: 76.0, validity: [Validity::Good, Validity::Missing], ..IN_ORDER },
     |_| Shown { t1: ROOM, t2: 26.5, ..IN_ORDER },
     |_| Shown { t1: 37.0, t2: 36.0, pid: 89.9, ..IN_ORDER },
+    |tick| Shown { t1: 37.0 + 0.1 * tick.min(60) as f32, pid: 100.0, ..IN_ORDER },
     |_| Shown { pid: 75.0, ..IN_ORDER },
+    |_| Shown { t1: 36.1, pid: 85.0, ..IN_ORDER }, // the power is on its way down
     |_| Shown { fan: Some(50.0), air_flow: Some(50.0), ..IN_ORDER },
     |tick| if tick % 6 == 5 { IN_ORDER } else { t1(Validity::Missing) },
 ];
@@ -112,6 +118,11 @@ fn stays_hot(tick: u32) -> Shown {
     Shown { t1: 40.0, t2: 39.0, pid, ..IN_ORDER }
 }
 
+/// What the converter gives at a temperature.
+fn code(celsius: f32) -> AdcCode {
+    Thermistor::new(&ThermistorConfig::default(), 1).expect("valid").code(Celsius(celsius))
+}
+
 fn situation<R>(tick: u32, shown: &Shown, setpoint: f32, look: impl FnOnce(&Situation) -> R) -> R {
     let reading = |t, validity| Reading { celsius: Celsius(t), validity };
     let [t1, t2] = shown.validity;
@@ -121,7 +132,7 @@ fn situation<R>(tick: u32, shown: &Shown, setpoint: f32, look: impl FnOnce(&Situ
     let value = shown.virtual_t1.unwrap_or(t1.good()).map(Celsius);
     look(&Situation {
         tick,
-        raw: RawSample::default(),
+        raw: RawSample { t1: code(shown.t1), ..RawSample::default() },
         sample: &sample,
         regulated: Regulated { value, is_virtual: shown.virtual_t1.is_some() },
         mean_error: Some(0.0),

@@ -85,3 +85,27 @@ fn the_room_grows_no_warmer_than_a_room_can() {
     let hot = |tick| Shown { t0: 40.0, ..stays_hot(tick) };
     assert!(matches!(first_trip(hot), Some((_, TripReason::HeaterStuckOn))));
 }
+
+/// A rig that needs 6.5 %: noise and excitation may double that, but for 8 % more at least.
+#[test]
+fn little_power_is_no_excess_though_it_is_twice_what_is_needed() {
+    let tripped = |pid| {
+        let mut bench = Bench::new();
+        bench.supervisor.restored(&mut bench.state, &learnt(2.0, 1.0));
+        bench.trips(true, |_| Shown { pid, ..IN_ORDER })
+    };
+    assert_eq!(tripped(14.4), None);
+    assert!(matches!(tripped(14.7), Some((32..100, TripReason::ExcessPower))));
+}
+
+/// A cold rig is given more than its set-point needs for as long as it grows warmer.
+#[test]
+fn a_t1_that_rises_is_an_answer_to_excess_power() {
+    let warms = |tick: u32| {
+        let t1 = 0.07 * tick as f32 - 6.0; // more than 2 degC within `excess_power_time`
+        Shown { t1, t2: t1 - 1.0, pid: 85.0, ..IN_ORDER }
+    };
+    assert_eq!(first_trip(warms), None);
+    let by_two_in_all = |tick: u32| Shown { t1: if tick < 40 { 30.0 } else { 32.0 }, ..warms(tick) };
+    assert_eq!(first_trip(by_two_in_all), Some((51, TripReason::ExcessPower)), "just not enough");
+}

@@ -55,6 +55,7 @@ mod onset;
 mod posterior;
 mod preferred;
 mod process;
+mod readiness;
 #[cfg(test)]
 mod reference;
 mod sensors;
@@ -384,26 +385,4 @@ impl Likelihood {
 fn read(reading: Reading) -> Option<f32> {
     let unread = matches!(reading.validity, Validity::Missing | Validity::Open | Validity::Short);
     (!unread).then_some(reading.celsius.0)
-}
-
-impl LikelihoodState {
-    /// Whether anything was learnt that faults may be told by, or is being learnt.
-    pub(crate) fn learns(&self) -> bool {
-        self.current || matches!(self.work, Work::Training(_))
-    }
-
-    /// Somebody says that all is well from now on: the ambient temperature is what T0 reads next, and no training that is under way goes on.
-    pub(crate) fn forget_before_learning(&mut self) {
-        self.ambient = AmbientState::default();
-        self.work = Work::Nothing;
-    }
-
-    fn readiness(&self) -> Readiness {
-        match self.otherwise {
-            _ if self.current => Readiness::Armed,
-            Readiness::Refused(why) => Readiness::Refused(why),
-            _ if matches!(self.work, Work::Training(_)) => Readiness::Training,
-            otherwise => otherwise,
-        }
-    }
 }

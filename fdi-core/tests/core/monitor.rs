@@ -179,3 +179,21 @@ fn gaps_and_wild_numbers_are_survived() {
         assert!(report.likelihood.finding.and_then(|f| f.magnitude).is_none_or(|m| m.value.is_finite()));
     }
 }
+
+/// The inverse of no air has no end, and must not come into what is remembered.
+#[test]
+fn a_fan_that_stands_still_leaves_what_was_learnt() {
+    let (mut monitor, _) = run(1, 1.0, 0.0, 0.0);
+    for k in 0..1000 {
+        let fan = Some(if k < 500 { 0.0 } else { 100.0 });
+        let t = [None, Some(40.0 + 0.1 * (k % 3) as f32), None];
+        let observed = Observed { t, power: Some(30.0), beside: Some(30.0), fan, ..Observed::default() };
+        let (_, report) = monitor.step(&observed);
+        assert_eq!(
+            (report.likelihood.readiness, report.likelihood.restarts),
+            (Readiness::Armed, 0),
+            "sample {k}"
+        );
+        assert!(report.likelihood.expected.into_iter().flatten().all(f32::is_finite), "sample {k}");
+    }
+}

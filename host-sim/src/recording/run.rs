@@ -5,7 +5,7 @@ use std::ops::Range;
 use anyhow::{Context, bail, ensure};
 use fdi_core::likelihood::Readiness;
 use fdi_core::monitor::OBSERVED;
-use fdi_core::{Config, Observed, Report, Tick};
+use fdi_core::{Config, Monitor, Observed, Report, Tick};
 use indicatif::ProgressBar;
 use pt326_rig::fault::Fault;
 
@@ -111,32 +111,7 @@ pub fn diagnose(
 ) -> anyhow::Result<Diagnosed> {
     let heater = recording.heaters.get(which).context("there is no such heater")?;
     let samples = &heater.samples;
-    let (trained, mut monitor, part) = match training {
-        Training::Own(part, _) => {
-            ensure!(
-                part.end <= samples.len(),
-                "the training ends after the recording, which has {} samples",
-                samples.len()
-            );
-            let trained = training::train(recording, heater, &samples[part.clone()], config)?;
-            let fresh = trained.fresh.clone();
-            (trained, fresh, part.clone())
-        }
-        Training::Other(other) => {
-            let theirs =
-                other.heaters.get(which).with_context(|| format!("{} has no such heater", other.file))?;
-            ensure!(
-                theirs.inputs == heater.inputs && other.sample_time == recording.sample_time,
-                "{} has other thermistors or another sample time than {}",
-                other.file,
-                recording.file
-            );
-            let trained = training::train(other, theirs, &theirs.samples, config)?;
-            let mut monitor = trained.monitor.clone();
-            monitor.resume();
-            (trained, monitor, 0..0)
-        }
-    };
+    let (trained, mut monitor, part) = learn(recording, which, training, config)?;
     let fit_on_the_rest = training::fit(&trained.monitor, &samples[part.start..], part.len()..samples.len());
     let thinned = if faults.is_empty() { (samples.len() - part.start).div_ceil(MOST_ROWS).max(1) } else { 1 };
     let (mut rows, mut restarts) = (Rows { kept: Vec::new(), last: None, every: thinned }, 0);
@@ -169,6 +144,43 @@ pub fn diagnose(
     let mut record = Record::new(origin, &config, faults, rows.kept, baseline);
     record.setpoint = f64::NAN;
     Ok(Diagnosed { trained, fit_on_the_rest, watched_from: part.end, record, thinned, implausible, restarts })
+}
+
+/// What was learnt, the monitor that goes on with the recording, and the samples of it that were learnt from.
+fn learn(
+    recording: &Recording,
+    which: usize,
+    training: &Training,
+    config: &Config,
+) -> anyhow::Result<(Trained, Monitor, Range<usize>)> {
+    let heater = recording.heaters.get(which).context("there is no such heater")?;
+    let samples = &heater.samples;
+    match training {
+        Training::Own(part, _) => {
+            ensure!(
+                part.end <= samples.len(),
+                "the training ends after the recording, which has {} samples",
+                samples.len()
+            );
+            let trained = training::train(recording, heater, &samples[part.clone()], config)?;
+            let fresh = trained.fresh.clone();
+            Ok((trained, fresh, part.clone()))
+        }
+        Training::Other(other) => {
+            let theirs =
+                other.heaters.get(which).with_context(|| format!("{} has no such heater", other.file))?;
+            ensure!(
+                theirs.inputs == heater.inputs && other.sample_time == recording.sample_time,
+                "{} has other thermistors or another sample time than {}",
+                other.file,
+                recording.file
+            );
+            let trained = training::train(other, theirs, &theirs.samples, config)?;
+            let mut monitor = trained.monitor.clone();
+            monitor.resume();
+            Ok((trained, monitor, 0..0))
+        }
+    }
 }
 
 /// Samples between two looks at the progress.

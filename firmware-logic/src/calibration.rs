@@ -100,6 +100,8 @@ impl fmt::Display for CalibrationError {
 struct Point {
     reads: f32,
     is: f32,
+    /// Points of one temperature that was typed have the same; the later, the higher.
+    turn: u8,
 }
 
 /// A calibration: degC is `gain` times what is read, and `offset`.
@@ -130,10 +132,37 @@ impl fmt::Display for Line {
 #[derive(Clone, Debug, Default)]
 pub struct Calibration {
     points: [Vec<Point, POINTS>; 3],
+    turn: u8,
     before: Option<[(f32, f32); 3]>,
 }
 
 impl Calibration {
+    /// The points that are taken from now on are withdrawn together.
+    pub fn begin(&mut self) {
+        self.turn = self.last_turn().wrapping_add(1);
+    }
+
+    /// Of the points that are there; 0 where there are none.
+    fn last_turn(&self) -> u8 {
+        self.points.iter().filter_map(|points| points.last()).map(|point| point.turn).max().unwrap_or(0)
+    }
+
+    /// Forgets the points of the last temperature that was typed.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn withdraw(&mut self) -> Result<(), CalibrationError> {
+        let last = self.last_turn();
+        let mut taken = Err(CalibrationError::Nothing);
+        for points in &mut self.points {
+            if points.last().is_some_and(|point| point.turn == last) {
+                points.pop();
+                taken = Ok(());
+            }
+        }
+        taken
+    }
+
     /// A thermistor that reads `reads` degC under these settings is at `is` degC: the line through its points.
     ///
     /// # Errors
@@ -147,7 +176,7 @@ impl Calibration {
     ) -> Result<Line, CalibrationError> {
         let now = of(config, thermistor);
         let Some(points) = self.points.get_mut(thermistor) else { return Err(CalibrationError::Nothing) };
-        let point = Point { reads: (reads - now.offset.0) / now.gain, is };
+        let point = Point { reads: (reads - now.offset.0) / now.gain, is, turn: self.turn };
         points.push(point).map_err(|_| CalibrationError::Full)?;
         let line = line(points, now.gain);
         if likely(&line) {
@@ -274,6 +303,26 @@ mod tests {
         let old = calibration.undone(&new).expect("there was one");
         assert_eq!(old.sensors.t1.offset, config.sensors.t1.offset);
         assert_eq!(calibration.undone(&old).unwrap_err(), CalibrationError::Nothing);
+    }
+
+    #[test]
+    fn the_last_temperature_is_withdrawn_and_those_before_stay() {
+        let (mut calibration, config) = (Calibration::default(), Config::default());
+        let take = |thermistors: &[usize], reads: f32, is: f32, calibration: &mut Calibration| {
+            calibration.begin();
+            for &i in thermistors {
+                calibration.add(i, reads, is, &config).expect("likely");
+            }
+        };
+        take(&[0, 1, 2], 22.0, 22.5, &mut calibration);
+        take(&[0, 1, 2], 22.0, 22.9, &mut calibration);
+        take(&[1], 1.0, 0.0, &mut calibration);
+        assert_eq!(calibration.withdraw(), Ok(()), "that of T1 alone");
+        assert_eq!(calibration.withdraw(), Ok(()), "that of all three");
+        let new = calibration.clone().applied(&config).expect("the first is there");
+        assert_eq!([new.sensors.t0.offset.0, new.sensors.t1.offset.0, new.sensors.t2.offset.0], [0.5; 3]);
+        assert_eq!(calibration.withdraw(), Ok(()));
+        assert_eq!(calibration.withdraw(), Err(CalibrationError::Nothing));
     }
 
     #[test]

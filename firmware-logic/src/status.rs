@@ -150,7 +150,8 @@ impl fmt::Display for Status {
             write!(f, ", heater locked out: {lockout}; `ack` to release")?;
         }
         if let Some(stage) = self.check.stage {
-            write!(f, ", check under way: {}, {} findings", stage.name(), self.check.findings.len())?;
+            let wrong = self.check.findings.iter().filter(|finding| !finding.is_note()).count();
+            write!(f, ", check under way: {}, found wrong: {wrong}", stage.name())?;
         }
         if let Some(standing) = tick.tuning {
             write!(f, ": {}", standing.words())?;

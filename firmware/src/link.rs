@@ -17,6 +17,8 @@ use static_cell::ConstStaticCell;
 pub(crate) static TASKS: TaskWatchdog = TaskWatchdog::new();
 /// "Stop" needs no place in a queue.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
+/// The button has stopped it, and nobody has said so yet.
+pub(crate) static PRESSED: AtomicBool = AtomicBool::new(false);
 /// What the diagnosis has found, for the control half: one slot is read while the other is written.
 static FEEDBACK: [Slot; 2] = [const { Slot::new() }; 2];
 /// Which of the two is read. Control interrupts the writer and never the other way round, so that it always reads one tick's

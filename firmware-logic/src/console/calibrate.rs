@@ -4,7 +4,7 @@ use core::fmt::Write;
 
 use fdi_core::Config;
 
-use super::{Board, BoardError, fail, say};
+use super::{Board, BoardError, done, fail, say};
 use crate::calibration::{CalibrationError, NAMES};
 use crate::decimal::{self, Fixed};
 use crate::settings::{Expected, SetError};
@@ -20,6 +20,7 @@ pub(super) async fn carry_out(what: &str, celsius: &str, board: &mut impl Board,
             board.calibration().clear();
             say(out, "ok\n");
         }
+        "back" => done(out, board.calibration().withdraw()),
         "apply" => {
             let new = board.calibration().applied(&config);
             put_in_force(new, "in force; `save` keeps it, `calibrate undo` takes it back\n", board, out)
@@ -41,6 +42,7 @@ pub(super) async fn carry_out(what: &str, celsius: &str, board: &mut impl Board,
 
 /// A point of each thermistor that is meant.
 fn take_points(name: &str, celsius: f32, config: &Config, board: &mut impl Board, out: &mut dyn Write) {
+    board.calibration().begin();
     for (i, thermistor) in NAMES.iter().enumerate().filter(|(_, each)| name == "all" || name == **each) {
         let reads = board.still().reading(i);
         let line = reads.and_then(|reads| board.calibration().add(i, reads, celsius, config));

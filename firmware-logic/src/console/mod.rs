@@ -183,6 +183,11 @@ impl Console {
             let _ = write!(out, "> {}", self.reader.typed());
         }
     }
+
+    /// Says that the button has stopped it, which no answer tells; what was typed of a line is shown again.
+    pub fn pressed(&self, out: &mut dyn Write) {
+        let _ = write!(out, "\nstopped by the button\n> {}", self.reader.typed());
+    }
 }
 
 /// Heater off, by a key.

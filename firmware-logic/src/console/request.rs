@@ -62,7 +62,7 @@ pub enum Request<'a> {
     },
     /// Calibrate a thermistor, or put what came of it in force.
     Calibrate {
-        /// `t0` .. `t2`, `all`, `apply`, `undo` or `clear`.
+        /// `t0` .. `t2`, `all`, `apply`, `undo`, `back` or `clear`.
         what: &'a str,
         /// The true temperature, where there is one.
         celsius: &'a str,
@@ -101,7 +101,7 @@ pub const COMMANDS: [(&str, &str, &str); 21] = [
     (
         "calibrate",
         "t0|t1|t2|all DEGC",
-        "the thermistor is at DEGC now; then `calibrate apply`, `undo` or `clear` (heater off only)",
+        "the thermistor is at DEGC now; then `calibrate apply`, `undo`, `back` (forget the last) or `clear` (heater off only)",
     ),
     (
         "teach",
@@ -211,13 +211,13 @@ impl<'a> Request<'a> {
                 _ => Err(RequestError::Missing { command, expected: "on or off" }),
             },
             "calibrate" => match split_word(rest) {
-                ("apply" | "undo" | "clear", "") => Ok(Self::Calibrate { what: rest, celsius: "" }),
+                ("apply" | "undo" | "back" | "clear", "") => Ok(Self::Calibrate { what: rest, celsius: "" }),
                 ("t0" | "t1" | "t2" | "all", celsius) if !celsius.is_empty() => {
                     Ok(Self::Calibrate { what: split_word(rest).0, celsius })
                 }
                 _ => Err(RequestError::Missing {
                     command,
-                    expected: "t0, t1, t2 or all and a temperature in degC, or apply, undo, clear",
+                    expected: "t0, t1, t2 or all and a temperature in degC, or apply, undo, back, clear",
                 }),
             },
             "teach" => match teach::Wanted::parse(rest) {

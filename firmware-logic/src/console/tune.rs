@@ -118,5 +118,7 @@ async fn put_in_force(
         return fail(out, &error);
     }
     board.tuner().keep(before);
-    let _ = writeln!(out, "{}; `save` keeps it, `tune undo` takes it back", InForce(&config.pid));
+    // What has just come back is not kept twice.
+    let undo = if before.is_some() { ", `tune undo` takes it back" } else { "" };
+    let _ = writeln!(out, "{}; `save` keeps it{undo}", InForce(&config.pid));
 }

@@ -2,6 +2,8 @@
 //! a long answer, or a command that waits for its tick, delays no stop. The stream shares the way out with the answers, a frame or a line at
 //! a time.
 
+use core::sync::atomic::Ordering;
+
 use embassy_futures::join::join3;
 use embassy_futures::select::{Either, select};
 use embassy_stm32::usart::{BufferedUartRx, BufferedUartTx};
@@ -19,7 +21,7 @@ use static_cell::ConstStaticCell;
 
 use crate::hardware::serial;
 use crate::hardware::settings_flash::SettingsFlash;
-use crate::link::check_in;
+use crate::link::{self, check_in};
 use crate::shared::{Shared, stop};
 use crate::simulation;
 
@@ -102,6 +104,10 @@ async fn answer(out: &Out, waiting: &Waiting, mut board: Reached) {
                 print(out, answer).await;
             }
             Either::Second(()) => board.settle().await,
+        }
+        // Before what it has ended.
+        if link::PRESSED.swap(false, Ordering::Relaxed) {
+            console.pressed(answer);
         }
         console.follow(&board, answer);
         print(out, answer).await;

@@ -1,6 +1,8 @@
 //! The button stops what heats when it is pressed, and acknowledges when it is held for two seconds; the LED says how
 //! things are.
 
+use core::sync::atomic::Ordering;
+
 use embassy_time::Timer;
 use fdi_core::Command;
 use firmware_logic::control_loop::Order;
@@ -10,7 +12,7 @@ use firmware_logic::task_watchdog::Task;
 
 use crate::hardware::heater;
 use crate::hardware::panel::Panel;
-use crate::link::check_in;
+use crate::link::{self, check_in};
 use crate::shared::{Shared, stop};
 
 const PERIOD_MS: u32 = 50;
@@ -28,6 +30,7 @@ pub(crate) async fn panel(mut panel: Panel, shared: &'static Shared) {
         match button.step(panel.pressed(), heating) {
             Some(Press::Stop) => {
                 stop();
+                link::PRESSED.store(true, Ordering::Relaxed);
                 defmt::info!("button pressed: stop");
             }
             Some(Press::Acknowledge) => {

@@ -1,5 +1,6 @@
-//! Serial ports: which of them is a board's.
+//! Serial ports: which of them is a board's, and how one is lost.
 
+use std::fmt;
 use std::io::ErrorKind;
 use std::path::Path;
 use std::time::Duration;
@@ -60,6 +61,38 @@ pub fn open(name: &str) -> anyhow::Result<Box<dyn SerialPort>> {
     let port = serialport::new(name, BAUD).timeout(PATIENCE).open();
     port.with_context(|| format!("{name} cannot be opened"))
 }
+
+/// What becomes of a board that no computer can reach, and who can stop it.
+pub const ALONE: &str = "the board goes on by itself with whatever it does, and trips by itself; its blue button stops it, and so \
+                         does opening its interlock or taking its power away";
+
+/// Why a board can be reached no more. It carries no error of the system below it: a broken pipe to a board is not one to whoever reads
+/// our output.
+#[derive(Debug)]
+pub enum Lost {
+    /// Its port gives an error, or takes no bytes.
+    Gone(std::io::Error),
+    /// It does not answer; what it was to do, and how long it had for it.
+    Silent(String),
+}
+
+impl Lost {
+    /// `what` has not happened in that time.
+    pub(super) fn silent(what: &str, time: Duration) -> Self {
+        Self::Silent(format!("{what} within {} s", time.as_secs()))
+    }
+}
+
+impl fmt::Display for Lost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Gone(error) => write!(f, "the port has gone ({error}): {ALONE}"),
+            Self::Silent(what) => write!(f, "{what}: {ALONE}"),
+        }
+    }
+}
+
+impl std::error::Error for Lost {}
 
 /// Whether a port that gave this error has gone, and not only nothing to say.
 pub(super) fn has_gone(error: &std::io::Error) -> bool {

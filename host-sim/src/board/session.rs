@@ -1,23 +1,25 @@
 //! A conversation with a board: lines of its stream, text of its console, commands and their answers.
 
 use std::io::{self, Read, Write};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, bail, ensure};
-use firmware_logic::console::line::LENGTH;
+use anyhow::{Context, anyhow, bail, ensure};
+use firmware_logic::console::ANSWER;
+use firmware_logic::console::line::{LENGTH, is_stop_key};
+use firmware_logic::console::request::Request;
 use firmware_logic::stream::frame::{self, Reader, Step};
 use serialport::SerialPort;
 
-use super::port;
+use super::gate::Gate;
+use super::port::{self, Lost};
 use super::simulate::SimulatedRig;
+use super::text::{PROMPT, refusal, without_prompts};
+use super::visible::visible;
 
 /// Forgets what was typed of a line: whoever was here before may have left half of `arm`, which must not be ended now.
 const FORGET: u8 = 0x15;
 /// Ctrl-C: heater off, at once.
 pub const STOP: u8 = 0x03;
-/// What ends an answer.
-const PROMPT: &str = "> ";
 /// How long an answer may take: a save erases the flash, an order waits for a tick of up to 5 s.
 pub(super) const PATIENCE: Duration = Duration::from_secs(15);
 /// How long it may take to say that it has stopped: what it was printing goes before.
@@ -25,10 +27,16 @@ const STOPPING: Duration = Duration::from_secs(3);
 /// How often a board is asked whether it is there, and how long each time.
 const GREETINGS: u32 = 8;
 const GREETING: Duration = Duration::from_millis(400);
+/// A board that has said nothing for so long is asked whether it is still there.
+const QUIET: Duration = Duration::from_secs(5);
 /// Longest frame.
 const FRAME: usize = 1024;
+/// Most characters up to a prompt: an answer, its echo, and as much of what a check or an experiment tells meanwhile.
+const MOST_TEXT: usize = 2 * ANSWER + LENGTH;
+/// Most lines of the stream beside them: a port of 115200 Bd carries fewer within [`PATIENCE`].
+const MOST_LINES: usize = 20_000;
 
-/// Something that the board has said.
+/// Something that the board has said, in printable characters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Heard {
     /// A line of its stream.
@@ -39,33 +47,6 @@ pub enum Heard {
     Broken,
 }
 
-/// What stops a board by another hand closes it, so that nothing is typed behind that stop.
-#[derive(Clone, Debug, Default)]
-pub struct Gate(Arc<Mutex<bool>>);
-
-impl Gate {
-    /// Closes it for good, then stops; a line that is just being sent goes before.
-    pub fn close<R>(&self, stop: impl FnOnce() -> R) -> R {
-        let mut closed = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        *closed = true;
-        stop()
-    }
-
-    /// Whether it is open.
-    ///
-    /// # Errors
-    /// Somebody has stopped the board.
-    pub fn check(&self) -> anyhow::Result<()> {
-        self.pass(|| Ok(()))
-    }
-
-    fn pass<R>(&self, send: impl FnOnce() -> anyhow::Result<R>) -> anyhow::Result<R> {
-        let closed = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        ensure!(!*closed, "it was stopped by hand");
-        send()
-    }
-}
-
 /// A board that is connected. Its port is one of this machine, or whatever else bytes go in and out of.
 pub struct Session<P = Box<dyn SerialPort>> {
     port: P,
@@ -74,6 +55,8 @@ pub struct Session<P = Box<dyn SerialPort>> {
     waiting: Vec<Heard>,
     rig: Option<SimulatedRig>,
     gate: Gate,
+    /// When it was last heard.
+    heard: Instant,
 }
 
 impl Session {
@@ -102,11 +85,9 @@ impl<P: Read + Write> Session<P> {
     /// # Errors
     /// Nobody answers as a board does.
     pub fn over(port: P) -> anyhow::Result<Self> {
-        let mut session =
-            Self { port, reader: Reader::default(), waiting: Vec::new(), rig: None, gate: Gate::default() };
-        // A board that has just got its power hears nothing at first.
-        let asked = (0..GREETINGS).find_map(|_| session.greet().transpose());
-        asked.unwrap_or_else(|| bail!("no answer, expected a prompt: is this the board's port?"))?;
+        let (reader, gate, heard) = (Reader::default(), Gate::default(), Instant::now());
+        let mut session = Self { port, reader, waiting: Vec::new(), rig: None, gate, heard };
+        session.meet()?;
         Ok(session)
     }
 
@@ -120,25 +101,31 @@ impl<P: Read + Write> Session<P> {
         self.rig = Some(rig);
     }
 
+    /// Waits for a prompt: a board that starts hears nothing at first.
+    fn meet(&mut self) -> anyhow::Result<()> {
+        let asked = (0..GREETINGS).find_map(|_| self.greet().transpose());
+        asked.unwrap_or_else(|| bail!("no answer, expected a prompt: is this the board's port?"))
+    }
+
     /// Asks who is there; `None` while nobody answers.
     fn greet(&mut self) -> anyhow::Result<Option<()>> {
         self.send(&[FORGET])?;
-        Ok(self.hear_prompt(GREETING)?.map(drop))
+        Ok(self.hear_answer("", GREETING)?.map(drop))
     }
 
     /// Sends bytes.
     ///
     /// # Errors
     /// The port has gone.
-    pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.port.write_all(bytes)
+    pub fn send(&mut self, bytes: &[u8]) -> Result<(), Lost> {
+        self.port.write_all(bytes).map_err(Lost::Gone)
     }
 
     /// Heater off, at once.
     ///
     /// # Errors
     /// The port has gone.
-    pub fn stop(&mut self) -> io::Result<()> {
+    pub fn stop(&mut self) -> Result<(), Lost> {
         self.send(&[STOP])
     }
 
@@ -147,11 +134,8 @@ impl<P: Read + Write> Session<P> {
         let (begin, mut text) = (Instant::now(), String::new());
         let mut sent = self.stop().is_ok();
         while sent && begin.elapsed() < STOPPING {
-            let Ok(heard) = self.hear() else { return false };
-            text.extend(heard.iter().filter_map(|heard| match heard {
-                Heard::Text(text) => Some(&**text),
-                _ => None,
-            }));
+            let Ok(heard) = self.listen() else { return false };
+            text.extend(texts(&heard));
             if text.contains("stopped") {
                 return true;
             }
@@ -161,62 +145,101 @@ impl<P: Read + Write> Session<P> {
         false
     }
 
+    /// Stops the board because of an error, which then says whether the board has confirmed it.
+    pub fn stopped_after(&mut self, error: &anyhow::Error) -> anyhow::Error {
+        match self.stops() {
+            true => anyhow!("{error:#}; the board says that its heater is off"),
+            false => anyhow!("{error:#}; it does NOT say that its heater is off: {}", port::ALONE),
+        }
+    }
+
     /// What has come since the last call, and what comes while it waits a moment for something to come.
     ///
     /// # Errors
-    /// The port has gone.
-    pub fn hear(&mut self) -> io::Result<Vec<Heard>> {
+    /// The port has gone, or somebody has stopped the board.
+    pub fn hear(&mut self) -> anyhow::Result<Vec<Heard>> {
+        self.gate.check()?;
+        Ok(self.listen()?)
+    }
+
+    /// The same where a board that falls silent is lost: it is asked something, whatever it is.
+    ///
+    /// # Errors
+    /// Also where it does not answer.
+    pub fn hear_alive(&mut self) -> anyhow::Result<Vec<Heard>> {
+        if self.heard.elapsed() > QUIET {
+            self.ask("get sample_time")?;
+        }
+        self.hear()
+    }
+
+    fn listen(&mut self) -> Result<Vec<Heard>, Lost> {
         let mut heard = std::mem::take(&mut self.waiting);
         let mut bytes = [0; 1024];
         let n = match self.port.read(&mut bytes) {
-            Ok(0) => return Err(io::ErrorKind::BrokenPipe.into()),
+            Ok(0) => return Err(Lost::Gone(io::ErrorKind::UnexpectedEof.into())),
             Ok(n) => n,
-            Err(error) if port::has_gone(&error) => return Err(error),
+            Err(error) if port::has_gone(&error) => return Err(Lost::Gone(error)),
             Err(_) => 0,
         };
+        if n > 0 {
+            self.heard = Instant::now();
+        }
         for &byte in bytes.iter().take(n) {
             match self.reader.push(byte) {
-                Step::Text(byte) => match heard.last_mut() {
-                    Some(Heard::Text(text)) => text.push(byte.into()),
-                    _ => heard.push(Heard::Text(char::from(byte).into())),
-                },
+                Step::Text(b'\r') | Step::Nothing => {}
+                Step::Text(byte) => {
+                    let shown = visible(char::from(byte).encode_utf8(&mut [0; 4]));
+                    match heard.last_mut() {
+                        Some(Heard::Text(text)) => *text += &shown,
+                        _ => heard.push(Heard::Text(shown)),
+                    }
+                }
                 Step::Line(line) => {
                     let codes = self.rig.as_ref().and_then(|rig| rig.answer(line));
-                    heard.push(Heard::Line(line.to_owned()));
+                    heard.push(Heard::Line(visible(line)));
                     if let Some(codes) = codes {
                         let mut answer = String::new();
                         let _ = frame::write(&codes, &mut answer);
-                        self.port.write_all(answer.as_bytes())?;
+                        self.port.write_all(answer.as_bytes()).map_err(Lost::Gone)?;
                     }
                 }
                 Step::Broken => heard.push(Heard::Broken),
-                Step::Nothing => {}
             }
         }
         Ok(heard)
     }
 
-    /// Types a line, and waits for nothing.
+    /// Types a line, and waits for nothing. Of a line with a stop key in it only that is typed: the rest would be another line.
     ///
     /// # Errors
-    /// The port has gone.
+    /// The port has gone, somebody has stopped the board, or it is no line.
     pub fn begin(&mut self, line: &str) -> anyhow::Result<()> {
+        let typed = match line.bytes().any(is_stop_key) {
+            true => String::from(char::from(STOP)),
+            false => format!("{line}\r"),
+        };
         let fits = line.len() <= LENGTH && line.bytes().all(|byte| (b' '..=b'~').contains(&byte));
-        ensure!(fits, "\"{line}\" is no line for a board, expected at most {LENGTH} plain characters");
+        ensure!(
+            fits || typed.len() == 1,
+            "\"{}\" is no line for a board, expected at most {LENGTH} plain characters",
+            visible(line)
+        );
         let gate = self.gate.clone();
-        gate.pass(|| self.send(format!("{line}\r").as_bytes()).with_context(|| format!("before `{line}`")))
+        gate.pass(|| self.send(typed.as_bytes()).with_context(|| format!("before `{line}`")))
     }
 
-    /// The answer to a line that was typed, without echo and prompt.
+    /// The answer to a line that was typed, without echo and prompt. What starts the board anew is answered by its start.
     ///
     /// # Errors
-    /// The port has gone, or no answer comes in time.
+    /// The port has gone, no answer comes in time, or it does not end.
     pub fn answer(&mut self, line: &str, patience: Duration) -> anyhow::Result<String> {
-        let heard = self.hear_prompt(patience).with_context(|| format!("after `{line}`"))?;
-        let text = heard.with_context(|| format!("no answer to `{line}` within {} s", patience.as_secs()))?;
-        // What a check told meanwhile may stand before the echo.
-        let answer = text.split_once(&format!("{line}\n")).map_or(&*text, |(_, answer)| answer);
-        Ok(answer.to_owned())
+        if let Ok(Request::Restart | Request::Simulate) = Request::parse(line) {
+            return self.hear_start();
+        }
+        let echo = if line.bytes().any(is_stop_key) { "" } else { line };
+        let answer = self.hear_answer(echo, patience).with_context(|| format!("after `{line}`"))?;
+        Ok(answer.ok_or_else(|| Lost::silent(&format!("no answer to `{line}`"), patience))?)
     }
 
     /// Types a line; its answer.
@@ -240,12 +263,8 @@ impl<P: Read + Write> Session<P> {
         }
     }
 
-    /// Has the board start anew, its stream on from the first tick: by `restart`, or `simulate on`.
-    ///
-    /// # Errors
-    /// It refuses, or does not come back.
-    pub fn restart(&mut self, command: &str) -> anyhow::Result<()> {
-        self.send(format!("{command}\r").as_bytes())?;
+    /// A board that starts anew, its stream on from the first tick; or why it does not.
+    fn hear_start(&mut self) -> anyhow::Result<String> {
         let (begin, mut text) = (Instant::now(), String::new());
         while begin.elapsed() < PATIENCE {
             let mut heard = self.hear()?;
@@ -253,57 +272,82 @@ impl<P: Read + Write> Session<P> {
                 |heard: &Heard| matches!(heard, Heard::Line(line) if line.starts_with("log format "));
             if let Some(start) = heard.iter().position(is_start) {
                 self.waiting = heard.split_off(start);
-                return Ok(());
+                self.meet()?;
+                return Ok("the board has started anew\n".to_owned());
             }
-            text.extend(heard.iter().filter_map(|heard| match heard {
-                Heard::Text(text) => Some(&**text),
-                _ => None,
-            }));
+            text.extend(texts(&heard));
+            ensure!(text.len() <= MOST_TEXT, endless());
             if let Some((_, error)) = text.split_once("error: ").filter(|_| text.ends_with(PROMPT)) {
-                bail!("the board does not start anew: {}", error.trim_end_matches(PROMPT).trim_end());
+                return Ok(format!("error: {}\n", error.trim_end_matches(PROMPT).trim_end()));
             }
         }
-        bail!("the board does not start anew within {} s", PATIENCE.as_secs())
+        Err(Lost::silent("the board does not start anew", PATIENCE).into())
     }
 
-    /// All text up to the next prompt; `None` where none comes.
-    fn hear_prompt(&mut self, patience: Duration) -> io::Result<Option<String>> {
+    /// The text between an echo and the prompt behind it; `None` where no prompt comes. What the board tells by itself before and after
+    /// that waits with the lines of its stream.
+    fn hear_answer(&mut self, echo: &str, patience: Duration) -> anyhow::Result<Option<String>> {
         let (begin, mut text, mut lines) = (Instant::now(), String::new(), Vec::new());
         loop {
             for heard in self.hear()? {
                 match heard {
-                    Heard::Text(more) => text += &more.replace('\r', ""),
+                    Heard::Text(more) => text += &more,
                     line => lines.push(line),
                 }
             }
-            let ended = text.strip_suffix(PROMPT).filter(|text| text.is_empty() || text.ends_with('\n'));
-            if let Some(text) = ended {
+            let late = begin.elapsed() > patience;
+            // A byte that was lost on the wire makes another echo.
+            let answer = between(&text, echo).or_else(|| between(&text, "").filter(|_| late));
+            ensure!(text.len() <= MOST_TEXT && lines.len() <= MOST_LINES, endless());
+            if late || answer.is_some() {
                 self.waiting = lines;
-                return Ok(Some(text.to_owned()));
-            }
-            if begin.elapsed() > patience {
-                self.waiting = lines;
-                return Ok(None);
+                let told = answer.iter().flat_map(|(before, _, after)| [*before, *after]);
+                let told = told.filter(|told| !told.is_empty()).map(|told| Heard::Text(told.to_owned()));
+                self.waiting.extend(told);
+                return Ok(answer.map(|(_, answer, _)| without_prompts(answer)));
             }
         }
     }
 }
 
-/// Takes the whole lines of a console's text, without its prompts and what is empty; the rest stays.
-pub fn take_lines(text: &mut String) -> Vec<String> {
-    let end = text.rfind('\n').map_or(0, |at| at + 1);
-    let whole: String = text.drain(..end).collect();
-    let lines = whole.lines().map(|line| line.trim_end().trim_start_matches(PROMPT).to_owned());
-    lines.filter(|line| !matches!(line.as_str(), "" | ">")).collect()
+/// A text before an echo, from there to the next prompt, and behind that. Without an echo the prompt is the one that ends it all.
+fn between<'a>(text: &'a str, echo: &str) -> Option<(&'a str, &'a str, &'a str)> {
+    if echo.is_empty() {
+        let answer = text.strip_suffix(PROMPT).filter(|text| text.is_empty() || text.ends_with('\n'));
+        return answer.map(|answer| ("", answer, ""));
+    }
+    let at = text.find(&format!("{echo}\n"))?;
+    let (before, behind) = text.split_at(at);
+    // The line feed of the echo may be the one before the prompt.
+    let (answer, after) = behind.split_at(echo.len()).1.split_once("\n> ")?;
+    Some((before, answer, after))
 }
 
-/// Whether a line tells the end of a self-test, and then whether it has passed.
-pub fn check_ended(line: &str) -> Option<bool> {
-    let has = |words| line.starts_with(words);
-    has("check passed").then_some(true).or((has("check failed") || has("check ended")).then_some(false))
+/// The pieces of its console's text.
+fn texts(heard: &[Heard]) -> impl Iterator<Item = &str> {
+    heard.iter().filter_map(|heard| match heard {
+        Heard::Text(text) => Some(&**text),
+        _ => None,
+    })
 }
 
-/// Why a board has refused something, if its answer says so.
-pub fn refusal(answer: &str) -> Option<&str> {
-    answer.lines().find_map(|line| line.strip_prefix("error: "))
+fn endless() -> anyhow::Error {
+    anyhow!(
+        "its answer was cut after {MOST_TEXT} characters, which no board's is longer than: is this the board's port?"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_is_told_from_what_is_told_beside_it() {
+        let text = "\ncheck: at rest\n> stat\ncheck: pulses\n> status\nmode off\n> \ncheck passed\n> ";
+        let (before, answer, after) = between(text, "status").expect("an answer");
+        assert_eq!(without_prompts(answer), "mode off\n");
+        assert!(before.contains("pulses") && after.contains("check passed"));
+        assert_eq!(between("\ncheck: at rest\n> ", "status"), None, "that is no answer");
+        assert_eq!(between("> arm\n> ", "arm"), Some(("> ", "", "")));
+    }
 }

@@ -22,6 +22,12 @@ pub fn read<P: Read + Write>(session: &mut Session<P>) -> anyhow::Result<Config>
     Ok(config)
 }
 
+/// Whether a board with this status keeps settings: nothing may heat, and its codes must be those of a rig.
+pub fn can_be_kept(status: &str) -> bool {
+    let rests = status.starts_with("mode off") || status.starts_with("mode tripped");
+    rests && !status.lines().next().is_some_and(|mode| mode.contains("check under way"))
+}
+
 /// Puts a value as the board tells it, perhaps with a unit behind, into a configuration.
 fn told(config: &mut Config, name: &str, value: &str) -> anyhow::Result<()> {
     let known = Name::find(name).map_err(|error| anyhow::anyhow!("{error}"))?;

@@ -17,8 +17,8 @@ use pt326_lab::told::Told;
 use serialport::SerialPort;
 
 use super::rows::Rows;
-use super::session::{PATIENCE, STOP, refusal, take_lines};
-use super::{Heard, Session, settings};
+use super::session::{PATIENCE, STOP};
+use super::{Heard, Session, refusal, settings, take_lines};
 use crate::experiment::as_written;
 
 /// So long without a line, beyond a tick, and the board is called silent; its stream is asked for once more.
@@ -199,7 +199,7 @@ impl Keeper {
 
     /// What the console says by itself, line by line.
     fn say(&mut self, text: &str) -> Result<(), Unwatched> {
-        self.text += &text.replace('\r', "");
+        self.text += text;
         if self.text.len() > UNENDED {
             self.text.push('\n');
         }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context, bail, ensure};
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample};
 
+use crate::commands::terminal::Output;
 use crate::experiment::as_written;
 use crate::record::trace::{OneTick, append_cells, header, instrument_columns};
 use crate::settings;
@@ -62,7 +63,7 @@ Example, in Python:
 /// A bad configuration, a bad line, a stream that fails.
 pub fn run(args: &CoreArgs) -> anyhow::Result<()> {
     let config = settings::read(args.config.as_deref())?;
-    serve(&config, args.keep_going, std::io::stdin().lock(), std::io::stdout().lock())
+    serve(&config, args.keep_going, std::io::stdin().lock(), Output(std::io::stdout().lock()))
 }
 
 /// Answers the lines of `input` on `output`, until the input ends.

@@ -20,6 +20,7 @@ pub mod shell;
 pub mod teach;
 pub mod terminal;
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
@@ -41,6 +42,7 @@ use replay::ReplayArgs;
 use run::RunArgs;
 use shell::{CompletionsArgs, ManArgs};
 use teach::TeachArgs;
+use terminal::{BAD, in_words, is_unread, styled};
 
 /// The PT-326 fault diagnosis instrument on the host: the code that the board runs, against a simulated rig.
 ///
@@ -113,6 +115,19 @@ enum Subcommand {
 }
 
 impl Cli {
+    /// Does what was asked for, and tells what went wrong; the exit code of `pt326`.
+    pub fn carry_out(self) -> ExitCode {
+        match self.run() {
+            Ok(code) => code,
+            Err(error) if is_unread(&error) => ExitCode::SUCCESS,
+            Err(error) => {
+                // Standard error may be closed, too: then there is nobody to tell.
+                let _ = writeln!(anstream::stderr(), "{} {}", styled(BAD, "error:"), in_words(&error));
+                ExitCode::from(2)
+            }
+        }
+    }
+
     /// Does what was asked for.
     ///
     /// # Errors

@@ -2,10 +2,10 @@
 //! wants colour (`NO_COLOR` is heeded), and progress on standard error.
 //!
 //! Nothing here panics when the reader of a pipe goes away (`pt326 run | head`), as `println!` does: the error travels to
-//! `main`, which ends quietly.
+//! `main`, which ends quietly. Only standard output has such a reader: what else breaks, a serial port above all, is an error.
 
-use std::fmt::Display;
-use std::io::Write;
+use std::fmt::{self, Display};
+use std::io::{self, ErrorKind, Write};
 
 use anstyle::AnsiColor::{Green, Red, Yellow};
 use anstyle::Style;
@@ -54,12 +54,50 @@ pub fn in_words(error: &anyhow::Error) -> String {
     WORDS.into_iter().fold(format!("{error:#}"), |text, (rust, words)| text.replace(rust, words))
 }
 
+/// Whoever reads standard output has had enough.
+#[derive(Debug)]
+struct Unread;
+
+impl Display for Unread {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("nobody reads the output any more")
+    }
+}
+
+impl std::error::Error for Unread {}
+
+/// Whether it all ended because nobody reads standard output any more (`pt326 config | head`).
+pub fn is_unread(error: &anyhow::Error) -> bool {
+    let io = error.chain().find_map(|cause| cause.downcast_ref::<io::Error>());
+    io.and_then(io::Error::get_ref).is_some_and(<dyn std::error::Error + Send + Sync>::is::<Unread>)
+}
+
+/// Standard output, which tells a reader that has gone from all other pipes that break.
+pub struct Output<W>(pub W);
+
+impl<W: Write> Write for Output<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes).map_err(marked)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush().map_err(marked)
+    }
+}
+
+fn marked(error: io::Error) -> io::Error {
+    match error.kind() {
+        ErrorKind::BrokenPipe => io::Error::new(ErrorKind::BrokenPipe, Unread),
+        _ => error,
+    }
+}
+
 /// Prints to standard output.
 ///
 /// # Errors
 /// Standard output is closed or full.
 pub fn print(text: &str) -> anyhow::Result<()> {
-    let mut out = anstream::stdout().lock();
+    let mut out = Output(anstream::stdout().lock());
     out.write_all(text.as_bytes())?;
     Ok(out.flush()?)
 }
@@ -69,4 +107,32 @@ pub fn progress(length: u64, counted: &str) -> ProgressBar {
     let template = format!("{{bar:40}} {{pos}}/{{len}} {counted}, {{eta}} left");
     let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(length).with_style(style)
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::Context;
+
+    use super::*;
+
+    /// A pipe whose reader has gone.
+    struct Broken;
+
+    impl Write for Broken {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(ErrorKind::BrokenPipe.into())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn only_a_broken_standard_output_is_one_that_nobody_reads() {
+        let output = Output(Broken).write_all(b"x").context("while printing").unwrap_err();
+        assert!(is_unread(&output), "{output:#}");
+        let other = Broken.write_all(b"x").context("the port").unwrap_err();
+        assert!(!is_unread(&other));
+    }
 }

@@ -2,6 +2,7 @@
 
 mod core;
 mod diagnose;
+mod hostile;
 mod identify;
 mod isolability;
 mod replay;

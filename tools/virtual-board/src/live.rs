@@ -20,6 +20,7 @@ fault VERB [tN] [SIZE] [SECONDS]   something happens to the rig, such as: fault 
 wire WRONG | wire ok               wires a thermistor wrongly, or mends it all; as in `pt326 console`
 interlock open | closed            the contact on the break input
 button down | up                   the blue button
+heater                             says what the heater is given, in %
 reset | power                      the black button; power off and on
 unplug | plug                      the USB cable, while the board has power from elsewhere
 quit";
@@ -59,7 +60,7 @@ impl Live {
             match lines.recv_timeout(Duration::from_millis(1)) {
                 Ok(line) if line.trim() == "quit" => return Ok(()),
                 Ok(line) => {
-                    if let Err(error) = self.act(&line) {
+                    if let Err(error) = self.act(&line, &mut tell) {
                         tell(&format!("error: {error:#}"));
                     }
                 }
@@ -89,7 +90,7 @@ impl Live {
         Ok(())
     }
 
-    fn act(&mut self, line: &str) -> anyhow::Result<()> {
+    fn act(&mut self, line: &str, tell: &mut impl FnMut(&str)) -> anyhow::Result<()> {
         let words: Vec<&str> = line.split_whitespace().collect();
         let board = &mut self.scene.board;
         match words[..] {
@@ -98,6 +99,7 @@ impl Live {
             ["interlock", "closed"] => board.interlock(true),
             ["button", "down"] => board.button(true),
             ["button", "up"] => board.button(false),
+            ["heater"] => tell(&format!("heater {}", 100.0 * board.heater())),
             ["reset"] => board.reset(Cause::Pin)?,
             ["power"] => board.power_cycle()?,
             ["plug"] => self.port.plug()?,

@@ -38,7 +38,8 @@ impl Port {
             std::os::unix::fs::symlink(name, link)
                 .with_context(|| format!("{} cannot be made", link.display()))?;
         }
-        self.ends = Some((near, far));
+        // Copies that no other program inherits: it would keep the cable plugged in.
+        self.ends = Some((near.try_clone_native()?, far.try_clone_native()?));
         Ok(())
     }
 

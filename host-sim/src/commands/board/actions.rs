@@ -1,39 +1,51 @@
 //! Actions for scripts: one question, one answer, and whether it is yes.
 
-use std::io::{IsTerminal, Write};
+use std::fs::OpenOptions;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail, ensure};
+use firmware_logic::console::ANSWER;
 
-use super::Person;
-use crate::board::{Heard, STOP, Session, check_ended, settings, take_lines};
+use super::attend::Attendant;
+use crate::board::{Heard, Session, check_ended, refusal, settings, take_lines};
 use crate::commands::terminal::{print, progress};
 use crate::settings::{commented_toml_of, read};
 
 /// No stage of a check takes as long.
 const SILENCE: Duration = Duration::from_secs(600);
+/// Most characters of a check: a dozen stages, and what it finds, which fit into an answer several times.
+const MOST_TOLD: usize = 4 * ANSWER;
 
-/// Runs the self-test and shows how it goes; whether it has passed.
+/// Runs the self-test and shows how it goes; whether it has passed. Whatever else ends it stops the board.
 pub(super) fn check(mut session: Session) -> anyhow::Result<bool> {
-    let mut told = session.order("check")?;
-    let mut last = Instant::now();
+    let attendant = Attendant::new(&session)?;
+    attendant.greet()?;
+    let answer = session.ask("check").map_err(|error| session.stopped_after(&error))?;
+    if let Some(error) = refusal(&answer) {
+        bail!("the board says to `check`: {error}"); // which may be heating for another reason
+    }
+    follow_check(&mut session, answer).map_err(|error| session.stopped_after(&error))
+}
+
+fn follow_check(session: &mut Session, mut told: String) -> anyhow::Result<bool> {
+    let (mut last, mut count) = (Instant::now(), 0);
     loop {
         ensure!(last.elapsed() < SILENCE, "nothing of the check for {} s: see `status`", SILENCE.as_secs());
         for line in take_lines(&mut told) {
             print(&format!("{line}\n"))?;
-            last = Instant::now();
+            (last, count) = (Instant::now(), count + line.len());
+            ensure!(count < MOST_TOLD, "cut after {count} characters: no check says as much");
             if let Some(passed) = check_ended(&line) {
+                session.gate().check()?; // whoever has stopped it has no answer
                 return Ok(passed);
             }
         }
-        let heard = session.hear().context("the port has gone; the board ends the check by itself")?;
-        let texts = heard.into_iter().filter_map(|heard| match heard {
-            Heard::Text(text) => Some(text.replace('\r', "")),
-            _ => None,
-        });
-        told.extend(texts);
+        for heard in session.hear_alive()? {
+            if let Heard::Text(text) = heard {
+                told += &text;
+            }
+        }
     }
 }
 
@@ -51,55 +63,30 @@ pub(super) fn faults(mut session: Session) -> anyhow::Result<bool> {
     Ok(answer.trim() == "none")
 }
 
-/// A question waits for its answer.
-static ASKING: AtomicBool = AtomicBool::new(false);
-
-/// Somebody at a terminal, or a pipe that answers for him.
-struct Terminal;
-
-impl Person for Terminal {
-    fn tell(&mut self, line: &str) -> anyhow::Result<()> {
-        print(&format!("{line}\n"))
-    }
-
-    fn ask(&mut self, question: &str) -> anyhow::Result<Option<String>> {
-        print(question)?;
-        let mut line = String::new();
-        ASKING.store(true, Ordering::Relaxed);
-        let read = std::io::stdin().read_line(&mut line);
-        ASKING.store(false, Ordering::Relaxed);
-        let ended = read? == 0;
-        if ended || !std::io::stdin().is_terminal() {
-            print(&format!("{}\n", line.trim()))?; // nobody has typed it here
-        }
-        Ok((!ended).then_some(line))
-    }
-}
-
 /// Leads through the commissioning, and writes its report; whether every step that was asked for went well.
 pub(super) fn commission(mut session: Session, file: &Path) -> anyhow::Result<bool> {
-    let (mut other_hand, gate) = (session.other_hand()?, session.gate());
-    ctrlc::set_handler(move || {
-        let sent = gate.close(|| other_hand.write_all(&[STOP]).and_then(|()| other_hand.flush()));
-        let told = match sent {
-            Ok(()) => "stopped",
-            Err(_) => "NOT stopped: the port has gone. The board's button stops it.",
-        };
-        let _ = writeln!(std::io::stderr(), "\n{told}"); // a terminal that was closed shows nothing
-        // A question would wait on; else the step ends by the stop, and what was done is written.
-        if ASKING.load(Ordering::Relaxed) {
-            std::process::exit(2);
-        }
-    })?;
-    let done = super::commission(&mut session, &mut Terminal);
     let log = file.with_extension("log");
+    can_be_written(&[file, &log])?;
+    let mut attendant = Attendant::new(&session)?;
+    attendant.greet()?;
+    let done = super::commission(&mut session, &mut attendant);
     write(file, &done.report)?;
     write(&log, &done.log)?;
-    print(&format!("\nwritten to {}, and the board's log to {}\n", file.display(), log.display()))?;
+    if done.error.is_none() {
+        print(&format!("\nwritten to {}, and the board's log to {}\n", file.display(), log.display()))?;
+    }
     match done.error {
         Some(error) => Err(error),
         None => Ok(done.passed),
     }
+}
+
+/// Before anything heats or takes its time: what is found out then must not be lost for want of a folder.
+fn can_be_written(files: &[&Path]) -> anyhow::Result<()> {
+    files.iter().try_for_each(|path| {
+        let opened = OpenOptions::new().write(true).create(true).truncate(false).open(path);
+        opened.map(drop).with_context(|| format!("{} cannot be written", path.display()))
+    })
 }
 
 fn write(path: &Path, text: &str) -> anyhow::Result<()> {
@@ -108,13 +95,20 @@ fn write(path: &Path, text: &str) -> anyhow::Result<()> {
 
 /// Runs the paper's experiment on the board by itself, and writes what was found; whether all is as it should be.
 pub(super) fn verify(mut session: Session, file: &Path, seconds: Option<f64>) -> anyhow::Result<bool> {
+    let log = file.with_extension("log");
+    can_be_written(&[file, &log])?;
+    let attendant = Attendant::new(&session)?;
+    attendant.greet()?;
     let bar = progress(0, "ticks");
     let found = super::verify(&mut session, seconds, |ticks, of| {
         bar.set_length(of);
         bar.set_position(ticks);
-    })?;
+    });
     bar.finish_and_clear();
-    let log = file.with_extension("log");
+    let found = found.map_err(|error| match session.gate().is_closed() {
+        true => session.stopped_after(&error),
+        false => error,
+    })?;
     write(file, &found.report)?;
     write(&log, &found.log)?;
     print(&format!(
@@ -136,14 +130,26 @@ pub(super) fn save(mut session: Session, name: &str, file: &Path) -> anyhow::Res
     Ok(true)
 }
 
-/// Gives the board the settings of a file, and has it keep them.
+/// Gives the board the settings of a file, and has it keep them, or leaves it as it was.
 pub(super) fn load(mut session: Session, file: &Path) -> anyhow::Result<bool> {
-    let changed = settings::write(&mut session, &read(Some(file))?)?;
+    let wanted = read(Some(file))?;
+    let status = session.order("status")?;
+    ensure!(
+        settings::can_be_kept(&status),
+        "{}: settings are loaded with the heater off, without a check or a simulation, expected `stop` first; nothing was changed",
+        status.lines().next().unwrap_or_default()
+    );
+    let before = settings::read(&mut session)?;
+    let written = settings::write(&mut session, &wanted);
+    let kept = written.and_then(|changed| session.order("save").map(|_| changed));
+    let changed = kept.or_else(|error| {
+        settings::write(&mut session, &before).with_context(|| {
+            format!("{error:#}; some settings are in force until the next start, and not kept")
+        })?;
+        Err(error.context("nothing was changed"))
+    })?;
     for name in &changed {
         print(&session.order(&format!("get {name}"))?)?;
-    }
-    if let Err(error) = session.order("save") {
-        bail!("{} settings are in force until the next start, and not kept: {error:#}", changed.len());
     }
     print(&format!("{} settings changed, all kept\n", changed.len()))?;
     Ok(true)

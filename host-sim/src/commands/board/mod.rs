@@ -1,8 +1,11 @@
 //! `pt326 board`: a real board at the other end of a serial port.
 
 mod actions;
+mod attend;
 mod commission;
+mod keys;
 mod recording;
+mod signals;
 mod terminal;
 mod verify;
 
@@ -159,7 +162,7 @@ fn simulate(session: &mut Session, args: &BoardArgs) -> anyhow::Result<Simulated
     let rig = Rig::new(&scenario.rig, scenario.disturbance, sample_time, args.seed, &scenario.faults);
     let rig = SimulatedRig::new(rig);
     session.simulate(rig.clone());
-    session.restart("simulate on")?;
+    session.order("simulate on")?;
     Ok(rig)
 }
 

@@ -7,11 +7,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::signals::Heed;
 use crate::board::record::Recorder;
-use crate::board::{Heard, Session};
+use crate::board::{ALONE, Heard, Session};
 use crate::commands::terminal::print;
 use crate::experiment::as_written;
 
@@ -27,18 +28,21 @@ pub(super) fn run(name: &str, file: &Path, from_start: bool, seconds: Option<f64
     let ended = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&ended);
     // Without it, Ctrl-C ends the program, and the last lines are lost.
-    let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
-    let recorder = record(name, out, from_start, seconds, &ended)?;
+    let _heed = Heed::new(move || asked.store(true, Ordering::Relaxed))?;
+    let (recorder, is_there) = record(name, out, from_start, seconds, &ended)?;
     print(&format!("{} written to {}\n", recorder.progress(), file.display()))?;
     if recorder.from_start {
         print(&format!("`pt326 replay {}` runs the core over it once more\n", file.display()))?;
     } else {
         print("it does not begin at tick 0, which a replay needs: `--from-start` has it so\n")?;
     }
+    if !is_there {
+        bail!("the port had gone when the record ended: {ALONE}");
+    }
     Ok(())
 }
 
-/// Records until `ended`, or for `seconds` of the board's time.
+/// Records until `ended`, or for `seconds` of the board's time; and whether the port is there in the end.
 ///
 /// # Errors
 /// No board at first, a file that cannot be written.
@@ -48,13 +52,13 @@ fn record(
     from_start: bool,
     seconds: Option<f64>,
     ended: &AtomicBool,
-) -> anyhow::Result<Recorder<BufWriter<File>>> {
+) -> anyhow::Result<(Recorder<BufWriter<File>>, bool)> {
     let mut session = Session::open(name)?;
     let sample_time = sample_time(&mut session)?;
     let enough = seconds.map(|seconds| (seconds / sample_time).round() as u64);
     let mut recorder = Recorder::new(out);
     if from_start {
-        session.restart("restart")?;
+        session.order("restart")?;
     } else {
         session.order("stream on")?;
     }
@@ -87,9 +91,9 @@ fn record(
         bar.set_message(recorder.progress());
     }
     bar.finish_and_clear();
-    let _ = session.send(b"\x15stream off\r");
+    let is_there = session.send(b"\x15stream off\r").is_ok();
     recorder.remark("end of the record")?;
-    Ok(recorder)
+    Ok((recorder, is_there))
 }
 
 /// Waits for the port to come back, and has the stream go on; `None` if it is not to go on.

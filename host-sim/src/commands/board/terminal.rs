@@ -1,11 +1,11 @@
 //! The board's console on a terminal, with history and completion; from a pipe, line by line.
 
 use std::borrow::Cow;
-use std::io::{BufRead, IsTerminal};
+use std::io::{IsTerminal, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, anyhow, bail};
 use fdi_core::Config;
 use firmware_logic::console::request::COMMANDS;
 use firmware_logic::log_line::LogLine;
@@ -18,15 +18,23 @@ use rustyline::history::DefaultHistory;
 use rustyline::validate::Validator;
 use rustyline::{Cmd, Context, Editor, ExternalPrinter, Helper, KeyCode, KeyEvent, Modifiers};
 
+use serialport::SerialPort;
+
+use super::attend::Attendant;
+use super::keys;
+use super::signals::Heed;
 use crate::board::simulate::SimulatedRig;
-use crate::board::{Heard, Session};
+use crate::board::{Heard, Lost, STOP, Session, refusal, take_lines};
 use crate::commands::console::play::Play;
-use crate::commands::terminal::print;
+use crate::commands::terminal::{in_words, is_unread, print};
+
+/// Lets another thread have the port.
+const LET: Duration = Duration::from_millis(2);
 
 /// Talks until the person leaves, or the input ends.
 pub(super) fn run(session: Session, name: &str, rig: Option<&SimulatedRig>) -> anyhow::Result<()> {
     if !std::io::stdin().is_terminal() {
-        return scripted(session, std::io::stdin().lock(), rig);
+        return scripted(session, rig);
     }
     print(&format!(
         "Board on {name}. Ctrl-C, ESC and ! stop the heater; help lists commands; Ctrl-D leaves.\n"
@@ -34,27 +42,61 @@ pub(super) fn run(session: Session, name: &str, rig: Option<&SimulatedRig>) -> a
     interactive(session, rig)
 }
 
-/// Each line is a command; `wait SECONDS` shows what the board tells meanwhile.
-fn scripted(mut session: Session, input: impl BufRead, rig: Option<&SimulatedRig>) -> anyhow::Result<()> {
-    for line in input.lines() {
-        let line = line.context("the input can't be read")?;
-        print(&format!("> {line}\n"))?;
-        let Some(wait) = line.trim().strip_prefix("wait ") else {
-            print(&answer(&mut session, line.trim(), rig)?)?;
-            continue;
-        };
-        let seconds: f64 =
-            wait.trim().parse().with_context(|| format!("wait: \"{wait}\", expected seconds"))?;
-        let begin = Instant::now();
-        while begin.elapsed().as_secs_f64() < seconds {
-            for heard in session.hear()? {
-                if let Some(text) = shown(&heard) {
-                    print(&text)?;
+/// Each line is a command; `wait SECONDS` shows what the board tells meanwhile. What is refused does not keep the lines behind it from the
+/// board, one of which may be `stop`.
+fn scripted(mut session: Session, rig: Option<&SimulatedRig>) -> anyhow::Result<()> {
+    let mut script = Script { attendant: Attendant::new(&session)?, news: String::new(), refused: None };
+    match script.run(&mut session, rig) {
+        Err(error) if session.gate().is_closed() => Err(session.stopped_after(&error)),
+        done => done,
+    }
+}
+
+/// Lines from a pipe, and the first of them that was refused.
+struct Script {
+    attendant: Attendant,
+    news: String,
+    refused: Option<String>,
+}
+
+impl Script {
+    fn run(&mut self, session: &mut Session, rig: Option<&SimulatedRig>) -> anyhow::Result<()> {
+        while let Some(line) = self.attendant.line().context("the input can't be read")? {
+            let line = line.trim();
+            print(&format!("> {line}\n"))?;
+            let done = match line.strip_prefix("wait ") {
+                Some(seconds) => self.wait(session, seconds).map(|()| String::new()),
+                None => answer(session, line, rig),
+            };
+            let error = match done {
+                Ok(answer) => {
+                    print(&answer)?;
+                    refusal(&answer).map(str::to_owned)
                 }
+                Err(error) if session.gate().is_closed() || error.is::<Lost>() || is_unread(&error) => {
+                    return Err(error);
+                }
+                Err(error) => {
+                    print(&format!("error: {error:#}\n"))?;
+                    Some(format!("{error:#}"))
+                }
+            };
+            if let Some(error) = error {
+                self.refused.get_or_insert(format!("`{line}` was refused: {error}"));
             }
         }
+        self.refused.take().map_or(Ok(()), |refused| Err(anyhow!(refused)))
     }
-    Ok(())
+
+    fn wait(&mut self, session: &mut Session, seconds: &str) -> anyhow::Result<()> {
+        let seconds: f64 =
+            seconds.trim().parse().with_context(|| format!("wait: \"{seconds}\", expected seconds"))?;
+        let begin = Instant::now();
+        while begin.elapsed().as_secs_f64() < seconds {
+            print(&shown(&session.hear_alive()?, &mut self.news))?;
+        }
+        Ok(())
+    }
 }
 
 /// What the board says to a line; or what the rig beside it does.
@@ -72,13 +114,19 @@ fn answer(session: &mut Session, line: &str, rig: Option<&SimulatedRig>) -> anyh
     Ok("ok, to the rig\n".into())
 }
 
-/// What of the board's words a person wants to see: no prompt, no ticks.
-fn shown(heard: &Heard) -> Option<String> {
-    match heard {
-        Heard::Text(text) => Some(text.replace('\r', "").replace("\n> ", "\n")),
-        Heard::Line(line) => matches!(LogLine::find(line), Ok(None)).then(|| format!("{line}\n")),
-        Heard::Broken => None,
-    }
+/// What of the board's words a person wants to see: whole lines, no prompts, no ticks. A line that is not whole waits in `text`.
+fn shown(heard: &[Heard], text: &mut String) -> String {
+    heard.iter().fold(String::new(), |mut out, heard| {
+        match heard {
+            Heard::Text(more) => {
+                *text += more;
+                take_lines(text).iter().for_each(|line| out += &format!("{line}\n"));
+            }
+            Heard::Line(line) if matches!(LogLine::find(line), Ok(None)) => out += &format!("{line}\n"),
+            Heard::Line(_) | Heard::Broken => {}
+        }
+        out
+    })
 }
 
 /// A person types, and the board may speak at any time.
@@ -89,47 +137,72 @@ fn interactive(session: Session, rig: Option<&SimulatedRig>) -> anyhow::Result<(
     for key in [KeyEvent(KeyCode::Esc, Modifiers::NONE), KeyEvent::from('!')] {
         editor.bind_sequence(key, Cmd::Interrupt);
     }
+    keys::remember();
+    let (hand, mut stopping) = (session.other_hand()?, session.other_hand()?);
     let session = Arc::new(Mutex::new(session));
-    let mut printer = editor.create_external_printer()?;
-    let listening = Arc::clone(&session);
-    let listener = std::thread::spawn(move || {
-        loop {
-            // Dropped before printing: whoever stops must not wait for a slow terminal.
-            let heard = listening.lock().unwrap_or_else(PoisonError::into_inner).hear();
-            let Ok(heard) = heard else {
-                let _ = printer.print(
-                    "The port has gone. The board goes on by itself, with all its trips; its button stops it.\n".into(),
-                );
-                return;
-            };
-            if Arc::strong_count(&listening) == 1 {
-                return;
-            }
-            let text: String = heard.iter().filter_map(shown).collect();
-            if !text.is_empty() {
-                let _ = printer.print(text);
-            }
-            // Lets the other thread have the port.
-            std::thread::sleep(Duration::from_millis(2));
-        }
-    });
-    while !listener.is_finished() {
+    let _heed = heed(hand, Arc::clone(&session))?;
+    listen(editor.create_external_printer()?, Arc::clone(&session));
+    loop {
         let typed = editor.readline("> ");
-        let mut session = session.lock().unwrap_or_else(PoisonError::into_inner);
         match typed {
             Ok(line) => {
                 let _ = editor.add_history_entry(&line);
+                let mut session = session.lock().unwrap_or_else(PoisonError::into_inner);
                 match answer(&mut session, line.trim(), rig) {
                     Ok(answer) => print(&answer)?,
+                    Err(error) if error.is::<Lost>() => return Err(error),
                     Err(error) => print(&format!("error: {error:#}\n"))?,
                 }
             }
-            Err(ReadlineError::Interrupted) => session.stop()?,
+            Err(ReadlineError::Interrupted) => stopping.write_all(&[STOP]).map_err(Lost::Gone)?,
             Err(ReadlineError::Eof) => return Ok(()),
             Err(error) => return Err(error.into()),
         }
     }
-    Ok(())
+}
+
+/// A terminal that is closed, or a program that is ended, stops the board, which nobody watches any more.
+fn heed(hand: Box<dyn SerialPort>, session: Arc<Mutex<Session>>) -> anyhow::Result<Heed> {
+    let hand = Mutex::new(hand);
+    Heed::new(move || {
+        let sent = hand.lock().unwrap_or_else(PoisonError::into_inner).write_all(&[STOP]);
+        // Whoever waits for an answer has the port.
+        let session = (0..50).find_map(|_| {
+            std::thread::sleep(LET);
+            session.try_lock().ok()
+        });
+        let ended = anyhow!("the console was ended");
+        leave(&match session {
+            Some(mut session) => session.stopped_after(&ended),
+            None => ended.context(format!("a stop was {}sent", if sent.is_ok() { "" } else { "NOT " })),
+        });
+    })
+}
+
+/// Shows what the board says by itself. Without a port there is nothing to type a line for: the console ends.
+fn listen(mut printer: impl ExternalPrinter + Send + 'static, session: Arc<Mutex<Session>>) {
+    let mut news = String::new();
+    std::thread::spawn(move || {
+        loop {
+            // Dropped before printing: whoever stops must not wait for a slow terminal.
+            let heard = session.lock().unwrap_or_else(PoisonError::into_inner).hear();
+            let text = heard.map_or_else(|error| leave(&error), |heard| shown(&heard, &mut news));
+            if Arc::strong_count(&session) == 2 {
+                return; // whoever typed has left
+            }
+            if !text.is_empty() {
+                let _ = printer.print(text);
+            }
+            std::thread::sleep(LET);
+        }
+    });
+}
+
+/// Ends the program although somebody may be typing.
+fn leave(error: &anyhow::Error) -> ! {
+    keys::restore();
+    let _ = writeln!(std::io::stderr(), "\nerror: {}", in_words(error));
+    std::process::exit(2)
 }
 
 /// Words that can be completed.
@@ -206,9 +279,13 @@ mod tests {
     }
 
     #[test]
-    fn ticks_are_not_shown_and_sentences_are() {
-        let line = |text: &str| shown(&Heard::Line(text.to_owned()));
-        assert_eq!(line("order 5 arm"), None);
-        assert_eq!(line("mode 5 off -> settle"), Some("mode 5 off -> settle\n".to_owned()));
+    fn ticks_and_prompts_are_not_shown_and_sentences_are() {
+        let mut text = String::new();
+        let mut line = |heard: &str| shown(&[Heard::Line(heard.to_owned())], &mut text);
+        assert_eq!(line("order 5 arm"), "");
+        assert_eq!(line("mode 5 off -> settle"), "mode 5 off -> settle\n");
+        // A piece ends where it likes, between a line feed and the prompt, too.
+        let pieces = ["\nstop", "ped\n", "> ", "\n> "].map(|piece| Heard::Text(piece.to_owned()));
+        assert_eq!(shown(&pieces, &mut text), "stopped\n");
     }
 }

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 
 use super::experiment::ExperimentArgs;
-use super::terminal::print;
+use super::terminal::{Output, print};
 pub use bench::Bench;
 pub use output_stage::{Defect, OutputStage};
 
@@ -66,7 +66,7 @@ pub fn run(args: &ConsoleArgs) -> anyhow::Result<()> {
         print("The board's console on the simulated rig. Type help; wait SECONDS skips time; quit ends.\n")?;
         interactive(&mut bench, args.speed)
     } else {
-        scripted(&mut bench, std::io::stdin().lock(), std::io::stdout().lock())
+        scripted(&mut bench, std::io::stdin().lock(), Output(std::io::stdout().lock()))
     }
 }
 
@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn thermistors_are_calibrated_at_rest_and_uncalibrated_again() {
         let said = session(
-            "calibrate t1 22\nwait 20\ncalibrate t1 23.5\ncalibrate all 22\ncalibrate t1 60\ncalibrate apply\nwait 2\n\
+            "calibrate t1 22\nwait 20\ncalibrate t1 23.5\ncalibrate all 22\ncalibrate t1 60\ncalibrate t1 22.1\ncalibrate back\ncalibrate apply\nwait 2\n\
              get sensors.t1.offset\ncalibrate undo\nget sensors.t1.offset\ncheck\narm\nwait 1\ncalibrate t1 22\n",
         );
         for word in [
@@ -279,7 +279,12 @@ mod tests {
         ] {
             assert!(after.contains(word), "{word} in:\n{said}");
         }
-        assert_eq!(after.matches("`save` keeps it, `tune undo` takes it back").count(), 2, "{said}");
+        assert_eq!(after.matches("`save` keeps it, `tune undo` takes it back").count(), 1, "{said}");
+        assert_eq!(
+            after.matches("`save` keeps it\n").count(),
+            1,
+            "what came back does not come back again: {said}"
+        );
     }
 
     #[test]

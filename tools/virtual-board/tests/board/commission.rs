@@ -116,7 +116,7 @@ fn whoever_goes_away_in_the_middle_leaves_a_heater_that_is_off_and_a_report() {
     let mut person = Scripted { answers, told: String::new(), leaves_at: Some("mode settle") };
     let done = commission(&mut session, &mut person);
     let error = format!("{:#}", done.error.expect("nobody listens"));
-    assert!(error.contains("the heater was stopped") && error.contains("nobody listens"), "{error}");
+    assert!(error.contains("its heater is off") && error.contains("nobody listens"), "{error}");
     assert!(!done.passed && done.report.contains("nobody listens") && ordered(&done.log, " arm"));
     drop(session);
     let mut session = Session::open(&board.name).expect("a board");

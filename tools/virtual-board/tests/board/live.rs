@@ -54,6 +54,15 @@ impl LiveBoard {
     }
 }
 
+impl LiveBoard {
+    /// What the heater is given now, %.
+    pub(crate) fn heater(&self) -> f64 {
+        self.desk.send("heater".to_owned()).expect("it lives");
+        let power = self.told.iter().find_map(|text| text.strip_prefix("heater ")?.parse().ok());
+        power.expect("it lives")
+    }
+}
+
 impl Drop for LiveBoard {
     fn drop(&mut self) {
         let _ = self.desk.send("quit".to_owned());

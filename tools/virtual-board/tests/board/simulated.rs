@@ -60,7 +60,7 @@ fn armed(scene: &mut Scene) {
     let rig = SimulatedRig::new(Rig::new(&scenario.rig, scenario.disturbance, 0.11, 1, &[]));
     let mut session = Session::over(Wire(&mut scene.board)).expect("answers");
     session.simulate(rig.clone());
-    session.restart("simulate on").expect("starts anew");
+    session.order("simulate on").expect("starts anew");
     session.order(WAIVE_CHECK).expect("waived");
     session.order("arm").expect("arms");
     (0..1000).for_each(|_| drop(session.hear().expect("hears")));

@@ -1,17 +1,12 @@
 //! What all steps need: a board, a person, and a place to write down what both said.
 
 use std::io::{Read, Write};
-use std::time::{Duration, Instant};
 
-use anyhow::{Context, ensure};
 use firmware_logic::log_line::LogLine;
 use firmware_logic::log_line::tick::TickLine;
 
 use super::report::{Outcome, Section};
 use crate::board::{Heard, Session, refusal, take_lines};
-
-/// So long the board, which streams each tick, may say nothing at all.
-const SILENCE: Duration = Duration::from_secs(60);
 
 /// Who is led.
 pub trait Person {
@@ -123,6 +118,11 @@ impl<'a, P: Read + Write> Guide<'a, P> {
         }
     }
 
+    /// Shows what its console has told by itself.
+    pub(super) fn news(&mut self) -> anyhow::Result<()> {
+        take_lines(&mut self.text).iter().try_for_each(|line| self.say(line))
+    }
+
     /// Lets so many ticks pass.
     pub(super) fn pass(&mut self, mut count: usize) -> anyhow::Result<()> {
         while count > 0 {
@@ -133,16 +133,13 @@ impl<'a, P: Read + Write> Guide<'a, P> {
 
     /// The ticks that the board has streamed since; waits for something to come.
     pub(super) fn ticks(&mut self) -> anyhow::Result<Vec<TickLine>> {
-        let (begin, mut ticks) = (Instant::now(), Vec::new());
+        let mut ticks = Vec::new();
         loop {
-            let heard = self.session.hear();
-            let heard = heard.context(
-                "the port has gone; what heats on the board goes on or ends by itself, its button stops it",
-            )?;
+            let heard = self.session.hear_alive()?;
             let any = !heard.is_empty();
             for heard in heard {
                 match heard {
-                    Heard::Text(text) => self.text += &text.replace('\r', ""),
+                    Heard::Text(text) => self.text += &text,
                     Heard::Broken => self.log += "# a line came broken\n",
                     Heard::Line(line) => {
                         if let Ok(Some(LogLine::Tick(tick))) = LogLine::find(&line) {
@@ -156,7 +153,6 @@ impl<'a, P: Read + Write> Guide<'a, P> {
             if any {
                 return Ok(ticks);
             }
-            ensure!(begin.elapsed() < SILENCE, "the board has said nothing for {} s", SILENCE.as_secs());
         }
     }
 }

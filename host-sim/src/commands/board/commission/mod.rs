@@ -10,7 +10,7 @@ use anyhow::ensure;
 use fdi_core::Config;
 use firmware_logic::log_line::tick::{ARMED, MODES};
 
-use crate::board::{Session, check_ended, settings};
+use crate::board::{Session, check_ended, refusal, settings};
 use crate::commands::replay::isolability;
 use crate::isolability::{Question, output};
 use guide::Guide;
@@ -43,12 +43,9 @@ pub fn commission<P: Read + Write>(session: &mut Session<P>, person: &mut dyn Pe
     let (now, error) = match led {
         Ok(now) => (Some(now), None),
         Err(error) => {
-            let stopped = match guide.session.stops() {
-                true => "the heater was stopped",
-                false => "the board does NOT say that it has stopped: its button stops it",
-            };
-            guide.note(&format!("{error:#}; {stopped}"));
-            (None, Some(error.context(stopped)))
+            let error = guide.session.stopped_after(&error);
+            guide.note(&format!("{error:#}"));
+            (None, Some(error))
         }
     };
     Commissioning {
@@ -88,7 +85,7 @@ fn begin<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<()> {
         );
         guide.order("ack")?;
     }
-    guide.session.restart("restart")?;
+    guide.session.order("restart")?;
     guide.end(Outcome::Done);
     Ok(())
 }
@@ -97,10 +94,16 @@ fn calibrate<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<()> {
     guide.section(
         "The thermistors",
         "At rest, against a thermometer that you trust. `22.4`: all three are at 22.4 degC now; `t1 0.0`: T1 alone is, in ice water. \
-         Two temperatures give the gain, too. Nothing: go on.",
+         Two temperatures give the gain, too. `back`: the last one was wrong. Nothing: go on.",
     )?;
-    let mut taken = false;
+    let mut taken = 0u32;
     while let Some(given) = guide.ask("Temperature: ")? {
+        if given == "back" {
+            let answer = guide.session.ask("calibrate back")?;
+            taken = taken.saturating_sub(u32::from(refusal(&answer).is_none()));
+            guide.say(&answer)?;
+            continue;
+        }
         let line = match given.split_once(' ') {
             Some((which, celsius)) => format!("calibrate {which} {celsius}"),
             None => format!("calibrate all {given}"),
@@ -110,10 +113,10 @@ fn calibrate<P: Read + Write>(guide: &mut Guide<P>) -> anyhow::Result<()> {
             guide.pass(REST)?;
             answer = guide.session.ask(&line)?;
         }
-        taken |= answer.contains(" reads ");
+        taken += u32::from(answer.contains(" reads "));
         guide.say(&answer)?;
     }
-    if !taken {
+    if taken == 0 {
         return Ok(());
     }
     if guide.yes("Put that in force?")? {
@@ -219,7 +222,9 @@ fn watch<P: Read + Write>(guide: &mut Guide<P>, config: &Config) -> anyhow::Resu
             }
             waited = 0;
         }
-        for tick in guide.ticks()? {
+        let ticks_now = guide.ticks()?;
+        guide.news()?;
+        for tick in ticks_now {
             waited += 1;
             let mode = MODES.get(tick.mode() as usize).copied().unwrap_or("one that is not known here");
             let blocked = tick.blocked();
@@ -233,6 +238,8 @@ fn watch<P: Read + Write>(guide: &mut Guide<P>, config: &Config) -> anyhow::Resu
                 guide.say(&format!("tick {}: {}", tick.tick(), standing(mode, blocked)))?;
             }
             if ["off", "tripped"].contains(&mode) {
+                guide.pass(1)?; // its console says by then who has stopped it
+                guide.news()?;
                 let status = guide.order("status")?;
                 guide.say(&status)?;
                 return Ok(false);

@@ -1,0 +1,56 @@
+//! What stands in the text of a board's console: its prompts, its lines, and what some of them mean.
+
+use firmware_logic::console::ANSWER;
+
+/// What ends an answer.
+pub(super) const PROMPT: &str = "> ";
+
+/// Takes the whole lines of a console's text, without its prompts and what is empty; the rest stays. No line is longer than an answer:
+/// what is goes out in pieces, which say so.
+pub fn take_lines(text: &mut String) -> Vec<String> {
+    if text.len() > ANSWER && !text.contains('\n') {
+        *text += " [cut: no board says a line as long]\n";
+    }
+    let end = text.rfind('\n').map_or(0, |at| at + 1);
+    let whole: String = text.drain(..end).collect();
+    without_prompts(&whole).lines().map(str::to_owned).collect()
+}
+
+/// The lines of a text without prompts and what is empty: a board shows its prompt again after whatever it tells by itself.
+pub(super) fn without_prompts(text: &str) -> String {
+    let lines = text.lines().map(|line| line.trim_end().trim_start_matches(PROMPT));
+    lines.filter(|line| !matches!(*line, "" | ">")).fold(String::new(), |out, line| out + line + "\n")
+}
+
+/// Whether a line tells the end of a self-test, and then whether it has passed.
+pub fn check_ended(line: &str) -> Option<bool> {
+    let has = |words| line.starts_with(words);
+    has("check passed").then_some(true).or((has("check failed") || has("check ended")).then_some(false))
+}
+
+/// Why a board has refused something, if its answer says so.
+pub fn refusal(answer: &str) -> Option<&str> {
+    answer.lines().find_map(|line| line.strip_prefix("error: "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_come_without_prompts_and_the_rest_waits() {
+        let mut text = "> ok\n> \n\ncheck: at rest\n> stat".to_owned();
+        assert_eq!(take_lines(&mut text), ["ok", "check: at rest"]);
+        assert_eq!(text, "> stat");
+    }
+
+    #[test]
+    fn a_line_without_end_is_cut_and_told() {
+        let mut text = "x".repeat(ANSWER);
+        assert!(take_lines(&mut text).is_empty());
+        text.push('x');
+        let lines = take_lines(&mut text);
+        assert!(lines.len() == 1 && lines[0].contains("[cut: "), "{lines:?}");
+        assert!(text.is_empty());
+    }
+}

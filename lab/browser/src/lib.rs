@@ -2,12 +2,12 @@
 //! (w3.org/TR/webdriver), to a program on this machine.
 
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 use base64::Engine;
 use serde_json::{Value, json};
 
@@ -53,16 +53,16 @@ impl Browser {
     /// # Errors
     /// As [`Self::start`].
     pub fn start_with(font: Font) -> anyhow::Result<Self> {
-        let port = TcpListener::bind(("127.0.0.1", 0))?.local_addr()?.port();
+        // It chooses its port by itself: one that was free a moment ago may be another test's by now.
         let driver = Command::new("chromedriver")
-            .arg(format!("--port={port}"))
+            .arg("--port=0")
             .env("FONTCONFIG_FILE", font.settings())
-            .stdout(Stdio::null())
+            .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
             .context("chromedriver can't be run: install chromium-driver")?;
-        let mut browser = Self { driver, port, session: String::new() };
-        browser.wait_until_it_listens()?;
+        let mut browser = Self { driver, port: 0, session: String::new() };
+        browser.port = browser.told_port()?;
         let arguments = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"];
         let options = json!({ "args": arguments });
         let wanted = json!({ "browserName": "chrome", "goog:chromeOptions": options, "goog:loggingPrefs": { "browser": "ALL" } });
@@ -74,16 +74,15 @@ impl Browser {
         Ok(browser)
     }
 
-    fn wait_until_it_listens(&mut self) -> anyhow::Result<()> {
-        // It says nothing when it is ready; a refused connection takes no time.
-        for _ in 0..200_000 {
-            if TcpStream::connect(("127.0.0.1", self.port)).is_ok() {
-                return Ok(());
+    /// The port that it listens at, which it tells when it does. The rest of what it says stays in the pipe.
+    fn told_port(&mut self) -> anyhow::Result<u16> {
+        let said = BufReader::new(self.driver.stdout.as_mut().context("no pipe")?);
+        for line in said.lines() {
+            if let Some((_, port)) = line?.split_once("started successfully on port ") {
+                return port.trim_end_matches('.').parse().context("chromedriver tells no port");
             }
-            ensure!(self.driver.try_wait()?.is_none(), "chromedriver has ended");
-            std::thread::yield_now();
         }
-        bail!("chromedriver does not listen")
+        bail!("chromedriver has ended without telling its port")
     }
 
     /// Opens an address and waits until the page has loaded.

@@ -100,7 +100,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "any-supply-believed",
         "a broken wire of the supply makes every power look small",
         "fdi-core/src/sense/supply.rs",
-        [" && (LOWEST..=HIGHEST).contains(&share) {", " {"],
+        [" && PLAUSIBLE.contains(&share) {", " {"],
         &["known::", "sense::"],
     )
     .on_host(CORE),

@@ -59,10 +59,11 @@ fn lock_out(symbol: &str, within: u64, saved: &str) -> usize {
     locked_out
 }
 
-/// The limit that runs, and what it is held against. What is kept is what was set, and may be saved.
+/// Two limits of this value, each in the rules and in the list that new settings are held against; and what all that is held against.
+/// What is kept is what was set, and may be saved.
 #[test]
 fn a_running_limit_that_changes_by_itself_cuts_and_locks_out_until_a_reset() {
-    assert_eq!(lock_out("firmware::tasks::control::control::POOL", 112 * MS, "ok"), 2 * 2);
+    assert_eq!(lock_out("firmware::tasks::control::control::POOL", 112 * MS, "ok"), 2 * 2 * 2);
 }
 
 /// What is kept is put in force with the next setting, and saved.

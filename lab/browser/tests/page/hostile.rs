@@ -42,7 +42,7 @@ const LINKS: &str = r##"
           for (const byte of bytes) binary += String.fromCharCode(byte);
           history.replaceState(null, "", "#s=" + btoa(binary).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", ""));
           begin();
-          const answered = await Promise.race([lab.ask({ command: "scene" }), new Promise((done) => setTimeout(done, 100_000))]);
+          const answered = await Promise.race([lab.ask({ command: "scene" }), new Promise((done) => setTimeout(done, 30_000))]);
           if (!answered) wrong.push(name + ": no answer");
           await frame();
           const toast = $("#toast").textContent;

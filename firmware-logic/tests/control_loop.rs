@@ -3,7 +3,9 @@
 mod output;
 
 use fdi_core::control::Controller;
+use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::sense::thermistor::ThermistorConfig;
+use fdi_core::supervisor::Blocker;
 use fdi_core::{AdcCode, Command, Config, Feedback, Mode, Percent, RawSample, Refusal, TripReason};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::control_loop::{ControlLoop, Denial, Order, OrderKind, TickRecord};
@@ -286,6 +288,7 @@ fn missed_ticks_keep_the_power_they_really_had_and_trip_when_too_many() {
     let mut bench = Bench::heating();
     let before = bench.tick();
     let first = bench.control.missed(Arrival::default(), &mut bench.output);
+    assert!(first.missed && !before.missed);
     assert_eq!(first.applied, before.applied, "nobody wrote a new power meanwhile");
     assert_eq!(first.tick.index, before.tick.index + 1, "the core's time goes on");
     let modes: Vec<_> =
@@ -295,6 +298,22 @@ fn missed_ticks_keep_the_power_they_really_had_and_trip_when_too_many() {
         "{modes:?}"
     );
     assert!(!bench.output.enabled);
+
+    let mut cut = Bench::heating();
+    cut.output.enabled = false;
+    assert_eq!(cut.control.missed(Arrival::default(), &mut cut.output).applied.0, 0.0);
+}
+
+#[test]
+fn what_was_restored_need_not_wait_for_the_clock_of_learning() {
+    let blocked = |restored| {
+        let mut bench = Bench::new(ResetCause::PowerOn);
+        if restored {
+            bench.control.restored(&Baseline::default());
+        }
+        bench.order(Command::Arm).tick.blocked
+    };
+    assert_eq!((blocked(false), blocked(true)), (None, Some(Blocker::OutOfRegulation)));
 }
 
 #[test]

@@ -58,6 +58,7 @@ impl Bench {
 
     fn step(&mut self, raw: RawSample, order: Option<Order>) -> TickRecord {
         let record = self.control.tick(raw, Arrival::default(), order, Feedback::default(), &mut self.output);
+        assert_eq!(record.applied.0, self.output.given());
         self.progress_of(&record);
         record
     }
@@ -150,6 +151,22 @@ fn the_contact_of_the_interlock_is_proved_when_it_is_seen_open() {
     bench.output.open = false;
     assert_eq!(bench.check(), Ending::Passed);
     assert_eq!(bench.progress.findings, []);
+}
+
+/// Opened while it heats, and then acknowledged; a deadline that was missed proves nothing of the contact.
+#[test]
+fn the_contact_of_the_interlock_is_proved_when_it_has_cut_while_heating() {
+    let mut config = Config::default();
+    config.supervisor.check_before_arming = false;
+    for (missed_deadline, said) in [(false, None), (true, Some(CheckFinding::CutNotSeen))] {
+        let mut bench = Bench::new(&config);
+        assert_eq!(bench.arm(), Ok(()));
+        (bench.output.missed_deadline, bench.output.enabled) = (missed_deadline, false);
+        assert!(bench.tick().lockout.is_some());
+        assert_eq!(bench.order(Order::Command(Command::Acknowledge)), Ok(()));
+        assert_eq!(bench.check(), Ending::Passed);
+        assert_eq!(bench.progress.findings.first().copied(), said);
+    }
 }
 
 #[test]

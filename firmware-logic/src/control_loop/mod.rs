@@ -258,11 +258,7 @@ impl ControlLoop {
         let Some(check) = self.check.as_mut().filter(|check| check.ending().is_none()) else {
             return Output::Off;
         };
-        let hazard = match tick.mode {
-            Mode::Tripped(trip) => Some(trip.reason),
-            _ => self.controller.hazard(&self.state),
-        };
-        let output = check.step(&tick.sample, &raw, hazard);
+        let output = check.step(&tick.sample, &raw, self.controller.hazard(&self.state));
         self.checked = check.ending() == Some(Ending::Passed);
         output
     }

@@ -2,6 +2,7 @@
 
 mod damage;
 mod learning;
+mod modes;
 mod rules;
 
 extern crate std;

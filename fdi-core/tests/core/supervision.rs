@@ -3,6 +3,7 @@
 use fdi_core::control::Controller;
 use fdi_core::diagnosis::event::{Event, EventRules, EventState};
 use fdi_core::diagnosis::signature::{PAPER_DETECTION, PAPER_ISOLATION, Pattern, Symptom, Symptoms, Table};
+use fdi_core::supervisor::Blocker;
 use fdi_core::{
     AdcCode, Celsius, Command, Config, ConfigError, Feedback, Instrument, Mode, Percent, RawSample, Refusal,
     RetuneError, TripReason, Validity,
@@ -50,6 +51,20 @@ fn a_t1_that_does_not_change_at_all_trips_while_it_heats() {
         _ => None,
     });
     assert_eq!(trip.map(|trip| trip.reason), Some(TripReason::T1Stuck));
+}
+
+/// Near the set-point, where nothing cuts the excitation away.
+#[test]
+fn an_excitation_below_the_least_that_counts_is_none() {
+    for (least, expected) in [(0.98, Some(Blocker::NotSteady)), (1.02, Some(Blocker::Unexcited))] {
+        let mut config = Config::default();
+        config.supervisor.learn_start.0 = 0.0;
+        config.supervisor.min_excitation.0 = least * config.prbs.amplitude.0;
+        let mut instrument = Instrument::new(&config).unwrap();
+        instrument.command(Command::Arm).unwrap();
+        let blocked = (0..100).map(|k| tick(&mut instrument, 1617.0, k).blocked).last().unwrap();
+        assert_eq!(blocked, expected, "{least}");
+    }
 }
 
 #[test]

@@ -80,6 +80,17 @@ impl Bench {
         }
     }
 
+    /// Until that is seen, which a check of any length brings about.
+    fn pass_until(&mut self, seen: impl Fn(&Self) -> bool) {
+        for _ in 0..LONGEST + 20 {
+            if seen(self) {
+                return;
+            }
+            self.tick();
+        }
+        panic!("endless: {:?}", self.progress);
+    }
+
     fn order(&mut self, order: Order) -> Result<(), Denial> {
         let raw = self.codes();
         self.step(raw, Some(order)).outcome.expect("an order has an outcome").result
@@ -92,13 +103,8 @@ impl Bench {
     /// Lets a check run to its end.
     fn check(&mut self) -> Ending {
         assert_eq!(self.order(Order::Check), Ok(()));
-        for _ in 0..LONGEST + 20 {
-            if let Some(ending) = self.progress.ending.filter(|_| self.progress.stage.is_none()) {
-                return ending;
-            }
-            self.tick();
-        }
-        panic!("endless: {:?}", self.progress);
+        self.pass_until(|bench| bench.progress.ending.is_some() && bench.progress.stage.is_none());
+        self.progress.ending.expect("it has ended")
     }
 }
 
@@ -265,9 +271,7 @@ fn every_way_out_leaves_output_and_contactor_off_whenever_it_is_taken() {
 fn an_open_interlock_while_checking_is_a_hold() {
     let mut bench = Bench::new(&Config::default());
     assert_eq!(bench.order(Order::Check), Ok(()));
-    while !bench.output.enabled {
-        bench.tick();
-    }
+    bench.pass_until(|bench| bench.output.enabled);
     (bench.output.open, bench.output.enabled) = (true, false);
     assert_eq!(bench.tick().lockout, Some(Lockout::BreakInput));
     bench.output.open = false;
@@ -278,9 +282,7 @@ fn an_open_interlock_while_checking_is_a_hold() {
 fn checking_and_heating() -> Bench {
     let mut bench = Bench::new(&Config::default());
     assert_eq!(bench.order(Order::Check), Ok(()));
-    while bench.output.given() == 0.0 {
-        bench.tick();
-    }
+    bench.pass_until(|bench| bench.output.given() > 0.0);
     bench
 }
 
@@ -298,10 +300,10 @@ fn what_would_trip_ends_a_check_in_its_tick() {
     let mut bench = Bench::new(&Config::default());
     assert_eq!(bench.order(Order::Command(Command::Fan(Percent(0.0)))), Ok(()));
     assert_eq!(bench.order(Order::Check), Ok(()));
-    while bench.progress.ending.is_none() {
-        bench.tick();
+    bench.pass_until(|bench| {
         assert!(bench.output.is_off(), "nor does it begin to heat where that was announced before");
-    }
+        bench.progress.ending.is_some()
+    });
     assert_eq!(bench.progress.findings.last(), Some(&CheckFinding::Hazard(TripReason::AirFlowLost)));
 }
 

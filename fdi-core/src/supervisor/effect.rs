@@ -50,7 +50,7 @@ pub(super) struct EffectState {
     coldest: f32,
     /// Power without account, % times ticks.
     unaccounted: f32,
-    /// It has heated; until then the present temperature is that of the rig at rest.
+    /// It has heated; until then the present temperature is that of the rig at rest, and so is the first that is known.
     has_heated: bool,
 }
 
@@ -66,6 +66,7 @@ impl Effect {
 
     /// Whether too much power is without account. `drive` is what drove the heater up to now, all of it; it is judged while `heating`.
     pub(super) fn step(&self, state: &mut EffectState, t1: AdcCode, drive: Percent, heating: bool) -> bool {
+        let unknown = state.level.is_none();
         if let Some(now) = log_resistance(t1) {
             let level = state.level.get_or_insert(now);
             // In this order a level that is no number, since a bit has flipped, begins anew.
@@ -74,7 +75,7 @@ impl Effect {
         let level = state.level.unwrap_or_default();
         state.has_heated |= heating;
         let coldest = if heating { state.coldest } else { state.coldest - self.ambient_step };
-        state.coldest = if state.has_heated { larger(level, coldest) } else { level };
+        state.coldest = if state.has_heated && !unknown { larger(level, coldest) } else { level };
         if !heating {
             state.unaccounted = 0.0;
             return false;

@@ -380,6 +380,24 @@ fn settings_that_undo_each_other_are_refused_by_both_names() {
     ] {
         assert!(text.contains("plausibility.max") && text.contains("supervisor.over_temperature"), "{text}");
     }
+    // 100 samples are learnt at least: 11 s.
+    let too_short = refused(|c| c.supervisor.learn_end.0 = c.supervisor.learn_start.0 + 10.9);
+    assert!(too_short.contains("supervisor.learn_end") && too_short.contains("learn_start"), "{too_short}");
+}
+
+#[test]
+fn the_virtual_t1_is_regulated_only_where_that_is_set() {
+    for go_on in [false, true] {
+        let mut config = Config::default();
+        config.supervisor.go_on_without_t1 = go_on;
+        let controller = Controller::new(&config).unwrap();
+        let mut state = controller.start(config.setpoint);
+        let feedback = Feedback { t1_faulty: true, virtual_rise: Some(10.0), ..Feedback::default() };
+        controller.feed_back(&mut state, feedback);
+        let room = AdcCode(AMBIENT);
+        let raw = RawSample { t0: room, t1: room, t2: room, ..RawSample::default() };
+        assert_eq!(controller.step(&mut state, raw).virtual_t1.is_some(), go_on);
+    }
 }
 
 /// When the heat of before has died away, 8 s after the power, the tick may come without a sample.

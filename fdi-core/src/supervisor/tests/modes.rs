@@ -203,6 +203,16 @@ fn power_and_temperatures_are_learnt_with_the_baseline() {
     );
 }
 
+#[test]
+fn a_trip_keeps_its_reason_whatever_comes_after_it() {
+    let mut bench = Bench::new();
+    let (tick, reason) = bench.trips(true, |_| t1(Validity::Open)).expect("trips");
+    let tripped = bench.state.mode;
+    bench.step(tick + 1, &Shown { by_models: true, ..IN_ORDER });
+    assert_eq!((bench.state.hazard, reason), (Some(TripReason::HeaterStuckOn), TripReason::T1Open));
+    assert_eq!(bench.state.mode, tripped);
+}
+
 /// Each command in each mode: the mode after it, or the word of its refusal; and the same where something is dangerous.
 #[test]
 fn each_command_does_in_each_mode_what_the_diagram_says() {

@@ -113,3 +113,19 @@ fn a_t1_that_rises_is_an_answer_to_excess_power() {
     let by_two_in_all = |tick: u32| Shown { t1: if tick < 40 { 30.0 } else { 32.0 }, ..warms(tick) };
     assert_eq!(first_trip(by_two_in_all), Some((51, TripReason::ExcessPower)), "just not enough");
 }
+
+/// The room may have grown warmer meanwhile, so that less is asked of T1; never colder, so that a T1 that stands still seems to answer.
+#[test]
+fn a_rest_accounts_for_no_power() {
+    let effect = Effect::new(ANSWER, TS);
+    let trips = |rest: u32| {
+        let mut state = EffectState::default();
+        let mut step = |drive, heating| effect.step(&mut state, code(30.0), Percent(drive), heating);
+        step(20.0, true);
+        for _ in 0..rest {
+            step(0.0, false);
+        }
+        (0..10_000).position(|_| step(100.0, true))
+    };
+    assert_eq!((trips(0), trips(6000)), (Some(145), Some(145)));
+}

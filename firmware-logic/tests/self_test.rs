@@ -16,6 +16,17 @@ use firmware_logic::self_test::{CheckFinding, Ending, LEVELS, LONGEST, MAX_RISE,
 use output::Output;
 use proptest::prelude::*;
 
+/// Where a thermistor may be; nowhere it stands still.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    Room,
+    Outlet,
+    Behind,
+    Nowhere,
+}
+
+const RIGHT: [Place; 3] = [Place::Room, Place::Outlet, Place::Behind];
+
 /// A board with a rig of two lags behind it.
 struct Bench {
     control: ControlLoop,
@@ -24,6 +35,10 @@ struct Bench {
     thermistor: Thermistor,
     /// degC per %.
     gain: f32,
+    /// What reaches the heater, %.
+    heats: fn(&Output) -> f32,
+    /// The place that each thermistor is at.
+    places: [Place; 3],
     /// Rises of the air, T1 and T2, degC; ticks so far.
     rises: [f32; 3],
     ticks: u32,
@@ -38,6 +53,8 @@ impl Bench {
             progress: Progress::default(),
             thermistor: Thermistor::new(&ThermistorConfig::default(), 0).expect("valid"),
             gain: 0.3,
+            heats: Output::given,
+            places: RIGHT,
             rises: [0.0; 3],
             ticks: 0,
         }
@@ -46,14 +63,22 @@ impl Bench {
     /// The codes of the rig, with a little noise.
     fn codes(&mut self) -> RawSample {
         self.ticks += 1;
-        let power = self.output.given();
+        let power = (self.heats)(&self.output);
         let [air, t1, t2] = &mut self.rises;
         *air += (self.gain * power - *air) / 4.0;
         *t1 += (*air - *t1) / 2.0;
         *t2 += (0.9 * *t1 - *t2) / 4.0;
         let noise = [0.01, -0.02, 0.03, 0.0, -0.03, 0.02, -0.01][self.ticks as usize % 7];
-        let code = |rise: f32| self.thermistor.code(Celsius(22.5 + rise + noise));
-        RawSample { t0: code(0.0), t1: code(self.rises[1]), t2: code(self.rises[2]), ..RawSample::default() }
+        let [t0, t1, t2] = self.places.map(|place| {
+            let above = match place {
+                Place::Room => noise,
+                Place::Outlet => self.rises[1] + noise,
+                Place::Behind => self.rises[2] + noise,
+                Place::Nowhere => 0.0,
+            };
+            self.thermistor.code(Celsius(22.5 + above))
+        });
+        RawSample { t0, t1, t2, ..RawSample::default() }
     }
 
     fn step(&mut self, raw: RawSample, order: Option<Order>) -> TickRecord {
@@ -172,6 +197,72 @@ fn the_contact_of_the_interlock_is_proved_when_it_has_cut_while_heating() {
         assert_eq!(bench.order(Order::Command(Command::Acknowledge)), Ok(()));
         assert_eq!(bench.check(), Ending::Passed);
         assert_eq!(bench.progress.findings.first().copied(), said);
+    }
+}
+
+/// What is found where the thermistors are at these places, but for the interlock's contact that nobody has opened.
+const WIRINGS: [([Place; 3], Option<CheckFinding>); 15] = {
+    use Channel::{T0, T1, T2};
+    use Place::{Behind, Nowhere, Outlet, Room};
+    [
+        (RIGHT, None),
+        ([Room, Behind, Outlet], Some(CheckFinding::Swapped(T1, T2))),
+        ([Outlet, Room, Behind], Some(CheckFinding::Swapped(T0, T1))),
+        ([Behind, Outlet, Room], Some(CheckFinding::Swapped(T0, T2))),
+        ([Behind, Room, Outlet], Some(CheckFinding::Rotated)),
+        ([Outlet, Behind, Room], Some(CheckFinding::Rotated)),
+        ([Room, Outlet, Outlet], Some(CheckFinding::SameTime)),
+        ([Room, Outlet, Room], Some(CheckFinding::Silent(T2))),
+        ([Room, Room, Behind], Some(CheckFinding::Silent(T1))),
+        ([Room, Nowhere, Behind], Some(CheckFinding::Stuck(T1))),
+        ([Room, Outlet, Nowhere], Some(CheckFinding::Stuck(T2))),
+        ([Outlet, Room, Room], Some(CheckFinding::OnlyT0)),
+        ([Outlet, Outlet, Behind], Some(CheckFinding::AllAnswer)),
+        ([Outlet, Behind, Outlet], Some(CheckFinding::AllAnswer)),
+        ([Room, Room, Room], Some(CheckFinding::Unheated)),
+    ]
+};
+
+/// Cycles of a check, 40 ticks each: 3 at rest, 3 with the contactor alone, a pulse, 4 for the order; then 1 to settle and 4 with the contactor
+/// open. Where nothing answers there are four pulses, and 12 for the order.
+const JUDGED: u32 = 11;
+const PASSED: u32 = 16;
+const UNHEATED: u32 = 22;
+
+#[test]
+fn thermistors_at_a_wrong_place_are_named_on_weak_rigs_and_strong() {
+    for gain in [0.05, 0.3, 1.0] {
+        for (places, expected) in WIRINGS {
+            let mut bench = Bench { gain, places, ..Bench::new(&Config::default()) };
+            let ending = bench.check();
+            let found = bench.progress.findings.get(1).copied();
+            assert_eq!(found, expected, "{places:?} at {gain} degC per %");
+            let passes = expected.is_none_or(|finding| finding.is_note());
+            assert_eq!(ending, if passes { Ending::Passed } else { Ending::Failed(1) }, "{places:?}");
+            let cycles = match expected {
+                Some(CheckFinding::Unheated) => UNHEATED,
+                _ if passes => PASSED,
+                _ => JUDGED,
+            };
+            // The weakest takes one pulse more, or two.
+            let later = (bench.ticks - 40 * cycles) / 40;
+            assert!(if gain < 0.1 { later <= 2 } else { later == 0 }, "{places:?}: {} ticks", bench.ticks);
+        }
+    }
+}
+
+#[test]
+fn a_stage_that_heats_unasked_is_named() {
+    let shorted: fn(&Output) -> f32 = |output| if output.enabled && output.contactor { 100.0 } else { 0.0 };
+    let welded: fn(&Output) -> f32 = |output| if output.enabled { output.power } else { 0.0 };
+    for gain in [0.05, 0.3, 1.0] {
+        let stages = [(shorted, CheckFinding::MosfetShorted), (welded, CheckFinding::NoContactor)];
+        for (heats, expected) in stages {
+            let mut bench = Bench { gain, heats, ..Bench::new(&Config::default()) };
+            let ending = bench.check();
+            assert_eq!(bench.progress.findings[1..], [expected], "{gain} degC per %");
+            assert_eq!(ending, if expected.is_note() { Ending::Passed } else { Ending::Failed(1) });
+        }
     }
 }
 

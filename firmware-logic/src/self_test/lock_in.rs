@@ -178,4 +178,57 @@ mod tests {
         assert!(Answer::of(&seen(10.0, 1, 4.0)).is_clear(&noise));
         assert!(!Answer::of(&seen(0.05, 1, 4.0)).is_clear(&quiet), "less than the converter's steps");
     }
+
+    /// A cycle with these quarters.
+    fn quarters(q: [f32; 4]) -> Cycle {
+        let mut cycle = Cycle::default();
+        for (quarter, value) in q.into_iter().enumerate() {
+            (0..QUARTER).for_each(|step| cycle.add(quarter as u32 * QUARTER + step, value));
+        }
+        cycle
+    }
+
+    /// By hand, from the formulas of this page.
+    #[test]
+    fn contrasts_and_sizes_are_what_the_formulas_say() {
+        let (up, down) = (quarters([1.0, 2.0, 4.0, 8.0]), quarters([8.0, 4.0, 2.0, 1.0]));
+        assert_eq!(
+            (up.mean(), up.contrasts(), down.contrasts()),
+            (3.75, [-4.5, -1.5, -2.5], [4.5, -1.5, 2.5])
+        );
+        let mut twice = Answer::of(&up);
+        assert_eq!(twice.power(), 4.5 * 4.5 + 1.5 * 1.5);
+        twice.add(&up);
+        assert_eq!(twice.power(), 4.5 * 4.5 + 1.5 * 1.5, "a mean");
+        let mut noise = Noise::default();
+        noise.add(&up);
+        assert_eq!((noise.freedom, noise.variance()), (3, (4.5 * 4.5 + 1.5 * 1.5 + 2.5 * 2.5) / 3.0));
+        // (0, -3) is left of both, (4.5, 1.5) and its opposite are noise, and so is 2.5 twice.
+        let mut both = Answer::of(&up);
+        both.add(&down);
+        let variance = (2.0 * (4.5 * 4.5 + 1.5 * 1.5) - 3.0 * 3.0 / 2.0 + 2.0 * 2.5 * 2.5) / 4.0;
+        let limit = 300.0 * variance;
+        assert!(
+            both.would_show(limit + 1.0, &Noise::default())
+                && !both.would_show(limit - 1.0, &Noise::default())
+        );
+        // Phases of 198.4 and 341.6 degrees.
+        let sine = (4.5 * 1.5 + 1.5 * 4.5) / (4.5 * 4.5 + 1.5 * 1.5f32);
+        assert!((Answer::of(&up).lead_over(&Answer::of(&down)) - sine * sine).abs() < 1e-6);
+        assert!((Answer::of(&down).lead_over(&twice) + sine * sine).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_less_is_known_of_the_noise_the_more_an_answer_must_exceed_it() {
+        let answer = Answer::of(&seen(1.0, 1, 4.0));
+        let limits =
+            [(0, 8, 300.0), (9, 11, 92.0), (12, 14, 54.0), (15, 17, 40.0), (18, 23, 33.0), (24, 1000, 26.0)];
+        for (least, most, limit) in limits {
+            for freedom in [least, most] {
+                let noise = Noise { squares: freedom as f32, freedom };
+                let shows = |power| answer.would_show(power * noise.variance(), &noise);
+                assert!(shows(2.02 * limit) && !shows(1.98 * limit), "{freedom}");
+            }
+        }
+    }
 }

@@ -16,13 +16,14 @@ use firmware_logic::self_test::{CheckFinding, Ending, LEVELS, LONGEST, MAX_RISE,
 use output::Output;
 use proptest::prelude::*;
 
-/// Where a thermistor may be; nowhere it stands still.
+/// Where a thermistor may be; nowhere it stands still, in a draught it swings to and fro.
 #[derive(Clone, Copy, Debug)]
 enum Place {
     Room,
     Outlet,
     Behind,
     Nowhere,
+    Draught,
 }
 
 const RIGHT: [Place; 3] = [Place::Room, Place::Outlet, Place::Behind];
@@ -75,6 +76,8 @@ impl Bench {
                 Place::Outlet => self.rises[1] + noise,
                 Place::Behind => self.rises[2] + noise,
                 Place::Nowhere => 0.0,
+                Place::Draught if (self.ticks / 13).is_multiple_of(2) => 0.3,
+                Place::Draught => -0.3,
             };
             self.thermistor.code(Celsius(22.5 + above))
         });
@@ -249,6 +252,23 @@ fn thermistors_at_a_wrong_place_are_named_on_weak_rigs_and_strong() {
             assert!(if gain < 0.1 { later <= 2 } else { later == 0 }, "{places:?}: {} ticks", bench.ticks);
         }
     }
+}
+
+/// A T0 in a draught would not show that the heater warms it: it is asked again with more power.
+#[test]
+fn a_noisy_thermistor_is_asked_with_more_power() {
+    let mut bench =
+        Bench { places: [Place::Draught, Place::Outlet, Place::Behind], ..Bench::new(&Config::default()) };
+    assert_eq!(bench.order(Order::Check), Ok(()));
+    let mut given = vec![];
+    for _ in 0..LONGEST {
+        given.push(bench.tick().applied.0);
+    }
+    given.dedup();
+    given.retain(|power| *power > 0.0);
+    assert_eq!(bench.progress.ending, Some(Ending::Passed), "{:?}", bench.progress);
+    // A pulse is answered at once; the order takes four each.
+    assert_eq!(given, [vec![LEVELS[0]; 5], vec![LEVELS[1]; 4], vec![LEVELS[2]; 4]].concat());
 }
 
 #[test]

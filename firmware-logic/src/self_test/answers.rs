@@ -72,3 +72,48 @@ impl Answers<'_> {
         if still { CheckFinding::Stuck(channel) } else { CheckFinding::Silent(channel) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::lock_in::Cycle;
+    use super::*;
+
+    /// In phase with the heat, by so many degC.
+    fn answer(size: f32) -> Answer {
+        let mut cycle = Cycle::default();
+        (0..20).for_each(|step| cycle.add(step, size));
+        Answer::of(&cycle)
+    }
+
+    /// Of so many degC: one cycle of a third contrast alone.
+    fn noise(size: f32) -> Noise {
+        let mut cycle = Cycle::default();
+        (0..40).for_each(|step| cycle.add(step, if (step / 10) % 2 == 0 { size } else { -size }));
+        let mut noise = Noise::default();
+        noise.add(&cycle);
+        noise
+    }
+
+    /// Half of 2 degC, squared and over two, is 0.5: above 300 times the noise's variance, 4/3 of its square, up to 0.0354 degC.
+    #[test]
+    fn silence_says_something_where_half_of_the_strongest_answer_would_have_shown() {
+        let answers = [answer(0.0), answer(2.0), answer(0.0)];
+        assert!((answers[1].power() - 4.0).abs() < 1e-5);
+        for (of_t0, loud) in [(0.035, true), (0.036, false)] {
+            let noises = [noise(of_t0), noise(0.01), noise(0.01)];
+            let answers = Answers { answers: &answers, noises: &noises, moves: [true; 3] };
+            assert!(answers.any() && answers.is_loud() == loud, "{of_t0}");
+        }
+    }
+
+    #[test]
+    fn a_quarter_of_the_strongest_answer_is_warmth_that_strays() {
+        for (share, found) in [(0.2, CheckFinding::Silent(Channel::T2)), (0.3, CheckFinding::AllAnswer)] {
+            let t2 = if share < 0.25 { 0.0 } else { 2.0 };
+            let answers = [answer(share * 2.0), answer(2.0), answer(t2)];
+            let noises = [noise(0.001); 3];
+            let answers = Answers { answers: &answers, noises: &noises, moves: [true; 3] };
+            assert_eq!(answers.judge(), Some(found), "{share}");
+        }
+    }
+}

@@ -56,3 +56,23 @@ pub fn offset_setting(finding: &CheckFinding, config: &Config) -> Option<(&'stat
     };
     Some((name, offset.0 - by))
 }
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::Celsius;
+    use fdi_core::likelihood::Channel;
+
+    use super::*;
+
+    #[test]
+    fn the_offset_that_mends_a_reading_is_added_to_the_one_in_force() {
+        let mut config = Config::default();
+        (config.sensors.t0.offset, config.sensors.t1.offset, config.sensors.t2.offset) =
+            (Celsius(0.25), Celsius(-1.0), Celsius(2.0));
+        let setting = |channel| offset_setting(&CheckFinding::Offset(channel, 0.5), &config);
+        assert_eq!(setting(Channel::T0), Some(("sensors.t0.offset", -0.25)));
+        assert_eq!(setting(Channel::T1), Some(("sensors.t1.offset", -1.5)));
+        assert_eq!(setting(Channel::T2), Some(("sensors.t2.offset", 1.5)));
+        assert_eq!(offset_setting(&CheckFinding::FarOff(Channel::T0, 5.0), &config), None);
+    }
+}

@@ -62,7 +62,7 @@ impl Resting {
 
     /// Begins another cycle.
     pub(super) fn begin_cycle(&mut self) {
-        *self = Self { mean: self.mean, change: self.change, ..Self::UNKNOWN };
+        *self = Self { mean: self.mean, ..Self::UNKNOWN };
     }
 }
 

@@ -177,8 +177,10 @@ fn a_check_begins_only_at_rest() {
 #[test]
 fn the_contact_of_the_interlock_is_proved_when_it_is_seen_open() {
     let mut bench = Bench::new(&Config::default());
-    assert_eq!(bench.check(), Ending::Passed);
-    assert_eq!(bench.progress.findings, [CheckFinding::CutNotSeen], "said, as nobody has opened it");
+    for _ in 0..2 {
+        assert_eq!(bench.check(), Ending::Passed);
+        assert_eq!(bench.progress.findings, [CheckFinding::CutNotSeen], "said, as nobody has opened it");
+    }
     bench.output.open = true;
     assert_eq!(bench.check(), Ending::Failed(1));
     assert_eq!(bench.progress.findings, [CheckFinding::InterlockOpen]);

@@ -87,7 +87,7 @@ impl fmt::Display for AlarmText<'_> {
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::likelihood::taught::TaughtFinding;
+    use fdi_core::likelihood::verdict::TaughtFinding;
     use fdi_core::likelihood::{LikelihoodReport, Magnitude};
     use fdi_core::{FaultClass, Report};
 

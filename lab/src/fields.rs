@@ -200,7 +200,7 @@ fn position<T: PartialEq>(all: &[T], one: &T) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::likelihood::taught::TaughtFinding;
+    use fdi_core::likelihood::verdict::TaughtFinding;
     use fdi_core::likelihood::{LikelihoodReport, Magnitude};
     use fdi_core::name::Name;
     use fdi_core::{Config, RawSample};

@@ -29,6 +29,16 @@ pub fn config(name: &str) -> anyhow::Result<Config> {
     Ok(config)
 }
 
+/// The faults come at fixed times, so a fixed PRBS would meet each at the same phase in every run. The seed moves it;
+/// seed 1 leaves the configured start, which is the board's.
+pub fn with_prbs_phase(config: &Config, seed: u64) -> Config {
+    let mut config = config.clone();
+    let period = (1u64 << config.prbs.bits.min(16)) - 1;
+    let shift = seed.wrapping_sub(1).wrapping_mul(0x9E37_79B9) % period;
+    config.prbs.start = ((u64::from(config.prbs.start) + shift - 1) % period + 1) as u16;
+    config
+}
+
 /// `name = 1.5`, `name = "word"`, or `name = { word = { key = 1.5 } }`.
 fn set(config: &mut Config, line: &str) -> anyhow::Result<()> {
     let (name, value) = line.split_once(" = ").context("expected an assignment")?;

@@ -98,6 +98,6 @@ impl Scene {
     /// # Errors
     /// Those of [`preset::config`].
     pub fn config(&self) -> anyhow::Result<Config> {
-        Ok(crate::session::with_prbs_phase(&preset::config(&self.preset)?, self.seed))
+        Ok(preset::with_prbs_phase(&preset::config(&self.preset)?, self.seed))
     }
 }

@@ -256,16 +256,6 @@ impl Order {
     }
 }
 
-/// The faults come at fixed times, so a fixed PRBS would meet each at the same phase in every run. The seed moves it;
-/// seed 1 leaves the configured start, which is the board's.
-pub fn with_prbs_phase(config: &Config, seed: u64) -> Config {
-    let mut config = config.clone();
-    let period = (1u64 << config.prbs.bits.min(16)) - 1;
-    let shift = seed.wrapping_sub(1).wrapping_mul(0x9E37_79B9) % period;
-    config.prbs.start = ((u64::from(config.prbs.start) + shift - 1) % period + 1) as u16;
-    config
-}
-
 /// What the inputs of the board read of the rig at the present tick.
 pub fn sample(rig: &mut Rig) -> RawSample {
     let [t0, t1, t2] = rig.sample().map(|code| AdcCode(code as f32));

@@ -215,7 +215,7 @@ pub fn append_cells<'a>(line: &mut String, columns: impl Iterator<Item = &'a Col
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::likelihood::taught::TaughtFinding;
+    use fdi_core::likelihood::verdict::TaughtFinding;
     use fdi_core::likelihood::{FaultClass, LikelihoodReport};
     use fdi_core::name::Name;
     use fdi_core::{AdcCode, Config, Instrument, RawSample};

@@ -1,6 +1,6 @@
 //! The heater before the air: a drive that is not straight, and a wire with a heat capacity.
 
-use crate::config::constants;
+use crate::constants::constants;
 
 constants! {
     /// The heater: its drive and its wire.

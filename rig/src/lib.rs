@@ -12,6 +12,7 @@
 
 mod air;
 mod config;
+mod constants;
 mod element;
 mod fan;
 pub mod fault;
@@ -28,7 +29,8 @@ mod sensor;
 mod thermistor;
 mod wall;
 
-pub use config::{Constant, Disturbance, RigConfig, Section};
+pub use config::{Disturbance, RigConfig};
+pub use constants::{Constant, Section};
 pub use fan::FanConfig;
 pub use heater::HeaterConfig;
 pub use mains::MainsConfig;

@@ -1,6 +1,6 @@
 //! The mains: their voltage V, relative to the nominal one, wanders and steps. The heater's power goes as V squared.
 
-use crate::config::constants;
+use crate::constants::constants;
 use crate::noise::{Noise, OrnsteinUhlenbeck, Stream};
 
 constants! {

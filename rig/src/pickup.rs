@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::config::constants;
+use crate::constants::constants;
 use crate::noise::{Noise, Stream};
 
 constants! {

@@ -85,7 +85,7 @@ impl Rig {
             fan_level: 1.0,
             room,
             pickup: Pickup::new(&config.pickup, seed),
-            thermistors: Thermistors::new(config, seed),
+            thermistors: Thermistors::new(&config.thermistor, config.beta, config.r25_over_pull_up(), seed),
             source: Heater::new(&config.heater),
             heater: HeaterHistory::cold(),
             turbulence: [Turbulence::new(config.turbulence, config.turbulence_time); 2],

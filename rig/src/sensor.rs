@@ -3,11 +3,8 @@
 use crate::config::RigConfig;
 use crate::fault::Reading;
 use crate::noise::Noise;
+use crate::thermistor::{KELVIN, T25};
 
-/// 0 degC in kelvin.
-pub(crate) const KELVIN: f64 = 273.15;
-/// 25 degC in kelvin.
-pub(crate) const T25: f64 = 298.15;
 /// Largest 12-bit code.
 const FULL_SCALE: f64 = 4095.0;
 
@@ -23,7 +20,7 @@ pub(crate) struct Digitizer {
 impl Digitizer {
     pub(crate) fn new(config: &RigConfig) -> Self {
         Self {
-            r25_over_pull_up: config.r25 / config.pull_up,
+            r25_over_pull_up: config.r25_over_pull_up(),
             beta: config.beta,
             steps: f64::from((1u32 << config.adc_bits) - 1),
             last: [None; 3],

@@ -1,9 +1,13 @@
 //! Thermistors as they are made: each a little different, warmed by the current through it, and with a body that is slower than
 //! its tip.
 
-use crate::config::{RigConfig, constants};
+use crate::constants::constants;
 use crate::noise::{Noise, Stream};
-use crate::sensor::{KELVIN, T25};
+
+/// 0 degC in kelvin.
+pub(crate) const KELVIN: f64 = 273.15;
+/// 25 degC in kelvin.
+pub(crate) const T25: f64 = 298.15;
 
 constants! {
     /// Thermistors that differ from their data sheet: R25 and beta by so many %, and an offset.
@@ -66,13 +70,9 @@ pub(crate) struct Thermistors {
 }
 
 impl Thermistors {
-    pub(crate) fn new(rig: &RigConfig, seed: u64) -> Self {
-        Self {
-            departures: departures(&rig.thermistor, seed),
-            beta: rig.beta,
-            r25_over_pull_up: rig.r25 / rig.pull_up,
-            config: rig.thermistor.clone(),
-        }
+    /// `beta` and `r25_over_pull_up` are those of the data sheet.
+    pub(crate) fn new(config: &SensorConfig, beta: f64, r25_over_pull_up: f64, seed: u64) -> Self {
+        Self { departures: departures(config, seed), beta, r25_over_pull_up, config: config.clone() }
     }
 
     /// The temperature at which a thermistor by the data sheet has the resistance of thermistor `i`, with its offset, degC.
@@ -166,7 +166,7 @@ mod tests {
     use super::*;
 
     fn thermistors(config: SensorConfig, seed: u64) -> Thermistors {
-        Thermistors::new(&RigConfig { thermistor: config, ..RigConfig::default() }, seed)
+        Thermistors::new(&config, 3950.0, 1.0, seed)
     }
 
     /// The resistance by its own R25 and beta is that of the data sheet at what it indicates.

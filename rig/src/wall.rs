@@ -4,7 +4,7 @@
 //! m; in steady state it is T. So a wall holds a draught back as it does the heat.
 
 use crate::air::{AirStream, HeaterHistory};
-use crate::config::constants;
+use crate::constants::constants;
 
 constants! {
     /// The wall of the tube, which exchanges heat with the air.

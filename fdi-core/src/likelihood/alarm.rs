@@ -1,7 +1,6 @@
 //! What the models say on a tick, and an alarm under way.
 
-use super::taught::TaughtFinding;
-use super::verdict::Finding;
+use super::verdict::{Finding, TaughtFinding};
 
 /// What the models say on a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,7 +1,7 @@
 //! What the likelihood diagnosis reports: which fault, how surely, how much, since when.
 
 use super::class::FaultClass;
-use super::taught::TaughtFinding;
+use crate::name::Name;
 
 /// An estimate with its interval: 95 % of the time the truth lies within `value` plus and minus `half_width`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,6 +25,20 @@ pub struct Finding {
     pub magnitude: Option<Magnitude>,
     /// The tick on which it is thought to have begun.
     pub onset: u32,
+}
+
+/// A fault of the user's own ([`taught`](super::taught)), told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TaughtFinding {
+    /// What the user calls it.
+    pub name: Name,
+    /// Its place among the responses, from 0.
+    pub place: u8,
+    /// Probability among all that were considered, 0..=1.
+    pub confidence: f32,
+    /// How large it is, % of what was taught.
+    pub magnitude: Magnitude,
 }
 
 /// Whether the likelihood diagnosis can say anything.

@@ -2,7 +2,6 @@
 
 use core::f32::consts::{PI, TAU};
 
-use super::search::Search;
 use crate::bounds::smaller;
 use crate::turn::cos_sin;
 use crate::units::Seconds;
@@ -81,13 +80,6 @@ impl Lag {
         let bare = Tuned { kp: 1.0, ti: Seconds(f32::INFINITY), td: Seconds(0.0) };
         let (at, size) = self.crossing(&bare, sample_time)?;
         Some(Tuned { kp: 0.31 / size, ti: Seconds(2.2 * 2.0 * PI / at), td: Seconds(0.0) })
-    }
-
-    /// The best of a [`Search`].
-    pub fn quickest(&self, sample_time: Seconds) -> Tuned {
-        let mut search = Search::new(self, sample_time);
-        while !search.step() {}
-        search.best()
     }
 
     /// A step of the set-point on this lag, by the PID as it is; `None` where it does not settle.

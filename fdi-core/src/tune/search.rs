@@ -23,6 +23,15 @@ pub struct Search {
     next: usize,
 }
 
+impl Lag {
+    /// The best of a [`Search`].
+    pub fn quickest(&self, sample_time: Seconds) -> Tuned {
+        let mut search = Search::new(self, sample_time);
+        while !search.step() {}
+        search.best()
+    }
+}
+
 impl Search {
     /// Begins with the settings of [`Lag::by_model`].
     pub fn new(lag: &Lag, sample_time: Seconds) -> Self {

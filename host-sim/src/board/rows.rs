@@ -158,7 +158,7 @@ fn carried_out(order: &OrderKind) -> Option<Order> {
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::likelihood::taught::TaughtFinding;
+    use fdi_core::likelihood::verdict::TaughtFinding;
     use fdi_core::likelihood::{FaultClass, LikelihoodReport, Magnitude};
     use fdi_core::name::Name;
     use fdi_core::{AdcCode, Celsius, Finding, Instrument, Percent, RawSample, Report};

@@ -4,7 +4,7 @@ use crate::score::expectation::Expectation;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::{DECISIVE, Residual};
 use fdi_core::likelihood::Magnitude;
-use fdi_core::likelihood::taught::TaughtFinding;
+use fdi_core::likelihood::verdict::TaughtFinding;
 use fdi_core::{AdcCode, Finding, Reading, Validity};
 use firmware_logic::finding::Sentence;
 use serde::Serialize;

@@ -248,7 +248,7 @@ fn why_not_learnt(record: &Record) -> String {
 #[cfg(test)]
 mod tests {
     use fdi_core::Config;
-    use fdi_core::likelihood::taught::TaughtFinding;
+    use fdi_core::likelihood::verdict::TaughtFinding;
     use fdi_core::likelihood::{FaultClass, Finding, Magnitude};
 
     use super::*;

@@ -7,7 +7,7 @@ use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::event::{Event, Fault};
 use fdi_core::diagnosis::{Report, Verdict};
 use fdi_core::identify::observer::Observation;
-use fdi_core::likelihood::taught::TaughtFinding;
+use fdi_core::likelihood::verdict::TaughtFinding;
 use fdi_core::likelihood::{Finding, LikelihoodReport, Magnitude, Readiness};
 use fdi_core::supervisor::{Mode, Trip};
 use fdi_core::{KnownInputs, RawSample, Reading, Sample, Tick};

@@ -17,20 +17,3 @@ mod weigh;
 pub use response::{Changed, EFFECTS, Effects, Full, MAX_TAUGHT, Mean, Response, Responses, names, put};
 pub(super) use response::{of_hypothesis, spreads};
 pub(super) use weigh::{Weighed, likeliest, weigh};
-
-use super::verdict::Magnitude;
-use crate::name::Name;
-
-/// A taught fault, told.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct TaughtFinding {
-    /// What the user calls it.
-    pub name: Name,
-    /// Its place among the responses, from 0.
-    pub place: u8,
-    /// Probability among all that were considered, 0..=1.
-    pub confidence: f32,
-    /// How large it is, % of what was taught.
-    pub magnitude: Magnitude,
-}

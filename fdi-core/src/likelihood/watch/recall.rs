@@ -6,8 +6,8 @@ use crate::bounds::smaller;
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::evidence::{Freed, Nuisances};
 use crate::likelihood::hypothesis::{COUNT, HYPOTHESES};
-use crate::likelihood::taught::{Changed, TaughtFinding, Weighed, likeliest, of_hypothesis, spreads};
-use crate::likelihood::verdict::Magnitude;
+use crate::likelihood::taught::{Changed, Weighed, likeliest, of_hypothesis, spreads};
+use crate::likelihood::verdict::{Magnitude, TaughtFinding};
 use crate::root::sqrt;
 
 impl Watch {

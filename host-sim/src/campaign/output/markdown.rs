@@ -4,7 +4,8 @@
 use std::fmt::Write;
 
 use super::said;
-use super::table::{alarms, delays, label, seconds};
+use super::table::alarms;
+use super::text::{delays, label, seconds};
 use crate::campaign::by::By;
 use crate::campaign::definition::Expect;
 use crate::campaign::results::{CellResults, Results};

@@ -6,6 +6,7 @@ mod rigs;
 mod runaway;
 mod said;
 pub mod table;
+mod text;
 
 use std::io::Write;
 use std::path::Path;
@@ -21,7 +22,7 @@ use super::run::{Observation, RunRow};
 use super::statistics::heat::HeatStatistics;
 use super::statistics::quantiles::Quantiles;
 use crate::score::expectation::Expectation;
-use table::counted;
+use text::counted;
 
 /// A cell of a table with the name of its column.
 type Field = (String, String);

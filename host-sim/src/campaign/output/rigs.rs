@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use super::runaway::distinct;
-use super::table::{seconds, short};
+use super::table::short;
+use super::text::seconds;
 use crate::campaign::results::{CellResults, Results};
 
 /// The tables, with a line end; none where no kind of case was tried on two rigs.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::table::seconds;
+use super::text::seconds;
 use crate::campaign::results::{CellResults, RUNAWAY, Results};
 
 /// The tables, with a line end; none without such a cell.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::table::{counted, delays, label, line, seconds};
+use super::text::{counted, delays, label, line, seconds};
 use super::{Field, field, maybe};
 use crate::campaign::results::{CellResults, Results};
 use crate::campaign::statistics::said::{Confidence, FaultSaid, SaidStatistics, Share, sum};

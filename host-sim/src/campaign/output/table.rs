@@ -3,16 +3,13 @@
 use std::fmt::Write;
 
 use super::said;
+use super::text::{counted, delays, label, line, seconds};
 use crate::campaign::by::By;
 use crate::campaign::definition::Expect;
 use crate::campaign::results::{CellResults, Results};
 use crate::campaign::statistics::heat::HeatStatistics;
-use crate::campaign::statistics::quantiles::Quantiles;
 use crate::campaign::statistics::target::Outcome;
 use crate::campaign::statistics::{AlarmStatistics, FaultStatistics};
-
-/// Columns of a terminal.
-const WIDTH: usize = 100;
 
 /// Everything, with a line end.
 pub fn of(results: &Results) -> String {
@@ -32,26 +29,10 @@ pub fn of(results: &Results) -> String {
     text
 }
 
-pub(super) fn label(cell: &CellResults) -> String {
-    let calm = if cell.disturbance == pt326_rig::Disturbance::Lively {
-        String::new()
-    } else {
-        format!(", {}", cell.disturbance)
-    };
-    let setting = if cell.setting.is_empty() { String::new() } else { format!(" [{}]", cell.setting) };
-    format!("{}{calm}{setting}", cell.name)
-}
-
 /// A cell's name on a line of its own, since the numbers need the rest of it.
 fn heading(text: &mut String, cell: &CellResults, remarks: &[String]) {
     let remarks: String = remarks.iter().map(|remark| format!("; {remark}")).collect();
     line(text, &format!("{}: {} runs{remarks}", label(cell), cell.runs), "    ");
-}
-
-/// Text in lines that a terminal holds.
-pub(super) fn line(text: &mut String, content: &str, indent: &str) {
-    let options = textwrap::Options::new(WIDTH).subsequent_indent(indent);
-    let _ = writeln!(text, "{}", textwrap::fill(content, options));
 }
 
 fn fault_cells(text: &mut String, cells: &[&CellResults]) {
@@ -114,12 +95,6 @@ fn columns([detection, missed, isolation, never, first, last, duration, size, ho
     )
 }
 
-/// Each name with its count.
-pub(super) fn counted(counts: &[(String, usize)]) -> String {
-    let counts: Vec<String> = counts.iter().map(|(name, count)| format!("{name} {count}")).collect();
-    counts.join(", ")
-}
-
 /// The trips after the onset, and how many runs tripped before.
 fn trips(heat: &HeatStatistics) -> String {
     match (heat.reasons.as_slice(), heat.tripped_early) {
@@ -152,17 +127,6 @@ fn runaway_cells(text: &mut String, cells: &[&CellResults]) {
         );
         line(text, &numbers, &" ".repeat(50));
     }
-}
-
-pub(super) fn delays(q: &Quantiles) -> String {
-    if *q == Quantiles::default() {
-        return "never".into();
-    }
-    [q.median, q.p95, q.p99].map(seconds).join(" / ")
-}
-
-pub(super) fn seconds(x: Option<f64>) -> String {
-    x.map_or("-".into(), |x| format!("{x:.2}"))
 }
 
 fn silent_cells(text: &mut String, cells: &[&CellResults]) {

@@ -91,7 +91,7 @@ impl Instrument {
     /// Second half: identifies and diagnoses. `applied` is what the heater really gets until the next tick, which is
     /// the drive of `tick` unless something else has cut it.
     pub fn diagnose(&mut self, tick: &Tick, applied: Percent) -> Report {
-        let report = self.diagnosis.step(&mut self.diagnosis_state, tick, applied);
+        let report = self.diagnosis.step(&mut self.diagnosis_state, &tick.observation(applied));
         self.controller.feed_back(&mut self.control_state, report.feedback());
         report
     }

@@ -129,7 +129,7 @@ impl DiagnosisLoop {
             self.damaged = self.is_damaged();
         }
         self.still.step(&record.tick.sample, record.applied.0 > 0.0);
-        let report = self.diagnosis.step(&mut self.state, &record.tick, record.applied);
+        let report = self.diagnosis.step(&mut self.state, &record.tick.observation(record.applied));
         let monitors = record.tick.mode == Mode::Monitor;
         let symptoms = report.filtered.as_ref().map(|verdict| &verdict.symptoms);
         self.teaching.step(monitors, symptoms, || self.diagnosis.changed(&self.state));

@@ -3,12 +3,14 @@
 pub mod pid;
 pub mod prbs;
 
+use crate::bounds::bounded;
 use crate::config::{Config, Limits};
 use crate::diagnosis::baseline::Baseline;
 use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::known::KnownInputs;
+use crate::observation::Observation;
 use crate::sense::supply::{Supply, SupplyState};
 use crate::sense::{RawSample, Sample, Sensing, SensingState, Validity};
 use crate::supervisor::effect::HARMLESS;
@@ -51,6 +53,23 @@ pub struct Tick {
     pub forget: bool,
     /// What is known of the rig's other inputs.
     pub known: KnownInputs,
+}
+
+impl Tick {
+    /// What the diagnosis sees of it. `applied` is what really drives the heater from this tick to the next; what is no number
+    /// counts as the drive that was asked for.
+    pub fn observation(&self, applied: Percent) -> Observation {
+        Observation {
+            index: self.index,
+            sample: self.sample,
+            power: if applied.0.is_finite() { Percent(bounded(applied.0, 0.0, 100.0)) } else { self.drive },
+            known: self.known,
+            phase: self.mode.phase(),
+            excited: self.prbs.0 != 0.0,
+            learn: self.learn,
+            forget: self.forget,
+        }
+    }
 }
 
 /// The validated first half of a tick. Of two that the same settings gave, one that differs has been damaged.

@@ -8,13 +8,11 @@ pub mod residual;
 pub mod signature;
 pub mod teach;
 
-use crate::bounds::bounded;
 use crate::config::Config;
-use crate::control::Tick;
 use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
-use crate::identify::observer::{Observation, Observer, ObserverState};
+use crate::identify::observer::{Estimate, Observer, ObserverState};
 use crate::known::KnownInputs;
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::model::Model;
@@ -22,7 +20,7 @@ use crate::likelihood::taught::Changed;
 use crate::likelihood::{
     Channel, Commissioned, FaultClass, Likelihood, LikelihoodReport, LikelihoodState, SinceCommissioning,
 };
-use crate::supervisor::Mode;
+use crate::observation::{Observation, Phase};
 use crate::units::Percent;
 use answer::{Answers, Standing};
 use baseline::{Baseline, Learner};
@@ -49,7 +47,7 @@ pub struct DiagnosisState {
     ms1: ObserverState,
     ms2: ObserverState,
     filters: LowPassState<RESIDUALS>,
-    mode: Mode,
+    phase: Phase,
     learner: Learner,
     baseline: Option<Baseline>,
     /// Of the low-passed residuals and of the raw ones.
@@ -88,9 +86,9 @@ pub struct Report {
     /// y2 = T2 - T0 in degC.
     pub y2: Option<f32>,
     /// Model of y1 against the power.
-    pub ms1: Observation,
+    pub ms1: Estimate,
     /// Model of y2 against the power.
-    pub ms2: Observation,
+    pub ms2: Estimate,
     /// What the residuals are made of, in the order of [`residual::ALL`], before any nominal value is subtracted.
     pub features: Option<[f32; RESIDUALS]>,
     /// The same, low-passed.
@@ -175,7 +173,7 @@ impl Diagnosis {
             ms1: self.ms1.start(),
             ms2: self.ms2.start(),
             filters: None,
-            mode: Mode::Off,
+            phase: Phase::Off,
             learner: Learner::default(),
             baseline: None,
             standing: Default::default(),
@@ -184,25 +182,22 @@ impl Diagnosis {
         }
     }
 
-    /// Diagnoses one tick. `applied` is what really drives the heater from this tick to the next; what is no
-    /// number counts as the drive that the tick asked for.
-    pub fn step(&self, state: &mut DiagnosisState, tick: &Tick, applied: Percent) -> Report {
-        let applied = if applied.0.is_finite() { bounded(applied.0, 0.0, 100.0) } else { tick.drive.0 };
-        let heating = tick.mode.is_heating();
-        let t0 = tick.sample.t0.good();
-        let rise = |reading: Option<f32>| Some(reading? - t0?);
-        let (y1, y2) = (rise(tick.sample.t1.good()), rise(tick.sample.t2.good()));
+    /// Diagnoses one tick.
+    pub fn step(&self, state: &mut DiagnosisState, seen: &Observation) -> Report {
+        let applied = seen.power.0;
+        let heating = seen.phase.is_heated();
+        let [y1, y2] = seen.rises();
         let ms1 = self.ms1.step(&mut state.ms1, y1.filter(|_| heating), applied);
         let ms2 = self.ms2.step(&mut state.ms2, y2.filter(|_| heating), applied);
         let raw = if heating { features(y1, y2, applied, &ms1, &ms2) } else { None };
         let filtered = raw.as_ref().map(|raw| self.low_pass.step(&mut state.filters, raw));
-        self.follow_mode(state, tick.mode);
-        if tick.learn
+        self.follow_phase(state, seen.phase);
+        if seen.learn
             && let (Some(raw), Some(filtered)) = (&raw, &filtered)
         {
             state.learner.push(raw, filtered);
         }
-        let normal = state.baseline.as_ref().filter(|_| matches!(tick.mode, Mode::Monitor));
+        let normal = state.baseline.as_ref().filter(|_| seen.phase == Phase::Watched);
         let [of_filtered, of_raw] = &mut state.standing;
         let judge = |standing: &mut Vectors, features: &Option<_>, normal: Option<&_>| {
             Some(self.judge(standing, features.as_ref()?, normal?))
@@ -211,7 +206,7 @@ impl Diagnosis {
         let verdict = judge(of_filtered, &filtered, normal.map(|normal| &normal.filtered));
         let undisturbed = verdict.is_none_or(|verdict| verdict.fdv == 0);
         Report {
-            tick: tick.index,
+            tick: seen.index,
             y1,
             y2,
             ms1,
@@ -224,33 +219,33 @@ impl Diagnosis {
             raw: judge(of_raw, &raw, normal.map(|normal| &normal.raw)),
             learned: state.learner.count(),
             events: match &verdict {
-                Some(v) => self.events.step(&mut state.events, tick.index, &v.symptoms, v.fdv, v.fiv),
+                Some(v) => self.events.step(&mut state.events, seen.index, &v.symptoms, v.fdv, v.fiv),
                 None => Events::new(),
             },
-            likelihood: self.likelihood.step(&mut state.likelihood, tick, [y1, y2], applied, undisturbed),
+            likelihood: self.likelihood.step(&mut state.likelihood, seen, undisturbed),
         }
     }
 
     /// Learning starts afresh whenever it is entered; the baseline stands once monitoring begins.
-    fn follow_mode(&self, state: &mut DiagnosisState, mode: Mode) {
-        if core::mem::discriminant(&state.mode) == core::mem::discriminant(&mode) {
+    fn follow_phase(&self, state: &mut DiagnosisState, phase: Phase) {
+        let before = core::mem::replace(&mut state.phase, phase);
+        if before == phase {
             return;
         }
-        match mode {
-            Mode::Learn { .. } => {
+        match phase {
+            Phase::Learning => {
                 state.learner = Learner::default();
                 state.baseline = None;
             }
-            Mode::Monitor => {
-                if matches!(state.mode, Mode::Learn { .. }) {
+            Phase::Watched => {
+                if before == Phase::Learning {
                     state.baseline = Some(state.learner.baseline());
                 }
                 state.events = EventState::default();
                 state.standing = Default::default();
             }
-            Mode::Off | Mode::Settle { .. } | Mode::Tune | Mode::Tripped(_) => {}
+            Phase::Off | Phase::Heated | Phase::Tripped => {}
         }
-        state.mode = mode;
     }
 
     fn judge(

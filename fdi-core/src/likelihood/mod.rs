@@ -68,13 +68,12 @@ mod training;
 pub mod verdict;
 mod watch;
 
-use crate::control::Tick;
 use crate::error::ConfigError;
 use crate::identify::config::IdentificationConfig;
 use crate::known::KnownInputs;
+use crate::observation::{Observation, Phase};
 use crate::sense::{Reading, Validity};
 use crate::settings::check;
-use crate::supervisor::Mode;
 use crate::units::Seconds;
 use alarm::ModelAlarm;
 use ambient::{Ambient, AmbientState};
@@ -141,8 +140,7 @@ const FAN_TOLERANCE: f32 = 0.05;
 
 /// One tick, as all parts see it.
 struct Now<'a> {
-    tick: &'a Tick,
-    heating: bool,
+    seen: &'a Observation,
     /// Rises of T1 and T2 over T0, and over the ambient that is believed, where known, degC.
     y: [Option<f32>; 2],
     believed: [Option<f32>; 2],
@@ -196,46 +194,43 @@ impl Likelihood {
         self
     }
 
-    /// Diagnoses one tick: `y` are the rises of T1 and T2 over T0 in degC where valid, `applied` is what drives
-    /// the heater from this tick to the next, %, whatever its supply. `undisturbed` says that the paper's signatures see no fault.
+    /// Diagnoses one tick. `undisturbed` says that the paper's signatures see no fault.
     pub fn step(
         &self,
         state: &mut LikelihoodState,
-        tick: &Tick,
-        y: [Option<f32>; 2],
-        applied: f32,
+        seen: &Observation,
         undisturbed: bool,
     ) -> LikelihoodReport {
-        let power = tick.known.effective(applied);
-        let readings = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(|reading| reading.good());
+        let (sample, known) = (&seen.sample, &seen.known);
+        let power = known.effective(seen.power.0);
+        let readings = [sample.t0, sample.t1, sample.t2].map(|reading| reading.good());
         let [t0, t1, t2] = readings;
-        let heating = tick.mode.is_heating();
-        self.follow_mode(state, tick);
+        let heating = seen.phase.is_heated();
+        self.follow_phase(state, seen);
         let contradiction = if self.inputs == Inputs::ALL {
-            self.ambient.step(&mut state.ambient, tick.index, readings, power);
-            let read = [tick.sample.t0, tick.sample.t1, tick.sample.t2].map(read);
-            state.contradiction.step(&self.response, tick.index, heating, read, power)
+            self.ambient.step(&mut state.ambient, seen.index, readings, power);
+            let read = [sample.t0, sample.t1, sample.t2].map(read);
+            state.contradiction.step(&self.response, seen.index, heating, read, power)
         } else {
             state.ambient.assume(t0);
             None
         };
         let believed = state.ambient.rises([t1, t2]);
         let now = Now {
-            tick,
-            heating,
-            y,
+            seen,
+            y: seen.rises(),
             believed,
             u: power,
-            fan: tick.known.fan_share(),
-            beside: tick.known.beside.map_or(0.0, |power| power.0),
+            fan: known.fan_share(),
+            beside: known.beside.map_or(0.0, |power| power.0),
         };
         let undisturbed = undisturbed && contradiction.is_none();
-        state.cold.step(y, applied <= 0.0);
+        state.cold.step(now.y, seen.power.0 <= 0.0);
         let by_models = self.watch(state, &now);
         self.train(state, &now, t0, undisturbed);
-        let by_sensors = state.sensors.step(&tick.sample, tick.index);
+        let by_sensors = state.sensors.step(sample, seen.index);
         let without_models = contradiction.or(state.ambient.finding());
-        if tick.index.is_multiple_of(finite::EVERY) && !state.is_finite() {
+        if seen.index.is_multiple_of(finite::EVERY) && !state.is_finite() {
             return state.begin_anew();
         }
         let finding = preferred(by_sensors, by_models.finding(), without_models);
@@ -281,15 +276,14 @@ impl Likelihood {
 
     /// Training starts afresh whenever learning does, and ends with heating. What was trained outlives both, unless the
     /// rig was changed on purpose.
-    fn follow_mode(&self, state: &mut LikelihoodState, tick: &Tick) {
-        let mode = tick.mode;
-        if tick.forget {
+    fn follow_phase(&self, state: &mut LikelihoodState, seen: &Observation) {
+        if seen.forget {
             (state.work, state.trained, state.current) = (Work::Nothing, None, false);
         }
-        let learning = matches!(mode, Mode::Learn { .. });
+        let learning = seen.phase == Phase::Learning;
         let begins = learning && !state.was_learning;
         // What was seen while it heated up belongs to the learning that follows.
-        if (begins && state.current) || !mode.is_heating() {
+        if (begins && state.current) || !seen.phase.is_heated() {
             state.work = Work::Nothing;
             state.otherwise = Readiness::Untrained;
         }
@@ -298,12 +292,12 @@ impl Likelihood {
     }
 
     fn train(&self, state: &mut LikelihoodState, now: &Now, t0: Option<f32>, undisturbed: bool) {
-        let tick = now.tick;
+        let seen = now.seen;
         // With a restored baseline there is no learning; then training takes place while monitoring.
-        let quiet = tick.mode == Mode::Monitor && tick.prbs.0 != 0.0;
+        let quiet = seen.phase == Phase::Watched && seen.excited;
         let usual_fan = (now.fan - 1.0).abs() <= FAN_TOLERANCE;
-        let fit_to_learn = undisturbed && usual_fan && (tick.learn || quiet);
-        if state.current || !now.heating || (tick.mode == Mode::Monitor && !fit_to_learn) {
+        let fit_to_learn = undisturbed && usual_fan && (seen.learn || quiet);
+        if state.current || !seen.phase.is_heated() || (seen.phase == Phase::Watched && !fit_to_learn) {
             return;
         }
         if !matches!(state.work, Work::Training(_)) {
@@ -332,16 +326,16 @@ impl Likelihood {
     /// What the models say.
     fn watch(&self, state: &mut LikelihoodState, now: &Now) -> ModelAlarm {
         let Some(trained) = state.trained.as_mut() else { return ModelAlarm::Quiet };
-        if state.current && now.tick.mode == Mode::Monitor {
+        if state.current && now.seen.phase == Phase::Watched {
             if !matches!(state.work, Work::Watching(_)) {
                 state.work = Work::Watching(Gathered::default());
             }
             let Work::Watching(gathered) = &mut state.work else { return state.reported };
-            let t0 = now.tick.sample.t0.good();
+            let t0 = now.seen.sample.t0.good();
             state.reported = self.watch.step(
                 trained,
                 gathered,
-                now.tick.index,
+                now.seen.index,
                 now.y,
                 t0,
                 now.believed,
@@ -352,9 +346,9 @@ impl Likelihood {
         if matches!(state.work, Work::Watching(_)) {
             state.work = Work::Nothing;
         }
-        self.watch.idle(trained, now.believed, [now.u, now.fan, now.beside], now.heating);
+        self.watch.idle(trained, now.believed, [now.u, now.fan, now.beside], now.seen.phase.is_heated());
         // What is found afterwards is only how the rig cools: what was reported before a trip is what can be said of it.
-        if !matches!(now.tick.mode, Mode::Tripped(_)) {
+        if now.seen.phase != Phase::Tripped {
             state.reported = ModelAlarm::Quiet;
         }
         state.reported
@@ -367,14 +361,14 @@ impl Likelihood {
             return LikelihoodReport { expected: [ambient, None, None], ..LikelihoodReport::default() };
         };
         let [y1, y2] = trained.expected().map(|rise| ambient.map(|ambient| ambient + rise));
-        let monitoring = state.current && now.tick.mode == Mode::Monitor;
+        let monitoring = state.current && now.seen.phase == Phase::Watched;
         // The virtual T1 is a rise over T0.
-        let known = monitoring && now.y[1].is_some() && state.ambient.is_followed(now.tick.sample.t0.good());
+        let known = monitoring && now.y[1].is_some() && state.ambient.is_followed(now.seen.sample.t0.good());
         LikelihoodReport {
             expected: [ambient, y1, y2],
             taught: if monitoring { trained.taught() } else { None },
             virtual_rise: if known { trained.virtual_t1() } else { None },
-            air_flow: if now.heating { trained.air_flow() } else { None },
+            air_flow: if now.seen.phase.is_heated() { trained.air_flow() } else { None },
             heater_stuck_on: trained.heater_stuck_on(),
             ..LikelihoodReport::default()
         }

@@ -8,13 +8,13 @@ mod gate;
 mod one_rate;
 
 use crate::config::Config;
-use crate::control::Tick;
 use crate::diagnosis::Report;
 use crate::diagnosis::baseline::Baseline;
 use crate::error::{ConfigError, in_range};
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::model::Model;
 use crate::likelihood::{FaultClass, Finding, LikelihoodReport, LikelihoodState, Readiness};
+use crate::observation::Observation;
 use crate::units::Seconds;
 use gate::Gate;
 use one_rate::OneRate;
@@ -142,16 +142,16 @@ impl Monitor {
         Ok(Self { slow: Some(Slow { rate, every, gathered, said }), ..self })
     }
 
-    /// One sample: what the instrument's first half would have handed on, and the report on it.
-    pub fn step(&mut self, observed: &Observed) -> (Tick, Report) {
+    /// One sample: what is believed of it, and the report on it.
+    pub fn step(&mut self, observed: &Observed) -> (Observation, Report) {
         let observed = &self.gate.step(observed, self.fast.units());
-        let (mut tick, mut report) = self.fast.step(observed);
-        [.., tick.known.supply_lost] = self.gate.refused;
+        let (mut seen, mut report) = self.fast.step(observed);
+        [.., seen.known.supply_lost] = self.gate.refused;
         if let Some(slow) = &mut self.slow {
             slow.step(observed, report.likelihood.finding);
             report.likelihood = slow.together(report.likelihood);
         }
-        (tick, report)
+        (seen, report)
     }
 
     /// Samples so far of each of [`OBSERVED`] that no rig can have given: they counted as not known. Of fan and supply the last level that was one

@@ -1,9 +1,8 @@
-//! The instrument's second half at one sample time, with what its first half would say of a rig under another control.
+//! The instrument's second half at one sample time, for a rig under another control.
 
 use super::{Observed, Units};
 use crate::bounds::larger;
 use crate::config::Config;
-use crate::control::Tick;
 use crate::diagnosis::baseline::Baseline;
 use crate::diagnosis::{Diagnosis, DiagnosisState, Report};
 use crate::error::{ConfigError, in_range};
@@ -11,8 +10,8 @@ use crate::known::KnownInputs;
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::model::Model;
 use crate::likelihood::{FaultClass, LikelihoodState, Readiness};
+use crate::observation::{Observation, Phase};
 use crate::sense::{Reading, Sample, Validity};
-use crate::supervisor::Mode;
 use crate::units::{Celsius, Percent};
 
 /// The diagnosis knows no longer sample times, s: it sees a slower rig as a faster one.
@@ -78,7 +77,6 @@ pub(super) struct OneRate {
     last: [f32; 3],
     still: [Still; 3],
     power: f32,
-    setpoint: Celsius,
 }
 
 impl OneRate {
@@ -93,7 +91,7 @@ impl OneRate {
         in_range("units.full_power", units.full_power, 1e-6, 1e9)?;
         let state = diagnosis.start();
         let (index, learnt, armed, was_learning, resuming, base) = (0, 0, false, false, false, None);
-        let (last, power, setpoint) = ([0.0; 3], 0.0, config.setpoint);
+        let (last, power) = ([0.0; 3], 0.0);
         Ok(Self {
             diagnosis,
             state,
@@ -109,20 +107,19 @@ impl OneRate {
             last,
             still: [Still::default(); 3],
             power,
-            setpoint,
         })
     }
 
-    /// One sample: what the instrument's first half would have handed on, and the report on it.
-    pub(super) fn step(&mut self, observed: &Observed) -> (Tick, Report) {
-        let tick = self.tick(observed);
+    /// One sample: what is believed of it, and the report on it.
+    pub(super) fn step(&mut self, observed: &Observed) -> (Observation, Report) {
+        let seen = self.see(observed);
         if core::mem::take(&mut self.resuming) {
-            self.diagnosis.resume(&mut self.state, tick.drive.0, &tick.known);
+            self.diagnosis.resume(&mut self.state, seen.power.0, &seen.known);
         }
-        let mut report = self.diagnosis.step(&mut self.state, &tick, tick.drive);
+        let mut report = self.diagnosis.step(&mut self.state, &seen);
         self.armed = report.likelihood.readiness == Readiness::Armed;
         self.to_units(&mut report);
-        (self.in_units(tick), report)
+        (self.in_units(seen), report)
     }
 
     pub(super) fn inputs(&self) -> Inputs {
@@ -158,7 +155,7 @@ impl OneRate {
         &self.state.likelihood
     }
 
-    fn tick(&mut self, observed: &Observed) -> Tick {
+    fn see(&mut self, observed: &Observed) -> Observation {
         let percent = |power: Option<f32>| power.map(|u| 100.0 * u / self.units.full_power);
         let [t0, t1, t2] = observed.t.map(|t| t.map(|t| t * self.units.celsius));
         self.power = percent(observed.power).unwrap_or(self.power).clamp(0.0, 100.0);
@@ -175,25 +172,20 @@ impl OneRate {
         let t0 = if self.inputs.t0 { t0 } else { self.base };
         let t2 = if self.inputs.t2 { t2 } else { t1 };
         self.learnt = self.learnt.saturating_add(u32::from(learn));
-        let mode = match (learn, self.learnt) {
-            (true, accepted) => Mode::Learn { accepted },
-            (false, 0) => Mode::Settle { steady: 0 },
-            (false, _) => Mode::Monitor,
+        let phase = match (learn, self.learnt) {
+            (true, _) => Phase::Learning,
+            (false, 0) => Phase::Heated,
+            (false, _) => Phase::Watched,
         };
         let index = self.index;
         self.index = index.saturating_add(1);
-        Tick {
+        Observation {
             index,
             sample: Sample { t0: self.reading(0, t0), t1: self.reading(1, t1), t2: self.reading(2, t2) },
-            virtual_t1: None,
-            setpoint: self.setpoint,
-            pid: Percent(self.power),
-            prbs: Percent(0.0),
-            drive: Percent(self.power),
-            mode,
-            tuning: None,
+            power: Percent(self.power),
+            phase,
+            excited: false,
             learn,
-            blocked: None,
             forget: false,
             known: KnownInputs {
                 supply: observed.supply,
@@ -220,11 +212,11 @@ impl OneRate {
     }
 
     /// Temperatures in the recording's unit again.
-    fn in_units(&self, mut tick: Tick) -> Tick {
-        for reading in [&mut tick.sample.t0, &mut tick.sample.t1, &mut tick.sample.t2] {
+    fn in_units(&self, mut seen: Observation) -> Observation {
+        for reading in [&mut seen.sample.t0, &mut seen.sample.t1, &mut seen.sample.t2] {
             reading.celsius.0 /= self.units.celsius;
         }
-        tick
+        seen
     }
 
     fn to_units(&self, report: &mut Report) {

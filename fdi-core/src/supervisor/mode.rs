@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::observation::Phase;
 use crate::sense::{RawSample, Sample};
 use crate::units::{Celsius, Percent};
 
@@ -116,7 +117,18 @@ pub enum Mode {
 impl Mode {
     /// Whether the heater may be driven.
     pub fn is_heating(&self) -> bool {
-        matches!(self, Self::Settle { .. } | Self::Learn { .. } | Self::Monitor | Self::Tune)
+        self.phase().is_heated()
+    }
+
+    /// What of it the diagnosis goes by.
+    pub fn phase(&self) -> Phase {
+        match self {
+            Self::Off => Phase::Off,
+            Self::Settle { .. } | Self::Tune => Phase::Heated,
+            Self::Learn { .. } => Phase::Learning,
+            Self::Monitor => Phase::Watched,
+            Self::Tripped(_) => Phase::Tripped,
+        }
     }
 
     /// Name in traces and logs.

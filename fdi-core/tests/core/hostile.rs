@@ -173,7 +173,7 @@ impl Board {
         let tick = self.controller.step(&mut self.control_state, RawSample { t0, t1, t2, supply });
         self.power = tick.drive.0;
         let applied = if odds == 0 { self.power } else { self.random.spoilt(self.power, odds) };
-        let report = self.diagnosis.step(&mut self.diagnosis_state, &tick, Percent(applied));
+        let report = self.diagnosis.step(&mut self.diagnosis_state, &tick.observation(Percent(applied)));
         self.controller.feed_back(&mut self.control_state, report.feedback());
         (tick, report)
     }

@@ -174,8 +174,8 @@ fn gaps_and_wild_numbers_are_survived() {
         let t1 = if k % 3 == 0 { None } else { Some(wild) };
         let observed =
             Observed { t: [None, t1, None], power: Some(wild), beside: Some(wild), ..Observed::default() };
-        let (tick, report) = monitor.step(&observed);
-        assert!(tick.sample.t1.celsius.0.is_finite() && (0.0..=100.0).contains(&tick.drive.0));
+        let (seen, report) = monitor.step(&observed);
+        assert!(seen.sample.t1.celsius.0.is_finite() && (0.0..=100.0).contains(&seen.power.0));
         assert!(report.likelihood.finding.and_then(|f| f.magnitude).is_none_or(|m| m.value.is_finite()));
     }
 }

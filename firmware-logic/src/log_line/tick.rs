@@ -6,7 +6,7 @@ use core::fmt;
 
 use fdi_core::diagnosis::Verdict;
 use fdi_core::diagnosis::signature::{Symptom, Symptoms};
-use fdi_core::identify::observer::Observation;
+use fdi_core::identify::observer::Estimate;
 use fdi_core::likelihood::{LikelihoodReport, Readiness, RejectReason};
 use fdi_core::supervisor::Blocker;
 use fdi_core::{AdcCode, Mode, Percent, RawSample, Report, Validity};
@@ -270,7 +270,7 @@ fn validity(validity: Validity) -> u32 {
     }
 }
 
-fn observer(o: &Observation) -> u32 {
+fn observer(o: &Estimate) -> u32 {
     u32::from(o.held)
         | u32::from(o.gain_held) << 1
         | u32::from(o.bandwidth_held) << 2

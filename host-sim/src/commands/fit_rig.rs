@@ -73,8 +73,8 @@ impl Left {
             .samples
             .iter()
             .filter_map(|sample| {
-                let (tick, report) = monitor.step(sample);
-                Some(f64::from(tick.sample.t1.good()? - report.likelihood.expected[1]?))
+                let (seen, report) = monitor.step(sample);
+                Some(f64::from(seen.sample.t1.good()? - report.likelihood.expected[1]?))
             })
             .skip(60)
             .collect();

@@ -5,7 +5,7 @@ use std::ops::Range;
 use anyhow::{Context, bail, ensure};
 use fdi_core::likelihood::Readiness;
 use fdi_core::monitor::OBSERVED;
-use fdi_core::{Config, Monitor, Observed, Report, Tick};
+use fdi_core::{Celsius, Config, Mode, Monitor, Observation, Observed, Percent, Phase, Report, Tick};
 use indicatif::ProgressBar;
 use pt326_rig::fault::Fault;
 
@@ -118,15 +118,15 @@ pub fn diagnose(
     let before = monitor.implausible();
     progress.set_length((samples.len() - part.start) as u64);
     for (k, sample) in samples.iter().enumerate().skip(part.start) {
-        let (tick, report) = monitor.step(&Observed { learn: part.contains(&k), ..*sample });
+        let (seen, report) = monitor.step(&Observed { learn: part.contains(&k), ..*sample });
         if report.likelihood.readiness == Readiness::Restarted {
             restarts += 1;
             monitor = trained.monitor.clone();
             monitor.resume();
         }
-        let shift = k as i64 - i64::from(tick.index);
+        let shift = k as i64 - i64::from(seen.index);
         let time = recording.sample_time * k as f64;
-        rows.push(k, row(heater, tick, report, shift, truth(faults, time)));
+        rows.push(k, row(heater, seen, report, shift, truth(faults, time)));
         if k.is_multiple_of(PROGRESS) {
             progress.set_position((k - part.start) as u64);
         }
@@ -215,29 +215,52 @@ impl Rows {
 }
 
 /// A tick by the recording's own count, without what was fed in place of a thermistor that there is not.
-fn row(heater: &Heater, mut tick: Tick, mut report: Report, shift: i64, truth: u8) -> Row {
+fn row(heater: &Heater, mut seen: Observation, mut report: Report, shift: i64, truth: u8) -> Row {
     let shifted = |index: u32| (i64::from(index) + shift).max(0) as u32;
-    tick.index = shifted(tick.index);
-    report.tick = tick.index;
+    seen.index = shifted(seen.index);
+    report.tick = seen.index;
     if let Some(finding) = &mut report.likelihood.finding {
         finding.onset = shifted(finding.onset);
     }
     let nothing =
         fdi_core::Reading { celsius: fdi_core::Celsius(f32::NAN), validity: fdi_core::Validity::Missing };
     if !heater.inputs.t0 {
-        tick.sample.t0 = nothing;
+        seen.sample.t0 = nothing;
         report.likelihood.expected[0] = None;
     }
     if !heater.inputs.t2 {
-        tick.sample.t2 = nothing;
+        seen.sample.t2 = nothing;
         report.likelihood.expected[2] = None;
     }
     if !(heater.inputs.t0 && heater.inputs.t2) {
         report =
             Report { tick: report.tick, y1: report.y1, likelihood: report.likelihood, ..Report::default() };
     }
-    tick.setpoint.0 = f32::NAN;
-    Row { applied: tick.drive, tick, report, truth }
+    Row { applied: seen.power, tick: as_tick(&seen), report, truth }
+}
+
+/// A tick of an instrument that had seen the same, as tables and figures want one. What the set-point was nobody knows.
+pub fn as_tick(seen: &Observation) -> Tick {
+    Tick {
+        index: seen.index,
+        sample: seen.sample,
+        virtual_t1: None,
+        setpoint: Celsius(f32::NAN),
+        pid: seen.power,
+        prbs: Percent(0.0),
+        drive: seen.power,
+        mode: match seen.phase {
+            Phase::Off | Phase::Tripped => Mode::Off,
+            Phase::Heated => Mode::Settle { steady: 0 },
+            Phase::Learning => Mode::Learn { accepted: 0 },
+            Phase::Watched => Mode::Monitor,
+        },
+        tuning: None,
+        learn: seen.learn,
+        blocked: None,
+        forget: seen.forget,
+        known: seen.known,
+    }
 }
 
 #[cfg(test)]

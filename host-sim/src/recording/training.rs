@@ -117,8 +117,8 @@ pub fn fit(trained: &Monitor, samples: &[Observed], judged: Range<usize>) -> f64
     monitor.resume();
     let first = judged.start.max(SETTLED);
     let simulate = |sample: &Observed| {
-        let (tick, report) = monitor.step(&Observed { learn: false, ..*sample });
-        Some([tick.sample.t1.good()?, report.likelihood.expected[1]?].map(f64::from))
+        let (seen, report) = monitor.step(&Observed { learn: false, ..*sample });
+        Some([seen.sample.t1.good()?, report.likelihood.expected[1]?].map(f64::from))
     };
     let pairs: Vec<[f64; 2]> = samples.iter().take(judged.end).map(simulate).skip(first).flatten().collect();
     let mean = pairs.iter().map(|[y, _]| y).sum::<f64>() / pairs.len() as f64;

@@ -12,6 +12,7 @@ use super::DiagnoseArgs;
 use super::lines::{Heard, Lines};
 use crate::experiment::{Origin, Record, Row, tick_time};
 use crate::record::summary::sentence;
+use crate::recording::run::as_tick;
 use crate::recording::training::train;
 use crate::recording::{Reading, Recording, table};
 
@@ -158,12 +159,12 @@ impl<'a> Live<'a> {
     }
 
     fn watch(&mut self, sample: &Observed, say: Say) -> anyhow::Result<()> {
-        let (mut tick, mut report) = self.monitor.step(sample);
+        let (mut seen, mut report) = self.monitor.step(sample);
         // The monitor counts from its training on.
-        let before = tick.index.saturating_sub(self.passed);
-        tick.index = self.passed;
+        let before = seen.index.saturating_sub(self.passed);
+        seen.index = self.passed;
         self.passed = self.passed.saturating_add(1);
-        let time = tick_time(tick.index, self.record.sample_time);
+        let time = tick_time(seen.index, self.record.sample_time);
         // Those of the training are not told again; of each the first is.
         let told = self.trained.implausible().into_iter().zip(self.monitor.implausible());
         for ((name, count), (learnt, now)) in OBSERVED.iter().zip(&mut self.implausible).zip(told) {
@@ -191,7 +192,7 @@ impl<'a> Live<'a> {
             return Ok(());
         }
         self.said = now;
-        let row = Row { applied: tick.drive, tick, report, truth: 0 };
+        let row = Row { applied: seen.power, tick: as_tick(&seen), report, truth: 0 };
         let what = match (now, row.report.likelihood.finding) {
             (None, _) => "all is as expected again".to_owned(),
             (_, Some(finding)) => sentence(&self.record, &row, &finding),

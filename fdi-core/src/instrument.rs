@@ -84,6 +84,7 @@ impl Instrument {
     }
 
     /// First half of a tick: takes in the codes, says what to drive the heater with until the next tick.
+    #[must_use = "the heater is to be driven with it"]
     pub fn control(&mut self, raw: RawSample) -> Tick {
         self.controller.step(&mut self.control_state, raw)
     }

@@ -32,6 +32,7 @@ pub use error::ConfigError;
 pub use feedback::Feedback;
 pub use instrument::{Instrument, RetuneError};
 pub use known::KnownInputs;
+pub use likelihood::inputs::Inputs;
 pub use likelihood::{FaultClass, Finding, LikelihoodReport};
 pub use monitor::{Monitor, Observed, Units};
 pub use observation::{Observation, Phase};

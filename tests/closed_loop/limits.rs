@@ -147,7 +147,7 @@ fn with_t1_out(config: &Config, rig: &RigConfig, onset: f64, seed: u64) -> Outco
     let mut rig = Rig::new(rig, Disturbance::Lively, ts, seed, &[out]);
     let mut instrument = Instrument::new(config).unwrap();
     let (mut outcome, mut heat) = (Outcome::default(), 0.0f64);
-    instrument.control(sample(&mut rig));
+    let _ = instrument.control(sample(&mut rig));
     rig.advance(0.0);
     if instrument.command(Command::Arm).is_err() {
         return Outcome { refused: true, ..outcome };

@@ -209,6 +209,7 @@ impl Controller {
     }
 
     /// One sample, and the drive that follows from it.
+    #[must_use = "the heater is to be driven with it"]
     pub fn step(&self, state: &mut ControllerState, raw: RawSample) -> Tick {
         let excited = state.excitation.0.abs() >= self.supervisor.min_excitation();
         // In air that is heated no thermistor stands still, excited or not.

@@ -10,7 +10,12 @@
 //! ```
 //!
 //! The model is driven by the power that was really applied, so the controller hides nothing; where the supply is measured, by
-//! what the heater makes of it. Sources: docs/diagnosis.md.
+//! what the heater makes of it.
+//!
+//! Sources: training is a recursive prediction error method (L. Ljung, *System Identification*, 2nd ed., 1999, chapter 11) in the form U D U' (G. J.
+//! Bierman 1977); the charts are E. S. Page's (Biometrika 41, 1954), their intervals D. Siegmund's (1985); the bank holds generalised likelihood ratios
+//! (A. S. Willsky, H. L. Jones, IEEE Trans. AC-21, 1976) against each other as Bayes factors (R. E. Kass, A. E. Raftery, JASA 90, 1995), with
+//! consider parameters (S. F. Schmidt 1966) for what may move without being a fault. What is this project's own is told in its docs/diagnosis.md.
 //!
 //! What it says stands in each [`Report`](crate::Report):
 //!

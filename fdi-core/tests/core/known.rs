@@ -106,11 +106,11 @@ fn the_supply_is_known_where_it_is_measured() {
 fn the_supply_is_calibrated_with_the_heater_off_only() {
     let mut instrument = Instrument::new(&Config::default()).unwrap();
     instrument.command(Command::Arm).unwrap();
-    instrument.control(SAMPLE);
+    let _ = instrument.control(SAMPLE);
     let refused = Err(RetuneError::Refused(Refusal::WidensLimit("supply.nominal_voltage")));
     assert_eq!(instrument.retune(&measured()), refused);
     instrument.command(Command::Stop).unwrap();
-    instrument.control(SAMPLE);
+    let _ = instrument.control(SAMPLE);
     assert_eq!(instrument.retune(&measured()), Ok(()));
     assert!(instrument.control(SAMPLE).forget, "what was learnt is of other powers");
 }

@@ -104,7 +104,8 @@ fn lost_air_trips_unless_the_heater_is_to_blame() {
         let mut state = controller.start(Celsius(35.0));
         controller.command(&mut state, Command::Arm).unwrap();
         let room = AdcCode(AMBIENT);
-        controller.step(&mut state, RawSample { t0: room, t1: room, t2: room, ..RawSample::default() });
+        let _ =
+            controller.step(&mut state, RawSample { t0: room, t1: room, t2: room, ..RawSample::default() });
         controller.feed_back(&mut state, found);
         match controller
             .step(&mut state, RawSample { t0: room, t1: room, t2: room, ..RawSample::default() })
@@ -325,7 +326,7 @@ fn a_trip_whose_cause_lasts_can_not_be_acknowledged() {
     let mut instrument = armed();
     let hot =
         RawSample { t0: AdcCode(AMBIENT), t1: AdcCode(AMBIENT), t2: AdcCode(10.0), ..RawSample::default() };
-    instrument.control(hot);
+    let _ = instrument.control(hot);
     assert_eq!(
         instrument.command(Command::Acknowledge),
         Err(Refusal::CausePersists(TripReason::T2OverTemperature))

@@ -64,5 +64,5 @@ fn step(
     report: &Report,
 ) -> LikelihoodReport {
     let undisturbed = report.filtered.is_none_or(|verdict| verdict.fdv == 0);
-    likelihood.step(state, tick, [report.y1, report.y2], tick.drive.0, undisturbed)
+    likelihood.step(state, &tick.observation(tick.drive), undisturbed)
 }

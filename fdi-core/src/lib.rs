@@ -15,6 +15,7 @@ pub mod known;
 pub mod likelihood;
 pub mod monitor;
 pub mod name;
+mod numbered;
 mod root;
 pub mod sense;
 pub mod settings;

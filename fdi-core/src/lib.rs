@@ -17,6 +17,7 @@ pub mod monitor;
 pub mod name;
 mod numbered;
 mod root;
+pub mod schema;
 pub mod sense;
 pub mod settings;
 pub mod supervisor;

@@ -4,11 +4,12 @@ use std::io::{BufRead, Write};
 use std::path::PathBuf;
 
 use anyhow::{Context, bail, ensure};
+use fdi_core::schema::Moment;
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample};
 
 use crate::commands::terminal::Output;
 use crate::experiment::as_written;
-use crate::record::trace::{OneTick, append_cells, header, instrument_columns};
+use crate::record::trace::{append_cells, header, instrument_columns};
 use crate::settings;
 
 /// Arguments of `core`.
@@ -117,8 +118,7 @@ fn answer(instrument: &mut Instrument, line: &str, sample_time: f64) -> anyhow::
     let tick = instrument.control(sample(line)?);
     let report = instrument.diagnose(&tick, tick.drive);
     let mut row = format!("{},", tick.drive.0);
-    let on = OneTick { tick: &tick, report: &report, truth: 0, sample_time };
-    append_cells(&mut row, instrument_columns(), &on);
+    append_cells(&mut row, instrument_columns(), &Moment::new(&tick, &report), sample_time);
     Ok(row)
 }
 

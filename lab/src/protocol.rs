@@ -107,3 +107,37 @@ fn numbers(config: &Config) -> Map<String, serde_json::Value> {
     };
     Config::settings().filter_map(number).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use pt326_rig::RigConfig;
+
+    use super::*;
+
+    const WORDS: &str = include_str!("../page/strings.js");
+    const PAGE: &str = include_str!("../page/index.html");
+
+    #[test]
+    fn every_trip_mode_and_blocker_has_words_on_the_page() {
+        let trips = TripReason::NAMES.iter().map(|name| format!("trip_{name}"));
+        let blockers = Blocker::NAMES.iter().map(|name| format!("block_{name}"));
+        let modes = Mode::NAMES.iter().map(|name| format!("state_{name}"));
+        let lacks: Vec<_> = trips.chain(blockers).chain(modes).filter(|key| !has_words(key)).collect();
+        assert!(lacks.is_empty(), "{lacks:?}");
+    }
+
+    #[test]
+    fn the_page_offers_every_preset_of_the_rig() {
+        for name in RigConfig::presets() {
+            assert!(
+                PAGE.contains(&format!("<option value=\"{name}\" data-say=\"preset_{name}\">")),
+                "{name}"
+            );
+            assert!(has_words(&format!("preset_{name}")), "{name}");
+        }
+    }
+
+    fn has_words(key: &str) -> bool {
+        WORDS.lines().any(|line| line.trim_start().starts_with(&format!("{key}: [")))
+    }
+}

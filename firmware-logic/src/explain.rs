@@ -40,7 +40,9 @@ impl fmt::Display for Explained<'_, Refusal> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self.0 {
             Refusal::NotInMode(mode) => write!(f, "not possible in mode {mode}"),
-            Refusal::CausePersists(reason) => write!(f, "refused, for it persists: {}", reason.words()),
+            Refusal::CausePersists(reason) => {
+                write!(f, "refused, for it persists (trip {}): {}", reason.number(), reason.words())
+            }
             Refusal::WidensLimit(name) => {
                 write!(f, "{name} can't be widened while the heater is on, expected `stop` first")
             }

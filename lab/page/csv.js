@@ -1,9 +1,6 @@
 // A trace.csv as rows of the protocol. What the file does not hold is NaN.
-const MODES = ["off", "settle", "learn", "monitor", "tripped", "tune"];
-const SAME = {
-  t0: "t0_c", t1: "t1_c", t2: "t2_c", setpoint: "setpoint_c", pid: "u_pid_pct", drive: "pa_pct", fdv: "fdv", fiv: "fiv",
-  alarm: "alarm", confidence: "confidence", magnitude: "magnitude", truth: "truth", taught: "taught",
-};
+// What the heater got is in none: what the controller drove stands for it. The others have another form in a file.
+const OTHERS = { drive: "pa_pct", tick: null, mode: null, class: null, onset: null };
 
 export function readTrace(text, hello) {
   const lines = text.split(/\r?\n/).filter((line) => line);
@@ -15,7 +12,7 @@ export function readTrace(text, hello) {
   const width = hello.fields.length;
   const at = Object.fromEntries(hello.fields.map((name, i) => [name, i]));
   const numbers = new Map(hello.classes.map((c) => [c.name, c.number]));
-  const same = Object.entries(SAME).map(([field, name]) => [at[field], column(name)]).filter(([, from]) => from >= 0);
+  const same = hello.fields.map((field, i) => [i, column(field in OTHERS ? OTHERS[field] : hello.columns[i])]).filter(([, from]) => from >= 0);
   const [mode, verdict, onset, time] = ["mode", "verdict", "onset_s", "t_s"].map(column);
   const values = new Float32Array((lines.length - 1) * width).fill(NaN);
   const cells = lines.length > 2 ? lines[2].split(",") : [];
@@ -26,10 +23,10 @@ export function readTrace(text, hello) {
     const place = (i - 1) * width;
     values[place + at.tick] = i - 1;
     for (const [to, from] of same) if (cell[from] !== "") values[place + to] = Number(cell[from]);
-    values[place + at.mode] = MODES.indexOf(cell[mode]);
+    values[place + at.mode] = hello.modes.indexOf(cell[mode]);
     if (cell[verdict]) values[place + at.class] = numbers.get(cell[verdict]) ?? NaN;
     if (cell[onset]) values[place + at.onset] = Math.round(Number(cell[onset]) / ts);
-    values[place + at.readiness] = 3;
+    values[place + at.readiness] = hello.readiness.indexOf("armed");
   }
   return { hello: { ...hello, ts, ...names(lines[1]?.split(",")[column("settings")] ?? "") }, values };
 }

@@ -13,7 +13,7 @@ export const parts = () => ({ worker: embedded("worker"), wasm: embedded("wasm")
 $("download").addEventListener("click", async () => {
   const answer = await ask({ command: "trace" });
   const { parts, type } = answer;
-  if (type !== "trace") return toast(refusal(answer, lab.hello));
+  if (type !== "trace") return toast(refusal(answer));
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob(parts, { type: "text/csv" }));
   link.download = "trace.csv";

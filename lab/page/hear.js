@@ -95,7 +95,7 @@ export const HEAR = {
     show();
   },
   refused(message) {
-    toast(refusal(message, lab.hello));
+    toast(refusal(message));
     if (message.command?.order?.order === "set") document.activeElement.blur();
     show(); // what was chosen and refused is not so
     if (message.command?.command === "open" && !lab.store.end) open(DEFAULT);

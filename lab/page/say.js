@@ -76,14 +76,13 @@ export const taughtName = (place) => (place > 0 ? taughtNames[place - 1] ?? `${p
 export const asTaught = ({ taught, taught_size: size }) =>
   say(Number.isFinite(size) ? "as_taught_size" : "as_taught", { name: escape(taughtName(taught)), size: num(size, 0) });
 
-// Why something was not done. Of a refusal without a code, the words of the trip that it speaks of, else its own.
-export function refusal({ why, code, values: { name, mode, trip, value, min, max, other, limit, times, of, scale } = {} }, hello) {
+// Why something was not done; of a refusal without a code, in its own words.
+export function refusal({ why, code, values: { name, mode, trip, value, min, max, other, limit, times, of, scale } = {} }) {
   if (code === "persists") return say("persists", { why: say(`trip_${trip}`) });
   const exact = (x) => num(x, Number.isInteger(x) ? 0 : 2);
   const known = { name, mode: say(`state_${mode}`).toLowerCase(), value: exact(value), min: exact(min), max: exact(max), other, limit: exact(limit), times: exact(times), of, scale: exact(scale) };
   if (code) return say("refused", { why: say(`r_${code}`, known) });
-  const i = hello?.trip_words?.findIndex((words) => why.includes(words)) ?? -1;
-  return i < 0 ? say("refused", { why }) : say("persists", { why: say(`trip_${hello.trips[i]}`) });
+  return say("refused", { why });
 }
 
 // What fdv and fiv say. Numbers of fiv to which a user has given a name of his own have it here.

@@ -16,7 +16,7 @@ const icon = (name) => `<svg viewBox="0 0 18 18" width="18" height="18" aria-hid
 const button = (act, key, primary) => `<button class="${primary ? "primary" : "plain"}" data-act="${act}">${say(key)}</button>`;
 const row = (...buttons) => `<div class="row">${buttons.join("")}</div>`;
 // The parts of which a trip speaks; those of the others begin with theirs.
-const TRIPPED = { AirFlowLost: ["fan", "heater"], HeaterStuckOn: ["heater"], SensorsDisagree: ["T1", "T2"], T1Contradicted: ["T1", "T2"], NoResponse: ["T1"], ExcessPower: [] };
+const TRIPPED = { air_flow_lost: ["fan", "heater"], heater_stuck_on: ["heater"], sensors_disagree: ["T1", "T2"], t1_contradicted: ["T1", "T2"], no_response: ["T1"], excess_power: [] };
 const ENDING = 8; // s: an alarm takes some time to see that its fault is over
 
 // What to say of a row. `can` tells which buttons make sense, `since` when the state began.
@@ -34,8 +34,8 @@ export function verdict({ row: now, hello, events, since, ts, settings, can, che
     const acknowledge = button("ack", "acknowledge", !broken);
     const ways = mends ? [button("mend", "mend_all", broken), acknowledge] : [acknowledge];
     const more = order ? row(...(broken ? ways : ways.reverse())) : "";
-    const reason = hello.trips[now.trip] ?? "unknown";
-    const parts = TRIPPED[reason] ?? [reason.slice(0, 2)];
+    const reason = hello.trips[now.trip - 1] ?? "unknown";
+    const parts = TRIPPED[reason] ?? [reason.slice(0, 2).toUpperCase()];
     const off = say("heater_off_since", { s: num(since, 1) });
     return { state: "tripped", icon: "off", word: say("state_tripped"), aside: off, head: say(`trip_${reason}`), sub: say("acknowledge_first"), more, parts };
   }
@@ -52,7 +52,7 @@ export function verdict({ row: now, hello, events, since, ts, settings, can, che
   if (now.mode < 3) {
     const [begins, ends] = ["learn_start", "learn_end"].map((name) => settings[`supervisor.${name}`]);
     const left = Math.max(0, (now.mode === 2 ? ends - begins : ends) - (at - since));
-    const blocked = hello.blockers[now.blocked];
+    const blocked = hello.blockers[now.blocked - 1];
     const waits = blocked && say("sub_blocked", { why: say(`block_${blocked}`) });
     const share = now.mode === 2 ? Math.min(1, (now.learned * ts) / (ends - begins)) : Math.min(1, (at - since) / begins);
     const bar = `<div class="progress"><i style="width:${(100 * share).toFixed(0)}%"></i></div>`;
@@ -61,7 +61,7 @@ export function verdict({ row: now, hello, events, since, ts, settings, can, che
     const sub = waits || say("sub_learn", { s: num(left, 0) });
     return { state: "learn", icon: "learn", word, aside: "", head, sub, more: bar + (order && can.has("run") ? row(button("skip", "skip", true)) : "") };
   }
-  const why = { 2: "refused", 4: "restarted" }[now.readiness];
+  const why = hello.readiness[now.readiness]?.match(/^(refused|restarted)/)?.[0];
   if (why) {
     return { state: "learn", icon: "learn", word: say("state_monitor"), aside, head: say(`head_${why}`), sub: say("sub_refused"), more: "" };
   }

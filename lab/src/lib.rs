@@ -4,7 +4,6 @@
 //! No clock, no files, no threads: whoever holds a session decides when it ticks.
 
 pub mod change;
-pub mod fields;
 pub mod names;
 pub mod page;
 pub mod preset;

@@ -1,12 +1,13 @@
 //! What goes between a source and a page: see PROTOCOL.md.
 
-use fdi_core::likelihood::FaultClass;
+use fdi_core::likelihood::{FaultClass, Readiness};
+use fdi_core::schema::{COLUMNS, Entry, FIELDS, Numbers};
 use fdi_core::settings::{Setting, Value, Wider};
-use fdi_core::{Config, TripReason};
+use fdi_core::supervisor::Blocker;
+use fdi_core::{Config, Mode, TripReason};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, json};
 
-use crate::fields::{BLOCKERS, FIELDS, TRIPS};
 use crate::names::Names;
 use crate::session::Session;
 use crate::time::as_written;
@@ -14,7 +15,7 @@ use crate::time::as_written;
 /// Version of the protocol. A page refuses another.
 pub const VERSION: u32 = 1;
 /// Bytes of a row where its numbers go in binary.
-pub const ROW_BYTES: usize = FIELDS.len() * size_of::<f32>();
+pub const ROW_BYTES: usize = size_of::<Numbers>();
 
 /// Reads what a client says. By way of a value: straight from the text serde_json takes no number of a tagged enum where its
 /// `arbitrary_precision` is on, which any program built along with this one may ask for.
@@ -37,13 +38,20 @@ pub fn hello(kind: &str, can: &[&str]) -> serde_json::Value {
         "ts": as_written(Config::default().sample_time.0),
         "fields": FIELDS.iter().map(|field| field.name).collect::<Vec<_>>(),
         "classes": FaultClass::ALL.iter().map(class).collect::<Vec<_>>(),
-        "trips": TRIPS.map(|reason| format!("{reason:?}")),
-        "trip_words": TRIPS.map(TripReason::words),
-        "blockers": BLOCKERS.map(|blocker| format!("{blocker:?}")),
+        "trips": TripReason::NAMES,
+        "blockers": Blocker::NAMES,
         "settings": numbers(&Config::default()),
         "bounds": bounds(),
         "limits": limits(),
+        "modes": Mode::NAMES,
+        "readiness": Readiness::NAMES,
+        "columns": FIELDS.iter().map(column_of).collect::<Vec<_>>(),
     })
+}
+
+/// Name of the column of trace.csv with the number of a field.
+fn column_of(field: &Entry) -> Option<&'static str> {
+    COLUMNS.iter().find(|column| std::ptr::eq(column.number, field.number)).map(|column| column.name)
 }
 
 /// Unit, least and most of every setting that is a number.
@@ -98,4 +106,38 @@ fn numbers(config: &Config) -> Map<String, serde_json::Value> {
         _ => None,
     };
     Config::settings().filter_map(number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use pt326_rig::RigConfig;
+
+    use super::*;
+
+    const WORDS: &str = include_str!("../page/strings.js");
+    const PAGE: &str = include_str!("../page/index.html");
+
+    #[test]
+    fn every_trip_mode_and_blocker_has_words_on_the_page() {
+        let trips = TripReason::NAMES.iter().map(|name| format!("trip_{name}"));
+        let blockers = Blocker::NAMES.iter().map(|name| format!("block_{name}"));
+        let modes = Mode::NAMES.iter().map(|name| format!("state_{name}"));
+        let lacks: Vec<_> = trips.chain(blockers).chain(modes).filter(|key| !has_words(key)).collect();
+        assert!(lacks.is_empty(), "{lacks:?}");
+    }
+
+    #[test]
+    fn the_page_offers_every_preset_of_the_rig() {
+        for name in RigConfig::presets() {
+            assert!(
+                PAGE.contains(&format!("<option value=\"{name}\" data-say=\"preset_{name}\">")),
+                "{name}"
+            );
+            assert!(has_words(&format!("preset_{name}")), "{name}");
+        }
+    }
+
+    fn has_words(key: &str) -> bool {
+        WORDS.lines().any(|line| line.trim_start().starts_with(&format!("{key}: [")))
+    }
 }

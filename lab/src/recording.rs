@@ -1,15 +1,15 @@
 //! A trace.csv as a recording: codes are found again from temperatures, commands from what changed, settings from what is told of them.
 
 use anyhow::{Context, ensure};
+use fdi_core::schema::{self, Entry, Moment};
 use fdi_core::sense::plausibility::PlausibilityConfig;
 use fdi_core::sense::supply::{Supply, SupplyState};
 use fdi_core::sense::thermistor::Thermistor;
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample, Report, Tick};
 
 use crate::change;
-use crate::fields::{self, FIELDS, Moment};
 use crate::time::{as_written, tick_time};
-use crate::trace::{Column, OneTick, SETTINGS, TRUTH, instrument_columns};
+use crate::trace::{SETTINGS, TRUTH, cell, instrument_columns};
 
 /// A recording.
 pub struct Recording<'a> {
@@ -20,7 +20,7 @@ pub struct Recording<'a> {
     /// Ticks without a gap, from the first on.
     pub rows: Vec<Recorded<'a>>,
     /// Columns that the core must come to again, with their places.
-    compared: Vec<(&'static Column, usize)>,
+    compared: Vec<(&'static Entry, usize)>,
 }
 
 /// One recorded tick.
@@ -51,7 +51,7 @@ impl<'a> Recording<'a> {
     pub fn read(text: &'a str, config: &Config) -> anyhow::Result<Self> {
         let mut lines = text.lines();
         let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
-        let place = |column: &'static Column| Some((column, position(&header, column.name)?));
+        let place = |column: &'static Entry| Some((column, position(&header, column.name)?));
         let compared: Vec<_> = instrument_columns().filter_map(place).collect();
         let lacks =
             instrument_columns().map(|c| c.name).filter(|name| position(&header, name).is_none()).collect();
@@ -69,11 +69,11 @@ impl<'a> Recording<'a> {
         Ok(Self { config, lacks, rows, compared })
     }
 
-    /// Runs the core on it again: the numbers of all ticks, in the order of [`FIELDS`], with what the trace does not tell.
+    /// Runs the core on it again: the numbers of all ticks, in the order of [`FIELDS`](schema::FIELDS), with what the trace does not tell.
     ///
     /// # Errors
     /// The core comes to something else than what was recorded.
-    pub fn numbers(&self) -> anyhow::Result<Vec<[f32; FIELDS.len()]>> {
+    pub fn numbers(&self) -> anyhow::Result<Vec<schema::Numbers>> {
         let mut instrument = Instrument::new(&self.config)?;
         let mut sigma_factor = self.config.diagnosis.sigma_factor;
         let sample_time = as_written(self.config.sample_time.0);
@@ -93,21 +93,19 @@ impl<'a> Recording<'a> {
             let differs = differences(self.cells(row), &tick, &report, sample_time).into_iter().next();
             let at = tick_time(tick.index, sample_time);
             ensure!(differs.is_none(), "{at} s, {}", differs.unwrap_or_default());
-            all.push(fields::numbers(&Moment {
-                tick: &tick,
-                report: &report,
-                applied: tick.drive,
+            all.push(schema::row(&Moment {
                 truth: row.truth,
-                explained: fields::explained(&instrument, &report).as_ref(),
-                normal: instrument.baseline().map(|baseline| baseline.filtered),
+                explained: schema::explained(&instrument, &report).as_ref(),
+                normal: instrument.baseline().map(|baseline| &baseline.filtered),
                 sigma_factor,
+                ..Moment::new(&tick, &report)
             }));
         }
         Ok(all)
     }
 
     /// The cells of a row that the core must come to again.
-    pub fn cells(&self, row: &Recorded<'a>) -> impl Iterator<Item = (&'static Column, &'a str)> {
+    pub fn cells(&self, row: &Recorded<'a>) -> impl Iterator<Item = (&'static Entry, &'a str)> {
         let cells: Vec<&str> = row.line.split(',').collect();
         self.compared.iter().map(move |(column, i)| (*column, cells[*i]))
     }
@@ -115,14 +113,14 @@ impl<'a> Recording<'a> {
 
 /// In what the core's row differs from the trace's.
 pub fn differences<'a>(
-    said: impl Iterator<Item = (&'static Column, &'a str)>,
+    said: impl Iterator<Item = (&'static Entry, &'a str)>,
     tick: &Tick,
     report: &Report,
     sample_time: f64,
 ) -> Vec<String> {
-    let on = OneTick { tick, report, truth: 0, sample_time };
-    let difference = |(column, theirs): (&'static Column, &str)| {
-        let ours = (column.value)(&on).to_string();
+    let on = Moment::new(tick, report);
+    let difference = |(column, theirs): (&'static Entry, &str)| {
+        let ours = cell(column, &on, sample_time).to_string();
         (ours != theirs).then(|| format!("{}: trace {theirs:?}, core {ours:?}", column.name))
     };
     said.filter_map(difference).collect()

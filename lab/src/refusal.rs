@@ -78,7 +78,7 @@ fn own(refused: &Refused) -> (&'static str, Value) {
 fn instrument(refusal: &Refusal) -> (&'static str, Value) {
     match *refusal {
         Refusal::NotInMode(mode) => ("mode", json!({ "mode": mode })),
-        Refusal::CausePersists(reason) => ("persists", json!({ "trip": format!("{reason:?}") })),
+        Refusal::CausePersists(reason) => ("persists", json!({ "trip": reason.name() })),
         Refusal::WidensLimit(name) => ("widens", json!({ "name": name })),
         Refusal::SetPoint { wanted, min, max } => {
             ("setpoint", json!({ "value": wanted, "min": min, "max": max }))

@@ -1,17 +1,17 @@
 //! A session: one instrument on one simulated rig, tick by tick, with orders in between.
 
 use anyhow::{Context, bail, ensure};
+use fdi_core::schema::{self, COLUMNS, Explained, Moment};
 use fdi_core::settings::Value;
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample, Report, Tick};
 use pt326_rig::Rig;
 use pt326_rig::fault::Fault;
 
 use crate::change::Settings;
-use crate::fields::{self, Explained, FIELDS};
 use crate::refusal::Refused;
 use crate::scene::{Order, Scene};
 use crate::time::as_written;
-use crate::trace::{COLUMNS, OneTick, SETTINGS, append_cells, header};
+use crate::trace::{SETTINGS, append_cells, header};
 
 /// Orders that a scene may hold: more are no user's.
 const MOST_ORDERS: usize = 100_000;
@@ -167,21 +167,18 @@ impl Session {
         let report = self.instrument.diagnose(&tick, tick.drive);
         self.rig.advance(f64::from(tick.drive.0));
         self.ticks += 1;
-        let explained = fields::explained(&self.instrument, &report);
+        let explained = schema::explained(&self.instrument, &report);
         Row { tick, report, truth, explained, settings: self.settings.take() }
     }
 
-    /// The numbers of a row, in the order of [`FIELDS`].
-    pub fn numbers(&self, row: &Row) -> [f32; FIELDS.len()] {
-        let normal = self.instrument.baseline().map(|baseline| baseline.filtered);
-        fields::numbers(&fields::Moment {
-            tick: &row.tick,
-            report: &row.report,
-            applied: row.tick.drive,
+    /// The numbers of a row, in the order of [`FIELDS`](schema::FIELDS).
+    pub fn numbers(&self, row: &Row) -> schema::Numbers {
+        schema::row(&Moment {
             truth: row.truth,
             explained: row.explained.as_ref(),
-            normal,
+            normal: self.instrument.baseline().map(|baseline| &baseline.filtered),
             sigma_factor: self.config().diagnosis.sigma_factor,
+            ..Moment::new(&row.tick, &row.report)
         })
     }
 
@@ -232,9 +229,8 @@ impl Iterator for Trace {
         let mut next = String::new();
         if self.session.ticks < self.of {
             let row = self.session.step();
-            let sample_time = self.session.sample_time;
-            let on = OneTick { tick: &row.tick, report: &row.report, truth: row.truth, sample_time };
-            append_cells(&mut next, COLUMNS.iter(), &on);
+            let on = Moment { truth: row.truth, ..Moment::new(&row.tick, &row.report) };
+            append_cells(&mut next, COLUMNS.iter(), &on, self.session.sample_time);
             if self.tells_settings {
                 next = next + "," + &row.settings;
             }

@@ -1,11 +1,9 @@
 //! What whatever is watched tells, in the order in which it happens.
 
-use crate::fields::FIELDS;
+use fdi_core::schema::Numbers;
+
 use crate::names::Names;
 use crate::scene::Order;
-
-/// The numbers of a tick, in the order of [`FIELDS`].
-pub type Numbers = [f32; FIELDS.len()];
 
 /// Something that is told to all who watch.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,8 +12,13 @@ pub enum Told {
     Row(Numbers),
     /// An order was carried out, by whomever it was given; in force from the next row on.
     Order(Order),
-    /// An order was not carried out, and why.
-    Refused(String),
+    /// An order was not carried out.
+    Refused {
+        /// Why, in words.
+        why: String,
+        /// Name of the trip whose cause persists, where that is why.
+        persists: Option<&'static str>,
+    },
     /// What a user calls faults of his own, from now on.
     Names(Names),
     /// What the board's console has said.

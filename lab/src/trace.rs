@@ -1,72 +1,12 @@
 //! `trace.csv`: one row a tick. Numbers are written so that reading them back gives the same bits; what is not defined
 //! on a tick is left empty.
 
+use std::fmt;
 use std::fmt::Write as _;
 
-use fdi_core::diagnosis::Verdict;
-use fdi_core::diagnosis::residual::{DECISIVE, Residual};
-use fdi_core::likelihood::{Finding, Magnitude};
-use fdi_core::{Report, Tick};
+use fdi_core::schema::{COLUMNS, Entry, Moment, Value};
 
 use crate::time::tick_time;
-
-/// Every column, in its order. To add one is to add a line here; it comes last, so that programs which read an older
-/// trace by position find the others where they were.
-pub static COLUMNS: [Column; 49] = [
-    column("t_s", |on| on.time(on.tick.index).into()),
-    column("t0_c", |on| on.tick.sample.t0.celsius.0.into()),
-    column("t1_c", |on| on.tick.sample.t1.celsius.0.into()),
-    column("t2_c", |on| on.tick.sample.t2.celsius.0.into()),
-    column("setpoint_c", |on| on.tick.setpoint.0.into()),
-    column("u_pid_pct", |on| on.tick.pid.0.into()),
-    column("prbs_pct", |on| on.tick.prbs.0.into()),
-    column("pa_pct", |on| on.tick.drive.0.into()),
-    column("y1_c", |on| on.report.y1.into()),
-    column("y2_c", |on| on.report.y2.into()),
-    column("y1m_c", |on| on.report.ms1.prediction.into()),
-    column("y2m_c", |on| on.report.ms2.prediction.into()),
-    column("sg1", |on| on.report.ms1.static_gain.into()),
-    column("sg2", |on| on.report.ms2.static_gain.into()),
-    column("bw1", |on| on.report.ms1.bandwidth.into()),
-    // ry1 and ry2 exist before the other residuals do.
-    column("ry1", |on| difference(on.report.y1, on.report.ms1.prediction)),
-    column("ry2", |on| difference(on.report.y2, on.report.ms2.prediction)),
-    column("rap", |on| on.residual(Residual::Rap)),
-    column("ry12", |on| on.residual(Residual::Ry12)),
-    column("rsg1", |on| on.residual(Residual::Rsg1)),
-    column("rsg2", |on| on.residual(Residual::Rsg2)),
-    column("rbw1", |on| on.residual(Residual::Rbw1)),
-    // They have no mean to subtract, either.
-    column("ry1_f", |on| on.report.features_filtered.map(|f| f[Residual::Ry1 as usize]).into()),
-    column("ry2_f", |on| on.report.features_filtered.map(|f| f[Residual::Ry2 as usize]).into()),
-    column("rap_f", |on| on.filtered(Residual::Rap)),
-    column("ry12_f", |on| on.filtered(Residual::Ry12)),
-    column("rsg1_f", |on| on.filtered(Residual::Rsg1)),
-    column("rsg2_f", |on| on.filtered(Residual::Rsg2)),
-    column("rbw1_f", |on| on.filtered(Residual::Rbw1)),
-    column("s_rap", |on| on.symptom(Residual::Rap)),
-    column("s_ry12", |on| on.symptom(Residual::Ry12)),
-    column("s_rsg1", |on| on.symptom(Residual::Rsg1)),
-    column("s_rsg2", |on| on.symptom(Residual::Rsg2)),
-    column("s_rbw1", |on| on.symptom(Residual::Rbw1)),
-    column("fdv", |on| on.report.filtered.map(|v: Verdict| v.fdv).into()),
-    column("fiv", |on| on.report.filtered.map(|v| v.fiv).into()),
-    column("fdv_raw", |on| on.report.raw.map(|v| v.fdv).into()),
-    column("fiv_raw", |on| on.report.raw.map(|v| v.fiv).into()),
-    column("mode", |on| on.tick.mode.name().into()),
-    column(TRUTH, |on| on.truth.into()),
-    column("alarm", |on| u8::from(on.report.likelihood.alarm).into()),
-    column("verdict", |on| on.finding().map(|f| f.class.name()).into()),
-    column("confidence", |on| on.finding().map(|f| f.confidence).into()),
-    column("magnitude", |on| on.magnitude().map(|(_, m)| m.value).into()),
-    column("magnitude_unit", |on| on.magnitude().map(|(f, _)| f.class.unit()).into()),
-    column("onset_s", |on| on.finding().map(|f| on.time(f.onset)).into()),
-    // What is known of the rig's other inputs: share of the nominal voltage, and % of the usual level.
-    column("supply", |on| on.tick.known.supply.into()),
-    column("fan_pct", |on| on.tick.known.fan.map(|level| level.0).into()),
-    // Place, from 1, of the fault of the user's own that the likelihood diagnosis sees.
-    column("taught", |on| on.report.likelihood.taught.map(|taught| taught.place + 1).into()),
-];
 
 /// Name of the column behind all others that a trace has where settings are not the defaults: what
 /// [`Settings::take`](crate::change::Settings::take) gives for each row.
@@ -75,159 +15,66 @@ pub const SETTINGS: &str = "settings";
 /// Name of the column with the number of the true fault, the only one that no instrument knows.
 pub const TRUTH: &str = "truth";
 
-/// A column.
-pub struct Column {
-    /// Name in the header.
-    pub name: &'static str,
-    /// What stands in it on a tick.
-    pub value: fn(&OneTick) -> Value,
+/// What stands in the cell of a column on a tick, of so many s each.
+pub fn cell(column: &Entry, on: &Moment, sample_time: f64) -> impl fmt::Display {
+    Cell { value: (column.number.value)(on), sample_time }
 }
 
-const fn column(name: &'static str, value: fn(&OneTick) -> Value) -> Column {
-    Column { name, value }
+struct Cell {
+    value: Value,
+    sample_time: f64,
 }
 
-/// What a row is made of.
-#[derive(Clone, Copy, Debug)]
-pub struct OneTick<'a> {
-    /// First half of the tick.
-    pub tick: &'a Tick,
-    /// Second half of the tick.
-    pub report: &'a Report,
-    /// Number of the fault that acts; 0 for none.
-    pub truth: u8,
-    /// Ts in s.
-    pub sample_time: f64,
-}
-
-impl OneTick<'_> {
-    fn time(&self, tick: u32) -> f64 {
-        tick_time(tick, self.sample_time)
-    }
-
-    fn residual(&self, residual: Residual) -> Value {
-        self.report.residuals.map(|r| r[residual as usize]).into()
-    }
-
-    fn filtered(&self, residual: Residual) -> Value {
-        self.report.residuals_filtered.map(|r| r[residual as usize]).into()
-    }
-
-    fn symptom(&self, residual: Residual) -> Value {
-        let place = DECISIVE.iter().position(|decisive| *decisive == residual);
-        self.report.filtered.zip(place).map(|(verdict, i)| verdict.symptoms[i].sign()).into()
-    }
-
-    fn finding(&self) -> Option<Finding> {
-        self.report.likelihood.finding
-    }
-
-    fn magnitude(&self) -> Option<(Finding, Magnitude)> {
-        self.finding().and_then(|finding| Some((finding, finding.magnitude?)))
-    }
-}
-
-fn difference(a: Option<f32>, b: Option<f32>) -> Value {
-    a.zip(b).map(|(a, b)| a - b).into()
-}
-
-/// What stands in a cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value {
-    /// Not defined on this tick.
-    Empty,
-    /// A number of the instrument.
-    Single(f32),
-    /// A time, s.
-    Double(f64),
-    /// A flag, a sign, the number of a fault.
-    Whole(i16),
-    /// A name.
-    Word(&'static str),
-}
-
-impl From<f32> for Value {
-    fn from(x: f32) -> Self {
-        Self::Single(x)
-    }
-}
-
-impl From<f64> for Value {
-    fn from(x: f64) -> Self {
-        Self::Double(x)
-    }
-}
-
-impl From<u8> for Value {
-    fn from(x: u8) -> Self {
-        Self::Whole(x.into())
-    }
-}
-
-impl From<i8> for Value {
-    fn from(x: i8) -> Self {
-        Self::Whole(x.into())
-    }
-}
-
-impl From<&'static str> for Value {
-    fn from(word: &'static str) -> Self {
-        Self::Word(word)
-    }
-}
-
-impl<T: Into<Value>> From<Option<T>> for Value {
-    fn from(value: Option<T>) -> Self {
-        value.map_or(Self::Empty, Into::into)
-    }
-}
-
-impl std::fmt::Display for Value {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Empty => Ok(()),
-            Self::Single(x) if x.is_nan() => Ok(()),
-            Self::Single(x) => x.fmt(f),
-            Self::Double(x) => x.fmt(f),
-            Self::Whole(x) => x.fmt(f),
-            Self::Word(word) => f.write_str(word),
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.value {
+            Value::Float(Some(x)) if !x.is_nan() => x.fmt(f),
+            Value::Reading(reading) => reading.celsius.0.fmt(f),
+            Value::Count(Some(number)) | Value::Place(Some(number)) => number.fmt(f),
+            Value::Judged(Some(number)) => number.fmt(f),
+            Value::Tick(Some(tick)) => tick_time(tick, self.sample_time).fmt(f),
+            Value::Named((_, name)) | Value::Choice(Some((_, name))) => f.write_str(name),
+            Value::Float(_)
+            | Value::Count(None)
+            | Value::Place(None)
+            | Value::Judged(None)
+            | Value::Tick(None)
+            | Value::Choice(None) => Ok(()),
         }
     }
 }
 
 /// The columns that an instrument can fill by itself: all but `truth`.
-pub fn instrument_columns() -> impl Iterator<Item = &'static Column> {
+pub fn instrument_columns() -> impl Iterator<Item = &'static Entry> {
     COLUMNS.iter().filter(|column| column.name != TRUTH)
 }
 
 /// Names of some columns, with commas between.
-pub fn header<'a>(columns: impl Iterator<Item = &'a Column>) -> String {
+pub fn header<'a>(columns: impl Iterator<Item = &'a Entry>) -> String {
     columns.map(|column| column.name).collect::<Vec<_>>().join(",")
 }
 
 /// Appends the cells of some columns to a line, with commas between.
-pub fn append_cells<'a>(line: &mut String, columns: impl Iterator<Item = &'a Column>, on: &OneTick) {
+pub fn append_cells<'a>(
+    line: &mut String,
+    columns: impl Iterator<Item = &'a Entry>,
+    on: &Moment,
+    sample_time: f64,
+) {
     for (i, column) in columns.enumerate() {
         let comma = if i > 0 { "," } else { "" };
-        let _ = write!(line, "{comma}{}", (column.value)(on));
+        let _ = write!(line, "{comma}{}", cell(column, on, sample_time));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use fdi_core::likelihood::verdict::TaughtFinding;
-    use fdi_core::likelihood::{FaultClass, LikelihoodReport};
+    use fdi_core::likelihood::{FaultClass, LikelihoodReport, Magnitude};
     use fdi_core::name::Name;
-    use fdi_core::{AdcCode, Config, Instrument, RawSample};
+    use fdi_core::{AdcCode, Config, Finding, Instrument, RawSample, Report};
 
     use super::*;
-
-    #[test]
-    fn no_two_columns_have_one_name() {
-        for (i, column) in COLUMNS.iter().enumerate() {
-            assert!(COLUMNS[..i].iter().all(|other| other.name != column.name), "{}", column.name);
-        }
-    }
 
     #[test]
     fn the_likelihood_columns_say_what_was_found_or_nothing() {
@@ -238,15 +85,13 @@ mod tests {
         let cells = |likelihood: &LikelihoodReport| {
             let mut line = String::new();
             let report = Report { likelihood: *likelihood, ..report.clone() };
-            let columns = COLUMNS.iter().skip_while(|column| column.name != "alarm");
-            append_cells(
-                &mut line,
-                columns,
-                &OneTick { tick: &tick, report: &report, truth: 0, sample_time: 0.11 },
-            );
+            let of_it =
+                ["alarm", "verdict", "confidence", "magnitude", "magnitude_unit", "onset_s", "taught"];
+            let columns = COLUMNS.iter().filter(|column| of_it.contains(&column.name));
+            append_cells(&mut line, columns, &Moment::new(&tick, &report), 0.11);
             line
         };
-        assert_eq!(cells(&LikelihoodReport::default()), "0,,,,,,,,");
+        assert_eq!(cells(&LikelihoodReport::default()), "0,,,,,,");
         let finding = Finding {
             class: FaultClass::T2Offset,
             confidence: 0.75,
@@ -257,9 +102,9 @@ mod tests {
         let taught = Some(TaughtFinding { name: Name::NONE, place: 2, confidence: 0.96, magnitude });
         let found =
             LikelihoodReport { alarm: true, finding: Some(finding), taught, ..LikelihoodReport::default() };
-        assert_eq!(cells(&found), "1,t2_offset,0.75,-1.5,degC,11,,,3");
+        assert_eq!(cells(&found), "1,t2_offset,0.75,-1.5,degC,11,3");
         let unknown = Finding { class: FaultClass::Unknown, magnitude: None, ..finding };
         let found = LikelihoodReport { finding: Some(unknown), ..found };
-        assert_eq!(cells(&found), "1,unknown,0.75,,,11,,,3");
+        assert_eq!(cells(&found), "1,unknown,0.75,,,11,3");
     }
 }

@@ -33,10 +33,14 @@ impl RigConfig {
     /// The name is none of these.
     pub fn preset(name: &str) -> anyhow::Result<Self> {
         let Some((_, make)) = PRESETS.iter().find(|(known, _)| *known == name) else {
-            let names: Vec<&str> = PRESETS.iter().map(|(name, _)| *name).collect();
-            bail!("no preset \"{name}\", expected {}", names.join(", "));
+            bail!("no preset \"{name}\", expected {}", Self::presets().collect::<Vec<_>>().join(", "));
         };
         Ok(make())
+    }
+
+    /// The names of all presets.
+    pub fn presets() -> impl Iterator<Item = &'static str> {
+        PRESETS.iter().map(|(name, _)| *name)
     }
 }
 

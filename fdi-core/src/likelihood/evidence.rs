@@ -21,11 +21,18 @@ mod along;
 
 use super::cholesky::Cholesky;
 use super::column::Direction;
+use super::hypothesis::{MODEL_ERRORS, SINCE_ONSET, SINCE_TRAINING};
 use super::normal::Normal;
 use crate::bounds::larger;
 
-/// At most so many nuisances.
+/// At most so many nuisances: their cost grows with the square of this.
 pub(super) const MOST: usize = 10;
+
+// What is beyond would be left out.
+const _: () = assert!(
+    SINCE_ONSET.len() <= MOST && SINCE_TRAINING.len() <= MOST && MODEL_ERRORS.len() <= MOST,
+    "more nuisances than there is room for: raise `MOST`"
+);
 
 /// A nuisance: what may move without being a fault, and its standard deviation.
 pub(super) type Nuisance = (Direction, f32);

@@ -20,6 +20,7 @@ pub mod supply;
 pub mod thermistor;
 
 use crate::error::ConfigError;
+use crate::numbered::numbered;
 use crate::units::{AdcCode, Celsius, Seconds};
 use plausibility::{Plausibility, PlausibilityConfig, PlausibilityState};
 use thermistor::{Thermistor, ThermistorConfig};
@@ -60,6 +61,23 @@ pub enum Validity {
     Rate,
     /// Has not moved although the excitation should have moved it.
     Stuck,
+}
+
+numbered! {
+    Validity from 0;
+    Self::Good => 0, "good";
+    Self::Missing => 1, "missing";
+    Self::Open => 2, "open";
+    Self::Short => 3, "short";
+    Self::OutOfRange => 4, "out_of_range";
+    Self::Spike => 5, "spike";
+    Self::Rate => 6, "rate";
+    Self::Stuck => 7, "stuck";
+}
+
+impl Validity {
+    /// Those with which a thermistor reads nothing; with the others it does, be it believed or not.
+    pub const READS_NOTHING: [Self; 3] = [Self::Missing, Self::Open, Self::Short];
 }
 
 /// A temperature with its validity. The number is finite whatever the input was.

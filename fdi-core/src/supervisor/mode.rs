@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::numbered::numbered;
 use crate::observation::Phase;
 use crate::sense::{RawSample, Sample};
 use crate::units::{Celsius, Percent};
@@ -39,31 +40,21 @@ pub enum TripReason {
     T1Contradicted,
 }
 
-impl TripReason {
-    /// The reason in words, for people.
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::T1Open => "T1 reads as a broken wire",
-            Self::T1Short => "T1 reads as a short circuit",
-            Self::T1OutOfRange => "T1 reads a temperature that the rig cannot have",
-            Self::T1Lost => "T1 gave no valid sample for too long",
-            Self::T1Stuck => "T1 did not move although the heater did",
-            Self::T1OverTemperature => "T1 is above the limit",
-            Self::T2OverTemperature => "T2 is above the limit",
-            Self::AirFlowLost => "too little air to heat, or a heater that gives more than it is asked for",
-            Self::HeaterStuckOn => "the rig heats although the heater is off",
-            Self::SensorsDisagree => {
-                "T2 is far hotter than T1: T1 is out of the tube or stands still, or wires are swapped"
-            }
-            Self::NoResponse => "much power, and T1 has not risen: T1 out of the tube, or nothing heats",
-            Self::ExcessPower => {
-                "far more power than was learnt for this set-point: T1 out of the tube, or the rig changed"
-            }
-            Self::T1Contradicted => {
-                "T1 does not answer to the heater as T2 does: T1 is out of the tube or stands still, or wires are swapped"
-            }
-        }
-    }
+numbered! {
+    TripReason from 1;
+    Self::T1Open => 1, "t1_open", "T1 reads as a broken wire";
+    Self::T1Short => 2, "t1_short", "T1 reads as a short circuit";
+    Self::T1OutOfRange => 3, "t1_out_of_range", "T1 reads a temperature that the rig cannot have";
+    Self::T1Lost => 4, "t1_lost", "T1 gave no valid sample for too long";
+    Self::T1Stuck => 5, "t1_stuck", "T1 did not move although the heater did";
+    Self::T1OverTemperature => 6, "t1_over_temperature", "T1 is above the limit";
+    Self::T2OverTemperature => 7, "t2_over_temperature", "T2 is above the limit";
+    Self::AirFlowLost => 8, "air_flow_lost", "too little air to heat, or a heater that gives more than it is asked for";
+    Self::HeaterStuckOn => 9, "heater_stuck_on", "the rig heats although the heater is off";
+    Self::SensorsDisagree => 10, "sensors_disagree", "T2 is far hotter than T1: T1 is out of the tube or stands still, or wires are swapped";
+    Self::NoResponse => 11, "no_response", "much power, and T1 has not risen: T1 out of the tube, or nothing heats";
+    Self::ExcessPower => 12, "excess_power", "far more power than was learnt for this set-point: T1 out of the tube, or the rig changed";
+    Self::T1Contradicted => 13, "t1_contradicted", "T1 does not answer to the heater as T2 does: T1 is out of the tube or stands still, or wires are swapped";
 }
 
 /// The record of a trip: what was seen on the tick that tripped.
@@ -114,6 +105,16 @@ pub enum Mode {
     Tripped(Trip),
 }
 
+numbered! {
+    Mode from 0;
+    Self::Off => 0, "off";
+    Self::Settle { .. } => 1, "settle";
+    Self::Learn { .. } => 2, "learn";
+    Self::Monitor => 3, "monitor";
+    Self::Tripped(_) => 4, "tripped";
+    Self::Tune => 5, "tune";
+}
+
 impl Mode {
     /// Whether the heater may be driven.
     pub fn is_heating(&self) -> bool {
@@ -128,18 +129,6 @@ impl Mode {
             Self::Learn { .. } => Phase::Learning,
             Self::Monitor => Phase::Watched,
             Self::Tripped(_) => Phase::Tripped,
-        }
-    }
-
-    /// Name in traces and logs.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Off => "off",
-            Self::Settle { .. } => "settle",
-            Self::Learn { .. } => "learn",
-            Self::Monitor => "monitor",
-            Self::Tune => "tune",
-            Self::Tripped(_) => "tripped",
         }
     }
 }
@@ -162,20 +151,14 @@ pub enum Blocker {
     NotIdentified,
 }
 
-impl Blocker {
-    /// The reason in words, for people.
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::Saturated => "the power is at a limit",
-            Self::OutOfRegulation => "T1 is too far from the set-point",
-            Self::Unexcited => "the excitation is off or cut away",
-            Self::InvalidSample => "a thermistor gives no valid sample",
-            Self::NotSteady => "not steady for long enough yet",
-            Self::NotIdentified => {
-                "the models give no gain or bandwidth to be believed; see identification.gain_max"
-            }
-        }
-    }
+numbered! {
+    Blocker from 1;
+    Self::Saturated => 1, "saturated", "the power is at a limit";
+    Self::OutOfRegulation => 2, "out_of_regulation", "T1 is too far from the set-point";
+    Self::Unexcited => 3, "unexcited", "the excitation is off or cut away";
+    Self::InvalidSample => 4, "invalid_sample", "a thermistor gives no valid sample";
+    Self::NotSteady => 5, "not_steady", "not steady for long enough yet";
+    Self::NotIdentified => 6, "not_identified", "the models give no gain or bandwidth to be believed; see identification.gain_max";
 }
 
 /// Highest level of the fan that can be announced, %.
@@ -237,7 +220,9 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::NotInMode(mode) => write!(f, "not possible in mode {mode}"),
-            Self::CausePersists(reason) => write!(f, "refused, for it persists: {}", reason.words()),
+            Self::CausePersists(reason) => {
+                write!(f, "refused, for it persists (trip {}): {}", reason.number(), reason.words())
+            }
             Self::WidensLimit(name) => {
                 write!(f, "{name} can't be widened while the heater is on, expected `stop` first")
             }

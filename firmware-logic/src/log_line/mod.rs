@@ -268,9 +268,9 @@ mod tests {
     use proptest::prelude::*;
 
     use fdi_core::likelihood::Commissioned;
+    use fdi_core::schema::WORDS;
     use fdi_core::{Celsius, Command, Percent};
 
-    use super::tick::WORDS;
     use super::*;
 
     fn bits() -> impl Strategy<Value = f32> {

@@ -80,7 +80,8 @@ impl<W: Write> Recorder<W> {
 
 #[cfg(test)]
 mod tests {
-    use firmware_logic::log_line::tick::{TickLine, WORDS};
+    use fdi_core::schema::WORDS;
+    use firmware_logic::log_line::tick::TickLine;
 
     use super::*;
 

@@ -1,20 +1,17 @@
 //! The lines of a board's stream as the numbers that the lab's page shows. Its ticks are counted from the first that was heard; what a record
 //! does not hold (what the models expect, shares of the hypotheses, residuals in units of their thresholds) is not defined.
 
+use fdi_core::schema::{Entry, FIELDS, Kind, Numbers};
 use fdi_core::sense::thermistor::Thermistor;
-use fdi_core::{Command, Config};
+use fdi_core::{Command, Config, Validity};
 use firmware_logic::control_loop::OrderKind;
 use firmware_logic::log_line::LogLine;
-use firmware_logic::log_line::tick::{ARMED, MODES, NONE, RESTARTED, TickLine};
-use pt326_lab::fields::{FIELDS, TRIPS};
+use firmware_logic::log_line::tick::TickLine;
 use pt326_lab::scene::Order;
-use pt326_lab::told::{Numbers, Told};
+use pt326_lab::told::Told;
 
 /// Most rows that stand in for ticks that were not heard: of a longer gap, some ten minutes.
 const MOST_MISSING: u32 = 6000;
-
-/// Words of a record that are numbers of the page, under the same name.
-const ALIKE: [&str; 5] = ["setpoint", "pid", "confidence", "magnitude", "half_width"];
 
 /// What a line has brought.
 #[derive(Debug, Default, PartialEq)]
@@ -31,13 +28,11 @@ pub(super) struct Rows {
     count: u32,
     /// The board's tick that comes next, where one was heard.
     due: Option<u32>,
-    /// Why it tripped last, by its place in [`TRIPS`].
-    trip: Option<usize>,
 }
 
 impl Rows {
     pub(super) fn new(config: &Config) -> anyhow::Result<Self> {
-        Ok(Self { thermistors: thermistors(config)?, count: 0, due: None, trip: None })
+        Ok(Self { thermistors: thermistors(config)?, count: 0, due: None })
     }
 
     /// Other settings are in force.
@@ -46,28 +41,17 @@ impl Rows {
         Ok(())
     }
 
-    /// A line for people, of the stream or of `faults`: why it tripped stands in no other.
-    pub(super) fn sentence(&mut self, line: &str) {
-        let said = line.split_once(" trip: ").map(|(_, said)| said);
-        let reason = said.and_then(|said| TRIPS.iter().position(|trip| said.starts_with(trip.words())));
-        self.trip = reason.or(self.trip);
-    }
-
     pub(super) fn line(&mut self, line: &str) -> News {
         match LogLine::find(line) {
             Ok(Some(LogLine::Tick(tick))) => News { told: self.tick(&tick), settings: false },
             Ok(Some(LogLine::Start { .. })) => {
-                (self.due, self.trip) = (Some(0), None);
+                self.due = Some(0);
                 News::default()
             }
             Ok(Some(LogLine::Order { order, .. })) => News {
                 told: carried_out(&order).map(Told::Order).into_iter().collect(),
                 settings: order == OrderKind::Settings,
             },
-            Ok(None) => {
-                self.sentence(line);
-                News::default()
-            }
             _ => News::default(),
         }
     }
@@ -84,49 +68,28 @@ impl Rows {
     }
 
     fn numbers(&self, line: &TickLine) -> Numbers {
-        let word = |name| line.word(name);
-        let number = |name| Some(word(name)).filter(|word| *word != NONE).map(f32::from_bits);
-        let (state, likelihood, vectors) = (word("state"), word("likelihood"), word("vectors"));
-        let judged = (word("symptoms") != NONE).then_some(vectors);
-        let count = |number: u32| Some(number as f32);
         let (raw, [s0, s1, s2]) = (line.raw(), &self.thermistors);
-        // Missing, open or short: it reads nothing.
-        let read = |nibble: u32, thermistor: &Thermistor, code| {
-            (!(1..=3).contains(&(state >> nibble & 0xF))).then(|| thermistor.celsius(code).0)
+        let read = |validity, thermistor: &Thermistor, code| {
+            let silent = Validity::READS_NOTHING.iter().any(|v| line.bits(validity) == Some(v.number()));
+            if silent { f32::NAN } else { thermistor.celsius(code).0 }
         };
-        let number_of = |field: &'static str| match field {
-            "tick" => count(self.count),
-            "t0" => read(4, s0, raw.t0),
-            "t1" => read(8, s1, raw.t1),
-            "t2" => read(12, s2, raw.t2),
-            "drive" => Some(line.applied().0),
-            "mode" => count(line.mode()),
-            "trip" => self
-                .trip
-                .filter(|_| MODES.get(line.mode() as usize) == Some(&"tripped"))
-                .map(|trip| trip as f32),
-            "blocked" => line.blocked().checked_sub(1).map(|blocker| blocker as f32),
-            "learned" => count(word("learned")),
-            // The page has one number for all reasons of a refusal, before armed.
-            "readiness" => count(match line.readiness() {
-                ARMED => 3,
-                RESTARTED => 4,
-                3.. => 2,
-                early => early,
-            }),
-            "fdv" => judged.map(|vectors| (vectors & 0xFF) as f32),
-            "fiv" => judged.map(|vectors| (vectors >> 8 & 0xFF) as f32),
-            "alarm" => count(likelihood >> 4 & 1),
-            "taught" => Some(likelihood >> 16).filter(|place| *place > 0).map(|place| place as f32),
-            "class" => Some(likelihood >> 8 & 0xFF).filter(|class| *class > 0).map(|class| class as f32),
-            "onset" => Some(word("onset"))
-                .filter(|onset| *onset != NONE)
-                .map(|onset| (f64::from(self.count) - (f64::from(line.tick()) - f64::from(onset))) as f32),
-            "truth" => Some(0.0),
-            same if ALIKE.contains(&same) => number(same),
-            _ => None,
+        let number_of = |field: &Entry| match field.name {
+            "tick" => self.count as f32,
+            "t0" => read("t0_validity", s0, raw.t0),
+            "t1" => read("t1_validity", s1, raw.t1),
+            "t2" => read("t2_validity", s2, raw.t2),
+            "truth" => 0.0,
+            _ => match (field.number.kind, field.number.bits(&line.0)) {
+                (_, None) => f32::NAN,
+                (Kind::Float, Some(bits)) => f32::from_bits(bits),
+                // Ticks are counted from the first that was heard.
+                (Kind::Tick, Some(tick)) => {
+                    (f64::from(self.count) - (f64::from(line.tick()) - f64::from(tick))) as f32
+                }
+                (_, Some(number)) => number as f32,
+            },
         };
-        std::array::from_fn(|i| number_of(FIELDS[i].name).unwrap_or(f32::NAN))
+        std::array::from_fn(|i| number_of(&FIELDS[i]))
     }
 }
 
@@ -161,11 +124,14 @@ mod tests {
     use fdi_core::likelihood::verdict::TaughtFinding;
     use fdi_core::likelihood::{FaultClass, LikelihoodReport, Magnitude};
     use fdi_core::name::Name;
-    use fdi_core::{AdcCode, Celsius, Finding, Instrument, Percent, RawSample, Report};
+    use fdi_core::schema::{self, Moment};
+    use fdi_core::{AdcCode, Celsius, Finding, Instrument, Percent, RawSample, Report, TripReason};
     use firmware_logic::control_loop::TickRecord;
-    use pt326_lab::fields::{Moment, numbers};
 
     use super::*;
+
+    /// From this tick on the wire of T1 is broken.
+    const OPENED: u32 = 20;
 
     /// The record of each tick, and what the page is shown of it where the instrument itself is there.
     fn both(ticks: u32) -> Vec<(String, Numbers)> {
@@ -179,22 +145,17 @@ mod tests {
         };
         let mut instrument = Instrument::new(&config).unwrap();
         instrument.command(Command::Arm).unwrap();
-        let both = |_| {
+        let both = |k| {
+            // From then on it has tripped.
+            let t1 = if k < OPENED { raw.t1 } else { AdcCode(4095.0) };
+            let raw = RawSample { t1, ..raw };
             let tick = instrument.control(raw);
             // As in a self-test: the heater gets what the controller does not ask for.
             let applied = Percent(2.5);
             let report = instrument.diagnose(&tick, applied);
             let record = TickRecord::new(raw, tick, applied);
-            let moment = Moment {
-                tick: &tick,
-                report: &report,
-                applied,
-                truth: 0,
-                explained: None,
-                normal: None,
-                sigma_factor: 1.0,
-            };
-            (TickLine::new(&record, &report).to_string(), numbers(&moment))
+            let moment = Moment { applied, ..Moment::new(&tick, &report) };
+            (TickLine::new(&record, &report).to_string(), schema::row(&moment))
         };
         (0..ticks).map(both).collect()
     }
@@ -209,12 +170,20 @@ mod tests {
         for (line, wanted) in both(50) {
             let [row] = rows(to_rows.line(&line).told)[..] else { panic!("one row a tick") };
             for (field, (ours, theirs)) in FIELDS.iter().zip(row.into_iter().zip(wanted)) {
-                // No record holds these; why it tripped is in a sentence behind it.
-                let unknown = field.name.ends_with("_expected") || field.name == "trip";
+                let unknown = field.name.ends_with("_expected"); // no record holds these
                 let same = ours.to_bits() == theirs.to_bits() || ours.is_nan() && theirs.is_nan();
                 assert!(same || unknown, "{}: {ours}, expected {theirs}", field.name);
             }
         }
+    }
+
+    #[test]
+    fn why_it_tripped_is_told_by_its_number() {
+        let mut to_rows = Rows::new(&Config::default()).unwrap();
+        let trips =
+            both(50).into_iter().flat_map(|(line, _)| rows(to_rows.line(&line).told)).map(|row| row[11]);
+        let trips: Vec<f32> = trips.filter(|trip| !trip.is_nan()).collect();
+        assert_eq!((FIELDS[11].name, trips), ("trip", vec![TripReason::T1Open.number() as f32; 30]));
     }
 
     #[test]
@@ -230,7 +199,7 @@ mod tests {
             let likelihood = LikelihoodReport { alarm: true, finding, taught, ..report.likelihood };
             let line = TickLine::new(&record, &Report { likelihood, ..report.clone() });
             let row = Rows::new(&Config::default()).unwrap().numbers(&line);
-            let number = |name| row[FIELDS.iter().position(|field| field.name == name).unwrap()];
+            let number = |name| row[schema::field(name).unwrap()];
             ["class", "taught"].map(|name| Some(number(name)).filter(|number| !number.is_nan()))
         };
         let class = Some(FaultClass::Unknown.number() as f32);
@@ -258,10 +227,8 @@ mod tests {
     }
 
     #[test]
-    fn why_it_tripped_and_what_was_ordered_are_read_from_the_lines_for_people() {
+    fn what_was_ordered_is_told() {
         let mut to_rows = Rows::new(&Config::default()).unwrap();
-        to_rows.line("11.0 s trip: T2 is above the limit; 87.3 degC seen, limit 75.0 degC");
-        assert_eq!(to_rows.trip.map(|i| TRIPS[i]), Some(fdi_core::TripReason::T2OverTemperature));
         let setpoint = f32::to_bits(36.0);
         let news = to_rows.line(&format!("order 12 setpoint {setpoint:x} (36 degC)"));
         assert_eq!(news.told, [Told::Order(Order::Setpoint { celsius: 36.0 })]);

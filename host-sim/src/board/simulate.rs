@@ -75,8 +75,8 @@ fn bits(codes: &Codes) -> [u32; 3] {
 
 #[cfg(test)]
 mod tests {
+    use fdi_core::schema::WORDS;
     use fdi_core::{AdcCode, RawSample};
-    use firmware_logic::log_line::tick::WORDS;
     use pt326_rig::{Disturbance, RigConfig};
 
     use super::*;

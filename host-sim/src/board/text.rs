@@ -1,5 +1,6 @@
 //! What stands in the text of a board's console: its prompts, its lines, and what some of them mean.
 
+use fdi_core::TripReason;
 use firmware_logic::console::ANSWER;
 
 /// What ends an answer.
@@ -33,9 +34,31 @@ pub fn refusal(answer: &str) -> Option<&str> {
     answer.lines().find_map(|line| line.strip_prefix("error: "))
 }
 
+/// Name of the trip whose cause persists, where that is why.
+pub(super) fn persists(why: &str) -> Option<&'static str> {
+    let number: usize = why.split_once("persists (trip ")?.1.split_once(')')?.0.parse().ok()?;
+    TripReason::NAMES.get(number.checked_sub(1)?).copied()
+}
+
 #[cfg(test)]
 mod tests {
+    use fdi_core::Refusal;
+
     use super::*;
+
+    #[test]
+    fn a_trip_that_persists_is_told_by_its_number() {
+        let text = Refusal::CausePersists(TripReason::T2OverTemperature).to_string();
+        assert_eq!(persists(&text), Some("t2_over_temperature"));
+        for other in [
+            "not possible in mode off",
+            "it persists (trip 0): ",
+            "it persists (trip 99): ",
+            "persists (trip 1",
+        ] {
+            assert_eq!(persists(other), None, "{other}");
+        }
+    }
 
     #[test]
     fn lines_come_without_prompts_and_the_rest_waits() {

@@ -18,6 +18,7 @@ use serialport::SerialPort;
 
 use super::rows::Rows;
 use super::session::{PATIENCE, STOP};
+use super::text::persists;
 use super::{Heard, Session, refusal, settings, take_lines};
 use crate::experiment::as_written;
 
@@ -171,8 +172,6 @@ impl Keeper {
 
     /// What is to be known of a board that is there.
     fn greet(&mut self, config: &Config) -> anyhow::Result<()> {
-        let faults = self.session.order("faults")?;
-        faults.lines().for_each(|line| self.rows.sentence(line));
         self.session.order("stream on")?;
         self.hand.grip().port = Some(self.session.other_hand()?);
         (self.last, self.silent) = (Instant::now(), false);
@@ -213,7 +212,8 @@ impl Keeper {
     fn beat(&mut self, given: &Receiver<Given>) -> Result<(), Unwatched> {
         while let Ok(order) = given.try_recv() {
             if let Err(error) = self.carry_out(&order) {
-                self.tell(Told::Refused(format!("{error:#}")))?;
+                let why = format!("{error:#}");
+                self.tell(Told::Refused { persists: persists(&why), why })?;
             }
         }
         let Ok(heard) = self.session.hear() else { return self.reopen(given) };

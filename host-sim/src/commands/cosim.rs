@@ -4,11 +4,12 @@ use std::io::{BufRead, Write};
 use std::path::PathBuf;
 
 use anyhow::{Context, bail, ensure};
+use fdi_core::schema::Moment;
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample};
 
 use crate::commands::terminal::Output;
 use crate::experiment::as_written;
-use crate::record::trace::{OneTick, append_cells, header, instrument_columns};
+use crate::record::trace::{append_cells, header, instrument_columns};
 use crate::settings;
 
 /// Arguments of `core`.
@@ -117,8 +118,7 @@ fn answer(instrument: &mut Instrument, line: &str, sample_time: f64) -> anyhow::
     let tick = instrument.control(sample(line)?);
     let report = instrument.diagnose(&tick, tick.drive);
     let mut row = format!("{},", tick.drive.0);
-    let on = OneTick { tick: &tick, report: &report, truth: 0, sample_time };
-    append_cells(&mut row, instrument_columns(), &on);
+    append_cells(&mut row, instrument_columns(), &Moment::new(&tick, &report), sample_time);
     Ok(row)
 }
 
@@ -192,7 +192,8 @@ mod tests {
         let columns = lines[0].split(',').count();
         assert!(lines.iter().all(|line| line.split(',').count() == columns));
         assert_eq!((cell(&lines, 2, "t_s"), cell(&lines, 2, "mode")), ("0.11", "settle"));
-        assert!(lines[2].ends_with(",settle,0,,,,,,,,"));
+        let of_it = ["alarm", "verdict", "confidence", "magnitude", "onset_s", "taught"];
+        assert_eq!(of_it.map(|name| cell(&lines, 2, name)), ["0", "", "", "", "", ""]);
     }
 
     #[test]

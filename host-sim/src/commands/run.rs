@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::schema::Explained;
 use fdi_core::{Command, Config, Instrument, RawSample, Report, Tick};
 use indicatif::ProgressBar;
-use pt326_lab::fields::Explained;
 
 use super::experiment::ExperimentArgs;
 use super::results::Folder;

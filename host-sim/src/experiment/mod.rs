@@ -4,11 +4,11 @@ mod fault_size;
 pub mod scenario;
 
 use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::schema::{self, Explained};
 use fdi_core::{Command, Config, Instrument, Percent, RawSample, Report, Tick};
 
 pub use fault_size::{FaultSize, paper_sequence};
 use pt326_lab::change::Settings;
-use pt326_lab::fields::{self, Explained};
 use pt326_lab::names::Names;
 pub use pt326_lab::preset::with_prbs_phase;
 pub use pt326_lab::session::{sample, truth};
@@ -52,7 +52,7 @@ impl Backend for Instrument {
     }
 
     fn explained(&self, report: &Report) -> Option<Explained> {
-        fields::explained(self, report)
+        schema::explained(self, report)
     }
 }
 

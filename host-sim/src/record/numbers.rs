@@ -2,7 +2,7 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use pt326_lab::fields::{FIELDS, Moment, numbers};
+use fdi_core::schema::{self, FIELDS, Moment, Numbers};
 use pt326_lab::protocol;
 use pt326_lab::scene::Order;
 use serde_json::{Value, json};
@@ -10,17 +10,16 @@ use serde_json::{Value, json};
 use crate::experiment::Record;
 
 /// The numbers of all ticks, in the order of [`FIELDS`].
-pub fn of(record: &Record) -> Vec<[f32; FIELDS.len()]> {
+pub fn of(record: &Record) -> Vec<Numbers> {
     let mut explained = record.explained.iter().peekable();
     let row = |(k, row): (usize, &crate::experiment::Row)| {
-        numbers(&Moment {
-            tick: &row.tick,
-            report: &row.report,
+        schema::row(&Moment {
             applied: row.applied,
             truth: row.truth,
             explained: explained.next_if(|(of, _)| *of == k).map(|(_, shares)| shares),
-            normal: record.baseline.map(|baseline| baseline.filtered),
+            normal: record.baseline.as_ref().map(|baseline| &baseline.filtered),
             sigma_factor: record.sigma_factor as f32,
+            ..Moment::new(&row.tick, &row.report)
         })
     };
     record.rows.iter().enumerate().map(row).collect()

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use fdi_core::schema::{COLUMNS, Moment};
 pub use pt326_lab::trace::*;
 
 use crate::experiment::Record;
@@ -20,13 +21,8 @@ pub fn write_trace(record: &Record, out: &mut impl Write) -> std::io::Result<()>
     let mut settings = record.settings.iter().peekable();
     for (k, row) in record.rows.iter().enumerate() {
         line.clear();
-        let on = OneTick {
-            tick: &row.tick,
-            report: &row.report,
-            truth: row.truth,
-            sample_time: record.sample_time,
-        };
-        append_cells(&mut line, COLUMNS.iter(), &on);
+        let on = Moment { truth: row.truth, ..Moment::new(&row.tick, &row.report) };
+        append_cells(&mut line, COLUMNS.iter(), &on, record.sample_time);
         if tells_settings {
             line += ",";
             line += settings.next_if(|(tick, _)| *tick == k).map_or("", |(_, told)| told);

@@ -5,6 +5,7 @@ mod diagnose;
 mod hostile;
 mod identify;
 mod isolability;
+mod porting;
 mod replay;
 mod run;
 mod score;

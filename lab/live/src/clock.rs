@@ -144,7 +144,10 @@ impl<S: Source> Keeper<S> {
                     continue;
                 }
                 Told::Order(order) => json!({ "type": "order", "tick": tick, "order": order }),
-                Told::Refused(why) => json!({ "type": "refused", "why": why }),
+                Told::Refused { why, persists: None } => json!({ "type": "refused", "why": why }),
+                Told::Refused { why, persists: Some(trip) } => {
+                    json!({ "type": "refused", "why": why, "code": "persists", "values": { "trip": trip } })
+                }
                 Told::Names(Names { rows, taught }) => {
                     json!({ "type": "names", "own_names": rows, "taught_names": taught })
                 }
@@ -221,7 +224,7 @@ impl<S: Source> Keeper<S> {
     /// On until it monitors, or heats no more; not forever, for it may never.
     fn skip(&mut self) {
         const WARMING: [f32; 2] = [1.0, 2.0];
-        let mode = pt326_lab::fields::FIELDS.iter().position(|field| field.name == "mode").unwrap_or(0);
+        let mode = fdi_core::schema::field("mode").unwrap_or(0);
         for _ in 0..120 {
             self.ticks(50);
             if !lock(&self.history).last().is_some_and(|row| WARMING.contains(&row[mode])) {

@@ -1,11 +1,12 @@
 //! What can be served: something that gives a row of numbers for each tick.
 
+pub use fdi_core::schema::Numbers;
 use pt326_lab::names::Names;
 use pt326_lab::protocol;
 use pt326_lab::refusal::Refused;
 use pt326_lab::scene::{Order, Scene};
 use pt326_lab::session::Session;
-pub use pt326_lab::told::{Numbers, Told};
+pub use pt326_lab::told::Told;
 use serde_json::{Value, json};
 
 /// A rig that is watched.

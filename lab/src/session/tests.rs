@@ -5,7 +5,7 @@ use crate::protocol::read;
 use crate::recording::Recording;
 
 fn place(name: &str) -> usize {
-    FIELDS.iter().position(|field| field.name == name).unwrap()
+    schema::field(name).unwrap()
 }
 
 /// A session that monitors.
@@ -61,8 +61,8 @@ fn a_scene_leads_to_the_same_bits_again() {
     let mut step = |session: &mut Session| {
         let row = session.step();
         let mut line = String::new();
-        let on = OneTick { tick: &row.tick, report: &row.report, truth: row.truth, sample_time: 0.11 };
-        append_cells(&mut line, COLUMNS.iter(), &on);
+        let on = Moment { truth: row.truth, ..Moment::new(&row.tick, &row.report) };
+        append_cells(&mut line, COLUMNS.iter(), &on, 0.11);
         lines.push(line + "," + &row.settings);
     };
     (0..300).for_each(|_| step(&mut session));

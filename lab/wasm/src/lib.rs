@@ -5,7 +5,7 @@ use std::cell::RefCell;
 
 use anyhow::Context;
 use fdi_core::Config;
-use pt326_lab::fields::FIELDS;
+use fdi_core::schema::Numbers;
 use pt326_lab::protocol;
 use pt326_lab::recording::Recording;
 use pt326_lab::refusal;
@@ -18,7 +18,7 @@ struct Lab {
     output: Vec<u8>,
     session: Option<Session>,
     trace: Option<Trace>,
-    replayed: Vec<[f32; FIELDS.len()]>,
+    replayed: Vec<Numbers>,
 }
 
 thread_local! {

@@ -76,7 +76,7 @@ fn carry_out(cli: &Cli) -> anyhow::Result<bool> {
         done.board.now() as f64 / virtual_board::time::SECOND as f64,
         done.idle_ticks
     )?;
-    let words = firmware_logic::log_line::tick::WORDS * (done.idle_ticks + done.record.rows.len());
+    let words = fdi_core::schema::WORDS * (done.idle_ticks + done.record.rows.len());
     writeln!(
         out,
         "Bits                   {} of {words} words of the log differ from the host's",

@@ -3,11 +3,6 @@
 use fdi_core::TripReason;
 use serde::{Deserialize, Serialize};
 
-/// Name of a reason in files.
-pub fn reason_name(reason: TripReason) -> String {
-    serde_json::to_value(reason).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
-}
-
 /// Which trips are right in a cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected true, false or a list of reasons such as [\"t1_open\"]")]

@@ -15,7 +15,6 @@ use anyhow::Context;
 
 use super::by::By;
 use super::cell::Cell;
-use super::definition::may_trip::reason_name;
 use super::results::{CellResults, Results};
 use super::run::heat::Heat;
 use super::run::{Observation, RunRow};
@@ -99,7 +98,7 @@ fn heat_fields(heat: &Heat) -> [Field; 8] {
     [
         field("air_max_c", heat.air_max_c),
         field("overshoot_max_c", heat.overshoot_max_c),
-        maybe("trip", heat.trip.map(reason_name)),
+        maybe("trip", heat.trip.map(|reason| reason.name())),
         maybe("tripped_s", heat.tripped_s),
         maybe("off_delay_s", heat.off_delay_s),
         maybe("off_after_visible_s", heat.off_after_visible_s),

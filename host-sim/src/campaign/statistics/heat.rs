@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::Case;
-use crate::campaign::definition::may_trip::reason_name;
 use crate::campaign::run::heat::Heat;
 
 /// The heat of some runs. Worst values are of those that did not trip before the fault, which tried nothing; null where
@@ -67,10 +66,10 @@ fn tripped_otherwise(case: &Case) -> bool {
 fn reasons(cases: &[Case]) -> Vec<(String, usize)> {
     let mut counts: Vec<(String, usize)> = Vec::new();
     let tried = cases.iter().filter(|case| !tripped_early(case));
-    for reason in tried.filter_map(|(_, row)| row.heat.trip).map(reason_name) {
+    for reason in tried.filter_map(|(_, row)| row.heat.trip).map(|reason| reason.name()) {
         match counts.iter_mut().find(|(known, _)| *known == reason) {
             Some((_, count)) => *count += 1,
-            None => counts.push((reason, 1)),
+            None => counts.push((reason.to_owned(), 1)),
         }
     }
     counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));

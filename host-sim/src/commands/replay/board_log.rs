@@ -2,10 +2,11 @@
 
 use anyhow::{Context, bail, ensure};
 use fdi_core::diagnosis::baseline::Baseline;
+use fdi_core::schema::WORDS;
 use fdi_core::{Command, Config, Report, Tick};
 use firmware_logic::cadence::Arrival;
 use firmware_logic::control_loop::{OrderKind, TickRecord};
-use firmware_logic::log_line::tick::{TickLine, WORDS};
+use firmware_logic::log_line::tick::TickLine;
 use firmware_logic::log_line::{LogLine, VERSION};
 use firmware_logic::settings::schema::Name;
 

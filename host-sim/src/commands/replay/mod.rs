@@ -13,6 +13,7 @@ use anyhow::{Context, ensure};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::likelihood::Commissioned;
 use fdi_core::likelihood::taught::Responses;
+use fdi_core::schema::{self, Entry};
 use fdi_core::{Command, Config, Instrument, Percent, RawSample, Report, Tick};
 
 use super::results::Folder;
@@ -20,11 +21,10 @@ use super::run;
 use super::terminal::{BAD, GOOD, progress, styled};
 use crate::experiment::{Origin, Record, Row, as_written, tick_time, truth, with_prbs_phase};
 use crate::isolability::{Isolability, Onsets, Question};
-use crate::record::trace::Column;
 use crate::settings;
 use pt326_lab::change::Settings;
 use pt326_lab::names::Names;
-use pt326_lab::{fields, recording};
+use pt326_lab::recording;
 use pt326_rig::fault::Fault;
 
 /// Arguments of `replay`.
@@ -97,7 +97,7 @@ enum Said {
     /// Bits of the board.
     Bits(Box<firmware_logic::log_line::tick::TickLine>),
     /// Cells of a trace by column, without the truth.
-    Cells(Vec<(&'static Column, String)>),
+    Cells(Vec<(&'static Entry, String)>),
 }
 
 /// What was compared.
@@ -278,7 +278,7 @@ fn rerun(
         let report = instrument.diagnose(&tick, applied);
         agreement.compare(recorded, &tick, &report, sample_time);
         look(&instrument, &tick, &report);
-        explained.extend(fields::explained(&instrument, &report).map(|shares| (rows.len(), shares)));
+        explained.extend(schema::explained(&instrument, &report).map(|shares| (rows.len(), shares)));
         let now = f64::from(tick.index) * sample_time;
         rows.push(Row { tick, report, applied, truth: truth(&recording.faults, now) });
         bar.inc(1);

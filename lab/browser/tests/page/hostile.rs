@@ -72,7 +72,7 @@ fn what_a_board_says_is_no_html() {
            HEAR.order({ tick: 1, order: { order: "set", name: html, value: 1 } });
            const row = new Float32Array(lab.lab.store.given).fill(NaN);
            const put = (values) => Object.entries(values).forEach(([name, value]) => (row[lab.lab.store.at[name]] = value));
-           put({ tick: lab.lab.store.end, mode: 3, alarm: 1, class: 1, confidence: 0.98, taught: 1, fdv: 4, fiv: 4, readiness: 3, t1: 35, t2: 35, setpoint: 35 });
+           put({ tick: lab.lab.store.end, mode: 3, alarm: 1, class: 1, confidence: 0.98, taught: 1, fdv: 4, fiv: 4, readiness: 2, t1: 35, t2: 35, setpoint: 35 });
            for (let i = 0; i < 30; i++) HEAR.rows({ from: lab.lab.store.end, values: row });
            lab.lab.dirty = true;
            for (let i = 0; i < 20; i++) await frame();

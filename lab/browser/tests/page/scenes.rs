@@ -22,7 +22,7 @@ fn a_new_seed_resets_the_desk_and_draws_no_residual_before_its_time() {
         await step(1);
         const { store } = lab.lab;
         const first = (what) => { for (let k = store.first; k < store.end; k++) if (what(k)) return k * store.ts; };
-        const swings = first((k) => Number.isFinite(store.get(k, "t1_left"))) - first((k) => store.get(k, "readiness") === 3);
+        const swings = first((k) => Number.isFinite(store.get(k, "t1_left"))) - first((k) => store.get(k, "readiness") === 2);
         return [before, desk(), swings > 1.9 && swings < 3, first((k) => Number.isFinite(store.get(k, "t1_expected") - store.get(k, "t1_left"))) > 0];"##,
         &[],
     );

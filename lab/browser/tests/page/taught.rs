@@ -105,11 +105,13 @@ fn a_trace_that_is_read_without_the_core_says_what_was_taught() {
     let read = on_page(
         r##"
         const { readTrace } = await import("lab/csv.js");
-        const told = "pid.kp=3;diagnosis.isolation.3=3 x 0 -1 x 0;diagnosis.isolation.4=4 0 +1 0 -1 x hand;likelihood.taught.1=low 0 0;likelihood.taught.2=cap 0 -1";
-        const text = ["t_s,t1_c,t2_c,pa_pct,mode,taught,settings", `0,20,20,40,monitor,,${told}`, "0.11,20,20,40,monitor,2,"].join("\n");
+        const settings = "pid.kp=3;diagnosis.isolation.3=3 x 0 -1 x 0;diagnosis.isolation.4=4 0 +1 0 -1 x hand;likelihood.taught.1=low 0 0;likelihood.taught.2=cap 0 -1";
+        const text = ["t_s,t1_c,t2_c,pa_pct,mode,taught,settings", `0,20,20,40,monitor,,${settings}`, "0.11,20,20,40,monitor,2,"].join("\n");
         const fields = ["tick", "t1", "t2", "drive", "mode", "class", "onset", "readiness", "taught"];
-        const { hello, values } = readTrace(text, { fields, classes: [], ts: 0.11 });
-        const bare = readTrace(text.replaceAll(/,[^,]*$/gm, ""), { fields, classes: [], ts: 0.11 }).hello;
+        const columns = ["t_s", "t1_c", "t2_c", null, "mode", "verdict", "onset_s", null, "taught"];
+        const told = { fields, columns, modes: ["monitor"], readiness: ["armed"], classes: [], ts: 0.11 };
+        const { hello, values } = readTrace(text, told);
+        const bare = readTrace(text.replaceAll(/,[^,]*$/gm, ""), told).hello;
         return [hello.own_names, hello.taught_names, ...[8, 17].map((i) => String(values[i])), bare.own_names, bare.taught_names];"##,
         &[],
     );

@@ -11,7 +11,7 @@ fn it_opens_from_a_file_trained_and_at_the_point_of_monitoring() {
         "await monitoring(); return [await said(), lab.row().mode, lab.row().readiness, document.title]",
         &[],
     );
-    assert_eq!(said, json!(["All is as learnt.", 3, 3, "PT-326 lab"]));
+    assert_eq!(said, json!(["All is as learnt.", 3, 2, "PT-326 lab"]));
 }
 
 /// Each fault by its part's button: chosen, broken, named.

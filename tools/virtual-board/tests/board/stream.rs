@@ -4,7 +4,7 @@ use std::rc::Rc;
 use std::sync::LazyLock;
 
 use fdi_core::Config;
-use firmware_logic::log_line::tick::WORDS;
+use fdi_core::schema::WORDS;
 use firmware_logic::stream::frame::{Reader, Step};
 use virtual_board::board::load;
 use virtual_board::image::Image;

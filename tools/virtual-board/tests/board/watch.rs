@@ -2,13 +2,13 @@
 
 use std::time::{Duration, Instant};
 
+use fdi_core::schema::{self, Numbers};
 use firmware_logic::console::line::LENGTH;
 use host_sim::board::Session;
 use host_sim::board::watch::Watch;
-use pt326_lab::fields::FIELDS;
 use pt326_lab::names::Names;
 use pt326_lab::scene::Order;
-use pt326_lab::told::{Numbers, Told};
+use pt326_lab::told::Told;
 
 use crate::live::LiveBoard;
 
@@ -33,7 +33,7 @@ fn until(watch: &mut Watch, what: &str, mut is_it: impl FnMut(&Told) -> bool) ->
 }
 
 fn of(row: &Numbers, name: &str) -> f32 {
-    row[FIELDS.iter().position(|field| field.name == name).expect("a field")]
+    row[schema::field(name).expect("a field")]
 }
 
 fn in_mode(mode: f32) -> impl Fn(&Told) -> bool {
@@ -76,7 +76,7 @@ fn it_is_armed_set_and_stopped_from_afar() {
     until(&mut watch, "stop", in_mode(0.0));
     // What the board refuses is told, and what a board has not is refused here.
     watch.order(&Order::Set { name: "pid.kp".into(), value: -1.0 }).expect("passed on");
-    let told = until(&mut watch, "refusal", |told| matches!(told, Told::Refused(_)));
+    let told = until(&mut watch, "refusal", |told| matches!(told, Told::Refused { .. }));
     assert!(format!("{:?}", told.last()).contains("pid.kp"), "{told:?}");
     assert!(watch.order(&Order::Mend).is_err());
 }
@@ -90,7 +90,7 @@ fn a_stop_is_the_last_word_whatever_was_ordered_before_it() {
     watch.order(&Order::Arm).expect("passed on");
     watch.order(&Order::Stop).expect("sent");
     until(&mut watch, "word of the arming", |told| {
-        matches!(told, Told::Refused(_) | Told::Order(Order::Arm))
+        matches!(told, Told::Refused { .. } | Told::Order(Order::Arm))
     });
     watch.order(&Order::Set { name: "pid.kp".into(), value: 2.5 }).expect("passed on");
     until(&mut watch, "the last order", |told| matches!(told, Told::Order(Order::Set { value: 2.5, .. })));
@@ -137,6 +137,6 @@ fn its_console_answers_a_stop_typed_there_waits_for_nothing_and_names_of_a_users
     type_in(&mut watch, " stop it").expect("sent");
     until(&mut watch, "stop", in_mode(0.0));
     assert!(type_in(&mut watch, &"x".repeat(LENGTH + 1)).is_ok());
-    let told = until(&mut watch, "refusal", |told| matches!(told, Told::Refused(_)));
+    let told = until(&mut watch, "refusal", |told| matches!(told, Told::Refused { .. }));
     assert!(format!("{:?}", told.last()).contains(&format!("at most {LENGTH}")), "{told:?}");
 }

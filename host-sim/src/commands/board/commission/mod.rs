@@ -8,7 +8,6 @@ use std::io::{Read, Write};
 
 use anyhow::ensure;
 use fdi_core::Config;
-use firmware_logic::log_line::tick::{ARMED, MODES};
 
 use crate::board::{Session, check_ended, refusal, settings};
 use crate::commands::replay::isolability;
@@ -226,14 +225,14 @@ fn watch<P: Read + Write>(guide: &mut Guide<P>, config: &Config) -> anyhow::Resu
         guide.news()?;
         for tick in ticks_now {
             waited += 1;
-            let mode = MODES.get(tick.mode() as usize).copied().unwrap_or("one that is not known here");
+            let mode = tick.mode().unwrap_or("one that is not known here");
             let blocked = tick.blocked();
             // What came before it was armed may still be on the wire.
             began |= mode != "off";
             if !began {
                 continue;
             }
-            watched = if mode == "monitor" && tick.readiness() == ARMED { watched + 1 } else { 0 };
+            watched = if mode == "monitor" && tick.readiness() == Some("armed") { watched + 1 } else { 0 };
             if before.replace((mode, blocked)) != Some((mode, blocked)) {
                 guide.say(&format!("tick {}: {}", tick.tick(), standing(mode, blocked)))?;
             }
@@ -250,9 +249,8 @@ fn watch<P: Read + Write>(guide: &mut Guide<P>, config: &Config) -> anyhow::Resu
 }
 
 /// How far it has come, in words.
-fn standing(mode: &str, blocked: u32) -> String {
-    let blocker = blocked.checked_sub(1).and_then(|i| pt326_lab::fields::BLOCKERS.get(i as usize));
-    let waits = blocker.map(|blocker| format!(", not learning: {}", blocker.words())).unwrap_or_default();
+fn standing(mode: &str, blocked: Option<&str>) -> String {
+    let waits = blocked.map(|why| format!(", not learning: {why}")).unwrap_or_default();
     format!("mode {mode}{waits}")
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use pt326_lab::fields::FIELDS;
+use fdi_core::schema::FIELDS;
 use pt326_lab::names::Names;
 use pt326_lab::scene::Order;
 use serde_json::{Value, json};
@@ -129,7 +129,7 @@ fn what_a_board_tells_comes_in_its_own_time_and_order() {
         Told::Link(true),
         row(),
         Told::Order(Order::Arm),
-        Told::Refused("why".into()),
+        Told::Refused { why: "why".into(), persists: Some("t1_open") },
         Told::Names(Names { rows: Vec::new(), taught: vec!["cap".into()] }),
         Told::Link(false),
         row(),
@@ -139,6 +139,7 @@ fn what_a_board_tells_comes_in_its_own_time_and_order() {
     assert_eq!((&heard[0]["kind"], &heard[0]["can"]), (&json!("board"), &json!(["order"])));
     let types: Vec<&str> = heard[1..].iter().filter_map(|message| message["type"].as_str()).collect();
     assert_eq!(types, ["link", "rows", "order", "refused", "names", "link", "rows"]);
+    assert_eq!((&heard[4]["code"], &heard[4]["values"]["trip"]), (&json!("persists"), &json!("t1_open")));
     assert_eq!((&heard[3]["tick"], &heard[6]["up"]), (&json!(1), &json!(false)));
     assert_eq!((&heard[5]["own_names"], &heard[5]["taught_names"]), (&json!([]), &json!(["cap"])));
 }

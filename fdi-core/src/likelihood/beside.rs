@@ -8,12 +8,6 @@
 
 use super::process::{Parameter, Parameters, share};
 
-/// Bounds of the share b.
-pub(super) const SHARES: (f32, f32) = (0.0, 1.2);
-/// Priors, mean and standard deviation: of b; of ln tb above ln tau.
-pub(super) const SHARE: (f32, f32) = (0.15, 0.2);
-pub(super) const LAG: (f32, f32) = (0.0, 0.7);
-
 /// The heater, and what of it has arrived.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Beside {

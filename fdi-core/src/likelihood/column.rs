@@ -5,7 +5,7 @@
 pub(super) enum Column {
     /// Heater power, by its whole.
     Power,
-    /// `1/f - 1` with f the air flow: secants at [`LESS`] and [`MORE`].
+    /// `1/f - 1` with f the air flow: secants at `tuning.model.less_flow` and `more_flow`.
     LessFlow,
     MoreFlow,
     /// Offsets of T1 and T2, degC.
@@ -61,12 +61,6 @@ pub(super) const SENSORS: [Column; 10] = [
 /// The columns of what the process does.
 pub(super) const PROCESS: [Column; 5] =
     [Column::Power, Column::LessFlow, Column::MoreFlow, Column::Late, Column::Constant];
-
-/// Relative air flows at which the secants are taken, and `1/f - 1` there.
-pub(super) const LESS: f32 = 0.77;
-pub(super) const MORE: f32 = 1.3;
-pub(super) const LESS_BY: f32 = 1.0 / LESS - 1.0;
-pub(super) const MORE_BY: f32 = 1.0 / MORE - 1.0;
 
 /// What a hypothesis or a nuisance moves: one column, or two together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,9 +7,6 @@
 use super::ladder::{Ladder, Past};
 use super::process::{Motion, Process};
 
-/// Log odds that decide.
-const DECIDES: f32 = 5.0;
-
 /// The assumption.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Gone {
@@ -39,8 +36,9 @@ impl Gone {
             self.odds += (stays * stays - goes * goes) / (2.0 * kappa);
         }
         self.age = self.age.saturating_add(1);
-        let gone = self.odds > DECIDES;
-        if !gone && (self.odds < -DECIDES || self.age > longest) {
+        let decides = process.tuning.slow.power_over;
+        let gone = self.odds > decides;
+        if !gone && (self.odds < -decides || self.age > longest) {
             *self = Self::default();
         }
         gone

@@ -65,6 +65,7 @@ mod tangent;
 pub mod taught;
 mod tracker;
 mod training;
+pub mod tuning;
 pub mod verdict;
 mod watch;
 
@@ -91,6 +92,7 @@ use model::Model;
 use preferred::preferred;
 use sensors::Sensors;
 use training::{Cold, Trainer, Training};
+pub use tuning::{Tuned, Tuning};
 pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
 use watch::{Gathered, Watch, WatchState};
 
@@ -102,6 +104,7 @@ pub struct Likelihood {
     ambient: Ambient,
     response: ImpulseResponse,
     inputs: Inputs,
+    tuning: Tuned,
 }
 
 /// The memory of the [`Likelihood`] diagnosis.
@@ -136,9 +139,6 @@ enum Work {
     Watching(Gathered),
 }
 
-/// Nothing is trained while the fan is announced to be further from its usual level than this share.
-const FAN_TOLERANCE: f32 = 0.05;
-
 /// One tick, as all parts see it.
 struct Now<'a> {
     tick: &'a Tick,
@@ -163,6 +163,7 @@ impl Likelihood {
     /// The parameter of `likelihood` or `identification` that is out of bounds.
     pub fn new(
         c: &LikelihoodConfig,
+        tuning: Tuned,
         identification: &IdentificationConfig,
         sample_time: Seconds,
     ) -> Result<Self, ConfigError> {
@@ -170,21 +171,29 @@ impl Likelihood {
         let (ts, answer_time) = (sample_time, identification.answer_time.0);
         let usual = identification.y_scale.0 / identification.u_scale.0;
         Ok(Self {
-            trainer: Trainer::new(c.fit_time.ticks(ts), c.check_time.ticks(ts), answer_time / ts.0, usual)?,
+            trainer: Trainer::new(
+                tuning,
+                c.fit_time.ticks(ts),
+                c.check_time.ticks(ts),
+                answer_time / ts.0,
+                usual,
+            )?,
             watch: Watch {
-                fast: Chart { allowance: c.fast_allowance, interval: c.fast_interval },
-                slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval },
-                heat: Heat::new(ts.0, answer_time),
+                fast: Chart { allowance: c.fast_allowance, interval: c.fast_interval, tuning },
+                slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval, tuning },
+                heat: Heat::new(tuning, ts.0, answer_time),
                 model_uncertainty: c.model_uncertainty,
                 naming: c.naming,
                 least_power: c.least_power,
                 sample_time: ts.0,
                 inputs: Inputs::ALL,
                 taught: c.taught.clone(),
+                tuning,
             },
-            ambient: Ambient::new(ts.0, answer_time),
-            response: ImpulseResponse::new(ts.0, answer_time),
+            ambient: Ambient::new(tuning, ts.0, answer_time),
+            response: ImpulseResponse::new(tuning, ts.0, answer_time),
             inputs: Inputs::ALL,
+            tuning,
         })
     }
 
@@ -230,11 +239,11 @@ impl Likelihood {
             beside: tick.known.beside.map_or(0.0, |power| power.0),
         };
         let undisturbed = undisturbed && contradiction.is_none();
-        state.cold.step(y, applied <= 0.0);
+        state.cold.step(&self.tuning.cold, y, applied <= 0.0);
         let by_models = self.watch(state, &now);
         self.train(state, &now, t0, undisturbed);
-        let by_sensors = state.sensors.step(&tick.sample, tick.index);
-        let without_models = contradiction.or(state.ambient.finding());
+        let by_sensors = state.sensors.step(self.tuning, &tick.sample, tick.index);
+        let without_models = contradiction.or(self.ambient.finding(&state.ambient));
         if tick.index.is_multiple_of(finite::EVERY) && !state.is_finite() {
             return state.begin_anew();
         }
@@ -301,7 +310,7 @@ impl Likelihood {
         let tick = now.tick;
         // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = tick.mode == Mode::Monitor && tick.prbs.0 != 0.0;
-        let usual_fan = (now.fan - 1.0).abs() <= FAN_TOLERANCE;
+        let usual_fan = (now.fan - 1.0).abs() <= self.tuning.range.fan;
         let fit_to_learn = undisturbed && usual_fan && (tick.learn || quiet);
         if state.current || !now.heating || (tick.mode == Mode::Monitor && !fit_to_learn) {
             return;
@@ -311,8 +320,9 @@ impl Likelihood {
         }
         let Work::Training(training) = &mut state.work else { return };
         // A T0 that is known to be wrong must not be learnt.
-        let known_wrong =
-            t0.is_some() && state.ambient.believed().is_some() && !state.ambient.is_followed(t0);
+        let known_wrong = t0.is_some()
+            && state.ambient.believed().is_some()
+            && !self.ambient.is_followed(&state.ambient, t0);
         let y = if known_wrong { now.believed } else { now.y };
         match self.trainer.step(training, &state.cold, y, [now.u, now.beside], fit_to_learn) {
             Ok(None) => {}
@@ -369,7 +379,9 @@ impl Likelihood {
         let [y1, y2] = trained.expected().map(|rise| ambient.map(|ambient| ambient + rise));
         let monitoring = state.current && now.tick.mode == Mode::Monitor;
         // The virtual T1 is a rise over T0.
-        let known = monitoring && now.y[1].is_some() && state.ambient.is_followed(now.tick.sample.t0.good());
+        let known = monitoring
+            && now.y[1].is_some()
+            && self.ambient.is_followed(&state.ambient, now.tick.sample.t0.good());
         LikelihoodReport {
             expected: [ambient, y1, y2],
             taught: if monitoring { trained.taught() } else { None },

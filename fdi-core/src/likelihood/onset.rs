@@ -1,7 +1,7 @@
 //! The columns since the assumed onset of a fault: the models since then with another air flow, more power, a constant power; lags,
 //! ramps and constants that begin there.
 
-use super::column::{COUNT, Column, LESS, LESS_BY, MORE, MORE_BY, PROCESS, Row, SENSORS};
+use super::column::{COUNT, Column, PROCESS, Row, SENSORS};
 use super::ladder::{Ladder, Past};
 use super::process::{Motion, Parameters, Process, Rises};
 
@@ -130,8 +130,9 @@ impl Onset {
         // The fan's lag: the coefficients follow while the flow still moves.
         let approach = 1.0 - libm::expf(-(self.flow_age + 0.5) * c.fan);
         if self.flow_age * c.fan < 8.0 {
-            self.less.process.blow(now.parameters, now.fan * (1.0 + (LESS - 1.0) * approach));
-            self.more.process.blow(now.parameters, now.fan * (1.0 + (MORE - 1.0) * approach));
+            let model = now.process.tuning.model;
+            self.less.process.blow(now.parameters, now.fan * (1.0 + (model.less_flow - 1.0) * approach));
+            self.more.process.blow(now.parameters, now.fan * (1.0 + (model.more_flow - 1.0) * approach));
             self.flow_age += 1.0;
         }
         [
@@ -163,12 +164,13 @@ impl Onset {
         self.sensors_age = self.sensors_age.saturating_add(1);
         let mut row = [[0.0; 2]; COUNT];
         let mut put = |column: Column, value: [f32; 2]| row[column as usize] = value;
+        let [less_by, more_by] = now.process.tuning.model.secants();
         let change = |to: Rises, by: f32| [(to.y[0] - y[0]) / by, (to.y[1] - y[1]) / by];
         put(Column::Power, power.y);
         let before = core::mem::replace(&mut self.power_before, power.y);
         put(Column::Late, [before[0] - power.y[0], before[1] - power.y[1]]);
-        put(Column::LessFlow, change(less, LESS_BY));
-        put(Column::MoreFlow, change(more, MORE_BY));
+        put(Column::LessFlow, change(less, less_by));
+        put(Column::MoreFlow, change(more, more_by));
         put(Column::Constant, constant.y);
         put(Column::Ramp1, [ramp, 0.0]);
         put(Column::Ramp2, [0.0, ramp]);

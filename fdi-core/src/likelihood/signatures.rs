@@ -7,18 +7,16 @@ use super::LikelihoodState;
 use super::class::FaultClass;
 use super::column::{COUNT, Column, Direction};
 use super::evidence::{Free, Nuisance};
-use super::hypothesis::{COUNT as HYPOTHESIS_COUNT, HYPOTHESES, Hypothesis, SINCE_ONSET, in_unit};
+use super::hypothesis::{COUNT as HYPOTHESIS_COUNT, Hypothesis, in_unit};
 use super::onset::Onset;
-use super::watch::{self, WatchState};
+use super::tuning::Tuned;
+use super::watch::WatchState;
 use crate::bounds::{larger, smaller};
 
 /// How many columns there are.
 pub const COLUMNS: usize = COUNT;
-/// The bank divides its evidence by so much.
-pub const KAPPA: f32 = watch::KAPPA;
-
-/// No fault is further from the mean of what may come than so many standard deviations.
-const LARGEST: f32 = 5.0;
+/// How many nuisances there are.
+pub const NUISANCES: usize = 10;
 
 /// Columns since an assumed onset.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +24,8 @@ pub struct Signatures {
     onset: Onset,
     /// Rises of T1 and T2 at the onset, degC.
     stays: [f32; 2],
-    nuisances: [Nuisance; SINCE_ONSET.len()],
+    nuisances: [Nuisance; NUISANCES],
+    tuning: Tuned,
 }
 
 /// Some columns together, with the mean and standard deviation of the factor on them.
@@ -63,7 +62,12 @@ impl Signatures {
     /// Assumes that a fault first shows on the tick that the diagnosis has just done; none where it is not armed.
     pub fn begin(state: &LikelihoodState) -> Option<Self> {
         let trained = armed(state)?;
-        Some(Self { onset: Onset::default(), stays: trained.rises(), nuisances: trained.nuisances() })
+        Some(Self {
+            onset: Onset::default(),
+            stays: trained.rises(),
+            nuisances: trained.nuisances(),
+            tuning: trained.tuning,
+        })
     }
 
     /// The columns of T1 and T2 of the tick that the diagnosis has just done, in standard deviations of the innovations; none where it is
@@ -73,13 +77,18 @@ impl Signatures {
     }
 
     /// What moves without being a fault.
-    pub fn nuisances(&self) -> [Term; SINCE_ONSET.len()] {
+    pub fn nuisances(&self) -> [Term; NUISANCES] {
         self.nuisances.map(|(direction, sd)| Term::of(Free { direction, mean: 0.0, sd }))
+    }
+
+    /// The bank divides its evidence by so much.
+    pub fn kappa(&self) -> f32 {
+        self.tuning.alarm.kappa
     }
 
     /// What the bank may call it.
     pub fn candidates(&self) -> [Candidate; HYPOTHESIS_COUNT] {
-        HYPOTHESES.map(|row| {
+        self.tuning.hypotheses().map(|row| {
             let mut second = row.second.map(Term::of);
             if let (Some(second), Some(m)) = (&mut second, row.stays) {
                 second.mean = self.stays.get(m).copied().unwrap_or(0.0);
@@ -89,7 +98,7 @@ impl Signatures {
                 which: which(row.first.direction),
                 first: Term::of(row.first),
                 second,
-                range: range(&row),
+                range: range(&row, self.tuning.hypotheses.farthest),
                 prior: row.prior,
                 sized: !row.class.unit().is_empty() && row.first.direction != Direction::Of(Column::Constant),
             }
@@ -124,9 +133,9 @@ impl Candidate {
     }
 }
 
-fn range(row: &Hypothesis) -> (f32, f32) {
+fn range(row: &Hypothesis, farthest: f32) -> (f32, f32) {
     let (Free { mean, sd, .. }, (low, high)) = (row.first, row.range);
-    (larger(low, mean - LARGEST * sd), smaller(high, mean + LARGEST * sd))
+    (larger(low, mean - farthest * sd), smaller(high, mean + farthest * sd))
 }
 
 fn which(direction: Direction) -> &'static str {

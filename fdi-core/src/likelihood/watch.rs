@@ -6,10 +6,8 @@
 use super::alarm::{Alarm, ModelAlarm};
 use super::beside::Beside;
 use super::chart::{Chart, Sums};
-use super::column::{LESS, MORE};
 use super::gone::Gone;
 use super::heat::{Heat, HeatState, Rise};
-use super::hypothesis;
 use super::inputs::Inputs;
 use super::ladder::{Ladder, Past};
 use super::model::Model;
@@ -20,27 +18,9 @@ use super::steady::Steady;
 use super::taught::Responses;
 use super::tracker::Tracker;
 use super::training::Trained;
+use super::tuning::Tuned;
 use lasting::Lasting;
 use pace::Pace;
-
-/// Charts see no more of an innovation than so many standard deviations: a spike counts once.
-const CLIP: f32 = 6.0;
-/// Ticks without a chart at the start.
-const FIRST_TICKS: u32 = 10;
-/// The tracker runs while all charts are below this share of their intervals.
-const TRACK_BELOW: f32 = 0.4;
-/// The share of a swing beyond this, degC, that the model may get wrong, and the swing's memory, s.
-const SWING: f32 = 1.5;
-/// T0 is above its mean by so much without moving, degC: its noise.
-const INLET_NOISE: f32 = 0.15;
-/// Errors of what was learnt are so many times those that the filter believes in, which takes slow surroundings for noise.
-const OVERSURE: f32 = 2.5;
-/// Smallest change of the air flow that is reported, `1/f - 1`.
-const LEAST_FLOW: f32 = 0.06;
-/// A change is a fault only beyond so many standard deviations of what is usual here.
-const UNUSUAL: f32 = 2.5;
-/// Evidence since an onset is divided by so much.
-pub(super) const KAPPA: f32 = 1.5;
 
 /// A validated watch.
 #[derive(Clone, Debug)]
@@ -54,6 +34,7 @@ pub(super) struct Watch {
     pub(super) sample_time: f32,
     pub(super) inputs: Inputs,
     pub(super) taught: Responses,
+    pub(super) tuning: Tuned,
 }
 
 /// Its memory.
@@ -106,6 +87,7 @@ pub(super) struct WatchState {
     stays: [f32; 2],
     contradict: bool,
     expected: [f32; 2],
+    pub(super) tuning: Tuned,
 }
 
 /// What has been gathered since the assumed onset: columns, their sums, and those of late. It is needed only while the instrument watches.
@@ -134,13 +116,6 @@ struct Charted {
     fast: f32,
     slow: f32,
 }
-
-/// A valid T1 and T2 whose difference is so much other than learnt contradict each other, degC: neither is regulated by.
-const MAX_CONTRADICTION: f32 = 6.0;
-
-/// Levels of the fan that differ by less are one, and for how long after a change nothing is judged, s.
-const FAN_STEP: f32 = 1e-3;
-const FAN_SETTLES: f32 = 10.0;
 
 impl WatchState {
     /// What was learnt.
@@ -175,25 +150,26 @@ impl WatchState {
 impl Watch {
     pub(super) fn start(&self, trained: Trained) -> WatchState {
         let p = trained.parameters;
-        let process = Process::new(&p, 1.0);
+        let t = self.tuning;
+        let process = Process::new(t, &p, 1.0);
         WatchState {
             parameters: p,
             beside: trained.beside,
             fan: 1.0,
             process,
-            flows: [Process::new(&p, LESS), Process::new(&p, MORE)],
+            flows: [Process::new(t, &p, t.model.less_flow), Process::new(t, &p, t.model.more_flow)],
             motion: trained.motion,
             ladder: trained.ladder,
             mean: trained.mean,
-            pace: Pace::new(&p, self.sample_time),
+            pace: Pace::new(t, &p, self.sample_time),
             power: trained.power,
             before: [trained.rise; 2],
             history: History::default(),
             past: Past::default(),
             past_clipped: Past::default(),
-            tracker: Tracker::default(),
+            tracker: Tracker::new(t),
             wander: [0.0; 4],
-            steps: hypothesis::POWER_SD * hypothesis::POWER_SD,
+            steps: t.nuisances.onset_power * t.nuisances.onset_power,
             fast: Default::default(),
             slow: Sums::default(),
             swing: [trained.rise, 0.0],
@@ -209,13 +185,14 @@ impl Watch {
             lacks: self.inputs != Inputs::ALL,
             anchoring: 0,
             alarm: None,
-            steady: Steady::new(&trained.motion, trained.rise),
+            steady: Steady::new(t, &trained.motion, trained.rise),
             lasting: None,
-            heat: HeatState::new(trained.rise),
+            heat: HeatState::new(t, trained.rise),
             measured: [trained.rise; 2],
             stays: [trained.rise; 2],
             contradict: false,
             expected: [trained.rise; 2],
+            tuning: t,
         }
     }
 
@@ -241,7 +218,7 @@ impl Watch {
             let (before, mut mean, _) = s.inlet.unwrap_or((t0, t0, [0.0; 2]));
             let above = t0 - mean;
             s.pace.inlet.follow(&mut mean, t0);
-            s.inlet = Some((t0, mean, [5.0 * (t0 - before), above]));
+            s.inlet = Some((t0, mean, [self.tuning.model.inlet_slope * (t0 - before), above]));
         }
         let heat = s.process.heat(self.inputs.drove(&mut s.power, u));
         let before = s.before;
@@ -264,7 +241,7 @@ impl Watch {
                     return ModelAlarm::Quiet;
                 }
                 s.ticks = s.ticks.saturating_add(1);
-                s.contradict = s.heat.contradiction() > MAX_CONTRADICTION;
+                s.contradict = s.heat.contradiction() > self.tuning.charts.largest_contradiction;
                 self.judge(s, g, tick, e, &row, &now);
                 s.measured = [y1 - offsets[0] - s.mean[0], y2 - offsets[1] - s.mean[1]];
                 s.reported(&self.heat, tick)
@@ -308,22 +285,23 @@ impl Watch {
     /// Follows an announced change of the fan, with its lag. What is known of such a change is its kind, hardly its size: for a while nothing is
     /// judged, and the state since training is taken anew from there.
     fn follow_fan(&self, s: &mut WatchState, fan: f32) -> bool {
-        let left = fan - s.fan;
-        if left.abs() < FAN_STEP {
+        let (t, left) = (self.tuning, fan - s.fan);
+        if left.abs() < t.fan.same {
             return false;
         }
         s.fan += left * s.pace.onset.fan.min(1.0);
-        if (fan - s.fan).abs() < FAN_STEP {
+        if (fan - s.fan).abs() < t.fan.same {
             s.fan = fan;
         }
-        s.process = Process::new(&s.parameters, s.fan);
-        s.flows = [Process::new(&s.parameters, LESS * s.fan), Process::new(&s.parameters, MORE * s.fan)];
-        s.tracker.widen([0.02, 0.3 * left.abs(), 0.0, 0.0]);
+        s.process = Process::new(t, &s.parameters, s.fan);
+        s.flows =
+            [t.model.less_flow, t.model.more_flow].map(|flow| Process::new(t, &s.parameters, flow * s.fan));
+        s.tracker.widen([t.fan.power_sd, t.fan.flow_sd * left.abs(), 0.0, 0.0]);
         s.steady.rebase();
         s.alarm = None;
         s.lasting = None;
         s.rest();
-        s.settling = (FAN_SETTLES * s.pace.stretch / self.sample_time) as u32;
+        s.settling = (t.fan.settles * s.pace.stretch / self.sample_time) as u32;
         true
     }
 

@@ -10,7 +10,7 @@
 //!
 //! The least is over whatever the other fault may be (Eriksson, Frisk, Krysander 2013).
 
-use fdi_core::likelihood::signatures::{COLUMNS, Candidate, KAPPA, Term};
+use fdi_core::likelihood::signatures::{COLUMNS, Candidate, Term};
 
 /// A value a column.
 pub type Columns = [f64; COLUMNS];
@@ -42,9 +42,9 @@ impl Products {
 pub struct Information([Columns; COLUMNS]);
 
 impl Information {
-    /// With nuisances of these standard deviations, and the evidence divided by [`KAPPA`], as in the bank.
-    pub fn new(products: &Products, nuisances: &[Term]) -> Self {
-        let all = Self(products.0.map(|row| row.map(|sum| sum / f64::from(KAPPA))));
+    /// With nuisances of these standard deviations, and the evidence divided by `kappa`, as in the bank.
+    pub fn new(products: &Products, nuisances: &[Term], kappa: f32) -> Self {
+        let all = Self(products.0.map(|row| row.map(|sum| sum / f64::from(kappa))));
         nuisances.iter().fold(all, |information, nuisance| information.without(nuisance))
     }
 
@@ -213,6 +213,8 @@ mod tests {
         std::array::from_fn(|i| x[i] / c[i][i])
     }
 
+    const KAPPA: f32 = 1.5;
+
     /// The least value of a convex function.
     fn least(low: f64, high: f64, f: &dyn Fn(f64) -> f64) -> f64 {
         let (mut low, mut high) = (low, high);
@@ -234,7 +236,7 @@ mod tests {
         let mut products = Products::default();
         rows.iter().for_each(|row| products.add(row));
         let nuisances = [term(0, 0.0, 0.3), term(4, 0.0, 2.0)];
-        let information = Information::new(&products, &nuisances);
+        let information = Information::new(&products, &nuisances, KAPPA);
 
         let mut covariance = [[0.0; N]; N];
         for nuisance in &nuisances {

@@ -3,6 +3,7 @@
 
 mod markdown;
 mod toml_text;
+mod tuning;
 
 use std::path::Path;
 
@@ -14,6 +15,7 @@ use toml::Table;
 
 pub use markdown::markdown;
 pub use toml_text::{commented_toml, commented_toml_of};
+pub use tuning::tuning;
 
 /// Reads a configuration; keys that the file leaves out have their defaults. Without a path all have.
 ///

@@ -38,7 +38,9 @@ fn statistics(e: impl IntoIterator<Item = [f32; 2]>) -> ResidualStatistics {
 }
 
 fn learnt(e: &[[f64; 2]]) -> Ladder {
-    statistics(e.iter().map(|e| e.map(|e| e as f32))).finish(2).expect("a noise model")
+    statistics(e.iter().map(|e| e.map(|e| e as f32)))
+        .finish(&WhiteningTuning::DEFAULT, 2)
+        .expect("a noise model")
 }
 
 /// Least squares over the sequence itself, its means taken away and the ridge added, in f64: coefficients and standard deviation of what is left.
@@ -58,7 +60,7 @@ fn least_squares(
             (0..n).for_each(|j| a[i][j] += phi[i] * phi[j]);
         }
     }
-    (0..n).for_each(|i| a[i][i] *= f64::from(RIDGE));
+    (0..n).for_each(|i| a[i][i] *= f64::from(WhiteningTuning::DEFAULT.ridge));
     let (c, _) = solve(&a, &b);
     let left = |k: usize| {
         let (phi, y) = regressor(&e, k);
@@ -138,7 +140,7 @@ fn what_is_singular_stays_finite() {
         ("a sine", (0..2000u16).map(|k| [(0.3 * f32::from(k)).sin(); 2]).collect()),
     ];
     for (name, e) in cases {
-        let Ok(ladder) = statistics(e.iter().copied()).finish(2) else {
+        let Ok(ladder) = statistics(e.iter().copied()).finish(&WhiteningTuning::DEFAULT, 2) else {
             assert_eq!(name, "constants", "refused");
             continue;
         };
@@ -147,26 +149,29 @@ fn what_is_singular_stays_finite() {
             let z = ladder.step(&mut past, *e);
             assert!(z.iter().all(|z| z.abs() < 1e4), "{name}: {z:?}");
         }
-        assert!(ladder.sigma.iter().all(|sigma| *sigma >= LEAST_SIGMA), "{name}");
+        assert!(ladder.sigma.iter().all(|sigma| *sigma >= WhiteningTuning::DEFAULT.least_sigma), "{name}");
     }
 }
 
 /// Nothing learnt, no numbers, an output that does not move, residuals as large as it: none is a noise model.
 #[test]
 fn what_explains_too_little_is_refused() {
-    assert_eq!(ResidualStatistics::default().finish(2).err(), Some(RejectReason::PoorFit));
+    assert_eq!(
+        ResidualStatistics::default().finish(&WhiteningTuning::DEFAULT, 2).err(),
+        Some(RejectReason::PoorFit)
+    );
     let mut random = Random::new(5);
     let mut still = ResidualStatistics::default();
     (0..500).for_each(|_| still.push([random.gaussian() as f32; 2], [12.0; 2]));
-    assert_eq!(still.finish(2).err(), Some(RejectReason::PoorFit));
+    assert_eq!(still.finish(&WhiteningTuning::DEFAULT, 2).err(), Some(RejectReason::PoorFit));
     // The output's standard deviation is 2 degC: 0.6 of its variance is the bound.
     for (sd, refused) in [(1.4, false), (1.7, true)] {
         let e = (0..5000).map(|_| [sd * random.gaussian() as f32, 0.1]);
-        assert_eq!(statistics(e).finish(2).is_err(), refused, "{sd} degC");
+        assert_eq!(statistics(e).finish(&WhiteningTuning::DEFAULT, 2).is_err(), refused, "{sd} degC");
     }
     for wild in [f32::NAN, f32::INFINITY, f32::MAX] {
         let e = (0..500).map(|k| [if k == 250 { wild } else { 0.1 }; 2]);
-        assert!(statistics(e).finish(2).is_err(), "{wild}");
+        assert!(statistics(e).finish(&WhiteningTuning::DEFAULT, 2).is_err(), "{wild}");
     }
 }
 

@@ -7,6 +7,7 @@ use super::super::ladder::ResidualStatistics;
 use super::super::process::Parameter;
 use super::super::reference::Random;
 use super::*;
+use crate::likelihood::Tuning;
 
 const MINUTES: f32 = 0.11 / 60.0;
 const LEAD: usize = 4;
@@ -37,19 +38,19 @@ fn plain() -> Ladder {
 /// A whole simulation from the first tick on: rises of each tick, with what is changed from a tick on.
 fn simulated(heat: impl Fn(usize, f32) -> f32, process: impl Fn(usize) -> Process) -> Vec<Rises> {
     let mut motion = Motion::default();
-    let nominal = Process::new(&parameters(), 1.0);
+    let nominal = Process::new(Default::default(), &parameters(), 1.0);
     let tick = |(k, power): (usize, &f32)| process(k).step(&mut motion, heat(k, nominal.heat(*power)));
     powers().iter().enumerate().map(tick).collect()
 }
 
 fn nominal() -> Vec<Rises> {
-    simulated(|_, heat| heat, |_| Process::new(&parameters(), 1.0))
+    simulated(|_, heat| heat, |_| Process::new(Default::default(), &parameters(), 1.0))
 }
 
 /// The columns of all ticks from QUIET on.
 fn columns(restart: Option<usize>) -> Vec<Row> {
     let (p, c, ladder) = (parameters(), constants(), plain());
-    let process = Process::new(&p, 1.0);
+    let process = Process::new(Default::default(), &p, 1.0);
     let (mut motion, mut history, mut onset) = (Motion::default(), History::default(), Onset::default());
     let (mut before, mut rows) = ([0.0; 2], vec![]);
     for (k, power) in powers().into_iter().enumerate() {
@@ -102,7 +103,7 @@ const BEGINS: usize = QUIET - LEAD;
 
 #[test]
 fn power_and_a_constant_power_are_differences_of_two_simulations() {
-    let nominal_process = |_| Process::new(&parameters(), 1.0);
+    let nominal_process = |_| Process::new(Default::default(), &parameters(), 1.0);
     let more = simulated(|k, heat| if k >= BEGINS { 1.5 * heat } else { heat }, nominal_process);
     assert_difference(Column::Power, &more, 0.5);
     let constant = simulated(|k, heat| if k >= BEGINS { heat + 10.0 } else { heat }, nominal_process);
@@ -112,12 +113,15 @@ fn power_and_a_constant_power_are_differences_of_two_simulations() {
 /// The fan follows with its lag: the flow of each tick is that in its middle.
 #[test]
 fn air_flows_are_differences_of_two_simulations() {
-    for (column, flow, unit) in [(Column::LessFlow, LESS, LESS_BY), (Column::MoreFlow, MORE, MORE_BY)] {
+    let (model, [less_by, more_by]) = (Tuning::DEFAULT.model, Tuning::DEFAULT.model.secants());
+    for (column, flow, unit) in
+        [(Column::LessFlow, model.less_flow, less_by), (Column::MoreFlow, model.more_flow, more_by)]
+    {
         let at = |k: usize| {
             let age = k as f32 + 0.5 - BEGINS as f32;
             let approach = if age > 0.0 { 1.0 - (-0.4 * age).exp() } else { 0.0 };
             // The lag is over after eight of its time constants.
-            Process::new(&parameters(), 1.0 + (flow - 1.0) * approach)
+            Process::new(Default::default(), &parameters(), 1.0 + (flow - 1.0) * approach)
         };
         assert_difference(column, &simulated(|_, heat| heat, at), unit);
     }
@@ -128,7 +132,11 @@ fn air_flows_are_differences_of_two_simulations() {
 fn the_walls_column_is_the_derivative_by_its_share() {
     let mut p = parameters();
     p.set(Parameter::Wall1, p.get(Parameter::Wall1) + 0.1);
-    assert_difference(Column::Wall, &simulated(|_, heat| heat, |_| Process::new(&p, 1.0)), 0.1);
+    assert_difference(
+        Column::Wall,
+        &simulated(|_, heat| heat, |_| Process::new(Default::default(), &p, 1.0)),
+        0.1,
+    );
 }
 
 /// A longer dead time by a tick gives what was there a tick ago.
@@ -136,7 +144,11 @@ fn the_walls_column_is_the_derivative_by_its_share() {
 fn a_shift_is_a_longer_dead_time() {
     let mut p = parameters();
     p.set(Parameter::Delay1, p.get(Parameter::Delay1) + 1.0);
-    assert_difference(Column::Shift, &simulated(|_, heat| heat, |_| Process::new(&p, 1.0)), 1.0);
+    assert_difference(
+        Column::Shift,
+        &simulated(|_, heat| heat, |_| Process::new(Default::default(), &p, 1.0)),
+        1.0,
+    );
 }
 
 /// T1 behind a further lag that begins with the onset: what it reads less what it should; and what a lost share of the rise is behind it.
@@ -197,7 +209,7 @@ fn the_columns_are_whitened_from_rest() {
     let mut ladder = plain();
     ladder.inv_sigma = [10.0, 20.0];
     let (p, mut onset, mut history) = (parameters(), Onset::default(), History::default());
-    let (process, motion) = (Process::new(&p, 1.0), Motion::steady(30.0));
+    let (process, motion) = (Process::new(Default::default(), &p, 1.0), Motion::steady(30.0));
     history.push(30.0, &motion);
     let rises = Rises { y: [9.0, 8.0], wall: [0.0; 2] };
     let now = Nominal {
@@ -221,7 +233,7 @@ fn the_columns_are_whitened_from_rest() {
 #[test]
 fn a_tick_can_be_looked_at_again() {
     let parameters = Parameters([-1.2, 1.4, 1.7, 0.2, 0.06, 0.9, 1.3, 1.1, 0.03, 4.0, 0.1, -0.2, 0.01]);
-    let process = Process::new(&parameters, 1.0);
+    let process = Process::new(Default::default(), &parameters, 1.0);
     let (mut motion, mut history, mut before) = (Motion::steady(30.0), History::default(), [0.0; 2]);
     let mut ladder = Ladder::default();
     ladder.inv_sigma = [1.0, 2.0];
@@ -265,8 +277,9 @@ fn without_samples_the_models_go_on() {
         e = e.map(|e| 0.6 * e + 0.1 * random.gaussian() as f32);
         statistics.push(e, [if k % 20 < 10 { 9.0 } else { 15.0 }; 2]);
     }
-    let (p, c, coloured) = (parameters(), constants(), statistics.finish(2).unwrap());
-    let (process, history) = (Process::new(&p, 1.0), History::default());
+    let (p, c, coloured) =
+        (parameters(), constants(), statistics.finish(&Tuning::DEFAULT.whitening, 2).unwrap());
+    let (process, history) = (Process::new(Default::default(), &p, 1.0), History::default());
     // Each tick of three, seen or not: the last row.
     let run = |ladder: &Ladder, seen: [bool; 3]| {
         let (mut motion, mut onset, mut before) = (Motion::steady(30.0), Onset::default(), [9.0; 2]);

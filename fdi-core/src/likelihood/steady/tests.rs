@@ -3,12 +3,12 @@ extern crate std;
 use std::vec::Vec;
 
 use super::super::class::FaultClass;
-use super::super::column::{LESS, MORE};
-use super::super::hypothesis::SINCE_TRAINING;
+use super::super::hypothesis::{HYPOTHESES, SINCE_TRAINING};
 use super::super::posterior::Posterior;
 use super::super::process::Parameters;
 use super::super::reference::Random;
 use super::*;
+use crate::likelihood::Tuning;
 
 /// Innovations of both residuals, degC.
 const SIGMA: f32 = 0.05;
@@ -44,11 +44,12 @@ impl Run {
         let rise = 40.0 * libm::expf(-1.2);
         let mut ladder = Ladder::default();
         (ladder.sigma, ladder.inv_sigma) = ([SIGMA; 2], [1.0 / SIGMA; 2]);
+        let (t, model) = (Tuned::default(), Tuning::DEFAULT.model);
         Self {
-            process: Process::new(&p, 1.0),
-            flows: [LESS, MORE].map(|flow| Process::new(&p, flow)),
+            process: Process::new(t, &p, 1.0),
+            flows: [model.less_flow, model.more_flow].map(|flow| Process::new(t, &p, flow)),
             motion,
-            steady: Steady::new(&motion, rise),
+            steady: Steady::new(t, &motion, rise),
             ladder,
             random: Random::new(seed),
             before: [rise, 0.92 * rise],

@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use crate::likelihood::column::Column;
 use crate::likelihood::hypothesis::Hypothesis;
+use crate::likelihood::tuning::Tuned;
 use crate::name::Name;
 
 /// Faults that there is room for.
@@ -44,35 +45,33 @@ impl Mean {
     }
 }
 
-/// An effect: what it is called, its column of the bank, the spread that it may have, and the step that it is kept in.
+/// An effect: what it is called, its column of the bank, and the step that it is kept in.
 struct Effect {
     name: &'static str,
     column: Column,
-    spread: f32,
     step: f32,
 }
 
-const fn share(name: &'static str, column: Column, spread: f32) -> Effect {
-    Effect { name, column, spread, step: 0.001 }
+const fn share(name: &'static str, column: Column) -> Effect {
+    Effect { name, column, step: 0.001 }
 }
 
-const fn degrees(name: &'static str, column: Column, spread: f32) -> Effect {
-    Effect { name, column, spread, step: 0.01 }
+const fn degrees(name: &'static str, column: Column) -> Effect {
+    Effect { name, column, step: 0.01 }
 }
 
-/// Spreads are those of the hypotheses of one column each.
 static ALL: [Effect; EFFECTS] = [
-    share("power", Column::Power, 0.25),
-    share("less flow", Column::LessFlow, 0.3),
-    share("more flow", Column::MoreFlow, 0.3),
-    degrees("offset of T1", Column::Offset1, 2.0),
-    degrees("offset of T2", Column::Offset2, 2.0),
-    share("gain of T1", Column::Gain1, 0.25),
-    share("gain of T2", Column::Gain2, 0.25),
-    share("short lag", Column::ShortLag, 0.5),
-    share("long lag", Column::LongLag, 0.5),
-    share("short loss", Column::ShortLoss, 0.25),
-    share("long loss", Column::LongLoss, 0.25),
+    share("power", Column::Power),
+    share("less flow", Column::LessFlow),
+    share("more flow", Column::MoreFlow),
+    degrees("offset of T1", Column::Offset1),
+    degrees("offset of T2", Column::Offset2),
+    share("gain of T1", Column::Gain1),
+    share("gain of T2", Column::Gain2),
+    share("short lag", Column::ShortLag),
+    share("long lag", Column::LongLag),
+    share("short loss", Column::ShortLoss),
+    share("long loss", Column::LongLoss),
 ];
 
 /// Names of the effects, in their order. All are shares, but for both offsets, which are in degC: less and more flow of `1/f - 1`, lags of one of T1
@@ -81,9 +80,12 @@ pub fn names() -> [&'static str; EFFECTS] {
     core::array::from_fn(|i| ALL[i].name)
 }
 
-/// The columns with their spreads.
-pub(in crate::likelihood) fn spreads() -> [(Column, f32); EFFECTS] {
-    core::array::from_fn(|i| (ALL[i].column, ALL[i].spread))
+/// The columns with their spreads: those of the hypotheses of one column each.
+pub(in crate::likelihood) fn spreads(tuning: Tuned) -> [(Column, f32); EFFECTS] {
+    let (t, lag) = (&tuning.hypotheses, tuning.taught.lag_sd);
+    let (flow, offset, share) = (t.flow_sd, t.offset_sd, t.clogged_sd);
+    let spreads = [t.power_sd, flow, flow, offset, offset, share, share, lag, lag, share, share];
+    core::array::from_fn(|i| (ALL[i].column, spreads[i]))
 }
 
 /// What a hypothesis changes where it frees these values; `None` where that is no effect. When it began is none, either, and does not matter.

@@ -4,15 +4,7 @@ use super::response::{MAX_TAUGHT, Responses};
 use crate::bounds::{larger, smaller};
 use crate::likelihood::evidence::{Freed, Nuisances};
 use crate::likelihood::hypothesis::IMPOSSIBLE;
-
-/// A fault comes as large as it was taught, give or take this share, and within these.
-const SPREAD: f32 = 0.2;
-const RANGE: (f32, f32) = (0.3, 3.0);
-/// Logarithm of its odds against the common faults beforehand: somebody has seen it on this rig. It is told from the class that it belongs to by its
-/// size alone.
-const PRIOR: f32 = 3.0;
-/// So much the data have to say by themselves: what changes hardly anything explains anything as well as nothing does.
-const LEAST: f32 = 3.0;
+use crate::likelihood::tuning::TaughtTuning;
 
 /// What each response gains over the nuisances.
 pub(in crate::likelihood) type Weighed = [Freed; MAX_TAUGHT];
@@ -20,14 +12,15 @@ pub(in crate::likelihood) type Weighed = [Freed; MAX_TAUGHT];
 /// Weighs all of them.
 #[inline(never)]
 pub(in crate::likelihood) fn weigh<const N: usize, const H: usize>(
+    t: &TaughtTuning,
     responses: &Responses,
     nuisances: &Nuisances<'_, N, H>,
 ) -> Weighed {
     let mut weighed = [Freed { gain: IMPOSSIBLE, ..Freed::default() }; MAX_TAUGHT];
     for (weighed, response) in weighed.iter_mut().zip(responses) {
-        let freed = nuisances.free_along(&response.weights(), (1.0, SPREAD));
-        if freed.gain > LEAST && freed.value > RANGE.0 && freed.value < RANGE.1 {
-            *weighed = Freed { gain: freed.gain + PRIOR, ..freed };
+        let freed = nuisances.free_along(&response.weights(), (1.0, t.size_sd));
+        if freed.gain > t.least_gain && freed.value > t.least_size && freed.value < t.most_size {
+            *weighed = Freed { gain: freed.gain + t.prior, ..freed };
         }
     }
     weighed
@@ -110,7 +103,7 @@ mod tests {
             response.effects = [0; EFFECTS];
             response.effects[4] = offset;
         }
-        let gains = weigh(&responses, &nuisances).map(|freed| freed.gain);
+        let gains = weigh(&TaughtTuning::DEFAULT, &responses, &nuisances).map(|freed| freed.gain);
         assert_eq!(gains[..3], [IMPOSSIBLE; 3]);
         assert!(gains[3] > 50.0, "{gains:?}");
     }

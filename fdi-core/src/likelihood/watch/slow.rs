@@ -1,7 +1,7 @@
 //! Where the surroundings move as slowly as the rig answers, what lasts says hardly anything: faults are seen by how they come and go. There a sensor's
 //! error that goes is asked for by itself, and so is a heater that is right again.
 
-use super::{CLIP, Gathered, KAPPA, Watch, WatchState};
+use super::{Gathered, Watch, WatchState};
 use crate::bounds::{larger, smaller};
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::class::FaultClass;
@@ -9,17 +9,6 @@ use crate::likelihood::column::{Column, Direction, LASTING, Row};
 use crate::likelihood::gone::Gone;
 use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, Hypothesis};
 use crate::likelihood::inputs::Inputs;
-
-/// The surroundings are slow where a constant leaves less than this share of itself after whitening.
-const SLOW: f32 = 0.15;
-/// Log odds by which a sensor's error has gone.
-const GOES: f32 = 10.0;
-/// The dead time is not known better than this there, ticks.
-pub(super) const VAGUE_SHIFT: f32 = 0.7;
-/// What goes back by more than this share of a jump has gone.
-const BACK: f32 = 0.5;
-/// Ticks without a chart after an end that was seen as such.
-const RESTS: u32 = 10;
 
 impl Watch {
     /// By how much the residuals change where the fault of an alarm has gone on this tick, or lately; none while it has not.
@@ -50,8 +39,14 @@ impl Watch {
             return None;
         }
         let theta = alarm.values[0];
-        let longest = (s.pace.stretch / self.sample_time) as u32;
-        if !g.gone.step((&s.process, &s.ladder), heat, [z, g.answer], theta, (KAPPA, longest)) {
+        let longest = (self.tuning.slow.longest * s.pace.stretch / self.sample_time) as u32;
+        if !g.gone.step(
+            (&s.process, &s.ladder),
+            heat,
+            [z, g.answer],
+            theta,
+            (self.tuning.alarm.kappa, longest),
+        ) {
             return None;
         }
         let before = s.process.rises(s.motion.m, s.motion.w).y;
@@ -65,18 +60,19 @@ impl Watch {
 impl WatchState {
     /// Whether the surroundings move so slowly that a constant residual says hardly anything.
     pub(super) fn is_slow(&self) -> bool {
-        self.lacks && self.ladder.rest()[0] < SLOW
+        self.lacks && self.ladder.rest()[0] < self.tuning.slow.dc_gain
     }
 
     /// A jump that has not gone back on the next tick is no spike, and counts again, in full: what stays shows nothing more.
     pub(super) fn confirm(&mut self, z: [f32; 2], charted: &mut [f32; 2]) {
+        let (clip, back) = (self.tuning.charts.clip, self.tuning.slow.back);
         for m in 0..2 {
             let jumped = core::mem::take(&mut self.jumped[m]);
-            if jumped * (z[m] + BACK * jumped) > 0.0 {
+            if jumped * (z[m] + back * jumped) > 0.0 {
                 charted[m] =
                     if jumped > 0.0 { larger(charted[m], jumped) } else { smaller(charted[m], jumped) };
             }
-            if z[m].abs() > CLIP {
+            if z[m].abs() > clip {
                 self.jumped[m] = z[m];
             }
         }
@@ -105,9 +101,9 @@ impl WatchState {
         }
         let explained = |m: usize| {
             let left = z[m] + change[m] * self.ladder.inv_sigma[m];
-            (z[m] * z[m] - left * left) / (2.0 * KAPPA)
+            (z[m] * z[m] - left * left) / (2.0 * self.tuning.alarm.kappa)
         };
-        (explained(0) + explained(1) > GOES).then_some(change)
+        (explained(0) + explained(1) > self.tuning.slow.sensor_over).then_some(change)
     }
 
     /// The alarm is over, and what it changed of the residuals with it.
@@ -118,6 +114,6 @@ impl WatchState {
         self.rest();
         g.begin_anew();
         g.gone = Gone::default();
-        self.rests = RESTS;
+        self.rests = self.tuning.slow.rest as u32;
     }
 }

@@ -10,6 +10,7 @@ use super::super::ladder::ResidualStatistics;
 use super::super::process::Rises;
 use super::super::reference::Random;
 use super::*;
+use crate::likelihood::Tuning;
 
 const TS: f32 = 0.11;
 /// When faults begin and end, ticks after the models are armed.
@@ -39,15 +40,16 @@ impl Noise {
 
 fn watch() -> Watch {
     Watch {
-        fast: Chart { allowance: 1.5, interval: 7.0 },
-        slow: Chart { allowance: 0.5, interval: 20.0 },
-        heat: Heat::new(TS, 2.0),
+        fast: Chart { allowance: 1.5, interval: 7.0, tuning: Default::default() },
+        slow: Chart { allowance: 0.5, interval: 20.0, tuning: Default::default() },
+        heat: Heat::new(Tuned::default(), TS, 2.0),
         model_uncertainty: 0.02,
         naming: 0.95,
         least_power: 0.085,
         sample_time: TS,
         inputs: Inputs::ALL,
         taught: Responses::new(),
+        tuning: Tuned::default(),
     }
 }
 
@@ -63,7 +65,7 @@ fn trained(seed: u64) -> Trained {
     Trained {
         parameters: parameters(),
         motion: Motion::steady(40.0),
-        ladder: statistics.finish(2).unwrap(),
+        ladder: statistics.finish(&Tuning::DEFAULT.whitening, 2).unwrap(),
         mean: [0.0; 2],
         beside: Beside::default(),
         power: 40.0,
@@ -104,7 +106,7 @@ impl Run {
         for k in 0..TICKS {
             let faulty = (ONSET..END).contains(&k);
             let flow = if let (Wrong::Flow(flow), true) = (self.wrong, faulty) { flow } else { 1.0 };
-            let process = Process::new(&p, flow);
+            let process = Process::new(Default::default(), &p, flow);
             let heat = match self.wrong {
                 Wrong::Power(share) if faulty => share * process.heat(power),
                 Wrong::Constant(power) if faulty => power,
@@ -279,7 +281,7 @@ fn taking_in_leaves_no_step() {
     let mut pasts = [Past::default(); COUNT];
     for _ in 0..60 {
         let z = s.ladder.step(&mut s.past, e);
-        s.ladder.step_clipped(&mut s.past_clipped, e, CLIP);
+        s.ladder.step_clipped(&mut s.past_clipped, e, Tuning::DEFAULT.charts.clip);
         let whitened: Row = core::array::from_fn(|i| match row.get(i) {
             Some(value) => s.ladder.step(&mut pasts[i], *value),
             None => [0.0; 2],
@@ -295,7 +297,10 @@ fn taking_in_leaves_no_step() {
         s.ladder.step(&mut always, left);
     }
     let wanted = s.ladder.step(&mut always, left);
-    for z in [s.ladder.step(&mut s.past, left), s.ladder.step_clipped(&mut s.past_clipped, left, CLIP)] {
+    for z in [
+        s.ladder.step(&mut s.past, left),
+        s.ladder.step_clipped(&mut s.past_clipped, left, Tuning::DEFAULT.charts.clip),
+    ] {
         assert!((0..2).all(|m| (z[m] - wanted[m]).abs() < 1e-3), "{z:?}, not {wanted:?}");
     }
     assert_eq!((g.onset.age, g.since.count), (0, 0.0), "and all begins anew");

@@ -4,10 +4,11 @@ use super::super::alarm::{Alarm, ModelAlarm};
 use super::super::column::Row;
 use super::super::evidence::Nuisance;
 use super::super::heat::Heat;
-use super::super::hypothesis::{self, SINCE_ONSET};
+use super::super::hypothesis;
 use super::super::onset::{Nominal, Onset, REMEMBERED};
+use super::super::signatures::NUISANCES;
+use super::WatchState;
 use super::lasting::Lasting;
-use super::{WatchState, slow};
 
 impl WatchState {
     /// What is reported: what began at an onset first, then what lasts.
@@ -57,10 +58,10 @@ impl WatchState {
     }
 
     /// What may move since an onset without being a fault, as far as is known now.
-    pub(in super::super) fn nuisances(&self) -> [Nuisance; SINCE_ONSET.len()] {
-        let mut nuisances = hypothesis::since_onset(self.steps, self.bent());
+    pub(in super::super) fn nuisances(&self) -> [Nuisance; NUISANCES] {
+        let mut nuisances = hypothesis::since_onset(&self.tuning.nuisances, self.steps, self.bent());
         if self.is_slow() {
-            nuisances[hypothesis::SHIFT].1 = slow::VAGUE_SHIFT;
+            nuisances[hypothesis::SHIFT].1 = self.tuning.slow.shift;
         }
         nuisances
     }

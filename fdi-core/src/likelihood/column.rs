@@ -37,6 +37,34 @@ pub(super) enum Column {
     Constant,
 }
 
+impl Column {
+    /// What people call it, and its unit; none for shares.
+    pub(super) const fn name(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Power => ("power", ""),
+            Self::LessFlow => ("less flow", "1/f - 1"),
+            Self::MoreFlow => ("more flow", "1/f - 1"),
+            Self::Offset1 => ("offset of T1", "degC"),
+            Self::Offset2 => ("offset of T2", "degC"),
+            Self::Gain1 => ("gain of T1", ""),
+            Self::Gain2 => ("gain of T2", ""),
+            Self::Wall => ("wall", ""),
+            Self::Shift => ("shift", "ticks"),
+            Self::Inlet1 => ("inlet at T1", ""),
+            Self::Inlet2 => ("inlet at T2", ""),
+            Self::ShortLag => ("short lag", ""),
+            Self::LongLag => ("long lag", ""),
+            Self::ShortLoss => ("short loss", ""),
+            Self::LongLoss => ("long loss", ""),
+            Self::Ramp1 => ("ramp of T1", "degC/min"),
+            Self::Ramp2 => ("ramp of T2", "degC/min"),
+            Self::Late => ("late", "ticks"),
+            Self::Exchanged => ("exchanged", ""),
+            Self::Constant => ("constant", "%"),
+        }
+    }
+}
+
 /// How many there are, and how many of them are asked over a minute.
 pub(super) const COUNT: usize = Column::Constant as usize + 1;
 pub(super) const LASTING: usize = Column::Shift as usize + 1;
@@ -77,6 +105,18 @@ pub(super) enum Direction {
 }
 
 impl Direction {
+    /// What people call it, and its unit; none for shares.
+    #[cfg(feature = "tuning")]
+    pub(super) const fn name(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Of(column) => column.name(),
+            Self::Offset0 => ("T0", "degC"),
+            Self::Ramp0 => ("ramp of T0", "degC/min"),
+            Self::MidLag => ("middle lag", ""),
+            Self::MidLoss => ("middle loss", ""),
+        }
+    }
+
     /// The columns that it moves.
     #[inline]
     pub(super) fn columns(self) -> [usize; 2] {

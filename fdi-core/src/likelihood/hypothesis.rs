@@ -25,6 +25,9 @@ pub(super) struct Hypothesis {
     pub(super) lasting: bool,
 }
 
+/// A magnitude that may be anything.
+pub(super) const UNBOUNDED: (f32, f32) = (-1e9, 1e9);
+
 /// Hypotheses there are.
 pub const COUNT: usize = 25;
 
@@ -37,7 +40,7 @@ const fn row(class: FaultClass, direction: Direction, mean: f32, sd: f32) -> Hyp
         class,
         first: Free { direction, mean, sd },
         second: None,
-        range: (-1e9, 1e9),
+        range: UNBOUNDED,
         prior: 0.0,
         stays: None,
         lasting: true,

@@ -40,6 +40,8 @@ mod column;
 mod commissioned;
 pub mod config;
 mod contradiction;
+#[cfg(feature = "tuning")]
+pub mod described;
 mod evidence;
 mod explained;
 mod finite;

@@ -2,6 +2,8 @@
 //! setting is called, does, and may be comes from its declaration in `fdi-core`.
 
 mod markdown;
+#[cfg(test)]
+mod tables;
 mod toml_text;
 mod tuning;
 

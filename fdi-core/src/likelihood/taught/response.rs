@@ -45,39 +45,38 @@ impl Mean {
     }
 }
 
-/// An effect: what it is called, its column of the bank, and the step that it is kept in.
+/// An effect: its column of the bank, and the step that it is kept in.
 struct Effect {
-    name: &'static str,
     column: Column,
     step: f32,
 }
 
-const fn share(name: &'static str, column: Column) -> Effect {
-    Effect { name, column, step: 0.001 }
+const fn share(column: Column) -> Effect {
+    Effect { column, step: 0.001 }
 }
 
-const fn degrees(name: &'static str, column: Column) -> Effect {
-    Effect { name, column, step: 0.01 }
+const fn degrees(column: Column) -> Effect {
+    Effect { column, step: 0.01 }
 }
 
 static ALL: [Effect; EFFECTS] = [
-    share("power", Column::Power),
-    share("less flow", Column::LessFlow),
-    share("more flow", Column::MoreFlow),
-    degrees("offset of T1", Column::Offset1),
-    degrees("offset of T2", Column::Offset2),
-    share("gain of T1", Column::Gain1),
-    share("gain of T2", Column::Gain2),
-    share("short lag", Column::ShortLag),
-    share("long lag", Column::LongLag),
-    share("short loss", Column::ShortLoss),
-    share("long loss", Column::LongLoss),
+    share(Column::Power),
+    share(Column::LessFlow),
+    share(Column::MoreFlow),
+    degrees(Column::Offset1),
+    degrees(Column::Offset2),
+    share(Column::Gain1),
+    share(Column::Gain2),
+    share(Column::ShortLag),
+    share(Column::LongLag),
+    share(Column::ShortLoss),
+    share(Column::LongLoss),
 ];
 
 /// Names of the effects, in their order. All are shares, but for both offsets, which are in degC: less and more flow of `1/f - 1`, lags of one of T1
 /// of 0.35 and of 1 s on the reference rig, losses of the rise that T1 loses behind these.
 pub fn names() -> [&'static str; EFFECTS] {
-    core::array::from_fn(|i| ALL[i].name)
+    core::array::from_fn(|i| ALL[i].column.name().0)
 }
 
 /// The columns with their spreads: those of the hypotheses of one column each.

@@ -18,9 +18,20 @@ pub(super) struct Lasting {
 }
 
 impl Watch {
+    /// The smallest change since training that is a fault.
+    pub(super) fn least(&self, s: &WatchState, class: FaultClass) -> f32 {
+        let (t, alarm) = (&self.tuning.since_training, &self.tuning.alarm);
+        match class {
+            FaultClass::HeaterPower => larger(self.least_power, alarm.unusual * sqrt(s.wander[0] + s.bent())),
+            FaultClass::AirFlow => larger(alarm.least_flow, alarm.unusual * sqrt(s.wander[1])),
+            FaultClass::T1Clogged => t.least_gain,
+            _ => t.least_offset,
+        }
+    }
+
     /// The minute, against the trained state.
     pub(super) fn judge_lasting(&self, s: &mut WatchState, tick: u32) {
-        let (t, unusual) = (&self.tuning.since_training, self.tuning.alarm.unusual);
+        let t = &self.tuning.since_training;
         let first = t.first * s.pace.stretch / self.sample_time;
         if !s.steady.is_ready(first) {
             return;
@@ -34,12 +45,7 @@ impl Watch {
         let row = &self.tuning.hypotheses()[h];
         let sized = s.steady.size(&nuisances, h, self.inputs);
         let sized = if row.judged(sized).gain == IMPOSSIBLE { freed[h] } else { sized };
-        let least = match row.class {
-            FaultClass::HeaterPower => larger(self.least_power, unusual * sqrt(s.wander[0] + s.bent())),
-            FaultClass::AirFlow => larger(self.tuning.alarm.least_flow, unusual * sqrt(s.wander[1])),
-            FaultClass::T1Clogged => t.least_gain,
-            _ => t.least_offset,
-        };
+        let least = self.least(s, row.class);
         let (factor, share) =
             if s.lasting.is_some() { (t.lasting_raise, t.lasting_size) } else { (1.0, 1.0) };
         let there = posterior.best_gain > factor * t.raise && freed[h].value.abs() > share * least;

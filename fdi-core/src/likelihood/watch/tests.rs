@@ -344,3 +344,13 @@ fn without_samples_the_verdict_stands() {
     }
     assert_eq!(s.virtual_t1(), None, "T2 and the models disagree");
 }
+
+/// The smallest change of the power is the user's, and more where the mains are seen to change by more.
+#[test]
+fn the_smallest_change_of_the_power_is_that_of_the_setting() {
+    let watch = Watch { least_power: 0.2, ..watch() };
+    let mut s = watch.start(trained(1));
+    assert_eq!(watch.least(&s, FaultClass::HeaterPower), 0.2);
+    s.wander[0] = 0.04;
+    assert!((watch.least(&s, FaultClass::HeaterPower) - 0.5).abs() < 1e-6);
+}

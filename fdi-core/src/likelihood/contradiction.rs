@@ -12,7 +12,7 @@
 //! | silent, warmest | | | T0 reads wrong |
 
 use super::class::{Channel, FaultClass, Pair};
-use super::impulse::{Answer, ImpulseResponse, ImpulseResponseState};
+use super::impulse::{ImpulseResponse, ImpulseResponseState, Moments};
 use super::tuning::ContradictionTuning;
 use super::verdict::Finding;
 use crate::bounds::{larger, smaller};
@@ -66,7 +66,7 @@ impl Contradiction {
         self.compare(t, readings, ticks as f32);
         if tick.is_multiple_of(t.every as u32 * ticks) && self.cold < t.after_heating as u32 * ticks {
             let t2_warmer = self.warmer >= t.steps;
-            let judgement = judge(t, &self.response.answers(response), readings, t2_warmer);
+            let judgement = judge(t, &self.response.moments(response), readings, t2_warmer);
             let before = core::mem::replace(&mut self.judgement, judgement);
             if judgement == before {
                 self.conclude(t, tick, heating, ticks);
@@ -111,21 +111,21 @@ impl Contradiction {
 
 fn judge(
     t: &ContradictionTuning,
-    answers: &[Answer; 3],
+    answers: &[Moments; 3],
     readings: [Option<f32>; 3],
     t2_warmer: bool,
 ) -> Judgement {
     let [_, a1, a2] = answers;
     match contradiction(t, answers, readings, t2_warmer) {
         Some(class) => Judgement::Contradict(class),
-        None if a1.answers(t) && a2.answers(t) && a2.comes_after(t, a1) => Judgement::Agree,
+        None if a1.responds(t) && a2.responds(t) && a2.comes_after(t, a1) => Judgement::Agree,
         None => Judgement::Open,
     }
 }
 
 fn contradiction(
     t: &ContradictionTuning,
-    answers: &[Answer; 3],
+    answers: &[Moments; 3],
     readings: [Option<f32>; 3],
     t2_warmer: bool,
 ) -> Option<FaultClass> {
@@ -136,7 +136,7 @@ fn contradiction(
         let (reading, t0, other) = (reading?, t0?, other?);
         Some(reading - t0 < t.cold_share * (other - t0) + t.cold)
     };
-    if a0.answers(t) && a0.area > t.ambient * strongest.area {
+    if a0.responds(t) && a0.area > t.ambient * strongest.area {
         return match (a1.is_silent_beside(t, a0), a2.is_silent_beside(t, a0)) {
             (true, _) => Some(FaultClass::Swapped(Pair::T0T1)),
             (false, true) => Some(FaultClass::Swapped(Pair::T0T2)),
@@ -146,26 +146,26 @@ fn contradiction(
     if !a0.is_silent_beside(t, strongest) {
         return None;
     }
-    if a2.answers(t) && a1.is_silent_beside(t, a2) {
+    if a2.responds(t) && a1.is_silent_beside(t, a2) {
         let out = cold(t1, t2)?;
         return Some(if out { FaultClass::T1Detached } else { FaultClass::Stuck(Channel::T1) });
     }
-    if a1.answers(t) && a2.is_silent_beside(t, a1) {
+    if a1.responds(t) && a2.is_silent_beside(t, a1) {
         return cold(t2, t1)?.then_some(FaultClass::T2Detached);
     }
-    if a1.answers(t) && a2.answers(t) && a1.comes_after(t, a2) {
+    if a1.responds(t) && a2.responds(t) && a1.comes_after(t, a2) {
         return Some(FaultClass::Swapped(Pair::T1T2));
     }
-    if a2.answers(t) && t2_warmer {
+    if a2.responds(t) && t2_warmer {
         return Some(FaultClass::T1Detached);
     }
     let (t0, t1, t2) = (t0?, t1?, t2?);
     let warmest = t0 - t1 > t.differ && t0 - t2 > t.differ;
-    (warmest && strongest.answers(t)).then_some(FaultClass::T0Fault)
+    (warmest && strongest.responds(t)).then_some(FaultClass::T0Fault)
 }
 
-impl Answer {
-    fn answers(&self, t: &ContradictionTuning) -> bool {
+impl Moments {
+    fn responds(&self, t: &ContradictionTuning) -> bool {
         self.area > t.answers * self.area_sd
     }
 
@@ -184,8 +184,8 @@ mod tests {
     use super::*;
 
     /// A response of this area and centroid, well known.
-    fn answer(area: f32, late: f32) -> Answer {
-        Answer { area, area_sd: 0.001, late, late_sd: 0.05 }
+    fn answer(area: f32, late: f32) -> Moments {
+        Moments { area, area_sd: 0.001, late, late_sd: 0.05 }
     }
 
     /// The table at the head of this file, row by row.
@@ -195,7 +195,7 @@ mod tests {
         let [t1, t2] = [answer(0.3, 5.0), answer(0.28, 7.0)];
         let warm = [Some(22.0), Some(42.0), Some(41.0)];
         let at = |t0: f32, t1: f32, t2: f32| [Some(t0), Some(t1), Some(t2)];
-        let said = |answers: [Answer; 3], readings, t2_warmer| {
+        let said = |answers: [Moments; 3], readings, t2_warmer| {
             contradiction(&ContradictionTuning::DEFAULT, &answers, readings, t2_warmer)
         };
         assert_eq!(said([silent(), t1, t2], warm, false), None);
@@ -213,7 +213,7 @@ mod tests {
 
     #[test]
     fn too_little_seen_concludes_nothing() {
-        let unknown = Answer { area: 0.3, area_sd: 0.1, late: 5.0, late_sd: 2.0 };
+        let unknown = Moments { area: 0.3, area_sd: 0.1, late: 5.0, late_sd: 2.0 };
         assert_eq!(
             judge(&ContradictionTuning::DEFAULT, &[unknown; 3], [Some(22.0), Some(42.0), Some(41.0)], false),
             Judgement::Open

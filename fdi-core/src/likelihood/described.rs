@@ -1,7 +1,7 @@
 //! The bank in words, for documents: what each hypothesis frees, and what moves without being a fault.
 
 use super::class::FaultClass;
-use super::evidence::{Free, Nuisance};
+use super::evidence::{Nuisance, Prior};
 use super::hypothesis::{self, COUNT, UNBOUNDED};
 use super::tuning::Tuned;
 
@@ -28,7 +28,7 @@ pub struct Described {
     /// What else it frees.
     pub second: Option<Term>,
     /// The second's mean is what the thermistor reads when the fault begins.
-    pub stays: bool,
+    pub stuck_at: bool,
     /// Bounds of its magnitude, where it has any.
     pub range: Option<(f32, f32)>,
     /// Logarithm of its odds against the common faults beforehand.
@@ -38,13 +38,13 @@ pub struct Described {
 }
 
 impl Term {
-    fn of(free: Free) -> Self {
+    fn of(free: Prior) -> Self {
         let (name, unit) = free.direction.name();
         Self { name, unit, mean: free.mean, sd: free.sd }
     }
 
     fn nuisance((direction, sd): Nuisance) -> Self {
-        Self::of(Free { direction, mean: 0.0, sd })
+        Self::of(Prior { direction, mean: 0.0, sd })
     }
 }
 
@@ -54,7 +54,7 @@ pub fn hypotheses(tuning: Tuned) -> [Described; COUNT] {
         class: row.class,
         first: Term::of(row.first),
         second: row.second.map(Term::of),
-        stays: row.stays.is_some(),
+        stuck_at: row.stuck_at.is_some(),
         range: (row.range != UNBOUNDED).then_some(row.range),
         prior: row.prior,
         since_training: row.lasting,

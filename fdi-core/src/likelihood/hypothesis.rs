@@ -1,8 +1,8 @@
 //! The hypotheses and the nuisances, a row each: what may have changed, by how much, and what it is called.
 
 use super::class::{Channel, FaultClass, Pair};
-use super::column::{Column, Direction};
-use super::evidence::{Free, Freed, Nuisance};
+use super::evidence::{Estimate, Nuisance, Prior};
+use super::regressor::{Direction, Regressor};
 use super::tuning::{HypothesisTuning, NuisanceTuning, Tuning};
 use crate::bounds::larger;
 use crate::root::sqrt;
@@ -13,14 +13,14 @@ pub(super) struct Hypothesis {
     /// What it is called.
     pub(super) class: FaultClass,
     /// What it frees: first its magnitude.
-    pub(super) first: Free,
-    pub(super) second: Option<Free>,
+    pub(super) first: Prior,
+    pub(super) second: Option<Prior>,
     /// What its magnitude may be.
     pub(super) range: (f32, f32),
     /// Logarithm of its odds against the common faults before anything is seen.
     pub(super) prior: f32,
     /// A reading stays where it was: the second's mean is that level, degC.
-    pub(super) stays: Option<usize>,
+    pub(super) stuck_at: Option<usize>,
     /// It is asked when a whole minute is judged, too.
     pub(super) lasting: bool,
 }
@@ -31,24 +31,24 @@ pub(super) const UNBOUNDED: (f32, f32) = (-1e9, 1e9);
 /// Hypotheses there are.
 pub const COUNT: usize = 25;
 
-const fn of(column: Column) -> Direction {
-    Direction::Of(column)
+const fn of(regressor: Regressor) -> Direction {
+    Direction::Of(regressor)
 }
 
 const fn row(class: FaultClass, direction: Direction, mean: f32, sd: f32) -> Hypothesis {
     Hypothesis {
         class,
-        first: Free { direction, mean, sd },
+        first: Prior { direction, mean, sd },
         second: None,
         range: UNBOUNDED,
         prior: 0.0,
-        stays: None,
+        stuck_at: None,
         lasting: true,
     }
 }
 
 const fn with(row: Hypothesis, direction: Direction, mean: f32, sd: f32) -> Hypothesis {
-    Hypothesis { second: Some(Free { direction, mean, sd }), ..row }
+    Hypothesis { second: Some(Prior { direction, mean, sd }), ..row }
 }
 
 const fn within(row: Hypothesis, low: f32, high: f32) -> Hypothesis {
@@ -71,9 +71,9 @@ pub(super) const fn rows(t: &Tuning) -> [Hypothesis; COUNT] {
 }
 
 impl HypothesisTuning {
-    /// One that begins a little earlier or later than the columns do.
+    /// One that begins a little earlier or later than the regressors do.
     const fn late(&self, row: Hypothesis) -> Hypothesis {
-        with(row, of(Column::Late), 0.0, self.late_sd)
+        with(row, of(Regressor::Late), 0.0, self.late_sd)
     }
 
     const fn clogged(&self, loss: Direction) -> Hypothesis {
@@ -82,7 +82,7 @@ impl HypothesisTuning {
 
     /// A thermistor that was clogged when the model was trained, and is mended.
     const fn unclogged(&self) -> Hypothesis {
-        let row = row(FaultClass::T1Clogged, of(Column::Gain1), 0.0, self.clogged_sd);
+        let row = row(FaultClass::T1Clogged, of(Regressor::Gain1), 0.0, self.clogged_sd);
         rare(within(row, 0.0, self.mended), self.rare)
     }
 
@@ -104,15 +104,15 @@ impl HypothesisTuning {
         brief(with(row, offset, 0.0, self.drift_offset_sd))
     }
 
-    const fn stuck(&self, which: Channel, gain: Column, offset: Column, channel: usize) -> Hypothesis {
+    const fn stuck(&self, which: Channel, gain: Regressor, offset: Regressor, channel: usize) -> Hypothesis {
         let row = row(FaultClass::Stuck(which), of(gain), -1.0, self.stuck_sd);
         let row = with(row, of(offset), 0.0, self.stuck_offset_sd);
         let row = within(row, -1.0 - self.stuck_most, -1.0 + self.stuck_most);
-        brief(rare(Hypothesis { stays: Some(channel), ..row }, self.rare))
+        brief(rare(Hypothesis { stuck_at: Some(channel), ..row }, self.rare))
     }
 
     /// A thermistor exchanged with T0 loses its rise twice; the other one loses as much as the exchanged one rises.
-    const fn swapped_with_t0(&self, pair: Pair, gain: Column, other: Column) -> Hypothesis {
+    const fn swapped_with_t0(&self, pair: Pair, gain: Regressor, other: Regressor) -> Hypothesis {
         let row = row(FaultClass::Swapped(pair), of(gain), -2.0, self.swapped_sd);
         let row = within(row, -2.0 - self.swapped_most, -2.0 + self.swapped_most);
         with(brief(rare(row, self.rare)), of(other), -1.0, self.half_swapped_sd)
@@ -120,39 +120,39 @@ impl HypothesisTuning {
 
     const fn rows(&self) -> [Hypothesis; COUNT] {
         [
-            row(FaultClass::T1Offset, of(Column::Offset1), 0.0, self.offset_sd),
-            row(FaultClass::T2Offset, of(Column::Offset2), 0.0, self.offset_sd),
+            row(FaultClass::T1Offset, of(Regressor::Offset1), 0.0, self.offset_sd),
+            row(FaultClass::T2Offset, of(Regressor::Offset2), 0.0, self.offset_sd),
             row(FaultClass::T0Fault, Direction::Offset0, 0.0, self.offset_sd),
             self.late(within(
-                row(FaultClass::AirFlow, of(Column::LessFlow), 0.0, self.flow_sd),
+                row(FaultClass::AirFlow, of(Regressor::LessFlow), 0.0, self.flow_sd),
                 0.0,
                 self.most_flow_loss,
             )),
             self.late(within(
-                row(FaultClass::AirFlow, of(Column::MoreFlow), 0.0, self.flow_sd),
+                row(FaultClass::AirFlow, of(Regressor::MoreFlow), 0.0, self.flow_sd),
                 -self.most_flow_gain,
                 0.0,
             )),
             self.late(within(
-                row(FaultClass::HeaterPower, of(Column::Power), 0.0, self.power_sd),
+                row(FaultClass::HeaterPower, of(Regressor::Power), 0.0, self.power_sd),
                 -self.most_power,
                 self.most_power,
             )),
-            self.clogged(of(Column::Gain1)),
-            self.lagging(self.clogged(of(Column::ShortLoss)), of(Column::ShortLag)),
+            self.clogged(of(Regressor::Gain1)),
+            self.lagging(self.clogged(of(Regressor::ShortLoss)), of(Regressor::ShortLag)),
             self.lagging(self.clogged(Direction::MidLoss), Direction::MidLag),
-            self.lagging(self.clogged(of(Column::LongLoss)), of(Column::LongLag)),
+            self.lagging(self.clogged(of(Regressor::LongLoss)), of(Regressor::LongLag)),
             self.unclogged(),
-            self.drift(of(Column::Ramp1), of(Column::Offset1)),
-            self.drift(of(Column::Ramp2), of(Column::Offset2)),
+            self.drift(of(Regressor::Ramp1), of(Regressor::Offset1)),
+            self.drift(of(Regressor::Ramp2), of(Regressor::Offset2)),
             self.drift(Direction::Ramp0, Direction::Offset0),
-            self.stuck(Channel::T1, Column::Gain1, Column::Offset1, 0),
-            self.stuck(Channel::T2, Column::Gain2, Column::Offset2, 1),
+            self.stuck(Channel::T1, Regressor::Gain1, Regressor::Offset1, 0),
+            self.stuck(Channel::T2, Regressor::Gain2, Regressor::Offset2, 1),
             brief(rare(
                 within(
                     with(
-                        row(FaultClass::HeaterPower, of(Column::Constant), self.constant, self.constant),
-                        of(Column::Power),
+                        row(FaultClass::HeaterPower, of(Regressor::Constant), self.constant, self.constant),
+                        of(Regressor::Power),
                         -1.0,
                         self.constant_power_sd,
                     ),
@@ -161,18 +161,18 @@ impl HypothesisTuning {
                 ),
                 self.rare,
             )),
-            self.t1_detached(of(Column::Gain1)),
-            self.lagging(self.t1_detached(of(Column::ShortLoss)), of(Column::ShortLag)),
+            self.t1_detached(of(Regressor::Gain1)),
+            self.lagging(self.t1_detached(of(Regressor::ShortLoss)), of(Regressor::ShortLag)),
             self.lagging(self.t1_detached(Direction::MidLoss), Direction::MidLag),
-            self.lagging(self.t1_detached(of(Column::LongLoss)), of(Column::LongLag)),
+            self.lagging(self.t1_detached(of(Regressor::LongLoss)), of(Regressor::LongLag)),
             brief(rare(
-                row(FaultClass::Swapped(Pair::T1T2), of(Column::Exchanged), 1.0, self.swapped_sd),
+                row(FaultClass::Swapped(Pair::T1T2), of(Regressor::Exchanged), 1.0, self.swapped_sd),
                 self.rare,
             )),
-            self.detached(FaultClass::T2Detached, of(Column::Gain2)),
+            self.detached(FaultClass::T2Detached, of(Regressor::Gain2)),
             // With T0 where the air is hot: T1, or T2, is below it by its own rise, the other by what is left of that.
-            self.swapped_with_t0(Pair::T0T1, Column::Gain1, Column::Gain2),
-            self.swapped_with_t0(Pair::T0T2, Column::Gain2, Column::Gain1),
+            self.swapped_with_t0(Pair::T0T1, Regressor::Gain1, Regressor::Gain2),
+            self.swapped_with_t0(Pair::T0T2, Regressor::Gain2, Regressor::Gain1),
         ]
     }
 }
@@ -188,17 +188,21 @@ pub(super) const CONSTANT: usize = 16;
 
 impl Hypothesis {
     /// How late a change of the process by `value` may begin, where it is a large one.
-    pub(super) fn later(&self, t: &HypothesisTuning, value: f32) -> Option<Free> {
-        let second = self.second.filter(|second| matches!(second.direction, Direction::Of(Column::Late)))?;
-        (value.abs() > t.large).then(|| Free { sd: t.large_late_sd * value.abs(), ..second })
+    pub(super) fn later(&self, t: &HypothesisTuning, value: f32) -> Option<Prior> {
+        let second =
+            self.second.filter(|second| matches!(second.direction, Direction::Of(Regressor::Late)))?;
+        (value.abs() > t.large).then(|| Prior { sd: t.large_late_sd * value.abs(), ..second })
     }
 
-    /// The gain of a freed hypothesis, with its prior; none where the magnitude is not one that it can have.
-    pub(super) fn judged(&self, mut freed: Freed) -> Freed {
+    /// The gain of a hypothesis that was estimated, with its prior; none where the magnitude is not one that it can have.
+    pub(super) fn judged(&self, mut estimate: Estimate) -> Estimate {
         let (low, high) = self.range;
-        freed.gain =
-            if freed.value > low && freed.value < high { freed.gain + self.prior } else { IMPOSSIBLE };
-        freed
+        estimate.gain = if estimate.value > low && estimate.value < high {
+            estimate.gain + self.prior
+        } else {
+            IMPOSSIBLE
+        };
+        estimate
     }
 }
 
@@ -219,45 +223,45 @@ pub(super) const IMPOSSIBLE: f32 = -50.0;
 /// What may move since an onset without being a fault: mains, sensors, inlet, what the model does not know of wall and time.
 pub(super) const fn nuisances_since_onset(t: &NuisanceTuning) -> [Nuisance; 10] {
     [
-        (of(Column::Power), t.onset_power),
-        (of(Column::LessFlow), t.onset_flow),
-        (of(Column::MoreFlow), t.onset_flow),
-        (of(Column::Offset1), t.onset_offset),
-        (of(Column::Offset2), t.onset_offset),
+        (of(Regressor::Power), t.onset_power),
+        (of(Regressor::LessFlow), t.onset_flow),
+        (of(Regressor::MoreFlow), t.onset_flow),
+        (of(Regressor::Offset1), t.onset_offset),
+        (of(Regressor::Offset2), t.onset_offset),
         (Direction::Offset0, t.onset_t0),
-        (of(Column::Wall), t.wall),
-        (of(Column::Shift), t.shift),
-        (of(Column::Inlet1), t.inlet),
-        (of(Column::Inlet2), t.inlet),
+        (of(Regressor::Wall), t.wall),
+        (of(Regressor::Shift), t.shift),
+        (of(Regressor::Inlet1), t.inlet),
+        (of(Regressor::Inlet2), t.inlet),
     ]
 }
 
 /// The same since training.
 pub(super) const fn nuisances_since_training(t: &NuisanceTuning) -> [Nuisance; 10] {
     [
-        (of(Column::Power), t.trained_power),
-        (of(Column::LessFlow), t.trained_flow),
-        (of(Column::MoreFlow), t.trained_flow),
-        (of(Column::Offset1), t.trained_offset),
-        (of(Column::Offset2), t.trained_offset),
+        (of(Regressor::Power), t.trained_power),
+        (of(Regressor::LessFlow), t.trained_flow),
+        (of(Regressor::MoreFlow), t.trained_flow),
+        (of(Regressor::Offset1), t.trained_offset),
+        (of(Regressor::Offset2), t.trained_offset),
         (Direction::Offset0, t.trained_t0),
-        (of(Column::Gain1), t.trained_gain),
-        (of(Column::Gain2), t.trained_gain),
-        (of(Column::Wall), t.wall),
-        (of(Column::Shift), t.shift),
+        (of(Regressor::Gain1), t.trained_gain),
+        (of(Regressor::Gain2), t.trained_gain),
+        (of(Regressor::Wall), t.wall),
+        (of(Regressor::Shift), t.shift),
     ]
 }
 
 /// By what the model may be wrong right after training, as its fast content shows.
 pub(super) const fn model_errors(t: &NuisanceTuning) -> [Nuisance; 7] {
     [
-        (of(Column::Power), t.error_power),
-        (of(Column::LessFlow), t.error_flow),
-        (of(Column::MoreFlow), t.error_flow),
-        (of(Column::Gain1), t.error_gain),
-        (of(Column::Gain2), t.error_gain),
-        (of(Column::Wall), t.error_wall),
-        (of(Column::Shift), t.error_shift),
+        (of(Regressor::Power), t.error_power),
+        (of(Regressor::LessFlow), t.error_flow),
+        (of(Regressor::MoreFlow), t.error_flow),
+        (of(Regressor::Gain1), t.error_gain),
+        (of(Regressor::Gain2), t.error_gain),
+        (of(Regressor::Wall), t.error_wall),
+        (of(Regressor::Shift), t.error_shift),
     ]
 }
 
@@ -272,23 +276,35 @@ pub(super) const MODEL_ERRORS: [Nuisance; 7] = model_errors(&NuisanceTuning::DEF
 /// Where the dead time's error stands among those since an onset.
 pub(super) const SHIFT: usize = 7;
 
-/// Nuisances since an onset where the power steps by the mean square `steps`; `bent` is that of the gain's error here. What was learnt wrong
+/// Nuisances since an onset where the power steps by the mean square `steps`; `curvature_variance` is that of the gain's error here. What was learnt wrong
 /// with the gain looks like flow, too.
-pub(super) fn since_onset(t: &NuisanceTuning, steps: f32, bent: f32) -> [Nuisance; 10] {
+pub(super) fn since_onset(t: &NuisanceTuning, steps: f32, curvature_variance: f32) -> [Nuisance; 10] {
     let mut nuisances = nuisances_since_onset(t);
-    nuisances[0].1 = sqrt(steps + bent);
+    nuisances[0].1 = sqrt(steps + curvature_variance);
     for (_, sd) in &mut nuisances[FLOW] {
-        *sd = sqrt(*sd * *sd + bent);
+        *sd = sqrt(*sd * *sd + curvature_variance);
     }
     nuisances
 }
 
-/// Nuisances since training where power, flow and both offsets wander by these mean squares, and T1 rises by `rise`, degC: the gain's error at
+/// Nuisances since training where power, flow and both offsets walk by these mean squares, and T1 rises by `rise`, degC: the gain's error at
 /// the mean power is another than that of its moves, so that an offset of both is left.
-pub(super) fn since_training(t: &NuisanceTuning, wander: &[f32; 4], bent: f32, rise: f32) -> [Nuisance; 10] {
+pub(super) fn since_training(
+    t: &NuisanceTuning,
+    walk_variance: &[f32; 4],
+    curvature_variance: f32,
+    rise: f32,
+) -> [Nuisance; 10] {
     let mut nuisances = nuisances_since_training(t);
-    let [power, flow, offset1, offset2] = *wander;
-    let more = [power + bent, flow + bent, flow + bent, offset1, offset2, bent * rise * rise];
+    let [power, flow, offset1, offset2] = *walk_variance;
+    let more = [
+        power + curvature_variance,
+        flow + curvature_variance,
+        flow + curvature_variance,
+        offset1,
+        offset2,
+        curvature_variance * rise * rise,
+    ];
     for ((_, sd), more) in nuisances.iter_mut().zip(more) {
         *sd = sqrt(*sd * *sd + more);
     }

@@ -54,7 +54,7 @@ pub(super) struct ImpulseResponseState {
 /// How one thermistor answers. The standard deviations count every sample in full; forgetting would make them smaller by
 /// the square root of two, which covers what correlation the high-passed noise has left.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Answer {
+pub(super) struct Moments {
     /// Area of the response, degC per %, with its standard deviation.
     pub(super) area: f32,
     pub(super) area_sd: f32,
@@ -133,7 +133,7 @@ impl ImpulseResponseState {
 
     /// How T0, T1 and T2 answer.
     #[inline(never)]
-    pub(super) fn answers(&self, response: &ImpulseResponse) -> [Answer; 3] {
+    pub(super) fn moments(&self, response: &ImpulseResponse) -> [Moments; 3] {
         let factors = Factors::new(&self.r, response.tuning.impulse.ridge);
         let [area, moment] = [factors.solve(&AREA), factors.solve(&MOMENT)];
         let [aa, am, mm] = [dot(&area, &AREA), dot(&area, &MOMENT), dot(&moment, &MOMENT)];
@@ -146,7 +146,12 @@ impl ImpulseResponseState {
             let late = moment / total;
             let late_sd = sqrt(variance * (mm - 2.0 * late * am + late * late * aa)) / total.abs();
             let ticks = response.ticks as f32;
-            Answer { area: total, area_sd: sqrt(variance * aa), late: late * ticks, late_sd: late_sd * ticks }
+            Moments {
+                area: total,
+                area_sd: sqrt(variance * aa),
+                late: late * ticks,
+                late_sd: late_sd * ticks,
+            }
         })
     }
 }
@@ -211,7 +216,7 @@ mod tests {
             shift(&mut power, 40.0 + if seed >> 31 == 0 { 5.0 } else { -5.0 });
             response.step(&mut s, [Some(20.0), Some(20.0 + t1), Some(20.0 + t2)], power[0]);
         }
-        let [a0, a1, a2] = s.answers(&response);
+        let [a0, a1, a2] = s.moments(&response);
         assert!(a0.area.abs() < 1e-4 && a0.area_sd < 1e-3, "{a0:?}");
         // Of the first lag 93 % lie within twelve ticks, of the second 89 %.
         assert!((a1.area / (0.3 * 0.93) - 1.0).abs() < 0.1, "{a1:?}");
@@ -236,7 +241,7 @@ mod tests {
                     power = 40.0 + if seed >> 31 == 0 { 5.0 } else { -5.0 };
                 }
             }
-            s.answers(&response)[1]
+            s.moments(&response)[1]
         };
         let (fast, slow) = (answers(1), answers(10));
         assert!((slow.area / fast.area - 1.0).abs() < 0.1, "{fast:?} {slow:?}");
@@ -247,10 +252,10 @@ mod tests {
     fn nothing_seen_gives_no_answer_and_wild_input_no_panic() {
         let (response, mut s) =
             (ImpulseResponse::new(Tuned::default(), 0.11, 2.0), ImpulseResponseState::default());
-        assert!(s.answers(&response).iter().all(|a| !(a.area > 6.0 * a.area_sd)));
+        assert!(s.moments(&response).iter().all(|a| !(a.area > 6.0 * a.area_sd)));
         for power in [f32::NAN, 1e30, -1e30, 0.0] {
             response.step(&mut s, [None, Some(f32::MAX), Some(f32::NAN)], power);
-            let _ = s.answers(&response);
+            let _ = s.moments(&response);
         }
     }
 }

@@ -32,11 +32,9 @@
 
 mod alarm;
 mod ambient;
-mod beside;
 mod chart;
 mod cholesky;
 pub mod class;
-mod column;
 mod commissioned;
 pub mod config;
 mod contradiction;
@@ -45,12 +43,10 @@ pub mod described;
 mod evidence;
 mod explained;
 mod finite;
-mod gone;
 mod heat;
 mod hypothesis;
 mod impulse;
 pub mod inputs;
-mod ladder;
 pub mod model;
 mod normal;
 mod onset;
@@ -58,8 +54,11 @@ mod posterior;
 mod preferred;
 mod process;
 mod readiness;
+mod recovery;
 #[cfg(test)]
 mod reference;
+mod regressor;
+mod second_heater;
 mod sensors;
 pub mod signatures;
 mod steady;
@@ -70,6 +69,7 @@ mod training;
 pub mod tuning;
 pub mod verdict;
 mod watch;
+mod whitening;
 
 use crate::control::Tick;
 use crate::error::ConfigError;

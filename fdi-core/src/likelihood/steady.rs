@@ -4,14 +4,14 @@
 //! therefore kept apart: what is faster than some seconds is gathered in the sums; what is slower counts as two more measurements, the
 //! means of both residuals.
 
-use super::column::{Column, LASTING, Row};
-use super::evidence::{Freed, Nuisance, Nuisances};
+use super::evidence::{Estimate, Nuisance, Nuisances};
 use super::hypothesis::{self, IMPOSSIBLE};
 use super::inputs::Inputs;
-use super::ladder::{Ladder, Past};
 use super::normal::LastingNormal;
 use super::process::{Motion, Process, Rises};
+use super::regressor::{LASTING, Regressor, Regressors};
 use super::tuning::Tuned;
+use super::whitening::{Past, WhiteningFilter};
 use crate::bounds::{bounded, smaller};
 use crate::filter::LowPass;
 
@@ -33,9 +33,9 @@ pub(super) struct Steady {
     more: Motion,
     past: [Past; LASTING],
     residual_past: Past,
-    slow: Row<LASTING>,
+    slow: Regressors<LASTING>,
     slow_z: [f32; 2],
-    mean: Row<LASTING>,
+    mean: Regressors<LASTING>,
     pub(super) mean_e: [f32; 2],
     normal: LastingNormal,
     /// What the fast band seems to have changed by while nothing had: where the model is wrong.
@@ -77,58 +77,62 @@ impl Steady {
         *self = Self { base: self.base, ..Self::new(self.tuning, motion, self.trained) };
     }
 
-    /// Columns of this tick, as if each thing had always been so.
-    pub(super) fn row(
+    /// Regressors of this tick, as if each thing had always been so.
+    pub(super) fn regressors(
         &mut self,
         flows: &[Process; 2],
         heat: f32,
         rises: &Rises,
         before: [f32; 2],
-    ) -> Row<LASTING> {
+    ) -> Regressors<LASTING> {
         let less = flows[0].step(&mut self.less, heat);
         let more = flows[1].step(&mut self.more, heat);
         let y = rises.y;
         let [less_by, more_by] = self.tuning.model.secants();
-        let mut row = [[0.0; 2]; LASTING];
-        let mut put = |column: Column, value: [f32; 2]| row[column as usize] = value;
-        put(Column::Power, y);
-        put(Column::LessFlow, [(less.y[0] - y[0]) / less_by, (less.y[1] - y[1]) / less_by]);
-        put(Column::MoreFlow, [(more.y[0] - y[0]) / more_by, (more.y[1] - y[1]) / more_by]);
-        put(Column::Offset1, [1.0, 0.0]);
-        put(Column::Offset2, [0.0, 1.0]);
-        put(Column::Gain1, [y[0], 0.0]);
-        put(Column::Gain2, [0.0, y[1]]);
-        put(Column::Wall, rises.wall);
-        put(Column::Shift, [before[0] - y[0], before[1] - y[1]]);
-        row
+        let mut regressors = [[0.0; 2]; LASTING];
+        let mut put = |regressor: Regressor, value: [f32; 2]| regressors[regressor as usize] = value;
+        put(Regressor::Power, y);
+        put(Regressor::LessFlow, [(less.y[0] - y[0]) / less_by, (less.y[1] - y[1]) / less_by]);
+        put(Regressor::MoreFlow, [(more.y[0] - y[0]) / more_by, (more.y[1] - y[1]) / more_by]);
+        put(Regressor::Offset1, [1.0, 0.0]);
+        put(Regressor::Offset2, [0.0, 1.0]);
+        put(Regressor::Gain1, [y[0], 0.0]);
+        put(Regressor::Gain2, [0.0, y[1]]);
+        put(Regressor::Wall, rises.wall);
+        put(Regressor::Shift, [before[0] - y[0], before[1] - y[1]]);
+        regressors
     }
 
-    /// The columns whitened.
-    pub(super) fn whitened(&mut self, ladder: &Ladder, row: &Row<LASTING>) -> Row<LASTING> {
-        let mut whitened = *row;
+    /// The regressors whitened.
+    pub(super) fn whitened(
+        &mut self,
+        whitening: &WhiteningFilter,
+        regressors: &Regressors<LASTING>,
+    ) -> Regressors<LASTING> {
+        let mut whitened = *regressors;
         for (value, past) in whitened.iter_mut().zip(&mut self.past) {
-            *value = ladder.step(past, *value);
+            *value = whitening.step(past, *value);
         }
         whitened
     }
 
     /// Whitens a residual against the trained state, degC.
-    pub(super) fn residual(&mut self, ladder: &Ladder, e: [f32; 2]) -> [f32; 2] {
-        ladder.step(&mut self.residual_past, e)
+    pub(super) fn residual(&mut self, whitening: &WhiteningFilter, e: [f32; 2]) -> [f32; 2] {
+        whitening.step(&mut self.residual_past, e)
     }
 
-    /// Gathers a tick: columns and residuals, plain and whitened.
+    /// Gathers a tick: regressors and residuals, plain and whitened.
     #[inline(never)]
     pub(super) fn gather(
         &mut self,
         c: &SteadyConstants,
-        row: &Row<LASTING>,
-        whitened: &Row<LASTING>,
+        regressors: &Regressors<LASTING>,
+        whitened: &Regressors<LASTING>,
         e: [f32; 2],
         z: [f32; 2],
     ) {
         if self.ticks == 0 {
-            self.mean = *row;
+            self.mean = *regressors;
         }
         self.ticks = self.ticks.saturating_add(1);
         let (clip, jump) = (self.tuning.since_training.clip, self.tuning.since_training.jump);
@@ -145,7 +149,7 @@ impl Steady {
             for i in 0..LASTING {
                 c.split.follow(&mut self.slow[i][m], whitened[i][m]);
                 fast[i][m] -= self.slow[i][m];
-                c.mean.follow(&mut self.mean[i][m], row[i][m]);
+                c.mean.follow(&mut self.mean[i][m], regressors[i][m]);
             }
         }
         if self.referred {
@@ -168,7 +172,7 @@ impl Steady {
         let nuisances = Nuisances::new(&self.normal, &errors, self.tuning.since_training.kappa);
         let values = nuisances.values();
         for ((direction, _), value) in errors.iter().zip(values) {
-            self.reference[direction.columns()[0] % LASTING] = value;
+            self.reference[direction.regressors()[0] % LASTING] = value;
         }
         self.normal = LastingNormal::default();
         self.ticks = 0;
@@ -201,26 +205,26 @@ impl Steady {
     pub(super) fn judge(
         &self,
         nuisances: &[Nuisance],
-        freed: &mut [Freed; hypothesis::COUNT],
+        estimate: &mut [Estimate; hypothesis::COUNT],
         inputs: Inputs,
     ) {
         let both = self.with_means(1.0, inputs);
         let nuisances = Nuisances::new(&both, nuisances, self.tuning.since_training.kappa).for_many();
-        for (freed, row) in freed.iter_mut().zip(self.tuning.hypotheses()) {
-            *freed = Freed { gain: IMPOSSIBLE, ..Freed::default() };
-            if row.lasting && inputs.tell(row.class) {
-                *freed = row.judged(nuisances.free(row.first, None));
+        for (estimate, hypothesis) in estimate.iter_mut().zip(self.tuning.hypotheses()) {
+            *estimate = Estimate { gain: IMPOSSIBLE, ..Estimate::default() };
+            if hypothesis.lasting && inputs.tell(hypothesis.class) {
+                *estimate = hypothesis.judged(nuisances.estimate(hypothesis.first, None));
             }
         }
     }
 
     /// The size of a hypothesis, from the means above all.
     #[inline(never)]
-    pub(super) fn size(&self, nuisances: &[Nuisance], h: usize, inputs: Inputs) -> Freed {
+    pub(super) fn size(&self, nuisances: &[Nuisance], h: usize, inputs: Inputs) -> Estimate {
         let mostly_means = self.with_means(self.tuning.since_training.fast_in_size, inputs);
         let nuisances = Nuisances::new(&mostly_means, nuisances, self.tuning.since_training.kappa);
-        let row = &self.tuning.hypotheses()[h % hypothesis::COUNT];
-        nuisances.free(row.first, None)
+        let hypothesis = &self.tuning.hypotheses()[h % hypothesis::COUNT];
+        nuisances.estimate(hypothesis.first, None)
     }
 
     /// The sums with the means as two more measurements, and a share of the fast band.
@@ -230,10 +234,10 @@ impl Steady {
         normal.scale(fast);
         let e = [self.mean_e[0] - self.base[0], self.mean_e[1] - self.base[1]];
         let t = &self.tuning.since_training;
-        let away = t.away * (self.mean[Column::Power as usize][0] - self.trained);
+        let away = t.away * (self.mean[Regressor::Power as usize][0] - self.trained);
         let mut mean = self.mean;
         if !inputs.t2 {
-            mean.iter_mut().for_each(|column| column[1] = 0.0);
+            mean.iter_mut().for_each(|regressor| regressor[1] = 0.0);
         }
         normal.add(&mean, e, t.kappa / (t.mean_sd * t.mean_sd + away * away));
         normal

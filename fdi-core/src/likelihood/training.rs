@@ -10,12 +10,12 @@ mod filter;
 mod noise;
 mod sense;
 
-use super::beside::Beside;
 use super::inputs::Inputs;
-use super::ladder::{Ladder, ResidualStatistics};
 use super::process::{COUNT, LONGEST, Motion, Parameter, Parameters, Process};
+use super::second_heater::SecondHeater;
 use super::tuning::{PriorTuning, Tuned};
 use super::verdict::RejectReason;
+use super::whitening::{ResidualStatistics, WhiteningFilter};
 use crate::error::ConfigError;
 use crate::identify::config::{Adaptation, RlsConfig};
 use crate::identify::rls::Rls;
@@ -55,7 +55,7 @@ pub(super) struct Training {
     motion: Motion,
     phase: Phase,
     statistics: ResidualStatistics,
-    beside: Beside,
+    beside: SecondHeater,
     power: f32,
     curvature_error: f32,
     ticks: u32,
@@ -76,9 +76,9 @@ enum Phase {
 pub(super) struct Trained {
     pub(super) parameters: Parameters,
     pub(super) motion: Motion,
-    pub(super) ladder: Ladder,
+    pub(super) whitening: WhiteningFilter,
     pub(super) mean: [f32; 2],
-    pub(super) beside: Beside,
+    pub(super) beside: SecondHeater,
     /// Power applied since the last tick, %.
     pub(super) power: f32,
     /// Rise of T1 at which it was learnt, degC.
@@ -136,8 +136,8 @@ impl Trainer {
         }
         if !inputs.t2 {
             let (heater, _) = self.prior[Parameter::Heater as usize];
-            self.prior[Parameter::Reaches2 as usize] = (t.beside, t.beside_sd);
-            self.prior[Parameter::Lag2 as usize] = (heater, t.beside_lag_sd);
+            self.prior[Parameter::Reaches2 as usize] = (t.second_heater, t.second_heater_sd);
+            self.prior[Parameter::Lag2 as usize] = (heater, t.second_heater_lag_sd);
         }
         self
     }
@@ -150,7 +150,7 @@ impl Trainer {
             motion: Motion::default(),
             phase: Phase::Fitting(Filter::new(self.tuning, self.rls.start(), &self.prior, self.answer)),
             statistics: ResidualStatistics::default(),
-            beside: Beside::default(),
+            beside: SecondHeater::default(),
             power: 0.0,
             curvature_error: 0.0,
             ticks: 0,
@@ -187,7 +187,7 @@ impl Trainer {
             };
             if !filter.started {
                 filter.begin(&mut s.parameters, &mut s.motion, cold, y, u, self.inputs);
-                s.beside = Beside::steady(&s.parameters, beside);
+                s.beside = SecondHeater::steady(&s.parameters, beside);
                 s.process = Process::new(self.tuning, &s.parameters, 1.0);
                 return Ok(None);
             }
@@ -240,7 +240,7 @@ impl Trainer {
         Ok(Some(Trained {
             parameters: s.parameters,
             motion: s.motion,
-            ladder: s.statistics.finish(&self.tuning.whitening, self.inputs.channels())?,
+            whitening: s.statistics.finish(&self.tuning.whitening, self.inputs.channels())?,
             mean: s.statistics.mean().map(|mean| self.tuning.filter.mean_share * mean),
             beside: s.beside,
             power: u,

@@ -109,7 +109,7 @@ fn hypotheses() -> String {
         format!("{} {} ± {sd}", term.name, mean.split(' ').next().unwrap_or_default())
     };
     let row = |h: &Described| {
-        let second = match (&h.second, h.stays) {
+        let second = match (&h.second, h.stuck_at) {
             (Some(second), true) => {
                 format!("; {}, what it reads then ± {}", second.name, with_unit(second.sd, second.unit))
             }
@@ -171,4 +171,30 @@ fn the_tables_of_the_diagnosis_are_not_stale() {
 #[test]
 fn a_run_length_is_that_of_the_formula() {
     assert!((run_length(0.5, 4.0) - 337.0).abs() < 2.0, "{}", run_length(0.5, 4.0));
+}
+
+/// Files and names of the third column of docs/glossary.md are in the code.
+#[test]
+fn the_names_of_the_glossary_are_in_the_code() {
+    let top = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    let (mut code, mut folders) = (String::new(), vec![format!("{top}/fdi-core/src/likelihood").into()]);
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir::<std::path::PathBuf>(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                code += &format!("{}\n{}", path.display(), std::fs::read_to_string(&path).unwrap());
+            }
+        }
+    }
+    let words: Vec<&str> = code.split(|c: char| !(c.is_alphanumeric() || "_.".contains(c))).collect();
+    let glossary = std::fs::read_to_string(format!("{top}/docs/glossary.md")).unwrap();
+    let rows = glossary.lines().filter(|line| line.starts_with("| ")).skip(1);
+    let names = rows.flat_map(|row| row.split('|').nth(3).unwrap_or_default().split('`').skip(1).step_by(2));
+    let names: Vec<&str> = names.flat_map(|name| name.split("::")).collect();
+    assert!(names.len() > 40, "{names:?}");
+    for name in names {
+        assert!(words.iter().any(|word| word.split('.').any(|part| part == name) || *word == name), "{name}");
+    }
 }

@@ -1,20 +1,20 @@
-use super::super::column::LASTING;
 use super::super::reference::{Matrix, Random};
+use super::super::regressor::LASTING;
 use super::*;
 use crate::likelihood::tuning::TrackerTuning;
 
 const TUNING: TrackerTuning = TrackerTuning::DEFAULT;
 
-/// Whitened columns as on the reference rig, some of them moving: power, both secants of the air flow, offsets.
-fn row(random: &mut Random) -> Row<LASTING> {
+/// Whitened regressors as on the reference rig, some of them moving: power, both secants of the air flow, offsets.
+fn row(random: &mut Random) -> Regressors<LASTING> {
     let mut row = [[0.0; 2]; LASTING];
-    let mut put = |column: Column, a: f32, b: f32| row[column as usize] = [a, b];
+    let mut put = |regressor: Regressor, a: f32, b: f32| row[regressor as usize] = [a, b];
     let mut moving = |mean: f64| (mean + 3.0 * random.gaussian()) as f32;
-    put(Column::Power, moving(60.0), moving(40.0));
-    put(Column::LessFlow, moving(70.0), moving(55.0));
-    put(Column::MoreFlow, moving(50.0), moving(35.0));
-    put(Column::Offset1, 5.0, -2.0);
-    put(Column::Offset2, 0.0, 4.0);
+    put(Regressor::Power, moving(60.0), moving(40.0));
+    put(Regressor::LessFlow, moving(70.0), moving(55.0));
+    put(Regressor::MoreFlow, moving(50.0), moving(35.0));
+    put(Regressor::Offset1, 5.0, -2.0);
+    put(Regressor::Offset2, 0.0, 4.0);
     row
 }
 
@@ -30,14 +30,14 @@ impl Kalman {
         Self { x: [0.0; N], p: (0..N).map(|i| (0..N).map(|j| diagonal(i, j)).collect()).collect() }
     }
 
-    fn step(&mut self, whitened: &Row<LASTING>, z: [f32; 2]) {
-        let flow = if self.x[1] < 0.0 { Column::MoreFlow } else { Column::LessFlow };
-        let columns = [Column::Power, flow, Column::Offset1, Column::Offset2];
+    fn step(&mut self, whitened: &Regressors<LASTING>, z: [f32; 2]) {
+        let flow = if self.x[1] < 0.0 { Regressor::MoreFlow } else { Regressor::LessFlow };
+        let regressors = [Regressor::Power, flow, Regressor::Offset1, Regressor::Offset2];
         for i in 0..N {
             self.p[i][i] += f64::from(TUNING.walk()[i]).powi(2);
         }
         for m in 0..2 {
-            let phi = columns.map(|column| f64::from(whitened[column as usize][m]));
+            let phi = regressors.map(|regressor| f64::from(whitened[regressor as usize][m]));
             let p_phi: [f64; N] = core::array::from_fn(|i| (0..N).map(|j| self.p[i][j] * phi[j]).sum());
             let variance = f64::from(TUNING.noise) + (0..N).map(|i| phi[i] * p_phi[i]).sum::<f64>();
             for i in 0..N {
@@ -105,7 +105,7 @@ fn what_changes_slowly_is_followed() {
         let truth = [-0.03 * share, 0.0, 0.0, 0.4 * share];
         let z: [f32; 2] = core::array::from_fn(|m| {
             let seen =
-                truth[0] * row[Column::Power as usize][m] + truth[3] * row[Column::Offset2 as usize][m];
+                truth[0] * row[Regressor::Power as usize][m] + truth[3] * row[Regressor::Offset2 as usize][m];
             all += seen * seen;
             random.gaussian() as f32 + seen
         });
@@ -113,7 +113,7 @@ fn what_changes_slowly_is_followed() {
         tracker.step(&row, [z[0] - expected[0], z[1] - expected[1]]);
         let missed = [0, 1].map(|m| {
             let seen =
-                truth[0] * row[Column::Power as usize][m] + truth[3] * row[Column::Offset2 as usize][m];
+                truth[0] * row[Regressor::Power as usize][m] + truth[3] * row[Regressor::Offset2 as usize][m];
             seen - expected[m]
         });
         left += missed[0] * missed[0] + missed[1] * missed[1];
@@ -125,7 +125,7 @@ fn what_changes_slowly_is_followed() {
 #[test]
 fn a_million_quiet_ticks_leave_it_positive_definite() {
     let (mut tracker, mut random) = (Tracker::new(Default::default()), Random::new(3));
-    let rows: [Row<LASTING>; 16] = core::array::from_fn(|_| row(&mut random));
+    let rows: [Regressors<LASTING>; 16] = core::array::from_fn(|_| row(&mut random));
     for k in 0..1_000_000 {
         let z = [(k % 7) as f32 - 3.0, (k % 5) as f32 - 2.0].map(|z| 0.5 * z);
         tracker.step(&rows[k % 16], z);

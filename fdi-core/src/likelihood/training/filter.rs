@@ -1,8 +1,8 @@
 //! The extended Kalman filter of training.
 
-use super::super::beside::{Beside, BesideTangent};
 use super::super::inputs::Inputs;
 use super::super::process::{COUNT, Motion, Parameter, Parameters, Process};
+use super::super::second_heater::{SecondHeater, SecondHeaterTangent};
 use super::super::tangent::Tangent;
 use super::super::tuning::Tuned;
 use super::Trainer;
@@ -25,7 +25,7 @@ pub(super) struct Filter {
     rls: RlsState<COUNT>,
     sd: [f32; COUNT],
     tangent: Tangent,
-    beside: BesideTangent,
+    beside: SecondHeaterTangent,
     gradient: [[f32; COUNT]; 2],
     residual: [f32; 2],
     noise: [ResidualNoise; 2],
@@ -44,7 +44,7 @@ impl Filter {
             sd: prior.map(|(_, sd)| sd),
             answer,
             tangent: Tangent::default(),
-            beside: BesideTangent::default(),
+            beside: SecondHeaterTangent::default(),
             gradient: [[0.0; COUNT]; 2],
             residual: [0.0; 2],
             noise: [ResidualNoise::new(tuning); 2],
@@ -123,7 +123,7 @@ impl Filter {
         p: &mut Parameters,
         process: &mut Process,
         motion: &mut Motion,
-        (beside, power_beside): (&mut Beside, f32),
+        (beside, power_beside): (&mut SecondHeater, f32),
         y: [f32; 2],
         power: f32,
         ticks: u32,

@@ -178,9 +178,9 @@ fn the_reference_rig_is_learnt_well() {
         }
         assert!((t.get(Parameter::Reaches2) - 0.92).abs() < 0.02);
         assert!(
-            trained.ladder.sigma.iter().all(|sigma| (0.027..0.036).contains(sigma)),
+            trained.whitening.sigma.iter().all(|sigma| (0.027..0.036).contains(sigma)),
             "{:?}",
-            trained.ladder
+            trained.whitening
         );
         assert!(trained.mean.iter().all(|mean| mean.abs() < 0.1), "{:?}", trained.mean);
         let rise = 40.0 * 0.3 + 0.4;
@@ -286,7 +286,7 @@ fn wild_samples_leave_numbers() {
             match trainer.step(&mut training, &cold, y, [u, 0.0], k > 500) {
                 Ok(None) => {}
                 Ok(Some(trained)) => {
-                    assert!(trained.ladder.sigma.iter().chain(&trained.mean).all(|x| x.is_finite()));
+                    assert!(trained.whitening.sigma.iter().chain(&trained.mean).all(|x| x.is_finite()));
                     break;
                 }
                 Err(_) => break,

@@ -72,7 +72,7 @@ tuning! {
         /// So long an alarm is ranked and asked for its end on every tick, later by turns.
         young = 2.0, "s", chosen "for the cost of a tick";
         /// So long after an alarm there are no charts.
-        rest = 1.0, "s", chosen "about the residence time";
+        holdoff = 1.0, "s", chosen "about the residence time";
         /// Then the tracker is less sure of the power by this.
         power_after = 0.015, "1", chosen "";
         /// And of both offsets by this.
@@ -96,7 +96,7 @@ tuning! {
         /// A jump is no spike where the next tick is above this share of it, with the other sign of what goes back.
         back = 0.5, "1", chosen "";
         /// So long after an end that was seen as such there are no charts.
-        rest = 10.0, "ticks", chosen "";
+        holdoff = 10.0, "ticks", chosen "";
         /// Ticks from which the intercept is taken, where a recording is not the one that was trained on.
         anchored = 30.0, "ticks", chosen "";
         /// A rig that forgets how it began within these is waited for, in its residence times.

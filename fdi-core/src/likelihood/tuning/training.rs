@@ -44,11 +44,11 @@ tuning! {
         /// Of the curvature, whose mean is 0.
         curvature_sd = 0.015, "1", chosen "";
         /// Static gain of a heater beside T1's own, as a share of that.
-        beside = 0.15, "1", chosen "about the TCLab's";
+        second_heater = 0.15, "1", chosen "about the TCLab's";
         /// Of that share.
-        beside_sd = 0.2, "1", chosen "";
+        second_heater_sd = 0.2, "1", chosen "";
         /// Of ln of the lag of a heater beside, whose mean is the heater's.
-        beside_lag_sd = 0.7, "1", chosen "wide: a factor of 2";
+        second_heater_lag_sd = 0.7, "1", chosen "wide: a factor of 2";
     }
 }
 

@@ -5,10 +5,10 @@ use super::{Charted, Gathered, NowRises, Watch, WatchState};
 use crate::bounds::{bounded, larger, smaller};
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::class::FaultClass;
-use crate::likelihood::column::{Column, LASTING, PROCESS, Row, SENSORS};
-use crate::likelihood::evidence::{Freed, Nuisances};
+use crate::likelihood::evidence::{Estimate, Nuisances};
 use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, IMPOSSIBLE};
 use crate::likelihood::posterior::Posterior;
+use crate::likelihood::regressor::{LASTING, PROCESS, Regressor, Regressors, SENSORS};
 use crate::likelihood::taught::{Weighed, weigh};
 use crate::root::sqrt;
 
@@ -31,7 +31,7 @@ impl Watch {
             return;
         }
         if g.onset.age == 0 {
-            s.stays = s.measured;
+            s.at_onset = s.measured;
         }
         let mut weight = 1.0 / (1.0 + t.widened * widened[0] * widened[0]);
         let mut jump: f32 = 0.0;
@@ -53,15 +53,15 @@ impl Watch {
         if s.alarm.is_none() && g.onset.age > 0 && begins {
             g.since.forget(&SENSORS);
             g.onset.restart_sensors(now.before[0]);
-            s.stays = s.measured;
+            s.at_onset = s.measured;
         }
-        let row = g.onset.step(&s.pace.onset, &s.ladder, &s.nominal(now));
-        g.answer = row[Column::Power as usize];
+        let row = g.onset.step(&s.times.onset, &s.whitening, &s.nominal(now));
+        g.power_response = row[Regressor::Power as usize];
         if let Some(alarm) = &s.alarm {
             if alarm.age > t.forgets_from {
-                g.since.scale(s.pace.forgets);
+                g.since.scale(s.times.forgets);
             }
-            g.window.scale(s.pace.window);
+            g.window.scale(s.times.window);
             g.window.add(&row, z, weight);
         }
         g.since.add(&row, z, weight);
@@ -74,19 +74,21 @@ impl Watch {
         g: &mut Gathered,
         tick: u32,
         charted: &Charted,
-        row: &Row<LASTING>,
+        row: &Regressors<LASTING>,
     ) {
         if larger(charted.fast, charted.slow) <= 1.0 || g.onset.age == 0 {
             return;
         }
-        s.candidate += self.sample_time / s.pace.stretch;
-        let (mut freed, taught, left) = self.judge_since(s, g);
-        let posterior = Posterior::new(&freed);
+        s.candidate += self.sample_time / s.times.time_scale;
+        let (mut estimate, taught, left) = self.judge_since(s, g);
+        let posterior = Posterior::new(&estimate);
         let t = &self.tuning.alarm;
         let best = &HYPOTHESES[posterior.best % COUNT];
-        let size = freed[posterior.best % COUNT].value.abs();
+        let size = estimate[posterior.best % COUNT].value.abs();
         let small = match best.class {
-            FaultClass::HeaterPower => size < larger(self.least_power, t.unusual * sqrt(s.steps + s.bent())),
+            FaultClass::HeaterPower => {
+                size < larger(self.least_power, t.unusual * sqrt(s.steps + s.curvature_variance()))
+            }
             FaultClass::Drift => size < t.least_drift,
             FaultClass::AirFlow => size < t.least_flow,
             _ => false,
@@ -95,10 +97,10 @@ impl Watch {
             let age = g.onset.age.saturating_sub(1);
             g.window = g.since;
             let mut alarm = Alarm::new(tick.saturating_sub(age));
-            self.name(g, &mut alarm, &mut freed, &taught, left);
+            self.name(g, &mut alarm, &mut estimate, &taught, left);
             s.alarm = Some(alarm);
             // What stirred before and does not explain what is seen was something else, which went on until the process changed, too.
-            let old = age as f32 * self.sample_time > t.before * s.pace.stretch;
+            let old = age as f32 * self.sample_time > t.before * s.times.time_scale;
             if old && left - 2.0 * t.kappa * posterior.best_gain > t.inexplicable * g.since.count {
                 g.since.forget(&PROCESS);
                 g.window.forget(&PROCESS);
@@ -116,63 +118,63 @@ impl Watch {
         s: &mut WatchState,
         g: &mut Gathered,
         z: [f32; 2],
-        row: &Row<LASTING>,
+        row: &Regressors<LASTING>,
         heat: f32,
     ) {
         let Some(mut alarm) = s.alarm else { return };
         let t = &self.tuning.alarm;
-        alarm.age += self.sample_time / s.pace.stretch;
+        alarm.age += self.sample_time / s.times.time_scale;
         alarm.turn = !alarm.turn;
         let young = alarm.age < t.young;
         if young || alarm.turn {
-            let (mut freed, taught, left) = self.judge_since(s, g);
-            self.name(g, &mut alarm, &mut freed, &taught, left);
+            let (mut estimate, taught, left) = self.judge_since(s, g);
+            self.name(g, &mut alarm, &mut estimate, &taught, left);
         }
         let over = (young || !alarm.turn) && s.is_over(g, &alarm);
         s.alarm = Some(alarm);
-        if let Some(change) = self.goes(s, g, z, row, heat) {
-            s.goes_on_without(g, change);
+        if let Some(change) = self.recovered(s, g, z, row, heat) {
+            s.end_recovered(g, change);
         } else if over || (alarm.age > self.tuning.naming.process_time && alarm.gain < t.least_gain) {
             s.alarm = None;
-            s.rest();
+            s.reset_charts();
             g.begin_anew();
-            s.rests = (t.rest * s.pace.stretch / self.sample_time) as u32;
+            s.holdoff = (t.holdoff * s.times.time_scale / self.sample_time) as u32;
             s.tracker.widen([t.power_after, 0.0, t.offset_after, t.offset_after]);
         }
     }
 
     /// Gains of all hypotheses since the onset, and of what was taught; what the nuisances leave of the residual sum of squares.
-    fn judge_since(&self, s: &WatchState, g: &Gathered) -> ([Freed; COUNT], Weighed, f32) {
+    fn judge_since(&self, s: &WatchState, g: &Gathered) -> ([Estimate; COUNT], Weighed, f32) {
         let nuisances = s.nuisances();
         let nuisances = Nuisances::new(&g.since, &nuisances, self.tuning.alarm.kappa).for_many();
-        let mut freed = [Freed { gain: IMPOSSIBLE, ..Freed::default() }; COUNT];
-        for (freed, row) in
-            freed.iter_mut().zip(self.tuning.hypotheses()).filter(|(_, row)| s.asks(self.inputs, row))
+        let mut estimate = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; COUNT];
+        for (estimate, row) in
+            estimate.iter_mut().zip(self.tuning.hypotheses()).filter(|(_, row)| s.asks(self.inputs, row))
         {
             let mut second = row.second;
-            if let (Some(second), Some(m)) = (&mut second, row.stays) {
-                second.mean = s.stays[m % 2];
+            if let (Some(second), Some(m)) = (&mut second, row.stuck_at) {
+                second.mean = s.at_onset[m % 2];
             }
-            *freed = row.judged(nuisances.free(row.first, second));
-            if let Some(second) = row.later(&self.tuning.hypotheses, freed.value) {
-                *freed = row.judged(nuisances.free(row.first, Some(second)));
+            *estimate = row.judged(nuisances.estimate(row.first, second));
+            if let Some(second) = row.later(&self.tuning.hypotheses, estimate.value) {
+                *estimate = row.judged(nuisances.estimate(row.first, Some(second)));
             }
         }
-        (freed, weigh(&self.tuning.taught, &self.taught, &nuisances), g.since.energy - nuisances.explained)
+        (estimate, weigh(&self.tuning.taught, &self.taught, &nuisances), g.since.energy - nuisances.explained)
     }
 }
 
 impl WatchState {
     /// Mean square of the gain's error as far from the trained power as the rig is now: a share.
-    pub(super) fn bent(&self) -> f32 {
+    pub(super) fn curvature_variance(&self) -> f32 {
         // A fault moves either what is expected or, where the controller cannot help it, what is measured; a new set-point moves both.
         let from_trained = |rise: f32| (rise - self.trained).abs();
         let away = smaller(from_trained(self.swing[0]), from_trained(self.measured[0])) / self.gain();
         let t = &self.tuning.alarm;
         // Where it was excited the gain is known.
         // Surroundings that are slower still are learnt as such, in the noise model.
-        let oversure = if self.is_slow() { 1.0 } else { t.curvature_inflation };
-        let error = oversure * self.curvature_error * larger(0.0, away / self.tuning.model.step - t.excited);
+        let inflation = if self.is_slow() { 1.0 } else { t.curvature_inflation };
+        let error = inflation * self.curvature_error * larger(0.0, away / self.tuning.model.step - t.excited);
         error * error
     }
 
@@ -185,11 +187,11 @@ impl WatchState {
         Some(core::array::from_fn(|h| {
             let row = &self.tuning.hypotheses()[h];
             let mut second = row.second;
-            if let (Some(second), Some(m)) = (&mut second, row.stays) {
-                second.mean = self.stays[m];
+            if let (Some(second), Some(m)) = (&mut second, row.stuck_at) {
+                second.mean = self.at_onset[m];
             }
-            let freed = row.judged(alone.free(row.first, second));
-            (row.class, bounded(2.0 * kappa * (freed.gain - row.prior) / energy, 0.0, 1.0))
+            let estimate = row.judged(alone.estimate(row.first, second));
+            (row.class, bounded(2.0 * kappa * (estimate.gain - row.prior) / energy, 0.0, 1.0))
         }))
     }
 
@@ -205,7 +207,7 @@ impl WatchState {
     }
 
     /// Nuisances explain what the charts say: the tracker takes them.
-    pub(super) fn take_in(&mut self, g: &mut Gathered, row: &Row<LASTING>) {
+    pub(super) fn take_in(&mut self, g: &mut Gathered, row: &Regressors<LASTING>) {
         let before = self.tracker.expected(row);
         let nuisances = self.nuisances();
         let t = self.tuning;
@@ -223,7 +225,7 @@ impl WatchState {
         let change = [after[0] - before[0], after[1] - before[1]];
         self.past.lower(change);
         self.past_clipped.lower(change);
-        self.rest();
+        self.reset_charts();
         g.begin_anew();
     }
 }

@@ -4,7 +4,7 @@ use super::{Gathered, Watch};
 use crate::bounds::{larger, smaller};
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::class::FaultClass;
-use crate::likelihood::evidence::Freed;
+use crate::likelihood::evidence::Estimate;
 use crate::likelihood::hypothesis::{CONSTANT, COUNT, HYPOTHESES, in_unit};
 use crate::likelihood::posterior::Posterior;
 use crate::likelihood::taught::Weighed;
@@ -31,21 +31,21 @@ impl Watch {
         &self,
         g: &Gathered,
         alarm: &mut Alarm,
-        freed: &mut [Freed; COUNT],
+        estimate: &mut [Estimate; COUNT],
         taught: &Weighed,
         left: f32,
     ) {
         let t = &self.tuning.naming;
         if alarm.age < t.process_time {
-            for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
+            for (estimate, row) in estimate.iter_mut().zip(&HYPOTHESES) {
                 if row.class == FaultClass::Drift {
-                    freed.gain = smaller(freed.gain, 0.0);
+                    estimate.gain = smaller(estimate.gain, 0.0);
                 }
             }
         }
-        let posterior = Posterior::new(freed);
+        let posterior = Posterior::new(estimate);
         let h = posterior.likeliest % COUNT;
-        let Freed { gain, value, second, .. } = freed[h];
+        let Estimate { gain, value, second, .. } = estimate[h];
         (alarm.gain, alarm.hypothesis, alarm.values) = (posterior.best_gain, h, [value, second]);
         alarm.evidence = gain - HYPOTHESES[h].prior;
         let was = alarm.finding.map(|finding| finding.class);
@@ -64,7 +64,7 @@ impl Watch {
         let named_before = alarm.finding.is_some_and(|was| was.class != FaultClass::Unknown);
         let least = if named_before { t.lasting_misfit } else { 0.0 };
         alarm.strange = alarm.age > t.unknown_after && !fits && alarm.misfit > least;
-        let magnitude = magnitude(t, h, class, &freed[h]);
+        let magnitude = magnitude(t, h, class, &estimate[h]);
         let finding = Finding { class, confidence, magnitude, onset: alarm.onset };
         if alarm.strange {
             let class = FaultClass::Unknown;
@@ -94,8 +94,13 @@ pub(super) fn named(t: &NamingTuning, posterior: &Posterior, least: f32) -> (Fau
 }
 
 /// The size of a hypothesis in the unit of its class.
-pub(super) fn magnitude(t: &NamingTuning, h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
-    let Freed { value, variance, .. } = *freed;
+pub(super) fn magnitude(
+    t: &NamingTuning,
+    h: usize,
+    class: FaultClass,
+    estimate: &Estimate,
+) -> Option<Magnitude> {
+    let Estimate { value, variance, .. } = *estimate;
     let with_error = |share: f32| sqrt(variance + share * share * value * value) * HALF_OF_95;
     let others = t.size_error;
     match class {
@@ -121,11 +126,11 @@ mod tests {
     /// Both names share a probability that never exceeds one.
     #[test]
     fn a_pair_is_as_likely_as_both() {
-        let mut freed = [Freed { gain: -10.0, ..Freed::default() }; COUNT];
+        let mut estimate = [Estimate { gain: -10.0, ..Estimate::default() }; COUNT];
         let place = |class: FaultClass| HYPOTHESES.iter().position(|row| row.class == class).unwrap();
-        freed[place(FaultClass::AirFlow)].gain = 12.0;
-        freed[place(FaultClass::HeaterPower)].gain = 11.0;
-        let (t, posterior) = (NamingTuning::DEFAULT, Posterior::new(&freed));
+        estimate[place(FaultClass::AirFlow)].gain = 12.0;
+        estimate[place(FaultClass::HeaterPower)].gain = 11.0;
+        let (t, posterior) = (NamingTuning::DEFAULT, Posterior::new(&estimate));
         let (class, confidence) = named(&t, &posterior, t.process);
         assert_eq!(class, FaultClass::AirFlowOrHeaterPower);
         assert_eq!(confidence, t.certain);
@@ -136,9 +141,10 @@ mod tests {
     /// Sizes in the units of their classes: `1/f - 1` is told as the air flow that it is, shares in %.
     #[test]
     fn sizes_are_told_in_their_units() {
-        let freed = |value: f32| Freed { value, variance: 1e-4, ..Freed::default() };
-        let told =
-            |class, value| magnitude(&NamingTuning::DEFAULT, 0, class, &freed(value)).map(|size| size.value);
+        let estimate = |value: f32| Estimate { value, variance: 1e-4, ..Estimate::default() };
+        let told = |class, value| {
+            magnitude(&NamingTuning::DEFAULT, 0, class, &estimate(value)).map(|size| size.value)
+        };
         assert!((told(FaultClass::AirFlow, 0.25).unwrap() + 20.0).abs() < 1e-3);
         assert!((told(FaultClass::AirFlow, -0.2).unwrap() - 25.0).abs() < 1e-3);
         assert!((told(FaultClass::HeaterPower, -0.3).unwrap() + 30.0).abs() < 1e-3);
@@ -148,7 +154,7 @@ mod tests {
             (None, None)
         );
         assert_eq!(
-            magnitude(&NamingTuning::DEFAULT, CONSTANT, FaultClass::HeaterPower, &freed(60.0)),
+            magnitude(&NamingTuning::DEFAULT, CONSTANT, FaultClass::HeaterPower, &estimate(60.0)),
             None,
             "no share of what is asked for"
         );
@@ -156,7 +162,7 @@ mod tests {
             &NamingTuning::DEFAULT,
             0,
             FaultClass::T2Offset,
-            &Freed { value: 0.0, variance: 0.25, ..Freed::default() },
+            &Estimate { value: 0.0, variance: 0.25, ..Estimate::default() },
         )
         .unwrap();
         assert!((wide.half_width - 0.98).abs() < 1e-3, "1.96 standard deviations");

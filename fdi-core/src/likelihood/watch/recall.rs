@@ -4,7 +4,7 @@ use super::naming::{HALF_OF_95, fits};
 use super::{Gathered, Watch, WatchState};
 use crate::bounds::smaller;
 use crate::likelihood::alarm::Alarm;
-use crate::likelihood::evidence::{Freed, Nuisances};
+use crate::likelihood::evidence::{Estimate, Nuisances};
 use crate::likelihood::hypothesis::{COUNT, HYPOTHESES};
 use crate::likelihood::taught::{Changed, TaughtFinding, Weighed, likeliest, of_hypothesis, spreads};
 use crate::likelihood::verdict::Magnitude;
@@ -20,7 +20,7 @@ impl Watch {
             return;
         };
         let (t, kappa) = (&self.tuning.naming, self.tuning.alarm.kappa);
-        let Freed { gain, value, variance, .. } = weighed[place % weighed.len()];
+        let Estimate { gain, value, variance, .. } = weighed[place % weighed.len()];
         let was = alarm.taught.is_some_and(|was| was.name == response.name);
         let least = if was { self.naming - t.unname } else { self.naming };
         let fits = fits(g, left - 2.0 * kappa * gain, t.strange());

@@ -1,10 +1,10 @@
 //! Another recording of the same rig begins.
 
 use super::{Gathered, Watch, WatchState};
-use crate::likelihood::ladder::Past;
 use crate::likelihood::onset::{History, REMEMBERED};
 use crate::likelihood::process::{Motion, Parameter};
 use crate::likelihood::tracker::Tracker;
+use crate::likelihood::whitening::Past;
 
 impl Watch {
     /// Another recording begins, long after its power was last changed. Where nothing says how warm the room is by now, the first ticks do.
@@ -27,7 +27,7 @@ impl Watch {
         let settles = if settles <= t.anchored { settles as u32 } else { 0 };
         s.anchoring = settles + if self.inputs.t0 { 0 } else { t.anchored as u32 };
         s.ticks = 0;
-        s.rest();
+        s.reset_charts();
         Gathered::default()
     }
 }

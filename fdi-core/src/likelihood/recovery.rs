@@ -4,12 +4,12 @@
 //! It is assumed to have gone on some tick, and what has been seen since is held against that. Where it is refuted, or nothing has been
 //! decided for as long as the rig takes to answer, a new tick is assumed.
 
-use super::ladder::{Ladder, Past};
 use super::process::{Motion, Process};
+use super::whitening::{Past, WhiteningFilter};
 
 /// The assumption.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Gone {
+pub(super) struct Recovery {
     /// What the power since then has warmed.
     pub(super) power: Motion,
     past: Past,
@@ -17,19 +17,19 @@ pub(super) struct Gone {
     age: u32,
 }
 
-impl Gone {
+impl Recovery {
     /// A tick: whitened residuals, the whitened answer to the power since the onset, the share `theta` by which that changed.
     /// Says whether it has gone.
     pub(super) fn step(
         &mut self,
-        (process, ladder): (&Process, &Ladder),
+        (process, whitening): (&Process, &WhiteningFilter),
         heat: f32,
         [z, since]: [[f32; 2]; 2],
         theta: f32,
         (kappa, longest): (f32, u32),
     ) -> bool {
         let rises = process.step(&mut self.power, heat);
-        let after = ladder.step(&mut self.past, rises.y);
+        let after = whitening.step(&mut self.past, rises.y);
         for m in 0..2 {
             let stays = z[m] - theta * since[m];
             let goes = stays + theta * after[m];

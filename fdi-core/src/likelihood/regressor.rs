@@ -1,8 +1,8 @@
-//! The columns of the regression: what y1 and y2 would do if one thing changed by one unit.
+//! The regressors of the regression: what y1 and y2 would do if one thing changed by one unit.
 
 /// What may change. The first [`LASTING`] are asked over a minute, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Column {
+pub(super) enum Regressor {
     /// Heater power, by its whole.
     Power,
     /// `1/f - 1` with f the air flow: secants at `tuning.model.less_flow` and `more_flow`.
@@ -37,7 +37,7 @@ pub(super) enum Column {
     Constant,
 }
 
-impl Column {
+impl Regressor {
     /// What people call it, and its unit; none for shares.
     pub(super) const fn name(self) -> (&'static str, &'static str) {
         match self {
@@ -66,35 +66,35 @@ impl Column {
 }
 
 /// How many there are, and how many of them are asked over a minute.
-pub(super) const COUNT: usize = Column::Constant as usize + 1;
-pub(super) const LASTING: usize = Column::Shift as usize + 1;
+pub(super) const COUNT: usize = Regressor::Constant as usize + 1;
+pub(super) const LASTING: usize = Regressor::Shift as usize + 1;
 
-/// Values of columns in both channels.
-pub(super) type Row<const N: usize = COUNT> = [[f32; 2]; N];
+/// Values of regressors in both channels.
+pub(super) type Regressors<const N: usize = COUNT> = [[f32; 2]; N];
 
-/// The columns of what sensors do.
-pub(super) const SENSORS: [Column; 10] = [
-    Column::Offset1,
-    Column::Offset2,
-    Column::Gain1,
-    Column::Gain2,
-    Column::ShortLag,
-    Column::LongLag,
-    Column::ShortLoss,
-    Column::LongLoss,
-    Column::Ramp1,
-    Column::Ramp2,
+/// The regressors of what sensors do.
+pub(super) const SENSORS: [Regressor; 10] = [
+    Regressor::Offset1,
+    Regressor::Offset2,
+    Regressor::Gain1,
+    Regressor::Gain2,
+    Regressor::ShortLag,
+    Regressor::LongLag,
+    Regressor::ShortLoss,
+    Regressor::LongLoss,
+    Regressor::Ramp1,
+    Regressor::Ramp2,
 ];
 
-/// The columns of what the process does.
-pub(super) const PROCESS: [Column; 5] =
-    [Column::Power, Column::LessFlow, Column::MoreFlow, Column::Late, Column::Constant];
+/// The regressors of what the process does.
+pub(super) const PROCESS: [Regressor; 5] =
+    [Regressor::Power, Regressor::LessFlow, Regressor::MoreFlow, Regressor::Late, Regressor::Constant];
 
-/// What a hypothesis or a nuisance moves: one column, or two together.
+/// What a hypothesis or a nuisance moves: one regressor, or two together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Direction {
     /// One.
-    Of(Column),
+    Of(Regressor),
     /// T0 reads too much: T1 and T2 seem to rise less.
     Offset0,
     /// T0 drifts.
@@ -109,7 +109,7 @@ impl Direction {
     #[cfg(feature = "tuning")]
     pub(super) const fn name(self) -> (&'static str, &'static str) {
         match self {
-            Self::Of(column) => column.name(),
+            Self::Of(regressor) => regressor.name(),
             Self::Offset0 => ("T0", "degC"),
             Self::Ramp0 => ("ramp of T0", "degC/min"),
             Self::MidLag => ("middle lag", ""),
@@ -117,15 +117,15 @@ impl Direction {
         }
     }
 
-    /// The columns that it moves.
+    /// The regressors that it moves.
     #[inline]
-    pub(super) fn columns(self) -> [usize; 2] {
+    pub(super) fn regressors(self) -> [usize; 2] {
         match self {
-            Self::Of(column) => [column as usize; 2],
-            Self::Offset0 => [Column::Offset1 as usize, Column::Offset2 as usize],
-            Self::Ramp0 => [Column::Ramp1 as usize, Column::Ramp2 as usize],
-            Self::MidLag => [Column::ShortLag as usize, Column::LongLag as usize],
-            Self::MidLoss => [Column::ShortLoss as usize, Column::LongLoss as usize],
+            Self::Of(regressor) => [regressor as usize; 2],
+            Self::Offset0 => [Regressor::Offset1 as usize, Regressor::Offset2 as usize],
+            Self::Ramp0 => [Regressor::Ramp1 as usize, Regressor::Ramp2 as usize],
+            Self::MidLag => [Regressor::ShortLag as usize, Regressor::LongLag as usize],
+            Self::MidLoss => [Regressor::ShortLoss as usize, Regressor::LongLoss as usize],
         }
     }
 

@@ -22,7 +22,7 @@ const OTHER: usize = 5;
 const ALL: usize = OWN + OTHER;
 /// The noise model of both residuals.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Ladder {
+pub(super) struct WhiteningFilter {
     own1: [f32; OWN],
     own2: [f32; OWN],
     other: [f32; OTHER],
@@ -46,14 +46,14 @@ impl Past {
     }
 }
 
-impl Ladder {
+impl WhiteningFilter {
     /// That of e1 alone: whatever e2 is counts for nothing.
     fn of_t1(t: &WhiteningTuning, c1: [f32; ALL], variance: f32) -> Result<Self, RejectReason> {
         let sigma = larger(t.least_sigma, sqrt(variance));
         let finite = sigma.is_finite() && c1.iter().all(|x| x.is_finite());
         let own1 = [c1[0], c1[1], c1[2]];
-        let ladder = Self { own1, sigma: [sigma, 0.0], inv_sigma: [1.0 / sigma, 0.0], ..Self::default() };
-        finite.then_some(ladder).ok_or(RejectReason::PoorFit)
+        let whitening = Self { own1, sigma: [sigma, 0.0], inv_sigma: [1.0 / sigma, 0.0], ..Self::default() };
+        finite.then_some(whitening).ok_or(RejectReason::PoorFit)
     }
 
     /// Innovations of a tick, in standard deviations.
@@ -82,7 +82,7 @@ impl Ladder {
     }
 
     /// What is left of a constant residual of either by itself, as a share.
-    pub(super) fn rest(&self) -> [f32; 2] {
+    pub(super) fn dc_gain(&self) -> [f32; 2] {
         [1.0 - self.own1.iter().sum::<f32>(), 1.0 - self.own2.iter().sum::<f32>()]
     }
 
@@ -154,7 +154,11 @@ impl ResidualStatistics {
     }
 
     /// The noise model of `channels` residuals, or why it can't be trusted. With one, what is said of T2 says nothing.
-    pub(super) fn finish(&self, t: &WhiteningTuning, channels: usize) -> Result<Ladder, RejectReason> {
+    pub(super) fn finish(
+        &self,
+        t: &WhiteningTuning,
+        channels: usize,
+    ) -> Result<WhiteningFilter, RejectReason> {
         let n = larger(1.0, self.count);
         let [m1, m2] = self.mean();
         let own1 = self.own1.map(|sum| sum / n - m1 * m1);
@@ -175,7 +179,7 @@ impl ResidualStatistics {
         let (c1, variance1) =
             regression(rows, OWN, [own1[1], own1[2], own1[3], 0.0, 0.0, 0.0, 0.0, 0.0], own1[0]);
         if channels < 2 {
-            return Ladder::of_t1(t, c1, variance1);
+            return WhiteningFilter::of_t1(t, c1, variance1);
         }
         fill(&mut rows, 0, OWN, &own2);
         fill(&mut rows, OWN, OTHER, &own1);
@@ -192,7 +196,7 @@ impl ResidualStatistics {
         if !sigma.iter().chain(&c1).chain(&c2).all(|x| x.is_finite()) {
             return Err(RejectReason::PoorFit);
         }
-        Ok(Ladder {
+        Ok(WhiteningFilter {
             own1: [c1[0], c1[1], c1[2]],
             own2: [c2[0], c2[1], c2[2]],
             other: [c2[3], c2[4], c2[5], c2[6], c2[7]],

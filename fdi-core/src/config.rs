@@ -7,6 +7,7 @@ use crate::control::prbs::PrbsConfig;
 use crate::diagnosis::config::DiagnosisConfig;
 use crate::error::{ConfigError, above, in_range, within_scale};
 use crate::identify::config::IdentificationConfig;
+use crate::likelihood::Tuned;
 use crate::likelihood::config::LikelihoodConfig;
 use crate::sense::SensorsConfig;
 use crate::sense::plausibility::PlausibilityConfig;
@@ -40,6 +41,8 @@ settings! {
         diagnosis: DiagnosisConfig = DiagnosisConfig::default();
         /// The second opinion.
         likelihood: LikelihoodConfig = LikelihoodConfig::default();
+        /// Numbers of the likelihood diagnosis.
+        tuning: Tuned = Tuned::default();
         /// Modes and trips.
         supervisor: SupervisorConfig = SupervisorConfig::default();
     }

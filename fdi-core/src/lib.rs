@@ -2,6 +2,9 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "tuning")]
+extern crate std;
+
 mod bounds;
 pub mod config;
 pub mod control;

@@ -147,7 +147,7 @@ impl Diagnosis {
                 onset_window: c.onset_window.ticks(ts),
                 clear_ticks: c.clear_time.ticks(ts),
             },
-            likelihood: Likelihood::new(&config.likelihood, identification, ts)?,
+            likelihood: Likelihood::new(&config.likelihood, config.tuning, identification, ts)?,
         })
     }
 

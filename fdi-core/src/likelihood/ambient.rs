@@ -2,30 +2,10 @@
 //! whenever the rig is at rest, where three thermistors should agree.
 
 use super::class::FaultClass;
+use super::tuning::{AmbientTuning, Tuned};
 use super::verdict::{Finding, Magnitude};
 use crate::bounds::{bounded, smaller};
 use crate::filter::LowPass;
-
-// What a room can do, and what the thermistors of a rig differ by at rest (docs/diagnosis.md, section 8).
-/// A room changes no faster than this, degC a minute.
-const FASTEST: f32 = 1.0;
-/// Beyond so much from what is believed T0 is not followed, degC: no room moves so far from itself.
-const FOLLOWED: f32 = 3.0;
-/// At rest: no power, T1 and T2 alike to so many degC and without a trend, for so many answer times. The trend is the difference of
-/// means over two memories, in answer times: with an answer time of 2 s, 0.1 degC is a change of 0.3 degC a minute, slower than
-/// a hot tube cools without its fan. An answer time longer than this, s, counts as this: else what a room drifts by is a trend.
-const ALIKE: f32 = 2.0;
-const TREND: f32 = 0.1;
-const TREND_TIMES: [f32; 2] = [2.5, 12.5];
-const REST_TIME: f32 = 10.0;
-const LONGEST: f32 = 24.0;
-/// T0 reads wrong from so many degC on for so many answer times, and right again below so many.
-const WRONG: f32 = 5.0;
-const WRONG_TIME: f32 = 2.5;
-const RIGHT: f32 = 4.0;
-/// Where the trainer stands it is no colder and no warmer, degC.
-const COLDEST: f32 = 3.0;
-const WARMEST: f32 = 40.0;
 
 /// The memories of the trend, the step of a tick in degC, and Ts in answer times.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +13,7 @@ pub(super) struct Ambient {
     trend: [LowPass; 2],
     fastest: f32,
     sample_time: f32,
+    tuning: Tuned,
 }
 
 /// The memory.
@@ -50,29 +31,33 @@ pub(super) struct AmbientState {
 }
 
 impl Ambient {
-    pub(super) fn new(sample_time: f32, answer_time: f32) -> Self {
-        let answer_time = smaller(LONGEST, answer_time);
+    pub(super) fn new(tuning: Tuned, sample_time: f32, answer_time: f32) -> Self {
+        let t = &tuning.ambient;
+        let answer_time = smaller(t.longest, answer_time);
         Self {
-            trend: TREND_TIMES.map(|times| LowPass::euler(times * answer_time, sample_time)),
-            fastest: FASTEST / 60.0 * sample_time,
+            trend: [t.short_memory, t.long_memory]
+                .map(|times| LowPass::euler(times * answer_time, sample_time)),
+            fastest: t.fastest / 60.0 * sample_time,
             sample_time: sample_time / answer_time,
+            tuning,
         }
     }
 
     /// One tick: T0, T1, T2 where good, and the power applied from now on, %.
     pub(super) fn step(&self, s: &mut AmbientState, tick: u32, readings: [Option<f32>; 3], power: f32) {
         let [t0, t1, t2] = readings;
+        let t = &self.tuning.ambient;
         let outlet = t1.zip(t2).and_then(|(t1, t2)| self.at_rest(s, [t1, t2], power));
-        s.rest = if outlet.is_some() { smaller(REST_TIME, s.rest + self.sample_time) } else { 0.0 };
+        s.rest = if outlet.is_some() { smaller(t.rest, s.rest + self.sample_time) } else { 0.0 };
         match (outlet, t0, s.believed) {
-            (Some(outlet), ..) if s.rest >= REST_TIME => {
-                let close = t0.filter(|t0| (t0 - outlet).abs() < ALIKE);
+            (Some(outlet), ..) if s.rest >= t.rest => {
+                let close = t0.filter(|t0| (t0 - outlet).abs() < t.alike);
                 s.believed = Some(close.unwrap_or(outlet));
             }
-            (_, Some(t0), Some(ambient)) if (t0 - ambient).abs() < FOLLOWED => {
+            (_, Some(t0), Some(ambient)) if (t0 - ambient).abs() < t.followed => {
                 s.believed = Some(ambient + bounded(t0 - ambient, -self.fastest, self.fastest));
             }
-            (_, t0, believed) => s.believed = believed.or(t0.filter(is_possible)),
+            (_, t0, believed) => s.believed = believed.or(t0.filter(|t0| is_possible(t, t0))),
         }
         if let Some(t0) = t0 {
             self.doubt(s, tick, t0);
@@ -82,12 +67,13 @@ impl Ambient {
     /// For how long has T0 been wrong?
     fn doubt(&self, s: &mut AmbientState, tick: u32, t0: f32) {
         s.off = s.believed.map(|ambient| t0 - ambient);
-        let limit = if s.is_wrong() { RIGHT } else { WRONG };
-        let wrong = s.off.map_or(!is_possible(&t0), |off| off.abs() > limit);
+        let t = &self.tuning.ambient;
+        let limit = if s.is_wrong(t) { t.right } else { t.wrong };
+        let wrong = s.off.map_or(!is_possible(t, &t0), |off| off.abs() > limit);
         if s.wrong == 0.0 {
             s.since = tick;
         }
-        s.wrong = if wrong { smaller(WRONG_TIME, s.wrong + self.sample_time) } else { 0.0 };
+        s.wrong = if wrong { smaller(t.wrong_time, s.wrong + self.sample_time) } else { 0.0 };
     }
 
     /// The mean of T1 and T2, where they are at rest.
@@ -98,10 +84,24 @@ impl Ambient {
             for (mean, memory) in means.iter_mut().zip(&self.trend) {
                 memory.follow(mean, t);
             }
-            still &= (means[0] - means[1]).abs() < TREND;
+            still &= (means[0] - means[1]).abs() < self.tuning.ambient.trend;
         }
         let [near, far] = [means[0][0], means[1][0]];
-        (still && (near - far).abs() < ALIKE).then_some(0.5 * (near + far))
+        (still && (near - far).abs() < self.tuning.ambient.alike).then_some(0.5 * (near + far))
+    }
+
+    /// Whether T0 may be what the room is.
+    pub(super) fn is_followed(&self, s: &AmbientState, t0: Option<f32>) -> bool {
+        let limit = self.tuning.ambient.followed;
+        t0.zip(s.believed).is_some_and(|(t0, ambient)| (t0 - ambient).abs() < limit)
+    }
+
+    /// A T0 that reads wrong.
+    pub(super) fn finding(&self, s: &AmbientState) -> Option<Finding> {
+        let t = &self.tuning.ambient;
+        let magnitude = s.off.map(|value| Magnitude { value, half_width: t.alike });
+        let finding = Finding { class: FaultClass::T0Fault, confidence: 1.0, magnitude, onset: s.since };
+        s.is_wrong(t).then_some(finding)
     }
 }
 
@@ -117,8 +117,8 @@ impl AmbientState {
         self.believed = t0.or(self.believed);
     }
 
-    fn is_wrong(&self) -> bool {
-        self.wrong >= WRONG_TIME
+    fn is_wrong(&self, t: &AmbientTuning) -> bool {
+        self.wrong >= t.wrong_time
     }
 
     /// The ambient temperature that is believed, degC.
@@ -126,26 +126,14 @@ impl AmbientState {
         self.believed
     }
 
-    /// Whether T0 may be what the room is.
-    pub(super) fn is_followed(&self, t0: Option<f32>) -> bool {
-        t0.zip(self.believed).is_some_and(|(t0, ambient)| (t0 - ambient).abs() < FOLLOWED)
-    }
-
     /// Rises of T1 and T2, where good, over the ambient that is believed, degC.
     pub(super) fn rises(&self, outlet: [Option<f32>; 2]) -> [Option<f32>; 2] {
         outlet.map(|t| Some(t? - self.believed?))
     }
-
-    /// A T0 that reads wrong.
-    pub(super) fn finding(&self) -> Option<Finding> {
-        let magnitude = self.off.map(|value| Magnitude { value, half_width: ALIKE });
-        let finding = Finding { class: FaultClass::T0Fault, confidence: 1.0, magnitude, onset: self.since };
-        self.is_wrong().then_some(finding)
-    }
 }
 
-fn is_possible(t0: &f32) -> bool {
-    *t0 > COLDEST && *t0 < WARMEST
+fn is_possible(t: &AmbientTuning, t0: &f32) -> bool {
+    *t0 > t.coldest && *t0 < t.warmest
 }
 
 #[cfg(test)]
@@ -156,12 +144,12 @@ mod tests {
 
     /// What is believed after `time` s, and whether T0 is reported as wrong, if readings and power are so.
     fn after(time: f32, at: impl Fn(f32) -> ([f32; 3], f32)) -> (f32, bool) {
-        let (ambient, mut s) = (Ambient::new(TS, 2.0), AmbientState::default());
+        let (ambient, mut s) = (Ambient::new(Tuned::default(), TS, 2.0), AmbientState::default());
         for tick in 0..(time / TS) as u32 {
             let (readings, power) = at(tick as f32 * TS);
             ambient.step(&mut s, tick, readings.map(Some), power);
         }
-        (s.believed().expect("T0 was there"), s.finding().is_some())
+        (s.believed().expect("T0 was there"), ambient.finding(&s).is_some())
     }
 
     #[test]
@@ -196,10 +184,10 @@ mod tests {
 
     #[test]
     fn no_trainer_stands_in_such_a_room() {
-        let (ambient, mut s) = (Ambient::new(TS, 2.0), AmbientState::default());
+        let (ambient, mut s) = (Ambient::new(Tuned::default(), TS, 2.0), AmbientState::default());
         for tick in 0..60 {
             ambient.step(&mut s, tick, [Some(-3.0), Some(35.0), Some(34.0)], 40.0);
         }
-        assert!(s.believed().is_none() && s.finding().is_some_and(|f| f.magnitude.is_none()));
+        assert!(s.believed().is_none() && ambient.finding(&s).is_some_and(|f| f.magnitude.is_none()));
     }
 }

@@ -1,6 +1,6 @@
 //! The classes of fault, a row each: name, unit, thermistor, number in a record, and the sentences in which it is reported.
 //!
-//! To add a class: a variant, its row below, and where residuals tell it its hypothesis (`hypothesis.rs`, `column.rs`).
+//! To add a class: a variant, its row below, and where residuals tell it its hypothesis (`hypothesis.rs`, `regressor.rs`).
 
 /// What is faulty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +76,7 @@ pub enum Pair {
 }
 
 /// What is known of a class.
-struct Row {
+struct Facts {
     name: &'static str,
     unit: &'static str,
     sensor: Option<Channel>,
@@ -91,17 +91,17 @@ const DEGC_A_MINUTE: &str = "degC/min";
 const OF_GAIN: &str = "% of gain";
 
 /// The class of `number` that belongs to no thermistor and has no magnitude.
-const fn plain(number: u32, name: &'static str, plain: &'static str) -> Row {
-    Row { name, unit: "", sensor: None, number, sized: "", plain, axis: name }
+const fn plain(number: u32, name: &'static str, plain: &'static str) -> Facts {
+    Facts { name, unit: "", sensor: None, number, sized: "", plain, axis: name }
 }
 
 /// The same of a thermistor.
-const fn of(sensor: Channel, number: u32, name: &'static str, sentence: &'static str) -> Row {
-    Row { sensor: Some(sensor), ..plain(number, name, sentence) }
+const fn of(sensor: Channel, number: u32, name: &'static str, sentence: &'static str) -> Facts {
+    Facts { sensor: Some(sensor), ..plain(number, name, sentence) }
 }
 
-const fn offset(sensor: Channel, number: u32, name: &'static str, sentence: &'static str) -> Row {
-    Row {
+const fn offset(sensor: Channel, number: u32, name: &'static str, sentence: &'static str) -> Facts {
+    Facts {
         unit: DEGC,
         sized: "{t} reads {size} degC too {high|low}: {measured} degC measured, {corrected} expected",
         axis: "reads too high or too low (\u{b0}C)",
@@ -109,8 +109,8 @@ const fn offset(sensor: Channel, number: u32, name: &'static str, sentence: &'st
     }
 }
 
-const fn detached(sensor: Channel, number: u32, name: &'static str) -> Row {
-    Row {
+const fn detached(sensor: Channel, number: u32, name: &'static str) -> Facts {
+    Facts {
         unit: OF_GAIN,
         sized: "{t} sees {seen} % of the rise: is it out of the tube? {measured} degC measured, {expected}",
         ..of(
@@ -136,7 +136,7 @@ macro_rules! rows {
             pub const ALL: [Self; [$(stringify!($class)),*].len()] = [$(Self::$class $(($which))?),*];
 
             #[inline(always)]
-            const fn row(self) -> Row {
+            const fn row(self) -> Facts {
                 match self {
                     $(Self::$class $(($which))? => $row,)*
                 }
@@ -153,11 +153,11 @@ rows! {
     T1Offset => offset(T1, 1, "t1_offset", READS_WRONG);
     T2Offset => offset(T2, 2, "t2_offset", READS_WRONG);
     // Over a T0 that is too low T1 and T2 rise too much alike: from rises the two are the same.
-    T0Fault => Row {
+    T0Fault => Facts {
         sized: "T0 reads {size} degC too {high|low}, or T1 and T2 too {low|high} alike: {measured} degC measured at T0, {corrected} expected",
         ..offset(T0, 6, "t0_fault", WARM_T0)
     };
-    T1Clogged => Row {
+    T1Clogged => Facts {
         unit: OF_GAIN,
         sized: "T1 sees {size} % of the rise too {much|little}: {measured} degC measured, {expected}",
         axis: "is clogged: loss of gain (%), lag below (s)",
@@ -165,13 +165,13 @@ rows! {
     };
     T1Detached => detached(T1, 13, "t1_detached");
     T2Detached => detached(T2, 14, "t2_detached");
-    AirFlow => Row {
+    AirFlow => Facts {
         unit: "% of air flow",
         sized: "the air flow is {size} % {stronger|weaker} than learnt: {share} % of normal estimated, 100 expected",
         axis: "Air flow changes (%)",
         ..plain(4, "air_flow", "the air flow is not as learnt: as learnt expected")
     };
-    HeaterPower => Row {
+    HeaterPower => Facts {
         unit: "% of power",
         sized: "the heater gives {size} % {more|less} power than asked for: {share} % of it estimated, 100 expected",
         axis: "Heater power changes (%)",
@@ -179,7 +179,7 @@ rows! {
     };
     AirFlowOrHeaterPower => plain(18, "air_flow_or_heater_power",
         "the air flow or the heater's power is not as learnt: as learnt expected");
-    Drift => Row {
+    Drift => Facts {
         unit: DEGC_A_MINUTE,
         sized: "a thermistor drifts {upwards|downwards} by {size} degC a minute, 0 expected",
         axis: "drifts (\u{b0}C a minute)",

@@ -24,7 +24,7 @@ settings! {
         model_uncertainty: f32 = 0.02, 0.0..=1.0, was "parity.model_uncertainty", limit above;
         /// Probability from which on a fault is named.
         naming: f32 = 0.95, 0.5..=0.98, limit above;
-        /// The smallest sudden change of the heater's power that is a fault, a share: mains come and go. Where they are seen to do so by more,
+        /// The smallest change of the heater's power that is a fault, a share: mains come and go. Where they are seen to do so by more,
         /// that counts.
         least_power: f32 = 0.085, 0.0..=0.5, limit above;
     } and {

@@ -12,40 +12,11 @@
 //! | silent, warmest | | | T0 reads wrong |
 
 use super::class::{Channel, FaultClass, Pair};
-use super::impulse::{Answer, ImpulseResponse, ImpulseResponseState};
+use super::impulse::{ImpulseResponse, ImpulseResponseState, Moments};
+use super::tuning::ContradictionTuning;
 use super::verdict::Finding;
 use crate::bounds::{larger, smaller};
 use crate::filter::LowPass;
-
-// Chosen so that false names are below 1e-9 a memory, and tried on the campaign's runaway and wiring cells (docs/diagnosis.md, section 8).
-/// A thermistor answers where its response is larger than so many standard deviations.
-const ANSWERS_SIGMA: f32 = 6.0;
-/// It is silent where its response is, by so many standard deviations, below this share of another's.
-const SILENT_SHARE: f32 = 0.2;
-const SILENT_SIGMA: f32 = 4.0;
-/// T0 answers where it does so by more than this share of T1's or T2's response: a tube that warms the room does not count.
-const AMBIENT_SHARE: f32 = 0.3;
-/// One comes after the other by so many ticks, and so many standard deviations.
-const AFTER_TICKS: f32 = 1.0;
-const AFTER_SIGMA: f32 = 6.0;
-/// Readings that differ by more contradict each other, degC; T2 above T1 also by this share of T2's rise.
-const CONTRADICTION: f32 = 4.0;
-const CONTRADICTION_SHARE: f32 = 0.25;
-/// For so many steps of the response, fewer the larger the difference, but each counts for so many at most. It has ended after so many
-/// steps without it.
-const CONTRADICTION_STEPS: f32 = 20.0;
-const CONTRADICTION_WEIGHT: f32 = 4.0;
-const CONTRADICTION_END: u32 = 100;
-/// Not while T2 is so much below its own mean over so many steps, degC: when it cools it lags behind T1.
-const FALLING: f32 = 0.5;
-const T2_MEAN: f32 = 20.0;
-/// A thermistor reads as the room does within this share of the other's rise, and so many degC.
-const COLD_SHARE: f32 = 0.1;
-const COLD: f32 = 1.5;
-/// The judgement is made anew every so many steps, and holds when it is the same twice.
-const EVERY: u32 = 8;
-/// So long after heating has ended the response to it is still judged, steps.
-const AFTER_HEATING: u32 = 32;
 
 /// What a judgement says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,28 +62,29 @@ impl Contradiction {
         self.cold = if heating { 0 } else { self.cold.saturating_add(1) };
         response.step(&mut self.response, readings, power);
         let ticks = response.ticks();
-        self.compare(readings, ticks as f32);
-        if tick.is_multiple_of(EVERY * ticks) && self.cold < AFTER_HEATING * ticks {
-            let t2_warmer = self.warmer >= CONTRADICTION_STEPS;
-            let judgement = judge(&self.response.answers(ticks), readings, t2_warmer);
+        let t = &response.tuning.contradiction;
+        self.compare(t, readings, ticks as f32);
+        if tick.is_multiple_of(t.every as u32 * ticks) && self.cold < t.after_heating as u32 * ticks {
+            let t2_warmer = self.warmer >= t.steps;
+            let judgement = judge(t, &self.response.moments(response), readings, t2_warmer);
             let before = core::mem::replace(&mut self.judgement, judgement);
             if judgement == before {
-                self.conclude(tick, heating, ticks);
+                self.conclude(t, tick, heating, ticks);
             }
         }
         self.found
     }
 
     /// Is T2 warmer than T1, and not only because it cools later?
-    fn compare(&mut self, [t0, t1, t2]: [Option<f32>; 3], ticks: f32) {
+    fn compare(&mut self, t: &ContradictionTuning, [t0, t1, t2]: [Option<f32>; 3], ticks: f32) {
         let (Some(t0), Some(t1), Some(t2)) = (t0, t1, t2) else { return };
         let mean = self.t2_mean.get_or_insert(t2);
-        LowPass::over(T2_MEAN * ticks).follow(mean, t2);
-        let much = larger(CONTRADICTION, CONTRADICTION_SHARE * (t2 - t0));
+        LowPass::over(t.mean * ticks).follow(mean, t2);
+        let much = larger(t.differ, t.differ_share * (t2 - t0));
         self.since_warmer = self.since_warmer.saturating_add(1);
-        if t2 - t1 > much && t2 > *mean - FALLING {
-            let weight = smaller(CONTRADICTION_WEIGHT, (t2 - t1) / much);
-            self.warmer = smaller(CONTRADICTION_STEPS, self.warmer + weight / ticks);
+        if t2 - t1 > much && t2 > *mean - t.falling {
+            let weight = smaller(t.weight, (t2 - t1) / much);
+            self.warmer = smaller(t.steps, self.warmer + weight / ticks);
             self.since_warmer = 0;
         } else {
             self.warmer = 0.0;
@@ -125,75 +97,85 @@ impl Contradiction {
     }
 
     /// Once found it stands until thermistors that are heated are seen to agree.
-    fn conclude(&mut self, tick: u32, heating: bool, ticks: u32) {
+    fn conclude(&mut self, t: &ContradictionTuning, tick: u32, heating: bool, ticks: u32) {
         match self.judgement {
             Judgement::Contradict(class) if self.found.is_none_or(|found| found.class != class) => {
-                let onset = tick.saturating_sub(EVERY * ticks);
+                let onset = tick.saturating_sub(t.every as u32 * ticks);
                 self.found = Some(Finding { class, confidence: 1.0, magnitude: None, onset });
             }
-            Judgement::Agree if heating && self.since_warmer > CONTRADICTION_END * ticks => self.found = None,
+            Judgement::Agree if heating && self.since_warmer > t.over as u32 * ticks => self.found = None,
             _ => {}
         }
     }
 }
 
-fn judge(answers: &[Answer; 3], readings: [Option<f32>; 3], t2_warmer: bool) -> Judgement {
+fn judge(
+    t: &ContradictionTuning,
+    answers: &[Moments; 3],
+    readings: [Option<f32>; 3],
+    t2_warmer: bool,
+) -> Judgement {
     let [_, a1, a2] = answers;
-    match contradiction(answers, readings, t2_warmer) {
+    match contradiction(t, answers, readings, t2_warmer) {
         Some(class) => Judgement::Contradict(class),
-        None if a1.answers() && a2.answers() && a2.comes_after(a1) => Judgement::Agree,
+        None if a1.responds(t) && a2.responds(t) && a2.comes_after(t, a1) => Judgement::Agree,
         None => Judgement::Open,
     }
 }
 
-fn contradiction(answers: &[Answer; 3], readings: [Option<f32>; 3], t2_warmer: bool) -> Option<FaultClass> {
+fn contradiction(
+    t: &ContradictionTuning,
+    answers: &[Moments; 3],
+    readings: [Option<f32>; 3],
+    t2_warmer: bool,
+) -> Option<FaultClass> {
     let [a0, a1, a2] = answers;
     let strongest = if a2.area > a1.area { a2 } else { a1 };
     let [t0, t1, t2] = readings;
-    let cold = |t: Option<f32>, other: Option<f32>| {
-        let (t, t0, other) = (t?, t0?, other?);
-        Some(t - t0 < COLD_SHARE * (other - t0) + COLD)
+    let cold = |reading: Option<f32>, other: Option<f32>| {
+        let (reading, t0, other) = (reading?, t0?, other?);
+        Some(reading - t0 < t.cold_share * (other - t0) + t.cold)
     };
-    if a0.answers() && a0.area > AMBIENT_SHARE * strongest.area {
-        return match (a1.is_silent_beside(a0), a2.is_silent_beside(a0)) {
+    if a0.responds(t) && a0.area > t.ambient * strongest.area {
+        return match (a1.is_silent_beside(t, a0), a2.is_silent_beside(t, a0)) {
             (true, _) => Some(FaultClass::Swapped(Pair::T0T1)),
             (false, true) => Some(FaultClass::Swapped(Pair::T0T2)),
             _ => None,
         };
     }
-    if !a0.is_silent_beside(strongest) {
+    if !a0.is_silent_beside(t, strongest) {
         return None;
     }
-    if a2.answers() && a1.is_silent_beside(a2) {
+    if a2.responds(t) && a1.is_silent_beside(t, a2) {
         let out = cold(t1, t2)?;
         return Some(if out { FaultClass::T1Detached } else { FaultClass::Stuck(Channel::T1) });
     }
-    if a1.answers() && a2.is_silent_beside(a1) {
+    if a1.responds(t) && a2.is_silent_beside(t, a1) {
         return cold(t2, t1)?.then_some(FaultClass::T2Detached);
     }
-    if a1.answers() && a2.answers() && a1.comes_after(a2) {
+    if a1.responds(t) && a2.responds(t) && a1.comes_after(t, a2) {
         return Some(FaultClass::Swapped(Pair::T1T2));
     }
-    if a2.answers() && t2_warmer {
+    if a2.responds(t) && t2_warmer {
         return Some(FaultClass::T1Detached);
     }
     let (t0, t1, t2) = (t0?, t1?, t2?);
-    let warmest = t0 - t1 > CONTRADICTION && t0 - t2 > CONTRADICTION;
-    (warmest && strongest.answers()).then_some(FaultClass::T0Fault)
+    let warmest = t0 - t1 > t.differ && t0 - t2 > t.differ;
+    (warmest && strongest.responds(t)).then_some(FaultClass::T0Fault)
 }
 
-impl Answer {
-    fn answers(&self) -> bool {
-        self.area > ANSWERS_SIGMA * self.area_sd
+impl Moments {
+    fn responds(&self, t: &ContradictionTuning) -> bool {
+        self.area > t.answers * self.area_sd
     }
 
-    fn is_silent_beside(&self, other: &Self) -> bool {
-        self.area.abs() + SILENT_SIGMA * self.area_sd < SILENT_SHARE * other.area
+    fn is_silent_beside(&self, t: &ContradictionTuning, other: &Self) -> bool {
+        self.area.abs() + t.silent_sds * self.area_sd < t.silent * other.area
     }
 
-    fn comes_after(&self, other: &Self) -> bool {
+    fn comes_after(&self, t: &ContradictionTuning, other: &Self) -> bool {
         let (gap, sd) = (self.late - other.late, self.late_sd + other.late_sd);
-        gap > AFTER_TICKS && gap > AFTER_SIGMA * sd
+        gap > t.after && gap > t.after_sds * sd
     }
 }
 
@@ -202,8 +184,8 @@ mod tests {
     use super::*;
 
     /// A response of this area and centroid, well known.
-    fn answer(area: f32, late: f32) -> Answer {
-        Answer { area, area_sd: 0.001, late, late_sd: 0.05 }
+    fn answer(area: f32, late: f32) -> Moments {
+        Moments { area, area_sd: 0.001, late, late_sd: 0.05 }
     }
 
     /// The table at the head of this file, row by row.
@@ -213,9 +195,11 @@ mod tests {
         let [t1, t2] = [answer(0.3, 5.0), answer(0.28, 7.0)];
         let warm = [Some(22.0), Some(42.0), Some(41.0)];
         let at = |t0: f32, t1: f32, t2: f32| [Some(t0), Some(t1), Some(t2)];
-        let said = |answers: [Answer; 3], readings, t2_warmer| contradiction(&answers, readings, t2_warmer);
+        let said = |answers: [Moments; 3], readings, t2_warmer| {
+            contradiction(&ContradictionTuning::DEFAULT, &answers, readings, t2_warmer)
+        };
         assert_eq!(said([silent(), t1, t2], warm, false), None);
-        assert_eq!(judge(&[silent(), t1, t2], warm, false), Judgement::Agree);
+        assert_eq!(judge(&ContradictionTuning::DEFAULT, &[silent(), t1, t2], warm, false), Judgement::Agree);
         assert_eq!(said([silent(), silent(), t2], at(22.0, 22.5, 41.0), false), Some(FaultClass::T1Detached));
         assert_eq!(said([silent(), silent(), t2], warm, false), Some(FaultClass::Stuck(Channel::T1)));
         assert_eq!(said([silent(), t1, silent()], at(22.0, 42.0, 22.5), false), Some(FaultClass::T2Detached));
@@ -229,7 +213,10 @@ mod tests {
 
     #[test]
     fn too_little_seen_concludes_nothing() {
-        let unknown = Answer { area: 0.3, area_sd: 0.1, late: 5.0, late_sd: 2.0 };
-        assert_eq!(judge(&[unknown; 3], [Some(22.0), Some(42.0), Some(41.0)], false), Judgement::Open);
+        let unknown = Moments { area: 0.3, area_sd: 0.1, late: 5.0, late_sd: 2.0 };
+        assert_eq!(
+            judge(&ContradictionTuning::DEFAULT, &[unknown; 3], [Some(22.0), Some(42.0), Some(41.0)], false),
+            Judgement::Open
+        );
     }
 }

@@ -7,7 +7,7 @@
 //! log evidence = b' (A + D^-1)^-1 b / 2 - log det(I + D A) / 2
 //! ```
 //!
-//! The nuisances' part is factored once. A hypothesis borders it by its own columns: with the information s that they hold beyond the nuisances
+//! The nuisances' part is factored once. A hypothesis borders it by its own regressors: with the information s that they hold beyond the nuisances
 //! and the score r, both corrected for them, freeing one parameter with the prior N(0, v) gains
 //!
 //! ```text
@@ -20,19 +20,24 @@
 mod along;
 
 use super::cholesky::Cholesky;
-use super::column::Direction;
-use super::hypothesis::{MODEL_ERRORS, SINCE_ONSET, SINCE_TRAINING};
+use super::hypothesis::{model_errors, nuisances_since_onset, nuisances_since_training};
 use super::normal::Normal;
+use super::regressor::Direction;
+use super::tuning::NuisanceTuning;
 use crate::bounds::larger;
 
 /// At most so many nuisances: their cost grows with the square of this.
 pub(super) const MOST: usize = 10;
 
 // What is beyond would be left out.
-const _: () = assert!(
-    SINCE_ONSET.len() <= MOST && SINCE_TRAINING.len() <= MOST && MODEL_ERRORS.len() <= MOST,
-    "more nuisances than there is room for: raise `MOST`"
-);
+const _: () = {
+    let t = &NuisanceTuning::DEFAULT;
+    let longest = [nuisances_since_onset(t).len(), nuisances_since_training(t).len(), model_errors(t).len()];
+    assert!(
+        longest[0] <= MOST && longest[1] <= MOST && longest[2] <= MOST,
+        "more nuisances than there is room for: raise `MOST`"
+    );
+};
 
 /// A nuisance: what may move without being a fault, and its standard deviation.
 pub(super) type Nuisance = (Direction, f32);
@@ -42,7 +47,7 @@ pub(super) struct Nuisances<'a, const N: usize, const H: usize> {
     normal: &'a Normal<N, H>,
     list: &'a [Nuisance],
     inv_kappa: f32,
-    /// `L^-1` times what each column shares with each nuisance, where many are asked for.
+    /// `L^-1` times what each regressor shares with each nuisance, where many are asked for.
     shared: Option<[[f32; MOST]; N]>,
     factor: Cholesky<MOST>,
     /// `L^-1` times the scaled b.
@@ -53,7 +58,7 @@ pub(super) struct Nuisances<'a, const N: usize, const H: usize> {
 
 /// What a hypothesis frees: the direction, with mean and standard deviation of its prior.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Free {
+pub(super) struct Prior {
     pub(super) direction: Direction,
     pub(super) mean: f32,
     pub(super) sd: f32,
@@ -61,7 +66,7 @@ pub(super) struct Free {
 
 /// What comes of freeing one or two.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Freed {
+pub(super) struct Estimate {
     /// By how much the log evidence exceeds that of the nuisances alone.
     pub(super) gain: f32,
     /// The first parameter: posterior mean and variance. The second's mean.
@@ -89,16 +94,16 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
         Self { normal, list, inv_kappa, shared: None, factor, score, explained: kappa * quadratic }
     }
 
-    /// Works out once what all columns share with the nuisances: cheaper where many hypotheses are asked.
+    /// Works out once what all regressors share with the nuisances: cheaper where many hypotheses are asked.
     #[inline(never)]
     pub(super) fn for_many(mut self) -> Self {
         let mut all = [[0.0; MOST]; N];
-        for (column, shared) in all.iter_mut().enumerate() {
+        for (regressor, shared) in all.iter_mut().enumerate() {
             for (shared, &(q, sd)) in shared.iter_mut().zip(self.list) {
-                let ([i, j], [first, second]) = (q.columns(), q.weights());
-                let mut sum = first * self.normal.a(column, i);
+                let ([i, j], [first, second]) = (q.regressors(), q.weights());
+                let mut sum = first * self.normal.a(regressor, i);
                 if second != 0.0 {
-                    sum += second * self.normal.a(column, j);
+                    sum += second * self.normal.a(regressor, j);
                 }
                 *shared = sd * self.inv_kappa * sum;
             }
@@ -113,7 +118,7 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
     fn shared(&self, p: Direction) -> [f32; MOST] {
         let mut shared = [0.0; MOST];
         if let Some(all) = &self.shared {
-            let ([i, j], [first, second]) = (p.columns(), p.weights());
+            let ([i, j], [first, second]) = (p.regressors(), p.weights());
             if second == 0.0 {
                 return all[i % N];
             }
@@ -164,7 +169,7 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
 
     /// Frees one parameter, or two.
     #[inline(never)]
-    pub(super) fn free(&self, first: Free, second: Option<Free>) -> Freed {
+    pub(super) fn estimate(&self, first: Prior, second: Option<Prior>) -> Estimate {
         let (shared, s11, r1) = self.beyond(first.direction);
         let (mut s12, mut s22, mut r2) = (0.0, 0.0, 0.0);
         let (mean2, sd2) = second.map_or((0.0, 0.0), |second| (second.mean, second.sd));
@@ -173,13 +178,13 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
             (s22, r2) = (information, score);
             s12 = self.common(first.direction, &shared, second.direction, &others);
         }
-        let freed = freed([s11, s12, s22], [r1, r2], [(first.mean, first.sd), (mean2, sd2)]);
-        let (value, variance) = self.with_nuisance(first, freed.value, freed.variance);
-        Freed { value, variance: larger(0.0, variance), ..freed }
+        let estimate = estimate([s11, s12, s22], [r1, r2], [(first.mean, first.sd), (mean2, sd2)]);
+        let (value, variance) = self.with_nuisance(first, estimate.value, estimate.variance);
+        Estimate { value, variance: larger(0.0, variance), ..estimate }
     }
 
     /// A parameter that is a nuisance as well is the sum of both parts: what the data say of the free one says as much of the sum.
-    fn with_nuisance(&self, free: Free, value: f32, variance: f32) -> (f32, f32) {
+    fn with_nuisance(&self, free: Prior, value: f32, variance: f32) -> (f32, f32) {
         let Some(&(_, sd)) = self.list.iter().find(|(p, _)| *p == free.direction) else {
             return (value, variance);
         };
@@ -203,7 +208,7 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
 }
 
 /// Frees two parameters that have this information and these scores beyond the nuisances, with mean and standard deviation of their priors.
-fn freed([s11, s12, s22]: [f32; 3], [r1, r2]: [f32; 2], priors: [(f32, f32); 2]) -> Freed {
+fn estimate([s11, s12, s22]: [f32; 3], [r1, r2]: [f32; 2], priors: [(f32, f32); 2]) -> Estimate {
     let [(mean1, sd1), (mean2, sd2)] = priors;
     // What the prior means explain by themselves, and what is left to the departure from them.
     let at_means = mean1 * r1 + mean2 * r2
@@ -220,7 +225,7 @@ fn freed([s11, s12, s22]: [f32; 3], [r1, r2]: [f32; 2], priors: [(f32, f32); 2])
     let gain = at_means + 0.5 * (departure[0] * scaled[0] + departure[1] * scaled[1])
         - 0.5 * libm::logf(determinant);
     let (value, variance) = (mean1 + sd1 * departure[0], sd1 * sd1 * q22 / determinant);
-    Freed { gain, value, variance, second: mean2 + sd2 * departure[1] }
+    Estimate { gain, value, variance, second: mean2 + sd2 * departure[1] }
 }
 
 /// phi_p' phi_q, summed.
@@ -230,8 +235,8 @@ fn between<const N: usize, const H: usize>(normal: &Normal<N, H>, p: Direction, 
         return normal.a(p as usize, q as usize);
     }
     let mut sum = 0.0;
-    for (i, weight) in p.columns().into_iter().zip(p.weights()) {
-        for (j, other) in q.columns().into_iter().zip(q.weights()) {
+    for (i, weight) in p.regressors().into_iter().zip(p.weights()) {
+        for (j, other) in q.regressors().into_iter().zip(q.weights()) {
             sum += weight * other * normal.a(i, j);
         }
     }
@@ -241,7 +246,7 @@ fn between<const N: usize, const H: usize>(normal: &Normal<N, H>, p: Direction, 
 /// b along a direction.
 #[inline]
 fn along<const N: usize>(b: &[f32; N], p: Direction) -> f32 {
-    let ([i, j], [first, second]) = (p.columns(), p.weights());
+    let ([i, j], [first, second]) = (p.regressors(), p.weights());
     first * b[i % N] + second * b[j % N]
 }
 

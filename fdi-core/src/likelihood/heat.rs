@@ -4,41 +4,17 @@
 
 use super::alarm::ModelAlarm;
 use super::class::{Channel, FaultClass};
+use super::tuning::Tuned;
 use super::verdict::{Finding, Magnitude};
 use crate::bounds::{larger, smaller};
 use crate::filter::LowPass;
-
-// Tuned on seeds 1 to 99999 and on the hazards of the campaign's runaway cells (docs/diagnosis.md, sections 8 and 13; docs/safety.md). In degC they
-// suit rigs that rise by 10 degC and more; the memory of the rises, and of what T2 corrects of the virtual T1, is one answer time.
-/// T2 and the models may disagree by so much about T1: degC, and share of the rise. Beyond it one of them is wrong, too, and
-/// nothing is left to regulate by.
-const MAX_CORRECTION: f32 = 3.0;
-const MAX_CORRECTION_SHARE: f32 = 0.2;
-/// The heater is stuck on when a thermistor is so much hotter than expected, while no more than so much rise is expected, degC: for
-/// so many answer times while heating. With the heater off the fan may be off as well: there for longer, without cooling by so much, degC.
-const TOO_HOT: f32 = 4.0;
-const NO_RISE_EXPECTED: f32 = 1.5;
-const TOO_HOT_TIME: f32 = 1.0;
-const TOO_HOT_TIME_OFF: f32 = 10.0;
-const COOLING: f32 = 0.3;
-/// The smallest rise that says anything of the air flow, degC.
-const FLOW_MIN_RISE: f32 = 2.0;
-/// A thermistor that sees less than this share of the rise is out of the tube where the other sees all of it, give or take
-/// this share of what the one lacks, and the rise is one, degC; what nothing else explains is so from a smaller loss on.
-const DETACHED_SHARE: f32 = 0.6;
-const UNEXPLAINED_SHARE: f32 = 0.85;
-const ATTACHED: f32 = 0.25;
-const DETACHED_MIN_RISE: f32 = 4.0;
-/// A stuck T1 shows less than this share of the motion from tick to tick that is expected.
-const STUCK_SHARE: f32 = 0.2;
-/// It is asked for only so long after the onset, in memories of the rises.
-const STUCK_TIME: f32 = 2.5;
 
 /// Ts in answer times, and the memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Heat {
     sample_time: f32,
     rises: LowPass,
+    tuning: Tuned,
 }
 
 /// A rise, measured and expected by the models, degC.
@@ -64,11 +40,16 @@ pub(super) struct HeatState {
     before: Rise,
     shared_motion: f32,
     motion: f32,
+    tuning: Tuned,
 }
 
 impl Heat {
-    pub(super) fn new(sample_time: f32, answer_time: f32) -> Self {
-        Self { sample_time: sample_time / answer_time, rises: LowPass::euler(answer_time, sample_time) }
+    pub(super) fn new(tuning: Tuned, sample_time: f32, answer_time: f32) -> Self {
+        Self {
+            sample_time: sample_time / answer_time,
+            rises: LowPass::euler(answer_time, sample_time),
+            tuning,
+        }
     }
 
     /// One tick: the rises of T1 and T2 where known.
@@ -94,8 +75,8 @@ impl Heat {
             s.too_hot = 0.0; // the fan has just come on
         }
         s.was_heating = heating;
-        let unasked =
-            |rise: &Rise| rise.expected < NO_RISE_EXPECTED && rise.measured - rise.expected > TOO_HOT;
+        let t = &self.tuning.heat;
+        let unasked = |rise: &Rise| rise.expected < t.no_rise && rise.measured - rise.expected > t.too_hot;
         // All that read anything: a T1 that stands still while the rig cools is no heater.
         let known = || now.iter().flatten();
         if known().count() == 0 || !known().all(unasked) {
@@ -103,30 +84,31 @@ impl Heat {
             return;
         }
         let hottest = larger(s.rises[0].measured, s.rises[1].measured);
-        if hottest < s.coldest - COOLING {
+        if hottest < s.coldest - t.cooling {
             s.coldest = hottest;
             if !heating {
                 (s.too_hot, s.stuck_on) = (0.0, false);
             }
         }
-        s.too_hot = smaller(TOO_HOT_TIME_OFF, s.too_hot + self.sample_time);
-        s.stuck_on |= s.too_hot >= if heating { TOO_HOT_TIME } else { TOO_HOT_TIME_OFF };
+        s.too_hot = smaller(t.too_hot_off, s.too_hot + self.sample_time);
+        s.stuck_on |= s.too_hot >= if heating { t.too_hot_time } else { t.too_hot_off };
     }
 
     /// What the bank says, held against the rises: what slips out slowly fits none of its signatures, and looks stuck
     /// while the controller holds it.
     pub(super) fn review(&self, s: &HeatState, finding: Finding, tick: u32) -> ModelAlarm {
+        let (t, detached_share) = (&self.tuning.heat, self.tuning.hypotheses.seen());
         // A T2 that slides out resembles a T1 that sees too much; but that reads as it should.
         if matches!(finding.class, FaultClass::T1Clogged | FaultClass::T1Offset) {
-            let t2 = s.detached(DETACHED_SHARE, finding.onset).filter(|f| f.class == FaultClass::T2Detached);
+            let t2 = s.detached(detached_share, finding.onset).filter(|f| f.class == FaultClass::T2Detached);
             return ModelAlarm::Named(t2.unwrap_or(finding));
         }
-        let settled = tick.saturating_sub(finding.onset) as f32 * self.rises.share() > STUCK_TIME;
+        let settled = tick.saturating_sub(finding.onset) as f32 * self.rises.share() > t.stuck_time;
         let moves = settled && s.t1_moves();
         let (share, otherwise) = match finding.class {
-            FaultClass::Drift => (DETACHED_SHARE, ModelAlarm::Named(finding)),
-            FaultClass::Unknown => (UNEXPLAINED_SHARE, ModelAlarm::Named(finding)),
-            FaultClass::Stuck(Channel::T1) if moves => (UNEXPLAINED_SHARE, ModelAlarm::Unnamed),
+            FaultClass::Drift => (detached_share, ModelAlarm::Named(finding)),
+            FaultClass::Unknown => (t.unexplained, ModelAlarm::Named(finding)),
+            FaultClass::Stuck(Channel::T1) if moves => (t.unexplained, ModelAlarm::Unnamed),
             _ => return ModelAlarm::Named(finding),
         };
         s.detached(share, finding.onset).map_or(otherwise, ModelAlarm::Named)
@@ -140,7 +122,7 @@ impl Heat {
 
 impl HeatState {
     /// Right after training at the rise `trained` of T1.
-    pub(super) fn new(trained: f32) -> Self {
+    pub(super) fn new(tuning: Tuned, trained: f32) -> Self {
         let rise = Rise { measured: trained, expected: trained };
         Self {
             correction: 0.0,
@@ -152,36 +134,40 @@ impl HeatState {
             before: rise,
             shared_motion: 0.0,
             motion: 0.0,
+            tuning,
         }
     }
 
     /// T1's rise by T2 and the models, where the models alone expect `expected`, degC; None where the two disagree.
     pub(super) fn virtual_t1(&self, expected: f32) -> Option<f32> {
-        let limit = MAX_CORRECTION + MAX_CORRECTION_SHARE * expected.abs();
+        let t = &self.tuning.heat;
+        let limit = t.correction + t.correction_share * expected.abs();
         (self.correction.abs() <= limit).then_some(expected + self.correction)
     }
 
     /// Air flow by the static gain, % of normal, the larger of what T1 and T2 say; None where it is too cold to tell.
     pub(super) fn air_flow(&self) -> Option<f32> {
+        let least = self.tuning.heat.flow_rise;
         let flow = |rise: &Rise| {
-            let warm = rise.expected > FLOW_MIN_RISE && rise.measured > FLOW_MIN_RISE;
+            let warm = rise.expected > least && rise.measured > least;
             warm.then(|| 100.0 * rise.expected / rise.measured)
         };
         Some(flow(&self.rises[0])?.max(flow(&self.rises[1])?))
     }
 
     fn t1_moves(&self) -> bool {
-        self.shared_motion > STUCK_SHARE * self.motion
+        self.shared_motion > self.tuning.heat.stuck * self.motion
     }
 
     /// Who sees less than `share` of a rise that the other sees.
     fn detached(&self, share: f32, onset: u32) -> Option<Finding> {
         let [t1, t2] = &self.rises;
-        if !(t1.expected > DETACHED_MIN_RISE && t2.expected > DETACHED_MIN_RISE) {
+        let (least, attached) = (self.tuning.heat.detached_rise, self.tuning.heat.attached);
+        if !(t1.expected > least && t2.expected > least) {
             return None;
         }
         let [t1, t2] = [t1.measured / t1.expected, t2.measured / t2.expected];
-        let beside = |seen: f32, other: f32| seen < share && (other - 1.0).abs() < ATTACHED * (1.0 - seen);
+        let beside = |seen: f32, other: f32| seen < share && (other - 1.0).abs() < attached * (1.0 - seen);
         let (class, seen) = if beside(t1, t2) {
             (FaultClass::T1Detached, t1)
         } else if beside(t2, t1) {
@@ -190,7 +176,7 @@ impl HeatState {
             return None;
         };
         let lacks = 100.0 * (1.0 - seen);
-        let magnitude = Magnitude { value: -lacks, half_width: ATTACHED * lacks };
+        let magnitude = Magnitude { value: -lacks, half_width: attached * lacks };
         Some(Finding { class, confidence: 1.0, magnitude: Some(magnitude), onset })
     }
 
@@ -222,7 +208,7 @@ mod tests {
     /// The tube is still hot when the instrument is armed: it gets the time to cool.
     #[test]
     fn arming_a_hot_tube_is_no_heater_stuck_on() {
-        let (heat, mut s) = (Heat::new(TS, 2.0), HeatState::new(20.0));
+        let (heat, mut s) = (Heat::new(Tuned::default(), TS, 2.0), HeatState::new(Tuned::default(), 20.0));
         for tick in 0..120 {
             let rise = Rise { measured: 20.0, expected: 0.0 };
             heat.step(&mut s, [Some(rise); 2], tick >= 110);
@@ -232,7 +218,7 @@ mod tests {
 
     /// How long it takes until the heater counts as stuck on, with rises of 20 degC that fall by a share a second.
     fn stuck_after(heating: bool, falling: f32) -> Option<f32> {
-        let (heat, mut s) = (Heat::new(TS, 2.0), HeatState::new(20.0));
+        let (heat, mut s) = (Heat::new(Tuned::default(), TS, 2.0), HeatState::new(Tuned::default(), 20.0));
         (1..3000).map(|k| k as f32 * TS).find(|time| {
             let rise = Rise { measured: 20.0 * (1.0 - falling * time).max(0.0), expected: 0.0 };
             heat.step(&mut s, [Some(rise); 2], heating);
@@ -243,7 +229,7 @@ mod tests {
     /// Both rises by the definition of the flow: it goes with the inverse of the static gain. The larger of the two is reported.
     #[test]
     fn the_air_flow_is_what_the_static_gain_says() {
-        let (heat, mut s) = (Heat::new(TS, 2.0), HeatState::new(20.0));
+        let (heat, mut s) = (Heat::new(Tuned::default(), TS, 2.0), HeatState::new(Tuned::default(), 20.0));
         let at = |measured| Some(Rise { measured, expected: 20.0 });
         for _ in 0..400 {
             heat.step(&mut s, [at(25.0), at(16.0)], true);
@@ -258,7 +244,7 @@ mod tests {
     /// T2 shows what the models do not know of T1; where they are too far apart, neither is believed.
     #[test]
     fn the_virtual_t1_is_corrected_by_t2_up_to_a_limit() {
-        let (heat, mut s) = (Heat::new(TS, 2.0), HeatState::new(20.0));
+        let (heat, mut s) = (Heat::new(Tuned::default(), TS, 2.0), HeatState::new(Tuned::default(), 20.0));
         assert_eq!(s.virtual_t1(20.0), Some(20.0));
         for _ in 0..400 {
             heat.correct(&mut s, 0.9, 0.9);
@@ -274,7 +260,8 @@ mod tests {
     #[test]
     fn who_lacks_the_rise_is_detached() {
         let as_told = |class, t1: f32, t2: f32| {
-            let (heat, mut s) = (Heat::new(TS, 2.0), HeatState::new(20.0));
+            let (heat, mut s) =
+                (Heat::new(Tuned::default(), TS, 2.0), HeatState::new(Tuned::default(), 20.0));
             for _ in 0..400 {
                 let at = |measured| Some(Rise { measured, expected: 20.0 });
                 heat.step(&mut s, [at(t1), at(t2)], true);

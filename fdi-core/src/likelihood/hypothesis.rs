@@ -1,8 +1,9 @@
 //! The hypotheses and the nuisances, a row each: what may have changed, by how much, and what it is called.
 
 use super::class::{Channel, FaultClass, Pair};
-use super::column::{Column, Direction};
-use super::evidence::{Free, Freed, Nuisance};
+use super::evidence::{Estimate, Nuisance, Prior};
+use super::regressor::{Direction, Regressor};
+use super::tuning::{HypothesisTuning, NuisanceTuning, Tuning};
 use crate::bounds::larger;
 use crate::root::sqrt;
 
@@ -12,39 +13,42 @@ pub(super) struct Hypothesis {
     /// What it is called.
     pub(super) class: FaultClass,
     /// What it frees: first its magnitude.
-    pub(super) first: Free,
-    pub(super) second: Option<Free>,
+    pub(super) first: Prior,
+    pub(super) second: Option<Prior>,
     /// What its magnitude may be.
     pub(super) range: (f32, f32),
     /// Logarithm of its odds against the common faults before anything is seen.
     pub(super) prior: f32,
     /// A reading stays where it was: the second's mean is that level, degC.
-    pub(super) stays: Option<usize>,
+    pub(super) stuck_at: Option<usize>,
     /// It is asked when a whole minute is judged, too.
     pub(super) lasting: bool,
 }
 
+/// A magnitude that may be anything.
+pub(super) const UNBOUNDED: (f32, f32) = (-1e9, 1e9);
+
 /// Hypotheses there are.
 pub const COUNT: usize = 25;
 
-const fn of(column: Column) -> Direction {
-    Direction::Of(column)
+const fn of(regressor: Regressor) -> Direction {
+    Direction::Of(regressor)
 }
 
 const fn row(class: FaultClass, direction: Direction, mean: f32, sd: f32) -> Hypothesis {
     Hypothesis {
         class,
-        first: Free { direction, mean, sd },
+        first: Prior { direction, mean, sd },
         second: None,
-        range: (-1e9, 1e9),
+        range: UNBOUNDED,
         prior: 0.0,
-        stays: None,
+        stuck_at: None,
         lasting: true,
     }
 }
 
 const fn with(row: Hypothesis, direction: Direction, mean: f32, sd: f32) -> Hypothesis {
-    Hypothesis { second: Some(Free { direction, mean, sd }), ..row }
+    Hypothesis { second: Some(Prior { direction, mean, sd }), ..row }
 }
 
 const fn within(row: Hypothesis, low: f32, high: f32) -> Hypothesis {
@@ -61,117 +65,120 @@ const fn rare(row: Hypothesis, prior: f32) -> Hypothesis {
     Hypothesis { prior, ..row }
 }
 
-/// One that begins a little earlier or later than the columns do.
-const fn late(row: Hypothesis) -> Hypothesis {
-    with(row, of(Column::Late), 0.0, LATE)
+/// All hypotheses with these numbers.
+pub(super) const fn rows(t: &Tuning) -> [Hypothesis; COUNT] {
+    t.hypotheses.rows()
 }
 
-const fn clogged(loss: Direction) -> Hypothesis {
-    within(row(FaultClass::T1Clogged, loss, 0.0, 0.25), -DETACHED, 0.0)
+impl HypothesisTuning {
+    /// One that begins a little earlier or later than the regressors do.
+    const fn late(&self, row: Hypothesis) -> Hypothesis {
+        with(row, of(Regressor::Late), 0.0, self.late_sd)
+    }
+
+    const fn clogged(&self, loss: Direction) -> Hypothesis {
+        within(row(FaultClass::T1Clogged, loss, 0.0, self.clogged_sd), -self.detached, 0.0)
+    }
+
+    /// A thermistor that was clogged when the model was trained, and is mended.
+    const fn unclogged(&self) -> Hypothesis {
+        let row = row(FaultClass::T1Clogged, of(Regressor::Gain1), 0.0, self.clogged_sd);
+        rare(within(row, 0.0, self.mended), self.rare)
+    }
+
+    const fn detached(&self, class: FaultClass, loss: Direction) -> Hypothesis {
+        let row = row(class, loss, -self.detached_mean, self.detached_sd);
+        brief(rare(within(row, -self.detached_most, -self.detached), self.uncommon))
+    }
+
+    const fn t1_detached(&self, loss: Direction) -> Hypothesis {
+        self.detached(FaultClass::T1Detached, loss)
+    }
+
+    const fn lagging(&self, row: Hypothesis, lag: Direction) -> Hypothesis {
+        brief(with(row, lag, 1.0, self.lag_sd))
+    }
+
+    const fn drift(&self, ramp: Direction, offset: Direction) -> Hypothesis {
+        let row = rare(row(FaultClass::Drift, ramp, 0.0, self.drift_sd), self.uncommon);
+        brief(with(row, offset, 0.0, self.drift_offset_sd))
+    }
+
+    const fn stuck(&self, which: Channel, gain: Regressor, offset: Regressor, channel: usize) -> Hypothesis {
+        let row = row(FaultClass::Stuck(which), of(gain), -1.0, self.stuck_sd);
+        let row = with(row, of(offset), 0.0, self.stuck_offset_sd);
+        let row = within(row, -1.0 - self.stuck_most, -1.0 + self.stuck_most);
+        brief(rare(Hypothesis { stuck_at: Some(channel), ..row }, self.rare))
+    }
+
+    /// A thermistor exchanged with T0 loses its rise twice; the other one loses as much as the exchanged one rises.
+    const fn swapped_with_t0(&self, pair: Pair, gain: Regressor, other: Regressor) -> Hypothesis {
+        let row = row(FaultClass::Swapped(pair), of(gain), -2.0, self.swapped_sd);
+        let row = within(row, -2.0 - self.swapped_most, -2.0 + self.swapped_most);
+        with(brief(rare(row, self.rare)), of(other), -1.0, self.half_swapped_sd)
+    }
+
+    const fn rows(&self) -> [Hypothesis; COUNT] {
+        [
+            row(FaultClass::T1Offset, of(Regressor::Offset1), 0.0, self.offset_sd),
+            row(FaultClass::T2Offset, of(Regressor::Offset2), 0.0, self.offset_sd),
+            row(FaultClass::T0Fault, Direction::Offset0, 0.0, self.offset_sd),
+            self.late(within(
+                row(FaultClass::AirFlow, of(Regressor::LessFlow), 0.0, self.flow_sd),
+                0.0,
+                self.most_flow_loss,
+            )),
+            self.late(within(
+                row(FaultClass::AirFlow, of(Regressor::MoreFlow), 0.0, self.flow_sd),
+                -self.most_flow_gain,
+                0.0,
+            )),
+            self.late(within(
+                row(FaultClass::HeaterPower, of(Regressor::Power), 0.0, self.power_sd),
+                -self.most_power,
+                self.most_power,
+            )),
+            self.clogged(of(Regressor::Gain1)),
+            self.lagging(self.clogged(of(Regressor::ShortLoss)), of(Regressor::ShortLag)),
+            self.lagging(self.clogged(Direction::MidLoss), Direction::MidLag),
+            self.lagging(self.clogged(of(Regressor::LongLoss)), of(Regressor::LongLag)),
+            self.unclogged(),
+            self.drift(of(Regressor::Ramp1), of(Regressor::Offset1)),
+            self.drift(of(Regressor::Ramp2), of(Regressor::Offset2)),
+            self.drift(Direction::Ramp0, Direction::Offset0),
+            self.stuck(Channel::T1, Regressor::Gain1, Regressor::Offset1, 0),
+            self.stuck(Channel::T2, Regressor::Gain2, Regressor::Offset2, 1),
+            brief(rare(
+                within(
+                    with(
+                        row(FaultClass::HeaterPower, of(Regressor::Constant), self.constant, self.constant),
+                        of(Regressor::Power),
+                        -1.0,
+                        self.constant_power_sd,
+                    ),
+                    self.least_constant,
+                    100.0 * self.most_power,
+                ),
+                self.rare,
+            )),
+            self.t1_detached(of(Regressor::Gain1)),
+            self.lagging(self.t1_detached(of(Regressor::ShortLoss)), of(Regressor::ShortLag)),
+            self.lagging(self.t1_detached(Direction::MidLoss), Direction::MidLag),
+            self.lagging(self.t1_detached(of(Regressor::LongLoss)), of(Regressor::LongLag)),
+            brief(rare(
+                row(FaultClass::Swapped(Pair::T1T2), of(Regressor::Exchanged), 1.0, self.swapped_sd),
+                self.rare,
+            )),
+            self.detached(FaultClass::T2Detached, of(Regressor::Gain2)),
+            // With T0 where the air is hot: T1, or T2, is below it by its own rise, the other by what is left of that.
+            self.swapped_with_t0(Pair::T0T1, Regressor::Gain1, Regressor::Gain2),
+            self.swapped_with_t0(Pair::T0T2, Regressor::Gain2, Regressor::Gain1),
+        ]
+    }
 }
 
-/// A thermistor that was clogged when the model was trained, and is mended.
-const fn unclogged() -> Hypothesis {
-    rare(within(row(FaultClass::T1Clogged, of(Column::Gain1), 0.0, 0.25), 0.0, MENDED), RARE)
-}
-
-const fn t1_detached(loss: Direction) -> Hypothesis {
-    brief(rare(within(row(FaultClass::T1Detached, loss, -0.7, 0.2), -1.3, -DETACHED), -3.0))
-}
-
-const fn lagging(row: Hypothesis, lag: Direction) -> Hypothesis {
-    brief(with(row, lag, LAGGING.0, LAGGING.1))
-}
-
-const fn stuck(which: Channel, gain: Column, offset: Column, channel: usize) -> Hypothesis {
-    let row = row(FaultClass::Stuck(which), of(gain), -1.0, STUCK.0);
-    let row = within(with(row, of(offset), 0.0, STUCK.1), -1.1, -0.9);
-    brief(rare(Hypothesis { stays: Some(channel), ..row }, RARE))
-}
-
-const fn swapped_with_t0(pair: Pair, gain: Column) -> Hypothesis {
-    brief(rare(within(row(FaultClass::Swapped(pair), of(gain), -2.0, SWAPPED), -2.3, -1.7), RARE))
-}
-
-/// A thermistor exchanged with T0 loses its rise twice, give or take so much; the other one loses as much as the exchanged one rises.
-const SWAPPED: f32 = 0.05;
-const HALF_SWAPPED: (f32, f32) = (-1.0, 0.15);
-/// A constant power below this is none, %: a share that is lost, with its size.
-const LEAST_CONSTANT: f32 = 5.0;
-/// Spread of how late a change of the process begins, ticks times its share. With more, the time that tells air flow from power is lost.
-const LATE: f32 = 0.03;
-/// A change by more than this share is judged once more, with the spread that a beginning anywhere within a tick gives such a share.
-const LARGE: f32 = 0.4;
-const WITHIN_A_TICK: f32 = 0.3;
-/// Lag of a clogged thermistor as a share of the column's lag, and its spread.
-const LAGGING: (f32, f32) = (1.0, 0.15);
-/// A drift begins from within so many degC.
-const BEGINS: f32 = 0.2;
-/// What is stuck has lost its gain but for so much, and stays within so many degC of where it was.
-const STUCK: (f32, f32) = (0.03, 0.3);
-/// A thermistor that loses more than this share of the rise is not clogged, but out of the tube.
-pub(super) const DETACHED: f32 = 0.4;
-/// One that was clogged while it was learnt sees no more than this share on top when it is mended.
-const MENDED: f32 = 0.45;
-/// Prior of what is rare.
-const RARE: f32 = -5.0;
-
-/// All hypotheses. Spreads are those of the faults that may come: degC, shares, `1/f - 1`, degC a minute.
-pub(super) const ROWS: [Hypothesis; COUNT] = [
-    row(FaultClass::T1Offset, of(Column::Offset1), 0.0, 2.0),
-    row(FaultClass::T2Offset, of(Column::Offset2), 0.0, 2.0),
-    row(FaultClass::T0Fault, Direction::Offset0, 0.0, 2.0),
-    late(within(row(FaultClass::AirFlow, of(Column::LessFlow), 0.0, 0.3), 0.0, 4.0)),
-    late(within(row(FaultClass::AirFlow, of(Column::MoreFlow), 0.0, 0.3), -0.7, 0.0)),
-    late(within(row(FaultClass::HeaterPower, of(Column::Power), 0.0, 0.25), -1.1, 1.1)),
-    clogged(of(Column::Gain1)),
-    lagging(clogged(of(Column::ShortLoss)), of(Column::ShortLag)),
-    lagging(clogged(Direction::MidLoss), Direction::MidLag),
-    lagging(clogged(of(Column::LongLoss)), of(Column::LongLag)),
-    unclogged(),
-    brief(with(
-        rare(row(FaultClass::Drift, of(Column::Ramp1), 0.0, 3.0), -3.0),
-        of(Column::Offset1),
-        0.0,
-        BEGINS,
-    )),
-    brief(with(
-        rare(row(FaultClass::Drift, of(Column::Ramp2), 0.0, 3.0), -3.0),
-        of(Column::Offset2),
-        0.0,
-        BEGINS,
-    )),
-    brief(with(
-        rare(row(FaultClass::Drift, Direction::Ramp0, 0.0, 3.0), -3.0),
-        Direction::Offset0,
-        0.0,
-        BEGINS,
-    )),
-    stuck(Channel::T1, Column::Gain1, Column::Offset1, 0),
-    stuck(Channel::T2, Column::Gain2, Column::Offset2, 1),
-    brief(rare(
-        within(
-            with(
-                row(FaultClass::HeaterPower, of(Column::Constant), 40.0, 40.0),
-                of(Column::Power),
-                -1.0,
-                0.02,
-            ),
-            LEAST_CONSTANT,
-            110.0,
-        ),
-        RARE,
-    )),
-    t1_detached(of(Column::Gain1)),
-    lagging(t1_detached(of(Column::ShortLoss)), of(Column::ShortLag)),
-    lagging(t1_detached(Direction::MidLoss), Direction::MidLag),
-    lagging(t1_detached(of(Column::LongLoss)), of(Column::LongLag)),
-    brief(rare(row(FaultClass::Swapped(Pair::T1T2), of(Column::Exchanged), 1.0, 0.05), RARE)),
-    brief(rare(within(row(FaultClass::T2Detached, of(Column::Gain2), -0.7, 0.2), -1.3, -DETACHED), -3.0)),
-    // With T0 where the air is hot: T1, or T2, is below it by its own rise, the other by what is left of that.
-    with(swapped_with_t0(Pair::T0T1, Column::Gain1), of(Column::Gain2), HALF_SWAPPED.0, HALF_SWAPPED.1),
-    with(swapped_with_t0(Pair::T0T2, Column::Gain2), of(Column::Gain1), HALF_SWAPPED.0, HALF_SWAPPED.1),
-];
+/// The hypotheses with the default numbers. Their classes and directions are the same with any.
+pub(super) const ROWS: [Hypothesis; COUNT] = rows(&Tuning::DEFAULT);
 
 /// The same in one place of memory.
 pub(super) static HYPOTHESES: [Hypothesis; COUNT] = ROWS;
@@ -181,17 +188,21 @@ pub(super) const CONSTANT: usize = 16;
 
 impl Hypothesis {
     /// How late a change of the process by `value` may begin, where it is a large one.
-    pub(super) fn later(&self, value: f32) -> Option<Free> {
-        let second = self.second.filter(|second| matches!(second.direction, Direction::Of(Column::Late)))?;
-        (value.abs() > LARGE).then(|| Free { sd: WITHIN_A_TICK * value.abs(), ..second })
+    pub(super) fn later(&self, t: &HypothesisTuning, value: f32) -> Option<Prior> {
+        let second =
+            self.second.filter(|second| matches!(second.direction, Direction::Of(Regressor::Late)))?;
+        (value.abs() > t.large).then(|| Prior { sd: t.large_late_sd * value.abs(), ..second })
     }
 
-    /// The gain of a freed hypothesis, with its prior; none where the magnitude is not one that it can have.
-    pub(super) fn judged(&self, mut freed: Freed) -> Freed {
+    /// The gain of a hypothesis that was estimated, with its prior; none where the magnitude is not one that it can have.
+    pub(super) fn judged(&self, mut estimate: Estimate) -> Estimate {
         let (low, high) = self.range;
-        freed.gain =
-            if freed.value > low && freed.value < high { freed.gain + self.prior } else { IMPOSSIBLE };
-        freed
+        estimate.gain = if estimate.value > low && estimate.value < high {
+            estimate.gain + self.prior
+        } else {
+            IMPOSSIBLE
+        };
+        estimate
     }
 }
 
@@ -209,68 +220,91 @@ pub(super) fn in_unit(class: FaultClass, value: f32) -> f32 {
 /// Gain of what cannot be.
 pub(super) const IMPOSSIBLE: f32 = -50.0;
 
-/// By how much the power steps without being a fault, where nothing else is known: a share.
-pub(super) const POWER_SD: f32 = 0.02;
-
 /// What may move since an onset without being a fault: mains, sensors, inlet, what the model does not know of wall and time.
-pub(super) const SINCE_ONSET: [Nuisance; 10] = [
-    (of(Column::Power), POWER_SD),
-    (of(Column::LessFlow), 0.006),
-    (of(Column::MoreFlow), 0.006),
-    (of(Column::Offset1), 0.08),
-    (of(Column::Offset2), 0.08),
-    (Direction::Offset0, 0.12),
-    (of(Column::Wall), 0.03),
-    (of(Column::Shift), 0.07),
-    (of(Column::Inlet1), 1.0),
-    (of(Column::Inlet2), 1.0),
-];
+pub(super) const fn nuisances_since_onset(t: &NuisanceTuning) -> [Nuisance; 10] {
+    [
+        (of(Regressor::Power), t.onset_power),
+        (of(Regressor::LessFlow), t.onset_flow),
+        (of(Regressor::MoreFlow), t.onset_flow),
+        (of(Regressor::Offset1), t.onset_offset),
+        (of(Regressor::Offset2), t.onset_offset),
+        (Direction::Offset0, t.onset_t0),
+        (of(Regressor::Wall), t.wall),
+        (of(Regressor::Shift), t.shift),
+        (of(Regressor::Inlet1), t.inlet),
+        (of(Regressor::Inlet2), t.inlet),
+    ]
+}
 
 /// The same since training.
-pub(super) const SINCE_TRAINING: [Nuisance; 10] = [
-    (of(Column::Power), 0.025),
-    (of(Column::LessFlow), 0.012),
-    (of(Column::MoreFlow), 0.012),
-    (of(Column::Offset1), 0.15),
-    (of(Column::Offset2), 0.15),
-    (Direction::Offset0, 0.3),
-    (of(Column::Gain1), 0.01),
-    (of(Column::Gain2), 0.01),
-    (of(Column::Wall), 0.03),
-    (of(Column::Shift), 0.07),
-];
+pub(super) const fn nuisances_since_training(t: &NuisanceTuning) -> [Nuisance; 10] {
+    [
+        (of(Regressor::Power), t.trained_power),
+        (of(Regressor::LessFlow), t.trained_flow),
+        (of(Regressor::MoreFlow), t.trained_flow),
+        (of(Regressor::Offset1), t.trained_offset),
+        (of(Regressor::Offset2), t.trained_offset),
+        (Direction::Offset0, t.trained_t0),
+        (of(Regressor::Gain1), t.trained_gain),
+        (of(Regressor::Gain2), t.trained_gain),
+        (of(Regressor::Wall), t.wall),
+        (of(Regressor::Shift), t.shift),
+    ]
+}
 
 /// By what the model may be wrong right after training, as its fast content shows.
-pub(super) const MODEL_ERRORS: [Nuisance; 7] = [
-    (of(Column::Power), 0.1),
-    (of(Column::LessFlow), 0.1),
-    (of(Column::MoreFlow), 0.1),
-    (of(Column::Gain1), 0.05),
-    (of(Column::Gain2), 0.05),
-    (of(Column::Wall), 0.1),
-    (of(Column::Shift), 0.5),
-];
+pub(super) const fn model_errors(t: &NuisanceTuning) -> [Nuisance; 7] {
+    [
+        (of(Regressor::Power), t.error_power),
+        (of(Regressor::LessFlow), t.error_flow),
+        (of(Regressor::MoreFlow), t.error_flow),
+        (of(Regressor::Gain1), t.error_gain),
+        (of(Regressor::Gain2), t.error_gain),
+        (of(Regressor::Wall), t.error_wall),
+        (of(Regressor::Shift), t.error_shift),
+    ]
+}
 
-/// Where the dead time's error stands among [`SINCE_ONSET`].
+/// With the default numbers.
+#[cfg(test)]
+pub(super) const SINCE_ONSET: [Nuisance; 10] = nuisances_since_onset(&NuisanceTuning::DEFAULT);
+#[cfg(test)]
+pub(super) const SINCE_TRAINING: [Nuisance; 10] = nuisances_since_training(&NuisanceTuning::DEFAULT);
+#[cfg(test)]
+pub(super) const MODEL_ERRORS: [Nuisance; 7] = model_errors(&NuisanceTuning::DEFAULT);
+
+/// Where the dead time's error stands among those since an onset.
 pub(super) const SHIFT: usize = 7;
 
-/// Nuisances since an onset where the power steps by the mean square `steps`; `bent` is that of the gain's error here. What was learnt wrong
+/// Nuisances since an onset where the power steps by the mean square `steps`; `curvature_variance` is that of the gain's error here. What was learnt wrong
 /// with the gain looks like flow, too.
-pub(super) fn since_onset(steps: f32, bent: f32) -> [Nuisance; 10] {
-    let mut nuisances = SINCE_ONSET;
-    nuisances[0].1 = sqrt(steps + bent);
+pub(super) fn since_onset(t: &NuisanceTuning, steps: f32, curvature_variance: f32) -> [Nuisance; 10] {
+    let mut nuisances = nuisances_since_onset(t);
+    nuisances[0].1 = sqrt(steps + curvature_variance);
     for (_, sd) in &mut nuisances[FLOW] {
-        *sd = sqrt(*sd * *sd + bent);
+        *sd = sqrt(*sd * *sd + curvature_variance);
     }
     nuisances
 }
 
-/// Nuisances since training where power, flow and both offsets wander by these mean squares, and T1 rises by `rise`, degC: the gain's error at
+/// Nuisances since training where power, flow and both offsets walk by these mean squares, and T1 rises by `rise`, degC: the gain's error at
 /// the mean power is another than that of its moves, so that an offset of both is left.
-pub(super) fn since_training(wander: &[f32; 4], bent: f32, rise: f32) -> [Nuisance; 10] {
-    let mut nuisances = SINCE_TRAINING;
-    let [power, flow, offset1, offset2] = *wander;
-    let more = [power + bent, flow + bent, flow + bent, offset1, offset2, bent * rise * rise];
+pub(super) fn since_training(
+    t: &NuisanceTuning,
+    walk_variance: &[f32; 4],
+    curvature_variance: f32,
+    rise: f32,
+) -> [Nuisance; 10] {
+    let mut nuisances = nuisances_since_training(t);
+    let [power, flow, offset1, offset2] = *walk_variance;
+    let more = [
+        power + curvature_variance,
+        flow + curvature_variance,
+        flow + curvature_variance,
+        offset1,
+        offset2,
+        curvature_variance * rise * rise,
+    ];
     for ((_, sd), more) in nuisances.iter_mut().zip(more) {
         *sd = sqrt(*sd * *sd + more);
     }

@@ -11,6 +11,7 @@
 //! area of a response, `A = w' R^-1 p`, says whether a thermistor answers; its centroid `(w t)' R^-1 p / A` how late. w is how
 //! many ticks a band has, t where its middle is.
 
+use super::tuning::Tuned;
 use crate::bounds::larger;
 use crate::root::sqrt;
 use crate::vector::{dot, shift};
@@ -19,16 +20,6 @@ use crate::vector::{dot, shift};
 const BANDS: usize = 4;
 const ENDS: [usize; BANDS + 1] = [0, 1, 3, 6, 12];
 const LAGS: usize = ENDS[BANDS];
-/// A step is a tick, or as many as make so many steps of the rig's answer.
-const STEPS: f32 = 20.0;
-/// Time constant of the high-pass, in answer times (docs/diagnosis.md, section 8).
-const SWING_TIME: f32 = 0.25;
-/// Memory of the sums, in answer times (docs/diagnosis.md, section 8).
-const MEMORY: f32 = 6.0;
-/// While the power of no band has moved by so much nothing is learnt or forgotten, %.
-const MIN_POWER: f32 = 0.2;
-/// Ridge of the regression, %^2: it keeps R regular where little has been seen. 2 % of what the default excitation gathers.
-const RIDGE: f32 = 100.0;
 /// Steps in a band, and these times the middle of the band.
 const AREA: [f32; BANDS] = [1.0, 2.0, 3.0, 6.0];
 const MOMENT: [f32; BANDS] = [1.0, 5.0, 15.0, 57.0];
@@ -39,6 +30,7 @@ pub(super) struct ImpulseResponse {
     ticks: u32,
     high_pass: f32,
     keep: f32,
+    pub(super) tuning: Tuned,
 }
 
 /// The sums, and what they are made of.
@@ -62,7 +54,7 @@ pub(super) struct ImpulseResponseState {
 /// How one thermistor answers. The standard deviations count every sample in full; forgetting would make them smaller by
 /// the square root of two, which covers what correlation the high-passed noise has left.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Answer {
+pub(super) struct Moments {
     /// Area of the response, degC per %, with its standard deviation.
     pub(super) area: f32,
     pub(super) area_sd: f32,
@@ -72,10 +64,11 @@ pub(super) struct Answer {
 }
 
 impl ImpulseResponse {
-    pub(super) fn new(sample_time: f32, answer_time: f32) -> Self {
-        let ticks = (answer_time / (STEPS * sample_time)).max(1.0) as u32;
+    pub(super) fn new(tuning: Tuned, sample_time: f32, answer_time: f32) -> Self {
+        let t = &tuning.impulse;
+        let ticks = (answer_time / (t.steps * sample_time)).max(1.0) as u32;
         let keep = |times: f32| libm::expf(-sample_time * ticks as f32 / (times * answer_time));
-        Self { ticks, high_pass: keep(SWING_TIME), keep: keep(MEMORY) }
+        Self { ticks, high_pass: keep(t.high_pass), keep: keep(t.memory), tuning }
     }
 
     /// Ticks of a step.
@@ -107,7 +100,8 @@ impl ImpulseResponse {
             s.swing[m] = self.high_pass * s.swing[m] + change;
             s.before[m] = reading.or(s.before[m]);
         }
-        if dot(&x, &x) > MIN_POWER * MIN_POWER {
+        let least = self.tuning.impulse.least_power;
+        if dot(&x, &x) > least * least {
             self.gather(s, &x);
         }
     }
@@ -137,10 +131,10 @@ impl ImpulseResponseState {
         sums.chain(&self.power).sum::<f32>() + self.power_before + self.power_sum + self.samples
     }
 
-    /// How T0, T1 and T2 answer, where a step has so many ticks.
+    /// How T0, T1 and T2 answer.
     #[inline(never)]
-    pub(super) fn answers(&self, ticks: u32) -> [Answer; 3] {
-        let factors = Factors::new(&self.r);
+    pub(super) fn moments(&self, response: &ImpulseResponse) -> [Moments; 3] {
+        let factors = Factors::new(&self.r, response.tuning.impulse.ridge);
         let [area, moment] = [factors.solve(&AREA), factors.solve(&MOMENT)];
         let [aa, am, mm] = [dot(&area, &AREA), dot(&area, &MOMENT), dot(&moment, &MOMENT)];
         let freedom = larger(1.0, self.samples - BANDS as f32);
@@ -151,8 +145,13 @@ impl ImpulseResponseState {
             let (total, moment) = (dot(&area, p), dot(&moment, p));
             let late = moment / total;
             let late_sd = sqrt(variance * (mm - 2.0 * late * am + late * late * aa)) / total.abs();
-            let ticks = ticks as f32;
-            Answer { area: total, area_sd: sqrt(variance * aa), late: late * ticks, late_sd: late_sd * ticks }
+            let ticks = response.ticks as f32;
+            Moments {
+                area: total,
+                area_sd: sqrt(variance * aa),
+                late: late * ticks,
+                late_sd: late_sd * ticks,
+            }
         })
     }
 }
@@ -165,12 +164,12 @@ struct Factors {
 }
 
 impl Factors {
-    fn new(r: &[[f32; BANDS]; BANDS]) -> Self {
+    fn new(r: &[[f32; BANDS]; BANDS], ridge: f32) -> Self {
         let mut f = Self { l: [[0.0; BANDS]; BANDS], d: [0.0; BANDS], inv_d: [0.0; BANDS] };
         for j in 0..BANDS {
             let left =
                 |f: &Self, i: usize| (0..j).fold(r[i][j], |left, k| left - f.l[i][k] * f.l[j][k] * f.d[k]);
-            f.d[j] = larger(RIDGE, left(&f, j) + RIDGE);
+            f.d[j] = larger(ridge, left(&f, j) + ridge);
             f.inv_d[j] = 1.0 / f.d[j];
             for i in j + 1..BANDS {
                 f.l[i][j] = left(&f, i) * f.inv_d[j];
@@ -206,7 +205,8 @@ mod tests {
     /// First-order lags of gain 0.3 and 0.2 degC per %, the second two ticks later, and a T0 that does nothing.
     #[test]
     fn known_responses_are_found() {
-        let (response, mut s) = (ImpulseResponse::new(0.11, 2.0), ImpulseResponseState::default());
+        let (response, mut s) =
+            (ImpulseResponse::new(Tuned::default(), 0.11, 2.0), ImpulseResponseState::default());
         let (mut seed, mut power) = (1u32, [0.0f32; 3]);
         let (mut t1, mut t2) = (0.0, 0.0);
         for _ in 0..400 {
@@ -216,7 +216,7 @@ mod tests {
             shift(&mut power, 40.0 + if seed >> 31 == 0 { 5.0 } else { -5.0 });
             response.step(&mut s, [Some(20.0), Some(20.0 + t1), Some(20.0 + t2)], power[0]);
         }
-        let [a0, a1, a2] = s.answers(1);
+        let [a0, a1, a2] = s.moments(&response);
         assert!(a0.area.abs() < 1e-4 && a0.area_sd < 1e-3, "{a0:?}");
         // Of the first lag 93 % lie within twelve ticks, of the second 89 %.
         assert!((a1.area / (0.3 * 0.93) - 1.0).abs() < 0.1, "{a1:?}");
@@ -228,8 +228,10 @@ mod tests {
     #[test]
     fn a_slow_rig_answers_as_a_fast_one() {
         let answers = |often: u32| {
-            let (response, mut s) =
-                (ImpulseResponse::new(0.1, 2.0 * often as f32), ImpulseResponseState::default());
+            let (response, mut s) = (
+                ImpulseResponse::new(Tuned::default(), 0.1, 2.0 * often as f32),
+                ImpulseResponseState::default(),
+            );
             let (mut seed, mut t1, mut power) = (1u32, 0.0f32, 40.0f32);
             for tick in 0..400 * often {
                 response.step(&mut s, [Some(20.0), Some(20.0 + t1), None], power);
@@ -239,7 +241,7 @@ mod tests {
                     power = 40.0 + if seed >> 31 == 0 { 5.0 } else { -5.0 };
                 }
             }
-            s.answers(response.ticks())[1]
+            s.moments(&response)[1]
         };
         let (fast, slow) = (answers(1), answers(10));
         assert!((slow.area / fast.area - 1.0).abs() < 0.1, "{fast:?} {slow:?}");
@@ -248,11 +250,12 @@ mod tests {
 
     #[test]
     fn nothing_seen_gives_no_answer_and_wild_input_no_panic() {
-        let (response, mut s) = (ImpulseResponse::new(0.11, 2.0), ImpulseResponseState::default());
-        assert!(s.answers(1).iter().all(|a| !(a.area > 6.0 * a.area_sd)));
+        let (response, mut s) =
+            (ImpulseResponse::new(Tuned::default(), 0.11, 2.0), ImpulseResponseState::default());
+        assert!(s.moments(&response).iter().all(|a| !(a.area > 6.0 * a.area_sd)));
         for power in [f32::NAN, 1e30, -1e30, 0.0] {
             response.step(&mut s, [None, Some(f32::MAX), Some(f32::NAN)], power);
-            let _ = s.answers(1);
+            let _ = s.moments(&response);
         }
     }
 }

@@ -37,23 +37,21 @@
 
 mod alarm;
 mod ambient;
-mod beside;
 mod chart;
 mod cholesky;
 pub mod class;
-mod column;
 mod commissioned;
 pub mod config;
 mod contradiction;
+#[cfg(feature = "tuning")]
+pub mod described;
 mod evidence;
 mod explained;
 mod finite;
-mod gone;
 mod heat;
 mod hypothesis;
 mod impulse;
 pub mod inputs;
-mod ladder;
 pub mod model;
 mod normal;
 mod onset;
@@ -61,8 +59,11 @@ mod posterior;
 mod preferred;
 mod process;
 mod readiness;
+mod recovery;
 #[cfg(test)]
 mod reference;
+mod regressor;
+mod second_heater;
 mod sensors;
 pub mod signatures;
 mod steady;
@@ -70,8 +71,10 @@ mod tangent;
 pub mod taught;
 mod tracker;
 mod training;
+pub mod tuning;
 pub mod verdict;
 mod watch;
+mod whitening;
 
 use crate::error::ConfigError;
 use crate::identify::config::IdentificationConfig;
@@ -95,6 +98,7 @@ use model::Model;
 use preferred::preferred;
 use sensors::Sensors;
 use training::{Cold, Trainer, Training};
+pub use tuning::{Tuned, Tuning};
 pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
 use watch::{Gathered, Watch, WatchState};
 
@@ -106,6 +110,7 @@ pub struct Likelihood {
     ambient: Ambient,
     response: ImpulseResponse,
     inputs: Inputs,
+    tuning: Tuned,
 }
 
 /// The memory of the [`Likelihood`] diagnosis.
@@ -140,9 +145,6 @@ enum Work {
     Watching(Gathered),
 }
 
-/// Nothing is trained while the fan is announced to be further from its usual level than this share.
-const FAN_TOLERANCE: f32 = 0.05;
-
 /// One tick, as all parts see it.
 struct Now<'a> {
     seen: &'a Observation,
@@ -166,6 +168,7 @@ impl Likelihood {
     /// The parameter of `likelihood` or `identification` that is out of bounds.
     pub fn new(
         c: &LikelihoodConfig,
+        tuning: Tuned,
         identification: &IdentificationConfig,
         sample_time: Seconds,
     ) -> Result<Self, ConfigError> {
@@ -173,21 +176,29 @@ impl Likelihood {
         let (ts, answer_time) = (sample_time, identification.answer_time.0);
         let usual = identification.y_scale.0 / identification.u_scale.0;
         Ok(Self {
-            trainer: Trainer::new(c.fit_time.ticks(ts), c.check_time.ticks(ts), answer_time / ts.0, usual)?,
+            trainer: Trainer::new(
+                tuning,
+                c.fit_time.ticks(ts),
+                c.check_time.ticks(ts),
+                answer_time / ts.0,
+                usual,
+            )?,
             watch: Watch {
-                fast: Chart { allowance: c.fast_allowance, interval: c.fast_interval },
-                slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval },
-                heat: Heat::new(ts.0, answer_time),
+                fast: Chart { allowance: c.fast_allowance, interval: c.fast_interval, tuning },
+                slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval, tuning },
+                heat: Heat::new(tuning, ts.0, answer_time),
                 model_uncertainty: c.model_uncertainty,
                 naming: c.naming,
                 least_power: c.least_power,
                 sample_time: ts.0,
                 inputs: Inputs::ALL,
                 taught: c.taught.clone(),
+                tuning,
             },
-            ambient: Ambient::new(ts.0, answer_time),
-            response: ImpulseResponse::new(ts.0, answer_time),
+            ambient: Ambient::new(tuning, ts.0, answer_time),
+            response: ImpulseResponse::new(tuning, ts.0, answer_time),
             inputs: Inputs::ALL,
+            tuning,
         })
     }
 
@@ -230,11 +241,11 @@ impl Likelihood {
             beside: known.beside.map_or(0.0, |power| power.0),
         };
         let undisturbed = undisturbed && contradiction.is_none();
-        state.cold.step(now.y, seen.power.0 <= 0.0);
+        state.cold.step(&self.tuning.cold, now.y, seen.power.0 <= 0.0);
         let by_models = self.watch(state, &now);
         self.train(state, &now, t0, undisturbed);
-        let by_sensors = state.sensors.step(sample, seen.index);
-        let without_models = contradiction.or(state.ambient.finding());
+        let by_sensors = state.sensors.step(self.tuning, sample, seen.index);
+        let without_models = contradiction.or(self.ambient.finding(&state.ambient));
         if seen.index.is_multiple_of(finite::EVERY) && !state.is_finite() {
             return state.begin_anew();
         }
@@ -300,7 +311,7 @@ impl Likelihood {
         let seen = now.seen;
         // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = seen.phase == Phase::Watched && seen.excited;
-        let usual_fan = (now.fan - 1.0).abs() <= FAN_TOLERANCE;
+        let usual_fan = (now.fan - 1.0).abs() <= self.tuning.range.fan;
         let fit_to_learn = undisturbed && usual_fan && (seen.learn || quiet);
         if state.current || !seen.phase.is_heated() || (seen.phase == Phase::Watched && !fit_to_learn) {
             return;
@@ -310,8 +321,9 @@ impl Likelihood {
         }
         let Work::Training(training) = &mut state.work else { return };
         // A T0 that is known to be wrong must not be learnt.
-        let known_wrong =
-            t0.is_some() && state.ambient.believed().is_some() && !state.ambient.is_followed(t0);
+        let known_wrong = t0.is_some()
+            && state.ambient.believed().is_some()
+            && !self.ambient.is_followed(&state.ambient, t0);
         let y = if known_wrong { now.believed } else { now.y };
         match self.trainer.step(training, &state.cold, y, [now.u, now.beside], fit_to_learn) {
             Ok(None) => {}
@@ -368,7 +380,9 @@ impl Likelihood {
         let [y1, y2] = trained.expected().map(|rise| ambient.map(|ambient| ambient + rise));
         let monitoring = state.current && now.seen.phase == Phase::Watched;
         // The virtual T1 is a rise over T0.
-        let known = monitoring && now.y[1].is_some() && state.ambient.is_followed(now.seen.sample.t0.good());
+        let known = monitoring
+            && now.y[1].is_some()
+            && self.ambient.is_followed(&state.ambient, now.seen.sample.t0.good());
         LikelihoodReport {
             expected: [ambient, y1, y2],
             taught: if monitoring { trained.taught() } else { None },

@@ -1,13 +1,13 @@
 //! Sums of a linear regression: whitened residuals on whitened signatures, `A = sum phi phi'`, `b = sum phi z`.
 
-use super::column::{COUNT, Column, LASTING, Row};
+use super::regressor::{COUNT, LASTING, Regressor, Regressors};
 
 /// Elements of the lower half of a symmetric matrix of `n` rows.
 const fn half(n: usize) -> usize {
     n * (n + 1) / 2
 }
 
-/// The sums over `N` columns, A by its lower half of `H` elements.
+/// The sums over `N` regressors, A by its lower half of `H` elements.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Normal<const N: usize = COUNT, const H: usize = { half(COUNT) }> {
     a: [f32; H],
@@ -17,7 +17,7 @@ pub(super) struct Normal<const N: usize = COUNT, const H: usize = { half(COUNT) 
     pub(super) count: f32,
 }
 
-/// Those of the columns that are asked over a minute.
+/// Those of the regressors that are asked over a minute.
 pub(super) type LastingNormal = Normal<LASTING, { half(LASTING) }>;
 
 impl<const N: usize, const H: usize> Default for Normal<N, H> {
@@ -30,12 +30,12 @@ impl<const N: usize, const H: usize> Default for Normal<N, H> {
 impl<const N: usize, const H: usize> Normal<N, H> {
     /// A tick: residuals and signatures, whitened, with a weight.
     #[inline(never)]
-    pub(super) fn add(&mut self, row: &Row<N>, z: [f32; 2], weight: f32) {
+    pub(super) fn add(&mut self, regressors: &Regressors<N>, z: [f32; 2], weight: f32) {
         let mut place = self.a.iter_mut();
-        for (i, phi) in row.iter().enumerate() {
+        for (i, phi) in regressors.iter().enumerate() {
             let weighted = [weight * phi[0], weight * phi[1]];
             self.b[i] += weighted[0] * z[0] + weighted[1] * z[1];
-            for (other, a) in row[..=i].iter().zip(&mut place) {
+            for (other, a) in regressors[..=i].iter().zip(&mut place) {
                 *a += weighted[0] * other[0] + weighted[1] * other[1];
             }
         }
@@ -56,7 +56,7 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         self.a.iter().chain(&self.b).sum::<f32>() + self.energy + self.count
     }
 
-    /// Takes away what these values of all columns explain.
+    /// Takes away what these values of all regressors explain.
     pub(super) fn explain(&mut self, values: &[f32; N]) {
         for i in 0..N {
             let explained: f32 = (0..N).map(|j| self.a(i, j) * values[j]).sum();
@@ -64,9 +64,9 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         }
     }
 
-    /// Forgets some columns wholly.
-    pub(super) fn forget(&mut self, columns: &[Column]) {
-        let forgotten = |i: usize| columns.iter().any(|column| *column as usize == i);
+    /// Forgets some regressors wholly.
+    pub(super) fn forget(&mut self, regressors: &[Regressor]) {
+        let forgotten = |i: usize| regressors.iter().any(|regressor| *regressor as usize == i);
         let mut place = self.a.iter_mut();
         for i in 0..N {
             for (j, a) in (0..=i).zip(&mut place) {

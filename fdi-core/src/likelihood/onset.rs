@@ -1,9 +1,9 @@
-//! The columns since the assumed onset of a fault: the models since then with another air flow, more power, a constant power; lags,
+//! The regressors since the assumed onset of a fault: the models since then with another air flow, more power, a constant power; lags,
 //! ramps and constants that begin there.
 
-use super::column::{COUNT, Column, LESS, LESS_BY, MORE, MORE_BY, PROCESS, Row, SENSORS};
-use super::ladder::{Ladder, Past};
 use super::process::{Motion, Parameters, Process, Rises};
+use super::regressor::{COUNT, PROCESS, Regressor, Regressors, SENSORS};
+use super::whitening::{Past, WhiteningFilter};
 
 /// Power and motion of the last ticks, so that a change of power or flow may begin before it shows.
 pub(super) const REMEMBERED: usize = 24;
@@ -51,7 +51,7 @@ struct Flowing {
 /// The memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Onset {
-    /// Ticks since, and those since the sensors' columns began.
+    /// Ticks since, and those since the sensors' regressors began.
     pub(super) age: u32,
     pub(super) sensors_age: u32,
     flow_age: f32,
@@ -106,8 +106,8 @@ impl Onset {
     /// What the process does begins as long before this tick as it takes to show.
     fn begin_process(&mut self, c: &OnsetConstants, now: &Nominal) {
         self.process_again = false;
-        for column in PROCESS {
-            self.past[column as usize] = Past::default();
+        for regressor in PROCESS {
+            self.past[regressor as usize] = Past::default();
         }
         (self.flow_age, self.power, self.constant) = (0.0, Motion::default(), Motion::default());
         self.power_before = [0.0; 2];
@@ -130,8 +130,9 @@ impl Onset {
         // The fan's lag: the coefficients follow while the flow still moves.
         let approach = 1.0 - libm::expf(-(self.flow_age + 0.5) * c.fan);
         if self.flow_age * c.fan < 8.0 {
-            self.less.process.blow(now.parameters, now.fan * (1.0 + (LESS - 1.0) * approach));
-            self.more.process.blow(now.parameters, now.fan * (1.0 + (MORE - 1.0) * approach));
+            let model = now.process.tuning.model;
+            self.less.process.blow(now.parameters, now.fan * (1.0 + (model.less_flow - 1.0) * approach));
+            self.more.process.blow(now.parameters, now.fan * (1.0 + (model.more_flow - 1.0) * approach));
             self.flow_age += 1.0;
         }
         [
@@ -142,9 +143,14 @@ impl Onset {
         ]
     }
 
-    /// The columns of this tick, whitened.
+    /// The regressors of this tick, whitened.
     #[inline(never)]
-    pub(super) fn step(&mut self, c: &OnsetConstants, ladder: &Ladder, now: &Nominal) -> Row {
+    pub(super) fn step(
+        &mut self,
+        c: &OnsetConstants,
+        whitening: &WhiteningFilter,
+        now: &Nominal,
+    ) -> Regressors {
         if self.age == 0 {
             self.begin(c, now);
         } else if self.process_again {
@@ -161,50 +167,51 @@ impl Onset {
         let ramp = self.sensors_age as f32 * c.minutes;
         self.age = self.age.saturating_add(1);
         self.sensors_age = self.sensors_age.saturating_add(1);
-        let mut row = [[0.0; 2]; COUNT];
-        let mut put = |column: Column, value: [f32; 2]| row[column as usize] = value;
+        let mut regressors = [[0.0; 2]; COUNT];
+        let mut put = |regressor: Regressor, value: [f32; 2]| regressors[regressor as usize] = value;
+        let [less_by, more_by] = now.process.tuning.model.secants();
         let change = |to: Rises, by: f32| [(to.y[0] - y[0]) / by, (to.y[1] - y[1]) / by];
-        put(Column::Power, power.y);
+        put(Regressor::Power, power.y);
         let before = core::mem::replace(&mut self.power_before, power.y);
-        put(Column::Late, [before[0] - power.y[0], before[1] - power.y[1]]);
-        put(Column::LessFlow, change(less, LESS_BY));
-        put(Column::MoreFlow, change(more, MORE_BY));
-        put(Column::Constant, constant.y);
-        put(Column::Ramp1, [ramp, 0.0]);
-        put(Column::Ramp2, [0.0, ramp]);
-        put(Column::ShortLag, [self.lagged[0] - y[0], 0.0]);
-        put(Column::LongLag, [self.lagged[1] - y[0], 0.0]);
-        put(Column::ShortLoss, [self.lost[0], 0.0]);
-        put(Column::LongLoss, [self.lost[1], 0.0]);
-        put(Column::Offset1, [1.0, 0.0]);
-        put(Column::Offset2, [0.0, 1.0]);
-        put(Column::Gain1, [y[0], 0.0]);
-        put(Column::Gain2, [0.0, y[1]]);
-        put(Column::Inlet1, [now.inlet[0], 0.0]);
-        put(Column::Inlet2, [0.0, now.inlet[1]]);
-        put(Column::Exchanged, [y[1] - y[0], y[0] - y[1]]);
-        put(Column::Wall, now.rises.wall);
-        put(Column::Shift, [now.before[0] - y[0], now.before[1] - y[1]]);
-        for (value, past) in row.iter_mut().zip(&mut self.past) {
-            *value = ladder.step(past, *value);
+        put(Regressor::Late, [before[0] - power.y[0], before[1] - power.y[1]]);
+        put(Regressor::LessFlow, change(less, less_by));
+        put(Regressor::MoreFlow, change(more, more_by));
+        put(Regressor::Constant, constant.y);
+        put(Regressor::Ramp1, [ramp, 0.0]);
+        put(Regressor::Ramp2, [0.0, ramp]);
+        put(Regressor::ShortLag, [self.lagged[0] - y[0], 0.0]);
+        put(Regressor::LongLag, [self.lagged[1] - y[0], 0.0]);
+        put(Regressor::ShortLoss, [self.lost[0], 0.0]);
+        put(Regressor::LongLoss, [self.lost[1], 0.0]);
+        put(Regressor::Offset1, [1.0, 0.0]);
+        put(Regressor::Offset2, [0.0, 1.0]);
+        put(Regressor::Gain1, [y[0], 0.0]);
+        put(Regressor::Gain2, [0.0, y[1]]);
+        put(Regressor::Inlet1, [now.inlet[0], 0.0]);
+        put(Regressor::Inlet2, [0.0, now.inlet[1]]);
+        put(Regressor::Exchanged, [y[1] - y[0], y[0] - y[1]]);
+        put(Regressor::Wall, now.rises.wall);
+        put(Regressor::Shift, [now.before[0] - y[0], now.before[1] - y[1]]);
+        for (value, past) in regressors.iter_mut().zip(&mut self.past) {
+            *value = whitening.step(past, *value);
         }
-        row
+        regressors
     }
 
-    /// A tick without samples: the models go on, and no column is whitened, as no residual is.
-    pub(super) fn pass(&mut self, c: &OnsetConstants, ladder: &Ladder, now: &Nominal) {
+    /// A tick without samples: the models go on, and no regressor is whitened, as no residual is.
+    pub(super) fn pass(&mut self, c: &OnsetConstants, whitening: &WhiteningFilter, now: &Nominal) {
         let past = self.past;
-        self.step(c, ladder, now);
+        self.step(c, whitening, now);
         self.past = past;
     }
 
-    /// The sensors' columns begin anew with the next tick, what the process does goes on.
+    /// The sensors' regressors begin anew with the next tick, what the process does goes on.
     pub(super) fn restart_sensors(&mut self, rise: f32) {
         self.sensors_age = 0;
         self.lagged = [rise; 2];
         self.lost = [0.0; 2];
-        for column in SENSORS {
-            self.past[column as usize] = Past::default();
+        for regressor in SENSORS {
+            self.past[regressor as usize] = Past::default();
         }
     }
 }

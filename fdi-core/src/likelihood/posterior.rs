@@ -1,7 +1,7 @@
 //! From gains in log evidence to probabilities of the classes: each class as likely as any other beforehand, the hypotheses of a class alike.
 
 use super::class::FaultClass;
-use super::evidence::Freed;
+use super::evidence::Estimate;
 use super::hypothesis::{COUNT, HYPOTHESES, ROWS};
 use crate::bounds::larger;
 
@@ -43,16 +43,16 @@ pub(super) struct Posterior {
 
 impl Posterior {
     #[inline(never)]
-    pub(super) fn new(freed: &[Freed; COUNT]) -> Self {
+    pub(super) fn new(estimate: &[Estimate; COUNT]) -> Self {
         let (mut best, mut most) = (0, f32::MIN);
-        for (h, freed) in freed.iter().enumerate() {
-            if freed.gain > most {
-                (best, most) = (h, freed.gain);
+        for (h, estimate) in estimate.iter().enumerate() {
+            if estimate.gain > most {
+                (best, most) = (h, estimate.gain);
             }
         }
         let best_gain = most;
         let weights: [f32; COUNT] =
-            core::array::from_fn(|h| libm::expf(larger(-60.0, freed[h].gain - best_gain)));
+            core::array::from_fn(|h| libm::expf(larger(-60.0, estimate[h].gain - best_gain)));
         // Of each class at its first hypothesis: the mean of its hypotheses.
         let (mut class, mut all) = ([0.0; COUNT], 0.0);
         for (h, weight) in weights.iter().enumerate() {
@@ -69,10 +69,10 @@ impl Posterior {
             *class /= all;
         }
         let (mut likeliest, mut top) = (0, (f32::MIN, f32::MIN));
-        for (h, (freed, class)) in freed.iter().zip(&class).enumerate() {
-            let better = *class > top.0 || (*class == top.0 && freed.gain > top.1);
+        for (h, (estimate, class)) in estimate.iter().zip(&class).enumerate() {
+            let better = *class > top.0 || (*class == top.0 && estimate.gain > top.1);
             if better {
-                (likeliest, top) = (h, (*class, freed.gain));
+                (likeliest, top) = (h, (*class, estimate.gain));
             }
         }
         Self { class, best_gain, all, best, likeliest }

@@ -11,6 +11,7 @@
 //! The wall is the slow share s with the time constant tw. Times are in ticks, so that nothing here depends on the sample time.
 //! Sources: docs/diagnosis.md, section 1; the flow's exponents are those of forced convection (docs/theory.md, section 1).
 
+use super::tuning::Tuned;
 use crate::bounds::{bounded, larger};
 
 /// How many parameters the model has.
@@ -73,13 +74,6 @@ impl Parameters {
 pub(super) const MEMORY: usize = 64;
 /// The longest delay that can be looked up, ticks.
 pub(super) const LONGEST: f32 = (MEMORY - 2) as f32;
-/// Share of the dead time of T1 that does not go with the air flow: sampling and conversion.
-pub(super) const FIXED_DELAY: f32 = 0.25;
-/// Film coefficients go with the air flow to this power: forced convection.
-pub(super) const FILM: f32 = 0.8;
-/// The power at which the gain is K, and the step of it for which [`Parameter::Curvature`] counts, %.
-pub(super) const CENTRE: f32 = 30.0;
-pub(super) const STEP: f32 = 20.0;
 
 /// The share of the way that a lag of `ticks` goes in a tick, for an input that is held.
 pub(super) fn share(ticks: f32) -> f32 {
@@ -180,11 +174,12 @@ pub(super) struct Process {
     pub(super) gain: [f32; 2],
     pub(super) slow: [f32; 2],
     pub(super) curvature: f32,
+    pub(super) tuning: Tuned,
 }
 
 impl Process {
     /// The model with `flow` times the air flow as learnt.
-    pub(super) fn new(p: &Parameters, flow: f32) -> Self {
+    pub(super) fn new(tuning: Tuned, p: &Parameters, flow: f32) -> Self {
         use Parameter::{Curvature, Gain, Lag1, Lag2, Wall1, Wall2, WallTime};
         let gain = libm::expf(p.get(Gain));
         let mut process = Self {
@@ -193,6 +188,7 @@ impl Process {
             gain: [gain; 2],
             slow: [p.get(Wall1), p.get(Wall1) + p.get(Wall2)],
             curvature: p.get(Curvature),
+            tuning,
             ..Self::default()
         };
         process.blow(p, flow);
@@ -202,9 +198,10 @@ impl Process {
     /// Another air flow, all else as it is.
     pub(super) fn blow(&mut self, p: &Parameters, flow: f32) {
         use Parameter::{Delay1, Delay2, Heater, Reaches2};
-        let film = if flow == 1.0 { 1.0 } else { libm::expf(FILM * libm::logf(flow)) };
+        let model = &self.tuning.model;
+        let film = if flow == 1.0 { 1.0 } else { libm::expf(model.film_exponent * libm::logf(flow)) };
         let inverse = 1.0 / flow;
-        let first = p.get(Delay1) * (FIXED_DELAY + (1.0 - FIXED_DELAY) * inverse);
+        let first = p.get(Delay1) * (model.fixed_delay + (1.0 - model.fixed_delay) * inverse);
         self.heater = share(libm::expf(p.get(Heater)) / film);
         self.into = 1.0 / film;
         self.out_of = film * inverse;
@@ -215,7 +212,7 @@ impl Process {
     /// The heat of a power, %.
     #[inline]
     pub(super) fn heat(&self, power: f32) -> f32 {
-        power * (1.0 + self.curvature * (power - CENTRE) / STEP)
+        power * (1.0 + self.curvature * (power - self.tuning.model.centre) / self.tuning.model.step)
     }
 
     /// One tick with `heat` from [`Self::heat`] applied since the last.

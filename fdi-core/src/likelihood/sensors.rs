@@ -1,13 +1,9 @@
 //! Sensors that the plausibility checks have given up: named at once, no model needed.
 
 use super::class::{Channel, FaultClass};
+use super::tuning::Tuned;
 use super::verdict::Finding;
 use crate::sense::{Sample, Validity};
-
-/// So many ticks in a row without a usable sample, and the sensor counts as lost; fewer are noise on the line.
-const LOST: u32 = 8;
-/// An open or shorted wire is believed on its second sample.
-const BROKEN: u32 = 2;
 
 /// For how long each channel has given nothing usable.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,16 +13,17 @@ pub(super) struct Sensors {
 
 impl Sensors {
     /// The first sensor that is broken, T1 first: it is in the loop.
-    pub(super) fn step(&mut self, sample: &Sample, tick: u32) -> Option<Finding> {
+    pub(super) fn step(&mut self, tuning: Tuned, sample: &Sample, tick: u32) -> Option<Finding> {
         let channels = [(Channel::T1, sample.t1), (Channel::T2, sample.t2), (Channel::T0, sample.t0)];
+        let (lost, broken) = (tuning.sensors.lost as u32, tuning.sensors.broken as u32);
         let mut found = None;
         for (bad, (channel, reading)) in self.bad.iter_mut().zip(channels) {
             *bad = if reading.validity == Validity::Good { 0 } else { bad.saturating_add(1) };
             let class = match reading.validity {
-                Validity::Open if *bad >= BROKEN => FaultClass::Open(channel),
-                Validity::Short if *bad >= BROKEN => FaultClass::Short(channel),
+                Validity::Open if *bad >= broken => FaultClass::Open(channel),
+                Validity::Short if *bad >= broken => FaultClass::Short(channel),
                 Validity::Stuck => FaultClass::Stuck(channel),
-                _ if *bad >= LOST => FaultClass::Lost(channel),
+                _ if *bad >= lost => FaultClass::Lost(channel),
                 _ => continue,
             };
             let onset = tick.saturating_sub(*bad - 1);
@@ -53,7 +50,7 @@ mod tests {
             } else {
                 Sample { t0: good, t1: good, t2: reading(validity) }
             };
-            (0..20).find_map(|tick| Some((tick, sensors.step(&sample, tick)?.class)))
+            (0..20).find_map(|tick| Some((tick, sensors.step(Tuned::default(), &sample, tick)?.class)))
         })
     }
 
@@ -61,9 +58,9 @@ mod tests {
     fn a_thermistor_is_named_by_what_it_gives() {
         use Channel::{T1, T2};
         assert_eq!(named(Validity::Good), [None; 2]);
-        assert_eq!(named(Validity::Open), [T1, T2].map(|c| Some((BROKEN - 1, FaultClass::Open(c)))));
-        assert_eq!(named(Validity::Short), [T1, T2].map(|c| Some((BROKEN - 1, FaultClass::Short(c)))));
-        assert_eq!(named(Validity::Missing), [T1, T2].map(|c| Some((LOST - 1, FaultClass::Lost(c)))));
+        assert_eq!(named(Validity::Open), [T1, T2].map(|c| Some((1, FaultClass::Open(c)))));
+        assert_eq!(named(Validity::Short), [T1, T2].map(|c| Some((1, FaultClass::Short(c)))));
+        assert_eq!(named(Validity::Missing), [T1, T2].map(|c| Some((7, FaultClass::Lost(c)))));
         assert_eq!(named(Validity::Stuck), [T1, T2].map(|c| Some((0, FaultClass::Stuck(c)))));
     }
 }

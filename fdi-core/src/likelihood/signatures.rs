@@ -1,39 +1,38 @@
 //! What each fault would look like if it began now, for those who ask beforehand which can be told apart.
 //!
-//! The bank's own columns, whitened by the noise that was learnt and driven by the power that is applied, since an onset that is only
+//! The bank's own regressors, whitened by the noise that was learnt and driven by the power that is applied, since an onset that is only
 //! assumed. Nothing here changes what the diagnosis says, and no board calls it.
 
 use super::LikelihoodState;
 use super::class::FaultClass;
-use super::column::{COUNT, Column, Direction};
-use super::evidence::{Free, Nuisance};
-use super::hypothesis::{COUNT as HYPOTHESIS_COUNT, HYPOTHESES, Hypothesis, SINCE_ONSET, in_unit};
+use super::evidence::{Nuisance, Prior};
+use super::hypothesis::{COUNT as HYPOTHESIS_COUNT, Hypothesis, in_unit};
 use super::onset::Onset;
-use super::watch::{self, WatchState};
+use super::regressor::{COUNT, Direction, Regressor};
+use super::tuning::Tuned;
+use super::watch::WatchState;
 use crate::bounds::{larger, smaller};
 
-/// How many columns there are.
-pub const COLUMNS: usize = COUNT;
-/// The bank divides its evidence by so much.
-pub const KAPPA: f32 = watch::KAPPA;
+/// How many regressors there are.
+pub const REGRESSORS: usize = COUNT;
+/// How many nuisances there are.
+pub const NUISANCES: usize = 10;
 
-/// No fault is further from the mean of what may come than so many standard deviations.
-const LARGEST: f32 = 5.0;
-
-/// Columns since an assumed onset.
+/// Regressors since an assumed onset.
 #[derive(Clone, Copy, Debug)]
 pub struct Signatures {
     onset: Onset,
     /// Rises of T1 and T2 at the onset, degC.
-    stays: [f32; 2],
-    nuisances: [Nuisance; SINCE_ONSET.len()],
+    at_onset: [f32; 2],
+    nuisances: [Nuisance; NUISANCES],
+    tuning: Tuned,
 }
 
-/// Some columns together, with the mean and standard deviation of the factor on them.
+/// Some regressors together, with the mean and standard deviation of the factor on them.
 #[derive(Clone, Copy, Debug)]
 pub struct Term {
-    /// How much of each column.
-    pub weights: [f32; COLUMNS],
+    /// How much of each regressor.
+    pub weights: [f32; REGRESSORS],
     /// Mean of the factor.
     pub mean: f32,
     /// Its standard deviation.
@@ -63,35 +62,46 @@ impl Signatures {
     /// Assumes that a fault first shows on the tick that the diagnosis has just done; none where it is not armed.
     pub fn begin(state: &LikelihoodState) -> Option<Self> {
         let trained = armed(state)?;
-        Some(Self { onset: Onset::default(), stays: trained.rises(), nuisances: trained.nuisances() })
+        Some(Self {
+            onset: Onset::default(),
+            at_onset: trained.rises(),
+            nuisances: trained.nuisances(),
+            tuning: trained.tuning,
+        })
     }
 
-    /// The columns of T1 and T2 of the tick that the diagnosis has just done, in standard deviations of the innovations; none where it is
+    /// The regressors of T1 and T2 of the tick that the diagnosis has just done, in standard deviations of the innovations; none where it is
     /// not armed or has not been for long enough.
-    pub fn step(&mut self, state: &LikelihoodState) -> Option<[[f32; 2]; COLUMNS]> {
-        armed(state)?.columns(&mut self.onset)
+    pub fn step(&mut self, state: &LikelihoodState) -> Option<[[f32; 2]; REGRESSORS]> {
+        armed(state)?.regressors(&mut self.onset)
     }
 
     /// What moves without being a fault.
-    pub fn nuisances(&self) -> [Term; SINCE_ONSET.len()] {
-        self.nuisances.map(|(direction, sd)| Term::of(Free { direction, mean: 0.0, sd }))
+    pub fn nuisances(&self) -> [Term; NUISANCES] {
+        self.nuisances.map(|(direction, sd)| Term::of(Prior { direction, mean: 0.0, sd }))
+    }
+
+    /// The bank divides its evidence by so much.
+    pub fn kappa(&self) -> f32 {
+        self.tuning.alarm.kappa
     }
 
     /// What the bank may call it.
     pub fn candidates(&self) -> [Candidate; HYPOTHESIS_COUNT] {
-        HYPOTHESES.map(|row| {
+        self.tuning.hypotheses().map(|row| {
             let mut second = row.second.map(Term::of);
-            if let (Some(second), Some(m)) = (&mut second, row.stays) {
-                second.mean = self.stays.get(m).copied().unwrap_or(0.0);
+            if let (Some(second), Some(m)) = (&mut second, row.stuck_at) {
+                second.mean = self.at_onset.get(m).copied().unwrap_or(0.0);
             }
             Candidate {
                 class: row.class,
                 which: which(row.first.direction),
                 first: Term::of(row.first),
                 second,
-                range: range(&row),
+                range: range(&row, self.tuning.hypotheses.farthest),
                 prior: row.prior,
-                sized: !row.class.unit().is_empty() && row.first.direction != Direction::Of(Column::Constant),
+                sized: !row.class.unit().is_empty()
+                    && row.first.direction != Direction::Of(Regressor::Constant),
             }
         })
     }
@@ -102,10 +112,10 @@ fn armed(state: &LikelihoodState) -> Option<&WatchState> {
 }
 
 impl Term {
-    fn of(free: Free) -> Self {
-        let mut weights = [0.0; COLUMNS];
-        for (column, weight) in free.direction.columns().into_iter().zip(free.direction.weights()) {
-            weights[column] += weight;
+    fn of(free: Prior) -> Self {
+        let mut weights = [0.0; REGRESSORS];
+        for (regressor, weight) in free.direction.regressors().into_iter().zip(free.direction.weights()) {
+            weights[regressor] += weight;
         }
         Self { weights, mean: free.mean, sd: free.sd }
     }
@@ -124,20 +134,20 @@ impl Candidate {
     }
 }
 
-fn range(row: &Hypothesis) -> (f32, f32) {
-    let (Free { mean, sd, .. }, (low, high)) = (row.first, row.range);
-    (larger(low, mean - LARGEST * sd), smaller(high, mean + LARGEST * sd))
+fn range(row: &Hypothesis, farthest: f32) -> (f32, f32) {
+    let (Prior { mean, sd, .. }, (low, high)) = (row.first, row.range);
+    (larger(low, mean - farthest * sd), smaller(high, mean + farthest * sd))
 }
 
 fn which(direction: Direction) -> &'static str {
     match direction {
-        Direction::Of(Column::ShortLoss) => "short lag",
+        Direction::Of(Regressor::ShortLoss) => "short lag",
         Direction::MidLoss => "mid lag",
-        Direction::Of(Column::LongLoss) => "long lag",
-        Direction::Of(Column::Ramp1) => "T1",
-        Direction::Of(Column::Ramp2) => "T2",
+        Direction::Of(Regressor::LongLoss) => "long lag",
+        Direction::Of(Regressor::Ramp1) => "T1",
+        Direction::Of(Regressor::Ramp2) => "T2",
         Direction::Ramp0 => "T0",
-        Direction::Of(Column::Constant) => "constant",
+        Direction::Of(Regressor::Constant) => "constant",
         _ => "",
     }
 }

@@ -4,30 +4,16 @@
 //! therefore kept apart: what is faster than some seconds is gathered in the sums; what is slower counts as two more measurements, the
 //! means of both residuals.
 
-use super::column::{Column, LASTING, LESS_BY, MORE_BY, Row};
-use super::evidence::{Freed, Nuisance, Nuisances};
-use super::hypothesis::{self, HYPOTHESES, IMPOSSIBLE, MODEL_ERRORS};
+use super::evidence::{Estimate, Nuisance, Nuisances};
+use super::hypothesis::{self, IMPOSSIBLE};
 use super::inputs::Inputs;
-use super::ladder::{Ladder, Past};
 use super::normal::LastingNormal;
 use super::process::{Motion, Process, Rises};
+use super::regressor::{LASTING, Regressor, Regressors};
+use super::tuning::Tuned;
+use super::whitening::{Past, WhiteningFilter};
 use crate::bounds::{bounded, smaller};
 use crate::filter::LowPass;
-
-/// What the mean of a residual may be off by, degC.
-const MEAN_SD: f32 = 0.1;
-/// And by which share of the distance of the rise from where training took place.
-const AWAY: f32 = 0.02;
-/// Evidence is divided by so much.
-pub(super) const KAPPA: f32 = 3.0;
-/// The fast band counts so much where a size is estimated: its sensitivities are what the model knows worst.
-const FAST_IN_SIZE: f32 = 0.1;
-/// It is judged on each so many ticks.
-const JUDGED_EVERY: u32 = 30;
-/// A tick counts no more than so many standard deviations.
-const LIMIT: f32 = 8.0;
-/// Nor does a mean see more of a residual than so much of it away from it, degC: the tick on which something jumps is gathered before there is an alarm.
-const JUMP: f32 = 1.0;
 
 /// Its memories.
 #[derive(Clone, Copy, Debug)]
@@ -47,9 +33,9 @@ pub(super) struct Steady {
     more: Motion,
     past: [Past; LASTING],
     residual_past: Past,
-    slow: Row<LASTING>,
+    slow: Regressors<LASTING>,
     slow_z: [f32; 2],
-    mean: Row<LASTING>,
+    mean: Regressors<LASTING>,
     pub(super) mean_e: [f32; 2],
     normal: LastingNormal,
     /// What the fast band seems to have changed by while nothing had: where the model is wrong.
@@ -61,10 +47,11 @@ pub(super) struct Steady {
     /// Rise of T1 at which training took place, degC.
     trained: f32,
     ticks: u32,
+    tuning: Tuned,
 }
 
 impl Steady {
-    pub(super) fn new(motion: &Motion, rise: f32) -> Self {
+    pub(super) fn new(tuning: Tuned, motion: &Motion, rise: f32) -> Self {
         Self {
             less: *motion,
             more: *motion,
@@ -81,81 +68,88 @@ impl Steady {
             rebasing: false,
             trained: rise,
             ticks: 0,
+            tuning,
         }
     }
 
     /// The models begin anew from a motion.
     pub(super) fn resume(&mut self, motion: &Motion) {
-        *self = Self { base: self.base, ..Self::new(motion, self.trained) };
+        *self = Self { base: self.base, ..Self::new(self.tuning, motion, self.trained) };
     }
 
-    /// Columns of this tick, as if each thing had always been so.
-    pub(super) fn row(
+    /// Regressors of this tick, as if each thing had always been so.
+    pub(super) fn regressors(
         &mut self,
         flows: &[Process; 2],
         heat: f32,
         rises: &Rises,
         before: [f32; 2],
-    ) -> Row<LASTING> {
+    ) -> Regressors<LASTING> {
         let less = flows[0].step(&mut self.less, heat);
         let more = flows[1].step(&mut self.more, heat);
         let y = rises.y;
-        let mut row = [[0.0; 2]; LASTING];
-        let mut put = |column: Column, value: [f32; 2]| row[column as usize] = value;
-        put(Column::Power, y);
-        put(Column::LessFlow, [(less.y[0] - y[0]) / LESS_BY, (less.y[1] - y[1]) / LESS_BY]);
-        put(Column::MoreFlow, [(more.y[0] - y[0]) / MORE_BY, (more.y[1] - y[1]) / MORE_BY]);
-        put(Column::Offset1, [1.0, 0.0]);
-        put(Column::Offset2, [0.0, 1.0]);
-        put(Column::Gain1, [y[0], 0.0]);
-        put(Column::Gain2, [0.0, y[1]]);
-        put(Column::Wall, rises.wall);
-        put(Column::Shift, [before[0] - y[0], before[1] - y[1]]);
-        row
+        let [less_by, more_by] = self.tuning.model.secants();
+        let mut regressors = [[0.0; 2]; LASTING];
+        let mut put = |regressor: Regressor, value: [f32; 2]| regressors[regressor as usize] = value;
+        put(Regressor::Power, y);
+        put(Regressor::LessFlow, [(less.y[0] - y[0]) / less_by, (less.y[1] - y[1]) / less_by]);
+        put(Regressor::MoreFlow, [(more.y[0] - y[0]) / more_by, (more.y[1] - y[1]) / more_by]);
+        put(Regressor::Offset1, [1.0, 0.0]);
+        put(Regressor::Offset2, [0.0, 1.0]);
+        put(Regressor::Gain1, [y[0], 0.0]);
+        put(Regressor::Gain2, [0.0, y[1]]);
+        put(Regressor::Wall, rises.wall);
+        put(Regressor::Shift, [before[0] - y[0], before[1] - y[1]]);
+        regressors
     }
 
-    /// The columns whitened.
-    pub(super) fn whitened(&mut self, ladder: &Ladder, row: &Row<LASTING>) -> Row<LASTING> {
-        let mut whitened = *row;
+    /// The regressors whitened.
+    pub(super) fn whitened(
+        &mut self,
+        whitening: &WhiteningFilter,
+        regressors: &Regressors<LASTING>,
+    ) -> Regressors<LASTING> {
+        let mut whitened = *regressors;
         for (value, past) in whitened.iter_mut().zip(&mut self.past) {
-            *value = ladder.step(past, *value);
+            *value = whitening.step(past, *value);
         }
         whitened
     }
 
     /// Whitens a residual against the trained state, degC.
-    pub(super) fn residual(&mut self, ladder: &Ladder, e: [f32; 2]) -> [f32; 2] {
-        ladder.step(&mut self.residual_past, e)
+    pub(super) fn residual(&mut self, whitening: &WhiteningFilter, e: [f32; 2]) -> [f32; 2] {
+        whitening.step(&mut self.residual_past, e)
     }
 
-    /// Gathers a tick: columns and residuals, plain and whitened.
+    /// Gathers a tick: regressors and residuals, plain and whitened.
     #[inline(never)]
     pub(super) fn gather(
         &mut self,
         c: &SteadyConstants,
-        row: &Row<LASTING>,
-        whitened: &Row<LASTING>,
+        regressors: &Regressors<LASTING>,
+        whitened: &Regressors<LASTING>,
         e: [f32; 2],
         z: [f32; 2],
     ) {
         if self.ticks == 0 {
-            self.mean = *row;
+            self.mean = *regressors;
         }
         self.ticks = self.ticks.saturating_add(1);
-        let weight = smaller(1.0, LIMIT / (z[0].abs() + 1e-6)) * smaller(1.0, LIMIT / (z[1].abs() + 1e-6));
+        let (clip, jump) = (self.tuning.since_training.clip, self.tuning.since_training.jump);
+        let weight = smaller(1.0, clip / (z[0].abs() + 1e-6)) * smaller(1.0, clip / (z[1].abs() + 1e-6));
         let mut fast = *whitened;
         let mut fast_z = z;
         for m in 0..2 {
             let slow = self.slow_z[m];
-            fast_z[m] = bounded(z[m], slow - LIMIT, slow + LIMIT);
+            fast_z[m] = bounded(z[m], slow - clip, slow + clip);
             c.split.follow(&mut self.slow_z[m], fast_z[m]);
             fast_z[m] -= self.slow_z[m];
             let mean = self.mean_e[m];
-            c.mean.follow(&mut self.mean_e[m], bounded(e[m], mean - JUMP, mean + JUMP));
+            c.mean.follow(&mut self.mean_e[m], bounded(e[m], mean - jump, mean + jump));
             for i in 0..LASTING {
                 c.split.follow(&mut self.slow[i][m], whitened[i][m]);
                 fast[i][m] -= self.slow[i][m];
-                c.mean.follow(&mut self.mean[i][m], row[i][m]);
+                c.mean.follow(&mut self.mean[i][m], regressors[i][m]);
             }
         }
         if self.referred {
@@ -174,10 +168,11 @@ impl Steady {
             self.base = self.mean_e;
             self.rebasing = false;
         }
-        let nuisances = Nuisances::new(&self.normal, &MODEL_ERRORS, KAPPA);
+        let errors = hypothesis::model_errors(&self.tuning.nuisances);
+        let nuisances = Nuisances::new(&self.normal, &errors, self.tuning.since_training.kappa);
         let values = nuisances.values();
-        for ((direction, _), value) in MODEL_ERRORS.iter().zip(values) {
-            self.reference[direction.columns()[0] % LASTING] = value;
+        for ((direction, _), value) in errors.iter().zip(values) {
+            self.reference[direction.regressors()[0] % LASTING] = value;
         }
         self.normal = LastingNormal::default();
         self.ticks = 0;
@@ -200,7 +195,9 @@ impl Steady {
 
     /// Whether there is anything to judge by.
     pub(super) fn is_ready(&self, first: f32) -> bool {
-        self.referred && self.ticks.is_multiple_of(JUDGED_EVERY) && self.ticks as f32 >= first
+        self.referred
+            && self.ticks.is_multiple_of(self.tuning.since_training.every as u32)
+            && self.ticks as f32 >= first
     }
 
     /// The gains of all lasting hypotheses. The size of the best is estimated again, from the means above all.
@@ -208,26 +205,26 @@ impl Steady {
     pub(super) fn judge(
         &self,
         nuisances: &[Nuisance],
-        freed: &mut [Freed; hypothesis::COUNT],
+        estimate: &mut [Estimate; hypothesis::COUNT],
         inputs: Inputs,
     ) {
         let both = self.with_means(1.0, inputs);
-        let nuisances = Nuisances::new(&both, nuisances, KAPPA).for_many();
-        for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
-            *freed = Freed { gain: IMPOSSIBLE, ..Freed::default() };
-            if row.lasting && inputs.tell(row.class) {
-                *freed = row.judged(nuisances.free(row.first, None));
+        let nuisances = Nuisances::new(&both, nuisances, self.tuning.since_training.kappa).for_many();
+        for (estimate, hypothesis) in estimate.iter_mut().zip(self.tuning.hypotheses()) {
+            *estimate = Estimate { gain: IMPOSSIBLE, ..Estimate::default() };
+            if hypothesis.lasting && inputs.tell(hypothesis.class) {
+                *estimate = hypothesis.judged(nuisances.estimate(hypothesis.first, None));
             }
         }
     }
 
     /// The size of a hypothesis, from the means above all.
     #[inline(never)]
-    pub(super) fn size(&self, nuisances: &[Nuisance], h: usize, inputs: Inputs) -> Freed {
-        let mostly_means = self.with_means(FAST_IN_SIZE, inputs);
-        let nuisances = Nuisances::new(&mostly_means, nuisances, KAPPA);
-        let row = &HYPOTHESES[h % HYPOTHESES.len()];
-        nuisances.free(row.first, None)
+    pub(super) fn size(&self, nuisances: &[Nuisance], h: usize, inputs: Inputs) -> Estimate {
+        let mostly_means = self.with_means(self.tuning.since_training.fast_in_size, inputs);
+        let nuisances = Nuisances::new(&mostly_means, nuisances, self.tuning.since_training.kappa);
+        let hypothesis = &self.tuning.hypotheses()[h % hypothesis::COUNT];
+        nuisances.estimate(hypothesis.first, None)
     }
 
     /// The sums with the means as two more measurements, and a share of the fast band.
@@ -236,12 +233,13 @@ impl Steady {
         normal.explain(&self.reference);
         normal.scale(fast);
         let e = [self.mean_e[0] - self.base[0], self.mean_e[1] - self.base[1]];
-        let away = AWAY * (self.mean[Column::Power as usize][0] - self.trained);
+        let t = &self.tuning.since_training;
+        let away = t.away * (self.mean[Regressor::Power as usize][0] - self.trained);
         let mut mean = self.mean;
         if !inputs.t2 {
-            mean.iter_mut().for_each(|column| column[1] = 0.0);
+            mean.iter_mut().for_each(|regressor| regressor[1] = 0.0);
         }
-        normal.add(&mean, e, KAPPA / (MEAN_SD * MEAN_SD + away * away));
+        normal.add(&mean, e, t.kappa / (t.mean_sd * t.mean_sd + away * away));
         normal
     }
 }

@@ -1,6 +1,6 @@
 //! How the rises change with each parameter of the model: its equations differentiated, run beside it (forward sensitivities).
 
-use super::process::{CENTRE, COUNT, Motion, Parameter, Parameters, Process, Rises, STEP, Transport};
+use super::process::{COUNT, Motion, Parameter, Parameters, Process, Rises, Transport};
 
 /// What a parameter moves on its way: heater and air for some, lags and walls for most.
 #[derive(Clone, Copy, Debug, Default)]
@@ -73,7 +73,8 @@ impl Tangent {
         };
         let slope = share_slope(parameters.get(Heater));
         put(Heater, on_heater(&mut self.heater, slope * (heat - before.0)));
-        let bent = p.heater * power * (power - CENTRE) / STEP;
+        let model = &p.tuning.model;
+        let bent = p.heater * power * (power - model.centre) / model.step;
         put(Curvature, on_heater(&mut self.curvature, bent));
         let [earlier1, earlier2] = arriving.map(|(_, slope)| slope);
         put(Delay1, self.delay1.step(p, [earlier1, earlier2], none, none));
@@ -107,14 +108,14 @@ mod tests {
         let parameters = Parameters([-1.2, 1.4, 1.7, 0.2, 0.06, 0.9, 1.3, 1.1, 0.03, 4.0, 0.1, -0.2, 0.01]);
         let power = |k: usize| if (k / 7).is_multiple_of(3) { 45.0 } else { 30.0 };
         let run = |p: &Parameters| {
-            let (process, mut motion) = (Process::new(p, 1.0), Motion::default());
+            let (process, mut motion) = (Process::new(Default::default(), p, 1.0), Motion::default());
             let mut y = [0.0; 2];
             for k in 0..120 {
                 y = process.step(&mut motion, process.heat(power(k))).y;
             }
             [y[0] + p.get(Parameter::Offset1), y[1] + p.get(Parameter::Offset2)]
         };
-        let process = Process::new(&parameters, 1.0);
+        let process = Process::new(Default::default(), &parameters, 1.0);
         let (mut tangent, mut motion) = (Tangent::default(), Motion::default());
         let mut derivatives = [[0.0; COUNT]; 2];
         for k in 0..120 {

@@ -1,60 +1,58 @@
 //! What moves slowly without being a fault yet: power, air flow and both offsets, by a Kalman filter that runs while nothing stirs.
 
-use super::column::{Column, LASTING, Row};
+use super::regressor::{LASTING, Regressor, Regressors};
+use super::tuning::Tuned;
 
 const N: usize = 4;
-/// Standard deviations at the start: share of power, 1/f - 1, degC.
-const FIRST: [f32; N] = [0.01, 0.005, 0.1, 0.1];
-/// Random walk of each in a tick, for a process that answers within some ten ticks.
-const WALK: [f32; N] = [0.0002, 0.00008, 0.0008, 0.0008];
-/// Variance of a whitened residual, as the filter takes it: it is slower for it.
-const NOISE: f32 = 3.0;
 
 /// The filter's memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tracker {
     pub(super) x: [f32; N],
     p: [[f32; N]; N],
-}
-
-impl Default for Tracker {
-    fn default() -> Self {
-        let mut p = [[0.0; N]; N];
-        for i in 0..N {
-            p[i][i] = FIRST[i] * FIRST[i];
-        }
-        Self { x: [0.0; N], p }
-    }
+    tuning: Tuned,
 }
 
 impl Tracker {
-    /// The columns of what it tracks.
-    fn columns(&self) -> [usize; N] {
-        let flow = if self.x[1] < 0.0 { Column::MoreFlow } else { Column::LessFlow };
-        [Column::Power as usize, flow as usize, Column::Offset1 as usize, Column::Offset2 as usize]
+    /// Of what has not moved yet.
+    pub(super) fn new(tuning: Tuned) -> Self {
+        let first = tuning.tracker.first();
+        let mut p = [[0.0; N]; N];
+        for i in 0..N {
+            p[i][i] = first[i] * first[i];
+        }
+        Self { x: [0.0; N], p, tuning }
+    }
+
+    /// The regressors of what it tracks.
+    fn regressors(&self) -> [usize; N] {
+        let flow = if self.x[1] < 0.0 { Regressor::MoreFlow } else { Regressor::LessFlow };
+        [Regressor::Power as usize, flow as usize, Regressor::Offset1 as usize, Regressor::Offset2 as usize]
     }
 
     /// What it expects of both residuals, degC.
-    pub(super) fn expected(&self, row: &Row<LASTING>) -> [f32; 2] {
+    pub(super) fn expected(&self, regressors: &Regressors<LASTING>) -> [f32; 2] {
         let mut expected = [0.0; 2];
-        for (x, column) in self.x.iter().zip(self.columns()) {
-            expected[0] += x * row[column][0];
-            expected[1] += x * row[column][1];
+        for (x, regressor) in self.x.iter().zip(self.regressors()) {
+            expected[0] += x * regressors[regressor][0];
+            expected[1] += x * regressors[regressor][1];
         }
         expected
     }
 
-    /// A quiet tick: whitened columns, and what is left of the whitened residuals.
+    /// A quiet tick: whitened regressors, and what is left of the whitened residuals.
     #[inline(never)]
-    pub(super) fn step(&mut self, whitened: &Row<LASTING>, z: [f32; 2]) {
+    pub(super) fn step(&mut self, whitened: &Regressors<LASTING>, z: [f32; 2]) {
+        let t = &self.tuning.tracker;
+        let walk = t.walk();
         for i in 0..N {
-            self.p[i][i] += WALK[i] * WALK[i];
+            self.p[i][i] += walk[i] * walk[i];
         }
-        let columns = self.columns();
+        let regressors = self.regressors();
         for m in 0..2 {
-            let phi = columns.map(|column| whitened[column][m]);
+            let phi = regressors.map(|regressor| whitened[regressor][m]);
             let gain: [f32; N] = core::array::from_fn(|i| (0..N).map(|j| self.p[i][j] * phi[j]).sum());
-            let variance = NOISE + (0..N).map(|i| phi[i] * gain[i]).sum::<f32>();
+            let variance = t.noise + (0..N).map(|i| phi[i] * gain[i]).sum::<f32>();
             let inverse = 1.0 / variance;
             for i in 0..N {
                 self.x[i] += gain[i] * inverse * z[m];

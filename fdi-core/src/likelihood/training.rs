@@ -10,11 +10,12 @@ mod filter;
 mod noise;
 mod sense;
 
-use super::beside::{self, Beside};
 use super::inputs::Inputs;
-use super::ladder::{Ladder, ResidualStatistics};
 use super::process::{COUNT, LONGEST, Motion, Parameter, Parameters, Process};
+use super::second_heater::SecondHeater;
+use super::tuning::{PriorTuning, Tuned};
 use super::verdict::RejectReason;
+use super::whitening::{ResidualStatistics, WhiteningFilter};
 use crate::error::ConfigError;
 use crate::identify::config::{Adaptation, RlsConfig};
 use crate::identify::rls::Rls;
@@ -23,30 +24,28 @@ use filter::Filter;
 use sense::make_twin;
 
 /// Priors of the parameters, mean and standard deviation, where neither the answer time nor the usual gain says more.
-const PRIOR: [(f32, f32); COUNT] = [
-    (0.0, 0.7),   // gain: by the usual one
-    (0.0, 0.8),   // heater: by the answer time
-    (0.9, 1.4),   // dead time, ticks
-    (-0.1, 1.0),  // T1: a tick
-    (0.03, 0.06), // wall at T1
-    (0.9, 0.2),   // what reaches T2
-    (1.1, 1.4),   // transport, ticks
-    (1.3, 1.0),   // T2: 4 ticks
-    (0.02, 0.06), // wall at T2
-    (0.0, 0.7),   // wall: by the answer time
-    (0.0, 1.5),   // offsets
-    (0.0, 1.5),
-    (0.0, 0.015), // curvature
-];
-/// The heater's time constant as a share of the answer time; the wall's in answer times.
-const HEATER_SHARE: f32 = 0.22;
-const WALL_ANSWERS: f32 = 15.0;
+const fn prior(t: &PriorTuning) -> [(f32, f32); COUNT] {
+    [
+        (0.0, t.gain_sd),   // by the usual one
+        (0.0, t.heater_sd), // by the answer time
+        (t.delay1, t.delay_sd),
+        (t.lag1, t.lag_sd),
+        (t.wall1, t.wall_sd),
+        (t.reaches, t.reaches_sd),
+        (t.delay2, t.delay_sd),
+        (t.lag2, t.lag_sd),
+        (t.wall2, t.wall_sd),
+        (0.0, t.wall_time_sd), // by the answer time
+        (0.0, t.offset_sd),
+        (0.0, t.offset_sd),
+        (0.0, t.curvature_sd),
+    ]
+}
+
 /// Longest dead time of T1 and T2 together, ticks: the transport holds it for a lower air flow, too.
-const LONGEST_DELAY: f32 = 0.7 * LONGEST;
-/// Without T0 the intercept is known no better than this, degC.
-const INTERCEPT_SD: f32 = 30.0;
-/// Residual means are taken over by this share.
-const MEAN_SHARE: f32 = 0.7;
+fn longest_delay(tuning: &Tuned) -> f32 {
+    tuning.range.longest_delay * LONGEST
+}
 
 /// How far training has come.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +55,7 @@ pub(super) struct Training {
     motion: Motion,
     phase: Phase,
     statistics: ResidualStatistics,
-    beside: Beside,
+    beside: SecondHeater,
     power: f32,
     curvature_error: f32,
     ticks: u32,
@@ -77,9 +76,9 @@ enum Phase {
 pub(super) struct Trained {
     pub(super) parameters: Parameters,
     pub(super) motion: Motion,
-    pub(super) ladder: Ladder,
+    pub(super) whitening: WhiteningFilter,
     pub(super) mean: [f32; 2],
-    pub(super) beside: Beside,
+    pub(super) beside: SecondHeater,
     /// Power applied since the last tick, %.
     pub(super) power: f32,
     /// Rise of T1 at which it was learnt, degC.
@@ -96,6 +95,7 @@ pub(super) struct Trainer {
     /// Dead time and four time constants, ticks.
     answer: f32,
     inputs: Inputs,
+    tuning: Tuned,
     pub(super) fit_samples: u32,
     pub(super) check_samples: u32,
 }
@@ -110,31 +110,34 @@ impl Training {
 impl Trainer {
     /// Of a plant that answers within `answer` ticks and has about the gain `usual`, degC per %.
     pub(super) fn new(
+        tuning: Tuned,
         fit_samples: u32,
         check_samples: u32,
         answer: f32,
         usual: f32,
     ) -> Result<Self, ConfigError> {
-        let mut prior = PRIOR;
+        let t = &tuning.prior;
+        let mut prior = prior(t);
         prior[Parameter::Gain as usize].0 = libm::logf(usual);
-        prior[Parameter::Heater as usize].0 = libm::logf(HEATER_SHARE * answer);
-        prior[Parameter::WallTime as usize].0 = libm::logf(WALL_ANSWERS * answer);
+        prior[Parameter::Heater as usize].0 = libm::logf(t.heater * answer);
+        prior[Parameter::WallTime as usize].0 = libm::logf(t.wall_time * answer);
         let adaptation = Adaptation::RandomWalk { r1: 0.0, r2: 1.0 };
         let rls = Rls::new(&RlsConfig { adaptation, d_initial: 1.0, d_max: 1.0 })?;
-        Ok(Self { rls, prior, answer, inputs: Inputs::ALL, fit_samples, check_samples })
+        Ok(Self { rls, prior, answer, inputs: Inputs::ALL, tuning, fit_samples, check_samples })
     }
 
     /// The same of a rig that lacks some inputs.
     pub(super) fn with(mut self, inputs: Inputs) -> Self {
         self.inputs = inputs;
+        let t = &self.tuning.prior;
         if !inputs.t0 {
-            self.prior[Parameter::Offset1 as usize].1 = INTERCEPT_SD;
-            self.prior[Parameter::Offset2 as usize].1 = INTERCEPT_SD;
+            self.prior[Parameter::Offset1 as usize].1 = t.intercept_sd;
+            self.prior[Parameter::Offset2 as usize].1 = t.intercept_sd;
         }
         if !inputs.t2 {
             let (heater, _) = self.prior[Parameter::Heater as usize];
-            self.prior[Parameter::Reaches2 as usize] = beside::SHARE;
-            self.prior[Parameter::Lag2 as usize] = (heater + beside::LAG.0, beside::LAG.1);
+            self.prior[Parameter::Reaches2 as usize] = (t.second_heater, t.second_heater_sd);
+            self.prior[Parameter::Lag2 as usize] = (heater, t.second_heater_lag_sd);
         }
         self
     }
@@ -143,11 +146,11 @@ impl Trainer {
         let parameters = Parameters(self.prior.map(|(mean, _)| mean));
         Training {
             parameters,
-            process: Process::new(&parameters, 1.0),
+            process: Process::new(self.tuning, &parameters, 1.0),
             motion: Motion::default(),
-            phase: Phase::Fitting(Filter::new(self.rls.start(), &self.prior, self.answer)),
+            phase: Phase::Fitting(Filter::new(self.tuning, self.rls.start(), &self.prior, self.answer)),
             statistics: ResidualStatistics::default(),
-            beside: Beside::default(),
+            beside: SecondHeater::default(),
             power: 0.0,
             curvature_error: 0.0,
             ticks: 0,
@@ -184,8 +187,8 @@ impl Trainer {
             };
             if !filter.started {
                 filter.begin(&mut s.parameters, &mut s.motion, cold, y, u, self.inputs);
-                s.beside = Beside::steady(&s.parameters, beside);
-                s.process = Process::new(&s.parameters, 1.0);
+                s.beside = SecondHeater::steady(&s.parameters, beside);
+                s.process = Process::new(self.tuning, &s.parameters, 1.0);
                 return Ok(None);
             }
             s.ticks = s.ticks.saturating_add(1);
@@ -231,14 +234,14 @@ impl Trainer {
             make_twin(&mut s.parameters, &mut s.motion);
         }
         let delay = s.parameters.get(Parameter::Delay1) + s.parameters.get(Parameter::Delay2);
-        if delay >= LONGEST_DELAY {
+        if delay >= longest_delay(&self.tuning) {
             return Err(RejectReason::DeadTime);
         }
         Ok(Some(Trained {
             parameters: s.parameters,
             motion: s.motion,
-            ladder: s.statistics.finish(self.inputs.channels())?,
-            mean: s.statistics.mean().map(|mean| MEAN_SHARE * mean),
+            whitening: s.statistics.finish(&self.tuning.whitening, self.inputs.channels())?,
+            mean: s.statistics.mean().map(|mean| self.tuning.filter.mean_share * mean),
             beside: s.beside,
             power: u,
             rise: s.statistics.level(0),

@@ -1,46 +1,26 @@
 //! The watch over a trained rig: residuals of a frozen model, charts on them, and the banks that explain what the charts find.
 //!
-//! While nothing stirs, a tracker follows slow change, and all columns begin anew on every tick; when a chart fires, they have gathered since
+//! While nothing stirs, a tracker follows slow change, and all regressors begin anew on every tick; when a chart fires, they have gathered since
 //! the onset. Beside that the state is held against the trained one, over a minute.
 
 use super::alarm::{Alarm, ModelAlarm};
-use super::beside::Beside;
 use super::chart::{Chart, Sums};
-use super::column::{LESS, MORE};
-use super::gone::Gone;
 use super::heat::{Heat, HeatState, Rise};
-use super::hypothesis;
 use super::inputs::Inputs;
-use super::ladder::{Ladder, Past};
 use super::model::Model;
 use super::normal::Normal;
 use super::onset::{History, Nominal, Onset};
 use super::process::{Motion, Parameter, Parameters, Process};
+use super::recovery::Recovery;
+use super::second_heater::SecondHeater;
 use super::steady::Steady;
 use super::taught::Responses;
 use super::tracker::Tracker;
 use super::training::Trained;
+use super::tuning::Tuned;
+use super::whitening::{Past, WhiteningFilter};
 use lasting::Lasting;
-use pace::Pace;
-
-/// Charts see no more of an innovation than so many standard deviations: a spike counts once.
-const CLIP: f32 = 6.0;
-/// Ticks without a chart at the start.
-const FIRST_TICKS: u32 = 10;
-/// The tracker runs while all charts are below this share of their intervals.
-const TRACK_BELOW: f32 = 0.4;
-/// The share of a swing beyond this, degC, that the model may get wrong, and the swing's memory, s.
-const SWING: f32 = 1.5;
-/// T0 is above its mean by so much without moving, degC: its noise.
-const INLET_NOISE: f32 = 0.15;
-/// Errors of what was learnt are so many times those that the filter believes in, which takes slow surroundings for noise.
-const OVERSURE: f32 = 2.5;
-/// Smallest change of the air flow that is reported, `1/f - 1`.
-const LEAST_FLOW: f32 = 0.06;
-/// A change is a fault only beyond so many standard deviations of what is usual here.
-const UNUSUAL: f32 = 2.5;
-/// Evidence since an onset is divided by so much.
-pub(super) const KAPPA: f32 = 1.5;
+use times::Times;
 
 /// A validated watch.
 #[derive(Clone, Debug)]
@@ -54,21 +34,22 @@ pub(super) struct Watch {
     pub(super) sample_time: f32,
     pub(super) inputs: Inputs,
     pub(super) taught: Responses,
+    pub(super) tuning: Tuned,
 }
 
 /// Its memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WatchState {
     parameters: Parameters,
-    beside: Beside,
+    beside: SecondHeater,
     /// The fan's level as announced, behind its lag, and the model there.
     fan: f32,
     process: Process,
     flows: [Process; 2],
     motion: Motion,
-    ladder: Ladder,
+    whitening: WhiteningFilter,
     mean: [f32; 2],
-    pace: Pace,
+    times: Times,
     power: f32,
     before: [f32; 2],
     history: History,
@@ -76,7 +57,7 @@ pub(super) struct WatchState {
     past_clipped: Past,
     tracker: Tracker,
     /// Mean squares of what the tracker has followed, and of the steps of the power that were taken in.
-    wander: [f32; 4],
+    walk_variance: [f32; 4],
     steps: f32,
     fast: [Sums; 2],
     slow: Sums,
@@ -90,7 +71,7 @@ pub(super) struct WatchState {
     /// What jumped on the tick before, standard deviations; 0 where nothing did.
     jumped: [f32; 2],
     candidate: f32,
-    rests: u32,
+    holdoff: u32,
     /// Ticks for which a change of the fan settles.
     settling: u32,
     ticks: u32,
@@ -103,20 +84,21 @@ pub(super) struct WatchState {
     lasting: Option<Lasting>,
     heat: HeatState,
     measured: [f32; 2],
-    stays: [f32; 2],
+    at_onset: [f32; 2],
     contradict: bool,
     expected: [f32; 2],
+    pub(super) tuning: Tuned,
 }
 
-/// What has been gathered since the assumed onset: columns, their sums, and those of late. It is needed only while the instrument watches.
+/// What has been gathered since the assumed onset: regressors, their sums, and those of late. It is needed only while the instrument watches.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Gathered {
     onset: Onset,
     since: Normal,
     window: Normal,
-    gone: Gone,
+    recovery: Recovery,
     /// The whitened answer to the power since the onset, on the last tick.
-    answer: [f32; 2],
+    power_response: [f32; 2],
 }
 
 impl Gathered {
@@ -134,13 +116,6 @@ struct Charted {
     fast: f32,
     slow: f32,
 }
-
-/// A valid T1 and T2 whose difference is so much other than learnt contradict each other, degC: neither is regulated by.
-const MAX_CONTRADICTION: f32 = 6.0;
-
-/// Levels of the fan that differ by less are one, and for how long after a change nothing is judged, s.
-const FAN_STEP: f32 = 1e-3;
-const FAN_SETTLES: f32 = 10.0;
 
 impl WatchState {
     /// What was learnt.
@@ -162,7 +137,7 @@ impl WatchState {
             transport: sample_time * p(Parameter::Delay2),
             gain_beside,
             lag_beside: sample_time * lag_beside,
-            noise: self.ladder.sigma,
+            noise: self.whitening.sigma,
         }
     }
 
@@ -175,25 +150,26 @@ impl WatchState {
 impl Watch {
     pub(super) fn start(&self, trained: Trained) -> WatchState {
         let p = trained.parameters;
-        let process = Process::new(&p, 1.0);
+        let t = self.tuning;
+        let process = Process::new(t, &p, 1.0);
         WatchState {
             parameters: p,
             beside: trained.beside,
             fan: 1.0,
             process,
-            flows: [Process::new(&p, LESS), Process::new(&p, MORE)],
+            flows: [Process::new(t, &p, t.model.less_flow), Process::new(t, &p, t.model.more_flow)],
             motion: trained.motion,
-            ladder: trained.ladder,
+            whitening: trained.whitening,
             mean: trained.mean,
-            pace: Pace::new(&p, self.sample_time),
+            times: Times::new(t, &p, self.sample_time),
             power: trained.power,
             before: [trained.rise; 2],
             history: History::default(),
             past: Past::default(),
             past_clipped: Past::default(),
-            tracker: Tracker::default(),
-            wander: [0.0; 4],
-            steps: hypothesis::POWER_SD * hypothesis::POWER_SD,
+            tracker: Tracker::new(t),
+            walk_variance: [0.0; 4],
+            steps: t.nuisances.onset_power * t.nuisances.onset_power,
             fast: Default::default(),
             slow: Sums::default(),
             swing: [trained.rise, 0.0],
@@ -203,19 +179,20 @@ impl Watch {
             z_mean: [0.0; 2],
             jumped: [0.0; 2],
             candidate: 0.0,
-            rests: 0,
+            holdoff: 0,
             settling: 0,
             ticks: 0,
             lacks: self.inputs != Inputs::ALL,
             anchoring: 0,
             alarm: None,
-            steady: Steady::new(&trained.motion, trained.rise),
+            steady: Steady::new(t, &trained.motion, trained.rise),
             lasting: None,
-            heat: HeatState::new(trained.rise),
+            heat: HeatState::new(t, trained.rise),
             measured: [trained.rise; 2],
-            stays: [trained.rise; 2],
+            at_onset: [trained.rise; 2],
             contradict: false,
             expected: [trained.rise; 2],
+            tuning: t,
         }
     }
 
@@ -240,8 +217,8 @@ impl Watch {
         if let Some(t0) = t0 {
             let (before, mut mean, _) = s.inlet.unwrap_or((t0, t0, [0.0; 2]));
             let above = t0 - mean;
-            s.pace.inlet.follow(&mut mean, t0);
-            s.inlet = Some((t0, mean, [5.0 * (t0 - before), above]));
+            s.times.inlet.follow(&mut mean, t0);
+            s.inlet = Some((t0, mean, [self.tuning.model.inlet_slope * (t0 - before), above]));
         }
         let heat = s.process.heat(self.inputs.drove(&mut s.power, u));
         let before = s.before;
@@ -255,7 +232,7 @@ impl Watch {
         if let Some(y2) = y[1] {
             self.heat.correct(&mut s.heat, y2 - expected[1], s.parameters.get(Parameter::Reaches2));
         }
-        let row = s.steady.row(&s.flows, heat, &rises, before);
+        let row = s.steady.regressors(&s.flows, heat, &rises, before);
         let now = NowRises { heat, rises, before };
         let told = match y {
             [Some(y1), Some(y2)] => {
@@ -264,7 +241,7 @@ impl Watch {
                     return ModelAlarm::Quiet;
                 }
                 s.ticks = s.ticks.saturating_add(1);
-                s.contradict = s.heat.contradiction() > MAX_CONTRADICTION;
+                s.contradict = s.heat.contradiction() > self.tuning.charts.largest_contradiction;
                 self.judge(s, g, tick, e, &row, &now);
                 s.measured = [y1 - offsets[0] - s.mean[0], y2 - offsets[1] - s.mean[1]];
                 s.reported(&self.heat, tick)
@@ -272,7 +249,7 @@ impl Watch {
             _ => {
                 s.contradict = false;
                 if g.onset.age > 0 {
-                    g.onset.pass(&s.pace.onset, &s.ladder, &s.nominal(&now));
+                    g.onset.pass(&s.times.onset, &s.whitening, &s.nominal(&now));
                 }
                 s.reported(&self.heat, tick)
             }
@@ -294,11 +271,11 @@ impl Watch {
         self.follow_fan(s, fan);
         s.alarm = None;
         s.lasting = None;
-        s.rest();
+        s.reset_charts();
         let heat = s.process.heat(self.inputs.drove(&mut s.power, u));
         let rises = s.process.step(&mut s.motion, heat);
         let before = core::mem::replace(&mut s.before, rises.y);
-        s.steady.row(&s.flows, heat, &rises, before);
+        s.steady.regressors(&s.flows, heat, &rises, before);
         s.history.push(heat, &s.motion);
         let offsets = [s.parameters.get(Parameter::Offset1), s.parameters.get(Parameter::Offset2)];
         s.expected = core::array::from_fn(|m| rises.y[m] + offsets[m] + s.mean[m]);
@@ -308,22 +285,23 @@ impl Watch {
     /// Follows an announced change of the fan, with its lag. What is known of such a change is its kind, hardly its size: for a while nothing is
     /// judged, and the state since training is taken anew from there.
     fn follow_fan(&self, s: &mut WatchState, fan: f32) -> bool {
-        let left = fan - s.fan;
-        if left.abs() < FAN_STEP {
+        let (t, left) = (self.tuning, fan - s.fan);
+        if left.abs() < t.fan.same {
             return false;
         }
-        s.fan += left * s.pace.onset.fan.min(1.0);
-        if (fan - s.fan).abs() < FAN_STEP {
+        s.fan += left * s.times.onset.fan.min(1.0);
+        if (fan - s.fan).abs() < t.fan.same {
             s.fan = fan;
         }
-        s.process = Process::new(&s.parameters, s.fan);
-        s.flows = [Process::new(&s.parameters, LESS * s.fan), Process::new(&s.parameters, MORE * s.fan)];
-        s.tracker.widen([0.02, 0.3 * left.abs(), 0.0, 0.0]);
+        s.process = Process::new(t, &s.parameters, s.fan);
+        s.flows =
+            [t.model.less_flow, t.model.more_flow].map(|flow| Process::new(t, &s.parameters, flow * s.fan));
+        s.tracker.widen([t.fan.power_sd, t.fan.flow_sd * left.abs(), 0.0, 0.0]);
         s.steady.rebase();
         s.alarm = None;
         s.lasting = None;
-        s.rest();
-        s.settling = (FAN_SETTLES * s.pace.stretch / self.sample_time) as u32;
+        s.reset_charts();
+        s.settling = (t.fan.settles * s.times.time_scale / self.sample_time) as u32;
         true
     }
 
@@ -358,7 +336,7 @@ impl WatchState {
     }
 
     /// Charts and bank as if nothing had happened.
-    fn rest(&mut self) {
+    fn reset_charts(&mut self) {
         self.fast = Default::default();
         self.slow = Sums::default();
         self.jumped = [0.0; 2];
@@ -371,10 +349,10 @@ mod finite;
 mod judge;
 mod lasting;
 mod naming;
-mod pace;
+mod output;
 mod recall;
 mod resumed;
 mod slow;
 #[cfg(test)]
 mod tests;
-mod told;
+mod times;

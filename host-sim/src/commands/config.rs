@@ -4,7 +4,7 @@ use clap::builder::PossibleValuesParser;
 use pt326_lab::preset;
 
 use super::terminal::print;
-use crate::settings::{commented_toml, markdown};
+use crate::settings::{commented_toml, markdown, tuning};
 
 /// Arguments of `config`.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -12,6 +12,10 @@ pub struct ConfigArgs {
     /// Print a table in Markdown instead.
     #[arg(long)]
     pub markdown: bool,
+    /// Print the numbers of the likelihood diagnosis that are no settings as a table in Markdown instead: a file of settings, and `campaign --vary`, take
+    /// them, a board does not.
+    #[arg(long, conflicts_with_all = ["markdown", "preset"])]
+    pub tuning: bool,
     /// Print the settings that belong to a plant (oven, hotend, tclab) instead: those that are not the defaults.
     #[arg(long, value_name = "NAME", conflicts_with = "markdown", value_parser = plants())]
     pub preset: Option<String>,
@@ -30,6 +34,7 @@ pub fn run(args: &ConfigArgs) -> anyhow::Result<()> {
     let text = preset::TEXTS.iter().find(|(name, _)| args.preset.as_deref() == Some(*name));
     match text {
         Some((_, text)) => print(text),
+        None if args.tuning => print(&tuning()),
         None => print(&if args.markdown { markdown() } else { commented_toml() }),
     }
 }

@@ -10,24 +10,24 @@
 //!
 //! The least is over whatever the other fault may be (Eriksson, Frisk, Krysander 2013).
 
-use fdi_core::likelihood::signatures::{COLUMNS, Candidate, KAPPA, Term};
+use fdi_core::likelihood::signatures::{Candidate, REGRESSORS, Term};
 
 /// A value a column.
-pub type Columns = [f64; COLUMNS];
+pub type Columns = [f64; REGRESSORS];
 
 /// Products of the columns, summed.
 #[derive(Clone, Debug)]
-pub struct Products([Columns; COLUMNS]);
+pub struct Products([Columns; REGRESSORS]);
 
 impl Default for Products {
     fn default() -> Self {
-        Self([[0.0; COLUMNS]; COLUMNS])
+        Self([[0.0; REGRESSORS]; REGRESSORS])
     }
 }
 
 impl Products {
     /// The columns of a tick in T1 and T2.
-    pub fn add(&mut self, row: &[[f32; 2]; COLUMNS]) {
+    pub fn add(&mut self, row: &[[f32; 2]; REGRESSORS]) {
         let wide = row.map(|values| values.map(f64::from));
         for (sums, a) in self.0.iter_mut().zip(&wide) {
             for (sum, b) in sums.iter_mut().zip(&wide) {
@@ -39,12 +39,12 @@ impl Products {
 
 /// What the residuals tell of the columns when some directions may move by themselves.
 #[derive(Clone, Debug)]
-pub struct Information([Columns; COLUMNS]);
+pub struct Information([Columns; REGRESSORS]);
 
 impl Information {
-    /// With nuisances of these standard deviations, and the evidence divided by [`KAPPA`], as in the bank.
-    pub fn new(products: &Products, nuisances: &[Term]) -> Self {
-        let all = Self(products.0.map(|row| row.map(|sum| sum / f64::from(KAPPA))));
+    /// With nuisances of these standard deviations, and the evidence divided by `kappa`, as in the bank.
+    pub fn new(products: &Products, nuisances: &[Term], kappa: f32) -> Self {
+        let all = Self(products.0.map(|row| row.map(|sum| sum / f64::from(kappa))));
         nuisances.iter().fold(all, |information, nuisance| information.without(nuisance))
     }
 
@@ -84,7 +84,7 @@ pub struct Distance {
 impl Distance {
     /// From nothing but nuisances.
     pub fn from_nothing(fault: &Candidate, information: &Information) -> Self {
-        Self::between(fault, information, &[0.0; COLUMNS], &[0.0; COLUMNS], (0.0, 0.0))
+        Self::between(fault, information, &[0.0; REGRESSORS], &[0.0; REGRESSORS], (0.0, 0.0))
     }
 
     /// From another fault, whatever its magnitude and whatever else it changes.
@@ -92,7 +92,7 @@ impl Distance {
         let range = (f64::from(other.range.0), f64::from(other.range.1));
         let direction = weights(&other.first);
         match &other.second {
-            None => Self::between(fault, information, &[0.0; COLUMNS], &direction, range),
+            None => Self::between(fault, information, &[0.0; REGRESSORS], &direction, range),
             Some(second) => {
                 let freed = information.clone().without(second);
                 Self::between(fault, &freed, &constant_part(second), &direction, range)
@@ -108,7 +108,7 @@ impl Distance {
         range: (f64, f64),
     ) -> Self {
         let a = weights(&fault.first);
-        let mut r = fault.second.as_ref().map_or([0.0; COLUMNS], constant_part);
+        let mut r = fault.second.as_ref().map_or([0.0; REGRESSORS], constant_part);
         r.iter_mut().zip(mean).for_each(|(r, mean)| *r -= mean);
         let [of_a, of_b, of_r] = [&a, b, &r].map(|x| information.times(x));
         Self {
@@ -186,7 +186,7 @@ mod tests {
     const N: usize = 2 * TICKS;
 
     fn term(column: usize, mean: f32, sd: f32) -> Term {
-        let mut weights = [0.0; COLUMNS];
+        let mut weights = [0.0; REGRESSORS];
         weights[column] = 1.0;
         weights[column + 1] = -0.5;
         Term { weights, mean, sd }
@@ -197,8 +197,8 @@ mod tests {
     }
 
     /// The sequence that some factors on the columns give.
-    fn sequence(rows: &[[[f32; 2]; COLUMNS]], c: &Columns) -> [f64; N] {
-        std::array::from_fn(|k| (0..COLUMNS).map(|i| c[i] * f64::from(rows[k / 2][i][k % 2])).sum())
+    fn sequence(rows: &[[[f32; 2]; REGRESSORS]], c: &Columns) -> [f64; N] {
+        std::array::from_fn(|k| (0..REGRESSORS).map(|i| c[i] * f64::from(rows[k / 2][i][k % 2])).sum())
     }
 
     /// `C^-1 x` by Gauss and Jordan.
@@ -212,6 +212,8 @@ mod tests {
         }
         std::array::from_fn(|i| x[i] / c[i][i])
     }
+
+    const KAPPA: f32 = 1.5;
 
     /// The least value of a convex function.
     fn least(low: f64, high: f64, f: &dyn Fn(f64) -> f64) -> f64 {
@@ -228,13 +230,13 @@ mod tests {
     #[test]
     fn the_distance_is_that_of_the_sequences() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(26);
-        let rows: Vec<[[f32; 2]; COLUMNS]> = (0..TICKS)
+        let rows: Vec<[[f32; 2]; REGRESSORS]> = (0..TICKS)
             .map(|_| std::array::from_fn(|_| std::array::from_fn(|_| random.random_range(-1.0..1.0))))
             .collect();
         let mut products = Products::default();
         rows.iter().for_each(|row| products.add(row));
         let nuisances = [term(0, 0.0, 0.3), term(4, 0.0, 2.0)];
-        let information = Information::new(&products, &nuisances);
+        let information = Information::new(&products, &nuisances, KAPPA);
 
         let mut covariance = [[0.0; N]; N];
         for nuisance in &nuisances {

@@ -197,7 +197,11 @@ impl Onsets {
             onset.ticks += 1;
             let is_reached = |horizon: &f64| onset.ticks >= ticks(*horizon, self.sample_time);
             while self.horizons.get(onset.reached.len()).is_some_and(is_reached) {
-                onset.reached.push(Information::new(&onset.products, &onset.signatures.nuisances()));
+                onset.reached.push(Information::new(
+                    &onset.products,
+                    &onset.signatures.nuisances(),
+                    onset.signatures.kappa(),
+                ));
             }
         }
     }

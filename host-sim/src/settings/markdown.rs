@@ -68,6 +68,6 @@ fn limit(limit: Limit) -> String {
     format!(" *Limit*, wider {side} the default{most}.")
 }
 
-fn one_line(lines: &str) -> String {
+pub(super) fn one_line(lines: &str) -> String {
     lines.lines().map(str::trim).collect::<Vec<_>>().join(" ")
 }

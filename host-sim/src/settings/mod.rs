@@ -2,7 +2,10 @@
 //! setting is called, does, and may be comes from its declaration in `fdi-core`.
 
 mod markdown;
+#[cfg(test)]
+mod tables;
 mod toml_text;
+mod tuning;
 
 use std::path::Path;
 
@@ -14,6 +17,7 @@ use toml::Table;
 
 pub use markdown::markdown;
 pub use toml_text::{commented_toml, commented_toml_of};
+pub use tuning::tuning;
 
 /// Reads a configuration; keys that the file leaves out have their defaults. Without a path all have.
 ///

@@ -136,6 +136,22 @@ fn variations_come_each_by_itself_and_their_trade_is_told() {
     assert!(!tables.contains("Settings of the likelihood diagnosis"), "they do not touch it: {tables}");
 }
 
+/// A number of the method is varied as a setting is: with sums that stop below their decision interval no chart fires.
+#[test]
+fn numbers_of_the_method_are_varied_by_their_names() {
+    let (dir, file) = folder("tuning", TRADE);
+    let out = dir.to_str().unwrap();
+    let args = [file.as_str(), "--out", out, "--only", "nominal", "--vary", "tuning.charts.ceiling=0.5"];
+    succeeds(&args);
+    let results: serde_json::Value = serde_json::from_slice(&results_json(&dir)).unwrap();
+    let trade = results["trade"].as_array().unwrap();
+    let missed = |setting: &str| {
+        let of = trade.iter().find(|t| t["setting"] == setting && t["by"] == "likelihood");
+        of.expect(setting)["missed_pct"].as_f64().unwrap()
+    };
+    assert_eq!((missed(""), missed("tuning.charts.ceiling=0.5")), (0.0, 100.0));
+}
+
 fn results_json(dir: &Path) -> Vec<u8> {
     std::fs::read(dir.join("campaign.json")).expect("campaign.json")
 }

@@ -3,55 +3,55 @@ extern crate std;
 use std::vec;
 use std::vec::Vec;
 
-use super::super::column::{COUNT, Column, Row};
 use super::super::hypothesis::{HYPOTHESES, SINCE_ONSET, SINCE_TRAINING};
 use super::super::reference::{Matrix, Random, identity, inverse, solve};
+use super::super::regressor::{COUNT, Regressor, Regressors};
 use super::*;
 use crate::root::sqrt;
 
 /// Whitened residuals and signatures of some ticks.
 struct Problem {
-    rows: Vec<Row>,
+    rows: Vec<Regressors>,
     z: Vec<[f32; 2]>,
     kappa: f64,
 }
 
 /// A parameter with its prior.
 #[derive(Clone, Copy)]
-struct Prior {
+struct Gaussian {
     direction: Direction,
     mean: f64,
     sd: f64,
 }
 
-fn narrow(list: &[Nuisance]) -> Vec<Prior> {
-    list.iter().map(|&(direction, sd)| Prior { direction, mean: 0.0, sd: f64::from(sd) }).collect()
+fn narrow(list: &[Nuisance]) -> Vec<Gaussian> {
+    list.iter().map(|&(direction, sd)| Gaussian { direction, mean: 0.0, sd: f64::from(sd) }).collect()
 }
 
-fn wide(free: Free) -> Prior {
-    Prior { direction: free.direction, mean: f64::from(free.mean), sd: f64::from(free.sd) }
+fn wide(free: Prior) -> Gaussian {
+    Gaussian { direction: free.direction, mean: f64::from(free.mean), sd: f64::from(free.sd) }
 }
 
-/// A direction's column: what it does to each residual.
-fn column(row: &Row, direction: Direction, m: usize) -> f64 {
-    let of = |column: Column| f64::from(row[column as usize][m]);
+/// A direction's regressor: what it does to each residual.
+fn regressor(row: &Regressors, direction: Direction, m: usize) -> f64 {
+    let of = |regressor: Regressor| f64::from(row[regressor as usize][m]);
     match direction {
         Direction::Of(which) => of(which),
-        Direction::Offset0 => -of(Column::Offset1) - of(Column::Offset2),
-        Direction::Ramp0 => -of(Column::Ramp1) - of(Column::Ramp2),
-        Direction::MidLag => 0.5 * (of(Column::ShortLag) + of(Column::LongLag)),
-        Direction::MidLoss => 0.5 * (of(Column::ShortLoss) + of(Column::LongLoss)),
+        Direction::Offset0 => -of(Regressor::Offset1) - of(Regressor::Offset2),
+        Direction::Ramp0 => -of(Regressor::Ramp1) - of(Regressor::Ramp2),
+        Direction::MidLag => 0.5 * (of(Regressor::ShortLag) + of(Regressor::LongLag)),
+        Direction::MidLoss => 0.5 * (of(Regressor::ShortLoss) + of(Regressor::LongLoss)),
     }
 }
 
-/// How many standard deviations a unit of a column is at most on the reference rig: a rise of 12 degC in innovations of 0.03 degC.
-fn largest(column: usize) -> f64 {
-    let is = |which: &[Column]| which.iter().any(|which| *which as usize == column);
-    if is(&[Column::Power, Column::LessFlow, Column::MoreFlow, Column::Gain1, Column::Gain2])
-        || is(&[Column::ShortLoss, Column::LongLoss])
+/// How many standard deviations a unit of a regressor is at most on the reference rig: a rise of 12 degC in innovations of 0.03 degC.
+fn largest(regressor: usize) -> f64 {
+    let is = |which: &[Regressor]| which.iter().any(|which| *which as usize == regressor);
+    if is(&[Regressor::Power, Regressor::LessFlow, Regressor::MoreFlow, Regressor::Gain1, Regressor::Gain2])
+        || is(&[Regressor::ShortLoss, Regressor::LongLoss])
     {
         400.0
-    } else if is(&[Column::ShortLag, Column::LongLag, Column::Wall]) {
+    } else if is(&[Regressor::ShortLag, Regressor::LongLag, Regressor::Wall]) {
         100.0
     } else {
         30.0
@@ -66,7 +66,7 @@ impl Problem {
         let (mut rows, mut z) = (Vec::new(), Vec::new());
         let truth: [f64; COUNT] = core::array::from_fn(|i| random.gaussian() / (1.0 + scale[i]));
         for _ in 0..ticks {
-            let row: Row = core::array::from_fn(|i| {
+            let row: Regressors = core::array::from_fn(|i| {
                 core::array::from_fn(|m| {
                     slow[i][m] += 0.1 * (2.0 + random.gaussian() - slow[i][m]);
                     (scale[i] * (0.4 * slow[i][m] + 0.05 * random.gaussian())) as f32
@@ -87,20 +87,20 @@ impl Problem {
         normal
     }
 
-    /// All residuals one below the other, and the columns of the parameters, both divided by the square root of kappa.
-    fn stacked(&self, priors: &[Prior]) -> (Vec<f64>, Matrix) {
+    /// All residuals one below the other, and the regressors of the parameters, both divided by the square root of kappa.
+    fn stacked(&self, priors: &[Gaussian]) -> (Vec<f64>, Matrix) {
         let scale = 1.0 / self.kappa.sqrt();
         let places = (0..self.z.len()).flat_map(|k| [(k, 0), (k, 1)]);
         let z = places.clone().map(|(k, m)| scale * f64::from(self.z[k][m])).collect();
         let phi = places
-            .map(|(k, m)| priors.iter().map(|p| scale * column(&self.rows[k], p.direction, m)).collect())
+            .map(|(k, m)| priors.iter().map(|p| scale * regressor(&self.rows[k], p.direction, m)).collect())
             .collect();
         (z, phi)
     }
 
     /// Quadratic forms of all residuals without parameters and with them, and the logarithm of the determinant: the joint normal
     /// distribution of all samples, its covariance built, inverted and its determinant taken as they stand.
-    fn joint(&self, priors: &[Prior]) -> [f64; 3] {
+    fn joint(&self, priors: &[Gaussian]) -> [f64; 3] {
         let (z, phi) = self.stacked(priors);
         let n = z.len();
         let mut covariance = identity(n);
@@ -118,27 +118,27 @@ impl Problem {
     }
 
     /// Log density of all residuals under the priors, less that under no parameter at all.
-    fn log_evidence(&self, priors: &[Prior]) -> f64 {
+    fn log_evidence(&self, priors: &[Gaussian]) -> f64 {
         let [plain, quadratic, log_det] = self.joint(priors);
         0.5 * (plain - quadratic - log_det)
     }
 
     /// What the parameters take from the residuals' sum of squares.
-    fn explained(&self, priors: &[Prior]) -> f64 {
+    fn explained(&self, priors: &[Gaussian]) -> f64 {
         let [plain, quadratic, _] = self.joint(priors);
         self.kappa * (plain - quadratic)
     }
 
     /// What single precision makes of the largest numbers that a gain is the difference of: what the prior means and spreads would explain.
-    fn rounding(&self, first: Free, second: Option<Free>) -> f64 {
-        let priors: Vec<Prior> = [Some(first), second].into_iter().flatten().map(wide).collect();
+    fn rounding(&self, first: Prior, second: Option<Prior>) -> f64 {
+        let priors: Vec<Gaussian> = [Some(first), second].into_iter().flatten().map(wide).collect();
         let (_, phi) = self.stacked(&priors);
-        let square = |p: &Prior, phi: f64| phi * phi * (p.mean * p.mean + p.sd * p.sd);
+        let square = |p: &Gaussian, phi: f64| phi * phi * (p.mean * p.mean + p.sd * p.sd);
         5e-6 * phi.iter().flat_map(|phi| priors.iter().zip(phi)).map(|(p, phi)| square(p, *phi)).sum::<f64>()
     }
 
     /// The same in the space of the parameters, for many samples (matrix inversion lemma); with posterior means and standard deviations.
-    fn posterior(&self, priors: &[Prior]) -> (f64, Vec<f64>, Vec<f64>) {
+    fn posterior(&self, priors: &[Gaussian]) -> (f64, Vec<f64>, Vec<f64>) {
         let (z, phi) = self.stacked(priors);
         let n = priors.len();
         let left: Vec<f64> = z
@@ -171,26 +171,26 @@ impl Problem {
     }
 }
 
-const fn free(direction: Direction, mean: f32, sd: f32) -> Free {
-    Free { direction, mean, sd }
+const fn free(direction: Direction, mean: f32, sd: f32) -> Prior {
+    Prior { direction, mean, sd }
 }
 
 /// What hypotheses free, one or two, with and without prior means.
-const FREED: [(Free, Option<Free>); 8] = [
-    (free(Direction::Of(Column::Gain1), 0.0, 0.25), None),
-    (free(Direction::Of(Column::Gain1), -0.7, 0.2), None),
+const FREED: [(Prior, Option<Prior>); 8] = [
+    (free(Direction::Of(Regressor::Gain1), 0.0, 0.25), None),
+    (free(Direction::Of(Regressor::Gain1), -0.7, 0.2), None),
     (free(Direction::MidLoss, 0.0, 0.25), None),
     (free(Direction::MidLoss, 0.0, 0.25), Some(free(Direction::MidLag, 1.0, 0.15))),
     (free(Direction::Ramp0, 0.0, 3.0), None),
-    (free(Direction::Of(Column::Constant), 40.0, 40.0), None),
+    (free(Direction::Of(Regressor::Constant), 40.0, 40.0), None),
     (
-        free(Direction::Of(Column::ShortLoss), -0.7, 0.2),
-        Some(free(Direction::Of(Column::ShortLag), 1.0, 0.15)),
+        free(Direction::Of(Regressor::ShortLoss), -0.7, 0.2),
+        Some(free(Direction::Of(Regressor::ShortLag), 1.0, 0.15)),
     ),
-    (free(Direction::Of(Column::Ramp1), 0.0, 3.0), Some(free(Direction::Of(Column::Gain2), 0.3, 0.2))),
+    (free(Direction::Of(Regressor::Ramp1), 0.0, 3.0), Some(free(Direction::Of(Regressor::Gain2), 0.3, 0.2))),
 ];
 
-fn with(list: &[Nuisance], first: Free, second: Option<Free>) -> Vec<Prior> {
+fn with(list: &[Nuisance], first: Prior, second: Option<Prior>) -> Vec<Gaussian> {
     narrow(list).into_iter().chain([wide(first)]).chain(second.map(wide)).collect()
 }
 
@@ -228,8 +228,8 @@ fn the_evidence_is_that_of_the_joint_distribution() {
         for (first, second) in FREED {
             let wanted = problem.log_evidence(&with(list, first, second)) - alone;
             let tolerance = 1e-3 * (1.0 + wanted.abs() + alone.abs()) + problem.rounding(first, second);
-            close("gain", nuisances.free(first, second).gain, wanted, tolerance);
-            close("gain for many", for_many.free(first, second).gain, wanted, tolerance);
+            close("gain", nuisances.estimate(first, second).gain, wanted, tolerance);
+            close("gain for many", for_many.estimate(first, second).gain, wanted, tolerance);
         }
     }
 }
@@ -243,13 +243,13 @@ fn values_are_those_of_the_posterior() {
         let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 3.0).for_many();
         for (first, second) in FREED {
             let (_, mean, sd) = problem.posterior(&with(&SINCE_ONSET, first, second));
-            let freed = nuisances.free(first, second);
+            let estimate = nuisances.estimate(first, second);
             let [mean1, sd1] = [mean[SINCE_ONSET.len()], sd[SINCE_ONSET.len()]];
-            close("value", freed.value, mean1, 0.01 * sd1 + 1e-3 * mean1.abs());
-            close("sd", sqrt(freed.variance), sd1, 0.01 * sd1);
+            close("value", estimate.value, mean1, 0.01 * sd1 + 1e-3 * mean1.abs());
+            close("sd", sqrt(estimate.variance), sd1, 0.01 * sd1);
             if second.is_some() {
                 let (mean2, sd2) = (mean[SINCE_ONSET.len() + 1], sd[SINCE_ONSET.len() + 1]);
-                close("second", freed.second, mean2, 0.01 * sd2 + 1e-3 * mean2.abs());
+                close("second", estimate.second, mean2, 0.01 * sd2 + 1e-3 * mean2.abs());
             }
         }
         let (_, mean, sd) = problem.posterior(&narrow(&SINCE_ONSET));
@@ -278,11 +278,11 @@ fn a_parameter_that_is_a_nuisance_as_well_is_the_sum_of_both() {
             priors[which].sd = sd.hypot(f64::from(first.sd));
             let (log_evidence, mean, sds) = problem.posterior(&priors);
             let (alone, ..) = problem.posterior(&narrow(&SINCE_ONSET));
-            let freed = nuisances.free(first, None);
+            let estimate = nuisances.estimate(first, None);
             let wanted = log_evidence - alone;
-            close("gain", freed.gain, wanted, 2e-3 * (1.0 + wanted.abs()));
-            close("value", freed.value, mean[which], 0.02 * sds[which] + 1e-3 * mean[which].abs());
-            close("sd", sqrt(freed.variance), sds[which], 0.05 * sds[which] + 0.01 * sd);
+            close("gain", estimate.gain, wanted, 2e-3 * (1.0 + wanted.abs()));
+            close("value", estimate.value, mean[which], 0.02 * sds[which] + 1e-3 * mean[which].abs());
+            close("sd", sqrt(estimate.variance), sds[which], 0.05 * sds[which] + 0.01 * sd);
         }
     }
 }
@@ -297,13 +297,16 @@ fn fixed_values_are_taken_away() {
         let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 1.5);
         let (alone, ..) = problem.posterior(&narrow(&SINCE_ONSET));
         for (first, second) in FREED {
-            let at = |free: Free, random: &mut Random| {
+            let at = |free: Prior, random: &mut Random| {
                 (free.direction, free.mean + 0.3 * free.sd * random.gaussian() as f32)
             };
             let values: Vec<_> =
                 [Some(first), second].into_iter().flatten().map(|free| at(free, &mut random)).collect();
-            let held =
-                values.iter().map(|&(direction, value)| Prior { direction, mean: f64::from(value), sd: 0.0 });
+            let held = values.iter().map(|&(direction, value)| Gaussian {
+                direction,
+                mean: f64::from(value),
+                sd: 0.0,
+            });
             let (log_evidence, ..) =
                 problem.posterior(&narrow(&SINCE_ONSET).into_iter().chain(held).collect::<Vec<_>>());
             let wanted = log_evidence - alone;
@@ -313,7 +316,7 @@ fn fixed_values_are_taken_away() {
     }
 }
 
-/// A thousand ticks and columns of 400 standard deviations: f32 tells gains to a share of a unit or a per mille, sizes to a twentieth of their
+/// A thousand ticks and regressors of 400 standard deviations: f32 tells gains to a share of a unit or a per mille, sizes to a twentieth of their
 /// standard deviation or a per mille.
 #[test]
 fn single_precision_is_enough_for_long_and_large_sums() {
@@ -325,13 +328,13 @@ fn single_precision_is_enough_for_long_and_large_sums() {
         let (alone, ..) = problem.posterior(&narrow(&SINCE_ONSET));
         for (first, second) in FREED {
             let (log_evidence, mean, sd) = problem.posterior(&with(&SINCE_ONSET, first, second));
-            let freed = nuisances.free(first, second);
+            let estimate = nuisances.estimate(first, second);
             let wanted = log_evidence - alone;
             let tolerance = 1.0 + 1e-3 * wanted.abs() + problem.rounding(first, second);
-            worst = worst.max((f64::from(freed.gain) - wanted).abs() / tolerance);
+            worst = worst.max((f64::from(estimate.gain) - wanted).abs() / tolerance);
             let i = SINCE_ONSET.len();
             worst_value = worst_value
-                .max((f64::from(freed.value) - mean[i]).abs() / (0.05 * sd[i] + 1e-3 * mean[i].abs()));
+                .max((f64::from(estimate.value) - mean[i]).abs() / (0.05 * sd[i] + 1e-3 * mean[i].abs()));
         }
     }
     assert!(worst < 1.0 && worst_value < 1.0, "{worst} {worst_value}");
@@ -345,8 +348,11 @@ fn nothing_seen_gains_nothing() {
     let nuisances = Nuisances::new(&normal, &eleven, 1.5);
     assert_eq!(nuisances.explained, 0.0);
     for (first, second) in FREED {
-        let freed = nuisances.free(first, second);
-        assert_eq!((freed.gain, freed.value, freed.variance), (0.0, first.mean, first.sd * first.sd));
+        let estimate = nuisances.estimate(first, second);
+        assert_eq!(
+            (estimate.gain, estimate.value, estimate.variance),
+            (0.0, first.mean, first.sd * first.sd)
+        );
     }
 }
 

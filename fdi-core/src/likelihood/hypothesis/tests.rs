@@ -1,6 +1,6 @@
-use super::super::column::Column as C;
 use super::super::evidence::MOST;
 use super::super::posterior::Posterior;
+use super::super::regressor::Regressor as C;
 use super::*;
 
 #[test]
@@ -26,27 +26,27 @@ fn the_magnitudes_have_the_units_of_their_classes() {
     }
 }
 
-/// A thermistor's class moves that thermistor's columns and no other's.
+/// A thermistor's class moves that thermistor's regressors and no other's.
 #[test]
 fn a_thermistors_hypothesis_moves_its_own_columns() {
     let first = [C::Offset1, C::Gain1, C::ShortLag, C::LongLag, C::ShortLoss, C::LongLoss, C::Ramp1];
     let second = [C::Offset2, C::Gain2, C::Ramp2];
     let both = [C::Exchanged];
     for (h, row) in HYPOTHESES.iter().enumerate() {
-        let moved = |free: Free| free.direction.columns();
-        let columns = [Some(row.first), row.second].into_iter().flatten().flat_map(moved);
-        let of = |list: &[C], column: usize| list.iter().any(|which| *which as usize == column);
-        for column in columns {
+        let moved = |free: Prior| free.direction.regressors();
+        let regressors = [Some(row.first), row.second].into_iter().flatten().flat_map(moved);
+        let of = |list: &[C], regressor: usize| list.iter().any(|which| *which as usize == regressor);
+        for regressor in regressors {
             let fits = match row.class.sensor() {
-                Some(Channel::T1) => of(&first, column),
-                Some(Channel::T2) => of(&second, column),
-                Some(Channel::T0) => of(&[C::Offset1, C::Offset2, C::Ramp1, C::Ramp2], column),
+                Some(Channel::T1) => of(&first, regressor),
+                Some(Channel::T2) => of(&second, regressor),
+                Some(Channel::T0) => of(&[C::Offset1, C::Offset2, C::Ramp1, C::Ramp2], regressor),
                 None if matches!(row.class, FaultClass::Drift | FaultClass::Swapped(_)) => {
-                    [&first[..], &second, &both].into_iter().any(|list| of(list, column))
+                    [&first[..], &second, &both].into_iter().any(|list| of(list, regressor))
                 }
-                None => !of(&first, column) && !of(&second, column),
+                None => !of(&first, regressor) && !of(&second, regressor),
             };
-            assert!(fits, "{h}: {} moves column {column}", row.class.name());
+            assert!(fits, "{h}: {} moves regressor {regressor}", row.class.name());
         }
     }
 }
@@ -62,11 +62,11 @@ fn prior_means_are_possible() {
             "{h}: {row:?}"
         );
         assert!(row.prior <= 0.0, "{h}: none is commoner than the common ones");
-        assert!(row.stays.is_none_or(|m| m < 2 && row.second.is_some()), "{h}: {row:?}");
+        assert!(row.stuck_at.is_none_or(|m| m < 2 && row.second.is_some()), "{h}: {row:?}");
     }
 }
 
-/// Rows that share a magnitude's column share none of its values: a loss is either a clog or a thermistor that is out.
+/// Rows that share a magnitude's regressor share none of its values: a loss is either a clog or a thermistor that is out.
 #[test]
 fn a_loss_has_one_name() {
     for (h, row) in HYPOTHESES.iter().enumerate() {
@@ -118,12 +118,12 @@ fn a_nuisance_is_narrow_beside_its_fault() {
 #[test]
 fn impossible_sizes_gain_nothing() {
     let flow = HYPOTHESES.iter().find(|row| row.first.direction == of(C::LessFlow)).unwrap();
-    let freed = |value: f32| Freed { gain: 100.0, value, ..Freed::default() };
-    assert_eq!(flow.judged(freed(0.3)).gain, 100.0 + flow.prior);
+    let estimate = |value: f32| Estimate { gain: 100.0, value, ..Estimate::default() };
+    assert_eq!(flow.judged(estimate(0.3)).gain, 100.0 + flow.prior);
     for value in [-0.01, 0.0, 5.0, f32::NAN] {
-        assert_eq!(flow.judged(freed(value)).gain, IMPOSSIBLE, "{value}");
+        assert_eq!(flow.judged(estimate(value)).gain, IMPOSSIBLE, "{value}");
     }
-    let none: [Freed; COUNT] = core::array::from_fn(|h| HYPOTHESES[h].judged(freed(f32::NAN)));
+    let none: [Estimate; COUNT] = core::array::from_fn(|h| HYPOTHESES[h].judged(estimate(f32::NAN)));
     assert_eq!(Posterior::new(&none).best_gain, IMPOSSIBLE);
 }
 

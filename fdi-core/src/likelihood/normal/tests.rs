@@ -5,7 +5,7 @@ use std::vec::Vec;
 use super::super::reference::Random;
 use super::*;
 
-type Tick = (Row, [f32; 2], f32);
+type Tick = (Regressors, [f32; 2], f32);
 
 fn ticks(random: &mut Random, n: usize) -> Vec<Tick> {
     let number = |random: &mut Random| (10.0 * random.gaussian()) as f32;
@@ -24,7 +24,7 @@ fn sums(ticks: &[Tick]) -> Normal {
 }
 
 /// sum over ticks and both channels, weighted, in f64.
-fn sum(ticks: &[Tick], of: impl Fn(&Row, &[f32; 2], usize) -> f64) -> f64 {
+fn sum(ticks: &[Tick], of: impl Fn(&Regressors, &[f32; 2], usize) -> f64) -> f64 {
     ticks.iter().map(|(row, z, w)| f64::from(*w) * (of(row, z, 0) + of(row, z, 1))).sum()
 }
 
@@ -57,7 +57,7 @@ fn what_is_explained_is_gone() {
     let mut normal = sums(&ticks);
     normal.explain(&values);
     for i in 0..COUNT {
-        let left = |row: &Row, z: &[f32; 2], m: usize| {
+        let left = |row: &Regressors, z: &[f32; 2], m: usize| {
             let explained: f64 = (0..COUNT).map(|j| f64::from(values[j]) * f64::from(row[j][m])).sum();
             f64::from(row[i][m]) * (f64::from(z[m]) - explained)
         };
@@ -65,16 +65,16 @@ fn what_is_explained_is_gone() {
     }
 }
 
-/// A column that is forgotten has never been; all else stays to the bit.
+/// A regressor that is forgotten has never been; all else stays to the bit.
 #[test]
 fn forgetting_columns_leaves_the_others() {
     let mut ticks = ticks(&mut Random::new(3), 50);
     let whole = sums(&ticks);
     let mut forgotten = whole;
-    forgotten.forget(&[Column::Offset1, Column::Offset2, Column::Gain2]);
+    forgotten.forget(&[Regressor::Offset1, Regressor::Offset2, Regressor::Gain2]);
     for (row, ..) in &mut ticks {
-        for column in [Column::Offset1, Column::Offset2, Column::Gain2] {
-            row[column as usize] = [0.0; 2];
+        for regressor in [Regressor::Offset1, Regressor::Offset2, Regressor::Gain2] {
+            row[regressor as usize] = [0.0; 2];
         }
     }
     let wanted = sums(&ticks);
@@ -97,5 +97,5 @@ fn scaling_scales_everything() {
         (0..COUNT).for_each(|j| assert_eq!(half.a(i, j), 0.5 * whole.a(i, j)));
     }
     assert_eq!((half.energy, half.count), (0.5 * whole.energy, 0.5 * whole.count));
-    assert_eq!(whole.a(COUNT, COUNT), 0.0, "no column, no sum");
+    assert_eq!(whole.a(COUNT, COUNT), 0.0, "no regressor, no sum");
 }

@@ -3,14 +3,15 @@ extern crate std;
 use std::vec;
 use std::vec::Vec;
 
-use super::super::ladder::ResidualStatistics;
 use super::super::process::Parameter;
 use super::super::reference::Random;
+use super::super::whitening::ResidualStatistics;
 use super::*;
+use crate::likelihood::Tuning;
 
 const MINUTES: f32 = 0.11 / 60.0;
 const LEAD: usize = 4;
-/// The last tick before the columns begin, and ticks in all.
+/// The last tick before the regressors begin, and ticks in all.
 const QUIET: usize = 300;
 const TICKS: usize = 420;
 
@@ -27,29 +28,29 @@ fn powers() -> Vec<f32> {
     (0..TICKS).map(|k| 40.0 + if k % 3 == 0 { 20.0 * random.uniform() as f32 } else { 0.0 }).collect()
 }
 
-/// Whitening that changes nothing, so that columns are seen in degC.
-fn plain() -> Ladder {
-    let mut ladder = Ladder::default();
-    (ladder.sigma, ladder.inv_sigma) = ([1.0; 2], [1.0; 2]);
-    ladder
+/// Whitening that changes nothing, so that regressors are seen in degC.
+fn plain() -> WhiteningFilter {
+    let mut whitening = WhiteningFilter::default();
+    (whitening.sigma, whitening.inv_sigma) = ([1.0; 2], [1.0; 2]);
+    whitening
 }
 
 /// A whole simulation from the first tick on: rises of each tick, with what is changed from a tick on.
 fn simulated(heat: impl Fn(usize, f32) -> f32, process: impl Fn(usize) -> Process) -> Vec<Rises> {
     let mut motion = Motion::default();
-    let nominal = Process::new(&parameters(), 1.0);
+    let nominal = Process::new(Default::default(), &parameters(), 1.0);
     let tick = |(k, power): (usize, &f32)| process(k).step(&mut motion, heat(k, nominal.heat(*power)));
     powers().iter().enumerate().map(tick).collect()
 }
 
 fn nominal() -> Vec<Rises> {
-    simulated(|_, heat| heat, |_| Process::new(&parameters(), 1.0))
+    simulated(|_, heat| heat, |_| Process::new(Default::default(), &parameters(), 1.0))
 }
 
-/// The columns of all ticks from QUIET on.
-fn columns(restart: Option<usize>) -> Vec<Row> {
-    let (p, c, ladder) = (parameters(), constants(), plain());
-    let process = Process::new(&p, 1.0);
+/// The regressors of all ticks from QUIET on.
+fn regressors(restart: Option<usize>) -> Vec<Regressors> {
+    let (p, c, whitening) = (parameters(), constants(), plain());
+    let process = Process::new(Default::default(), &p, 1.0);
     let (mut motion, mut history, mut onset) = (Motion::default(), History::default(), Onset::default());
     let (mut before, mut rows) = ([0.0; 2], vec![]);
     for (k, power) in powers().into_iter().enumerate() {
@@ -70,7 +71,7 @@ fn columns(restart: Option<usize>) -> Vec<Row> {
             onset.restart_sensors(before[0]);
         }
         if k >= QUIET {
-            rows.push(onset.step(&c, &ladder, &now));
+            rows.push(onset.step(&c, &whitening, &now));
         }
         history.push(heat, &motion);
         before = rises.y;
@@ -78,23 +79,23 @@ fn columns(restart: Option<usize>) -> Vec<Row> {
     rows
 }
 
-/// A column against the difference of a changed simulation and the nominal one, for each unit of the change.
-fn assert_difference(column: Column, changed: &[Rises], unit: f32) {
-    let (rows, nominal) = (columns(None), nominal());
+/// A regressor against the difference of a changed simulation and the nominal one, for each unit of the change.
+fn assert_difference(regressor: Regressor, changed: &[Rises], unit: f32) {
+    let (rows, nominal) = (regressors(None), nominal());
     let mut largest = 0.0f32;
     for (row, k) in rows.iter().zip(QUIET..) {
         for m in 0..2 {
             let wanted = (changed[k].y[m] - nominal[k].y[m]) / unit;
-            let got = row[column as usize][m];
+            let got = row[regressor as usize][m];
             largest = largest.max(wanted.abs());
             assert!(
                 (got - wanted).abs() < 2e-3 * (1.0 + wanted.abs()),
-                "{column:?}, T{}, {k}: {got}, not {wanted}",
+                "{regressor:?}, T{}, {k}: {got}, not {wanted}",
                 m + 1
             );
         }
     }
-    assert!(largest > 0.1, "{column:?} does something");
+    assert!(largest > 0.1, "{regressor:?} does something");
 }
 
 /// What changes begins so many ticks before it shows.
@@ -102,33 +103,40 @@ const BEGINS: usize = QUIET - LEAD;
 
 #[test]
 fn power_and_a_constant_power_are_differences_of_two_simulations() {
-    let nominal_process = |_| Process::new(&parameters(), 1.0);
+    let nominal_process = |_| Process::new(Default::default(), &parameters(), 1.0);
     let more = simulated(|k, heat| if k >= BEGINS { 1.5 * heat } else { heat }, nominal_process);
-    assert_difference(Column::Power, &more, 0.5);
+    assert_difference(Regressor::Power, &more, 0.5);
     let constant = simulated(|k, heat| if k >= BEGINS { heat + 10.0 } else { heat }, nominal_process);
-    assert_difference(Column::Constant, &constant, 10.0);
+    assert_difference(Regressor::Constant, &constant, 10.0);
 }
 
 /// The fan follows with its lag: the flow of each tick is that in its middle.
 #[test]
 fn air_flows_are_differences_of_two_simulations() {
-    for (column, flow, unit) in [(Column::LessFlow, LESS, LESS_BY), (Column::MoreFlow, MORE, MORE_BY)] {
+    let (model, [less_by, more_by]) = (Tuning::DEFAULT.model, Tuning::DEFAULT.model.secants());
+    for (regressor, flow, unit) in
+        [(Regressor::LessFlow, model.less_flow, less_by), (Regressor::MoreFlow, model.more_flow, more_by)]
+    {
         let at = |k: usize| {
             let age = k as f32 + 0.5 - BEGINS as f32;
             let approach = if age > 0.0 { 1.0 - (-0.4 * age).exp() } else { 0.0 };
             // The lag is over after eight of its time constants.
-            Process::new(&parameters(), 1.0 + (flow - 1.0) * approach)
+            Process::new(Default::default(), &parameters(), 1.0 + (flow - 1.0) * approach)
         };
-        assert_difference(column, &simulated(|_, heat| heat, at), unit);
+        assert_difference(regressor, &simulated(|_, heat| heat, at), unit);
     }
 }
 
-/// The wall has always been there: its column is the derivative of the whole simulation by its share.
+/// The wall has always been there: its regressor is the derivative of the whole simulation by its share.
 #[test]
 fn the_walls_column_is_the_derivative_by_its_share() {
     let mut p = parameters();
     p.set(Parameter::Wall1, p.get(Parameter::Wall1) + 0.1);
-    assert_difference(Column::Wall, &simulated(|_, heat| heat, |_| Process::new(&p, 1.0)), 0.1);
+    assert_difference(
+        Regressor::Wall,
+        &simulated(|_, heat| heat, |_| Process::new(Default::default(), &p, 1.0)),
+        0.1,
+    );
 }
 
 /// A longer dead time by a tick gives what was there a tick ago.
@@ -136,15 +144,20 @@ fn the_walls_column_is_the_derivative_by_its_share() {
 fn a_shift_is_a_longer_dead_time() {
     let mut p = parameters();
     p.set(Parameter::Delay1, p.get(Parameter::Delay1) + 1.0);
-    assert_difference(Column::Shift, &simulated(|_, heat| heat, |_| Process::new(&p, 1.0)), 1.0);
+    assert_difference(
+        Regressor::Shift,
+        &simulated(|_, heat| heat, |_| Process::new(Default::default(), &p, 1.0)),
+        1.0,
+    );
 }
 
 /// T1 behind a further lag that begins with the onset: what it reads less what it should; and what a lost share of the rise is behind it.
 #[test]
 fn lags_and_losses_begin_at_the_onset() {
-    let (rows, rises) = (columns(None), nominal());
+    let (rows, rises) = (regressors(None), nominal());
     for (place, share) in constants().lags.into_iter().enumerate() {
-        let (lag, loss) = [(Column::ShortLag, Column::ShortLoss), (Column::LongLag, Column::LongLoss)][place];
+        let (lag, loss) =
+            [(Regressor::ShortLag, Regressor::ShortLoss), (Regressor::LongLag, Regressor::LongLoss)][place];
         let share = f64::from(share);
         for (row, k) in rows.iter().zip(QUIET..) {
             // The lag as a sum over its past: the level before the onset decays, what came since is weighted.
@@ -161,19 +174,20 @@ fn lags_and_losses_begin_at_the_onset() {
 
 #[test]
 fn sensors_columns_are_what_they_are_called() {
-    let (rows, rises) = (columns(None), nominal());
+    let (rows, rises) = (regressors(None), nominal());
     for (age, (row, k)) in rows.iter().zip(QUIET..).enumerate() {
         let [y1, y2] = rises[k].y;
-        let at = |column: Column| row[column as usize];
-        assert_eq!((at(Column::Offset1), at(Column::Offset2)), ([1.0, 0.0], [0.0, 1.0]));
-        assert_eq!((at(Column::Gain1), at(Column::Gain2)), ([y1, 0.0], [0.0, y2]));
-        assert_eq!(at(Column::Exchanged), [y2 - y1, y1 - y2]);
-        assert_eq!((at(Column::Inlet1), at(Column::Inlet2)), ([0.3, 0.0], [0.0, 0.7]));
+        let at = |regressor: Regressor| row[regressor as usize];
+        assert_eq!((at(Regressor::Offset1), at(Regressor::Offset2)), ([1.0, 0.0], [0.0, 1.0]));
+        assert_eq!((at(Regressor::Gain1), at(Regressor::Gain2)), ([y1, 0.0], [0.0, y2]));
+        assert_eq!(at(Regressor::Exchanged), [y2 - y1, y1 - y2]);
+        assert_eq!((at(Regressor::Inlet1), at(Regressor::Inlet2)), ([0.3, 0.0], [0.0, 0.7]));
         let minutes = age as f32 * MINUTES;
         assert!(
-            (at(Column::Ramp1)[0] - minutes).abs() < 1e-5 && (at(Column::Ramp2)[1] - minutes).abs() < 1e-5
+            (at(Regressor::Ramp1)[0] - minutes).abs() < 1e-5
+                && (at(Regressor::Ramp2)[1] - minutes).abs() < 1e-5
         );
-        assert!(at(Column::Ramp1)[1] == 0.0 && at(Column::Ramp2)[0] == 0.0);
+        assert!(at(Regressor::Ramp1)[1] == 0.0 && at(Regressor::Ramp2)[0] == 0.0);
     }
 }
 
@@ -181,23 +195,23 @@ fn sensors_columns_are_what_they_are_called() {
 #[test]
 fn restarting_the_sensors_leaves_the_process() {
     let at = QUIET + 50;
-    let (whole, restarted) = (columns(None), columns(Some(at)));
+    let (whole, restarted) = (regressors(None), regressors(Some(at)));
     let (row, was) = (restarted[50], whole[50]);
-    assert_eq!(row[Column::Ramp1 as usize], [0.0; 2]);
-    assert!(row[Column::LongLoss as usize][0] < 0.2 * was[Column::LongLoss as usize][0]);
-    let of_sensors = |column: &usize| SENSORS.iter().any(|sensor| *sensor as usize == *column);
-    for column in (0..COUNT).filter(|column| !of_sensors(column)) {
-        assert_eq!(restarted[100][column], whole[100][column], "column {column}");
+    assert_eq!(row[Regressor::Ramp1 as usize], [0.0; 2]);
+    assert!(row[Regressor::LongLoss as usize][0] < 0.2 * was[Regressor::LongLoss as usize][0]);
+    let of_sensors = |regressor: &usize| SENSORS.iter().any(|sensor| *sensor as usize == *regressor);
+    for regressor in (0..COUNT).filter(|regressor| !of_sensors(regressor)) {
+        assert_eq!(restarted[100][regressor], whole[100][regressor], "regressor {regressor}");
     }
 }
 
-/// Columns go through the same filter as the residuals: of a whitened column no level from before is left.
+/// Regressors go through the same filter as the residuals: of a whitened regressor no level from before is left.
 #[test]
 fn the_columns_are_whitened_from_rest() {
-    let mut ladder = plain();
-    ladder.inv_sigma = [10.0, 20.0];
+    let mut whitening = plain();
+    whitening.inv_sigma = [10.0, 20.0];
     let (p, mut onset, mut history) = (parameters(), Onset::default(), History::default());
-    let (process, motion) = (Process::new(&p, 1.0), Motion::steady(30.0));
+    let (process, motion) = (Process::new(Default::default(), &p, 1.0), Motion::steady(30.0));
     history.push(30.0, &motion);
     let rises = Rises { y: [9.0, 8.0], wall: [0.0; 2] };
     let now = Nominal {
@@ -211,20 +225,20 @@ fn the_columns_are_whitened_from_rest() {
         before: rises.y,
         inlet: [0.0; 2],
     };
-    let row = onset.step(&constants(), &ladder, &now);
-    assert_eq!(row[Column::Offset1 as usize], [10.0, 0.0]);
-    assert_eq!(row[Column::Gain2 as usize], [0.0, 160.0]);
+    let row = onset.step(&constants(), &whitening, &now);
+    assert_eq!(row[Regressor::Offset1 as usize], [10.0, 0.0]);
+    assert_eq!(row[Regressor::Gain2 as usize], [0.0, 160.0]);
     assert_eq!((onset.age, onset.sensors_age), (1, 1));
 }
 
-/// Who looks after the tick, when it is already remembered, sees the same columns as the watch did within it.
+/// Who looks after the tick, when it is already remembered, sees the same regressors as the watch did within it.
 #[test]
 fn a_tick_can_be_looked_at_again() {
     let parameters = Parameters([-1.2, 1.4, 1.7, 0.2, 0.06, 0.9, 1.3, 1.1, 0.03, 4.0, 0.1, -0.2, 0.01]);
-    let process = Process::new(&parameters, 1.0);
+    let process = Process::new(Default::default(), &parameters, 1.0);
     let (mut motion, mut history, mut before) = (Motion::steady(30.0), History::default(), [0.0; 2]);
-    let mut ladder = Ladder::default();
-    ladder.inv_sigma = [1.0, 2.0];
+    let mut whitening = WhiteningFilter::default();
+    whitening.inv_sigma = [1.0, 2.0];
     let constants = OnsetConstants { lead: 5, lags: [0.3, 0.1], fan: 0.5, minutes: 0.002 };
     let (mut within, mut after) = (Onset::default(), Onset::default());
     for k in 0..3 * REMEMBERED {
@@ -244,12 +258,13 @@ fn a_tick_can_be_looked_at_again() {
         let faulty = k > REMEMBERED;
         let remembered = history;
         let wanted =
-            faulty.then(|| within.step(&constants, &ladder, &nominal(&remembered, heat, rises, before)));
+            faulty.then(|| within.step(&constants, &whitening, &nominal(&remembered, heat, rises, before)));
         history.push(heat, &motion);
         let [(heat, rises), (_, then)] = [0, 1].map(|ago| history.at(&process, ago));
         let old = history.before();
-        let columns = faulty.then(|| after.step(&constants, &ladder, &nominal(&old, heat, rises, then.y)));
-        assert_eq!(columns, wanted, "{k}");
+        let regressors =
+            faulty.then(|| after.step(&constants, &whitening, &nominal(&old, heat, rises, then.y)));
+        assert_eq!(regressors, wanted, "{k}");
         before = rises.y;
     }
     assert!(after.age as usize > REMEMBERED);
@@ -265,10 +280,11 @@ fn without_samples_the_models_go_on() {
         e = e.map(|e| 0.6 * e + 0.1 * random.gaussian() as f32);
         statistics.push(e, [if k % 20 < 10 { 9.0 } else { 15.0 }; 2]);
     }
-    let (p, c, coloured) = (parameters(), constants(), statistics.finish(2).unwrap());
-    let (process, history) = (Process::new(&p, 1.0), History::default());
+    let (p, c, coloured) =
+        (parameters(), constants(), statistics.finish(&Tuning::DEFAULT.whitening, 2).unwrap());
+    let (process, history) = (Process::new(Default::default(), &p, 1.0), History::default());
     // Each tick of three, seen or not: the last row.
-    let run = |ladder: &Ladder, seen: [bool; 3]| {
+    let run = |whitening: &WhiteningFilter, seen: [bool; 3]| {
         let (mut motion, mut onset, mut before) = (Motion::steady(30.0), Onset::default(), [9.0; 2]);
         let mut row = [[0.0; 2]; COUNT];
         for seen in seen {
@@ -285,9 +301,9 @@ fn without_samples_the_models_go_on() {
                 inlet: [0.0; 2],
             };
             if seen {
-                row = onset.step(&c, ladder, &now);
+                row = onset.step(&c, whitening, &now);
             } else {
-                onset.pass(&c, ladder, &now);
+                onset.pass(&c, whitening, &now);
             }
             before = rises.y;
         }
@@ -295,7 +311,7 @@ fn without_samples_the_models_go_on() {
     };
     let [whole, holed] = [[true; 3], [true, false, true]].map(|seen| run(&plain(), seen));
     assert_eq!(whole, holed, "unwhitened, a tick that is missing is missed by nothing");
-    let offset = Column::Offset1 as usize;
+    let offset = Regressor::Offset1 as usize;
     let mut past = Past::default();
     let wanted = [0; 2].map(|_| coloured.step(&mut past, [1.0, 0.0])[0])[1];
     assert_eq!(run(&coloured, [true, false, true])[offset][0], wanted, "the second that is whitened");

@@ -8,7 +8,7 @@ fn slow() -> Parameters {
 }
 
 fn steady_at(p: &Parameters, flow: f32, power: f32) -> [f32; 2] {
-    let process = Process::new(p, flow);
+    let process = Process::new(Default::default(), p, flow);
     let mut motion = Motion::default();
     (0..6000).map(|_| process.step(&mut motion, process.heat(power)).y).last().unwrap()
 }
@@ -18,7 +18,7 @@ fn steady_at(p: &Parameters, flow: f32, power: f32) -> [f32; 2] {
 fn the_model_follows_its_differential_equations() {
     let p = slow();
     for flow in [1.0f32, 0.7, 1.4] {
-        let (process, mut motion) = (Process::new(&p, flow), Motion::default());
+        let (process, mut motion) = (Process::new(Default::default(), &p, flow), Motion::default());
         let (mut rig, mut random) = (Rig::new(&p, 0.5), Random::new(1));
         let (mut power, mut worst, mut swing) = (40.0f32, [0.0f64; 2], [0.0f64; 2]);
         for k in 0..1500 {
@@ -53,7 +53,7 @@ fn at_rest_the_laws_are_those_of_the_heat_balance() {
         }
     }
     assert_eq!(Motion::steady(40.0).air.at(13.7).0, 40.0);
-    let (process, mut motion) = (Process::new(&p, 1.0), Motion::steady(30.0));
+    let (process, mut motion) = (Process::new(Default::default(), &p, 1.0), Motion::steady(30.0));
     let y = process.step(&mut motion, 30.0).y;
     assert!((y[0] - 9.0).abs() < 1e-4 && (y[1] - 8.1).abs() < 1e-4, "{y:?}");
 }
@@ -62,7 +62,7 @@ fn at_rest_the_laws_are_those_of_the_heat_balance() {
 #[test]
 fn the_wall_is_slow_and_comes_to_nothing() {
     let p = slow();
-    let (process, mut motion) = (Process::new(&p, 1.0), Motion::default());
+    let (process, mut motion) = (Process::new(Default::default(), &p, 1.0), Motion::default());
     let walls: [[f32; 2]; 6000] = core::array::from_fn(|_| process.step(&mut motion, 30.0).wall);
     assert!(walls[200][0] < -3.0 && walls[200][1] < -2.0, "{:?}", walls[200]);
     assert!(walls[5999].iter().all(|wall| wall.abs() < 1e-3), "{:?}", walls[5999]);
@@ -102,7 +102,7 @@ fn the_transport_goes_back() {
 #[test]
 fn times_go_with_the_air_flow() {
     let p = slow();
-    let [nominal, twice] = [1.0, 2.0].map(|flow| Process::new(&p, flow));
+    let [nominal, twice] = [1.0, 2.0].map(|flow| Process::new(Default::default(), &p, flow));
     assert!((twice.delay[0] / nominal.delay[0] - 0.625).abs() < 1e-6);
     assert!((twice.delay[1] - twice.delay[0] - 3.3).abs() < 1e-5);
     let time = |share: f32| -1.0 / libm::logf(1.0 - share);

@@ -3,12 +3,12 @@ extern crate std;
 use std::vec::Vec;
 
 use super::super::class::FaultClass;
-use super::super::column::{LESS, MORE};
-use super::super::hypothesis::SINCE_TRAINING;
+use super::super::hypothesis::{HYPOTHESES, SINCE_TRAINING};
 use super::super::posterior::Posterior;
 use super::super::process::Parameters;
 use super::super::reference::Random;
 use super::*;
+use crate::likelihood::Tuning;
 
 /// Innovations of both residuals, degC.
 const SIGMA: f32 = 0.05;
@@ -30,7 +30,7 @@ struct Run {
     flows: [Process; 2],
     motion: Motion,
     steady: Steady,
-    ladder: Ladder,
+    whitening: WhiteningFilter,
     random: Random,
     before: [f32; 2],
     bit: f32,
@@ -42,14 +42,15 @@ impl Run {
         let p = Parameters([-1.2, 1.4, 1.0, -0.5, 0.0, 0.92, 0.9, 1.3, 0.0, 5.6, 0.0, 0.0, 0.0]);
         let motion = Motion::steady(40.0);
         let rise = 40.0 * libm::expf(-1.2);
-        let mut ladder = Ladder::default();
-        (ladder.sigma, ladder.inv_sigma) = ([SIGMA; 2], [1.0 / SIGMA; 2]);
+        let mut whitening = WhiteningFilter::default();
+        (whitening.sigma, whitening.inv_sigma) = ([SIGMA; 2], [1.0 / SIGMA; 2]);
+        let (t, model) = (Tuned::default(), Tuning::DEFAULT.model);
         Self {
-            process: Process::new(&p, 1.0),
-            flows: [LESS, MORE].map(|flow| Process::new(&p, flow)),
+            process: Process::new(t, &p, 1.0),
+            flows: [model.less_flow, model.more_flow].map(|flow| Process::new(t, &p, flow)),
             motion,
-            steady: Steady::new(&motion, rise),
-            ladder,
+            steady: Steady::new(t, &motion, rise),
+            whitening,
             random: Random::new(seed),
             before: [rise, 0.92 * rise],
             bit: 5.0,
@@ -57,8 +58,8 @@ impl Run {
         }
     }
 
-    /// So many ticks whose residuals are noise and what is given of each tick's columns, by the tick of this call.
-    fn ticks(&mut self, n: usize, residual: impl Fn(usize, &Row<LASTING>) -> [f32; 2]) {
+    /// So many ticks whose residuals are noise and what is given of each tick's regressors, by the tick of this call.
+    fn ticks(&mut self, n: usize, residual: impl Fn(usize, &Regressors<LASTING>) -> [f32; 2]) {
         let c = constants();
         for k in 0..n {
             if self.ticks.is_multiple_of(2) {
@@ -67,58 +68,58 @@ impl Run {
             self.ticks += 1;
             let heat = self.process.heat(40.0 + self.bit);
             let rises = self.process.step(&mut self.motion, heat);
-            let row = self.steady.row(&self.flows, heat, &rises, self.before);
+            let row = self.steady.regressors(&self.flows, heat, &rises, self.before);
             self.before = rises.y;
-            let whitened = self.steady.whitened(&self.ladder, &row);
+            let whitened = self.steady.whitened(&self.whitening, &row);
             let e = residual(k, &row).map(|e| e + SIGMA * self.random.gaussian() as f32);
-            let z = self.steady.residual(&self.ladder, e);
+            let z = self.steady.residual(&self.whitening, e);
             self.steady.gather(&c, &row, &whitened, e, z);
         }
     }
 
     /// The likeliest class, the gain of the best hypothesis, and the size of the likeliest.
     fn judged(&self) -> (FaultClass, f32, f32) {
-        let mut freed = [Freed::default(); hypothesis::COUNT];
-        self.steady.judge(&SINCE_TRAINING, &mut freed, Inputs::ALL);
-        let posterior = Posterior::new(&freed);
+        let mut estimate = [Estimate::default(); hypothesis::COUNT];
+        self.steady.judge(&SINCE_TRAINING, &mut estimate, Inputs::ALL);
+        let posterior = Posterior::new(&estimate);
         let h = posterior.likeliest;
         (HYPOTHESES[h].class, posterior.best_gain, self.steady.size(&SINCE_TRAINING, h, Inputs::ALL).value)
     }
 }
 
-fn nothing(_: usize, _: &Row<LASTING>) -> [f32; 2] {
+fn nothing(_: usize, _: &Regressors<LASTING>) -> [f32; 2] {
     [0.0; 2]
 }
 
-fn of(column: Column, size: f32) -> impl Fn(usize, &Row<LASTING>) -> [f32; 2] {
-    move |_, row| row[column as usize].map(|value| size * value)
+fn of(regressor: Regressor, size: f32) -> impl Fn(usize, &Regressors<LASTING>) -> [f32; 2] {
+    move |_, row| row[regressor as usize].map(|value| size * value)
 }
 
-/// What comes within two minutes, and stays: its name and its size, against a residual that says no more than its columns.
+/// What comes within two minutes, and stays: its name and its size, against a residual that says no more than its regressors.
 #[test]
 fn what_changed_slowly_is_named_with_its_size() {
     let cases = [
-        (Column::Power, -0.15, FaultClass::HeaterPower),
-        (Column::Power, 0.2, FaultClass::HeaterPower),
-        (Column::LessFlow, 0.2, FaultClass::AirFlow),
-        (Column::MoreFlow, -0.18, FaultClass::AirFlow),
-        (Column::Offset1, 1.5, FaultClass::T1Offset),
-        (Column::Offset2, -1.5, FaultClass::T2Offset),
-        (Column::Gain1, -0.2, FaultClass::T1Clogged),
+        (Regressor::Power, -0.15, FaultClass::HeaterPower),
+        (Regressor::Power, 0.2, FaultClass::HeaterPower),
+        (Regressor::LessFlow, 0.2, FaultClass::AirFlow),
+        (Regressor::MoreFlow, -0.18, FaultClass::AirFlow),
+        (Regressor::Offset1, 1.5, FaultClass::T1Offset),
+        (Regressor::Offset2, -1.5, FaultClass::T2Offset),
+        (Regressor::Gain1, -0.2, FaultClass::T1Clogged),
     ];
-    for (column, size, class) in cases {
+    for (regressor, size, class) in cases {
         for seed in 1..4 {
             let mut run = Run::new(seed);
             run.ticks(REFERENCE as usize + 10, nothing);
-            run.ticks(1100, |k, row| row[column as usize].map(|value| size * k as f32 / 1100.0 * value));
-            run.ticks(1500, of(column, size));
+            run.ticks(1100, |k, row| row[regressor as usize].map(|value| size * k as f32 / 1100.0 * value));
+            run.ticks(1500, of(regressor, size));
             let (named, gain, estimate) = run.judged();
             assert!(
                 named == class && gain > 5.0,
-                "{column:?} by {size}: {named:?}, gain {gain}, seed {seed}"
+                "{regressor:?} by {size}: {named:?}, gain {gain}, seed {seed}"
             );
             let error = (estimate / size - 1.0).abs();
-            assert!(error < 0.12, "{column:?} by {size}: {estimate}, seed {seed}");
+            assert!(error < 0.12, "{regressor:?} by {size}: {estimate}, seed {seed}");
         }
     }
 }
@@ -136,13 +137,13 @@ fn nothing_gains_nothing() {
 /// A model whose answer comes too early by a share of a tick, always: that is what the reference takes away, and the means do not see it.
 #[test]
 fn the_reference_takes_a_constant_model_error_away() {
-    let fast_error = of(Column::Shift, 0.5);
+    let fast_error = of(Regressor::Shift, 0.5);
     for seed in 1..4 {
         let mut run = Run::new(seed);
         run.ticks(REFERENCE as usize + 2000, &fast_error);
         let (class, gain, _) = run.judged();
         assert!(gain < 1.5, "{class:?} gains {gain}, seed {seed}");
-        let learnt = run.steady.reference[Column::Shift as usize];
+        let learnt = run.steady.reference[Regressor::Shift as usize];
         assert!((learnt - 0.5).abs() < 0.1, "{learnt} ticks, seed {seed}");
     }
 }
@@ -154,7 +155,7 @@ fn what_was_changed_on_purpose_counts_as_trained() {
     run.ticks(REFERENCE as usize + 500, nothing);
     run.steady.rebase();
     assert!(!run.steady.is_ready(0.0));
-    let level = |offset: f32| move |_: usize, _: &Row<LASTING>| [1.2 + offset, 0.9];
+    let level = |offset: f32| move |_: usize, _: &Regressors<LASTING>| [1.2 + offset, 0.9];
     run.ticks(REFERENCE as usize + 2000, level(0.0));
     let (class, gain, _) = run.judged();
     assert!(gain < 1.5, "{class:?} gains {gain}");

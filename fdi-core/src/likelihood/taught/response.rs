@@ -2,8 +2,9 @@
 
 use heapless::Vec;
 
-use crate::likelihood::column::Column;
 use crate::likelihood::hypothesis::Hypothesis;
+use crate::likelihood::regressor::Regressor;
+use crate::likelihood::tuning::Tuned;
 use crate::name::Name;
 
 /// Faults that there is room for.
@@ -44,56 +45,56 @@ impl Mean {
     }
 }
 
-/// An effect: what it is called, its column of the bank, the spread that it may have, and the step that it is kept in.
+/// An effect: its regressor of the bank, and the step that it is kept in.
 struct Effect {
-    name: &'static str,
-    column: Column,
-    spread: f32,
+    regressor: Regressor,
     step: f32,
 }
 
-const fn share(name: &'static str, column: Column, spread: f32) -> Effect {
-    Effect { name, column, spread, step: 0.001 }
+const fn share(regressor: Regressor) -> Effect {
+    Effect { regressor, step: 0.001 }
 }
 
-const fn degrees(name: &'static str, column: Column, spread: f32) -> Effect {
-    Effect { name, column, spread, step: 0.01 }
+const fn degrees(regressor: Regressor) -> Effect {
+    Effect { regressor, step: 0.01 }
 }
 
-/// Spreads are those of the hypotheses of one column each.
 static ALL: [Effect; EFFECTS] = [
-    share("power", Column::Power, 0.25),
-    share("less flow", Column::LessFlow, 0.3),
-    share("more flow", Column::MoreFlow, 0.3),
-    degrees("offset of T1", Column::Offset1, 2.0),
-    degrees("offset of T2", Column::Offset2, 2.0),
-    share("gain of T1", Column::Gain1, 0.25),
-    share("gain of T2", Column::Gain2, 0.25),
-    share("short lag", Column::ShortLag, 0.5),
-    share("long lag", Column::LongLag, 0.5),
-    share("short loss", Column::ShortLoss, 0.25),
-    share("long loss", Column::LongLoss, 0.25),
+    share(Regressor::Power),
+    share(Regressor::LessFlow),
+    share(Regressor::MoreFlow),
+    degrees(Regressor::Offset1),
+    degrees(Regressor::Offset2),
+    share(Regressor::Gain1),
+    share(Regressor::Gain2),
+    share(Regressor::ShortLag),
+    share(Regressor::LongLag),
+    share(Regressor::ShortLoss),
+    share(Regressor::LongLoss),
 ];
 
 /// Names of the effects, in their order. All are shares, but for both offsets, which are in degC: less and more flow of `1/f - 1`, lags of one of T1
 /// of 0.35 and of 1 s on the reference rig, losses of the rise that T1 loses behind these.
 pub fn names() -> [&'static str; EFFECTS] {
-    core::array::from_fn(|i| ALL[i].name)
+    core::array::from_fn(|i| ALL[i].regressor.name().0)
 }
 
-/// The columns with their spreads.
-pub(in crate::likelihood) fn spreads() -> [(Column, f32); EFFECTS] {
-    core::array::from_fn(|i| (ALL[i].column, ALL[i].spread))
+/// The regressors with their spreads: those of the hypotheses of one regressor each.
+pub(in crate::likelihood) fn spreads(tuning: Tuned) -> [(Regressor, f32); EFFECTS] {
+    let (t, lag) = (&tuning.hypotheses, tuning.taught.lag_sd);
+    let (flow, offset, share) = (t.flow_sd, t.offset_sd, t.clogged_sd);
+    let spreads = [t.power_sd, flow, flow, offset, offset, share, share, lag, lag, share, share];
+    core::array::from_fn(|i| (ALL[i].regressor, spreads[i]))
 }
 
 /// What a hypothesis changes where it frees these values; `None` where that is no effect. When it began is none, either, and does not matter.
 pub(in crate::likelihood) fn of_hypothesis(row: &Hypothesis, values: [f32; 2]) -> Option<Effects> {
     let mut effects = [0.0; EFFECTS];
     for (free, value) in [Some(row.first), row.second].into_iter().flatten().zip(values) {
-        for (column, weight) in free.direction.columns().into_iter().zip(free.direction.weights()) {
-            match ALL.iter().position(|effect| effect.column as usize == column) {
+        for (regressor, weight) in free.direction.regressors().into_iter().zip(free.direction.weights()) {
+            match ALL.iter().position(|effect| effect.regressor as usize == regressor) {
                 Some(place) => effects[place] += weight * value,
-                None if column == Column::Late as usize => {}
+                None if regressor == Regressor::Late as usize => {}
                 None => return None,
             }
         }
@@ -143,9 +144,9 @@ impl Response {
         self.effects == [0; EFFECTS]
     }
 
-    /// Its columns, each with what it changes.
-    pub(super) fn weights(&self) -> [(Column, f32); EFFECTS] {
-        core::array::from_fn(|i| (ALL[i].column, f32::from(self.effects[i]) * ALL[i].step))
+    /// Its regressors, each with what it changes.
+    pub(super) fn weights(&self) -> [(Regressor, f32); EFFECTS] {
+        core::array::from_fn(|i| (ALL[i].regressor, f32::from(self.effects[i]) * ALL[i].step))
     }
 }
 
@@ -165,7 +166,7 @@ mod tests {
         let kept = Response::new(Name::NONE, &effects);
         assert_eq!(kept.effects, [-250, 0, 0, 150, 0, i16::MAX, 0, 0, 0, 0, 0]);
         let weights = kept.weights();
-        assert_eq!((weights[0].0, weights[3].0), (Column::Power, Column::Offset1));
+        assert_eq!((weights[0].0, weights[3].0), (Regressor::Power, Regressor::Offset1));
         assert!((weights[0].1 + 0.25).abs() < 1e-6 && (weights[3].1 - 1.5).abs() < 1e-6, "{weights:?}");
     }
 

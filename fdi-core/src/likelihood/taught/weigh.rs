@@ -2,32 +2,25 @@
 
 use super::response::{MAX_TAUGHT, Responses};
 use crate::bounds::{larger, smaller};
-use crate::likelihood::evidence::{Freed, Nuisances};
+use crate::likelihood::evidence::{Estimate, Nuisances};
 use crate::likelihood::hypothesis::IMPOSSIBLE;
-
-/// A fault comes as large as it was taught, give or take this share, and within these.
-const SPREAD: f32 = 0.2;
-const RANGE: (f32, f32) = (0.3, 3.0);
-/// Logarithm of its odds against the common faults beforehand: somebody has seen it on this rig. It is told from the class that it belongs to by its
-/// size alone.
-const PRIOR: f32 = 3.0;
-/// So much the data have to say by themselves: what changes hardly anything explains anything as well as nothing does.
-const LEAST: f32 = 3.0;
+use crate::likelihood::tuning::TaughtTuning;
 
 /// What each response gains over the nuisances.
-pub(in crate::likelihood) type Weighed = [Freed; MAX_TAUGHT];
+pub(in crate::likelihood) type Weighed = [Estimate; MAX_TAUGHT];
 
 /// Weighs all of them.
 #[inline(never)]
 pub(in crate::likelihood) fn weigh<const N: usize, const H: usize>(
+    t: &TaughtTuning,
     responses: &Responses,
     nuisances: &Nuisances<'_, N, H>,
 ) -> Weighed {
-    let mut weighed = [Freed { gain: IMPOSSIBLE, ..Freed::default() }; MAX_TAUGHT];
+    let mut weighed = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; MAX_TAUGHT];
     for (weighed, response) in weighed.iter_mut().zip(responses) {
-        let freed = nuisances.free_along(&response.weights(), (1.0, SPREAD));
-        if freed.gain > LEAST && freed.value > RANGE.0 && freed.value < RANGE.1 {
-            *weighed = Freed { gain: freed.gain + PRIOR, ..freed };
+        let estimate = nuisances.estimate_along(&response.weights(), (1.0, t.size_sd));
+        if estimate.gain > t.least_gain && estimate.value > t.least_size && estimate.value < t.most_size {
+            *weighed = Estimate { gain: estimate.gain + t.prior, ..estimate };
         }
     }
     weighed
@@ -41,8 +34,8 @@ pub(in crate::likelihood) fn likeliest(
     classes: f32,
 ) -> (usize, f32) {
     let mut best = 0;
-    for (i, freed) in weighed.iter().enumerate() {
-        if freed.gain > weighed[best % MAX_TAUGHT].gain {
+    for (i, estimate) in weighed.iter().enumerate() {
+        if estimate.gain > weighed[best % MAX_TAUGHT].gain {
             best = i;
         }
     }
@@ -50,8 +43,8 @@ pub(in crate::likelihood) fn likeliest(
     let gain = weighed[best % MAX_TAUGHT].gain;
     let ratio = |other: f32| libm::expf(smaller(60.0, larger(-60.0, other - gain)));
     let (mut own, mut all) = (0.0, ratio(classes));
-    for (freed, response) in weighed.iter().zip(responses) {
-        let weight = ratio(freed.gain);
+    for (estimate, response) in weighed.iter().zip(responses) {
+        let weight = ratio(estimate.gain);
         all += weight;
         own += if response.name == likeliest.name { weight } else { 0.0 };
     }
@@ -62,12 +55,12 @@ pub(in crate::likelihood) fn likeliest(
 mod tests {
     use super::super::response::{EFFECTS, Response};
     use super::*;
-    use crate::likelihood::column::{COUNT, Column};
     use crate::likelihood::hypothesis::SINCE_ONSET;
     use crate::likelihood::normal::Normal;
+    use crate::likelihood::regressor::{COUNT, Regressor};
 
     fn weighed(gains: &[(usize, f32)]) -> Weighed {
-        let mut weighed = [Freed { gain: IMPOSSIBLE, ..Freed::default() }; MAX_TAUGHT];
+        let mut weighed = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; MAX_TAUGHT];
         gains.iter().for_each(|(place, gain)| weighed[*place].gain = *gain);
         weighed
     }
@@ -102,7 +95,7 @@ mod tests {
     fn the_data_have_to_speak_for_it() {
         let mut normal = <Normal>::default();
         let mut row = [[0.0; 2]; COUNT];
-        row[Column::Offset2 as usize] = [0.0, 20.0];
+        row[Regressor::Offset2 as usize] = [0.0, 20.0];
         (0..50).for_each(|_| normal.add(&row, [0.0, 30.0], 1.0));
         let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 1.5).for_many();
         let mut responses = named(&["low", "none", "tiny", "high"]);
@@ -110,7 +103,7 @@ mod tests {
             response.effects = [0; EFFECTS];
             response.effects[4] = offset;
         }
-        let gains = weigh(&responses, &nuisances).map(|freed| freed.gain);
+        let gains = weigh(&TaughtTuning::DEFAULT, &responses, &nuisances).map(|estimate| estimate.gain);
         assert_eq!(gains[..3], [IMPOSSIBLE; 3]);
         assert!(gains[3] > 50.0, "{gains:?}");
     }

@@ -1,17 +1,20 @@
-use super::super::column::LASTING;
 use super::super::reference::{Matrix, Random};
+use super::super::regressor::LASTING;
 use super::*;
+use crate::likelihood::tuning::TrackerTuning;
 
-/// Whitened columns as on the reference rig, some of them moving: power, both secants of the air flow, offsets.
-fn row(random: &mut Random) -> Row<LASTING> {
+const TUNING: TrackerTuning = TrackerTuning::DEFAULT;
+
+/// Whitened regressors as on the reference rig, some of them moving: power, both secants of the air flow, offsets.
+fn row(random: &mut Random) -> Regressors<LASTING> {
     let mut row = [[0.0; 2]; LASTING];
-    let mut put = |column: Column, a: f32, b: f32| row[column as usize] = [a, b];
+    let mut put = |regressor: Regressor, a: f32, b: f32| row[regressor as usize] = [a, b];
     let mut moving = |mean: f64| (mean + 3.0 * random.gaussian()) as f32;
-    put(Column::Power, moving(60.0), moving(40.0));
-    put(Column::LessFlow, moving(70.0), moving(55.0));
-    put(Column::MoreFlow, moving(50.0), moving(35.0));
-    put(Column::Offset1, 5.0, -2.0);
-    put(Column::Offset2, 0.0, 4.0);
+    put(Regressor::Power, moving(60.0), moving(40.0));
+    put(Regressor::LessFlow, moving(70.0), moving(55.0));
+    put(Regressor::MoreFlow, moving(50.0), moving(35.0));
+    put(Regressor::Offset1, 5.0, -2.0);
+    put(Regressor::Offset2, 0.0, 4.0);
     row
 }
 
@@ -23,20 +26,20 @@ struct Kalman {
 
 impl Kalman {
     fn new() -> Self {
-        let diagonal = |i: usize, j: usize| if i == j { f64::from(FIRST[i]).powi(2) } else { 0.0 };
+        let diagonal = |i: usize, j: usize| if i == j { f64::from(TUNING.first()[i]).powi(2) } else { 0.0 };
         Self { x: [0.0; N], p: (0..N).map(|i| (0..N).map(|j| diagonal(i, j)).collect()).collect() }
     }
 
-    fn step(&mut self, whitened: &Row<LASTING>, z: [f32; 2]) {
-        let flow = if self.x[1] < 0.0 { Column::MoreFlow } else { Column::LessFlow };
-        let columns = [Column::Power, flow, Column::Offset1, Column::Offset2];
+    fn step(&mut self, whitened: &Regressors<LASTING>, z: [f32; 2]) {
+        let flow = if self.x[1] < 0.0 { Regressor::MoreFlow } else { Regressor::LessFlow };
+        let regressors = [Regressor::Power, flow, Regressor::Offset1, Regressor::Offset2];
         for i in 0..N {
-            self.p[i][i] += f64::from(WALK[i]).powi(2);
+            self.p[i][i] += f64::from(TUNING.walk()[i]).powi(2);
         }
         for m in 0..2 {
-            let phi = columns.map(|column| f64::from(whitened[column as usize][m]));
+            let phi = regressors.map(|regressor| f64::from(whitened[regressor as usize][m]));
             let p_phi: [f64; N] = core::array::from_fn(|i| (0..N).map(|j| self.p[i][j] * phi[j]).sum());
-            let variance = f64::from(NOISE) + (0..N).map(|i| phi[i] * p_phi[i]).sum::<f64>();
+            let variance = f64::from(TUNING.noise) + (0..N).map(|i| phi[i] * p_phi[i]).sum::<f64>();
             for i in 0..N {
                 self.x[i] += p_phi[i] / variance * f64::from(z[m]);
                 for j in 0..N {
@@ -70,7 +73,8 @@ fn positive_definite(tracker: &Tracker) -> bool {
 
 #[test]
 fn it_is_the_kalman_filter_of_the_textbook() {
-    let (mut tracker, mut wanted, mut random) = (Tracker::default(), Kalman::new(), Random::new(1));
+    let (mut tracker, mut wanted, mut random) =
+        (Tracker::new(Default::default()), Kalman::new(), Random::new(1));
     for k in 0..3000 {
         let (row, z) = (row(&mut random), [random.gaussian() as f32, random.gaussian() as f32]);
         // A residual that the offset of T1 explains, so that something is learnt.
@@ -93,7 +97,7 @@ fn it_is_the_kalman_filter_of_the_textbook() {
 /// A power that sags by 3 % within ten minutes, and an offset of T2 that grows: which of both it is may stay open, but little of it is left.
 #[test]
 fn what_changes_slowly_is_followed() {
-    let (mut tracker, mut random) = (Tracker::default(), Random::new(2));
+    let (mut tracker, mut random) = (Tracker::new(Default::default()), Random::new(2));
     let (mut left, mut all) = (0.0, 0.0);
     for k in 0..6000 {
         let row = row(&mut random);
@@ -101,7 +105,7 @@ fn what_changes_slowly_is_followed() {
         let truth = [-0.03 * share, 0.0, 0.0, 0.4 * share];
         let z: [f32; 2] = core::array::from_fn(|m| {
             let seen =
-                truth[0] * row[Column::Power as usize][m] + truth[3] * row[Column::Offset2 as usize][m];
+                truth[0] * row[Regressor::Power as usize][m] + truth[3] * row[Regressor::Offset2 as usize][m];
             all += seen * seen;
             random.gaussian() as f32 + seen
         });
@@ -109,7 +113,7 @@ fn what_changes_slowly_is_followed() {
         tracker.step(&row, [z[0] - expected[0], z[1] - expected[1]]);
         let missed = [0, 1].map(|m| {
             let seen =
-                truth[0] * row[Column::Power as usize][m] + truth[3] * row[Column::Offset2 as usize][m];
+                truth[0] * row[Regressor::Power as usize][m] + truth[3] * row[Regressor::Offset2 as usize][m];
             seen - expected[m]
         });
         left += missed[0] * missed[0] + missed[1] * missed[1];
@@ -120,8 +124,8 @@ fn what_changes_slowly_is_followed() {
 /// A million quiet ticks: rounding neither makes the covariance indefinite nor lets it leave what the equations settle at.
 #[test]
 fn a_million_quiet_ticks_leave_it_positive_definite() {
-    let (mut tracker, mut random) = (Tracker::default(), Random::new(3));
-    let rows: [Row<LASTING>; 16] = core::array::from_fn(|_| row(&mut random));
+    let (mut tracker, mut random) = (Tracker::new(Default::default()), Random::new(3));
+    let rows: [Regressors<LASTING>; 16] = core::array::from_fn(|_| row(&mut random));
     for k in 0..1_000_000 {
         let z = [(k % 7) as f32 - 3.0, (k % 5) as f32 - 2.0].map(|z| 0.5 * z);
         tracker.step(&rows[k % 16], z);
@@ -131,7 +135,7 @@ fn a_million_quiet_ticks_leave_it_positive_definite() {
     }
     assert!(tracker.x.iter().all(|x| x.is_finite()));
     for i in 0..N {
-        assert!(tracker.p[i][i] <= FIRST[i] * FIRST[i] * 4.0, "{:?}", tracker.p);
+        assert!(tracker.p[i][i] <= TUNING.first()[i] * TUNING.first()[i] * 4.0, "{:?}", tracker.p);
         for j in 0..i {
             let scale = (tracker.p[i][i] * tracker.p[j][j]).sqrt();
             assert!((tracker.p[i][j] - tracker.p[j][i]).abs() < 1e-3 * scale, "symmetric");
@@ -141,7 +145,7 @@ fn a_million_quiet_ticks_leave_it_positive_definite() {
 
 #[test]
 fn widening_adds_variances_and_nothing_else() {
-    let mut tracker = Tracker::default();
+    let mut tracker = Tracker::new(Default::default());
     tracker.widen([0.1, 0.0, 0.3, 0.0]);
     let wanted = [0.01 + 0.0001, 0.000025, 0.09 + 0.01, 0.01];
     for (i, wanted) in wanted.into_iter().enumerate() {

@@ -1,32 +1,23 @@
 //! The extended Kalman filter of training.
 
-use super::super::beside::{Beside, BesideTangent};
 use super::super::inputs::Inputs;
 use super::super::process::{COUNT, Motion, Parameter, Parameters, Process};
+use super::super::second_heater::{SecondHeater, SecondHeaterTangent};
 use super::super::tangent::Tangent;
+use super::super::tuning::Tuned;
 use super::Trainer;
-use super::cold::{COLD, Cold};
+use super::cold::Cold;
 use super::noise::ResidualNoise;
 use super::sense::{bound, exchange_lags};
 use crate::bounds::{bounded, larger};
 use crate::identify::rls::RlsState;
 use crate::root::sqrt;
 
-/// T1 and T2 answer when their rise grows by so much, degC.
-const ANSWERS: f32 = 0.5;
-/// How much vaguer a tick is than its noise; at first by a share of the rise, dying out within so many answer times: the model is still wrong.
-const VAGUE: f32 = 2.25;
-const FIRST_ERROR: f32 = 0.1;
-const FIRST_ANSWERS: f32 = 6.0;
-/// No tick moves a parameter by more than this share of its prior, nor counts for more than so many standard deviations.
-const LARGEST_STEP: f32 = 0.3;
-const LIMIT: f32 = 4.0;
 /// What is not learnt before the lags are.
 const HELD: [Parameter; 3] = [Parameter::Curvature, Parameter::Offset1, Parameter::Offset2];
-/// What the first heat alone shows well, and the least variance that all others begin learning with, of their prior's.
+/// What the first heat alone shows well.
 const STANDS: [usize; 3] =
     [Parameter::Offset1 as usize, Parameter::Offset2 as usize, Parameter::Curvature as usize];
-const REOPENED: f32 = 0.1;
 
 /// The extended Kalman filter.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +25,7 @@ pub(super) struct Filter {
     rls: RlsState<COUNT>,
     sd: [f32; COUNT],
     tangent: Tangent,
-    beside: BesideTangent,
+    beside: SecondHeaterTangent,
     gradient: [[f32; COUNT]; 2],
     residual: [f32; 2],
     noise: [ResidualNoise; 2],
@@ -42,22 +33,24 @@ pub(super) struct Filter {
     /// On which tick T1 and T2 answered to the heat.
     answered: [Option<u32>; 2],
     pub(super) started: bool,
+    tuning: Tuned,
 }
 
 impl Filter {
     /// Nothing has been seen yet.
-    pub(super) fn new(rls: RlsState<COUNT>, prior: &[(f32, f32); COUNT], answer: f32) -> Self {
+    pub(super) fn new(tuning: Tuned, rls: RlsState<COUNT>, prior: &[(f32, f32); COUNT], answer: f32) -> Self {
         Self {
             rls,
             sd: prior.map(|(_, sd)| sd),
             answer,
             tangent: Tangent::default(),
-            beside: BesideTangent::default(),
+            beside: SecondHeaterTangent::default(),
             gradient: [[0.0; COUNT]; 2],
             residual: [0.0; 2],
-            noise: [ResidualNoise::UNKNOWN; 2],
+            noise: [ResidualNoise::new(tuning); 2],
             answered: [None; 2],
             started: false,
+            tuning,
         }
     }
 
@@ -78,18 +71,19 @@ impl Filter {
             p.set(Parameter::Offset1, y[0] - libm::expf(p.get(Parameter::Gain)) * u);
             return;
         }
-        if y.iter().all(|y| y.abs() < COLD) {
+        let t = &self.tuning.cold;
+        if y.iter().all(|y| y.abs() < t.below) {
             let mut cold = *cold;
-            cold.step(y.map(Some), true);
+            cold.step(t, y.map(Some), true);
             for (m, which) in [Parameter::Offset1, Parameter::Offset2].into_iter().enumerate() {
-                let (mean, sd) = cold.offset(m);
+                let (mean, sd) = cold.offset(t, m);
                 p.set(which, mean);
                 self.sd[which as usize] = sd;
             }
             return;
         }
         self.answered = [Some(0); 2];
-        if u > 1.0 && y[0] > 0.0 {
+        if u > self.tuning.filter.warm_power && y[0] > 0.0 {
             p.set(Parameter::Gain, libm::logf(y[0] / u));
             *motion = Motion::steady(u);
         }
@@ -103,13 +97,13 @@ impl Filter {
     /// The first heat has shown about how the rig answers, from a model that was wrong: what moves is learnt anew from there.
     pub(super) fn reopen(&mut self, p: &mut Parameters, inputs: Inputs) {
         if inputs.t2 {
-            exchange_lags(p);
+            exchange_lags(&self.tuning.range, p);
         }
         let variances = self.rls.variances();
         self.rls.forget_correlations();
         for (i, (d, was)) in self.rls.d_mut().iter_mut().zip(variances).enumerate() {
             let moves = !STANDS.contains(&i);
-            *d = if moves { larger(was, REOPENED) } else { was };
+            *d = if moves { larger(was, self.tuning.filter.reopened) } else { was };
         }
     }
 
@@ -129,14 +123,15 @@ impl Filter {
         p: &mut Parameters,
         process: &mut Process,
         motion: &mut Motion,
-        (beside, power_beside): (&mut Beside, f32),
+        (beside, power_beside): (&mut SecondHeater, f32),
         y: [f32; 2],
         power: f32,
         ticks: u32,
         learning: bool,
     ) -> [f32; 2] {
         let (mut rises, mut gradient) = self.tangent.step(p, process, motion, power);
-        let inputs = trainer.inputs;
+        let (inputs, tuning) = (trainer.inputs, trainer.tuning);
+        let t = &tuning.filter;
         if !inputs.t2 {
             let (added, by) = self.beside.step(beside, p, power_beside);
             rises.y = rises.y.map(|y| y + added);
@@ -147,7 +142,7 @@ impl Filter {
         let offsets = [p.get(Parameter::Offset1), p.get(Parameter::Offset2)];
         let e: [f32; 2] = core::array::from_fn(|m| y[m] - rises.y[m] - offsets[m]);
         self.listen(p, [y[0] - offsets[0], y[1] - offsets[1]], ticks);
-        let first = FIRST_ERROR * libm::expf(-(ticks as f32) / (FIRST_ANSWERS * self.answer));
+        let first = t.first_error * libm::expf(-(ticks as f32) / (t.first_answers * self.answer));
         for m in 0..2 {
             if self.answered[m].is_none() || (m == 1 && !inputs.t2) {
                 continue;
@@ -163,20 +158,20 @@ impl Filter {
             }
             let (rho, sigma) = self.noise[m].whitening();
             let wrong = first * (y[m] - offsets[m]);
-            let scale = 1.0 / sqrt(VAGUE * sigma * sigma + wrong * wrong);
+            let scale = 1.0 / sqrt(t.inflation * sigma * sigma + wrong * wrong);
             let phi: [f32; COUNT] =
                 core::array::from_fn(|i| scale * self.sd[i] * (gradient[m][i] - rho * self.gradient[m][i]));
             let innovation = scale * (e[m] - rho * self.residual[m]);
             self.rls.theta = [0.0; COUNT];
-            trainer.rls.step_clipped(&mut self.rls, &phi, innovation, LIMIT);
+            trainer.rls.step_clipped(&mut self.rls, &phi, innovation, t.clip);
             for i in 0..COUNT {
-                p.0[i] += self.sd[i] * bounded(self.rls.theta[i], -LARGEST_STEP, LARGEST_STEP);
+                p.0[i] += self.sd[i] * bounded(self.rls.theta[i], -t.largest_step, t.largest_step);
             }
         }
         self.gradient = gradient;
         self.residual = e;
-        bound(p, self.answer, inputs);
-        *process = Process::new(p, 1.0);
+        bound(&tuning, p, self.answer, inputs);
+        *process = Process::new(tuning, p, 1.0);
         if !inputs.t2 {
             beside.follow(p);
         }
@@ -186,14 +181,15 @@ impl Filter {
     /// Until a thermistor answers to the first heat, its dead time is at least as long as that has been.
     fn listen(&mut self, p: &mut Parameters, rise: [f32; 2], ticks: u32) {
         let now = ticks as f32;
-        if self.answered[0].is_none() && rise[0] > ANSWERS {
+        let t = &self.tuning.filter;
+        if self.answered[0].is_none() && rise[0] > t.answers {
             self.answered[0] = Some(ticks);
-            let delay = larger(p.get(Parameter::Delay1), now - 1.5);
+            let delay = larger(p.get(Parameter::Delay1), now - self.tuning.model.shows_after);
             p.set(Parameter::Delay1, delay);
         }
-        if self.answered[1].is_none() && rise[1] > ANSWERS {
+        if self.answered[1].is_none() && rise[1] > t.answers {
             self.answered[1] = Some(ticks);
-            let later = 0.5 * (now - self.answered[0].map_or(now, |first| first as f32));
+            let later = t.later * (now - self.answered[0].map_or(now, |first| first as f32));
             let delay = larger(p.get(Parameter::Delay2), later);
             p.set(Parameter::Delay2, delay);
         }

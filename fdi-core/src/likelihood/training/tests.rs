@@ -5,6 +5,7 @@ use std::vec::Vec;
 use super::super::reference::{Random, Rig};
 use super::sense::exchange_lags;
 use super::*;
+use crate::likelihood::Tuning;
 
 /// A rig, excited as while it is learnt, and how it is trained.
 struct Plant {
@@ -84,7 +85,9 @@ impl Plant {
     /// Ticks until it has settled, and both parts of training: in proportion to how slowly it answers.
     fn lengths(&self) -> (usize, Trainer) {
         let fit = (50.0 * self.p.residence()).max(980.0);
-        let trainer = Trainer::new(fit as u32, (0.65 * fit) as u32, self.answer, self.usual).unwrap();
+        let trainer =
+            Trainer::new(Default::default(), fit as u32, (0.65 * fit) as u32, self.answer, self.usual)
+                .unwrap();
         (((15.0 * self.p.residence()) as usize).max(400), trainer)
     }
 
@@ -112,7 +115,7 @@ impl Plant {
         let (mut cold, mut training) = (Cold::default(), trainer.start());
         for _ in 0..50 {
             let (y, _) = self.tick(true);
-            cold.step(y, true);
+            cold.step(&Tuning::DEFAULT.cold, y, true);
         }
         for k in 0.. {
             let (y, u) = self.tick(false);
@@ -126,7 +129,7 @@ impl Plant {
 
     /// Largest difference of the responses to a step to the power at which it was learnt, as shares of T1's final rise.
     fn response_error(&self, trained: &Parameters) -> [f64; 2] {
-        let (mut rig, process) = (Rig::new(&self.p, 0.0), Process::new(trained, 1.0));
+        let (mut rig, process) = (Rig::new(&self.p, 0.0), Process::new(Default::default(), trained, 1.0));
         let (mut motion, mut worst) = (Motion::default(), [0.0f64; 2]);
         let final_rise = f64::from(self.level) * f64::from(self.p.get(Parameter::Gain)).exp();
         for _ in 0..(10.0 * self.p.residence()) as usize {
@@ -175,9 +178,9 @@ fn the_reference_rig_is_learnt_well() {
         }
         assert!((t.get(Parameter::Reaches2) - 0.92).abs() < 0.02);
         assert!(
-            trained.ladder.sigma.iter().all(|sigma| (0.027..0.036).contains(sigma)),
+            trained.whitening.sigma.iter().all(|sigma| (0.027..0.036).contains(sigma)),
             "{:?}",
-            trained.ladder
+            trained.whitening
         );
         assert!(trained.mean.iter().all(|mean| mean.abs() < 0.1), "{:?}", trained.mean);
         let rise = 40.0 * 0.3 + 0.4;
@@ -224,7 +227,7 @@ fn a_warm_start_is_learnt() {
 #[test]
 fn what_is_not_fit_to_learn_does_not_count() {
     let mut plant = Plant::reference(1);
-    let trainer = Trainer::new(300, 200, plant.answer, plant.usual).unwrap();
+    let trainer = Trainer::new(Default::default(), 300, 200, plant.answer, plant.usual).unwrap();
     let mut training = trainer.start();
     let (mut counted, mut done) = (0, false);
     for k in 0..3000 {
@@ -243,7 +246,7 @@ fn what_is_not_fit_to_learn_does_not_count() {
 /// A rig that does not answer to its power: refused, whatever is read instead, and a training after that starts from the priors.
 #[test]
 fn what_does_not_answer_is_refused() {
-    let trainer = Trainer::new(400, 300, 20.0, 0.3).unwrap();
+    let trainer = Trainer::new(Default::default(), 400, 300, 20.0, 0.3).unwrap();
     let mut random = Random::new(1);
     for rise in [0.0, 12.0] {
         let mut training = trainer.start();
@@ -273,17 +276,17 @@ fn too_long_a_dead_time_is_refused_with_its_reason() {
 fn wild_samples_leave_numbers() {
     for seed in 1..21 {
         let mut random = Random::new(seed);
-        let trainer = Trainer::new(2000, 1000, 20.0, 0.3).unwrap();
+        let trainer = Trainer::new(Default::default(), 2000, 1000, 20.0, 0.3).unwrap();
         let (mut training, mut cold) = (trainer.start(), Cold::default());
         for k in 0..4000 {
             let mut reading = || (random.uniform() > 0.1).then_some(random.between(-130.0, 130.0) as f32);
             let y = [reading(), reading()];
             let u = if random.uniform() > 0.5 { 100.0 } else { 0.0 };
-            cold.step(y, k < 10);
+            cold.step(&Tuning::DEFAULT.cold, y, k < 10);
             match trainer.step(&mut training, &cold, y, [u, 0.0], k > 500) {
                 Ok(None) => {}
                 Ok(Some(trained)) => {
-                    assert!(trained.ladder.sigma.iter().chain(&trained.mean).all(|x| x.is_finite()));
+                    assert!(trained.whitening.sigma.iter().chain(&trained.mean).all(|x| x.is_finite()));
                     break;
                 }
                 Err(_) => break,
@@ -304,21 +307,32 @@ fn thermistors_are_compared_while_it_is_cold() {
     let mut random = Random::new(1);
     let mut noisy = |level: f32| Some(level + 0.05 * random.gaussian() as f32);
     let mut cold = Cold::default();
-    (0..200).for_each(|_| cold.step([noisy(0.5), noisy(-0.8)], true));
-    let [(c1, sd1), (c2, sd2)] = [cold.offset(0), cold.offset(1)];
+    (0..200).for_each(|_| cold.step(&Tuning::DEFAULT.cold, [noisy(0.5), noisy(-0.8)], true));
+    let [(c1, sd1), (c2, sd2)] =
+        [cold.offset(&Tuning::DEFAULT.cold, 0), cold.offset(&Tuning::DEFAULT.cold, 1)];
     assert!((c1 - 0.5).abs() < 0.05 && (c2 + 0.8).abs() < 0.05, "{c1} {c2}");
     assert!(sd1 < 0.1 && sd2 < 0.1, "{sd1} {sd2}");
     let known = cold;
-    cold.step([None, noisy(0.0)], true);
-    assert_eq!(cold.offset(0), known.offset(0), "half a sample says nothing");
+    cold.step(&Tuning::DEFAULT.cold, [None, noisy(0.0)], true);
+    assert_eq!(
+        cold.offset(&Tuning::DEFAULT.cold, 0),
+        known.offset(&Tuning::DEFAULT.cold, 0),
+        "half a sample says nothing"
+    );
     for (y, resting) in [(0.5, false), (8.0, true)] {
         let mut spoilt = known;
-        spoilt.step([Some(y), Some(y)], resting);
+        spoilt.step(&Tuning::DEFAULT.cold, [Some(y), Some(y)], resting);
         assert_eq!(spoilt.samples, 0.0);
     }
     let mut cooling = Cold::default();
-    (0..100u16).for_each(|k| cooling.step([Some(2.5 - 0.02 * f32::from(k)), Some(0.0)], true));
-    assert!(cooling.offset(0).1 > 0.3, "{:?}", cooling.offset(0));
+    (0..100u16).for_each(|k| {
+        cooling.step(&Tuning::DEFAULT.cold, [Some(2.5 - 0.02 * f32::from(k)), Some(0.0)], true)
+    });
+    assert!(
+        cooling.offset(&Tuning::DEFAULT.cold, 0).1 > 0.3,
+        "{:?}",
+        cooling.offset(&Tuning::DEFAULT.cold, 0)
+    );
 }
 
 /// T1's lag and the heater's can be exchanged: the longer is the heater's, and what T1 and T2 are delayed by in all stays.
@@ -327,13 +341,13 @@ fn exchanged_lags_are_put_right() {
     let mut p = Plant::reference(1).p;
     let (heater, lag1) = (p.get(Parameter::Heater), p.get(Parameter::Lag1));
     let before = p;
-    exchange_lags(&mut p);
+    exchange_lags(&Tuning::DEFAULT.range, &mut p);
     assert_eq!(p, before, "as they should be");
     p.set(Parameter::Heater, lag1);
     p.set(Parameter::Lag1, heater);
     let at = |p: &Parameters, which: Parameter| libm::expf(p.get(which));
     let second = at(&p, Parameter::Heater) + at(&p, Parameter::Lag2);
-    exchange_lags(&mut p);
+    exchange_lags(&Tuning::DEFAULT.range, &mut p);
     assert!((p.get(Parameter::Heater) - heater).abs() < 1e-4 && (p.get(Parameter::Lag1) - lag1).abs() < 1e-3);
     assert!((at(&p, Parameter::Heater) + at(&p, Parameter::Lag2) - second).abs() < 0.5 * second);
 }

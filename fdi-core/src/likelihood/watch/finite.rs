@@ -6,10 +6,16 @@ use crate::likelihood::process::Motion;
 impl WatchState {
     /// Finite as long as all of it is.
     pub(in crate::likelihood) fn sum(&self) -> f32 {
-        let lists =
-            [&self.expected, &self.z_mean, &self.swing, &self.mean, &self.stays, &self.ladder.inv_sigma];
+        let lists = [
+            &self.expected,
+            &self.z_mean,
+            &self.swing,
+            &self.mean,
+            &self.at_onset,
+            &self.whitening.inv_sigma,
+        ];
         let lists: f32 = lists.into_iter().flatten().sum();
-        let all = self.parameters.0.iter().chain(&self.wander).chain(&self.tracker.x).sum::<f32>();
+        let all = self.parameters.0.iter().chain(&self.walk_variance).chain(&self.tracker.x).sum::<f32>();
         let inlet = self.inlet.map_or(0.0, |(before, mean, _)| before + mean);
         let alone = self.fan + self.steps + self.trained + self.curvature_error + inlet + self.beside.added();
         lists + all + alone + self.motion.sum() + self.tracker.sum() + self.steady.sum() + self.heat.sum()
@@ -27,11 +33,11 @@ impl WatchState {
             &mut self.parameters.0[3],
             &mut self.process.gain[0],
             &mut self.flows[1].lag[0],
-            &mut self.ladder.inv_sigma[1],
+            &mut self.whitening.inv_sigma[1],
             &mut self.mean[0],
             &mut self.power,
             &mut self.tracker.x[2],
-            &mut self.wander[3],
+            &mut self.walk_variance[3],
             &mut self.steps,
             &mut self.swing[0],
             &mut self.steady.mean_e[1],

@@ -1,37 +1,29 @@
 //! From gains to words: which class is said, how surely, and how large it is.
 
-use super::{Gathered, KAPPA, Watch};
+use super::{Gathered, Watch};
 use crate::bounds::{larger, smaller};
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::class::FaultClass;
-use crate::likelihood::evidence::Freed;
+use crate::likelihood::evidence::Estimate;
 use crate::likelihood::hypothesis::{CONSTANT, COUNT, HYPOTHESES, in_unit};
 use crate::likelihood::posterior::Posterior;
 use crate::likelihood::taught::Weighed;
+use crate::likelihood::tuning::NamingTuning;
 use crate::likelihood::verdict::{Finding, Magnitude};
 use crate::root::sqrt;
 
-/// What is named loses its name below the probability that named it less this.
-pub(super) const UNNAME: f32 = 0.05;
-/// No name is surer: what is not among the hypotheses has its share (docs/diagnosis.md, section 11).
-pub(super) const CERTAIN: f32 = 0.98;
-/// Air flow or heater power is named by itself from this probability on.
-const NAME_PROCESS: f32 = 0.97;
-const ALWAYS_BOTH: f32 = 2.0;
-/// The best hypothesis does not fit where it leaves more than so much of each whitened residual's square (1 is noise), and such a share of what there
-/// was; it fits again below these. Asked after so long, s.
-pub(super) const STRANGE: [f32; 2] = [4.0, 0.06];
-const FITS: [f32; 2] = [1.5, 0.02];
-const UNKNOWN_AFTER: f32 = 3.0;
-/// What is named becomes unknown when on most judgements of late nothing has fitted: share of a new one, and of those.
-const MISFIT_SHARE: f32 = 0.2;
-const LASTING_MISFIT: f32 = 0.6;
-/// Error of the models in a size: of air flow, of all others.
-pub(super) const SIZE_ERROR: [f32; 2] = [0.10, 0.04];
 /// Half of the width of a 95 % interval, in standard deviations.
 pub(super) const HALF_OF_95: f32 = 1.96;
-/// Flow and power are told apart only after so long, s.
-pub(super) const PROCESS_TIME: f32 = 3.0;
+/// More than any probability.
+const ALWAYS_BOTH: f32 = 2.0;
+
+impl NamingTuning {
+    /// What leaves more of each whitened residual's square, and of what there was, fits nothing.
+    #[inline(always)]
+    pub(super) fn strange(&self) -> [f32; 2] {
+        [self.strange, self.strange_share]
+    }
+}
 
 impl Watch {
     /// Names the fault by a ranking of the hypotheses; `left` is what the nuisances leave of the residual sum of squares.
@@ -39,45 +31,46 @@ impl Watch {
         &self,
         g: &Gathered,
         alarm: &mut Alarm,
-        freed: &mut [Freed; COUNT],
+        estimate: &mut [Estimate; COUNT],
         taught: &Weighed,
         left: f32,
     ) {
-        if alarm.age < PROCESS_TIME {
-            for (freed, row) in freed.iter_mut().zip(&HYPOTHESES) {
+        let t = &self.tuning.naming;
+        if alarm.age < t.process_time {
+            for (estimate, row) in estimate.iter_mut().zip(&HYPOTHESES) {
                 if row.class == FaultClass::Drift {
-                    freed.gain = smaller(freed.gain, 0.0);
+                    estimate.gain = smaller(estimate.gain, 0.0);
                 }
             }
         }
-        let posterior = Posterior::new(freed);
+        let posterior = Posterior::new(estimate);
         let h = posterior.likeliest % COUNT;
-        let Freed { gain, value, second, .. } = freed[h];
+        let Estimate { gain, value, second, .. } = estimate[h];
         (alarm.gain, alarm.hypothesis, alarm.values) = (posterior.best_gain, h, [value, second]);
         alarm.evidence = gain - HYPOTHESES[h].prior;
         let was = alarm.finding.map(|finding| finding.class);
         let told_apart = matches!(was, Some(FaultClass::AirFlow | FaultClass::HeaterPower));
         let least = match told_apart {
             _ if !self.inputs.fan => 0.0,
-            _ if alarm.age < PROCESS_TIME => ALWAYS_BOTH,
-            true => NAME_PROCESS - UNNAME,
-            false => NAME_PROCESS,
+            _ if alarm.age < t.process_time => ALWAYS_BOTH,
+            true => t.process - t.unname,
+            false => t.process,
         };
-        let (class, confidence) = named(&posterior, least);
-        let unexplained = left - 2.0 * KAPPA * gain;
-        let fits = fits(g, unexplained, if alarm.strange { FITS } else { STRANGE });
-        alarm.misfit += MISFIT_SHARE * (if fits { 0.0 } else { 1.0 } - alarm.misfit);
+        let (class, confidence) = named(t, &posterior, least);
+        let unexplained = left - 2.0 * self.tuning.alarm.kappa * gain;
+        let fits = fits(g, unexplained, if alarm.strange { [t.fits, t.fits_share] } else { t.strange() });
+        alarm.misfit += t.misfit_share * (if fits { 0.0 } else { 1.0 } - alarm.misfit);
         // A named fault that has just ended fits nothing either.
         let named_before = alarm.finding.is_some_and(|was| was.class != FaultClass::Unknown);
-        let least = if named_before { LASTING_MISFIT } else { 0.0 };
-        alarm.strange = alarm.age > UNKNOWN_AFTER && !fits && alarm.misfit > least;
-        let magnitude = magnitude(h, class, &freed[h]);
+        let least = if named_before { t.lasting_misfit } else { 0.0 };
+        alarm.strange = alarm.age > t.unknown_after && !fits && alarm.misfit > least;
+        let magnitude = magnitude(t, h, class, &estimate[h]);
         let finding = Finding { class, confidence, magnitude, onset: alarm.onset };
         if alarm.strange {
             let class = FaultClass::Unknown;
             alarm.finding = Some(Finding { class, confidence: 0.0, magnitude: None, ..finding });
         } else if confidence > self.naming || was == Some(class) {
-            alarm.finding = (confidence > self.naming - UNNAME).then_some(finding);
+            alarm.finding = (confidence > self.naming - t.unname).then_some(finding);
         }
         self.recall(g, alarm, taught, posterior.evidence(), left);
     }
@@ -89,28 +82,33 @@ pub(super) fn fits(g: &Gathered, unexplained: f32, [most, most_share]: [f32; 2])
 }
 
 /// The class that is likeliest, and how likely. Air flow and heater power are one until one of them is likely enough by itself.
-pub(super) fn named(posterior: &Posterior, least: f32) -> (FaultClass, f32) {
+pub(super) fn named(t: &NamingTuning, posterior: &Posterior, least: f32) -> (FaultClass, f32) {
     let class = HYPOTHESES[posterior.likeliest % COUNT].class;
     let probability = posterior.of(posterior.likeliest);
     let [flow, power] = [FaultClass::AirFlow, FaultClass::HeaterPower].map(|class| posterior.of_class(class));
     let process = matches!(class, FaultClass::AirFlow | FaultClass::HeaterPower);
     if process && larger(flow, power) < least {
-        return (FaultClass::AirFlowOrHeaterPower, smaller(CERTAIN, flow + power));
+        return (FaultClass::AirFlowOrHeaterPower, smaller(t.certain, flow + power));
     }
-    (class, smaller(CERTAIN, probability))
+    (class, smaller(t.certain, probability))
 }
 
 /// The size of a hypothesis in the unit of its class.
-pub(super) fn magnitude(h: usize, class: FaultClass, freed: &Freed) -> Option<Magnitude> {
-    let Freed { value, variance, .. } = *freed;
+pub(super) fn magnitude(
+    t: &NamingTuning,
+    h: usize,
+    class: FaultClass,
+    estimate: &Estimate,
+) -> Option<Magnitude> {
+    let Estimate { value, variance, .. } = *estimate;
     let with_error = |share: f32| sqrt(variance + share * share * value * value) * HALF_OF_95;
-    let others = SIZE_ERROR[1];
+    let others = t.size_error;
     match class {
         FaultClass::AirFlowOrHeaterPower | FaultClass::Stuck(_) | FaultClass::Swapped(_) => None,
         FaultClass::HeaterPower if h == CONSTANT => None,
         FaultClass::AirFlow => {
             let inverse = larger(0.1, 1.0 + value);
-            let half_width = 100.0 * with_error(SIZE_ERROR[0]) / (inverse * inverse);
+            let half_width = 100.0 * with_error(t.flow_error) / (inverse * inverse);
             Some(Magnitude { value: in_unit(class, value), half_width })
         }
         FaultClass::HeaterPower | FaultClass::T1Clogged | FaultClass::T1Detached | FaultClass::T2Detached => {
@@ -128,23 +126,25 @@ mod tests {
     /// Both names share a probability that never exceeds one.
     #[test]
     fn a_pair_is_as_likely_as_both() {
-        let mut freed = [Freed { gain: -10.0, ..Freed::default() }; COUNT];
+        let mut estimate = [Estimate { gain: -10.0, ..Estimate::default() }; COUNT];
         let place = |class: FaultClass| HYPOTHESES.iter().position(|row| row.class == class).unwrap();
-        freed[place(FaultClass::AirFlow)].gain = 12.0;
-        freed[place(FaultClass::HeaterPower)].gain = 11.0;
-        let posterior = Posterior::new(&freed);
-        let (class, confidence) = named(&posterior, NAME_PROCESS);
+        estimate[place(FaultClass::AirFlow)].gain = 12.0;
+        estimate[place(FaultClass::HeaterPower)].gain = 11.0;
+        let (t, posterior) = (NamingTuning::DEFAULT, Posterior::new(&estimate));
+        let (class, confidence) = named(&t, &posterior, t.process);
         assert_eq!(class, FaultClass::AirFlowOrHeaterPower);
-        assert_eq!(confidence, CERTAIN);
-        let (class, confidence) = named(&posterior, 0.6);
+        assert_eq!(confidence, t.certain);
+        let (class, confidence) = named(&t, &posterior, 0.6);
         assert!(class == FaultClass::AirFlow && confidence < 0.8, "{class:?} {confidence}");
     }
 
     /// Sizes in the units of their classes: `1/f - 1` is told as the air flow that it is, shares in %.
     #[test]
     fn sizes_are_told_in_their_units() {
-        let freed = |value: f32| Freed { value, variance: 1e-4, ..Freed::default() };
-        let told = |class, value| magnitude(0, class, &freed(value)).map(|size| size.value);
+        let estimate = |value: f32| Estimate { value, variance: 1e-4, ..Estimate::default() };
+        let told = |class, value| {
+            magnitude(&NamingTuning::DEFAULT, 0, class, &estimate(value)).map(|size| size.value)
+        };
         assert!((told(FaultClass::AirFlow, 0.25).unwrap() + 20.0).abs() < 1e-3);
         assert!((told(FaultClass::AirFlow, -0.2).unwrap() - 25.0).abs() < 1e-3);
         assert!((told(FaultClass::HeaterPower, -0.3).unwrap() + 30.0).abs() < 1e-3);
@@ -154,13 +154,17 @@ mod tests {
             (None, None)
         );
         assert_eq!(
-            magnitude(CONSTANT, FaultClass::HeaterPower, &freed(60.0)),
+            magnitude(&NamingTuning::DEFAULT, CONSTANT, FaultClass::HeaterPower, &estimate(60.0)),
             None,
             "no share of what is asked for"
         );
-        let wide =
-            magnitude(0, FaultClass::T2Offset, &Freed { value: 0.0, variance: 0.25, ..Freed::default() })
-                .unwrap();
+        let wide = magnitude(
+            &NamingTuning::DEFAULT,
+            0,
+            FaultClass::T2Offset,
+            &Estimate { value: 0.0, variance: 0.25, ..Estimate::default() },
+        )
+        .unwrap();
         assert!((wide.half_width - 0.98).abs() < 1e-3, "1.96 standard deviations");
     }
 }

@@ -1,10 +1,10 @@
 //! Faults of the user's own: told beside the class of an alarm, and what an alarm has changed, by which they are taught.
 
-use super::naming::{CERTAIN, HALF_OF_95, PROCESS_TIME, SIZE_ERROR, STRANGE, UNNAME, fits};
-use super::{Gathered, KAPPA, Watch, WatchState};
+use super::naming::{HALF_OF_95, fits};
+use super::{Gathered, Watch, WatchState};
 use crate::bounds::smaller;
 use crate::likelihood::alarm::Alarm;
-use crate::likelihood::evidence::{Freed, Nuisances};
+use crate::likelihood::evidence::{Estimate, Nuisances};
 use crate::likelihood::hypothesis::{COUNT, HYPOTHESES};
 use crate::likelihood::taught::{Changed, Weighed, likeliest, of_hypothesis, spreads};
 use crate::likelihood::verdict::{Magnitude, TaughtFinding};
@@ -19,15 +19,16 @@ impl Watch {
             alarm.taught = None;
             return;
         };
-        let Freed { gain, value, variance, .. } = weighed[place % weighed.len()];
+        let (t, kappa) = (&self.tuning.naming, self.tuning.alarm.kappa);
+        let Estimate { gain, value, variance, .. } = weighed[place % weighed.len()];
         let was = alarm.taught.is_some_and(|was| was.name == response.name);
-        let least = if was { self.naming - UNNAME } else { self.naming };
-        let fits = fits(g, left - 2.0 * KAPPA * gain, STRANGE);
-        let half_width = HALF_OF_95 * sqrt(variance + SIZE_ERROR[0] * SIZE_ERROR[0] * value * value);
-        alarm.taught = (alarm.age >= PROCESS_TIME && confidence > least && fits).then(|| TaughtFinding {
+        let least = if was { self.naming - t.unname } else { self.naming };
+        let fits = fits(g, left - 2.0 * kappa * gain, t.strange());
+        let half_width = HALF_OF_95 * sqrt(variance + t.flow_error * t.flow_error * value * value);
+        alarm.taught = (alarm.age >= t.process_time && confidence > least && fits).then(|| TaughtFinding {
             name: response.name,
             place: place as u8,
-            confidence: smaller(CERTAIN, confidence),
+            confidence: smaller(t.certain, confidence),
             magnitude: Magnitude { value: 100.0 * value, half_width: 100.0 * half_width },
         });
     }
@@ -42,8 +43,9 @@ impl WatchState {
     /// What the alarm has changed, once that can be told: what the likeliest hypothesis says if that explains it better than that all changes at once,
     /// whose noise it does not have.
     pub(in crate::likelihood) fn changed(&self, g: &Gathered) -> Option<Changed> {
-        let alarm = self.alarm.as_ref().filter(|alarm| alarm.age >= PROCESS_TIME)?;
-        let (all, gain) = Nuisances::new(&g.since, &self.nuisances(), KAPPA).changes(&spreads());
+        let t = self.tuning;
+        let alarm = self.alarm.as_ref().filter(|alarm| alarm.age >= t.naming.process_time)?;
+        let (all, gain) = Nuisances::new(&g.since, &self.nuisances(), t.alarm.kappa).changes(&spreads(t));
         let likeliest = of_hypothesis(&HYPOTHESES[alarm.hypothesis % COUNT], alarm.values);
         let effects = likeliest.filter(|_| alarm.evidence > gain).unwrap_or(all);
         Some(Changed { onset: alarm.onset, effects })

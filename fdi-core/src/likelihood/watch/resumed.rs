@@ -1,14 +1,10 @@
 //! Another recording of the same rig begins.
 
 use super::{Gathered, Watch, WatchState};
-use crate::likelihood::ladder::Past;
 use crate::likelihood::onset::{History, REMEMBERED};
 use crate::likelihood::process::{Motion, Parameter};
 use crate::likelihood::tracker::Tracker;
-
-/// Ticks from which the intercept is taken, where a recording is not the one that was trained on. A rig that answers within half of these is waited
-/// for before; a slower one is taken to be at rest.
-const ANCHORED: u32 = 30;
+use crate::likelihood::whitening::Past;
 
 impl Watch {
     /// Another recording begins, long after its power was last changed. Where nothing says how warm the room is by now, the first ticks do.
@@ -23,14 +19,15 @@ impl Watch {
             s.history.push(heat, &s.motion);
         }
         s.before = s.process.rises(s.motion.m, s.motion.w).y;
-        (s.fan, s.tracker, s.alarm, s.lasting) = (fan, Tracker::default(), None, None);
+        (s.fan, s.tracker, s.alarm, s.lasting) = (fan, Tracker::new(self.tuning), None, None);
         (s.past, s.past_clipped) = (Past::default(), Past::default());
         s.swing = [s.before[0] + s.parameters.get(Parameter::Offset1), 0.0];
-        let settles = 2.0 * s.parameters.residence();
-        let settles = if settles <= ANCHORED as f32 { settles as u32 } else { 0 };
-        s.anchoring = settles + if self.inputs.t0 { 0 } else { ANCHORED };
+        let t = &self.tuning.slow;
+        let settles = t.settles * s.parameters.residence();
+        let settles = if settles <= t.anchored { settles as u32 } else { 0 };
+        s.anchoring = settles + if self.inputs.t0 { 0 } else { t.anchored as u32 };
         s.ticks = 0;
-        s.rest();
+        s.reset_charts();
         Gathered::default()
     }
 }
@@ -42,7 +39,7 @@ impl WatchState {
             return false;
         }
         self.anchoring = self.anchoring.saturating_sub(1);
-        let taken = ANCHORED.saturating_sub(self.anchoring);
+        let taken = (self.tuning.slow.anchored as u32).saturating_sub(self.anchoring);
         if taken > 0 {
             let share = 1.0 / taken as f32;
             for (mean, e) in self.mean.iter_mut().zip(e) {

@@ -5,11 +5,12 @@ use std::vec;
 use std::vec::Vec;
 
 use super::super::class::{Channel, FaultClass, Pair};
-use super::super::column::{COUNT, Column, LASTING, Row};
-use super::super::ladder::ResidualStatistics;
 use super::super::process::Rises;
 use super::super::reference::Random;
+use super::super::regressor::{COUNT, LASTING, Regressor, Regressors};
+use super::super::whitening::ResidualStatistics;
 use super::*;
+use crate::likelihood::Tuning;
 
 const TS: f32 = 0.11;
 /// When faults begin and end, ticks after the models are armed.
@@ -39,15 +40,16 @@ impl Noise {
 
 fn watch() -> Watch {
     Watch {
-        fast: Chart { allowance: 1.5, interval: 7.0 },
-        slow: Chart { allowance: 0.5, interval: 20.0 },
-        heat: Heat::new(TS, 2.0),
+        fast: Chart { allowance: 1.5, interval: 7.0, tuning: Default::default() },
+        slow: Chart { allowance: 0.5, interval: 20.0, tuning: Default::default() },
+        heat: Heat::new(Tuned::default(), TS, 2.0),
         model_uncertainty: 0.02,
         naming: 0.95,
         least_power: 0.085,
         sample_time: TS,
         inputs: Inputs::ALL,
         taught: Responses::new(),
+        tuning: Tuned::default(),
     }
 }
 
@@ -63,9 +65,9 @@ fn trained(seed: u64) -> Trained {
     Trained {
         parameters: parameters(),
         motion: Motion::steady(40.0),
-        ladder: statistics.finish(2).unwrap(),
+        whitening: statistics.finish(&Tuning::DEFAULT.whitening, 2).unwrap(),
         mean: [0.0; 2],
-        beside: Beside::default(),
+        beside: SecondHeater::default(),
         power: 40.0,
         rise,
         curvature_error: 0.0,
@@ -104,7 +106,7 @@ impl Run {
         for k in 0..TICKS {
             let faulty = (ONSET..END).contains(&k);
             let flow = if let (Wrong::Flow(flow), true) = (self.wrong, faulty) { flow } else { 1.0 };
-            let process = Process::new(&p, flow);
+            let process = Process::new(Default::default(), &p, flow);
             let heat = match self.wrong {
                 Wrong::Power(share) if faulty => share * process.heat(power),
                 Wrong::Constant(power) if faulty => power,
@@ -254,7 +256,7 @@ fn garbage_leaves_numbers() {
             assert!(numbers.copied().all(f32::is_finite), "tick {tick}, seed {seed}");
         }
         // And it works afterwards as it did.
-        assert!(g.since.energy.is_finite() && s.ladder.sigma.iter().all(|sigma| sigma.is_finite()));
+        assert!(g.since.energy.is_finite() && s.whitening.sigma.iter().all(|sigma| sigma.is_finite()));
     }
 }
 
@@ -273,15 +275,15 @@ fn taking_in_leaves_no_step() {
     let (mut s, mut g) = (watch().start(trained(7)), Gathered::default());
     let e = [0.4, 0.3];
     let mut row = [[0.0; 2]; LASTING];
-    row[Column::Offset1 as usize] = [1.0, 0.0];
-    row[Column::Offset2 as usize] = [0.0, 1.0];
-    row[Column::Power as usize] = s.before;
+    row[Regressor::Offset1 as usize] = [1.0, 0.0];
+    row[Regressor::Offset2 as usize] = [0.0, 1.0];
+    row[Regressor::Power as usize] = s.before;
     let mut pasts = [Past::default(); COUNT];
     for _ in 0..60 {
-        let z = s.ladder.step(&mut s.past, e);
-        s.ladder.step_clipped(&mut s.past_clipped, e, CLIP);
-        let whitened: Row = core::array::from_fn(|i| match row.get(i) {
-            Some(value) => s.ladder.step(&mut pasts[i], *value),
+        let z = s.whitening.step(&mut s.past, e);
+        s.whitening.step_clipped(&mut s.past_clipped, e, Tuning::DEFAULT.charts.clip);
+        let whitened: Regressors = core::array::from_fn(|i| match row.get(i) {
+            Some(value) => s.whitening.step(&mut pasts[i], *value),
             None => [0.0; 2],
         });
         g.since.add(&whitened, z, 1.0);
@@ -292,10 +294,13 @@ fn taking_in_leaves_no_step() {
     let left = [e[0] - known[0], e[1] - known[1]];
     let mut always = Past::default();
     for _ in 0..20 {
-        s.ladder.step(&mut always, left);
+        s.whitening.step(&mut always, left);
     }
-    let wanted = s.ladder.step(&mut always, left);
-    for z in [s.ladder.step(&mut s.past, left), s.ladder.step_clipped(&mut s.past_clipped, left, CLIP)] {
+    let wanted = s.whitening.step(&mut always, left);
+    for z in [
+        s.whitening.step(&mut s.past, left),
+        s.whitening.step_clipped(&mut s.past_clipped, left, Tuning::DEFAULT.charts.clip),
+    ] {
         assert!((0..2).all(|m| (z[m] - wanted[m]).abs() < 1e-3), "{z:?}, not {wanted:?}");
     }
     assert_eq!((g.onset.age, g.since.count), (0, 0.0), "and all begins anew");
@@ -338,4 +343,14 @@ fn without_samples_the_verdict_stands() {
         step(&mut s, &mut noise, tick, -10.0, true);
     }
     assert_eq!(s.virtual_t1(), None, "T2 and the models disagree");
+}
+
+/// The smallest change of the power is the user's, and more where the mains are seen to change by more.
+#[test]
+fn the_smallest_change_of_the_power_is_that_of_the_setting() {
+    let watch = Watch { least_power: 0.2, ..watch() };
+    let mut s = watch.start(trained(1));
+    assert_eq!(watch.least(&s, FaultClass::HeaterPower), 0.2);
+    s.walk_variance[0] = 0.04;
+    assert!((watch.least(&s, FaultClass::HeaterPower) - 0.5).abs() < 1e-6);
 }

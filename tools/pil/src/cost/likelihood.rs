@@ -31,7 +31,8 @@ pub(super) fn count(watch: &mut Stopwatch, recording: &Recording, out: &mut impl
             let response = Response { effects: [50 + 10 * i as i16; EFFECTS], ..Response::default() };
             c.likelihood.taught.push(response).expect("room");
         }
-        let likelihood = Likelihood::new(&c.likelihood, &c.identification, c.sample_time).expect("valid");
+        let likelihood =
+            Likelihood::new(&c.likelihood, c.tuning, &c.identification, c.sample_time).expect("valid");
         let mut state = LikelihoodState::default();
         watch.pass(out, [name], samples, |watch, _| {
             for (tick, report) in ticks.by_ref() {

@@ -37,8 +37,10 @@ fn statistics(e: impl IntoIterator<Item = [f32; 2]>) -> ResidualStatistics {
     statistics
 }
 
-fn learnt(e: &[[f64; 2]]) -> Ladder {
-    statistics(e.iter().map(|e| e.map(|e| e as f32))).finish(2).expect("a noise model")
+fn learnt(e: &[[f64; 2]]) -> WhiteningFilter {
+    statistics(e.iter().map(|e| e.map(|e| e as f32)))
+        .finish(&WhiteningTuning::DEFAULT, 2)
+        .expect("a noise model")
 }
 
 /// Least squares over the sequence itself, its means taken away and the ridge added, in f64: coefficients and standard deviation of what is left.
@@ -58,7 +60,7 @@ fn least_squares(
             (0..n).for_each(|j| a[i][j] += phi[i] * phi[j]);
         }
     }
-    (0..n).for_each(|i| a[i][i] *= f64::from(RIDGE));
+    (0..n).for_each(|i| a[i][i] *= f64::from(WhiteningTuning::DEFAULT.ridge));
     let (c, _) = solve(&a, &b);
     let left = |k: usize| {
         let (phi, y) = regressor(&e, k);
@@ -71,7 +73,7 @@ fn least_squares(
 #[test]
 fn the_coefficients_are_those_of_least_squares() {
     let e = coloured(&mut Random::new(1), 20_000);
-    let ladder = learnt(&e);
+    let whitening = learnt(&e);
     let own = |e: &[[f64; 2]], k: usize| ((1..=3).map(|i| e[k - i][0]).collect::<Vec<_>>(), e[k][0]);
     let joint = |e: &[[f64; 2]], k: usize| {
         let phi = (1..=3).map(|i| e[k - i][1]).chain((0..5).map(|j| e[k - j][0]));
@@ -79,12 +81,12 @@ fn the_coefficients_are_those_of_least_squares() {
     };
     let (c1, s1) = least_squares(&e, 3, own);
     let (c2, s2) = least_squares(&e, 8, joint);
-    let got1 = ladder.own1;
-    let got2: Vec<f32> = ladder.own2.into_iter().chain(ladder.other).collect();
+    let got1 = whitening.own1;
+    let got2: Vec<f32> = whitening.own2.into_iter().chain(whitening.other).collect();
     for (got, wanted) in got1.iter().zip(&c1).chain(got2.iter().zip(&c2)) {
         assert!((f64::from(*got) - wanted).abs() < 1e-3, "{got1:?} {got2:?}, not {c1:?} {c2:?}");
     }
-    for (sigma, wanted) in ladder.sigma.into_iter().zip([s1, s2]) {
+    for (sigma, wanted) in whitening.sigma.into_iter().zip([s1, s2]) {
         assert!((f64::from(sigma) / wanted - 1.0).abs() < 2e-3, "{sigma}, not {wanted}");
     }
     // And those that made it, as far as so many samples tell.
@@ -92,18 +94,18 @@ fn the_coefficients_are_those_of_least_squares() {
         assert!((f64::from(*got) - wanted).abs() < 0.04, "{got1:?} {got2:?}");
     }
     for m in 0..2 {
-        assert_eq!(ladder.inv_sigma[m], 1.0 / ladder.sigma[m]);
+        assert_eq!(whitening.inv_sigma[m], 1.0 / whitening.sigma[m]);
     }
 }
 
 /// Samples that the model has not seen: variance one, white, and z2 knows nothing of z1 now and lately.
 #[test]
 fn what_comes_out_is_white_and_uncorrelated() {
-    let ladder = learnt(&coloured(&mut Random::new(2), 20_000));
+    let whitening = learnt(&coloured(&mut Random::new(2), 20_000));
     let (mut past, n) = (Past::default(), 20_000);
     let z: Vec<[f64; 2]> = coloured(&mut Random::new(3), n + 10)
         .iter()
-        .map(|e| ladder.step(&mut past, [(e[0] - MEAN[0]) as f32, (e[1] - MEAN[1]) as f32]).map(f64::from))
+        .map(|e| whitening.step(&mut past, [(e[0] - MEAN[0]) as f32, (e[1] - MEAN[1]) as f32]).map(f64::from))
         .skip(10)
         .collect();
     let correlation =
@@ -138,42 +140,45 @@ fn what_is_singular_stays_finite() {
         ("a sine", (0..2000u16).map(|k| [(0.3 * f32::from(k)).sin(); 2]).collect()),
     ];
     for (name, e) in cases {
-        let Ok(ladder) = statistics(e.iter().copied()).finish(2) else {
+        let Ok(whitening) = statistics(e.iter().copied()).finish(&WhiteningTuning::DEFAULT, 2) else {
             assert_eq!(name, "constants", "refused");
             continue;
         };
         let mut past = Past::default();
         for e in &e {
-            let z = ladder.step(&mut past, *e);
+            let z = whitening.step(&mut past, *e);
             assert!(z.iter().all(|z| z.abs() < 1e4), "{name}: {z:?}");
         }
-        assert!(ladder.sigma.iter().all(|sigma| *sigma >= LEAST_SIGMA), "{name}");
+        assert!(whitening.sigma.iter().all(|sigma| *sigma >= WhiteningTuning::DEFAULT.least_sigma), "{name}");
     }
 }
 
 /// Nothing learnt, no numbers, an output that does not move, residuals as large as it: none is a noise model.
 #[test]
 fn what_explains_too_little_is_refused() {
-    assert_eq!(ResidualStatistics::default().finish(2).err(), Some(RejectReason::PoorFit));
+    assert_eq!(
+        ResidualStatistics::default().finish(&WhiteningTuning::DEFAULT, 2).err(),
+        Some(RejectReason::PoorFit)
+    );
     let mut random = Random::new(5);
     let mut still = ResidualStatistics::default();
     (0..500).for_each(|_| still.push([random.gaussian() as f32; 2], [12.0; 2]));
-    assert_eq!(still.finish(2).err(), Some(RejectReason::PoorFit));
+    assert_eq!(still.finish(&WhiteningTuning::DEFAULT, 2).err(), Some(RejectReason::PoorFit));
     // The output's standard deviation is 2 degC: 0.6 of its variance is the bound.
     for (sd, refused) in [(1.4, false), (1.7, true)] {
         let e = (0..5000).map(|_| [sd * random.gaussian() as f32, 0.1]);
-        assert_eq!(statistics(e).finish(2).is_err(), refused, "{sd} degC");
+        assert_eq!(statistics(e).finish(&WhiteningTuning::DEFAULT, 2).is_err(), refused, "{sd} degC");
     }
     for wild in [f32::NAN, f32::INFINITY, f32::MAX] {
         let e = (0..500).map(|k| [if k == 250 { wild } else { 0.1 }; 2]);
-        assert!(statistics(e).finish(2).is_err(), "{wild}");
+        assert!(statistics(e).finish(&WhiteningTuning::DEFAULT, 2).is_err(), "{wild}");
     }
 }
 
 /// A spike of a thousand standard deviations counts once: what follows differs by no more than the limit's echo.
 #[test]
 fn a_clipped_spike_leaves_no_echo() {
-    let ladder = learnt(&coloured(&mut Random::new(6), 20_000));
+    let whitening = learnt(&coloured(&mut Random::new(6), 20_000));
     let limit = 6.0;
     let without_mean = |e: &[f64; 2]| [(e[0] - MEAN[0]) as f32, (e[1] - MEAN[1]) as f32];
     let e: Vec<[f32; 2]> = coloured(&mut Random::new(7), 60).iter().map(without_mean).collect();
@@ -181,8 +186,9 @@ fn a_clipped_spike_leaves_no_echo() {
         let mut past = Past::default();
         let spiked =
             e.iter().enumerate().map(|(k, e)| if k == 30 { [e[0] + spike, e[1] + spike] } else { *e });
-        let step =
-            |e| if clipped { ladder.step_clipped(&mut past, e, limit) } else { ladder.step(&mut past, e) };
+        let step = |e| {
+            if clipped { whitening.step_clipped(&mut past, e, limit) } else { whitening.step(&mut past, e) }
+        };
         spiked.map(step).collect()
     };
     let (quiet, spiked, plain) = (run(0.0, true), run(100.0, true), run(100.0, false));
@@ -202,7 +208,7 @@ fn a_clipped_spike_leaves_no_echo() {
 /// A level that is taken out of the past as well is gone without a step.
 #[test]
 fn lowering_the_past_takes_a_level_out() {
-    let ladder = learnt(&coloured(&mut Random::new(8), 20_000));
+    let whitening = learnt(&coloured(&mut Random::new(8), 20_000));
     let e: Vec<[f32; 2]> = coloured(&mut Random::new(9), 40).iter().map(|e| e.map(|e| e as f32)).collect();
     let level = [0.8f32, -0.5];
     let (mut never, mut taken) = (Past::default(), Past::default());
@@ -211,8 +217,8 @@ fn lowering_the_past_takes_a_level_out() {
             taken.lower(level);
         }
         let above = |m: usize| if k < 20 { e[m] + level[m] } else { e[m] };
-        let wanted = ladder.step(&mut never, *e);
-        let z = ladder.step(&mut taken, [above(0), above(1)]);
+        let wanted = whitening.step(&mut never, *e);
+        let z = whitening.step(&mut taken, [above(0), above(1)]);
         if k >= 20 {
             assert!((z[0] - wanted[0]).abs() + (z[1] - wanted[1]).abs() < 1e-3, "{k}: {z:?} {wanted:?}");
         }

@@ -4,15 +4,12 @@
 //! It is assumed to have gone on some tick, and what has been seen since is held against that. Where it is refuted, or nothing has been
 //! decided for as long as the rig takes to answer, a new tick is assumed.
 
-use super::ladder::{Ladder, Past};
 use super::process::{Motion, Process};
-
-/// Log odds that decide.
-const DECIDES: f32 = 5.0;
+use super::whitening::{Past, WhiteningFilter};
 
 /// The assumption.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Gone {
+pub(super) struct Recovery {
     /// What the power since then has warmed.
     pub(super) power: Motion,
     past: Past,
@@ -20,27 +17,28 @@ pub(super) struct Gone {
     age: u32,
 }
 
-impl Gone {
+impl Recovery {
     /// A tick: whitened residuals, the whitened answer to the power since the onset, the share `theta` by which that changed.
     /// Says whether it has gone.
     pub(super) fn step(
         &mut self,
-        (process, ladder): (&Process, &Ladder),
+        (process, whitening): (&Process, &WhiteningFilter),
         heat: f32,
         [z, since]: [[f32; 2]; 2],
         theta: f32,
         (kappa, longest): (f32, u32),
     ) -> bool {
         let rises = process.step(&mut self.power, heat);
-        let after = ladder.step(&mut self.past, rises.y);
+        let after = whitening.step(&mut self.past, rises.y);
         for m in 0..2 {
             let stays = z[m] - theta * since[m];
             let goes = stays + theta * after[m];
             self.odds += (stays * stays - goes * goes) / (2.0 * kappa);
         }
         self.age = self.age.saturating_add(1);
-        let gone = self.odds > DECIDES;
-        if !gone && (self.odds < -DECIDES || self.age > longest) {
+        let decides = process.tuning.slow.power_over;
+        let gone = self.odds > decides;
+        if !gone && (self.odds < -decides || self.age > longest) {
             *self = Self::default();
         }
         gone

@@ -8,15 +8,9 @@
 
 use super::process::{Parameter, Parameters, share};
 
-/// Bounds of the share b.
-pub(super) const SHARES: (f32, f32) = (0.0, 1.2);
-/// Priors, mean and standard deviation: of b; of ln tb above ln tau.
-pub(super) const SHARE: (f32, f32) = (0.15, 0.2);
-pub(super) const LAG: (f32, f32) = (0.0, 0.7);
-
 /// The heater, and what of it has arrived.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Beside {
+pub(super) struct SecondHeater {
     heater: f32,
     lag: f32,
     gain: f32,
@@ -25,7 +19,7 @@ pub(super) struct Beside {
     power: f32,
 }
 
-impl Beside {
+impl SecondHeater {
     /// Long after its power was last changed.
     pub(super) fn steady(p: &Parameters, power: f32) -> Self {
         let mut beside = Self { x: power, m: power, power, ..Self::default() };
@@ -66,13 +60,13 @@ impl Beside {
 
 /// How what it adds changes with the parameters, while they are learnt.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct BesideTangent {
+pub(super) struct SecondHeaterTangent {
     by_lag: f32,
 }
 
-impl BesideTangent {
+impl SecondHeaterTangent {
     /// One tick of `beside`; gives what it adds and its derivatives by the gain, its share and its lag.
-    pub(super) fn step(&mut self, beside: &mut Beside, p: &Parameters, power: f32) -> (f32, [f32; 3]) {
+    pub(super) fn step(&mut self, beside: &mut SecondHeater, p: &Parameters, power: f32) -> (f32, [f32; 3]) {
         let before = beside.m;
         let added = beside.step(power);
         let inverse = libm::expf(-p.get(Parameter::Lag2));

@@ -1,13 +1,14 @@
 //! What the watch tells of a rig: its alarm, the virtual T1, the air flow, what is expected.
 
 use super::super::alarm::{Alarm, ModelAlarm};
-use super::super::column::Row;
 use super::super::evidence::Nuisance;
 use super::super::heat::Heat;
-use super::super::hypothesis::{self, SINCE_ONSET};
+use super::super::hypothesis;
 use super::super::onset::{Nominal, Onset, REMEMBERED};
+use super::super::regressor::Regressors;
+use super::super::signatures::NUISANCES;
+use super::WatchState;
 use super::lasting::Lasting;
-use super::{WatchState, slow};
 
 impl WatchState {
     /// What is reported: what began at an onset first, then what lasts.
@@ -39,8 +40,8 @@ impl WatchState {
         self.heat.heater_stuck_on()
     }
 
-    /// The columns of the last tick since an onset that is assumed; none before enough is remembered.
-    pub(in super::super) fn columns(&self, onset: &mut Onset) -> Option<Row> {
+    /// The regressors of the last tick since an onset that is assumed; none before enough is remembered.
+    pub(in super::super) fn regressors(&self, onset: &mut Onset) -> Option<Regressors> {
         let [(heat, rises), (_, before)] = [0, 1].map(|ago| self.history.at(&self.process, ago));
         let nominal = Nominal {
             parameters: &self.parameters,
@@ -53,14 +54,15 @@ impl WatchState {
             before: before.y,
             inlet: self.inlet.map_or([0.0; 2], |(_, _, moved)| moved),
         };
-        (self.ticks as usize > REMEMBERED).then(|| onset.step(&self.pace.onset, &self.ladder, &nominal))
+        (self.ticks as usize > REMEMBERED).then(|| onset.step(&self.times.onset, &self.whitening, &nominal))
     }
 
     /// What may move since an onset without being a fault, as far as is known now.
-    pub(in super::super) fn nuisances(&self) -> [Nuisance; SINCE_ONSET.len()] {
-        let mut nuisances = hypothesis::since_onset(self.steps, self.bent());
+    pub(in super::super) fn nuisances(&self) -> [Nuisance; NUISANCES] {
+        let mut nuisances =
+            hypothesis::since_onset(&self.tuning.nuisances, self.steps, self.curvature_variance());
         if self.is_slow() {
-            nuisances[hypothesis::SHIFT].1 = slow::VAGUE_SHIFT;
+            nuisances[hypothesis::SHIFT].1 = self.tuning.slow.shift;
         }
         nuisances
     }

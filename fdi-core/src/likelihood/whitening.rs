@@ -10,6 +10,7 @@
 //! in z2 alone.
 
 use super::cholesky::Cholesky;
+use super::tuning::WhiteningTuning;
 use super::verdict::RejectReason;
 use crate::bounds::{bounded, larger};
 use crate::root::sqrt;
@@ -19,18 +20,9 @@ use crate::vector::{dot, shift};
 const OWN: usize = 3;
 const OTHER: usize = 5;
 const ALL: usize = OWN + OTHER;
-/// White noise that is added to the autocovariance, as a factor on its variance.
-const RIDGE: f32 = 1.0001;
-/// No innovation is taken for smaller, degC: steps of the converter are not white.
-const LEAST_SIGMA: f32 = 0.02;
-/// The largest share of an output's variance that the model may leave unexplained, if it is not below this share of the rise anyway: what the
-/// excitation hardly moves has little variance.
-const MAX_UNEXPLAINED: f32 = 0.6;
-const SMALL: f32 = 0.015;
-
 /// The noise model of both residuals.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Ladder {
+pub(super) struct WhiteningFilter {
     own1: [f32; OWN],
     own2: [f32; OWN],
     other: [f32; OTHER],
@@ -54,14 +46,14 @@ impl Past {
     }
 }
 
-impl Ladder {
+impl WhiteningFilter {
     /// That of e1 alone: whatever e2 is counts for nothing.
-    fn of_t1(c1: [f32; ALL], variance: f32) -> Result<Self, RejectReason> {
-        let sigma = larger(LEAST_SIGMA, sqrt(variance));
+    fn of_t1(t: &WhiteningTuning, c1: [f32; ALL], variance: f32) -> Result<Self, RejectReason> {
+        let sigma = larger(t.least_sigma, sqrt(variance));
         let finite = sigma.is_finite() && c1.iter().all(|x| x.is_finite());
         let own1 = [c1[0], c1[1], c1[2]];
-        let ladder = Self { own1, sigma: [sigma, 0.0], inv_sigma: [1.0 / sigma, 0.0], ..Self::default() };
-        finite.then_some(ladder).ok_or(RejectReason::PoorFit)
+        let whitening = Self { own1, sigma: [sigma, 0.0], inv_sigma: [1.0 / sigma, 0.0], ..Self::default() };
+        finite.then_some(whitening).ok_or(RejectReason::PoorFit)
     }
 
     /// Innovations of a tick, in standard deviations.
@@ -90,7 +82,7 @@ impl Ladder {
     }
 
     /// What is left of a constant residual of either by itself, as a share.
-    pub(super) fn rest(&self) -> [f32; 2] {
+    pub(super) fn dc_gain(&self) -> [f32; 2] {
         [1.0 - self.own1.iter().sum::<f32>(), 1.0 - self.own2.iter().sum::<f32>()]
     }
 
@@ -162,7 +154,11 @@ impl ResidualStatistics {
     }
 
     /// The noise model of `channels` residuals, or why it can't be trusted. With one, what is said of T2 says nothing.
-    pub(super) fn finish(&self, channels: usize) -> Result<Ladder, RejectReason> {
+    pub(super) fn finish(
+        &self,
+        t: &WhiteningTuning,
+        channels: usize,
+    ) -> Result<WhiteningFilter, RejectReason> {
         let n = larger(1.0, self.count);
         let [m1, m2] = self.mean();
         let own1 = self.own1.map(|sum| sum / n - m1 * m1);
@@ -172,18 +168,18 @@ impl ResidualStatistics {
         for (m, variance) in [own1[0], own2[0]].into_iter().take(channels).enumerate() {
             let departure = self.departure[m] / n;
             let output = self.departure_squares[m] / n - departure * departure;
-            let small = SMALL * self.level(m);
-            if !(variance < larger(MAX_UNEXPLAINED * output, small * small)) {
+            let small = t.small * self.level(m);
+            if !(variance < larger(t.largest_unexplained * output, small * small)) {
                 return Err(RejectReason::PoorFit);
             }
         }
         let mut rows = [[0.0; ALL]; ALL];
         fill(&mut rows, 0, OWN, &own1);
-        (0..OWN).for_each(|i| rows[i][i] *= RIDGE);
+        (0..OWN).for_each(|i| rows[i][i] *= t.ridge);
         let (c1, variance1) =
             regression(rows, OWN, [own1[1], own1[2], own1[3], 0.0, 0.0, 0.0, 0.0, 0.0], own1[0]);
         if channels < 2 {
-            return Ladder::of_t1(c1, variance1);
+            return WhiteningFilter::of_t1(t, c1, variance1);
         }
         fill(&mut rows, 0, OWN, &own2);
         fill(&mut rows, OWN, OTHER, &own1);
@@ -193,14 +189,14 @@ impl ResidualStatistics {
                 rows[OWN + j][i] = if j > i { ahead[j - i - 1] } else { behind[i - j] };
             }
         }
-        (0..ALL).for_each(|i| rows[i][i] *= RIDGE);
+        (0..ALL).for_each(|i| rows[i][i] *= t.ridge);
         let [a0, a1, a2, a3, a4] = ahead;
         let (c2, variance2) = regression(rows, ALL, [own2[1], own2[2], own2[3], a0, a1, a2, a3, a4], own2[0]);
-        let sigma = [variance1, variance2].map(|variance| larger(LEAST_SIGMA, sqrt(variance)));
+        let sigma = [variance1, variance2].map(|variance| larger(t.least_sigma, sqrt(variance)));
         if !sigma.iter().chain(&c1).chain(&c2).all(|x| x.is_finite()) {
             return Err(RejectReason::PoorFit);
         }
-        Ok(Ladder {
+        Ok(WhiteningFilter {
             own1: [c1[0], c1[1], c1[2]],
             own2: [c2[0], c2[1], c2[2]],
             other: [c2[3], c2[4], c2[5], c2[6], c2[7]],

@@ -1,0 +1,165 @@
+//! Training: priors, bounds, the filter, the noise model, the gate.
+
+use super::tuning;
+
+tuning! {
+    /// What is known of a rig before it is trained: means and standard deviations of the parameters (docs/diagnosis.md, section 2).
+    pub struct PriorTuning: prior {
+        /// Of ln of the gain, whose mean is that of the usual gain.
+        gain_sd = 0.7, "1", chosen "wide: a factor of 2";
+        /// The heater's time constant as a share of the answer time.
+        heater = 0.22, "1", derived "0.45 s of 2 s on the reference rig";
+        /// Of its ln.
+        heater_sd = 0.8, "1", chosen "wide: a factor of 2.2";
+        /// The dead time of T1.
+        delay1 = 0.9, "ticks", derived "0.1 s on the reference rig";
+        /// T1's lag, ln.
+        lag1 = -0.1, "ln ticks", chosen "about a tick";
+        /// Share of T1's rise that comes with the wall.
+        wall1 = 0.03, "1", chosen "";
+        /// Share of T1's rise that reaches T2.
+        reaches = 0.9, "1", derived "0.92 on the reference rig";
+        /// Of that share.
+        reaches_sd = 0.2, "1", chosen "";
+        /// Transport from T1 to T2.
+        delay2 = 1.1, "ticks", chosen "0.1 s on the reference rig is 0.9";
+        /// Of both dead times.
+        delay_sd = 1.4, "ticks", chosen "";
+        /// T2's lag, ln.
+        lag2 = 1.3, "ln ticks", derived "0.4 s on the reference rig";
+        /// Of ln of both lags.
+        lag_sd = 1.0, "1", chosen "wide: a factor of 2.7";
+        /// Share of T2's rise that comes with the wall on top of T1's.
+        wall2 = 0.02, "1", chosen "";
+        /// Of both shares of the wall.
+        wall_sd = 0.06, "1", chosen "";
+        /// The wall's time constant, answer times.
+        wall_time = 15.0, "answer times", chosen "";
+        /// Of its ln.
+        wall_time_sd = 0.7, "1", chosen "wide: a factor of 2";
+        /// Of what T1 and T2 read above T0 without power, where that was not read cold; its mean is 0.
+        offset_sd = 1.5, "degC", chosen "tolerance of thermistors";
+        /// The same without T0, where it is the ambient temperature.
+        intercept_sd = 30.0, "degC", chosen "wide: any room";
+        /// Of the curvature, whose mean is 0.
+        curvature_sd = 0.015, "1", chosen "";
+        /// Static gain of a heater beside T1's own, as a share of that.
+        second_heater = 0.15, "1", chosen "about the TCLab's";
+        /// Of that share.
+        second_heater_sd = 0.2, "1", chosen "";
+        /// Of ln of the lag of a heater beside, whose mean is the heater's.
+        second_heater_lag_sd = 0.7, "1", chosen "wide: a factor of 2";
+    }
+}
+
+tuning! {
+    /// Bounds of what is learnt: what must not run away.
+    pub struct RangeTuning: range {
+        /// Least ln of the heater's time constant.
+        least_heater = -1.0, "ln ticks", chosen "";
+        /// Largest ln of the heater's time constant.
+        largest_heater = 7.0, "ln ticks", chosen "";
+        /// Least ln of a thermistor's lag.
+        least_lag = -3.0, "ln ticks", chosen "";
+        /// Largest ln of a thermistor's lag.
+        largest_lag = 6.0, "ln ticks", chosen "";
+        /// Least ln of the gain, degC per %.
+        least_gain = -6.0, "1", chosen "";
+        /// Largest ln of the gain, degC per %.
+        largest_gain = 3.0, "1", chosen "";
+        /// Least share of T1's rise that reaches T2.
+        least_reaches = 0.05, "1", chosen "";
+        /// Largest share of it, and of the gain of a heater beside.
+        largest_reaches = 1.2, "1", chosen "";
+        /// Least share of the wall.
+        least_wall = -0.2, "1", chosen "";
+        /// Largest share of the wall.
+        largest_wall = 0.6, "1", chosen "";
+        /// Least time constant of the wall.
+        least_wall_time = 2.0, "answer times", measured "a step of the mains in training was fitted as a wall of 1600 s, bounded to 4 to 120 s (prototype 2)";
+        /// Largest time constant of the wall.
+        largest_wall_time = 60.0, "answer times", measured "the same";
+        /// Largest offset of T1 and T2, both signs.
+        offset = 20.0, "degC", chosen "";
+        /// Largest intercept without T0, in its standard deviations.
+        intercept = 10.0, "standard deviations", chosen "";
+        /// Largest curvature, both signs.
+        curvature = 0.2, "1", chosen "";
+        /// T1's own lag is no more than this share of it and the heater's, when learning begins.
+        own_lag = 0.3, "1", chosen "the two can be exchanged for T1 alone";
+        /// T1's own lag is no less, when it is exchanged.
+        least_own_lag = 0.1, "ticks", chosen "";
+        /// T2's lag keeps this share, when T1's is exchanged.
+        least_lag2 = 0.2, "1", chosen "";
+        /// Longest dead time of T1 and T2 together, as a share of what the transport remembers: less air takes longer.
+        longest_delay = 0.7, "1", chosen "less flow by a quarter to a third stays within the memory";
+        /// Nothing is trained while the fan is announced to be further from its usual level than this share.
+        fan = 0.05, "1", chosen "";
+    }
+}
+
+tuning! {
+    /// The cold rig, which shows by what thermistors differ.
+    pub struct ColdTuning: cold {
+        /// A rig whose rises are below this is cold.
+        below = 3.0, "degC", chosen "";
+        /// Standard deviation of a reading, by which the offset is known.
+        sd = 0.15, "degC", chosen "";
+        /// Least standard deviation of an offset that was read.
+        least_sd = 0.05, "degC", chosen "";
+        /// Samples over which a trend is looked for.
+        memory = 100.0, "ticks", chosen "";
+        /// Samples over which the offset is read.
+        recent = 20.0, "ticks", chosen "";
+    }
+}
+
+tuning! {
+    /// The extended Kalman filter that trains.
+    pub struct FilterTuning: filter {
+        /// T1 and T2 answer when their rise has grown by so much.
+        answers = 0.5, "degC", chosen "";
+        /// Share of the time since T1 answered by which the transport is at least as long, when T2 answers.
+        later = 0.5, "1", chosen "";
+        /// Covariance inflation: the variance of a residual is taken for so much larger.
+        inflation = 2.25, "1", chosen "";
+        /// At first the model errs by this share of the rise.
+        first_error = 0.1, "1", chosen "";
+        /// That dies out with so many answer times.
+        first_answers = 6.0, "answer times", chosen "";
+        /// No tick moves a parameter by more than this share of its prior's standard deviation.
+        largest_step = 0.3, "1", chosen "";
+        /// An innovation counts for no more.
+        clip = 4.0, "standard deviations", chosen "";
+        /// Least variance with which learning begins, of its prior's: the first heat was fitted by a model that was wrong.
+        reopened = 0.1, "1", chosen "";
+        /// From this power on a warm rig's gain is read from the first tick.
+        warm_power = 1.0, "%", chosen "";
+        /// First order of a residual's noise until it is known.
+        rho = 0.6, "1", chosen "";
+        /// Standard deviation of a residual until it is known.
+        sigma = 0.1, "degC", chosen "";
+        /// Largest first order of the noise.
+        largest_rho = 0.95, "1", chosen "";
+        /// Memory of the residuals' mean and covariances.
+        noise_memory = 200.0, "ticks", chosen "";
+        /// No residual is further from its mean where its noise is learnt.
+        noise_clip = 1.0, "degC", chosen "";
+        /// Share of the residuals' mean that is taken for the model's.
+        mean_share = 0.7, "1", chosen "";
+    }
+}
+
+tuning! {
+    /// The noise model of the residuals, and the gate behind training (docs/diagnosis.md, section 3).
+    pub struct WhiteningTuning: whitening {
+        /// White noise that is added to the autocovariance, as a factor on its variance.
+        ridge = 1.0001, "1", chosen "keeps the regression regular";
+        /// No innovation is taken for smaller.
+        least_sigma = 0.02, "degC", derived "steps of the converter, 0.025 degC at 35 degC, are not white";
+        /// Largest share of a temperature's variance that the model may leave unexplained.
+        largest_unexplained = 0.6, "1", chosen "";
+        /// A residual below this share of the rise is small enough in any case: what the excitation hardly moves has little variance.
+        small = 0.015, "1", chosen "";
+    }
+}

@@ -12,7 +12,7 @@ use crate::config::Config;
 use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
-use crate::identify::observer::{Estimate, Observer, ObserverState};
+use crate::identify::observer::{Identified, Observer, ObserverState};
 use crate::known::KnownInputs;
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::model::Model;
@@ -86,9 +86,9 @@ pub struct Report {
     /// y2 = T2 - T0 in degC.
     pub y2: Option<f32>,
     /// Model of y1 against the power.
-    pub ms1: Estimate,
+    pub ms1: Identified,
     /// Model of y2 against the power.
-    pub ms2: Estimate,
+    pub ms2: Identified,
     /// What the residuals are made of, in the order of [`residual::ALL`], before any nominal value is subtracted.
     pub features: Option<[f32; RESIDUALS]>,
     /// The same, low-passed.

@@ -2,13 +2,13 @@
 //!
 //! ```
 //! use fdi_core::diagnosis::residual::{Residual, features};
-//! use fdi_core::identify::observer::Estimate;
+//! use fdi_core::identify::observer::Identified;
 //!
-//! let model = |prediction, gain| Estimate {
+//! let model = |prediction, gain| Identified {
 //!     prediction: Some(prediction),
 //!     static_gain: Some(gain),
 //!     bandwidth: Some(2.0),
-//!     ..Estimate::default()
+//!     ..Identified::default()
 //! };
 //! // T1 is 12.5 degC above the ambient and T2 11.5, at 41 % of heater power.
 //! let now = features(Some(12.5), Some(11.5), 41.0, &model(12.4, 0.30), &model(11.5, 0.28)).expect("all is known");
@@ -18,7 +18,7 @@
 //! assert!(features(Some(12.5), None, 41.0, &model(12.4, 0.30), &model(11.5, 0.28)).is_none());
 //! ```
 
-use crate::identify::observer::Estimate;
+use crate::identify::observer::Identified;
 
 /// Number of residuals.
 pub const RESIDUALS: usize = 7;
@@ -70,8 +70,8 @@ pub fn features(
     y1: Option<f32>,
     y2: Option<f32>,
     power: f32,
-    ms1: &Estimate,
-    ms2: &Estimate,
+    ms1: &Identified,
+    ms2: &Identified,
 ) -> Option<[f32; RESIDUALS]> {
     let (y1, y2) = (y1?, y2?);
     Some([

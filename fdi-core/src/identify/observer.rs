@@ -73,7 +73,7 @@ pub struct ObserverState {
 /// What an observer says after one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Estimate {
+pub struct Identified {
     /// One-step prediction in degC, made before this sample was learnt from.
     pub prediction: Option<f32>,
     /// Static gain in degC per %; the last valid one while the model has none.
@@ -124,7 +124,7 @@ impl Observer {
     }
 
     /// One sample: the rise `y[k]` in degC (`None` where it is invalid) and the power applied from now on, in %.
-    pub fn step(&self, state: &mut ObserverState, y: Option<f32>, power: f32) -> Estimate {
+    pub fn step(&self, state: &mut ObserverState, y: Option<f32>, power: f32) -> Identified {
         let step = self.arx.step(&mut state.arx, y, power);
         let mut gain = None;
         if step.updated {
@@ -139,7 +139,7 @@ impl Observer {
         } else if step.diverged {
             state.response = None;
         }
-        Estimate {
+        Identified {
             prediction: step.prediction,
             static_gain: state.static_gain,
             bandwidth: state.bandwidth,

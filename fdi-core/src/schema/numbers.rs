@@ -4,7 +4,7 @@ use super::{Bits, Kind, Metric, Moment, Number, Value, WORDS};
 use crate::diagnosis::Report;
 use crate::diagnosis::residual::{DECISIVE, Residual};
 use crate::diagnosis::signature::{Symptom, Symptoms};
-use crate::identify::observer::Estimate;
+use crate::identify::observer::Identified;
 use crate::likelihood::{Channel, FaultClass, Finding, Magnitude, Pair, Readiness, RejectReason};
 use crate::numbered::numbered;
 use crate::sense::Validity;
@@ -253,7 +253,7 @@ fn difference(a: Option<f32>, b: Option<f32>) -> Option<f32> {
     a.zip(b).map(|(a, b)| a - b)
 }
 
-fn flags(o: &Estimate) -> u32 {
+fn flags(o: &Identified) -> u32 {
     u32::from(o.held)
         | u32::from(o.gain_held) << 1
         | u32::from(o.bandwidth_held) << 2

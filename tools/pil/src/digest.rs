@@ -6,7 +6,7 @@
 use fdi_core::diagnosis::baseline::{Baseline, Normal};
 use fdi_core::diagnosis::event::{Event, Fault};
 use fdi_core::diagnosis::{Report, Verdict};
-use fdi_core::identify::observer::Estimate;
+use fdi_core::identify::observer::Identified;
 use fdi_core::likelihood::verdict::TaughtFinding;
 use fdi_core::likelihood::{Finding, LikelihoodReport, Magnitude, Readiness};
 use fdi_core::supervisor::{Mode, Trip};
@@ -173,8 +173,8 @@ impl Digest {
         self.word(number);
     }
 
-    fn observation(&mut self, model: &Estimate) {
-        let Estimate {
+    fn observation(&mut self, model: &Identified) {
+        let Identified {
             prediction,
             static_gain,
             bandwidth,

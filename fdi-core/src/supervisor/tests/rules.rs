@@ -118,14 +118,16 @@ fn a_t1_that_rises_is_an_answer_to_excess_power() {
 #[test]
 fn a_rest_accounts_for_no_power() {
     let effect = Effect::new(ANSWER, TS);
-    let trips = |rest: u32| {
+    let trips = |t1: f32, rest: u32| {
         let mut state = EffectState::default();
-        let mut step = |drive, heating| effect.step(&mut state, code(30.0), Percent(drive), heating);
+        let mut step = |drive, heating| effect.step(&mut state, code(t1), Percent(drive), heating);
         step(20.0, true);
         for _ in 0..rest {
             step(0.0, false);
         }
         (0..10_000).position(|_| step(100.0, true))
     };
-    assert_eq!((trips(0), trips(6000)), (Some(145), Some(145)));
+    for t1 in [15.0, 30.0] {
+        assert_eq!((trips(t1, 0), trips(t1, 6000)), (Some(145), Some(145)), "{t1}");
+    }
 }

@@ -8,7 +8,7 @@ use fdi_core::control::prbs::{Prbs, PrbsState};
 use fdi_core::diagnosis::signature::{PAPER_DETECTION, PAPER_ISOLATION, Symptoms, Table, symptoms};
 use fdi_core::filter::{LowPass, LowPassState};
 use fdi_core::identify::Bandwidth;
-use fdi_core::identify::observer::{Estimate, Observer, ObserverState};
+use fdi_core::identify::observer::{Identified, Observer, ObserverState};
 use fdi_core::identify::observer::{NA, NB};
 use fdi_core::identify::transfer::Transfer;
 use fdi_core::sense::thermistor::Thermistor;
@@ -131,7 +131,7 @@ fn excite(prbs: &Prbs, state: &mut PrbsState) -> Percent {
 }
 
 #[inline(never)]
-fn observe(observer: &Observer, state: &mut ObserverState, y: Option<f32>, power: f32) -> Estimate {
+fn observe(observer: &Observer, state: &mut ObserverState, y: Option<f32>, power: f32) -> Identified {
     observer.step(state, y, power)
 }
 

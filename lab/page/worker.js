@@ -81,10 +81,13 @@ const COMMANDS = {
   },
 };
 
+// The WebAssembly comes packed: it is most of the page.
+const unpacked = (gzip) => new Response(new Blob([gzip]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+
 let hello;
 onmessage = ({ data }) => {
   if (data.wasm) {
-    WebAssembly.instantiate(data.wasm, {}).then(({ instance }) => {
+    unpacked(data.wasm).then((bytes) => WebAssembly.instantiate(bytes, {})).then(({ instance }) => {
       wasm = instance.exports;
       hello = JSON.parse(text(wasm.hello()));
       [width, ts] = [hello.fields.length, hello.ts];

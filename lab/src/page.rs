@@ -60,7 +60,7 @@ modules!(
 /// What the page gets its numbers from.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
-    /// The session as WebAssembly, these bytes.
+    /// The session as WebAssembly, packed by gzip.
     InPage(&'a [u8]),
     /// The server that sent the page, with the token for its commands.
     Server(&'a str),

@@ -5,19 +5,17 @@ use crate::root::sqrt;
 /// A pivot below this share of its diagonal is rounding.
 const LEAST_PIVOT: f32 = 1e-6;
 
-/// Lower triangular factor of the leading part of a matrix, in place of its lower half; its diagonal is kept inverted.
+/// Lower triangular factor of a matrix, in place of its lower half; its diagonal is kept inverted.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cholesky<const N: usize> {
     l: [[f32; N]; N],
-    n: usize,
 }
 
 impl<const N: usize> Cholesky<N> {
-    /// Factors the lower half of the leading `n` rows. Pivots that are lost in rounding are held at the least that is none.
+    /// Factors the lower half. Pivots that are lost in rounding are held at the least that is none.
     #[inline(never)]
-    pub(super) fn new(mut l: [[f32; N]; N], n: usize) -> Self {
-        let n = if n < N { n } else { N };
-        for i in 0..n {
+    pub(super) fn new(mut l: [[f32; N]; N]) -> Self {
+        for i in 0..N {
             for j in 0..i {
                 let mut sum = l[i][j];
                 for k in 0..j {
@@ -36,19 +34,19 @@ impl<const N: usize> Cholesky<N> {
             }
             l[i][i] = 1.0 / sqrt(pivot);
         }
-        Self { l, n }
+        Self { l }
     }
 
     /// Logarithm of the determinant of what was factored.
     pub(super) fn log_determinant(&self) -> f32 {
-        let diagonal = (0..self.n.min(N)).map(|i| self.l[i][i]);
+        let diagonal = (0..N).map(|i| self.l[i][i]);
         -2.0 * diagonal.map(libm::logf).sum::<f32>()
     }
 
     /// `L^-1 x`, in place.
     #[inline(never)]
     pub(super) fn forward(&self, x: &mut [f32; N]) {
-        for i in 0..self.n.min(N) {
+        for i in 0..N {
             let mut sum = x[i];
             for k in 0..i {
                 sum -= self.l[i][k] * x[k];
@@ -60,9 +58,9 @@ impl<const N: usize> Cholesky<N> {
     /// `L'^-1 x`, in place.
     #[inline(never)]
     pub(super) fn backward(&self, x: &mut [f32; N]) {
-        for i in (0..self.n.min(N)).rev() {
+        for i in (0..N).rev() {
             let mut sum = x[i];
-            for k in i + 1..self.n.min(N) {
+            for k in i + 1..N {
                 sum -= self.l[k][i] * x[k];
             }
             x[i] = sum * self.l[i][i];
@@ -79,7 +77,7 @@ mod tests {
     fn it_solves_what_it_factors() {
         let a = [[4.0, 0.0, 0.0], [2.0, 5.0, 0.0], [1.0, 3.0, 6.0]];
         let full = |i: usize, j: usize| if i > j { a[i][j] } else { a[j][i] };
-        let factor = Cholesky::new(a, 3);
+        let factor = Cholesky::new(a);
         let mut x = [1.0, -2.0, 3.0];
         factor.forward(&mut x);
         factor.backward(&mut x);
@@ -91,12 +89,12 @@ mod tests {
 
     #[test]
     fn what_is_singular_stays_finite() {
-        let factor = Cholesky::new([[1.0, 0.0], [1.0, 1.0]], 2);
+        let factor = Cholesky::new([[1.0, 0.0], [1.0, 1.0]]);
         let mut x = [1.0, 2.0];
         factor.forward(&mut x);
         factor.backward(&mut x);
         assert!(x.iter().all(|x| x.is_finite()));
-        let none = Cholesky::new([[0.0; 2]; 2], 2);
+        let none = Cholesky::new([[0.0; 2]; 2]);
         assert!(none.l.iter().flatten().all(|l| l.is_finite()));
     }
 }

@@ -7,8 +7,8 @@
 //! log evidence = b' (A + D^-1)^-1 b / 2 - log det(I + D A) / 2
 //! ```
 //!
-//! The nuisances' part is factored once. A hypothesis borders it by its own regressors: with the information s that they hold beyond the nuisances
-//! and the score r, both corrected for them, freeing one parameter with the prior N(0, v) gains
+//! The nuisances' part is factored once, and what they share with all regressors is taken out of A and b (a Schur complement). What is left
+//! is the information s of each direction beyond the nuisances, and its score r. Freeing one parameter with the prior N(0, v) gains
 //!
 //! ```text
 //! r^2 / 2 (s + 1/v) - log(1 + v s) / 2
@@ -17,7 +17,7 @@
 //! It is a bank of Kalman filters with Schmidt's nuisances in information form (S. F. Schmidt 1966; Bayesian linear regression). kappa is
 //! above one, since residuals are never as independent as the sums take them for.
 
-mod along;
+mod beyond;
 
 use super::cholesky::Cholesky;
 use super::hypothesis::{model_errors, nuisances_since_onset, nuisances_since_training};
@@ -25,6 +25,8 @@ use super::normal::Normal;
 use super::regressor::Direction;
 use super::tuning::NuisanceTuning;
 use crate::bounds::larger;
+use crate::vector::dot;
+pub(super) use beyond::Beyond;
 
 /// At most so many nuisances: their cost grows with the square of this.
 pub(super) const MOST: usize = 10;
@@ -47,8 +49,8 @@ pub(super) struct Nuisances<'a, const N: usize, const H: usize> {
     normal: &'a Normal<N, H>,
     list: &'a [Nuisance],
     inv_kappa: f32,
-    /// `L^-1` times what each regressor shares with each nuisance, where many are asked for.
-    shared: Option<[[f32; MOST]; N]>,
+    /// What each regressor shares with each nuisance, scaled by that one's standard deviation.
+    shared: [[f32; MOST]; N],
     factor: Cholesky<MOST>,
     /// `L^-1` times the scaled b.
     score: [f32; MOST],
@@ -77,123 +79,55 @@ pub(super) struct Estimate {
 
 impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
     pub(super) fn new(normal: &'a Normal<N, H>, list: &'a [Nuisance], kappa: f32) -> Self {
-        let list = if list.len() > MOST { &list[..MOST] } else { list };
         let inv_kappa = 1.0 / kappa;
-        let mut rows = [[0.0; MOST]; MOST];
+        let mut shared = [[0.0; MOST]; N];
         let mut score = [0.0; MOST];
-        for (i, ((&(p, sd), row), score)) in list.iter().zip(&mut rows).zip(&mut score).enumerate() {
+        for (k, (&(p, sd), score)) in list.iter().zip(&mut score).enumerate() {
             *score = sd * inv_kappa * along(&normal.b, p);
-            for (j, (&(q, other), element)) in list.iter().zip(row).enumerate().take(i + 1) {
-                let unit = if i == j { 1.0 } else { 0.0 };
-                *element = unit + sd * other * inv_kappa * between(normal, p, q);
+            for (regressor, weight) in p.regressors().into_iter().zip(p.weights()) {
+                normal.add_regressor(regressor, sd * inv_kappa * weight, |i, a| shared[i][k] += a);
             }
         }
-        let factor = Cholesky::new(rows, list.len());
+        let mut rows = [[0.0; MOST]; MOST];
+        for (k, row) in rows.iter_mut().enumerate() {
+            for (&(q, sd), element) in list.iter().zip(&mut row[..=k]) {
+                let ([i, j], [first, second]) = (q.regressors(), q.weights());
+                *element = sd * (first * shared[i % N][k] + second * shared[j % N][k]);
+            }
+            row[k] += 1.0;
+        }
+        let factor = Cholesky::new(rows);
         factor.forward(&mut score);
-        let quadratic: f32 = score.iter().map(|x| x * x).sum();
-        Self { normal, list, inv_kappa, shared: None, factor, score, explained: kappa * quadratic }
+        Self { normal, list, inv_kappa, shared, factor, score, explained: kappa * dot(&score, &score) }
     }
 
-    /// Works out once what all regressors share with the nuisances: cheaper where many hypotheses are asked.
+    /// What all regressors hold beyond the nuisances.
     #[inline(never)]
-    pub(super) fn for_many(mut self) -> Self {
-        let mut all = [[0.0; MOST]; N];
-        for (regressor, shared) in all.iter_mut().enumerate() {
-            for (shared, &(q, sd)) in shared.iter_mut().zip(self.list) {
-                let ([i, j], [first, second]) = (q.regressors(), q.weights());
-                let mut sum = first * self.normal.a(regressor, i);
-                if second != 0.0 {
-                    sum += second * self.normal.a(regressor, j);
-                }
-                *shared = sd * self.inv_kappa * sum;
-            }
+    pub(super) fn beyond(mut self) -> Beyond<'a, N, H> {
+        for shared in &mut self.shared {
             self.factor.forward(shared);
         }
-        self.shared = Some(all);
-        self
+        let left = self.normal.less(self.inv_kappa, &self.shared, &self.score);
+        Beyond { list: self.list, left }
     }
 
-    /// `L^-1` times what a direction shares with each nuisance.
+    /// The gain in log evidence if parameters have just these values: of one direction that moves all of them.
     #[inline(never)]
-    fn shared(&self, p: Direction) -> [f32; MOST] {
-        let mut shared = [0.0; MOST];
-        if let Some(all) = &self.shared {
-            let ([i, j], [first, second]) = (p.regressors(), p.weights());
-            if second == 0.0 {
-                return all[i % N];
+    pub(super) fn fixed(&self, at: &[(Direction, f32)]) -> f32 {
+        let (mut shared, mut score, mut information) = ([0.0; MOST], 0.0, 0.0);
+        for &(p, value) in at {
+            score += value * along(&self.normal.b, p);
+            for &(q, other) in at {
+                information += value * other * between(self.normal, p, q);
             }
-            for (k, shared) in shared.iter_mut().enumerate() {
-                *shared = first * all[i % N][k] + second * all[j % N][k];
+            for (regressor, weight) in p.regressors().into_iter().zip(p.weights()) {
+                let theirs = &self.shared[regressor % N];
+                shared.iter_mut().zip(theirs).for_each(|(sum, a)| *sum += value * weight * a);
             }
-            return shared;
-        }
-        for (shared, &(q, sd)) in shared.iter_mut().zip(self.list) {
-            *shared = sd * self.inv_kappa * between(self.normal, p, q);
         }
         self.factor.forward(&mut shared);
-        shared
-    }
-
-    /// Information and score of a direction beyond the nuisances, with what it shares with them.
-    fn beyond(&self, p: Direction) -> ([f32; MOST], f32, f32) {
-        let shared = self.shared(p);
-        let (information, score) = self.less_nuisances(
-            &shared,
-            self.inv_kappa * between(self.normal, p, p),
-            self.inv_kappa * along(&self.normal.b, p),
-        );
-        (shared, information, score)
-    }
-
-    /// The gain in log evidence if parameters have just these values.
-    pub(super) fn fixed(&self, at: &[(Direction, f32)]) -> f32 {
-        let (mut gain, mut before): (f32, Option<(Direction, f32, [f32; MOST])>) = (0.0, None);
-        for &(p, value) in at {
-            let (shared, information, score) = self.beyond(p);
-            gain += value * score - 0.5 * value * value * information;
-            if let Some((q, other, theirs)) = before {
-                gain -= value * other * self.common(p, &shared, q, &theirs);
-            }
-            before = Some((p, value, shared));
-        }
-        gain
-    }
-
-    fn common(&self, p: Direction, v: &[f32; MOST], q: Direction, w: &[f32; MOST]) -> f32 {
-        let mut common = self.inv_kappa * between(self.normal, p, q);
-        for (v, w) in v.iter().zip(w) {
-            common -= v * w;
-        }
-        common
-    }
-
-    /// Frees one parameter, or two.
-    #[inline(never)]
-    pub(super) fn estimate(&self, first: Prior, second: Option<Prior>) -> Estimate {
-        let (shared, s11, r1) = self.beyond(first.direction);
-        let (mut s12, mut s22, mut r2) = (0.0, 0.0, 0.0);
-        let (mean2, sd2) = second.map_or((0.0, 0.0), |second| (second.mean, second.sd));
-        if let Some(second) = second {
-            let (others, information, score) = self.beyond(second.direction);
-            (s22, r2) = (information, score);
-            s12 = self.common(first.direction, &shared, second.direction, &others);
-        }
-        let estimate = estimate([s11, s12, s22], [r1, r2], [(first.mean, first.sd), (mean2, sd2)]);
-        let (value, variance) = self.with_nuisance(first, estimate.value, estimate.variance);
-        Estimate { value, variance: larger(0.0, variance), ..estimate }
-    }
-
-    /// A parameter that is a nuisance as well is the sum of both parts: what the data say of the free one says as much of the sum.
-    fn with_nuisance(&self, free: Prior, value: f32, variance: f32) -> (f32, f32) {
-        let Some(&(_, sd)) = self.list.iter().find(|(p, _)| *p == free.direction) else {
-            return (value, variance);
-        };
-        let (narrow, wide) = (sd * sd, free.sd * free.sd);
-        let share = wide / (narrow + wide);
-        let apart = narrow * share;
-        let both = (variance - apart) / (share * share);
-        // Less than a hundredth of what was subtracted is rounding.
-        (value / share, larger(0.01 * apart * 0.01, both))
+        let information = larger(0.0, self.inv_kappa * information - dot(&shared, &shared));
+        self.inv_kappa * score - dot(&shared, &self.score) - 0.5 * information
     }
 
     /// What the nuisances are thought to be.
@@ -205,27 +139,6 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
         }
         values
     }
-}
-
-/// Frees two parameters that have this information and these scores beyond the nuisances, with mean and standard deviation of their priors.
-fn estimate([s11, s12, s22]: [f32; 3], [r1, r2]: [f32; 2], priors: [(f32, f32); 2]) -> Estimate {
-    let [(mean1, sd1), (mean2, sd2)] = priors;
-    // What the prior means explain by themselves, and what is left to the departure from them.
-    let at_means = mean1 * r1 + mean2 * r2
-        - 0.5 * (mean1 * mean1 * s11 + 2.0 * mean1 * mean2 * s12 + mean2 * mean2 * s22);
-    let left = [r1 - s11 * mean1 - s12 * mean2, r2 - s12 * mean1 - s22 * mean2];
-    // Q = I + T S T with T the standard deviations of the priors.
-    let (q11, q22, q12) = (1.0 + sd1 * sd1 * s11, 1.0 + sd2 * sd2 * s22, sd1 * sd2 * s12);
-    let determinant = larger(1.0, q11 * q22 - q12 * q12);
-    let scaled = [sd1 * left[0], sd2 * left[1]];
-    let departure = [
-        (q22 * scaled[0] - q12 * scaled[1]) / determinant,
-        (q11 * scaled[1] - q12 * scaled[0]) / determinant,
-    ];
-    let gain = at_means + 0.5 * (departure[0] * scaled[0] + departure[1] * scaled[1])
-        - 0.5 * libm::logf(determinant);
-    let (value, variance) = (mean1 + sd1 * departure[0], sd1 * sd1 * q22 / determinant);
-    Estimate { gain, value, variance, second: mean2 + sd2 * departure[1] }
 }
 
 /// phi_p' phi_q, summed.

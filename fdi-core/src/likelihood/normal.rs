@@ -1,6 +1,7 @@
 //! Sums of a linear regression: whitened residuals on whitened signatures, `A = sum phi phi'`, `b = sum phi z`.
 
 use super::regressor::{COUNT, LASTING, Regressor, Regressors};
+use crate::vector::dot;
 
 /// Elements of the lower half of a symmetric matrix of `n` rows.
 const fn half(n: usize) -> usize {
@@ -61,6 +62,26 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         for i in 0..N {
             let explained: f32 = (0..N).map(|j| self.a(i, j) * values[j]).sum();
             self.b[i] -= explained;
+        }
+    }
+
+    /// The sums `factor` times as much, less the products of what regressors share with others and of their score.
+    pub(super) fn less<const M: usize>(&self, factor: f32, shared: &[[f32; M]; N], score: &[f32; M]) -> Self {
+        let mut left = *self;
+        let mut place = left.a.iter_mut();
+        for (i, (of_regressor, b)) in shared.iter().zip(&mut left.b).enumerate() {
+            *b = factor * *b - dot(of_regressor, score);
+            for (other, a) in shared.iter().take(i + 1).zip(&mut place) {
+                *a = factor * *a - dot(of_regressor, other);
+            }
+        }
+        left
+    }
+
+    /// Hands on `factor` times each element of a regressor of A, with its row.
+    pub(super) fn add_regressor(&self, regressor: usize, factor: f32, mut to: impl FnMut(usize, f32)) {
+        if factor != 0.0 {
+            (0..N).for_each(|i| to(i, factor * self.a(i, regressor)));
         }
     }
 

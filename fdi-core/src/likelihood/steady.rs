@@ -209,11 +209,11 @@ impl Steady {
         inputs: Inputs,
     ) {
         let both = self.with_means(1.0, inputs);
-        let nuisances = Nuisances::new(&both, nuisances, self.tuning.since_training.kappa).for_many();
+        let beyond = Nuisances::new(&both, nuisances, self.tuning.since_training.kappa).beyond();
         for (estimate, hypothesis) in estimate.iter_mut().zip(self.tuning.hypotheses()) {
             *estimate = Estimate { gain: IMPOSSIBLE, ..Estimate::default() };
             if hypothesis.lasting && inputs.tell(hypothesis.class) {
-                *estimate = hypothesis.judged(nuisances.estimate(hypothesis.first, None));
+                *estimate = hypothesis.judged(beyond.estimate(hypothesis.first, None));
             }
         }
     }
@@ -222,9 +222,10 @@ impl Steady {
     #[inline(never)]
     pub(super) fn size(&self, nuisances: &[Nuisance], h: usize, inputs: Inputs) -> Estimate {
         let mostly_means = self.with_means(self.tuning.since_training.fast_in_size, inputs);
-        let nuisances = Nuisances::new(&mostly_means, nuisances, self.tuning.since_training.kappa);
         let hypothesis = &self.tuning.hypotheses()[h % hypothesis::COUNT];
-        nuisances.estimate(hypothesis.first, None)
+        Nuisances::new(&mostly_means, nuisances, self.tuning.since_training.kappa)
+            .beyond()
+            .estimate(hypothesis.first, None)
     }
 
     /// The sums with the means as two more measurements, and a share of the fast band.

@@ -48,10 +48,9 @@ impl Past {
 
 impl WhiteningFilter {
     /// That of e1 alone: whatever e2 is counts for nothing.
-    fn of_t1(t: &WhiteningTuning, c1: [f32; ALL], variance: f32) -> Result<Self, RejectReason> {
+    fn of_t1(t: &WhiteningTuning, own1: [f32; OWN], variance: f32) -> Result<Self, RejectReason> {
         let sigma = larger(t.least_sigma, sqrt(variance));
-        let finite = sigma.is_finite() && c1.iter().all(|x| x.is_finite());
-        let own1 = [c1[0], c1[1], c1[2]];
+        let finite = sigma.is_finite() && own1.iter().all(|x| x.is_finite());
         let whitening = Self { own1, sigma: [sigma, 0.0], inv_sigma: [1.0 / sigma, 0.0], ..Self::default() };
         finite.then_some(whitening).ok_or(RejectReason::PoorFit)
     }
@@ -173,14 +172,14 @@ impl ResidualStatistics {
                 return Err(RejectReason::PoorFit);
             }
         }
-        let mut rows = [[0.0; ALL]; ALL];
+        let mut rows = [[0.0; OWN]; OWN];
         fill(&mut rows, 0, OWN, &own1);
         (0..OWN).for_each(|i| rows[i][i] *= t.ridge);
-        let (c1, variance1) =
-            regression(rows, OWN, [own1[1], own1[2], own1[3], 0.0, 0.0, 0.0, 0.0, 0.0], own1[0]);
+        let (c1, variance1) = regression(rows, [own1[1], own1[2], own1[3]], own1[0]);
         if channels < 2 {
             return WhiteningFilter::of_t1(t, c1, variance1);
         }
+        let mut rows = [[0.0; ALL]; ALL];
         fill(&mut rows, 0, OWN, &own2);
         fill(&mut rows, OWN, OTHER, &own1);
         for j in 0..OTHER {
@@ -191,13 +190,13 @@ impl ResidualStatistics {
         }
         (0..ALL).for_each(|i| rows[i][i] *= t.ridge);
         let [a0, a1, a2, a3, a4] = ahead;
-        let (c2, variance2) = regression(rows, ALL, [own2[1], own2[2], own2[3], a0, a1, a2, a3, a4], own2[0]);
+        let (c2, variance2) = regression(rows, [own2[1], own2[2], own2[3], a0, a1, a2, a3, a4], own2[0]);
         let sigma = [variance1, variance2].map(|variance| larger(t.least_sigma, sqrt(variance)));
         if !sigma.iter().chain(&c1).chain(&c2).all(|x| x.is_finite()) {
             return Err(RejectReason::PoorFit);
         }
         Ok(WhiteningFilter {
-            own1: [c1[0], c1[1], c1[2]],
+            own1: c1,
             own2: [c2[0], c2[1], c2[2]],
             other: [c2[3], c2[4], c2[5], c2[6], c2[7]],
             sigma,
@@ -208,25 +207,20 @@ impl ResidualStatistics {
 
 /// Writes covariances by their lag into the lower half of a block on the diagonal. With iterators, since an optimiser for size
 /// can't tell that these indices are within bounds.
-fn fill(rows: &mut [[f32; ALL]; ALL], from: usize, size: usize, by_lag: &[f32]) {
+fn fill<const N: usize>(rows: &mut [[f32; N]; N], from: usize, size: usize, by_lag: &[f32]) {
     for (i, row) in rows.iter_mut().skip(from).take(size).enumerate() {
-        row.iter_mut()
-            .skip(from)
-            .take(i + 1)
-            .rev()
-            .zip(by_lag)
-            .for_each(|(element, covariance)| *element = *covariance);
+        let block = row.iter_mut().skip(from).take(i + 1).rev();
+        block.zip(by_lag).for_each(|(element, covariance)| *element = *covariance);
     }
 }
 
 /// Coefficients of a linear regression from covariances, and the variance that it leaves.
-fn regression(rows: [[f32; ALL]; ALL], n: usize, cross: [f32; ALL], variance: f32) -> ([f32; ALL], f32) {
-    let factor = Cholesky::new(rows, n);
+fn regression<const N: usize>(rows: [[f32; N]; N], cross: [f32; N], variance: f32) -> ([f32; N], f32) {
+    let factor = Cholesky::new(rows);
     let mut c = cross;
     factor.forward(&mut c);
     factor.backward(&mut c);
-    let explained: f32 = (0..n).map(|i| c[i] * cross[i]).sum();
-    (c, variance - explained)
+    (c, variance - dot(&c, &cross))
 }
 
 #[cfg(test)]

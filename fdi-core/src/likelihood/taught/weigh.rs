@@ -2,7 +2,7 @@
 
 use super::response::{MAX_TAUGHT, Responses};
 use crate::bounds::{larger, smaller};
-use crate::likelihood::evidence::{Estimate, Nuisances};
+use crate::likelihood::evidence::{Beyond, Estimate};
 use crate::likelihood::hypothesis::IMPOSSIBLE;
 use crate::likelihood::tuning::TaughtTuning;
 
@@ -14,11 +14,11 @@ pub(in crate::likelihood) type Weighed = [Estimate; MAX_TAUGHT];
 pub(in crate::likelihood) fn weigh<const N: usize, const H: usize>(
     t: &TaughtTuning,
     responses: &Responses,
-    nuisances: &Nuisances<'_, N, H>,
+    beyond: &Beyond<'_, N, H>,
 ) -> Weighed {
     let mut weighed = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; MAX_TAUGHT];
     for (weighed, response) in weighed.iter_mut().zip(responses) {
-        let estimate = nuisances.estimate_along(&response.weights(), (1.0, t.size_sd));
+        let estimate = beyond.estimate_along(&response.weights(), (1.0, t.size_sd));
         if estimate.gain > t.least_gain && estimate.value > t.least_size && estimate.value < t.most_size {
             *weighed = Estimate { gain: estimate.gain + t.prior, ..estimate };
         }
@@ -55,6 +55,7 @@ pub(in crate::likelihood) fn likeliest(
 mod tests {
     use super::super::response::{EFFECTS, Response};
     use super::*;
+    use crate::likelihood::evidence::Nuisances;
     use crate::likelihood::hypothesis::SINCE_ONSET;
     use crate::likelihood::normal::Normal;
     use crate::likelihood::regressor::{COUNT, Regressor};
@@ -97,7 +98,7 @@ mod tests {
         let mut row = [[0.0; 2]; COUNT];
         row[Regressor::Offset2 as usize] = [0.0, 20.0];
         (0..50).for_each(|_| normal.add(&row, [0.0, 30.0], 1.0));
-        let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 1.5).for_many();
+        let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond();
         let mut responses = named(&["low", "none", "tiny", "high"]);
         for (response, offset) in responses.iter_mut().zip([-150, 0, 1, 150]) {
             response.effects = [0; EFFECTS];

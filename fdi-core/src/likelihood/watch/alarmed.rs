@@ -146,7 +146,9 @@ impl Watch {
     /// Gains of all hypotheses since the onset, and of what was taught; what the nuisances leave of the residual sum of squares.
     fn judge_since(&self, s: &WatchState, g: &Gathered) -> ([Estimate; COUNT], Weighed, f32) {
         let nuisances = s.nuisances();
-        let nuisances = Nuisances::new(&g.since, &nuisances, self.tuning.alarm.kappa).for_many();
+        let nuisances = Nuisances::new(&g.since, &nuisances, self.tuning.alarm.kappa);
+        let left = g.since.energy - nuisances.explained;
+        let beyond = nuisances.beyond();
         let mut estimate = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; COUNT];
         for (estimate, row) in
             estimate.iter_mut().zip(self.tuning.hypotheses()).filter(|(_, row)| s.asks(self.inputs, row))
@@ -155,12 +157,12 @@ impl Watch {
             if let (Some(second), Some(m)) = (&mut second, row.stuck_at) {
                 second.mean = s.at_onset[m % 2];
             }
-            *estimate = row.judged(nuisances.estimate(row.first, second));
+            *estimate = row.judged(beyond.estimate(row.first, second));
             if let Some(second) = row.later(&self.tuning.hypotheses, estimate.value) {
-                *estimate = row.judged(nuisances.estimate(row.first, Some(second)));
+                *estimate = row.judged(beyond.estimate(row.first, Some(second)));
             }
         }
-        (estimate, weigh(&self.tuning.taught, &self.taught, &nuisances), g.since.energy - nuisances.explained)
+        (estimate, weigh(&self.tuning.taught, &self.taught, &beyond), left)
     }
 }
 
@@ -182,7 +184,7 @@ impl WatchState {
     pub(in crate::likelihood) fn explained(&self, g: &Gathered) -> Option<[(FaultClass, f32); COUNT]> {
         self.alarm.as_ref()?;
         let kappa = self.tuning.alarm.kappa;
-        let alone = Nuisances::new(&g.since, &[], kappa);
+        let alone = Nuisances::new(&g.since, &[], kappa).beyond();
         let energy = larger(1.0, g.since.energy - g.since.count);
         Some(core::array::from_fn(|h| {
             let row = &self.tuning.hypotheses()[h];

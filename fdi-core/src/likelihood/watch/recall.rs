@@ -45,7 +45,8 @@ impl WatchState {
     pub(in crate::likelihood) fn changed(&self, g: &Gathered) -> Option<Changed> {
         let t = self.tuning;
         let alarm = self.alarm.as_ref().filter(|alarm| alarm.age >= t.naming.process_time)?;
-        let (all, gain) = Nuisances::new(&g.since, &self.nuisances(), t.alarm.kappa).changes(&spreads(t));
+        let (all, gain) =
+            Nuisances::new(&g.since, &self.nuisances(), t.alarm.kappa).beyond().changes(&spreads(t));
         let likeliest = of_hypothesis(&HYPOTHESES[alarm.hypothesis % COUNT], alarm.values);
         let effects = likeliest.filter(|_| alarm.evidence > gain).unwrap_or(all);
         Some(Changed { onset: alarm.onset, effects })

@@ -1,0 +1,110 @@
+//! What the regressors hold beyond the nuisances, and what comes of freeing some of them.
+
+use super::{Estimate, Nuisance, Prior, along, between};
+use crate::bounds::larger;
+use crate::likelihood::cholesky::Cholesky;
+use crate::likelihood::normal::Normal;
+use crate::likelihood::regressor::Regressor;
+use crate::vector::dot;
+
+/// The sums of the regression, divided by kappa, less what the nuisances share with them.
+pub(in crate::likelihood) struct Beyond<'a, const N: usize, const H: usize> {
+    pub(super) list: &'a [Nuisance],
+    pub(super) left: Normal<N, H>,
+}
+
+impl<const N: usize, const H: usize> Beyond<'_, N, H> {
+    /// Frees one parameter, or two.
+    #[inline(never)]
+    pub(in crate::likelihood) fn estimate(&self, first: Prior, second: Option<Prior>) -> Estimate {
+        let (p, b) = (first.direction, &self.left.b);
+        let (mut s12, mut s22, mut r2, mut prior2) = (0.0, 0.0, 0.0, (0.0, 0.0));
+        if let Some(second) = second {
+            let q = second.direction;
+            (s12, s22, r2) = (between(&self.left, p, q), between(&self.left, q, q), along(b, q));
+            prior2 = (second.mean, second.sd);
+        }
+        let information = [larger(0.0, between(&self.left, p, p)), s12, larger(0.0, s22)];
+        let estimate = estimate(information, [along(b, p), r2], [(first.mean, first.sd), prior2]);
+        let (value, variance) = self.with_nuisance(first, estimate.value, estimate.variance);
+        Estimate { value, variance: larger(0.0, variance), ..estimate }
+    }
+
+    /// A parameter that is a nuisance as well is the sum of both parts: what the data say of the free one says as much of the sum.
+    fn with_nuisance(&self, free: Prior, value: f32, variance: f32) -> (f32, f32) {
+        let Some(&(_, sd)) = self.list.iter().find(|(p, _)| *p == free.direction) else {
+            return (value, variance);
+        };
+        let (narrow, wide) = (sd * sd, free.sd * free.sd);
+        let share = wide / (narrow + wide);
+        let apart = narrow * share;
+        let both = (variance - apart) / (share * share);
+        // Less than a hundredth of what was subtracted is rounding.
+        (value / share, larger(0.01 * apart * 0.01, both))
+    }
+
+    /// Frees how large a change is that moves regressors by these weights where it is 1, with mean and standard deviation of its prior.
+    #[inline(never)]
+    pub(in crate::likelihood) fn estimate_along<const M: usize>(
+        &self,
+        weights: &[(Regressor, f32); M],
+        prior: (f32, f32),
+    ) -> Estimate {
+        let (mut information, mut score) = (0.0, 0.0);
+        for (i, &(regressor, weight)) in weights.iter().enumerate() {
+            let regressor = regressor as usize;
+            score += weight * self.left.b[regressor % N];
+            let mut across = 0.0;
+            for &(other, by) in weights.iter().take(i) {
+                across += by * self.left.a(regressor, other as usize);
+            }
+            information += weight * (2.0 * across + weight * self.left.a(regressor, regressor));
+        }
+        estimate([larger(0.0, information), 0.0, 0.0], [score, 0.0], [prior, (0.0, 0.0)])
+    }
+
+    /// By how much each of some regressors has changed, if all may have at once: posterior means, each with a prior of mean 0 and this
+    /// standard deviation. With what freeing all of them gains.
+    #[inline(never)]
+    pub(in crate::likelihood) fn changes<const M: usize>(
+        &self,
+        regressors: &[(Regressor, f32); M],
+    ) -> ([f32; M], f32) {
+        let mut rows = [[0.0; M]; M];
+        let mut changes = [0.0; M];
+        for (i, &(regressor, sd)) in regressors.iter().enumerate() {
+            changes[i] = sd * self.left.b[regressor as usize % N];
+            for (j, &(other, by)) in regressors.iter().enumerate().take(i + 1) {
+                let unit = if i == j { 1.0 } else { 0.0 };
+                rows[i][j] = unit + sd * by * self.left.a(regressor as usize, other as usize);
+            }
+        }
+        let factor = Cholesky::new(rows);
+        factor.forward(&mut changes);
+        let gain = 0.5 * dot(&changes, &changes) - 0.5 * factor.log_determinant();
+        factor.backward(&mut changes);
+        changes.iter_mut().zip(regressors).for_each(|(change, (_, sd))| *change *= sd);
+        (changes, gain)
+    }
+}
+
+/// Frees two parameters that have this information and these scores beyond the nuisances, with mean and standard deviation of their priors.
+fn estimate([s11, s12, s22]: [f32; 3], [r1, r2]: [f32; 2], priors: [(f32, f32); 2]) -> Estimate {
+    let [(mean1, sd1), (mean2, sd2)] = priors;
+    // What the prior means explain by themselves, and what is left to the departure from them.
+    let at_means = mean1 * r1 + mean2 * r2
+        - 0.5 * (mean1 * mean1 * s11 + 2.0 * mean1 * mean2 * s12 + mean2 * mean2 * s22);
+    let left = [r1 - s11 * mean1 - s12 * mean2, r2 - s12 * mean1 - s22 * mean2];
+    // Q = I + T S T with T the standard deviations of the priors.
+    let (q11, q22, q12) = (1.0 + sd1 * sd1 * s11, 1.0 + sd2 * sd2 * s22, sd1 * sd2 * s12);
+    let determinant = larger(1.0, q11 * q22 - q12 * q12);
+    let scaled = [sd1 * left[0], sd2 * left[1]];
+    let departure = [
+        (q22 * scaled[0] - q12 * scaled[1]) / determinant,
+        (q11 * scaled[1] - q12 * scaled[0]) / determinant,
+    ];
+    let gain = at_means + 0.5 * (departure[0] * scaled[0] + departure[1] * scaled[1])
+        - 0.5 * libm::logf(determinant);
+    let (value, variance) = (mean1 + sd1 * departure[0], sd1 * sd1 * q22 / determinant);
+    Estimate { gain, value, variance, second: mean2 + sd2 * departure[1] }
+}

@@ -80,7 +80,6 @@ use crate::error::ConfigError;
 use crate::identify::config::IdentificationConfig;
 use crate::known::KnownInputs;
 use crate::observation::{Observation, Phase};
-use crate::sense::{Reading, Validity};
 use crate::settings::check;
 use crate::units::Seconds;
 use alarm::ModelAlarm;
@@ -225,7 +224,7 @@ impl Likelihood {
         self.follow_phase(state, seen);
         let contradiction = if self.inputs == Inputs::ALL {
             self.ambient.step(&mut state.ambient, seen.index, readings, power);
-            let read = [sample.t0, sample.t1, sample.t2].map(read);
+            let read = [sample.t0, sample.t1, sample.t2].map(|reading| reading.read());
             state.contradiction.step(&self.response, seen.index, heating, read, power)
         } else {
             state.ambient.assume(t0);
@@ -392,10 +391,4 @@ impl Likelihood {
             ..LikelihoodReport::default()
         }
     }
-}
-
-/// What a thermistor reads, be it as wild as it may: one that trips has often left its range.
-fn read(reading: Reading) -> Option<f32> {
-    let unread = matches!(reading.validity, Validity::Missing | Validity::Open | Validity::Short);
-    (!unread).then_some(reading.celsius.0)
 }

@@ -23,7 +23,7 @@ use crate::diagnosis::Report;
 use crate::diagnosis::baseline::Normal;
 use crate::instrument::Instrument;
 use crate::likelihood::{FaultClass, HYPOTHESES};
-use crate::sense::{RawSample, Reading, Validity};
+use crate::sense::{RawSample, Reading};
 use crate::units::Percent;
 
 /// Class and share of each hypothesis.
@@ -120,9 +120,7 @@ impl Value {
     pub fn number(self) -> f32 {
         let number = match self {
             Self::Float(x) => x,
-            Self::Reading(Reading { celsius, validity }) => {
-                (!Validity::READS_NOTHING.contains(&validity)).then_some(celsius.0)
-            }
+            Self::Reading(reading) => reading.read(),
             Self::Named((number, _)) => Some(number as f32),
             Self::Choice(of) => of.map(|(number, _)| number as f32),
             Self::Judged(of) => of.map(f32::from),

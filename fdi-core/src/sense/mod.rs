@@ -95,6 +95,11 @@ impl Reading {
     pub fn good(&self) -> Option<f32> {
         (self.validity == Validity::Good).then_some(self.celsius.0)
     }
+
+    /// What it reads, be it as wild as it may: a thermistor that trips has often left its range.
+    pub fn read(&self) -> Option<f32> {
+        (!Validity::READS_NOTHING.contains(&self.validity)).then_some(self.celsius.0)
+    }
 }
 
 /// The three readings of a tick.

@@ -1,6 +1,7 @@
 //! The core alone: against independent f64 references, over random inputs, over millions of samples, mode by mode.
 
 mod answers;
+mod controller;
 mod endurance;
 mod estimator;
 mod experiment;

@@ -14,8 +14,7 @@ use crate::sense::supply::{Supply, SupplyState};
 use crate::sense::{RawSample, Sample, Sensing, SensingState, Validity};
 use crate::supervisor::effect::HARMLESS;
 use crate::supervisor::{
-    Blocker, Command, FASTEST_FAN, Mode, Refusal, Regulated, Situation, Supervisor, SupervisorState,
-    TripReason,
+    Command, FASTEST_FAN, Mode, Refusal, Regulated, Situation, Supervisor, SupervisorState, TripReason,
 };
 use crate::tune::{Powers, Standing, Tuning, Unclear};
 use crate::units::{Celsius, Percent, Seconds};

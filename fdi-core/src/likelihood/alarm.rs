@@ -2,25 +2,25 @@
 
 use super::verdict::{Finding, TaughtFinding};
 
-/// What the models say on a tick.
+/// What the models say on a tick: None where a bank has no alarm, an alarm without a finding where it has no name.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) enum ModelAlarm {
-    /// All is as expected.
-    #[default]
-    Quiet,
-    /// Something is wrong, and it cannot be told what.
-    Unnamed,
-    /// Something is wrong, and it is this.
-    Named(Finding),
+pub(super) struct Said {
+    pub(super) since_onset: Option<Option<Finding>>,
+    pub(super) since_training: Option<Option<Finding>>,
+    /// Where a bank has a name: which thermistor sees too little of a rise that the other sees, and whether T1 moves as expected.
+    pub(super) by_rises: Option<Finding>,
+    pub(super) t1_moves: bool,
 }
 
-impl ModelAlarm {
-    /// What is wrong, where that is known.
-    pub(super) fn finding(self) -> Option<Finding> {
-        match self {
-            Self::Named(finding) => Some(finding),
-            Self::Quiet | Self::Unnamed => None,
-        }
+impl Said {
+    /// Whether either bank has an alarm.
+    pub(super) fn alarm(&self) -> bool {
+        self.since_onset.is_some() || self.since_training.is_some()
+    }
+
+    /// What the banks call it: what began at an onset first, then what has changed since training.
+    pub(super) fn by_models(&self) -> Option<Finding> {
+        self.since_onset.flatten().or(self.since_training.flatten())
     }
 }
 

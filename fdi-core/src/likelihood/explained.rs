@@ -10,7 +10,7 @@ impl LikelihoodState {
     /// since the onset that it would take away all by itself. Several hypotheses belong to some classes. None without an alarm of the models.
     pub fn explained(&self) -> Option<[(FaultClass, f32); COUNT]> {
         match (&self.work, &self.trained) {
-            (Work::Watching(gathered), Some(trained)) => trained.explained(gathered),
+            (Work::Watching(onset), Some(trained)) => onset.explained(trained.tuning),
             _ => None,
         }
     }
@@ -18,7 +18,7 @@ impl LikelihoodState {
     /// What the alarm under way has changed, for those who teach it; None without an alarm of the models, or while it is young.
     pub fn changed(&self) -> Option<Changed> {
         match (&self.work, &self.trained) {
-            (Work::Watching(gathered), Some(trained)) => trained.changed(gathered),
+            (Work::Watching(onset), Some(trained)) => onset.changed(&trained.usual()),
             _ => None,
         }
     }

@@ -17,7 +17,7 @@ impl LikelihoodState {
         let work = match &self.work {
             Work::Nothing => 0.0,
             Work::Training(training) => training.sum(),
-            Work::Watching(gathered) => gathered.sum(),
+            Work::Watching(onset) => onset.sum(),
         };
         let trained = self.trained.as_ref().map_or(0.0, WatchState::sum);
         (work + trained + self.ambient.sum() + self.contradiction.sum()).is_finite()
@@ -30,7 +30,7 @@ impl LikelihoodState {
         (self.work, self.trained, self.current) = (Work::Nothing, None, false);
         (self.ambient, self.contradiction) = (AmbientState::default(), Contradiction::default());
         (self.sensors, self.cold) = (Sensors::default(), Default::default());
-        self.reported = Default::default();
+        self.said = Default::default();
         self.otherwise = Readiness::Restarted;
         self.restarts = self.restarts.saturating_add(1);
         LikelihoodReport { readiness: self.otherwise, restarts: self.restarts, ..LikelihoodReport::default() }

@@ -2,8 +2,7 @@
 //! air flow, heat without power, and who sees only a part of the rise. Rises are those over the ambient that is believed (`ambient.rs`): a
 //! wrong T0 neither causes nor prevents anything here.
 
-use super::alarm::ModelAlarm;
-use super::class::{Channel, FaultClass};
+use super::class::FaultClass;
 use super::tuning::Tuned;
 use super::verdict::{Finding, Magnitude};
 use crate::bounds::{larger, smaller};
@@ -40,6 +39,8 @@ pub(super) struct HeatState {
     before: Rise,
     shared_motion: f32,
     motion: f32,
+    /// T1 and T2 contradict each other: neither is regulated by.
+    contradict: bool,
     tuning: Tuned,
 }
 
@@ -94,24 +95,11 @@ impl Heat {
         s.stuck_on |= s.too_hot >= if heating { t.too_hot_time } else { t.too_hot_off };
     }
 
-    /// What the bank says, held against the rises: what slips out slowly fits none of its signatures, and looks stuck
-    /// while the controller holds it.
-    pub(super) fn review(&self, s: &HeatState, finding: Finding, tick: u32) -> ModelAlarm {
-        let (t, detached_share) = (&self.tuning.heat, self.tuning.hypotheses.seen());
-        // A T2 that slides out resembles a T1 that sees too much; but that reads as it should.
-        if matches!(finding.class, FaultClass::T1Clogged | FaultClass::T1Offset) {
-            let t2 = s.detached(detached_share, finding.onset).filter(|f| f.class == FaultClass::T2Detached);
-            return ModelAlarm::Named(t2.unwrap_or(finding));
-        }
-        let settled = tick.saturating_sub(finding.onset) as f32 * self.rises.share() > t.stuck_time;
-        let moves = settled && s.t1_moves();
-        let (share, otherwise) = match finding.class {
-            FaultClass::Drift => (detached_share, ModelAlarm::Named(finding)),
-            FaultClass::Unknown => (t.unexplained, ModelAlarm::Named(finding)),
-            FaultClass::Stuck(Channel::T1) if moves => (t.unexplained, ModelAlarm::Unnamed),
-            _ => return ModelAlarm::Named(finding),
-        };
-        s.detached(share, finding.onset).map_or(otherwise, ModelAlarm::Named)
+    /// Whether T1 has moved as expected since an onset, for long enough to be told.
+    pub(super) fn t1_moves(&self, s: &HeatState, onset: u32, tick: u32) -> bool {
+        let t = &self.tuning.heat;
+        let settled = tick.saturating_sub(onset) as f32 * self.rises.share() > t.stuck_time;
+        settled && s.shared_motion > t.stuck * s.motion
     }
 
     /// `e2` is what T2 reads above what the power lets expect, degC; `gain` the share of T1's rise that reaches T2.
@@ -134,15 +122,16 @@ impl HeatState {
             before: rise,
             shared_motion: 0.0,
             motion: 0.0,
+            contradict: false,
             tuning,
         }
     }
 
-    /// T1's rise by T2 and the models, where the models alone expect `expected`, degC; None where the two disagree.
+    /// T1's rise by T2 and the models, where the models alone expect `expected`, degC; None where these disagree, or T1 and T2 do.
     pub(super) fn virtual_t1(&self, expected: f32) -> Option<f32> {
         let t = &self.tuning.heat;
         let limit = t.correction + t.correction_share * expected.abs();
-        (self.correction.abs() <= limit).then_some(expected + self.correction)
+        (!self.contradict && self.correction.abs() <= limit).then_some(expected + self.correction)
     }
 
     /// Air flow by the static gain, % of normal, the larger of what T1 and T2 say; None where it is too cold to tell.
@@ -155,12 +144,9 @@ impl HeatState {
         Some(flow(&self.rises[0])?.max(flow(&self.rises[1])?))
     }
 
-    fn t1_moves(&self) -> bool {
-        self.shared_motion > self.tuning.heat.stuck * self.motion
-    }
-
-    /// Who sees less than `share` of a rise that the other sees.
-    fn detached(&self, share: f32, onset: u32) -> Option<Finding> {
+    /// Who has seen too little of a rise that the other sees since an onset: it slips out of the tube.
+    pub(super) fn detached(&self, onset: u32) -> Option<Finding> {
+        let share = self.tuning.heat.unexplained;
         let [t1, t2] = &self.rises;
         let (least, attached) = (self.tuning.heat.detached_rise, self.tuning.heat.attached);
         if !(t1.expected > least && t2.expected > least) {
@@ -180,10 +166,11 @@ impl HeatState {
         Some(Finding { class, confidence: 1.0, magnitude: Some(magnitude), onset })
     }
 
-    /// How far the difference of T1 and T2 is from what it should be, degC.
-    pub(super) fn contradiction(&self) -> f32 {
+    /// Is the difference of T1 and T2, where `both` are known, far from what it should be?
+    pub(super) fn compare(&mut self, both: bool) {
         let [t1, t2] = &self.rises;
-        ((t2.measured - t1.measured) - (t2.expected - t1.expected)).abs()
+        let off = ((t2.measured - t1.measured) - (t2.expected - t1.expected)).abs();
+        self.contradict = both && off > self.tuning.charts.largest_contradiction;
     }
 
     /// Finite as long as all of it is that stays.
@@ -259,22 +246,20 @@ mod tests {
     /// Whoever sees only a part of a rise that the other sees is out of the tube; a loss that both see is none of a thermistor.
     #[test]
     fn who_lacks_the_rise_is_detached() {
-        let as_told = |class, t1: f32, t2: f32| {
+        let found = |t1: f32, t2: f32| {
             let (heat, mut s) =
                 (Heat::new(Tuned::default(), TS, 2.0), HeatState::new(Tuned::default(), 20.0));
             for _ in 0..400 {
                 let at = |measured| Some(Rise { measured, expected: 20.0 });
                 heat.step(&mut s, [at(t1), at(t2)], true);
             }
-            let told = Finding { class, confidence: 0.0, magnitude: None, onset: 0 };
-            heat.review(&s, told, 400).finding().map(|finding| finding.class)
+            s.detached(7)
+                .map(|finding| (finding.class, finding.magnitude.unwrap().value.round(), finding.onset))
         };
-        let reviewed = |t1, t2| as_told(FaultClass::Unknown, t1, t2);
-        assert_eq!(reviewed(8.0, 20.0), Some(FaultClass::T1Detached));
-        assert_eq!(reviewed(20.0, 8.0), Some(FaultClass::T2Detached));
-        assert_eq!(reviewed(12.0, 12.0), Some(FaultClass::Unknown));
-        assert_eq!(as_told(FaultClass::T1Clogged, 20.0, 8.0), Some(FaultClass::T2Detached));
-        assert_eq!(as_told(FaultClass::T1Clogged, 8.0, 20.0), Some(FaultClass::T1Clogged));
+        assert_eq!(found(8.0, 20.0), Some((FaultClass::T1Detached, -60.0, 7)));
+        assert_eq!(found(20.0, 8.0), Some((FaultClass::T2Detached, -60.0, 7)));
+        assert_eq!(found(12.0, 12.0), None);
+        assert_eq!(found(19.0, 20.0), None);
     }
 
     #[test]

@@ -5,7 +5,6 @@ use super::evidence::{Estimate, Nuisance, Prior};
 use super::regressor::{Direction, Regressor};
 use super::tuning::{HypothesisTuning, NuisanceTuning, Tuning};
 use crate::bounds::larger;
-use crate::root::sqrt;
 
 /// A hypothesis about what is seen.
 #[derive(Clone, Copy, Debug)]
@@ -187,6 +186,12 @@ pub(super) static HYPOTHESES: [Hypothesis; COUNT] = ROWS;
 pub(super) const CONSTANT: usize = 16;
 
 impl Hypothesis {
+    /// What it frees second; a reading that stays stays at one of these rises, degC.
+    pub(super) fn second_at(&self, rises: [f32; 2]) -> Option<Prior> {
+        let second = self.second?;
+        Some(self.stuck_at.map_or(second, |m| Prior { mean: rises[m % 2], ..second }))
+    }
+
     /// How late a change of the process by `value` may begin, where it is a large one.
     pub(super) fn later(&self, t: &HypothesisTuning, value: f32) -> Option<Prior> {
         let second =
@@ -272,47 +277,6 @@ pub(super) const SINCE_ONSET: [Nuisance; 10] = nuisances_since_onset(&NuisanceTu
 pub(super) const SINCE_TRAINING: [Nuisance; 10] = nuisances_since_training(&NuisanceTuning::DEFAULT);
 #[cfg(test)]
 pub(super) const MODEL_ERRORS: [Nuisance; 7] = model_errors(&NuisanceTuning::DEFAULT);
-
-/// Where the dead time's error stands among those since an onset.
-pub(super) const SHIFT: usize = 7;
-
-/// Nuisances since an onset where the power steps by the mean square `steps`; `curvature_variance` is that of the gain's error here. What was learnt wrong
-/// with the gain looks like flow, too.
-pub(super) fn since_onset(t: &NuisanceTuning, steps: f32, curvature_variance: f32) -> [Nuisance; 10] {
-    let mut nuisances = nuisances_since_onset(t);
-    nuisances[0].1 = sqrt(steps + curvature_variance);
-    for (_, sd) in &mut nuisances[FLOW] {
-        *sd = sqrt(*sd * *sd + curvature_variance);
-    }
-    nuisances
-}
-
-/// Nuisances since training where power, flow and both offsets walk by these mean squares, and T1 rises by `rise`, degC: the gain's error at
-/// the mean power is another than that of its moves, so that an offset of both is left.
-pub(super) fn since_training(
-    t: &NuisanceTuning,
-    walk_variance: &[f32; 4],
-    curvature_variance: f32,
-    rise: f32,
-) -> [Nuisance; 10] {
-    let mut nuisances = nuisances_since_training(t);
-    let [power, flow, offset1, offset2] = *walk_variance;
-    let more = [
-        power + curvature_variance,
-        flow + curvature_variance,
-        flow + curvature_variance,
-        offset1,
-        offset2,
-        curvature_variance * rise * rise,
-    ];
-    for ((_, sd), more) in nuisances.iter_mut().zip(more) {
-        *sd = sqrt(*sd * *sd + more);
-    }
-    nuisances
-}
-
-/// Places of the flow in both lists.
-const FLOW: core::ops::Range<usize> = 1..3;
 
 #[cfg(test)]
 mod tests;

@@ -37,6 +37,7 @@
 
 mod alarm;
 mod ambient;
+pub(crate) mod arbiter;
 mod chart;
 mod cholesky;
 pub mod class;
@@ -56,7 +57,6 @@ pub mod model;
 mod normal;
 mod onset;
 mod posterior;
-mod preferred;
 mod process;
 mod readiness;
 mod recovery;
@@ -66,12 +66,12 @@ mod regressor;
 mod second_heater;
 mod sensors;
 pub mod signatures;
-mod steady;
 mod tangent;
 pub mod taught;
 mod tracker;
 mod training;
 pub mod tuning;
+mod usual;
 pub mod verdict;
 mod watch;
 mod whitening;
@@ -82,24 +82,22 @@ use crate::known::KnownInputs;
 use crate::observation::{Observation, Phase};
 use crate::settings::check;
 use crate::units::Seconds;
-use alarm::ModelAlarm;
+use alarm::Said;
 use ambient::{Ambient, AmbientState};
-use chart::Chart;
+use arbiter::{Evidence, decide};
 pub use class::{Channel, FaultClass, Pair};
 pub use commissioned::{Commissioned, PARAMETERS, SinceCommissioning};
 use config::LikelihoodConfig;
 use contradiction::Contradiction;
-use heat::Heat;
 pub use hypothesis::COUNT as HYPOTHESES;
 use impulse::ImpulseResponse;
 use inputs::Inputs;
 use model::Model;
-use preferred::preferred;
 use sensors::Sensors;
 use training::{Cold, Trainer, Training};
 pub use tuning::{Tuned, Tuning};
 pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
-use watch::{Gathered, Watch, WatchState};
+use watch::{Input, SinceOnsetState, Watch, WatchState};
 
 /// The validated likelihood diagnosis.
 #[derive(Clone, Debug)]
@@ -122,8 +120,8 @@ pub struct LikelihoodState {
     current: bool,
     /// What was trained when the rig was commissioned.
     commissioned: Option<Commissioned>,
-    /// What the models reported last.
-    reported: ModelAlarm,
+    /// What the models said last.
+    said: Said,
     sensors: Sensors,
     ambient: AmbientState,
     contradiction: Contradiction,
@@ -141,21 +139,7 @@ enum Work {
     #[default]
     Nothing,
     Training(Training),
-    Watching(Gathered),
-}
-
-/// One tick, as all parts see it.
-struct Now<'a> {
-    seen: &'a Observation,
-    /// Rises of T1 and T2 over T0, and over the ambient that is believed, where known, degC.
-    y: [Option<f32>; 2],
-    believed: [Option<f32>; 2],
-    /// What drives the heater from now on, as at the nominal supply, %.
-    u: f32,
-    /// Power of a heater beside T1's own, %.
-    beside: f32,
-    /// Level of the fan as announced, share of that at which the rig is learnt; 1 where nothing was.
-    fan: f32,
+    Watching(SinceOnsetState),
 }
 
 const _: () = assert!(size_of::<LikelihoodState>() <= 8192, "more than the board has for it");
@@ -182,18 +166,7 @@ impl Likelihood {
                 answer_time / ts.0,
                 usual,
             )?,
-            watch: Watch {
-                fast: Chart { allowance: c.fast_allowance, interval: c.fast_interval, tuning },
-                slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval, tuning },
-                heat: Heat::new(tuning, ts.0, answer_time),
-                model_uncertainty: c.model_uncertainty,
-                naming: c.naming,
-                least_power: c.least_power,
-                sample_time: ts.0,
-                inputs: Inputs::ALL,
-                taught: c.taught.clone(),
-                tuning,
-            },
+            watch: Watch::new(c, tuning, ts.0, answer_time),
             ambient: Ambient::new(tuning, ts.0, answer_time),
             response: ImpulseResponse::new(tuning, ts.0, answer_time),
             inputs: Inputs::ALL,
@@ -204,7 +177,7 @@ impl Likelihood {
     /// The same for a rig that lacks some inputs. In place of a T2 that is missing T1 is fed, in place of a T0 something that never changes.
     pub fn with(mut self, inputs: Inputs) -> Self {
         self.inputs = inputs;
-        self.watch.inputs = inputs;
+        self.watch = self.watch.with(inputs);
         self.trainer = self.trainer.with(inputs);
         self
     }
@@ -230,32 +203,34 @@ impl Likelihood {
             state.ambient.assume(t0);
             None
         };
-        let believed = state.ambient.rises([t1, t2]);
-        let now = Now {
-            seen,
+        let now = Input {
+            tick: seen.index,
             y: seen.rises(),
-            believed,
-            u: power,
+            believed: state.ambient.rises([t1, t2]),
+            t0,
+            power,
+            second_power: known.beside.map_or(0.0, |power| power.0),
             fan: known.fan_share(),
-            beside: known.beside.map_or(0.0, |power| power.0),
         };
-        let undisturbed = undisturbed && contradiction.is_none();
         state.cold.step(&self.tuning.cold, now.y, seen.power.0 <= 0.0);
-        let by_models = self.watch(state, &now);
-        self.train(state, &now, t0, undisturbed);
-        let by_sensors = state.sensors.step(self.tuning, sample, seen.index);
-        let without_models = contradiction.or(self.ambient.finding(&state.ambient));
+        let said = self.watch(state, seen, &now);
+        self.train(state, seen, &now, undisturbed && contradiction.is_none());
+        let evidence = Evidence {
+            sensors: state.sensors.step(self.tuning, sample, seen.index),
+            said,
+            response: contradiction,
+            room: self.ambient.finding(&state.ambient),
+        };
         if seen.index.is_multiple_of(finite::EVERY) && !state.is_finite() {
             return state.begin_anew();
         }
-        let finding = preferred(by_sensors, by_models.finding(), without_models);
         LikelihoodReport {
             readiness: state.readiness(),
             restarts: state.restarts,
-            alarm: by_models != ModelAlarm::Quiet || by_sensors.is_some() || without_models.is_some(),
-            finding,
+            alarm: evidence.alarm(),
+            finding: decide(&evidence, self.tuning),
             t1_contradicted: contradiction.is_some_and(|found| found.class.leaves_t1_blind()),
-            ..self.heat(state, &now)
+            ..self.heat(state, seen, &now)
         }
     }
 
@@ -278,15 +253,15 @@ impl Likelihood {
     /// Another recording of the same rig begins with these inputs.
     pub fn resume(&self, state: &mut LikelihoodState, power: f32, known: &KnownInputs) {
         if let Some(trained) = &mut state.trained {
-            let beside = known.beside.map_or(0.0, |power| power.0);
-            let inputs = [known.effective(power), known.fan_share(), beside];
-            state.work = Work::Watching(self.watch.resume(trained, inputs));
+            let second_power = known.beside.map_or(0.0, |power| power.0);
+            self.watch.resume(trained, known.effective(power), known.fan_share(), second_power);
+            state.work = Work::Watching(SinceOnsetState::default());
         }
     }
 
     /// What was learnt; none before.
     pub fn model(&self, state: &LikelihoodState) -> Option<Model> {
-        Some(state.trained.as_ref()?.model(self.watch.sample_time))
+        Some(self.watch.model(state.trained.as_ref()?))
     }
 
     /// Training starts afresh whenever learning does, and ends with heating. What was trained outlives both, unless the
@@ -306,8 +281,7 @@ impl Likelihood {
         state.was_learning = learning;
     }
 
-    fn train(&self, state: &mut LikelihoodState, now: &Now, t0: Option<f32>, undisturbed: bool) {
-        let seen = now.seen;
+    fn train(&self, state: &mut LikelihoodState, seen: &Observation, now: &Input, undisturbed: bool) {
         // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = seen.phase == Phase::Watched && seen.excited;
         let usual_fan = (now.fan - 1.0).abs() <= self.tuning.range.fan;
@@ -320,16 +294,16 @@ impl Likelihood {
         }
         let Work::Training(training) = &mut state.work else { return };
         // A T0 that is known to be wrong must not be learnt.
-        let known_wrong = t0.is_some()
+        let known_wrong = now.t0.is_some()
             && state.ambient.believed().is_some()
-            && !self.ambient.is_followed(&state.ambient, t0);
+            && !self.ambient.is_followed(&state.ambient, now.t0);
         let y = if known_wrong { now.believed } else { now.y };
-        match self.trainer.step(training, &state.cold, y, [now.u, now.beside], fit_to_learn) {
+        match self.trainer.step(training, &state.cold, y, [now.power, now.second_power], fit_to_learn) {
             Ok(None) => {}
             Ok(Some(trained)) => {
                 state.otherwise = Readiness::Untrained;
                 state.work = Work::Nothing;
-                state.trained = Some(self.watch.start(trained));
+                state.trained = Some(self.watch.start(&trained));
                 state.current = true;
             }
             Err(why) => {
@@ -340,53 +314,46 @@ impl Likelihood {
     }
 
     /// What the models say.
-    fn watch(&self, state: &mut LikelihoodState, now: &Now) -> ModelAlarm {
-        let Some(trained) = state.trained.as_mut() else { return ModelAlarm::Quiet };
-        if state.current && now.seen.phase == Phase::Watched {
+    fn watch(&self, state: &mut LikelihoodState, seen: &Observation, now: &Input) -> Said {
+        let Some(trained) = state.trained.as_mut() else { return Said::default() };
+        if state.current && seen.phase == Phase::Watched {
             if !matches!(state.work, Work::Watching(_)) {
-                state.work = Work::Watching(Gathered::default());
+                state.work = Work::Watching(SinceOnsetState::default());
             }
-            let Work::Watching(gathered) = &mut state.work else { return state.reported };
-            let t0 = now.seen.sample.t0.good();
-            state.reported = self.watch.step(
-                trained,
-                gathered,
-                now.seen.index,
-                now.y,
-                t0,
-                now.believed,
-                [now.u, now.fan, now.beside],
-            );
-            return state.reported;
+            if let Work::Watching(onset) = &mut state.work {
+                state.said = self.watch.step(trained, onset, now);
+            }
+            return state.said;
         }
         if matches!(state.work, Work::Watching(_)) {
             state.work = Work::Nothing;
         }
-        self.watch.idle(trained, now.believed, [now.u, now.fan, now.beside], now.seen.phase.is_heated());
+        self.watch.idle(trained, now, seen.phase.is_heated());
         // What is found afterwards is only how the rig cools: what was reported before a trip is what can be said of it.
-        if now.seen.phase != Phase::Tripped {
-            state.reported = ModelAlarm::Quiet;
+        if seen.phase != Phase::Tripped {
+            state.said = Said::default();
         }
-        state.reported
+        state.said
     }
 
     /// The facts that control and supervision act on.
-    fn heat(&self, state: &LikelihoodState, now: &Now) -> LikelihoodReport {
+    fn heat(&self, state: &LikelihoodState, seen: &Observation, now: &Input) -> LikelihoodReport {
         let ambient = state.ambient.believed();
         let Some(trained) = &state.trained else {
             return LikelihoodReport { expected: [ambient, None, None], ..LikelihoodReport::default() };
         };
         let [y1, y2] = trained.expected().map(|rise| ambient.map(|ambient| ambient + rise));
-        let monitoring = state.current && now.seen.phase == Phase::Watched;
+        let monitoring = state.current && seen.phase == Phase::Watched;
         // The virtual T1 is a rise over T0.
-        let known = monitoring
-            && now.y[1].is_some()
-            && self.ambient.is_followed(&state.ambient, now.seen.sample.t0.good());
+        let known = monitoring && now.y[1].is_some() && self.ambient.is_followed(&state.ambient, now.t0);
         LikelihoodReport {
             expected: [ambient, y1, y2],
-            taught: if monitoring { trained.taught() } else { None },
+            taught: match &state.work {
+                Work::Watching(onset) if monitoring => onset.taught(),
+                _ => None,
+            },
             virtual_rise: if known { trained.virtual_t1() } else { None },
-            air_flow: if now.seen.phase.is_heated() { trained.air_flow() } else { None },
+            air_flow: if seen.phase.is_heated() { trained.air_flow() } else { None },
             heater_stuck_on: trained.heater_stuck_on(),
             ..LikelihoodReport::default()
         }

@@ -27,17 +27,10 @@ impl History {
         (self.newest + REMEMBERED - ago.min(REMEMBERED - 1)) % REMEMBERED
     }
 
-    /// Heat and rises of a tick that is remembered.
-    pub(super) fn at(&self, process: &Process, ago: usize) -> (f32, Rises) {
-        let place = self.place(ago);
-        let (_, m, w) = self.states[place];
-        (self.heat[place], process.rises(m, w))
-    }
-
-    /// As it was a tick ago.
-    pub(super) fn before(mut self) -> Self {
-        self.newest = self.place(1);
-        self
+    /// Rises of the newest tick that is remembered.
+    pub(super) fn newest(&self, process: &Process) -> Rises {
+        let (_, m, w) = self.states[self.newest % REMEMBERED];
+        process.rises(m, w)
     }
 }
 

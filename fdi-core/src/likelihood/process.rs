@@ -145,6 +145,11 @@ impl Motion {
         self.air.add(&other.air, share);
     }
 
+    /// Finite as long as all of it is; the air brings the rest of it to these.
+    pub(super) fn sum(&self) -> f32 {
+        self.x + self.m[0] + self.m[1] + self.w[0] + self.w[1]
+    }
+
     /// Long after the power was last changed.
     pub(super) fn steady(power: f32) -> Self {
         let air = Transport { values: [power; MEMORY], newest: 0 };

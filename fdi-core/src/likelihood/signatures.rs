@@ -65,7 +65,7 @@ impl Signatures {
         Some(Self {
             onset: Onset::default(),
             at_onset: trained.rises(),
-            nuisances: trained.nuisances(),
+            nuisances: trained.usual().since_onset(),
             tuning: trained.tuning,
         })
     }
@@ -88,21 +88,14 @@ impl Signatures {
 
     /// What the bank may call it.
     pub fn candidates(&self) -> [Candidate; HYPOTHESIS_COUNT] {
-        self.tuning.hypotheses().map(|row| {
-            let mut second = row.second.map(Term::of);
-            if let (Some(second), Some(m)) = (&mut second, row.stuck_at) {
-                second.mean = self.at_onset.get(m).copied().unwrap_or(0.0);
-            }
-            Candidate {
-                class: row.class,
-                which: which(row.first.direction),
-                first: Term::of(row.first),
-                second,
-                range: range(&row, self.tuning.hypotheses.farthest),
-                prior: row.prior,
-                sized: !row.class.unit().is_empty()
-                    && row.first.direction != Direction::Of(Regressor::Constant),
-            }
+        self.tuning.hypotheses().map(|row| Candidate {
+            class: row.class,
+            which: which(row.first.direction),
+            first: Term::of(row.first),
+            second: row.second_at(self.at_onset).map(Term::of),
+            range: range(&row, self.tuning.hypotheses.farthest),
+            prior: row.prior,
+            sized: !row.class.unit().is_empty() && row.first.direction != Direction::Of(Regressor::Constant),
         })
     }
 }

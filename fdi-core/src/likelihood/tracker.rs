@@ -2,14 +2,20 @@
 
 use super::regressor::{LASTING, Regressor, Regressors};
 use super::tuning::Tuned;
+use crate::bounds::larger;
+use crate::filter::LowPass;
 
 const N: usize = 4;
 
 /// The filter's memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tracker {
-    pub(super) x: [f32; N],
+    x: [f32; N],
     p: [[f32; N]; N],
+    /// Mean squares of what it has followed: power, air flow and both offsets.
+    walk: [f32; N],
+    /// Mean square of the steps of the power that it took over.
+    steps: f32,
     tuning: Tuned,
 }
 
@@ -21,7 +27,51 @@ impl Tracker {
         for i in 0..N {
             p[i][i] = first[i] * first[i];
         }
-        Self { x: [0.0; N], p, tuning }
+        let step = tuning.nuisances.onset_power;
+        Self { x: [0.0; N], p, walk: [0.0; N], steps: step * step, tuning }
+    }
+
+    /// Begins anew; how much things move here stays known.
+    pub(super) fn resume(&mut self) {
+        *self = Self { walk: self.walk, steps: self.steps, ..Self::new(self.tuning) };
+    }
+
+    /// Mean squares of what it has followed: power, air flow and both offsets.
+    pub(super) fn walk(&self) -> [f32; N] {
+        self.walk
+    }
+
+    /// Mean square of the steps of the power that it took over.
+    pub(super) fn steps(&self) -> f32 {
+        self.steps
+    }
+
+    /// A tick without an alarm: how far it has gone counts for what is usual here.
+    pub(super) fn remember(&mut self, mean: &LowPass) {
+        for (square, x) in self.walk.iter_mut().zip(self.x) {
+            mean.follow(square, x * x);
+        }
+    }
+
+    /// Takes over what the nuisances since an onset are thought to be: power, less and more air, offsets of T1, T2 and T0. Gives by how much it expects more
+    /// of the residuals for it, degC.
+    pub(super) fn take_over(
+        &mut self,
+        [power, less, more, offset1, offset2, offset0]: [f32; 6],
+        regressors: &Regressors<LASTING>,
+    ) -> [f32; 2] {
+        let before = self.expected(regressors);
+        let t = self.tuning;
+        self.steps += t.tracker.step_share * (power * power - self.steps);
+        self.steps = larger(t.nuisances.onset_power * t.nuisances.onset_power, self.steps);
+        let by = [power, less + more, offset1 - offset0, offset2 - offset0];
+        for (x, by) in self.x.iter_mut().zip(by) {
+            *x += by;
+        }
+        let (power, offset) = (t.tracker.first_power, t.tracker.first_offset);
+        self.widen([power, 0.0, offset, offset]);
+        let after = self.expected(regressors);
+        [after[0] - before[0], after[1] - before[1]]
     }
 
     /// The regressors of what it tracks.
@@ -65,7 +115,7 @@ impl Tracker {
 
     /// Finite as long as all of it is.
     pub(super) fn sum(&self) -> f32 {
-        self.x.iter().chain(self.p.iter().flatten()).sum()
+        self.x.iter().chain(self.p.iter().flatten()).chain(&self.walk).sum::<f32>() + self.steps
     }
 
     /// Less sure by these standard deviations.
@@ -73,6 +123,14 @@ impl Tracker {
         for i in 0..N {
             self.p[i][i] += by[i] * by[i];
         }
+    }
+}
+
+#[cfg(test)]
+impl Tracker {
+    /// Places of the memory that a bit may flip in.
+    pub(super) fn places(&mut self) -> [&mut f32; 3] {
+        [&mut self.x[2], &mut self.walk[3], &mut self.steps]
     }
 }
 

@@ -1,358 +1,421 @@
-//! The watch over a trained rig: residuals of a frozen model, charts on them, and the banks that explain what the charts find.
+//! The watch over a trained rig, a stage after the other:
 //!
-//! While nothing stirs, a tracker follows slow change, and all regressors begin anew on every tick; when a chart fires, they have gathered since
-//! the onset. Beside that the state is held against the trained one, over a minute.
+//! ```text
+//! Input -> simulation -> tracker -> innovations -> charts -> bank since an onset -> Said
+//!               |                        |                   bank since training ---^
+//!               '-> rises held against those expected (heat.rs) --------------------^
+//! ```
+//!
+//! While nothing stirs, the tracker follows slow change, and the bank since an onset begins anew on every tick. When a chart fires, that bank has
+//! gathered since the onset and asks which fault explains what is seen. The bank since training holds the last minute against the trained state.
+//!
+//! Each stage keeps its own state, which no other writes.
 
-use super::alarm::{Alarm, ModelAlarm};
-use super::chart::{Chart, Sums};
+mod charts;
+mod innovations;
+mod simulation;
+mod since_onset;
+mod since_training;
+mod steady;
+#[cfg(test)]
+mod tests;
+mod times;
+
+use super::alarm::Said;
+use super::config::LikelihoodConfig;
 use super::heat::{Heat, HeatState, Rise};
 use super::inputs::Inputs;
 use super::model::Model;
-use super::normal::Normal;
-use super::onset::{History, Nominal, Onset};
-use super::process::{Motion, Parameter, Parameters, Process};
-use super::recovery::Recovery;
-use super::second_heater::SecondHeater;
-use super::steady::Steady;
-use super::taught::Responses;
+use super::onset::Onset;
+use super::regressor::{LASTING, Regressors};
 use super::tracker::Tracker;
 use super::training::Trained;
 use super::tuning::Tuned;
-use super::whitening::{Past, WhiteningFilter};
-use lasting::Lasting;
+use super::usual::Usual;
+use crate::bounds::{bounded, larger, smaller};
+use crate::likelihood::chart::Chart;
+use charts::{Charts, ChartsState};
+use innovations::InnovationsState;
+use simulation::{Simulated, Simulation, SimulationState};
+pub(super) use since_onset::SinceOnsetState;
+use since_onset::{Outcome, SinceOnset};
+use since_training::{SinceTraining, SinceTrainingState};
 use times::Times;
 
 /// A validated watch.
 #[derive(Clone, Debug)]
 pub(super) struct Watch {
-    pub(super) fast: Chart,
-    pub(super) slow: Chart,
-    pub(super) heat: Heat,
-    pub(super) model_uncertainty: f32,
-    pub(super) naming: f32,
-    pub(super) least_power: f32,
-    pub(super) sample_time: f32,
-    pub(super) inputs: Inputs,
-    pub(super) taught: Responses,
-    pub(super) tuning: Tuned,
+    simulation: Simulation,
+    charts: Charts,
+    since_onset: SinceOnset,
+    since_training: SinceTraining,
+    heat: Heat,
+    sample_time: f32,
+    inputs: Inputs,
+    tuning: Tuned,
 }
 
 /// Its memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WatchState {
-    parameters: Parameters,
-    beside: SecondHeater,
-    /// The fan's level as announced, behind its lag, and the model there.
-    fan: f32,
-    process: Process,
-    flows: [Process; 2],
-    motion: Motion,
-    whitening: WhiteningFilter,
-    mean: [f32; 2],
     times: Times,
-    power: f32,
-    before: [f32; 2],
-    history: History,
-    past: Past,
-    past_clipped: Past,
+    simulation: SimulationState,
     tracker: Tracker,
-    /// Mean squares of what the tracker has followed, and of the steps of the power that were taken in.
-    walk_variance: [f32; 4],
-    steps: f32,
-    fast: [Sums; 2],
-    slow: Sums,
-    swing: [f32; 2],
-    /// Rise of T1 at which training took place, degC, and standard deviation of how the gain grows with the power from there.
-    trained: f32,
-    curvature_error: f32,
-    /// T0 and its mean, and what its motion may have been at T1 and at T2, degC.
-    inlet: Option<(f32, f32, [f32; 2])>,
-    z_mean: [f32; 2],
-    /// What jumped on the tick before, standard deviations; 0 where nothing did.
-    jumped: [f32; 2],
-    candidate: f32,
-    holdoff: u32,
-    /// Ticks for which a change of the fan settles.
-    settling: u32,
-    ticks: u32,
-    /// The rig lacks some of the trainer's inputs.
-    lacks: bool,
-    /// Ticks that the intercept is still taken from.
-    anchoring: u32,
-    alarm: Option<Alarm>,
-    steady: Steady,
-    lasting: Option<Lasting>,
+    innovations: InnovationsState,
+    charts: ChartsState,
+    since_training: SinceTrainingState,
     heat: HeatState,
+    /// Standard deviation of how the gain grows with the power.
+    curvature_error: f32,
+    /// Rises that were measured on the last tick with both, degC.
     measured: [f32; 2],
-    at_onset: [f32; 2],
-    contradict: bool,
-    expected: [f32; 2],
     pub(super) tuning: Tuned,
 }
 
-/// What has been gathered since the assumed onset: regressors, their sums, and those of late. It is needed only while the instrument watches.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Gathered {
-    onset: Onset,
-    since: Normal,
-    window: Normal,
-    recovery: Recovery,
-    /// The whitened answer to the power since the onset, on the last tick.
-    power_response: [f32; 2],
-}
-
-impl Gathered {
-    /// Begins anew with the next tick that stirs.
-    fn begin_anew(&mut self) {
-        self.onset.age = 0;
-        if self.since.count > 0.0 {
-            self.since = Normal::default();
-        }
-    }
-}
-
-/// Largest sums, as shares of the decision intervals.
-struct Charted {
-    fast: f32,
-    slow: f32,
-}
-
-impl WatchState {
-    /// What was learnt.
-    pub(super) fn model(&self, sample_time: f32) -> Model {
-        let p = |which| self.parameters.get(which);
-        let time = |which| sample_time * libm::expf(p(which));
-        let (gain_beside, lag_beside) = self.beside.learnt();
-        Model {
-            gain: self.gain(),
-            curvature: p(Parameter::Curvature),
-            offset: p(Parameter::Offset1),
-            heater: time(Parameter::Heater),
-            lag: time(Parameter::Lag1),
-            wall: time(Parameter::WallTime),
-            dead_time: sample_time * p(Parameter::Delay1),
-            wall_share: p(Parameter::Wall1),
-            reaches: p(Parameter::Reaches2),
-            lag2: time(Parameter::Lag2),
-            transport: sample_time * p(Parameter::Delay2),
-            gain_beside,
-            lag_beside: sample_time * lag_beside,
-            noise: self.whitening.sigma,
-        }
-    }
-
-    /// Static gain from the power to T1, degC per %.
-    pub(super) fn gain(&self) -> f32 {
-        libm::expf(self.parameters.get(Parameter::Gain))
-    }
+/// A tick as the models see it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Input {
+    pub(super) tick: u32,
+    /// Rises of T1 and T2 over T0, and over the ambient that is believed, where known, degC.
+    pub(super) y: [Option<f32>; 2],
+    pub(super) believed: [Option<f32>; 2],
+    pub(super) t0: Option<f32>,
+    /// What drives the heater from now on, as at the nominal supply, and a second heater beside T1's own, %.
+    pub(super) power: f32,
+    pub(super) second_power: f32,
+    /// Level of the fan as announced, share of that at which the rig is learnt; 1 where nothing was.
+    pub(super) fan: f32,
 }
 
 impl Watch {
-    pub(super) fn start(&self, trained: Trained) -> WatchState {
-        let p = trained.parameters;
+    pub(super) fn new(c: &LikelihoodConfig, tuning: Tuned, sample_time: f32, answer_time: f32) -> Self {
+        let inputs = Inputs::ALL;
+        Self {
+            simulation: Simulation { inputs, tuning },
+            charts: Charts {
+                fast: Chart { allowance: c.fast_allowance, interval: c.fast_interval, tuning },
+                slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval, tuning },
+                model_uncertainty: c.model_uncertainty,
+                tuning,
+            },
+            since_onset: SinceOnset {
+                naming: c.naming,
+                least_power: c.least_power,
+                sample_time,
+                inputs,
+                taught: c.taught.clone(),
+                tuning,
+            },
+            since_training: SinceTraining { least_power: c.least_power, sample_time, inputs, tuning },
+            heat: Heat::new(tuning, sample_time, answer_time),
+            sample_time,
+            inputs,
+            tuning,
+        }
+    }
+
+    /// The same for a rig that lacks some inputs.
+    pub(super) fn with(mut self, inputs: Inputs) -> Self {
+        self.inputs = inputs;
+        self.simulation.inputs = inputs;
+        self.since_onset.inputs = inputs;
+        self.since_training.inputs = inputs;
+        self
+    }
+
+    pub(super) fn start(&self, trained: &Trained) -> WatchState {
         let t = self.tuning;
-        let process = Process::new(t, &p, 1.0);
         WatchState {
-            parameters: p,
-            beside: trained.beside,
-            fan: 1.0,
-            process,
-            flows: [Process::new(t, &p, t.model.less_flow), Process::new(t, &p, t.model.more_flow)],
-            motion: trained.motion,
-            whitening: trained.whitening,
-            mean: trained.mean,
-            times: Times::new(t, &p, self.sample_time),
-            power: trained.power,
-            before: [trained.rise; 2],
-            history: History::default(),
-            past: Past::default(),
-            past_clipped: Past::default(),
+            times: Times::new(t, trained, self.inputs, self.sample_time),
+            simulation: self.simulation.start(trained),
             tracker: Tracker::new(t),
-            walk_variance: [0.0; 4],
-            steps: t.nuisances.onset_power * t.nuisances.onset_power,
-            fast: Default::default(),
-            slow: Sums::default(),
-            swing: [trained.rise, 0.0],
-            trained: trained.rise,
-            curvature_error: trained.curvature_error,
-            inlet: None,
-            z_mean: [0.0; 2],
-            jumped: [0.0; 2],
-            candidate: 0.0,
-            holdoff: 0,
-            settling: 0,
-            ticks: 0,
-            lacks: self.inputs != Inputs::ALL,
-            anchoring: 0,
-            alarm: None,
-            steady: Steady::new(t, &trained.motion, trained.rise),
-            lasting: None,
+            innovations: InnovationsState::new(t, trained.whitening),
+            charts: ChartsState::new(trained.rise),
+            since_training: SinceTrainingState::new(t, trained.rise),
             heat: HeatState::new(t, trained.rise),
+            curvature_error: trained.curvature_error,
             measured: [trained.rise; 2],
-            at_onset: [trained.rise; 2],
-            contradict: false,
-            expected: [trained.rise; 2],
             tuning: t,
         }
     }
 
-    /// What the models say of a tick: rises over T0 and over the ambient that is believed, degC, and the power applied from now on, %, with
-    /// the fan's level and the power of a heater beside.
-    #[expect(clippy::too_many_arguments, reason = "a tick as all parts see it")]
-    pub(super) fn step(
-        &self,
-        s: &mut WatchState,
-        g: &mut Gathered,
-        tick: u32,
-        y: [Option<f32>; 2],
-        t0: Option<f32>,
-        believed: [Option<f32>; 2],
-        [u, fan, beside]: [f32; 3],
-    ) -> ModelAlarm {
-        let added = s.beside.step(beside);
-        let [y, believed] = [y, believed].map(|rises| rises.map(|rise| Some(rise? - added)));
-        if self.follow_fan(s, fan) {
-            g.begin_anew();
+    /// Another recording of the same rig begins, long after its power was last changed.
+    pub(super) fn resume(&self, s: &mut WatchState, power: f32, fan: f32, second_power: f32) {
+        self.simulation.resume(&mut s.simulation, power, fan, second_power);
+        s.tracker.resume();
+        s.innovations.resume();
+        s.charts.resume(s.simulation.rise_of_t1());
+        s.since_training.resume();
+    }
+
+    /// One tick while the instrument watches.
+    pub(super) fn step(&self, s: &mut WatchState, onset: &mut SinceOnsetState, now: &Input) -> Said {
+        if self.follow_fan(s, now.fan) {
+            onset.begin_anew();
         }
-        if let Some(t0) = t0 {
-            let (before, mut mean, _) = s.inlet.unwrap_or((t0, t0, [0.0; 2]));
-            let above = t0 - mean;
-            s.times.inlet.follow(&mut mean, t0);
-            s.inlet = Some((t0, mean, [self.tuning.model.inlet_slope * (t0 - before), above]));
-        }
-        let heat = s.process.heat(self.inputs.drove(&mut s.power, u));
-        let before = s.before;
-        let rises = s.process.step(&mut s.motion, heat);
-        s.before = rises.y;
-        let offsets = [s.parameters.get(Parameter::Offset1), s.parameters.get(Parameter::Offset2)];
-        let expected: [f32; 2] = core::array::from_fn(|m| rises.y[m] + offsets[m] + s.mean[m]);
-        s.expected = expected;
-        self.follow_rises(s, believed, true);
+        let simulated = self.simulation.step(&mut s.simulation, &s.times, now);
+        let y = self.follow_rises(s, &simulated, now, true);
         // Without T1 above all: what is regulated by then must not leave T2.
         if let Some(y2) = y[1] {
-            self.heat.correct(&mut s.heat, y2 - expected[1], s.parameters.get(Parameter::Reaches2));
+            self.heat.correct(&mut s.heat, y2 - simulated.expected[1], s.simulation.reaches());
         }
-        let row = s.steady.regressors(&s.flows, heat, &rises, before);
-        let now = NowRises { heat, rises, before };
-        let told = match y {
-            [Some(y1), Some(y2)] => {
-                let e = [y1 - expected[0], y2 - expected[1]];
-                if s.anchors(e) {
-                    return ModelAlarm::Quiet;
-                }
-                s.ticks = s.ticks.saturating_add(1);
-                s.contradict = s.heat.contradiction() > self.tuning.charts.largest_contradiction;
-                self.judge(s, g, tick, e, &row, &now);
-                s.measured = [y1 - offsets[0] - s.mean[0], y2 - offsets[1] - s.mean[1]];
-                s.reported(&self.heat, tick)
+        s.heat.compare(y.iter().all(Option::is_some));
+        if let [Some(y1), Some(y2)] = y {
+            let e = [y1 - simulated.expected[0], y2 - simulated.expected[1]];
+            if self.simulation.anchors(&mut s.simulation, e) {
+                return Said::default();
             }
-            _ => {
-                s.contradict = false;
-                if g.onset.age > 0 {
-                    g.onset.pass(&s.times.onset, &s.whitening, &s.nominal(&now));
-                }
-                s.reported(&self.heat, tick)
-            }
-        };
-        s.history.push(heat, &s.motion);
-        told
+            self.judge(s, onset, now.tick, e, &simulated);
+            s.measured = s.simulation.as_rises([y1, y2]);
+        } else {
+            let nominal = s.simulation.nominal(&simulated);
+            self.since_onset.pass(onset, &s.times, s.innovations.filter(), &nominal);
+        }
+        self.said(s, onset, now.tick)
     }
 
-    /// Keeps the models going while the instrument does not watch by them.
-    pub(super) fn idle(
+    /// One tick while the instrument does not watch: the models keep going.
+    pub(super) fn idle(&self, s: &mut WatchState, now: &Input, heating: bool) {
+        self.follow_fan(s, now.fan);
+        s.since_training.quieten();
+        s.charts.reset();
+        let now = Input { t0: None, ..*now };
+        let simulated = self.simulation.step(&mut s.simulation, &s.times, &now);
+        self.follow_rises(s, &simulated, &now, heating);
+    }
+
+    /// Residuals `e` in degC, through all stages.
+    fn judge(
         &self,
         s: &mut WatchState,
-        believed: [Option<f32>; 2],
-        [u, fan, beside]: [f32; 3],
-        heating: bool,
+        onset: &mut SinceOnsetState,
+        tick: u32,
+        e: [f32; 2],
+        now: &Simulated,
     ) {
-        let added = s.beside.step(beside);
-        let believed = believed.map(|rise| Some(rise? - added));
-        self.follow_fan(s, fan);
-        s.alarm = None;
-        s.lasting = None;
-        s.reset_charts();
-        let heat = s.process.heat(self.inputs.drove(&mut s.power, u));
-        let rises = s.process.step(&mut s.motion, heat);
-        let before = core::mem::replace(&mut s.before, rises.y);
-        s.steady.regressors(&s.flows, heat, &rises, before);
-        s.history.push(heat, &s.motion);
-        let offsets = [s.parameters.get(Parameter::Offset1), s.parameters.get(Parameter::Offset2)];
-        s.expected = core::array::from_fn(|m| rises.y[m] + offsets[m] + s.mean[m]);
-        self.follow_rises(s, believed, heating);
+        let t = &self.tuning;
+        let followed = s.tracker.expected(&now.regressors);
+        let left = [e[0] - followed[0], e[1] - followed[1]];
+        let innovations = s.innovations.step(left, e, &now.regressors);
+        let temperatures = (now.expected[0], s.simulation.inlet_above());
+        let filter = s.innovations.filter();
+        let charted = self.charts.step(&mut s.charts, &s.times, filter, &innovations, temperatures);
+        let outcome = self.since_onset.step(
+            onset,
+            &since_onset::Seen {
+                tick,
+                times: &s.times,
+                simulated: now,
+                nominal: &s.simulation.nominal(now),
+                filter,
+                innovations: &innovations,
+                charted: &charted,
+                usual: &s.usual(),
+                measured: s.measured,
+            },
+        );
+        self.carry_out(s, onset, outcome, &now.regressors);
+        let settling = s.charts.end_tick();
+        if onset.said().is_some() {
+            return;
+        }
+        if s.since_training.said().is_none() {
+            s.tracker.remember(&s.times.walk);
+        }
+        if settling || larger(charted.fast, charted.slow) < t.tracker.below {
+            let z = innovations.z.map(|z| bounded(z, -t.charts.clip, t.charts.clip));
+            s.tracker.step(&innovations.regressors, z);
+        }
+        if s.charts.is_charting() && !settling && self.charts.is_calm(&s.charts) && innovations.gathered {
+            let usual = s.usual();
+            self.since_training.step(
+                &mut s.since_training,
+                &since_training::Seen {
+                    tick,
+                    times: &s.times,
+                    e,
+                    expected: now.expected[0],
+                    regressors: &now.regressors,
+                    innovations: &innovations,
+                    usual: &usual,
+                },
+            );
+        }
     }
 
-    /// Follows an announced change of the fan, with its lag. What is known of such a change is its kind, hardly its size: for a while nothing is
-    /// judged, and the state since training is taken anew from there.
+    /// What the bank since an onset has found out, told to the other stages.
+    fn carry_out(
+        &self,
+        s: &mut WatchState,
+        onset: &mut SinceOnsetState,
+        outcome: Outcome,
+        regressors: &Regressors<LASTING>,
+    ) {
+        let t = &self.tuning;
+        let change = match outcome {
+            Outcome::Nothing => return,
+            Outcome::Over => {
+                s.charts.hold_off(s.times.ticks(t.alarm.holdoff, self.sample_time));
+                s.tracker.widen([t.alarm.power_after, 0.0, t.alarm.offset_after, t.alarm.offset_after]);
+                return;
+            }
+            Outcome::Usual(values) => {
+                s.charts.reset();
+                s.tracker.take_over(values, regressors)
+            }
+            Outcome::SensorRecovered(change) => {
+                onset.end_recovered();
+                s.charts.hold_off(t.slow.holdoff as u32);
+                change
+            }
+            // What the power did lately the rig still has: the model goes on from there.
+            Outcome::PowerRecovered(theta) => {
+                let (since, until) = onset.power_motions();
+                let change = s.simulation.take_over(theta, since, until);
+                onset.end_recovered();
+                s.charts.hold_off(t.slow.holdoff as u32);
+                change
+            }
+        };
+        s.innovations.lower(change);
+    }
+
+    /// Follows an announced change of the fan. What is known of such a change is its kind, hardly its size: for a while nothing is judged, and the state
+    /// since training is taken anew from there.
     fn follow_fan(&self, s: &mut WatchState, fan: f32) -> bool {
-        let (t, left) = (self.tuning, fan - s.fan);
-        if left.abs() < t.fan.same {
-            return false;
-        }
-        s.fan += left * s.times.onset.fan.min(1.0);
-        if (fan - s.fan).abs() < t.fan.same {
-            s.fan = fan;
-        }
-        s.process = Process::new(t, &s.parameters, s.fan);
-        s.flows =
-            [t.model.less_flow, t.model.more_flow].map(|flow| Process::new(t, &s.parameters, flow * s.fan));
-        s.tracker.widen([t.fan.power_sd, t.fan.flow_sd * left.abs(), 0.0, 0.0]);
-        s.steady.rebase();
-        s.alarm = None;
-        s.lasting = None;
-        s.reset_charts();
-        s.settling = (t.fan.settles * s.times.time_scale / self.sample_time) as u32;
+        let t = &self.tuning.fan;
+        let Some(left) = self.simulation.follow_fan(&mut s.simulation, &s.times, fan) else { return false };
+        s.tracker.widen([t.power_sd, t.flow_sd * left.abs(), 0.0, 0.0]);
+        s.since_training.rebase();
+        s.charts.settle(s.times.ticks(t.settles, self.sample_time));
         true
     }
 
-    /// Holds the measured rises against the expected ones.
-    fn follow_rises(&self, s: &mut WatchState, believed: [Option<f32>; 2], heating: bool) {
-        let rise = |m: usize| Some(Rise { measured: believed[m]?, expected: s.expected[m] });
+    /// Holds the measured rises against the expected ones; gives what T1's own heater has of those over T0, degC.
+    fn follow_rises(
+        &self,
+        s: &mut WatchState,
+        simulated: &Simulated,
+        now: &Input,
+        heating: bool,
+    ) -> [Option<f32>; 2] {
+        let own = |rises: [Option<f32>; 2]| rises.map(|rise| Some(rise? - simulated.added));
+        let (y, believed, expected) = (own(now.y), own(now.believed), simulated.expected);
+        let rise = |m: usize| Some(Rise { measured: believed[m]?, expected: expected[m] });
         self.heat.step(&mut s.heat, [rise(0), rise(1)], heating);
+        y
     }
-}
 
-/// Power and rises of this tick, and the rises before.
-struct NowRises {
-    heat: f32,
-    rises: super::process::Rises,
-    before: [f32; 2],
-}
-
-impl WatchState {
-    /// The model as learnt on this tick.
-    fn nominal(&self, now: &NowRises) -> Nominal<'_> {
-        Nominal {
-            parameters: &self.parameters,
-            fan: self.fan,
-            process: &self.process,
-            motion: &self.motion,
-            history: &self.history,
-            heat: now.heat,
-            rises: now.rises,
-            before: now.before,
-            inlet: self.inlet.map_or([0.0; 2], |(_, _, moved)| moved),
+    fn said(&self, s: &WatchState, onset: &SinceOnsetState, tick: u32) -> Said {
+        let said =
+            Said { since_onset: onset.said(), since_training: s.since_training.said(), ..Said::default() };
+        let Some(finding) = said.by_models() else { return said };
+        Said {
+            by_rises: s.heat.detached(finding.onset),
+            t1_moves: self.heat.t1_moves(&s.heat, finding.onset, tick),
+            ..said
         }
     }
 
-    /// Charts and bank as if nothing had happened.
-    fn reset_charts(&mut self) {
-        self.fast = Default::default();
-        self.slow = Sums::default();
-        self.jumped = [0.0; 2];
-        self.candidate = 0.0;
+    /// What was learnt.
+    pub(super) fn model(&self, s: &WatchState) -> Model {
+        s.simulation.model(self.sample_time, s.innovations.filter().sigma)
     }
 }
 
-mod alarmed;
-mod finite;
-mod judge;
-mod lasting;
-mod naming;
-mod output;
-mod recall;
-mod resumed;
-mod slow;
+impl WatchState {
+    /// What is usual on this rig, as far as is known now.
+    pub(super) fn usual(&self) -> Usual {
+        Usual {
+            steps: self.tracker.steps(),
+            walk: self.tracker.walk(),
+            curvature: self.curvature(),
+            slow_surroundings: self.times.slow_surroundings,
+            tuning: self.tuning,
+        }
+    }
+
+    /// Mean square of the gain's error as far from the trained power as the rig is now: a share.
+    fn curvature(&self) -> f32 {
+        // A fault moves either what is expected or, where the controller cannot help it, what is measured; a new set-point moves both.
+        let from_trained = |rise: f32| (rise - self.charts.trained()).abs();
+        let away = smaller(from_trained(self.charts.mean_rise()), from_trained(self.measured[0]))
+            / self.simulation.gain();
+        let t = &self.tuning.alarm;
+        // Where it was excited the gain is known. Surroundings that are slower still are learnt as such, in the noise model.
+        let inflation = if self.times.slow_surroundings { 1.0 } else { t.curvature_inflation };
+        let error = inflation * self.curvature_error * larger(0.0, away / self.tuning.model.step - t.excited);
+        error * error
+    }
+
+    /// Static gain from the power to T1, degC per %.
+    pub(super) fn gain(&self) -> f32 {
+        self.simulation.gain()
+    }
+
+    /// What T1 and T2 should be above the ambient now, degC.
+    pub(super) fn expected(&self) -> [f32; 2] {
+        self.simulation.expected()
+    }
+
+    /// The virtual T1: its rise over the ambient on the next tick by the models and T2, degC; None where they disagree, or T1 and T2 do.
+    pub(super) fn virtual_t1(&self) -> Option<f32> {
+        self.heat.virtual_t1(self.simulation.expected_by_own_heater()[0])
+    }
+
+    /// Air flow, % of that at which the rig was learnt: an announced level of the fan is what the model expects, not what is enough.
+    pub(super) fn air_flow(&self) -> Option<f32> {
+        Some(self.simulation.fan() * self.heat.air_flow()?)
+    }
+
+    /// Whether the rig has been hot without power for too long.
+    pub(super) fn heater_stuck_on(&self) -> bool {
+        self.heat.heater_stuck_on()
+    }
+
+    /// The regressors of the last tick since an onset that is assumed; none before enough is remembered.
+    pub(super) fn regressors(&self, onset: &mut Onset) -> Option<Regressors> {
+        let last = self.simulation.last();
+        let nominal = self.simulation.nominal(&last);
+        let filter = self.innovations.filter();
+        self.innovations.remembers().then(|| onset.step(&self.times.onset, filter, &nominal))
+    }
+
+    /// Rises of the model on the last tick, degC.
+    pub(super) fn rises(&self) -> [f32; 2] {
+        self.simulation.rises()
+    }
+
+    /// Finite as long as all of it is that would stay for ever.
+    pub(super) fn sum(&self) -> f32 {
+        let stages = [
+            self.simulation.sum(),
+            self.tracker.sum(),
+            self.innovations.sum(),
+            self.charts.sum(),
+            self.since_training.sum(),
+            self.heat.sum(),
+        ];
+        stages.iter().chain(&self.measured).sum::<f32>() + self.curvature_error
+    }
+}
+
 #[cfg(test)]
-mod tests;
-mod times;
+impl WatchState {
+    /// A bit of the memory has flipped, and what was a number is none; how many such places there are to choose from.
+    pub(super) fn spoil(&mut self, which: usize) -> usize {
+        let places = (self.simulation.places().into_iter())
+            .chain(self.innovations.places())
+            .chain(self.charts.places())
+            .chain(self.since_training.places())
+            .chain(self.tracker.places());
+        let mut count = 0;
+        for (i, place) in places.enumerate() {
+            count += 1;
+            if i == which {
+                *place = f32::NAN;
+            }
+        }
+        count
+    }
+}

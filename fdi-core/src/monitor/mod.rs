@@ -11,6 +11,7 @@ use crate::config::Config;
 use crate::diagnosis::Report;
 use crate::diagnosis::baseline::Baseline;
 use crate::error::{ConfigError, in_range};
+use crate::likelihood::arbiter::of_two_rates;
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::model::Model;
 use crate::likelihood::{FaultClass, Finding, LikelihoodReport, LikelihoodState, Readiness};
@@ -209,16 +210,14 @@ impl Slow {
     /// What both say: of thermistors the look at each sample, of the process that at means.
     fn together(&self, fast: LikelihoodReport) -> LikelihoodReport {
         let readiness = if fast.readiness == Readiness::Armed { self.said.readiness } else { fast.readiness };
-        let by_sensor = fast.finding.filter(|finding| finding.class.sensor().is_some());
-        let by_means = self
-            .said
-            .finding
-            .map(|finding| Finding { onset: finding.onset.saturating_mul(self.every), ..finding });
+        let at_means =
+            |finding: Finding| Finding { onset: finding.onset.saturating_mul(self.every), ..finding };
+        let by_means = self.said.finding.map(at_means);
         LikelihoodReport {
             readiness,
             alarm: fast.alarm || self.said.alarm,
             restarts: fast.restarts.saturating_add(self.said.restarts),
-            finding: by_sensor.or(by_means).or(fast.finding),
+            finding: of_two_rates(fast.finding, by_means),
             expected: self.said.expected.map(|expected| expected.filter(|_| readiness == Readiness::Armed)),
             ..fast
         }

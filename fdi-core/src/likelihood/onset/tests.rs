@@ -231,45 +231,6 @@ fn the_columns_are_whitened_from_rest() {
     assert_eq!((onset.age, onset.sensors_age), (1, 1));
 }
 
-/// Who looks after the tick, when it is already remembered, sees the same regressors as the watch did within it.
-#[test]
-fn a_tick_can_be_looked_at_again() {
-    let parameters = Parameters([-1.2, 1.4, 1.7, 0.2, 0.06, 0.9, 1.3, 1.1, 0.03, 4.0, 0.1, -0.2, 0.01]);
-    let process = Process::new(Default::default(), &parameters, 1.0);
-    let (mut motion, mut history, mut before) = (Motion::steady(30.0), History::default(), [0.0; 2]);
-    let mut whitening = WhiteningFilter::default();
-    whitening.inv_sigma = [1.0, 2.0];
-    let constants = OnsetConstants { lead: 5, lags: [0.3, 0.1], fan: 0.5, minutes: 0.002 };
-    let (mut within, mut after) = (Onset::default(), Onset::default());
-    for k in 0..3 * REMEMBERED {
-        let heat = if (k / 7) % 3 == 0 { 45.0 } else { 30.0 };
-        let rises = process.step(&mut motion, heat);
-        let nominal = |history, heat, rises, before| Nominal {
-            parameters: &parameters,
-            fan: 1.0,
-            process: &process,
-            motion: &motion,
-            history,
-            heat,
-            rises,
-            before,
-            inlet: [0.0; 2],
-        };
-        let faulty = k > REMEMBERED;
-        let remembered = history;
-        let wanted =
-            faulty.then(|| within.step(&constants, &whitening, &nominal(&remembered, heat, rises, before)));
-        history.push(heat, &motion);
-        let [(heat, rises), (_, then)] = [0, 1].map(|ago| history.at(&process, ago));
-        let old = history.before();
-        let regressors =
-            faulty.then(|| after.step(&constants, &whitening, &nominal(&old, heat, rises, then.y)));
-        assert_eq!(regressors, wanted, "{k}");
-        before = rises.y;
-    }
-    assert!(after.age as usize > REMEMBERED);
-}
-
 /// A tick without samples: the models and ramps go on, and whitening takes up where it stopped, as that of the residuals does.
 #[test]
 fn without_samples_the_models_go_on() {

@@ -1,16 +1,18 @@
 //! How fast everything goes on a rig: times that suit the reference rig, stretched by the residence time of this one.
 
+use super::steady::SteadyConstants;
 use crate::bounds::bounded;
 use crate::filter::LowPass;
+use crate::likelihood::inputs::Inputs;
 use crate::likelihood::onset::OnsetConstants;
-use crate::likelihood::process::{Parameter, Parameters};
-use crate::likelihood::steady::SteadyConstants;
+use crate::likelihood::process::Parameter;
+use crate::likelihood::training::Trained;
 use crate::likelihood::tuning::Tuned;
 
 /// What follows from the model: how fast everything goes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Times {
-    /// Seconds here for each of the reference rig.
+    /// Seconds of this rig for each of the reference rig.
     pub(super) time_scale: f32,
     pub(super) onset: OnsetConstants,
     pub(super) steady: SteadyConstants,
@@ -19,11 +21,19 @@ pub(super) struct Times {
     pub(super) walk: LowPass,
     pub(super) forgets: f32,
     pub(super) window: f32,
+    /// The surroundings move as slowly as the rig answers, so that a residual that lasts says hardly anything.
+    pub(super) slow_surroundings: bool,
 }
 
 impl Times {
-    /// Of a rig with these parameters, sampled every `ts` s.
-    pub(super) fn new(tuning: Tuned, p: &Parameters, ts: f32) -> Self {
+    /// Ticks of this rig in `seconds` of the reference rig.
+    pub(super) fn ticks(&self, seconds: f32, sample_time: f32) -> u32 {
+        (seconds * self.time_scale / sample_time) as u32
+    }
+
+    /// Of a rig as it was trained, with these inputs, sampled every `ts` s.
+    pub(super) fn new(tuning: Tuned, trained: &Trained, inputs: Inputs, ts: f32) -> Self {
+        let p = &trained.parameters;
         let t = &tuning.times;
         let time_scale = bounded(p.residence() * ts / t.reference, t.least_scale, t.largest_scale);
         let share = |time: f32| 1.0 - libm::expf(-ts / (time * time_scale));
@@ -47,6 +57,7 @@ impl Times {
             walk: LowPass::over(1.0 / share(t.walk)),
             forgets: 1.0 - share(t.forgetting),
             window: 1.0 - share(t.window),
+            slow_surroundings: inputs != Inputs::ALL && trained.whitening.dc_gain()[0] < tuning.slow.dc_gain,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! From gains to words: which class is said, how surely, and how large it is.
 
-use super::{Gathered, Watch};
+use super::{SinceOnset, SinceOnsetState};
 use crate::bounds::{larger, smaller};
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::class::FaultClass;
@@ -25,11 +25,11 @@ impl NamingTuning {
     }
 }
 
-impl Watch {
+impl SinceOnset {
     /// Names the fault by a ranking of the hypotheses; `left` is what the nuisances leave of the residual sum of squares.
     pub(super) fn name(
         &self,
-        g: &Gathered,
+        s: &SinceOnsetState,
         alarm: &mut Alarm,
         estimate: &mut [Estimate; COUNT],
         taught: &Weighed,
@@ -58,7 +58,7 @@ impl Watch {
         };
         let (class, confidence) = named(t, &posterior, least);
         let unexplained = left - 2.0 * self.tuning.alarm.kappa * gain;
-        let fits = fits(g, unexplained, if alarm.strange { [t.fits, t.fits_share] } else { t.strange() });
+        let fits = fits(s, unexplained, if alarm.strange { [t.fits, t.fits_share] } else { t.strange() });
         alarm.misfit += t.misfit_share * (if fits { 0.0 } else { 1.0 } - alarm.misfit);
         // A named fault that has just ended fits nothing either.
         let named_before = alarm.finding.is_some_and(|was| was.class != FaultClass::Unknown);
@@ -72,17 +72,21 @@ impl Watch {
         } else if confidence > self.naming || was == Some(class) {
             alarm.finding = (confidence > self.naming - t.unname).then_some(finding);
         }
-        self.recall(g, alarm, taught, posterior.evidence(), left);
+        self.recall(s, alarm, taught, posterior.evidence(), left);
     }
 }
 
 /// Whether what is left of the residual sum of squares is as little as this: of each whitened residual's square, or as a share of all there was.
-pub(super) fn fits(g: &Gathered, unexplained: f32, [most, most_share]: [f32; 2]) -> bool {
-    unexplained < most * larger(1.0, g.since.count) || unexplained < most_share * larger(1.0, g.since.energy)
+pub(super) fn fits(s: &SinceOnsetState, unexplained: f32, [most, most_share]: [f32; 2]) -> bool {
+    unexplained < most * larger(1.0, s.since.count) || unexplained < most_share * larger(1.0, s.since.energy)
 }
 
 /// The class that is likeliest, and how likely. Air flow and heater power are one until one of them is likely enough by itself.
-pub(super) fn named(t: &NamingTuning, posterior: &Posterior, least: f32) -> (FaultClass, f32) {
+pub(in crate::likelihood::watch) fn named(
+    t: &NamingTuning,
+    posterior: &Posterior,
+    least: f32,
+) -> (FaultClass, f32) {
     let class = HYPOTHESES[posterior.likeliest % COUNT].class;
     let probability = posterior.of(posterior.likeliest);
     let [flow, power] = [FaultClass::AirFlow, FaultClass::HeaterPower].map(|class| posterior.of_class(class));
@@ -94,7 +98,7 @@ pub(super) fn named(t: &NamingTuning, posterior: &Posterior, least: f32) -> (Fau
 }
 
 /// The size of a hypothesis in the unit of its class.
-pub(super) fn magnitude(
+pub(in crate::likelihood::watch) fn magnitude(
     t: &NamingTuning,
     h: usize,
     class: FaultClass,

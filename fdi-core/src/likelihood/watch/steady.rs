@@ -4,16 +4,14 @@
 //! therefore kept apart: what is faster than some seconds is gathered in the sums; what is slower counts as two more measurements, the
 //! means of both residuals.
 
-use super::evidence::{Estimate, Nuisance, Nuisances};
-use super::hypothesis::{self, IMPOSSIBLE};
-use super::inputs::Inputs;
-use super::normal::LastingNormal;
-use super::process::{Motion, Process, Rises};
-use super::regressor::{LASTING, Regressor, Regressors};
-use super::tuning::Tuned;
-use super::whitening::{Past, WhiteningFilter};
 use crate::bounds::{bounded, smaller};
 use crate::filter::LowPass;
+use crate::likelihood::evidence::{Estimate, Nuisance, Nuisances};
+use crate::likelihood::hypothesis::{self, IMPOSSIBLE};
+use crate::likelihood::inputs::Inputs;
+use crate::likelihood::normal::LastingNormal;
+use crate::likelihood::regressor::{LASTING, Regressor, Regressors};
+use crate::likelihood::tuning::Tuned;
 
 /// Its memories.
 #[derive(Clone, Copy, Debug)]
@@ -29,14 +27,10 @@ pub(super) struct SteadyConstants {
 /// The memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steady {
-    less: Motion,
-    more: Motion,
-    past: [Past; LASTING],
-    residual_past: Past,
     slow: Regressors<LASTING>,
     slow_z: [f32; 2],
     mean: Regressors<LASTING>,
-    pub(super) mean_e: [f32; 2],
+    mean_e: [f32; 2],
     normal: LastingNormal,
     /// What the fast band seems to have changed by while nothing had: where the model is wrong.
     reference: [f32; LASTING],
@@ -51,12 +45,8 @@ pub(super) struct Steady {
 }
 
 impl Steady {
-    pub(super) fn new(tuning: Tuned, motion: &Motion, rise: f32) -> Self {
+    pub(super) fn new(tuning: Tuned, rise: f32) -> Self {
         Self {
-            less: *motion,
-            more: *motion,
-            past: Default::default(),
-            residual_past: Past::default(),
             slow: [[0.0; 2]; LASTING],
             slow_z: [0.0; 2],
             mean: [[0.0; 2]; LASTING],
@@ -72,53 +62,9 @@ impl Steady {
         }
     }
 
-    /// The models begin anew from a motion.
-    pub(super) fn resume(&mut self, motion: &Motion) {
-        *self = Self { base: self.base, ..Self::new(self.tuning, motion, self.trained) };
-    }
-
-    /// Regressors of this tick, as if each thing had always been so.
-    pub(super) fn regressors(
-        &mut self,
-        flows: &[Process; 2],
-        heat: f32,
-        rises: &Rises,
-        before: [f32; 2],
-    ) -> Regressors<LASTING> {
-        let less = flows[0].step(&mut self.less, heat);
-        let more = flows[1].step(&mut self.more, heat);
-        let y = rises.y;
-        let [less_by, more_by] = self.tuning.model.secants();
-        let mut regressors = [[0.0; 2]; LASTING];
-        let mut put = |regressor: Regressor, value: [f32; 2]| regressors[regressor as usize] = value;
-        put(Regressor::Power, y);
-        put(Regressor::LessFlow, [(less.y[0] - y[0]) / less_by, (less.y[1] - y[1]) / less_by]);
-        put(Regressor::MoreFlow, [(more.y[0] - y[0]) / more_by, (more.y[1] - y[1]) / more_by]);
-        put(Regressor::Offset1, [1.0, 0.0]);
-        put(Regressor::Offset2, [0.0, 1.0]);
-        put(Regressor::Gain1, [y[0], 0.0]);
-        put(Regressor::Gain2, [0.0, y[1]]);
-        put(Regressor::Wall, rises.wall);
-        put(Regressor::Shift, [before[0] - y[0], before[1] - y[1]]);
-        regressors
-    }
-
-    /// The regressors whitened.
-    pub(super) fn whitened(
-        &mut self,
-        whitening: &WhiteningFilter,
-        regressors: &Regressors<LASTING>,
-    ) -> Regressors<LASTING> {
-        let mut whitened = *regressors;
-        for (value, past) in whitened.iter_mut().zip(&mut self.past) {
-            *value = whitening.step(past, *value);
-        }
-        whitened
-    }
-
-    /// Whitens a residual against the trained state, degC.
-    pub(super) fn residual(&mut self, whitening: &WhiteningFilter, e: [f32; 2]) -> [f32; 2] {
-        whitening.step(&mut self.residual_past, e)
+    /// Begins anew.
+    pub(super) fn resume(&mut self) {
+        *self = Self { base: self.base, ..Self::new(self.tuning, self.trained) };
     }
 
     /// Gathers a tick: regressors and residuals, plain and whitened.
@@ -190,7 +136,7 @@ impl Steady {
     pub(super) fn sum(&self) -> f32 {
         let pairs = self.slow.iter().chain(&self.mean).chain([&self.slow_z, &self.mean_e, &self.base]);
         let all: f32 = pairs.flatten().chain(&self.reference).sum();
-        all + self.trained + self.normal.sum() + self.less.sum() + self.more.sum()
+        all + self.trained + self.normal.sum()
     }
 
     /// Whether there is anything to judge by.
@@ -242,6 +188,14 @@ impl Steady {
         }
         normal.add(&mean, e, t.kappa / (t.mean_sd * t.mean_sd + away * away));
         normal
+    }
+}
+
+#[cfg(test)]
+impl Steady {
+    /// A place of the memory that a bit may flip in.
+    pub(super) fn places(&mut self) -> [&mut f32; 1] {
+        [&mut self.mean_e[1]]
     }
 }
 

@@ -2,13 +2,20 @@ extern crate std;
 
 use std::vec::Vec;
 
-use super::super::class::FaultClass;
-use super::super::hypothesis::{HYPOTHESES, SINCE_TRAINING};
-use super::super::posterior::Posterior;
-use super::super::process::Parameters;
-use super::super::reference::Random;
+use super::super::innovations::InnovationsState;
+use super::super::simulation::{Simulation, SimulationState};
+use super::super::tests::{TS, input};
+use super::super::times::Times;
 use super::*;
-use crate::likelihood::Tuning;
+use crate::likelihood::class::FaultClass;
+use crate::likelihood::hypothesis::{HYPOTHESES, SINCE_TRAINING};
+use crate::likelihood::posterior::Posterior;
+use crate::likelihood::process::Motion;
+use crate::likelihood::process::Parameters;
+use crate::likelihood::reference::Random;
+use crate::likelihood::second_heater::SecondHeater;
+use crate::likelihood::training::Trained;
+use crate::likelihood::whitening::WhiteningFilter;
 
 /// Innovations of both residuals, degC.
 const SIGMA: f32 = 0.05;
@@ -26,33 +33,40 @@ fn constants() -> SteadyConstants {
 
 /// A rig that is excited as while it monitors, its model, and what is gathered of it.
 struct Run {
-    process: Process,
-    flows: [Process; 2],
-    motion: Motion,
+    simulation: Simulation,
+    state: SimulationState,
+    times: Times,
+    innovations: InnovationsState,
     steady: Steady,
-    whitening: WhiteningFilter,
     random: Random,
-    before: [f32; 2],
     bit: f32,
     ticks: usize,
 }
 
 impl Run {
     fn new(seed: u64) -> Self {
-        let p = Parameters([-1.2, 1.4, 1.0, -0.5, 0.0, 0.92, 0.9, 1.3, 0.0, 5.6, 0.0, 0.0, 0.0]);
-        let motion = Motion::steady(40.0);
+        let tuning = Tuned::default();
         let rise = 40.0 * libm::expf(-1.2);
         let mut whitening = WhiteningFilter::default();
         (whitening.sigma, whitening.inv_sigma) = ([SIGMA; 2], [1.0 / SIGMA; 2]);
-        let (t, model) = (Tuned::default(), Tuning::DEFAULT.model);
-        Self {
-            process: Process::new(t, &p, 1.0),
-            flows: [model.less_flow, model.more_flow].map(|flow| Process::new(t, &p, flow)),
-            motion,
-            steady: Steady::new(t, &motion, rise),
+        let trained = Trained {
+            parameters: Parameters([-1.2, 1.4, 1.0, -0.5, 0.0, 0.92, 0.9, 1.3, 0.0, 5.6, 0.0, 0.0, 0.0]),
+            motion: Motion::steady(40.0),
             whitening,
+            mean: [0.0; 2],
+            beside: SecondHeater::default(),
+            power: 40.0,
+            rise,
+            curvature_error: 0.0,
+        };
+        let simulation = Simulation { inputs: Inputs::ALL, tuning };
+        Self {
+            state: simulation.start(&trained),
+            simulation,
+            times: Times::new(tuning, &trained, Inputs::ALL, TS),
+            innovations: InnovationsState::new(tuning, whitening),
+            steady: Steady::new(tuning, rise),
             random: Random::new(seed),
-            before: [rise, 0.92 * rise],
             bit: 5.0,
             ticks: 0,
         }
@@ -66,14 +80,11 @@ impl Run {
                 self.bit = if self.random.uniform() > 0.5 { 5.0 } else { -5.0 };
             }
             self.ticks += 1;
-            let heat = self.process.heat(40.0 + self.bit);
-            let rises = self.process.step(&mut self.motion, heat);
-            let row = self.steady.regressors(&self.flows, heat, &rises, self.before);
-            self.before = rises.y;
-            let whitened = self.steady.whitened(&self.whitening, &row);
+            let now = input(self.ticks as u32, [None; 2], 40.0 + self.bit);
+            let row = self.simulation.step(&mut self.state, &self.times, &now).regressors;
             let e = residual(k, &row).map(|e| e + SIGMA * self.random.gaussian() as f32);
-            let z = self.steady.residual(&self.whitening, e);
-            self.steady.gather(&c, &row, &whitened, e, z);
+            let innovations = self.innovations.step(e, e, &row);
+            self.steady.gather(&c, &row, &innovations.regressors, e, innovations.z_trained);
         }
     }
 

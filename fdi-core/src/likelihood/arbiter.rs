@@ -1,0 +1,222 @@
+//! Several sources find, one finding is reported: which of them, by a table.
+
+use super::alarm::Said;
+use super::class::{Channel, FaultClass};
+use super::tuning::Tuned;
+use super::verdict::Finding;
+use Source::{Models, Response, Rises, Room, Sensors};
+
+/// Who finds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Source {
+    /// The plausibility checks of the readings.
+    Sensors,
+    /// The banks: that since an onset, where it has a name, else that since training.
+    Models,
+    /// The rises of T1 and T2 held against those that the models expect: who sees too little.
+    Rises,
+    /// The thermistors' responses to the power.
+    Response,
+    /// The room that T0 reads.
+    Room,
+}
+
+/// All that was found on a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Evidence {
+    pub(super) sensors: Option<Finding>,
+    pub(super) said: Said,
+    pub(super) response: Option<Finding>,
+    pub(super) room: Option<Finding>,
+}
+
+/// A source is reported where it has found something and this holds.
+struct Rule {
+    source: Source,
+    holds: fn(&Evidence, Tuned) -> bool,
+}
+
+const fn rule(source: Source, holds: fn(&Evidence, Tuned) -> bool) -> Rule {
+    Rule { source, holds }
+}
+
+/// The first that holds is reported.
+static RULES: [Rule; 9] = [
+    // A broken wire needs no second opinion; a thermistor that is only lost may be part of something larger.
+    rule(Sensors, |e, _| !matches!(e.sensors, Some(Finding { class: FaultClass::Lost(_), .. }))),
+    // A T2 that slides out resembles a T1 that sees too much; but that reads as it should.
+    rule(Rises, |e, t| {
+        let t2_out = e.said.by_rises.is_some_and(|found| found.class == FaultClass::T2Detached);
+        t2_out && e.rises_say_so(t) && e.models_say(&[FaultClass::T1Clogged, FaultClass::T1Offset])
+    }),
+    // What slips out slowly looks like a drift at first.
+    rule(Rises, |e, t| e.rises_say_so(t) && e.models_say(&[FaultClass::Drift])),
+    // What slips out a little fits no signature, and looks stuck while the controller holds it.
+    rule(Rises, |e, _| e.models_say(&[FaultClass::Unknown]) || e.is_stuck_but_moves()),
+    // The models see more than a contradiction does.
+    rule(Models, |e, _| e.models_tell()),
+    // That says more than a thermistor that is lost, or than that nothing fits.
+    rule(Response, |_, _| true),
+    rule(Room, |_, _| true),
+    rule(Sensors, |_, _| true),
+    rule(Models, |e, _| !e.is_stuck_but_moves()),
+];
+
+/// What is reported.
+pub(super) fn decide(evidence: &Evidence, tuning: Tuned) -> Option<Finding> {
+    let found = |rule: &Rule| evidence.of(rule.source).filter(|_| (rule.holds)(evidence, tuning));
+    RULES.iter().find_map(found)
+}
+
+impl Evidence {
+    /// Whether anything is wrong.
+    pub(super) fn alarm(&self) -> bool {
+        self.said.alarm() || [self.sensors, self.response, self.room].iter().any(Option::is_some)
+    }
+
+    fn of(&self, source: Source) -> Option<Finding> {
+        match source {
+            Sensors => self.sensors,
+            Models => self.said.by_models(),
+            Rises => self.said.by_rises,
+            Response => self.response,
+            Room => self.room,
+        }
+    }
+
+    fn models_say(&self, classes: &[FaultClass]) -> bool {
+        self.said.by_models().is_some_and(|finding| classes.contains(&finding.class))
+    }
+
+    /// The rise that a thermistor lacks is as large as that of one that is out.
+    fn rises_say_so(&self, tuning: Tuned) -> bool {
+        let size = self.said.by_rises.and_then(|finding| finding.magnitude);
+        size.is_some_and(|size| 1.0 + size.value / 100.0 < tuning.hypotheses.seen())
+    }
+
+    /// T1 is said to be stuck and follows the power.
+    fn is_stuck_but_moves(&self) -> bool {
+        self.said.t1_moves && self.models_say(&[FaultClass::Stuck(Channel::T1)])
+    }
+
+    /// The models have a name that tells. Over a T0 that is known to be wrong they say nothing of heater and air: a wrong "heater power" would keep a
+    /// loss of air from tripping.
+    fn models_tell(&self) -> bool {
+        let misled = self.response.or(self.room).is_some_and(|finding| finding.class == FaultClass::T0Fault);
+        let vague = self.models_say(&[FaultClass::Unknown, FaultClass::Drift]) || self.is_stuck_but_moves();
+        let process = [FaultClass::AirFlow, FaultClass::HeaterPower, FaultClass::AirFlowOrHeaterPower];
+        !vague && !(misled && self.models_say(&process))
+    }
+}
+
+/// Of one rig looked at sample by sample and at means of several: of thermistors the first is reported, of the process the second.
+pub(crate) fn of_two_rates(samples: Option<Finding>, means: Option<Finding>) -> Option<Finding> {
+    samples.filter(|finding| finding.class.sensor().is_some()).or(means).or(samples)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::vec::Vec;
+
+    use super::super::verdict::Magnitude;
+    use super::*;
+    use FaultClass::{
+        AirFlow, Drift, HeaterPower, Lost, Open, Stuck, T0Fault, T1Clogged, T1Detached, T1Offset, T2Detached,
+        T2Offset, Unknown,
+    };
+
+    fn named(class: FaultClass) -> Option<Finding> {
+        Some(Finding { class, confidence: 1.0, magnitude: None, onset: 0 })
+    }
+
+    /// Models, rises with what share is missing, and whether T1 moves.
+    fn said(models: Option<FaultClass>, rises: Option<(FaultClass, f32)>, t1_moves: bool) -> Said {
+        let lacks = |value| Some(Magnitude { value, half_width: 5.0 });
+        Said {
+            since_onset: models.map(named),
+            since_training: None,
+            by_rises: rises
+                .map(|(class, share)| Finding { magnitude: lacks(-share), ..named(class).unwrap() }),
+            t1_moves,
+        }
+    }
+
+    fn models(class: FaultClass) -> Evidence {
+        Evidence { said: said(Some(class), None, false), ..Evidence::default() }
+    }
+
+    /// One case or more for each rule, in their order: which one decides, and what.
+    fn cases() -> Vec<(usize, Evidence, FaultClass)> {
+        let (open, lost) = (named(Open(Channel::T1)), named(Lost(Channel::T2)));
+        let (out, t0) = (named(T1Detached), named(T0Fault));
+        let slips = |class, rises, share, moves| Evidence {
+            said: said(Some(class), Some((rises, share)), moves),
+            ..Evidence::default()
+        };
+        let stuck = Stuck(Channel::T1);
+        std::vec![
+            (0, Evidence { sensors: open, response: out, ..models(T2Offset) }, Open(Channel::T1)),
+            (1, slips(T1Clogged, T2Detached, 60.0, false), T2Detached),
+            (1, slips(T1Offset, T2Detached, 60.0, false), T2Detached),
+            (2, slips(Drift, T1Detached, 60.0, false), T1Detached),
+            (3, slips(Unknown, T1Detached, 20.0, false), T1Detached),
+            (3, slips(stuck, T1Detached, 20.0, true), T1Detached),
+            (4, Evidence { sensors: lost, response: out, ..models(T2Offset) }, T2Offset),
+            (4, slips(T1Clogged, T1Detached, 60.0, false), T1Clogged),
+            (4, slips(T1Clogged, T2Detached, 20.0, false), T1Clogged),
+            (4, slips(stuck, T1Detached, 20.0, false), stuck),
+            (4, Evidence { response: out, ..models(HeaterPower) }, HeaterPower),
+            (4, Evidence { room: t0, ..models(T2Offset) }, T2Offset),
+            (5, Evidence { sensors: lost, response: out, ..models(Unknown) }, T1Detached),
+            (5, Evidence { response: out, room: t0, ..models(Drift) }, T1Detached),
+            (6, Evidence { room: t0, ..models(HeaterPower) }, T0Fault),
+            (6, Evidence { room: t0, ..models(AirFlow) }, T0Fault),
+            (7, Evidence { sensors: lost, ..models(Unknown) }, Lost(Channel::T2)),
+            (8, slips(Drift, T1Detached, 20.0, false), Drift),
+            (8, models(Unknown), Unknown),
+        ]
+    }
+
+    #[test]
+    fn of_several_findings_the_most_telling_is_reported() {
+        let cases = cases();
+        for (decides, evidence, class) in &cases {
+            let tuning = Tuned::default();
+            let first = RULES
+                .iter()
+                .position(|rule| evidence.of(rule.source).is_some() && (rule.holds)(evidence, tuning));
+            let reported = decide(evidence, tuning).map(|finding| finding.class);
+            assert_eq!((first, reported), (Some(*decides), Some(*class)), "{evidence:?}");
+        }
+        let without_case = (0..RULES.len()).find(|rule| cases.iter().all(|(decides, ..)| decides != rule));
+        assert_eq!(without_case, None, "each rule has a case that it decides");
+    }
+
+    /// A T1 that moves is not stuck; without a better name the alarm has none.
+    #[test]
+    fn nothing_is_reported_of_a_t1_that_is_stuck_and_moves() {
+        let moves = Evidence { said: said(Some(Stuck(Channel::T1)), None, true), ..Evidence::default() };
+        assert!(decide(&moves, Tuned::default()).is_none() && moves.alarm());
+        assert!(!Evidence::default().alarm());
+    }
+
+    /// The bank since an onset speaks first where it has a name, that since training where the other has none.
+    #[test]
+    fn the_bank_with_a_name_speaks() {
+        let said = |since_onset, since_training| Said { since_onset, since_training, ..Said::default() };
+        let class = |said: Said| said.by_models().map(|finding| finding.class);
+        assert_eq!(class(said(Some(named(T1Offset)), Some(named(AirFlow)))), Some(T1Offset));
+        assert_eq!(class(said(Some(None), Some(named(AirFlow)))), Some(AirFlow));
+        assert_eq!(class(said(Some(None), None)), None);
+    }
+
+    #[test]
+    fn of_two_rates_samples_tell_of_thermistors_and_means_of_the_process() {
+        let [offset, flow, power] = [T1Offset, AirFlow, HeaterPower].map(named);
+        assert_eq!(of_two_rates(offset, flow), offset);
+        assert_eq!(of_two_rates(power, flow), flow);
+        assert_eq!(of_two_rates(power, None), power);
+    }
+}

@@ -1,0 +1,108 @@
+//! What moves on this rig without being a fault, by what has been seen of it: the nuisances' spreads, and the smallest change that is a fault.
+
+use super::class::FaultClass;
+use super::evidence::Nuisance;
+use super::hypothesis::{nuisances_since_onset, nuisances_since_training};
+use super::tuning::Tuned;
+use crate::bounds::larger;
+use crate::root::sqrt;
+
+/// What is usual, as far as is known now.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Usual {
+    /// Mean square of the steps of the power that the tracker took over.
+    pub(super) steps: f32,
+    /// Mean squares of what the tracker has followed: power, air flow, both offsets.
+    pub(super) walk: [f32; 4],
+    /// Mean square of the gain's error, a share, as far from the trained power as the rig is.
+    pub(super) curvature: f32,
+    /// The surroundings move as slowly as the rig answers.
+    pub(super) slow_surroundings: bool,
+    pub(super) tuning: Tuned,
+}
+
+/// Nuisances of either bank.
+pub(super) type Nuisances = [Nuisance; 10];
+
+/// Places of the flow in both lists, and of the dead time's error in that since an onset.
+const FLOW: core::ops::Range<usize> = 1..3;
+const SHIFT: usize = 7;
+
+impl Usual {
+    /// Nuisances since an onset. What was learnt wrong with the gain looks like flow, too.
+    pub(super) fn since_onset(&self) -> Nuisances {
+        let mut nuisances = nuisances_since_onset(&self.tuning.nuisances);
+        nuisances[0].1 = sqrt(self.steps + self.curvature);
+        for (_, sd) in &mut nuisances[FLOW] {
+            *sd = sqrt(*sd * *sd + self.curvature);
+        }
+        if self.slow_surroundings {
+            nuisances[SHIFT].1 = self.tuning.slow.shift;
+        }
+        nuisances
+    }
+
+    /// Nuisances since training where T1 rises by `rise`, degC: the gain's error at the mean power is another than that of its moves, so that an
+    /// offset of both is left.
+    pub(super) fn since_training(&self, rise: f32) -> Nuisances {
+        let mut nuisances = nuisances_since_training(&self.tuning.nuisances);
+        let [power, flow, offset1, offset2] = self.walk;
+        let more = [
+            power + self.curvature,
+            flow + self.curvature,
+            flow + self.curvature,
+            offset1,
+            offset2,
+            self.curvature * rise * rise,
+        ];
+        for ((_, sd), more) in nuisances.iter_mut().zip(more) {
+            *sd = sqrt(*sd * *sd + more);
+        }
+        nuisances
+    }
+
+    /// The smallest magnitude of a hypothesis that is a fault when it comes at an onset, with that of the power by the setting; 0 where whatever is
+    /// seen is one.
+    pub(super) fn least_since_onset(&self, class: FaultClass, power: f32) -> f32 {
+        let t = &self.tuning.alarm;
+        match class {
+            FaultClass::HeaterPower => larger(power, t.unusual * sqrt(self.steps + self.curvature)),
+            FaultClass::Drift => t.least_drift,
+            FaultClass::AirFlow => t.least_flow,
+            _ => 0.0,
+        }
+    }
+
+    /// The same when it has come about since training.
+    pub(super) fn least_since_training(&self, class: FaultClass, power: f32) -> f32 {
+        let (t, alarm) = (&self.tuning.since_training, &self.tuning.alarm);
+        match class {
+            FaultClass::HeaterPower => larger(power, alarm.unusual * sqrt(self.walk[0] + self.curvature)),
+            FaultClass::AirFlow => larger(alarm.least_flow, alarm.unusual * sqrt(self.walk[1])),
+            FaultClass::T1Clogged => t.least_gain,
+            _ => t.least_offset,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The smallest change of the power is the user's, and more where the mains are seen to change by more.
+    #[test]
+    fn the_smallest_change_of_the_power_is_that_of_the_setting() {
+        let calm = Usual {
+            steps: 0.0,
+            walk: [0.0; 4],
+            curvature: 0.0,
+            slow_surroundings: false,
+            tuning: Tuned::default(),
+        };
+        let restless = Usual { walk: [0.04, 0.0, 0.0, 0.0], steps: 0.04, ..calm };
+        for least in [Usual::least_since_onset, Usual::least_since_training] {
+            assert_eq!(least(&calm, FaultClass::HeaterPower, 0.2), 0.2);
+            assert!((least(&restless, FaultClass::HeaterPower, 0.2) - 0.5).abs() < 1e-6);
+        }
+    }
+}

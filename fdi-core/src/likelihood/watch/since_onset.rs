@@ -1,0 +1,302 @@
+//! The bank since an onset: what has happened since something began to stir, an alarm where a fault explains that, and the alarm's name and end.
+//!
+//! While nothing stirs, all begins anew on every tick.
+
+mod naming;
+mod recall;
+mod recovered;
+
+use super::charts::Charted;
+use super::innovations::Innovations;
+use super::simulation::Simulated;
+use super::times::Times;
+use crate::bounds::{bounded, larger, smaller};
+use crate::likelihood::alarm::Alarm;
+use crate::likelihood::class::FaultClass;
+use crate::likelihood::evidence::{Estimate, Nuisances};
+use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, Hypothesis, IMPOSSIBLE};
+use crate::likelihood::inputs::Inputs;
+use crate::likelihood::normal::Normal;
+use crate::likelihood::onset::{Nominal, Onset};
+use crate::likelihood::posterior::Posterior;
+use crate::likelihood::process::Motion;
+use crate::likelihood::recovery::Recovery;
+use crate::likelihood::regressor::{Direction, PROCESS, Regressor, SENSORS};
+use crate::likelihood::taught::{Responses, Weighed, weigh};
+use crate::likelihood::tuning::Tuned;
+use crate::likelihood::usual::Usual;
+use crate::likelihood::verdict::{Finding, TaughtFinding};
+use crate::likelihood::whitening::WhiteningFilter;
+pub(super) use naming::{magnitude, named};
+
+/// The bank.
+#[derive(Clone, Debug)]
+pub(super) struct SinceOnset {
+    /// Probability from which on a fault is named.
+    pub(super) naming: f32,
+    /// The smallest change of the heater's power that is a fault, a share.
+    pub(super) least_power: f32,
+    pub(super) sample_time: f32,
+    pub(super) inputs: Inputs,
+    pub(super) taught: Responses,
+    pub(super) tuning: Tuned,
+}
+
+/// What has been gathered since the assumed onset. It is needed only while the instrument watches.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::likelihood) struct SinceOnsetState {
+    onset: Onset,
+    /// Sums since the onset, and those of late.
+    since: Normal,
+    window: Normal,
+    recovery: Recovery,
+    alarm: Option<Alarm>,
+    /// Rises that were measured before the onset, degC.
+    at_onset: [f32; 2],
+    /// Means of the innovations, from which jumps are counted.
+    z_mean: [f32; 2],
+    /// For how long the charts have said something that is no alarm, s of the reference rig.
+    candidate: f32,
+    /// The whitened answer to the power since the onset, on the last tick.
+    power_response: [f32; 2],
+}
+
+/// What the bank sees of a tick.
+pub(super) struct Seen<'a> {
+    pub(super) tick: u32,
+    pub(super) times: &'a Times,
+    pub(super) simulated: &'a Simulated,
+    pub(super) nominal: &'a Nominal<'a>,
+    pub(super) filter: &'a WhiteningFilter,
+    pub(super) innovations: &'a Innovations,
+    pub(super) charted: &'a Charted,
+    pub(super) usual: &'a Usual,
+    /// Rises that were measured on the tick before, degC.
+    pub(super) measured: [f32; 2],
+}
+
+/// What others have to know of a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Outcome {
+    /// Nothing.
+    Nothing,
+    /// The nuisances explain all that the charts say, and have for long: power, less and more air, offsets of T1, T2 and T0.
+    Usual([f32; 6]),
+    /// The alarm is over.
+    Over,
+    /// A thermistor reads right again: residuals change by so much, degC.
+    SensorRecovered([f32; 2]),
+    /// The power, which was other by this share, is right again.
+    PowerRecovered(f32),
+}
+
+impl SinceOnset {
+    /// One tick.
+    pub(super) fn step(&self, s: &mut SinceOnsetState, seen: &Seen) -> Outcome {
+        self.gather(s, seen);
+        if s.alarm.is_none() { self.decide(s, seen) } else { self.follow_alarm(s, seen) }
+    }
+
+    /// A tick without samples: the models since the onset go on.
+    pub(super) fn pass(
+        &self,
+        s: &mut SinceOnsetState,
+        times: &Times,
+        filter: &WhiteningFilter,
+        now: &Nominal,
+    ) {
+        if s.onset.age > 0 {
+            s.onset.pass(&times.onset, filter, now);
+        }
+    }
+
+    /// Gathers since the onset, or begins anew while nothing stirs.
+    fn gather(&self, s: &mut SinceOnsetState, seen: &Seen) {
+        let (t, charted, z) = (&self.tuning.alarm, seen.charted, seen.innovations.z);
+        if s.alarm.is_none() && charted.fast_sum < t.near && charted.slow < t.near_slow {
+            s.begin_anew();
+            s.z_mean = [0.0; 2];
+            return;
+        }
+        if s.onset.age == 0 {
+            s.at_onset = seen.measured;
+        }
+        let mut weight = 1.0 / (1.0 + t.widened * charted.widened[0] * charted.widened[0]);
+        let mut jump: f32 = 0.0;
+        for m in 0..2 {
+            s.z_mean[m] += t.mean_share * (z[m] - s.z_mean[m]);
+            jump = larger(jump, (z[m] - s.z_mean[m]).abs());
+        }
+        let slope = if seen.times.slow_surroundings { 0.0 } else { t.transient_slope };
+        let transient = 1.0 + slope * larger(0.0, jump - t.transient_from);
+        weight /= transient * transient;
+        // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
+        if s.alarm.is_none() && s.onset.age > 0 && self.jumps(s, z) {
+            s.since.forget(&SENSORS);
+            s.onset.restart_sensors(seen.simulated.before[0]);
+            s.at_onset = seen.measured;
+        }
+        let row = s.onset.step(&seen.times.onset, seen.filter, seen.nominal);
+        s.power_response = row[Regressor::Power as usize];
+        if let Some(alarm) = &s.alarm {
+            if alarm.age > t.forgets_from {
+                s.since.scale(seen.times.forgets);
+            }
+            s.window.scale(seen.times.window);
+            s.window.add(&row, z, weight);
+        }
+        s.since.add(&row, z, weight);
+    }
+
+    /// Whether this tick's innovations are out of all proportion to those since the onset.
+    fn jumps(&self, s: &SinceOnsetState, z: [f32; 2]) -> bool {
+        let t = &self.tuning.alarm;
+        let most = self.tuning.since_training.clip * self.tuning.since_training.clip;
+        let evidence = smaller(z[0] * z[0], most) + smaller(z[1] * z[1], most);
+        if s.onset.age < t.outlasted as u32 {
+            evidence > t.jump && evidence > t.jump_ratio * s.since.energy
+        } else {
+            evidence > 2.0 * t.jump && evidence * s.onset.age as f32 > t.jump_ratio * s.since.energy
+        }
+    }
+
+    /// Raises the alarm where a fault explains more than the nuisances do.
+    fn decide(&self, s: &mut SinceOnsetState, seen: &Seen) -> Outcome {
+        if larger(seen.charted.fast, seen.charted.slow) <= 1.0 || s.onset.age == 0 {
+            return Outcome::Nothing;
+        }
+        s.candidate += self.sample_time / seen.times.time_scale;
+        let (mut estimate, taught, left) = self.judge(s, seen);
+        let posterior = Posterior::new(&estimate);
+        let t = &self.tuning.alarm;
+        let best = posterior.best % COUNT;
+        let least = seen.usual.least_since_onset(HYPOTHESES[best].class, self.least_power);
+        if posterior.best_gain > t.raise && estimate[best].value.abs() >= least {
+            let age = s.onset.age.saturating_sub(1);
+            s.window = s.since;
+            let mut alarm = Alarm::new(seen.tick.saturating_sub(age));
+            self.name(s, &mut alarm, &mut estimate, &taught, left);
+            s.alarm = Some(alarm);
+            // What stirred before and does not explain what is seen was something else, which went on until the process changed, too.
+            let old = age as f32 * self.sample_time > t.before * seen.times.time_scale;
+            if old && left - 2.0 * t.kappa * posterior.best_gain > t.inexplicable * s.since.count {
+                s.since.forget(&PROCESS);
+                s.window.forget(&PROCESS);
+                s.onset.process_again = true;
+            }
+        } else if s.candidate > t.taken_after {
+            let nuisances = seen.usual.since_onset();
+            let [power, less, more, offset1, offset2, offset0, ..] =
+                Nuisances::new(&s.since, &nuisances, t.kappa).values();
+            s.begin_anew();
+            return Outcome::Usual([power, less, more, offset1, offset2, offset0]);
+        }
+        Outcome::Nothing
+    }
+
+    /// Names the fault while it lasts; clears the alarm when it has gone. A young alarm is ranked and asked for its end on every tick, an older one
+    /// by turns.
+    fn follow_alarm(&self, s: &mut SinceOnsetState, seen: &Seen) -> Outcome {
+        let Some(mut alarm) = s.alarm else { return Outcome::Nothing };
+        let t = &self.tuning.alarm;
+        alarm.age += self.sample_time / seen.times.time_scale;
+        alarm.turn = !alarm.turn;
+        let young = alarm.age < t.young;
+        if young || alarm.turn {
+            let (mut estimate, taught, left) = self.judge(s, seen);
+            self.name(s, &mut alarm, &mut estimate, &taught, left);
+        }
+        let over = (young || !alarm.turn) && self.is_over(s, &alarm, seen.usual);
+        s.alarm = Some(alarm);
+        if let Some(recovered) = self.recovered(s, &alarm, seen) {
+            return recovered;
+        }
+        if over || (alarm.age > self.tuning.naming.process_time && alarm.gain < t.least_gain) {
+            s.begin_anew();
+            return Outcome::Over;
+        }
+        Outcome::Nothing
+    }
+
+    /// Gains of all hypotheses since the onset, and of what was taught; what the nuisances leave of the residual sum of squares.
+    fn judge(&self, s: &SinceOnsetState, seen: &Seen) -> ([Estimate; COUNT], Weighed, f32) {
+        let nuisances = seen.usual.since_onset();
+        let nuisances = Nuisances::new(&s.since, &nuisances, self.tuning.alarm.kappa);
+        let left = s.since.energy - nuisances.explained;
+        let beyond = nuisances.beyond();
+        let mut estimate = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; COUNT];
+        for (estimate, row) in
+            estimate.iter_mut().zip(self.tuning.hypotheses()).filter(|(_, row)| self.asks(seen.times, row))
+        {
+            *estimate = row.judged(beyond.estimate(row.first, row.second_at(s.at_onset)));
+            if let Some(second) = row.later(&self.tuning.hypotheses, estimate.value) {
+                *estimate = row.judged(beyond.estimate(row.first, Some(second)));
+            }
+        }
+        (estimate, weigh(&self.tuning.taught, &self.taught, &beyond), left)
+    }
+
+    /// Whether a fault can be told here. What a controller holds looks stuck, or as if the heater gave always the same, where only slow answers
+    /// would tell.
+    fn asks(&self, times: &Times, row: &Hypothesis) -> bool {
+        let stands = matches!(row.class, FaultClass::Stuck(_))
+            || row.first.direction == Direction::Of(Regressor::Constant);
+        self.inputs.tell(row.class) && !(times.slow_surroundings && stands)
+    }
+
+    /// Whether the nuisances alone explain what was seen of late better than the fault as it was.
+    fn is_over(&self, s: &SinceOnsetState, alarm: &Alarm, usual: &Usual) -> bool {
+        let row = &HYPOTHESES[alarm.hypothesis % COUNT];
+        let [value, second] = alarm.values;
+        let first = (row.first.direction, value);
+        let both = [first, row.second.map_or(first, |free| (free.direction, second))];
+        let at = if row.second.is_some() { &both[..] } else { &both[..1] };
+        let (list, t) = (usual.since_onset(), &self.tuning.alarm);
+        alarm.age > t.asked_from && Nuisances::new(&s.window, &list, t.kappa).fixed(at) < -t.over
+    }
+}
+
+impl SinceOnsetState {
+    /// Nothing has happened yet: the next tick that stirs is the first.
+    pub(super) fn begin_anew(&mut self) {
+        self.onset.age = 0;
+        self.alarm = None;
+        self.candidate = 0.0;
+        if self.since.count > 0.0 {
+            self.since = Normal::default();
+        }
+    }
+
+    /// Whether there is an alarm, and what it is called.
+    pub(super) fn said(&self) -> Option<Option<Finding>> {
+        self.alarm.map(|alarm| alarm.finding)
+    }
+
+    /// The fault of the user's own that the alarm is.
+    pub(in crate::likelihood) fn taught(&self) -> Option<TaughtFinding> {
+        self.alarm.as_ref()?.taught
+    }
+
+    /// Motions of a power that is other by the whole since the onset, and since it is thought to have been right again.
+    pub(super) fn power_motions(&self) -> (&Motion, &Motion) {
+        (&self.onset.power, &self.recovery.power)
+    }
+
+    /// Shares, 0 to 1, of the residuals since the onset that each hypothesis would take away all by itself, with its class; None without an alarm.
+    pub(in crate::likelihood) fn explained(&self, tuning: Tuned) -> Option<[(FaultClass, f32); COUNT]> {
+        self.alarm.as_ref()?;
+        let kappa = tuning.alarm.kappa;
+        let alone = Nuisances::new(&self.since, &[], kappa).beyond();
+        let energy = larger(1.0, self.since.energy - self.since.count);
+        Some(core::array::from_fn(|h| {
+            let row = &tuning.hypotheses()[h];
+            let estimate = row.judged(alone.estimate(row.first, row.second_at(self.at_onset)));
+            (row.class, bounded(2.0 * kappa * (estimate.gain - row.prior) / energy, 0.0, 1.0))
+        }))
+    }
+
+    /// Finite as long as all of it is.
+    pub(in crate::likelihood) fn sum(&self) -> f32 {
+        self.since.sum() + self.z_mean.iter().chain(&self.at_onset).sum::<f32>()
+    }
+}

@@ -1,0 +1,133 @@
+//! The bank since training: the last minute held against the trained state, and an alarm as long as it is other than that.
+
+use super::innovations::Innovations;
+use super::since_onset::{magnitude, named};
+use super::steady::Steady;
+use super::times::Times;
+use crate::likelihood::evidence::Estimate;
+use crate::likelihood::hypothesis::{COUNT, IMPOSSIBLE};
+use crate::likelihood::inputs::Inputs;
+use crate::likelihood::posterior::Posterior;
+use crate::likelihood::regressor::{LASTING, Regressors};
+use crate::likelihood::tuning::Tuned;
+use crate::likelihood::usual::Usual;
+use crate::likelihood::verdict::Finding;
+
+/// The bank.
+#[derive(Clone, Debug)]
+pub(super) struct SinceTraining {
+    /// The smallest change of the heater's power that is a fault, a share.
+    pub(super) least_power: f32,
+    pub(super) sample_time: f32,
+    pub(super) inputs: Inputs,
+    pub(super) tuning: Tuned,
+}
+
+/// The memory.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SinceTrainingState {
+    steady: Steady,
+    changed: Option<Change>,
+}
+
+/// What has changed since training: when that was seen, and what it is, once that can be told.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    onset: u32,
+    finding: Option<Finding>,
+}
+
+/// What the bank sees of a tick.
+pub(super) struct Seen<'a> {
+    pub(super) tick: u32,
+    pub(super) times: &'a Times,
+    /// Residuals, degC, and what T1 should read above T0.
+    pub(super) e: [f32; 2],
+    pub(super) expected: f32,
+    pub(super) regressors: &'a Regressors<LASTING>,
+    pub(super) innovations: &'a Innovations,
+    pub(super) usual: &'a Usual,
+}
+
+impl SinceTraining {
+    /// A quiet tick is gathered, and the minute judged now and then.
+    pub(super) fn step(&self, s: &mut SinceTrainingState, seen: &Seen) {
+        let Innovations { regressors, z_trained, .. } = seen.innovations;
+        s.steady.gather(&seen.times.steady, seen.regressors, regressors, seen.e, *z_trained);
+        self.judge(s, seen);
+    }
+
+    fn judge(&self, s: &mut SinceTrainingState, seen: &Seen) {
+        let t = &self.tuning.since_training;
+        let first = t.first * seen.times.time_scale / self.sample_time;
+        if !s.steady.is_ready(first) {
+            return;
+        }
+        let mut estimate = [Estimate::default(); COUNT];
+        let nuisances = seen.usual.since_training(seen.expected);
+        s.steady.judge(&nuisances, &mut estimate, self.inputs);
+        let posterior = Posterior::new(&estimate);
+        let h = posterior.likeliest % COUNT;
+        let row = &self.tuning.hypotheses()[h];
+        let sized = s.steady.size(&nuisances, h, self.inputs);
+        let sized = if row.judged(sized).gain == IMPOSSIBLE { estimate[h] } else { sized };
+        let least = seen.usual.least_since_training(row.class, self.least_power);
+        let (factor, share) =
+            if s.changed.is_some() { (t.lasting_raise, t.lasting_size) } else { (1.0, 1.0) };
+        let there = posterior.best_gain > factor * t.raise && estimate[h].value.abs() > share * least;
+        let onset = s.changed.map_or(seen.tick, |was| was.onset);
+        let least = if self.inputs.fan { t.naming } else { 0.0 };
+        let (class, confidence) = named(&self.tuning.naming, &posterior, least);
+        s.changed = there.then(|| Change {
+            onset,
+            finding: (confidence > t.naming).then(|| Finding {
+                class,
+                confidence,
+                magnitude: magnitude(&self.tuning.naming, h, class, &sized),
+                onset,
+            }),
+        });
+    }
+}
+
+impl SinceTrainingState {
+    /// Right after training at the rise `trained` of T1, degC.
+    pub(super) fn new(tuning: Tuned, trained: f32) -> Self {
+        Self { steady: Steady::new(tuning, trained), changed: None }
+    }
+
+    /// Another recording begins.
+    pub(super) fn resume(&mut self) {
+        self.steady.resume();
+        self.changed = None;
+    }
+
+    /// The rig was changed on purpose: what it is from now on counts as trained.
+    pub(super) fn rebase(&mut self) {
+        self.steady.rebase();
+        self.changed = None;
+    }
+
+    /// What was said of a change is taken back.
+    pub(super) fn quieten(&mut self) {
+        self.changed = None;
+    }
+
+    /// Whether anything has changed, and what that is called.
+    pub(super) fn said(&self) -> Option<Option<Finding>> {
+        self.changed.map(|change| change.finding)
+    }
+
+    /// Finite as long as all of it is that stays.
+    pub(super) fn sum(&self) -> f32 {
+        self.steady.sum()
+    }
+}
+
+#[cfg(test)]
+impl SinceTrainingState {
+    /// A place of the memory that a bit may flip in.
+    pub(super) fn places(&mut self) -> [&mut f32; 1] {
+        self.steady.places()
+    }
+}

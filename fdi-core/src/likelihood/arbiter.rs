@@ -105,7 +105,7 @@ impl Evidence {
         let misled = self.response.or(self.room).is_some_and(|finding| finding.class == FaultClass::T0Fault);
         let vague = self.models_say(&[FaultClass::Unknown, FaultClass::Drift]) || self.is_stuck_but_moves();
         let process = [FaultClass::AirFlow, FaultClass::HeaterPower, FaultClass::AirFlowOrHeaterPower];
-        !vague && !(misled && self.models_say(&process))
+        !(vague || misled && self.models_say(&process))
     }
 }
 

@@ -75,10 +75,49 @@ pub enum Pair {
     T0T2,
 }
 
+/// What the magnitude of a class is: its unit, its scale and the smallest one that is a fault follow from that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Quantity {
+    /// It has none.
+    Nothing,
+    /// A reading is off by so much, degC.
+    Offset,
+    /// A reading drifts, degC a minute.
+    Ramp,
+    /// A thermistor sees more or less of the rise, %.
+    Rise,
+    /// The air flow is other, %; the hypotheses free `1/f - 1`.
+    Flow,
+    /// The power is other, %.
+    Power,
+}
+
+impl Quantity {
+    const fn unit(self) -> &'static str {
+        match self {
+            Self::Nothing => "",
+            Self::Offset => "degC",
+            Self::Ramp => "degC/min",
+            Self::Rise => "% of gain",
+            Self::Flow => "% of air flow",
+            Self::Power => "% of power",
+        }
+    }
+}
+
+/// Inputs that a class cannot be told without.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Needs {
+    pub(super) t0: bool,
+    pub(super) t2: bool,
+    pub(super) fan: bool,
+}
+
 /// What is known of a class.
 struct Facts {
     name: &'static str,
-    unit: &'static str,
+    quantity: Quantity,
+    needs: Needs,
     sensor: Option<Channel>,
     number: u32,
     sized: &'static str,
@@ -86,23 +125,33 @@ struct Facts {
     axis: &'static str,
 }
 
-const DEGC: &str = "degC";
-const DEGC_A_MINUTE: &str = "degC/min";
-const OF_GAIN: &str = "% of gain";
+const NOTHING: Needs = Needs { t0: false, t2: false, fan: false };
+const BOTH: Needs = Needs { t0: true, t2: true, fan: false };
+const FAN: Needs = Needs { fan: true, ..NOTHING };
 
 /// The class of `number` that belongs to no thermistor and has no magnitude.
 const fn plain(number: u32, name: &'static str, plain: &'static str) -> Facts {
-    Facts { name, unit: "", sensor: None, number, sized: "", plain, axis: name }
+    Facts {
+        name,
+        quantity: Quantity::Nothing,
+        needs: NOTHING,
+        sensor: None,
+        number,
+        sized: "",
+        plain,
+        axis: name,
+    }
 }
 
 /// The same of a thermistor.
 const fn of(sensor: Channel, number: u32, name: &'static str, sentence: &'static str) -> Facts {
-    Facts { sensor: Some(sensor), ..plain(number, name, sentence) }
+    let needs = Needs { t2: matches!(sensor, Channel::T2), ..NOTHING };
+    Facts { sensor: Some(sensor), needs, ..plain(number, name, sentence) }
 }
 
 const fn offset(sensor: Channel, number: u32, name: &'static str, sentence: &'static str) -> Facts {
     Facts {
-        unit: DEGC,
+        quantity: Quantity::Offset,
         sized: "{t} reads {size} degC too {high|low}: {measured} degC measured, {corrected} expected",
         axis: "reads too high or too low (\u{b0}C)",
         ..of(sensor, number, name, sentence)
@@ -111,7 +160,7 @@ const fn offset(sensor: Channel, number: u32, name: &'static str, sentence: &'st
 
 const fn detached(sensor: Channel, number: u32, name: &'static str) -> Facts {
     Facts {
-        unit: OF_GAIN,
+        quantity: Quantity::Rise,
         sized: "{t} sees {seen} % of the rise: is it out of the tube? {measured} degC measured, {expected}",
         ..of(
             sensor,
@@ -154,11 +203,13 @@ rows! {
     T2Offset => offset(T2, 2, "t2_offset", READS_WRONG);
     // Over a T0 that is too low T1 and T2 rise too much alike: from rises the two are the same.
     T0Fault => Facts {
+        needs: BOTH,
         sized: "T0 reads {size} degC too {high|low}, or T1 and T2 too {low|high} alike: {measured} degC measured at T0, {corrected} expected",
         ..offset(T0, 6, "t0_fault", WARM_T0)
     };
     T1Clogged => Facts {
-        unit: OF_GAIN,
+        quantity: Quantity::Rise,
+        needs: FAN,
         sized: "T1 sees {size} % of the rise too {much|little}: {measured} degC measured, {expected}",
         axis: "is clogged: loss of gain (%), lag below (s)",
         ..of(T1, 3, "t1_clogged", "T1 is clogged: {measured} degC measured, {expected}")
@@ -166,13 +217,14 @@ rows! {
     T1Detached => detached(T1, 13, "t1_detached");
     T2Detached => detached(T2, 14, "t2_detached");
     AirFlow => Facts {
-        unit: "% of air flow",
+        quantity: Quantity::Flow,
+        needs: FAN,
         sized: "the air flow is {size} % {stronger|weaker} than learnt: {share} % of normal estimated, 100 expected",
         axis: "Air flow changes (%)",
         ..plain(4, "air_flow", "the air flow is not as learnt: as learnt expected")
     };
     HeaterPower => Facts {
-        unit: "% of power",
+        quantity: Quantity::Power,
         sized: "the heater gives {size} % {more|less} power than asked for: {share} % of it estimated, 100 expected",
         axis: "Heater power changes (%)",
         ..plain(5, "heater_power", "the heater gives the same power whatever is asked for: as much as asked for expected")
@@ -180,7 +232,7 @@ rows! {
     AirFlowOrHeaterPower => plain(18, "air_flow_or_heater_power",
         "the air flow or the heater's power is not as learnt: as learnt expected");
     Drift => Facts {
-        unit: DEGC_A_MINUTE,
+        quantity: Quantity::Ramp,
         sized: "a thermistor drifts {upwards|downwards} by {size} degC a minute, 0 expected",
         axis: "drifts (\u{b0}C a minute)",
         ..plain(7, "drift", "a thermistor drifts: none expected")
@@ -197,12 +249,12 @@ rows! {
     Lost(T0) => of(T0, 12, "t0_lost", LOST);
     Lost(T1) => of(T1, 28, "t1_lost", LOST);
     Lost(T2) => of(T2, 44, "t2_lost", LOST);
-    Swapped(T1T2) => plain(15, "t1_t2_swapped",
-        "T2 answers to the heater before T1, T1 expected first: are their wires swapped?");
-    Swapped(T0T1) => plain(16, "t0_t1_swapped",
-        "T0 answers to the heater and T1 does not, the reverse expected: are their wires swapped?");
-    Swapped(T0T2) => plain(17, "t0_t2_swapped",
-        "T0 answers to the heater and T2 does not, the reverse expected: are their wires swapped?");
+    Swapped(T1T2) => Facts { needs: BOTH, ..plain(15, "t1_t2_swapped",
+        "T2 answers to the heater before T1, T1 expected first: are their wires swapped?") };
+    Swapped(T0T1) => Facts { needs: BOTH, ..plain(16, "t0_t1_swapped",
+        "T0 answers to the heater and T1 does not, the reverse expected: are their wires swapped?") };
+    Swapped(T0T2) => Facts { needs: BOTH, ..plain(17, "t0_t2_swapped",
+        "T0 answers to the heater and T2 does not, the reverse expected: are their wires swapped?") };
     Unknown => plain(8, "unknown",
         "temperatures are not as expected, and no single known fault explains what was measured");
 }
@@ -215,7 +267,17 @@ impl FaultClass {
 
     /// Unit of the estimated magnitude; empty where there is none.
     pub const fn unit(self) -> &'static str {
-        self.row().unit
+        self.quantity().unit()
+    }
+
+    /// What its magnitude is.
+    pub(super) const fn quantity(self) -> Quantity {
+        self.row().quantity
+    }
+
+    /// What it cannot be told without.
+    pub(super) const fn needs(self) -> Needs {
+        self.row().needs
     }
 
     /// The thermistor that reads wrong; `None` where it is not one, or not known which.

@@ -1,6 +1,6 @@
 //! The hypotheses and the nuisances, a row each: what may have changed, by how much, and what it is called.
 
-use super::class::{Channel, FaultClass, Pair};
+use super::class::{Channel, FaultClass, Pair, Quantity};
 use super::evidence::{Estimate, Nuisance, Prior};
 use super::regressor::{Direction, Regressor};
 use super::tuning::{HypothesisTuning, NuisanceTuning, Tuning};
@@ -22,6 +22,8 @@ pub(super) struct Hypothesis {
     pub(super) stuck_at: Option<usize>,
     /// It is asked when a whole minute is judged, too.
     pub(super) lasting: bool,
+    /// Its magnitude is that of its class. That of a heater which gives the same whatever is asked for is no share of what is asked.
+    pub(super) sized: bool,
 }
 
 /// A magnitude that may be anything.
@@ -43,6 +45,7 @@ const fn row(class: FaultClass, direction: Direction, mean: f32, sd: f32) -> Hyp
         prior: 0.0,
         stuck_at: None,
         lasting: true,
+        sized: true,
     }
 }
 
@@ -110,6 +113,14 @@ impl HypothesisTuning {
         brief(rare(Hypothesis { stuck_at: Some(channel), ..row }, self.rare))
     }
 
+    /// The heater gives the same whatever is asked for.
+    const fn constant(&self) -> Hypothesis {
+        let row = row(FaultClass::HeaterPower, of(Regressor::Constant), self.constant, self.constant);
+        let row = with(row, of(Regressor::Power), -1.0, self.constant_power_sd);
+        let row = within(row, self.least_constant, 100.0 * self.most_power);
+        Hypothesis { sized: false, ..brief(rare(row, self.rare)) }
+    }
+
     /// A thermistor exchanged with T0 loses its rise twice; the other one loses as much as the exchanged one rises.
     const fn swapped_with_t0(&self, pair: Pair, gain: Regressor, other: Regressor) -> Hypothesis {
         let row = row(FaultClass::Swapped(pair), of(gain), -2.0, self.swapped_sd);
@@ -147,19 +158,7 @@ impl HypothesisTuning {
             self.drift(Direction::Ramp0, Direction::Offset0),
             self.stuck(Channel::T1, Regressor::Gain1, Regressor::Offset1, 0),
             self.stuck(Channel::T2, Regressor::Gain2, Regressor::Offset2, 1),
-            brief(rare(
-                within(
-                    with(
-                        row(FaultClass::HeaterPower, of(Regressor::Constant), self.constant, self.constant),
-                        of(Regressor::Power),
-                        -1.0,
-                        self.constant_power_sd,
-                    ),
-                    self.least_constant,
-                    100.0 * self.most_power,
-                ),
-                self.rare,
-            )),
+            self.constant(),
             self.t1_detached(of(Regressor::Gain1)),
             self.lagging(self.t1_detached(of(Regressor::ShortLoss)), of(Regressor::ShortLag)),
             self.lagging(self.t1_detached(Direction::MidLoss), Direction::MidLag),
@@ -181,9 +180,6 @@ pub(super) const ROWS: [Hypothesis; COUNT] = rows(&Tuning::DEFAULT);
 
 /// The same in one place of memory.
 pub(super) static HYPOTHESES: [Hypothesis; COUNT] = ROWS;
-
-/// The heater that gives the same whatever is asked for: its magnitude is no share of what is asked.
-pub(super) const CONSTANT: usize = 16;
 
 impl Hypothesis {
     /// What it frees second; a reading that stays stays at one of these rises, degC.
@@ -213,12 +209,10 @@ impl Hypothesis {
 
 /// A magnitude in the unit of its class.
 pub(super) fn in_unit(class: FaultClass, value: f32) -> f32 {
-    match class {
-        FaultClass::AirFlow => 100.0 * (1.0 / larger(0.1, 1.0 + value) - 1.0),
-        FaultClass::HeaterPower | FaultClass::T1Clogged | FaultClass::T1Detached | FaultClass::T2Detached => {
-            100.0 * value
-        }
-        _ => value,
+    match class.quantity() {
+        Quantity::Nothing | Quantity::Offset | Quantity::Ramp => value,
+        Quantity::Rise | Quantity::Power => 100.0 * value,
+        Quantity::Flow => 100.0 * (1.0 / larger(0.1, 1.0 + value) - 1.0),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which of the inputs that the models know a rig has. The trainer has them all; a recording of another heater may lack some.
 
-use super::class::{Channel, FaultClass};
+use super::class::FaultClass;
 
 /// What a rig has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,17 +33,14 @@ impl Inputs {
 
     /// Whether a fault of this class can be told by them.
     pub fn tell(self, class: FaultClass) -> bool {
-        let needs_t0 = matches!(class, FaultClass::T0Fault | FaultClass::Swapped(_));
-        let needs_t2 = needs_t0
-            || matches!(class, FaultClass::T2Offset | FaultClass::T2Detached)
-            || class.sensor() == Some(Channel::T2);
-        let needs_fan = matches!(class, FaultClass::AirFlow | FaultClass::T1Clogged);
-        (self.t0 || !needs_t0) && (self.t2 || !needs_t2) && (self.fan || !needs_fan)
+        let needs = class.needs();
+        (self.t0 || !needs.t0) && (self.t2 || !needs.t2) && (self.fan || !needs.fan)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::class::Channel;
     use super::*;
 
     #[test]

@@ -4,7 +4,7 @@
 //! assumed. Nothing here changes what the diagnosis says, and no board calls it.
 
 use super::LikelihoodState;
-use super::class::FaultClass;
+use super::class::{FaultClass, Quantity};
 use super::evidence::{Nuisance, Prior};
 use super::hypothesis::{COUNT as HYPOTHESIS_COUNT, Hypothesis, in_unit};
 use super::onset::Onset;
@@ -95,7 +95,7 @@ impl Signatures {
             second: row.second_at(self.at_onset).map(Term::of),
             range: range(&row, self.tuning.hypotheses.farthest),
             prior: row.prior,
-            sized: !row.class.unit().is_empty() && row.first.direction != Direction::Of(Regressor::Constant),
+            sized: row.sized && row.class.quantity() != Quantity::Nothing,
         })
     }
 }

@@ -1,6 +1,6 @@
 //! What moves on this rig without being a fault, by what has been seen of it: the nuisances' spreads, and the smallest change that is a fault.
 
-use super::class::FaultClass;
+use super::class::{FaultClass, Quantity};
 use super::evidence::Nuisance;
 use super::hypothesis::{nuisances_since_onset, nuisances_since_training};
 use super::tuning::Tuned;
@@ -65,22 +65,22 @@ impl Usual {
     /// seen is one.
     pub(super) fn least_since_onset(&self, class: FaultClass, power: f32) -> f32 {
         let t = &self.tuning.alarm;
-        match class {
-            FaultClass::HeaterPower => larger(power, t.unusual * sqrt(self.steps + self.curvature)),
-            FaultClass::Drift => t.least_drift,
-            FaultClass::AirFlow => t.least_flow,
-            _ => 0.0,
+        match class.quantity() {
+            Quantity::Power => larger(power, t.unusual * sqrt(self.steps + self.curvature)),
+            Quantity::Flow => t.least_flow,
+            Quantity::Ramp => t.least_drift,
+            Quantity::Nothing | Quantity::Offset | Quantity::Rise => 0.0,
         }
     }
 
     /// The same when it has come about since training.
     pub(super) fn least_since_training(&self, class: FaultClass, power: f32) -> f32 {
         let (t, alarm) = (&self.tuning.since_training, &self.tuning.alarm);
-        match class {
-            FaultClass::HeaterPower => larger(power, alarm.unusual * sqrt(self.walk[0] + self.curvature)),
-            FaultClass::AirFlow => larger(alarm.least_flow, alarm.unusual * sqrt(self.walk[1])),
-            FaultClass::T1Clogged => t.least_gain,
-            _ => t.least_offset,
+        match class.quantity() {
+            Quantity::Power => larger(power, alarm.unusual * sqrt(self.walk[0] + self.curvature)),
+            Quantity::Flow => larger(alarm.least_flow, alarm.unusual * sqrt(self.walk[1])),
+            Quantity::Rise => t.least_gain,
+            Quantity::Nothing | Quantity::Offset | Quantity::Ramp => t.least_offset,
         }
     }
 }

@@ -3,9 +3,9 @@
 use super::{SinceOnset, SinceOnsetState};
 use crate::bounds::{larger, smaller};
 use crate::likelihood::alarm::Alarm;
-use crate::likelihood::class::FaultClass;
+use crate::likelihood::class::{FaultClass, Quantity};
 use crate::likelihood::evidence::Estimate;
-use crate::likelihood::hypothesis::{CONSTANT, COUNT, HYPOTHESES, in_unit};
+use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, in_unit};
 use crate::likelihood::posterior::Posterior;
 use crate::likelihood::taught::Weighed;
 use crate::likelihood::tuning::NamingTuning;
@@ -105,21 +105,18 @@ pub(in crate::likelihood::watch) fn magnitude(
     estimate: &Estimate,
 ) -> Option<Magnitude> {
     let Estimate { value, variance, .. } = *estimate;
-    let with_error = |share: f32| sqrt(variance + share * share * value * value) * HALF_OF_95;
-    let others = t.size_error;
-    match class {
-        FaultClass::AirFlowOrHeaterPower | FaultClass::Stuck(_) | FaultClass::Swapped(_) => None,
-        FaultClass::HeaterPower if h == CONSTANT => None,
-        FaultClass::AirFlow => {
+    let half_width = |share: f32| HALF_OF_95 * sqrt(variance + share * share * value * value);
+    let half_width = match class.quantity() {
+        _ if !HYPOTHESES[h % COUNT].sized => return None,
+        Quantity::Nothing => return None,
+        Quantity::Offset | Quantity::Ramp => half_width(t.size_error),
+        Quantity::Rise | Quantity::Power => 100.0 * half_width(t.size_error),
+        Quantity::Flow => {
             let inverse = larger(0.1, 1.0 + value);
-            let half_width = 100.0 * with_error(t.flow_error) / (inverse * inverse);
-            Some(Magnitude { value: in_unit(class, value), half_width })
+            100.0 * half_width(t.flow_error) / (inverse * inverse)
         }
-        FaultClass::HeaterPower | FaultClass::T1Clogged | FaultClass::T1Detached | FaultClass::T2Detached => {
-            Some(Magnitude { value: in_unit(class, value), half_width: 100.0 * with_error(others) })
-        }
-        _ => Some(Magnitude { value, half_width: with_error(others) }),
-    }
+    };
+    Some(Magnitude { value: in_unit(class, value), half_width })
 }
 
 #[cfg(test)]
@@ -157,8 +154,9 @@ mod tests {
             (told(FaultClass::AirFlowOrHeaterPower, 0.3), told(FaultClass::Stuck(Channel::T1), -1.0)),
             (None, None)
         );
+        let constant = HYPOTHESES.iter().position(|row| !row.sized).unwrap();
         assert_eq!(
-            magnitude(&NamingTuning::DEFAULT, CONSTANT, FaultClass::HeaterPower, &estimate(60.0)),
+            magnitude(&NamingTuning::DEFAULT, constant, FaultClass::HeaterPower, &estimate(60.0)),
             None,
             "no share of what is asked for"
         );

@@ -91,7 +91,7 @@ impl<'de> Deserialize<'de> for RigConfig {
 pub enum Disturbance {
     /// Nothing moves but the turbulence.
     None,
-    /// The room drifts by up to 1 degC an hour and wanders by 0.05 degC.
+    /// The room drifts by up to 1 degC an hour, to and fro within 2 degC, and wanders by 0.05 degC.
     #[default]
     Calm,
     /// Calm, and air flow and mains power wander by 0.4 %.

@@ -17,8 +17,20 @@ use crate::wall::Wall;
 
 /// Steps of a stretch within which flow or power change by themselves.
 const RESTLESS_STEPS: u32 = 4;
+/// How far the room drifts from where it began, degC: then it drifts back, as a room that is heated and aired does.
+const FARTHEST_DRIFT: f64 = 2.0;
 /// Lowest level of the fan: what moves by itself when it stands still.
 const LEAST_FLOW: f64 = 0.05;
+
+/// How far the room has drifted by the time `t` in s, degC, with `slope` in degC/s: a triangle wave.
+fn drift(slope: f64, t: f64) -> f64 {
+    let way = slope * t;
+    if way.abs() <= FARTHEST_DRIFT {
+        return way;
+    }
+    let place = (way + FARTHEST_DRIFT).rem_euclid(4.0 * FARTHEST_DRIFT);
+    FARTHEST_DRIFT - (place - 2.0 * FARTHEST_DRIFT).abs()
+}
 
 /// The rig in motion.
 pub struct Rig {
@@ -215,7 +227,7 @@ impl Rig {
             flow,
             slowness: if flow == 1.0 { 1.0 } else { libm::pow(flow, -c.flow_exponent) },
             ambient: c.ambient
-                + self.ambient_ramp * t
+                + drift(self.ambient_ramp, t)
                 + self.ambient_disturbance.value()
                 + now.ambient
                 + room,

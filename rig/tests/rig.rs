@@ -359,3 +359,21 @@ fn the_air_is_rougher_and_the_lag_shorter_with_more_flow() {
     let expected = by_lag(0.2) / by_lag(0.4);
     assert!((sd(2.0, 0.0, 1.0) / usual / expected - 1.0).abs() < 0.05);
 }
+
+/// Four weeks without power: the room of a calm run stays one, and goes both ways.
+#[test]
+fn a_room_stays_a_room_for_weeks() {
+    for seed in 1..6 {
+        let mut rig = Rig::new(&still(0.3), Disturbance::Calm, 60.0, seed, &[]);
+        let (mut coldest, mut warmest) = (f64::MAX, f64::MIN);
+        for _ in 0..4 * 7 * 24 * 60 {
+            rig.sample();
+            rig.advance(0.0);
+            let [t1, _] = rig.air();
+            (coldest, warmest) = (coldest.min(t1), warmest.max(t1));
+        }
+        let within = AMBIENT - 2.5..AMBIENT + 2.5;
+        assert!(within.contains(&coldest) && within.contains(&warmest), "{coldest} to {warmest}, seed {seed}");
+        assert!(coldest < AMBIENT - 1.5 && warmest > AMBIENT + 1.5, "{coldest} to {warmest}, seed {seed}");
+    }
+}

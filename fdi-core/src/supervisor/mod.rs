@@ -249,7 +249,10 @@ impl Supervisor {
         }
         match state.mode {
             Mode::Learn { accepted: 1 } => state.operation.begin(),
-            Mode::Monitor => state.operation.end(),
+            Mode::Monitor => {
+                state.operation.end();
+                state.operation.follow_heated_room(now, state.power, self.sample_time);
+            }
             _ => {}
         }
         if learn {

@@ -1,13 +1,19 @@
 //! What the supervisor has learnt of the rig: the little by which it judges whether power and temperatures go together.
 
 use super::Situation;
-use crate::bounds::{larger, smaller};
+use crate::bounds::{bounded, larger, smaller};
 use crate::diagnosis::baseline::{Baseline, Statistics};
 use crate::diagnosis::residual::Residual;
 use crate::units::{Celsius, Seconds};
 
 /// A room does not grow warmer faster than this, degC/s: 1 degC a minute.
 pub(super) const AMBIENT_RATE: f32 = 1.0 / 60.0;
+/// While the rig heats, the room is followed no faster than this, degC/s: 6 degC an hour. Chosen: a room that is heated by day only changes
+/// by less, and T0 that drifts by 0.1 degC a minute is a fault.
+const HEATED_RATE: f32 = 6.0 / 3600.0;
+/// And only while T1 is as warm above T0 as the power makes it by what was learnt, within this factor. A T0 that reads too low then never raises the
+/// power that is thought to be needed by more.
+const CONSISTENT: f32 = 1.25;
 /// A rig that needs less than this at its set-point says nothing about the power that it needs at another, %.
 const MIN_POWER: f32 = 2.0;
 
@@ -27,6 +33,12 @@ impl OperatingPoint {
         Self { gain: mean(Residual::Rsg1), t1_over_t2: mean(Residual::Ry12) }
     }
 
+    /// Whether T1 is as far above a room of `t0` as `power`, %, makes it.
+    fn agrees(&self, power: f32, t1: f32, t0: f32) -> bool {
+        let (rise, expected) = (t1 - t0, self.gain * power);
+        power > MIN_POWER && expected > 0.0 && rise <= CONSISTENT * expected && expected <= CONSISTENT * rise
+    }
+
     /// The power that the set-point needs above the room, %; None where the gain that was learnt says nothing.
     pub(super) fn power_for(&self, setpoint: Celsius, ambient: f32) -> Option<f32> {
         let power = (setpoint.0 - ambient) / self.gain;
@@ -42,7 +54,7 @@ impl OperatingPoint {
 /// The room, and what is being learnt.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Operation {
-    /// Ambient temperature, degC, followed while the heater is off. T0 may read wrong: of T0 and the median of the three the
+    /// Ambient temperature, degC. While the heater is off T0 may read wrong: of T0 and the median of the three the
     /// lower is taken, for then the power that is thought to be needed errs upwards.
     ambient: Option<f32>,
     /// Power in %, T1 and T2 in degC, over the samples that belong to the baseline.
@@ -102,5 +114,16 @@ impl Operation {
         let seen = smaller(t0, median);
         let highest = self.ambient.map_or(seen, |ambient| ambient + AMBIENT_RATE * sample_time.0);
         self.ambient = Some(smaller(seen, highest));
+    }
+
+    /// Follows the room while it heats in regulation with the mean power `power`, %: slowly, and only where T0 and what was learnt agree. Without
+    /// that a cold night asks for more power than a room that was warm at arming lets expect.
+    pub(super) fn follow_heated_room(&mut self, now: &Situation, power: f32, sample_time: Seconds) {
+        let (Some(ambient), Some(learnt)) = (self.ambient, &self.learnt) else { return };
+        let (Some(t0), Some(t1)) = (now.sample.t0.good(), now.sample.t1.good()) else { return };
+        let step = HEATED_RATE * sample_time.0;
+        if !now.regulated.is_virtual && learnt.agrees(power, t1, t0) {
+            self.ambient = Some(bounded(t0, ambient - step, ambient + step));
+        }
     }
 }

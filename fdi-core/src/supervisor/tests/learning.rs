@@ -51,6 +51,46 @@ fn gain_and_difference_are_means_over_what_was_learnt() {
     assert_eq!(needed(&operation, 35.0), None, "2 % are too little to learn a gain from");
 }
 
+/// A rig that rises by 0.4 degC for each per cent and was learnt in a room of 27 degC; the room is thought to be this after so many hours of monitoring.
+fn room_after(hours: u32, shown: impl Fn(f32) -> Shown) -> f32 {
+    let mut operation = Operation::default();
+    in_room(&mut operation, 27.0, 1);
+    operation.begin();
+    learn(&mut operation, 25.0, 37.0, 36.0);
+    operation.end();
+    // 10 s at once, for the test's sake: the rate is one of time.
+    for k in 0..hours * 360 {
+        situation(0, &shown(k as f32 / 360.0), 37.0, |now| {
+            operation.follow_heated_room(now, now.pid.0, Seconds(10.0));
+        });
+    }
+    37.0 - 0.4 * operation.power_for(Celsius(37.0)).expect("learnt")
+}
+
+/// Twelve hours later the room is 10 degC colder, and the power has followed: no more than that is needed.
+#[test]
+fn a_night_is_followed_while_it_heats() {
+    let night = |hours: f32| {
+        let t0 = 27.0 - 10.0 * hours / 12.0;
+        Shown { t0, t1: 37.0, t2: 36.0, pid: (37.0 - t0) / 0.4, ..IN_ORDER }
+    };
+    assert!((room_after(12, night) - 17.0).abs() < 0.1, "{}", room_after(12, night));
+}
+
+/// What is no room: a T0 that reads lower and lower, one that jumps, and power that T1 does not show.
+#[test]
+fn a_wrong_t0_moves_the_room_by_no_more_than_a_quarter_of_the_rise() {
+    let at = |t0: f32, pid: f32| Shown { t0, t1: 37.0, t2: 36.0, pid, ..IN_ORDER };
+    let drifting = room_after(24, |hours| at(27.0 - 2.0 * hours, 25.0));
+    assert!((24.4..24.6).contains(&drifting), "a rise of 12.5 is the most that 25 % may give: {drifting}");
+    let jumped = room_after(24, |_| at(10.0, 25.0));
+    assert_eq!(jumped, 27.0);
+    let out_of_the_tube = room_after(24, |_| Shown { t1: 27.0, ..at(20.0, 100.0) });
+    assert_eq!(out_of_the_tube, 27.0);
+    let within_an_hour = room_after(1, |_| at(25.0, 30.0));
+    assert!((within_an_hour - 25.0).abs() < 0.01 && room_after(1, |_| at(18.0, 47.5)) > 20.9, "6 degC an hour");
+}
+
 /// At rest, off: whether it is taken for a heater that is stuck on.
 fn is_stuck_on(shown: impl Fn(u32) -> Shown) -> bool {
     let mut bench = Bench::new();

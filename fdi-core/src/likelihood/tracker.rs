@@ -46,6 +46,13 @@ impl Tracker {
         self.steps
     }
 
+    /// All is as trained: nothing has moved. Gives by how much it expects more of the residuals for it, degC.
+    pub(super) fn forget(&mut self, regressors: &Regressors<LASTING>) -> [f32; 2] {
+        let before = self.expected(regressors);
+        self.resume();
+        [-before[0], -before[1]]
+    }
+
     /// A tick without an alarm: how far it has gone counts for what is usual here.
     pub(super) fn remember(&mut self, mean: &LowPass) {
         for (square, x) in self.walk.iter_mut().zip(self.x) {

@@ -13,6 +13,7 @@
 
 mod charts;
 mod innovations;
+mod returned;
 mod simulation;
 mod since_onset;
 mod since_training;
@@ -35,7 +36,8 @@ use super::usual::Usual;
 use crate::bounds::{bounded, larger, smaller};
 use crate::likelihood::chart::Chart;
 use charts::{Charts, ChartsState};
-use innovations::InnovationsState;
+use innovations::{Innovations, InnovationsState};
+use returned::{Returned, ReturnedState};
 use simulation::{Simulated, Simulation, SimulationState};
 pub(super) use since_onset::SinceOnsetState;
 use since_onset::{Outcome, SinceOnset};
@@ -49,6 +51,7 @@ pub(super) struct Watch {
     charts: Charts,
     since_onset: SinceOnset,
     since_training: SinceTraining,
+    returned: Returned,
     heat: Heat,
     sample_time: f32,
     inputs: Inputs,
@@ -64,6 +67,7 @@ pub(super) struct WatchState {
     innovations: InnovationsState,
     charts: ChartsState,
     since_training: SinceTrainingState,
+    returned: ReturnedState,
     heat: HeatState,
     /// Standard deviation of how the gain grows with the power.
     curvature_error: f32,
@@ -107,6 +111,7 @@ impl Watch {
                 tuning,
             },
             since_training: SinceTraining { least_power: c.least_power, sample_time, inputs, tuning },
+            returned: Returned { sample_time, inputs, tuning },
             heat: Heat::new(tuning, sample_time, answer_time),
             sample_time,
             inputs,
@@ -120,6 +125,7 @@ impl Watch {
         self.simulation.inputs = inputs;
         self.since_onset.inputs = inputs;
         self.since_training.inputs = inputs;
+        self.returned.inputs = inputs;
         self
     }
 
@@ -132,6 +138,7 @@ impl Watch {
             innovations: InnovationsState::new(t, trained.whitening),
             charts: ChartsState::new(trained.rise),
             since_training: SinceTrainingState::new(t, trained.rise),
+            returned: ReturnedState::default(),
             heat: HeatState::new(t, trained.rise),
             curvature_error: trained.curvature_error,
             measured: [trained.rise; 2],
@@ -215,6 +222,7 @@ impl Watch {
             },
         );
         self.carry_out(s, onset, outcome, &now.regressors);
+        self.follow_return(s, onset, &innovations, e, now);
         let settling = s.charts.end_tick();
         if onset.said().is_some() {
             return;
@@ -278,6 +286,30 @@ impl Watch {
             }
         };
         s.innovations.lower(change);
+    }
+
+    /// Ends whatever alarm stands where all is as it was trained, and forgets what the tracker has taken in.
+    fn follow_return(
+        &self,
+        s: &mut WatchState,
+        onset: &mut SinceOnsetState,
+        innovations: &Innovations,
+        e: [f32; 2],
+        now: &Simulated,
+    ) {
+        if onset.said().is_none() && s.since_training.said().is_none() {
+            s.returned.reset();
+            return;
+        }
+        let usual = s.usual();
+        if self.returned.step(&mut s.returned, &s.times, innovations, &usual, now.expected[0]) {
+            s.returned.reset();
+            onset.begin_anew();
+            s.since_training.forget(e);
+            let change = s.tracker.forget(&now.regressors);
+            s.innovations.lower(change);
+            s.charts.hold_off(s.times.ticks(self.tuning.alarm.holdoff, self.sample_time));
+        }
     }
 
     /// Follows an announced change of the fan. What is known of such a change is its kind, hardly its size: for a while nothing is judged, and the state
@@ -394,6 +426,7 @@ impl WatchState {
             self.innovations.sum(),
             self.charts.sum(),
             self.since_training.sum(),
+            self.returned.sum(),
             self.heat.sum(),
         ];
         stages.iter().chain(&self.measured).sum::<f32>() + self.curvature_error

@@ -108,6 +108,12 @@ impl SinceTrainingState {
         self.changed = None;
     }
 
+    /// All is as trained again, but for residuals `e`, degC.
+    pub(super) fn forget(&mut self, e: [f32; 2]) {
+        self.steady.forget(e);
+        self.changed = None;
+    }
+
     /// What was said of a change is taken back.
     pub(super) fn quieten(&mut self) {
         self.changed = None;

@@ -132,6 +132,13 @@ impl Steady {
         self.rebasing = true;
     }
 
+    /// What was gathered is of a state that is over: residuals are `mean` now, degC.
+    pub(super) fn forget(&mut self, mean: [f32; 2]) {
+        self.normal = LastingNormal::default();
+        self.mean_e = mean;
+        self.ticks = 0;
+    }
+
     /// Finite as long as all of it is that stays.
     pub(super) fn sum(&self) -> f32 {
         let pairs = self.slow.iter().chain(&self.mean).chain([&self.slow_z, &self.mean_e, &self.base]);

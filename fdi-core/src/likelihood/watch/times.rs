@@ -21,6 +21,8 @@ pub(super) struct Times {
     pub(super) walk: LowPass,
     pub(super) forgets: f32,
     pub(super) window: f32,
+    /// Share that is kept of what "as trained" is asked of.
+    pub(super) recent: f32,
     /// The surroundings move as slowly as the rig answers, so that a residual that lasts says hardly anything.
     pub(super) slow_surroundings: bool,
 }
@@ -57,6 +59,7 @@ impl Times {
             walk: LowPass::over(1.0 / share(t.walk)),
             forgets: 1.0 - share(t.forgetting),
             window: 1.0 - share(t.window),
+            recent: 1.0 - share(t.split),
             slow_surroundings: inputs != Inputs::ALL && trained.whitening.dc_gain()[0] < tuning.slow.dc_gain,
         }
     }

@@ -1,0 +1,80 @@
+//! "As trained": while an alarm stands, are the residuals of the last seconds those of the trained rig again?
+//!
+//! What the tracker has taken in of a fault that came slowly is missing when that fault is mended: an alarm since the onset of the mending then explains
+//! just that, and goes on for ever. So the residuals without the tracker are asked, too, by the hypotheses and the nuisances of the bank since
+//! training: where these leave noise and no fault explains more, all is as it was trained.
+
+use super::innovations::Innovations;
+use super::times::Times;
+use crate::bounds::{bounded, larger};
+use crate::likelihood::evidence::Nuisances;
+use crate::likelihood::hypothesis::PAIRS;
+use crate::likelihood::inputs::Inputs;
+use crate::likelihood::normal::LastingNormal;
+use crate::likelihood::tuning::Tuned;
+use crate::likelihood::usual::Usual;
+
+/// The question, for a rig with these inputs.
+#[derive(Clone, Debug)]
+pub(super) struct Returned {
+    pub(super) sample_time: f32,
+    pub(super) inputs: Inputs,
+    pub(super) tuning: Tuned,
+}
+
+/// The memory: sums over the last seconds of an alarm, and its age in ticks.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ReturnedState {
+    normal: LastingNormal,
+    ticks: u32,
+}
+
+impl Returned {
+    /// A tick with an alarm; `expected` is what T1 should read above T0, degC. Says whether all is as it was trained.
+    pub(super) fn step(
+        &self,
+        s: &mut ReturnedState,
+        times: &Times,
+        innovations: &Innovations,
+        usual: &Usual,
+        expected: f32,
+    ) -> bool {
+        let t = &self.tuning.since_training;
+        let z = innovations.z_trained.map(|z| bounded(z, -t.clip, t.clip));
+        s.normal.scale(times.recent);
+        s.normal.add(&innovations.regressors, z, 1.0);
+        s.ticks = s.ticks.saturating_add(1);
+        let asked_from = times.ticks(2.0 * self.tuning.times.split, self.sample_time);
+        s.ticks >= asked_from
+            && s.ticks.is_multiple_of(t.every as u32)
+            && self.is_as_trained(&s.normal, usual, expected)
+    }
+
+    #[inline(never)]
+    fn is_as_trained(&self, normal: &LastingNormal, usual: &Usual, expected: f32) -> bool {
+        let t = &self.tuning.since_training;
+        let list = usual.since_training(expected);
+        let nuisances = Nuisances::new(normal, &list, t.kappa);
+        let left = normal.energy - nuisances.explained;
+        if !(left < self.tuning.naming.fits * larger(1.0, normal.count)) {
+            return false;
+        }
+        let beyond = nuisances.beyond(&PAIRS);
+        let asked = self.tuning.hypotheses().iter().filter(|row| row.lasting && self.inputs.tell(row.class));
+        asked.clone().all(|row| row.judged(beyond.estimate(row.first, None)).gain <= t.lasting_raise * t.raise)
+    }
+}
+
+impl ReturnedState {
+    /// Without an alarm there is nothing to return from.
+    pub(super) fn reset(&mut self) {
+        if self.ticks > 0 {
+            *self = Self::default();
+        }
+    }
+
+    /// Finite as long as all of it is.
+    pub(super) fn sum(&self) -> f32 {
+        self.normal.sum()
+    }
+}

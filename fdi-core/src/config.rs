@@ -2,19 +2,19 @@
 //! constructor that checks it, such as [`crate::Instrument::new`].
 
 use crate::bounds::larger;
-use crate::control::pid::PidConfig;
-use crate::control::prbs::PrbsConfig;
-use crate::diagnosis::config::DiagnosisConfig;
+pub use crate::control::pid::PidConfig;
+pub use crate::control::prbs::PrbsConfig;
+pub use crate::diagnosis::config::DiagnosisConfig;
 use crate::error::{ConfigError, above, in_range, within_scale};
-use crate::identify::config::IdentificationConfig;
+pub use crate::identify::config::IdentificationConfig;
 use crate::likelihood::Tuned;
-use crate::likelihood::config::LikelihoodConfig;
-use crate::sense::SensorsConfig;
-use crate::sense::plausibility::PlausibilityConfig;
-use crate::sense::supply::SupplyConfig;
-use crate::sense::thermistor::ThermistorConfig;
+pub use crate::likelihood::config::LikelihoodConfig;
+pub use crate::sense::SensorsConfig;
+pub use crate::sense::plausibility::PlausibilityConfig;
+pub use crate::sense::supply::SupplyConfig;
+pub use crate::sense::thermistor::ThermistorConfig;
 use crate::settings::{About, Fields, Group, Limit, Setting, Value, check, settings};
-use crate::supervisor::config::SupervisorConfig;
+pub use crate::supervisor::config::SupervisorConfig;
 use crate::units::{Celsius, Seconds};
 
 settings! {

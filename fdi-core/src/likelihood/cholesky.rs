@@ -55,6 +55,23 @@ impl<const N: usize> Cholesky<N> {
         }
     }
 
+    /// The same of several at once: each element of the factor is loaded once for all of them.
+    #[inline(never)]
+    pub(super) fn forward_all<const M: usize>(&self, columns: &mut [[f32; N]; M]) {
+        for i in 0..N {
+            let mut sums: [f32; M] = core::array::from_fn(|m| columns[m][i]);
+            for k in 0..i {
+                let l = self.l[i][k];
+                for m in 0..M {
+                    sums[m] -= l * columns[m][k];
+                }
+            }
+            for m in 0..M {
+                columns[m][i] = sums[m] * self.l[i][i];
+            }
+        }
+    }
+
     /// `L'^-1 x`, in place.
     #[inline(never)]
     pub(super) fn backward(&self, x: &mut [f32; N]) {
@@ -85,6 +102,18 @@ mod tests {
             let sum: f32 = (0..3).map(|j| full(i, j) * x[j]).sum();
             assert!((sum - wanted).abs() < 1e-5, "{i}: {sum}");
         }
+    }
+
+    #[test]
+    fn several_are_solved_as_one_is() {
+        let factor = Cholesky::new([[4.0, 0.0, 0.0], [2.0, 5.0, 0.0], [1.0, 3.0, 6.0]]);
+        let mut all = [[1.0, -2.0, 3.0], [0.5, 4.0, -1.0]];
+        let one = all.map(|mut x| {
+            factor.forward(&mut x);
+            x
+        });
+        factor.forward_all(&mut all);
+        assert_eq!(all, one);
     }
 
     #[test]

@@ -20,7 +20,7 @@
 mod beyond;
 
 use super::cholesky::Cholesky;
-use super::hypothesis::{model_errors, nuisances_since_onset, nuisances_since_training};
+use super::hypothesis::{Pairs, model_errors, nuisances_since_onset, nuisances_since_training};
 use super::normal::Normal;
 use super::regressor::Direction;
 use super::tuning::NuisanceTuning;
@@ -30,6 +30,9 @@ pub(super) use beyond::Beyond;
 
 /// At most so many nuisances: their cost grows with the square of this.
 pub(super) const MOST: usize = 10;
+
+/// Regressors that are solved for at once: as many sums as there are registers for.
+const AT_ONCE: usize = 4;
 
 // What is beyond would be left out.
 const _: () = {
@@ -88,27 +91,37 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
                 normal.add_regressor(regressor, sd * inv_kappa * weight, |i, a| shared[i][k] += a);
             }
         }
+        // I + D A D by its lower half.
         let mut rows = [[0.0; MOST]; MOST];
-        for (k, row) in rows.iter_mut().enumerate() {
-            for (&(q, sd), element) in list.iter().zip(&mut row[..=k]) {
-                let ([i, j], [first, second]) = (q.regressors(), q.weights());
-                *element = sd * (first * shared[i % N][k] + second * shared[j % N][k]);
+        rows.iter_mut().enumerate().for_each(|(k, row)| row[k] = 1.0);
+        for (k, (&(q, sd), row)) in list.iter().zip(&mut rows).enumerate() {
+            for (regressor, weight) in q.regressors().into_iter().zip(q.weights()) {
+                if weight != 0.0 {
+                    let ours = shared[regressor % N].iter().take(k + 1);
+                    row.iter_mut().zip(ours).for_each(|(element, a)| *element += sd * weight * a);
+                }
             }
-            row[k] += 1.0;
         }
         let factor = Cholesky::new(rows);
         factor.forward(&mut score);
         Self { normal, list, inv_kappa, shared, factor, score, explained: kappa * dot(&score, &score) }
     }
 
-    /// What all regressors hold beyond the nuisances.
+    /// What regressors hold beyond the nuisances, of these pairs: [`Pairs`](super::hypothesis::Pairs).
+    #[inline(always)]
+    pub(super) fn beyond(mut self, pairs: &Pairs) -> Beyond<N, H> {
+        let mut narrow = [0.0; Direction::COUNT];
+        self.list.iter().for_each(|(direction, sd)| narrow[direction.place()] = *sd);
+        Beyond { narrow, left: self.left(pairs) }
+    }
+
+    /// The sums less what the nuisances share with them. It uses up what they share.
     #[inline(never)]
-    pub(super) fn beyond(mut self) -> Beyond<'a, N, H> {
-        for shared in &mut self.shared {
-            self.factor.forward(shared);
-        }
-        let left = self.normal.less(self.inv_kappa, &self.shared, &self.score);
-        Beyond { list: self.list, left }
+    fn left(&mut self, pairs: &Pairs) -> Normal<N, H> {
+        let (blocks, rest) = self.shared.as_chunks_mut::<AT_ONCE>();
+        blocks.iter_mut().for_each(|block| self.factor.forward_all(block));
+        rest.iter_mut().for_each(|shared| self.factor.forward(shared));
+        self.normal.less(self.inv_kappa, &self.shared, &self.score, pairs)
     }
 
     /// The gain in log evidence if parameters have just these values: of one direction that moves all of them.

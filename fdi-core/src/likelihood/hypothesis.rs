@@ -2,7 +2,8 @@
 
 use super::class::{Channel, FaultClass, Pair, Quantity};
 use super::evidence::{Estimate, Nuisance, Prior};
-use super::regressor::{Direction, Regressor};
+use super::regressor::{self, Direction, Regressor};
+use super::taught;
 use super::tuning::{HypothesisTuning, NuisanceTuning, Tuning};
 use crate::bounds::larger;
 
@@ -180,6 +181,49 @@ pub(super) const ROWS: [Hypothesis; COUNT] = rows(&Tuning::DEFAULT);
 
 /// The same in one place of memory.
 pub(super) static HYPOTHESES: [Hypothesis; COUNT] = ROWS;
+
+/// Which products of regressors are asked for: bit j of element i, where j is not above i.
+pub(super) type Pairs = [u32; regressor::COUNT];
+
+/// All of them.
+#[cfg(test)]
+pub(super) static ALL_PAIRS: Pairs = [u32::MAX; regressor::COUNT];
+
+/// Those that the hypotheses ask for, and with those of faults that were taught.
+pub(super) static PAIRS: Pairs = pairs(&ROWS, &[]);
+pub(super) static TAUGHT_PAIRS: Pairs = pairs(&ROWS, &taught::REGRESSORS);
+
+/// Those of some hypotheses, and all among some regressors.
+const fn pairs(rows: &[Hypothesis], among: &[Regressor]) -> Pairs {
+    let mut pairs = [0; regressor::COUNT];
+    let mut i = 0;
+    while i < among.len() * among.len() {
+        let (a, b) = (among[i / among.len()] as usize, among[i % among.len()] as usize);
+        if a >= b {
+            pairs[a] |= 1 << b;
+        }
+        i += 1;
+    }
+    let mut h = 0;
+    while h < rows.len() {
+        let [p, q] = rows[h].first.direction.regressors();
+        let [r, s] = match rows[h].second {
+            Some(second) => second.direction.regressors(),
+            None => [p, q],
+        };
+        let all = [p, q, r, s];
+        let mut i = 0;
+        while i < 16 {
+            let (a, b) = (all[i / 4], all[i % 4]);
+            if a >= b {
+                pairs[a] |= 1 << b;
+            }
+            i += 1;
+        }
+        h += 1;
+    }
+    pairs
+}
 
 impl Hypothesis {
     /// What it frees second; a reading that stays stays at one of these rises, degC.

@@ -40,11 +40,14 @@ mod ambient;
 pub(crate) mod arbiter;
 mod chart;
 mod cholesky;
+#[doc(hidden)]
 pub mod class;
 mod commissioned;
+#[doc(hidden)]
 pub mod config;
 mod contradiction;
 #[cfg(feature = "tuning")]
+#[doc(hidden)]
 pub mod described;
 mod evidence;
 mod explained;
@@ -52,7 +55,9 @@ mod finite;
 mod heat;
 mod hypothesis;
 mod impulse;
+#[doc(hidden)]
 pub mod inputs;
+#[doc(hidden)]
 pub mod model;
 mod normal;
 mod onset;
@@ -65,13 +70,17 @@ mod reference;
 mod regressor;
 mod second_heater;
 mod sensors;
+#[doc(hidden)]
 pub mod signatures;
 mod tangent;
+#[doc(hidden)]
 pub mod taught;
 mod tracker;
 mod training;
+#[doc(hidden)]
 pub mod tuning;
 mod usual;
+#[doc(hidden)]
 pub mod verdict;
 mod watch;
 mod whitening;
@@ -92,11 +101,11 @@ use contradiction::Contradiction;
 pub use hypothesis::COUNT as HYPOTHESES;
 use impulse::ImpulseResponse;
 use inputs::Inputs;
-use model::Model;
+pub use model::Model;
 use sensors::Sensors;
 use training::{Cold, Trainer, Training};
 pub use tuning::{Tuned, Tuning};
-pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason};
+pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason, TaughtFinding};
 use watch::{Input, SinceOnsetState, Watch, WatchState};
 
 /// The validated likelihood diagnosis.

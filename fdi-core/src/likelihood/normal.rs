@@ -44,6 +44,34 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         self.count += 2.0 * weight;
     }
 
+    /// A tick for two sums at once, of each of which this share is kept.
+    #[inline(never)]
+    pub(super) fn add_to_both(
+        both: [&mut Self; 2],
+        keep: [f32; 2],
+        regressors: &Regressors<N>,
+        z: [f32; 2],
+        weight: f32,
+    ) {
+        let [first, second] = both;
+        let mut places = first.a.iter_mut().zip(&mut second.a);
+        for (i, phi) in regressors.iter().enumerate() {
+            let weighted = [weight * phi[0], weight * phi[1]];
+            let b = weighted[0] * z[0] + weighted[1] * z[1];
+            first.b[i] = first.b[i] * keep[0] + b;
+            second.b[i] = second.b[i] * keep[1] + b;
+            for (other, (first, second)) in regressors[..=i].iter().zip(&mut places) {
+                let product = weighted[0] * other[0] + weighted[1] * other[1];
+                *first = *first * keep[0] + product;
+                *second = *second * keep[1] + product;
+            }
+        }
+        for (sums, keep) in [(first, keep[0]), (second, keep[1])] {
+            sums.energy = sums.energy * keep + weight * (z[0] * z[0] + z[1] * z[1]);
+            sums.count = sums.count * keep + 2.0 * weight;
+        }
+    }
+
     /// All sums, `factor` times as much.
     #[inline(never)]
     pub(super) fn scale(&mut self, factor: f32) {
@@ -65,23 +93,44 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         }
     }
 
-    /// The sums `factor` times as much, less the products of what regressors share with others and of their score.
-    pub(super) fn less<const M: usize>(&self, factor: f32, shared: &[[f32; M]; N], score: &[f32; M]) -> Self {
-        let mut left = *self;
-        let mut place = left.a.iter_mut();
-        for (i, (of_regressor, b)) in shared.iter().zip(&mut left.b).enumerate() {
-            *b = factor * *b - dot(of_regressor, score);
-            for (other, a) in shared.iter().take(i + 1).zip(&mut place) {
-                *a = factor * *a - dot(of_regressor, other);
+    /// The sums `factor` times as much, less the products of what regressors share with others and of their score: of those `pairs` only, row by row the bits
+    /// of the columns.
+    pub(super) fn less<const M: usize>(
+        &self,
+        factor: f32,
+        shared: &[[f32; M]; N],
+        score: &[f32; M],
+        pairs: &[u32],
+    ) -> Self {
+        let mut left = Self { energy: self.energy, count: self.count, ..Self::default() };
+        let mut row = 0;
+        for (i, ((of_regressor, b), pairs)) in shared.iter().zip(&mut left.b).zip(pairs).enumerate() {
+            if *pairs != 0 {
+                *b = factor * self.b[i] - dot(of_regressor, score);
+                let sums = self.a.get(row..).unwrap_or_default();
+                let places = left.a.get_mut(row..).unwrap_or_default().iter_mut().zip(sums);
+                for (j, (other, (a, all))) in shared.iter().take(i + 1).zip(places).enumerate() {
+                    if pairs >> j & 1 != 0 {
+                        *a = factor * *all - dot(of_regressor, other);
+                    }
+                }
             }
+            row += i + 1;
         }
         left
     }
 
     /// Hands on `factor` times each element of a regressor of A, with its row.
+    #[inline(always)]
     pub(super) fn add_regressor(&self, regressor: usize, factor: f32, mut to: impl FnMut(usize, f32)) {
-        if factor != 0.0 {
-            (0..N).for_each(|i| to(i, factor * self.a(i, regressor)));
+        if factor == 0.0 {
+            return;
+        }
+        // Left of the diagonal they stand in a row, below it each in a row of its own.
+        let mut place = half(regressor);
+        for i in 0..N {
+            to(i, factor * self.a.get(place).copied().unwrap_or(0.0));
+            place += if i < regressor { 1 } else { i + 1 };
         }
     }
 

@@ -3,7 +3,9 @@
 use super::class::FaultClass;
 use super::evidence::Estimate;
 use super::hypothesis::{COUNT, HYPOTHESES, ROWS};
-use crate::bounds::larger;
+
+/// A log Bayes factor against the best that leaves nothing of a hypothesis: 2e-9.
+const NOTHING: f32 = -20.0;
 
 /// The first hypothesis of the class of each, and how many that class has.
 const FIRST: [usize; COUNT] = of_class().0;
@@ -51,8 +53,10 @@ impl Posterior {
             }
         }
         let best_gain = most;
-        let weights: [f32; COUNT] =
-            core::array::from_fn(|h| libm::expf(larger(-60.0, estimate[h].gain - best_gain)));
+        let weights: [f32; COUNT] = core::array::from_fn(|h| {
+            let below = estimate[h].gain - best_gain;
+            if below > NOTHING { libm::expf(below) } else { 0.0 }
+        });
         // Of each class at its first hypothesis: the mean of its hypotheses.
         let (mut class, mut all) = ([0.0; COUNT], 0.0);
         for (h, weight) in weights.iter().enumerate() {

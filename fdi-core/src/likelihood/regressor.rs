@@ -117,9 +117,23 @@ impl Direction {
         }
     }
 
+    /// How many there are.
+    pub(super) const COUNT: usize = COUNT + 4;
+
+    /// Its place among all directions.
+    pub(super) const fn place(self) -> usize {
+        match self {
+            Self::Of(regressor) => regressor as usize,
+            Self::Offset0 => COUNT,
+            Self::Ramp0 => COUNT + 1,
+            Self::MidLag => COUNT + 2,
+            Self::MidLoss => COUNT + 3,
+        }
+    }
+
     /// The regressors that it moves.
     #[inline]
-    pub(super) fn regressors(self) -> [usize; 2] {
+    pub(super) const fn regressors(self) -> [usize; 2] {
         match self {
             Self::Of(regressor) => [regressor as usize; 2],
             Self::Offset0 => [Regressor::Offset1 as usize, Regressor::Offset2 as usize],

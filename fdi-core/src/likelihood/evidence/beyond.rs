@@ -1,19 +1,20 @@
 //! What the regressors hold beyond the nuisances, and what comes of freeing some of them.
 
-use super::{Estimate, Nuisance, Prior, along, between};
+use super::{Estimate, Prior, along, between};
 use crate::bounds::larger;
 use crate::likelihood::cholesky::Cholesky;
 use crate::likelihood::normal::Normal;
-use crate::likelihood::regressor::Regressor;
+use crate::likelihood::regressor::{Direction, Regressor};
 use crate::vector::dot;
 
 /// The sums of the regression, divided by kappa, less what the nuisances share with them.
-pub(in crate::likelihood) struct Beyond<'a, const N: usize, const H: usize> {
-    pub(super) list: &'a [Nuisance],
+pub(in crate::likelihood) struct Beyond<const N: usize, const H: usize> {
+    /// Standard deviation of the nuisance of each direction; 0 where there is none.
+    pub(super) narrow: [f32; Direction::COUNT],
     pub(super) left: Normal<N, H>,
 }
 
-impl<const N: usize, const H: usize> Beyond<'_, N, H> {
+impl<const N: usize, const H: usize> Beyond<N, H> {
     /// Frees one parameter, or two.
     #[inline(never)]
     pub(in crate::likelihood) fn estimate(&self, first: Prior, second: Option<Prior>) -> Estimate {
@@ -32,9 +33,10 @@ impl<const N: usize, const H: usize> Beyond<'_, N, H> {
 
     /// A parameter that is a nuisance as well is the sum of both parts: what the data say of the free one says as much of the sum.
     fn with_nuisance(&self, free: Prior, value: f32, variance: f32) -> (f32, f32) {
-        let Some(&(_, sd)) = self.list.iter().find(|(p, _)| *p == free.direction) else {
+        let sd = self.narrow[free.direction.place()];
+        if sd == 0.0 {
             return (value, variance);
-        };
+        }
         let (narrow, wide) = (sd * sd, free.sd * free.sd);
         let share = wide / (narrow + wide);
         let apart = narrow * share;
@@ -43,24 +45,20 @@ impl<const N: usize, const H: usize> Beyond<'_, N, H> {
         (value / share, larger(0.01 * apart * 0.01, both))
     }
 
-    /// Frees how large a change is that moves regressors by these weights where it is 1, with mean and standard deviation of its prior.
+    /// What some regressors hold beyond the nuisances, for changes that move all of these together.
     #[inline(never)]
-    pub(in crate::likelihood) fn estimate_along<const M: usize>(
-        &self,
-        weights: &[(Regressor, f32); M],
-        prior: (f32, f32),
-    ) -> Estimate {
-        let (mut information, mut score) = (0.0, 0.0);
-        for (i, &(regressor, weight)) in weights.iter().enumerate() {
+    pub(in crate::likelihood) fn among<const M: usize>(&self, regressors: &[Regressor; M]) -> Among<M> {
+        let mut among = Among { information: [[0.0; M]; M], score: [0.0; M] };
+        for (i, &regressor) in regressors.iter().enumerate() {
             let regressor = regressor as usize;
-            score += weight * self.left.b[regressor % N];
-            let mut across = 0.0;
-            for &(other, by) in weights.iter().take(i) {
-                across += by * self.left.a(regressor, other as usize);
+            among.score[i] = self.left.b[regressor % N];
+            // Both halves in the lower one: a product of two regressors counts twice.
+            for (j, &other) in regressors.iter().enumerate().take(i) {
+                among.information[i][j] = 2.0 * self.left.a(regressor, other as usize);
             }
-            information += weight * (2.0 * across + weight * self.left.a(regressor, regressor));
+            among.information[i][i] = self.left.a(regressor, regressor);
         }
-        estimate([larger(0.0, information), 0.0, 0.0], [score, 0.0], [prior, (0.0, 0.0)])
+        among
     }
 
     /// By how much each of some regressors has changed, if all may have at once: posterior means, each with a prior of mean 0 and this
@@ -85,6 +83,28 @@ impl<const N: usize, const H: usize> Beyond<'_, N, H> {
         factor.backward(&mut changes);
         changes.iter_mut().zip(regressors).for_each(|(change, (_, sd))| *change *= sd);
         (changes, gain)
+    }
+}
+
+/// Information and score of some regressors: see [`Beyond::among`].
+pub(in crate::likelihood) struct Among<const M: usize> {
+    information: [[f32; M]; M],
+    score: [f32; M],
+}
+
+impl<const M: usize> Among<M> {
+    /// Frees how large a change is that moves the regressors by these weights where it is 1, with mean and standard deviation of its prior.
+    #[inline(never)]
+    pub(in crate::likelihood) fn estimate(&self, weights: &[f32; M], prior: (f32, f32)) -> Estimate {
+        let (mut information, mut score) = (0.0, 0.0);
+        for (i, (weight, row)) in weights.iter().zip(&self.information).enumerate() {
+            if *weight != 0.0 {
+                score += weight * self.score[i];
+                let across: f32 = row.iter().zip(weights).take(i + 1).map(|(a, by)| a * by).sum();
+                information += weight * across;
+            }
+        }
+        estimate([larger(0.0, information), 0.0, 0.0], [score, 0.0], [prior, (0.0, 0.0)])
     }
 }
 

@@ -3,7 +3,7 @@ extern crate std;
 use std::vec;
 use std::vec::Vec;
 
-use super::super::hypothesis::{HYPOTHESES, SINCE_ONSET, SINCE_TRAINING};
+use super::super::hypothesis::{ALL_PAIRS, HYPOTHESES, SINCE_ONSET, SINCE_TRAINING};
 use super::super::reference::{Matrix, Random, identity, inverse, solve};
 use super::super::regressor::{COUNT, Regressor, Regressors};
 use super::*;
@@ -224,7 +224,7 @@ fn the_evidence_is_that_of_the_joint_distribution() {
         let alone = problem.log_evidence(&narrow(list));
         let explained = problem.explained(&narrow(list));
         close("explained", nuisances.explained, explained, 1e-4 * (1.0 + explained));
-        let beyond = nuisances.beyond();
+        let beyond = nuisances.beyond(&ALL_PAIRS);
         for (first, second) in FREED {
             let wanted = problem.log_evidence(&with(list, first, second)) - alone;
             let tolerance = 1e-3 * (1.0 + wanted.abs() + alone.abs()) + problem.rounding(first, second);
@@ -241,7 +241,7 @@ fn values_are_those_of_the_posterior() {
         let normal = problem.normal();
         let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 3.0);
         let values = nuisances.values();
-        let beyond = nuisances.beyond();
+        let beyond = nuisances.beyond(&ALL_PAIRS);
         for (first, second) in FREED {
             let (_, mean, sd) = problem.posterior(&with(&SINCE_ONSET, first, second));
             let estimate = beyond.estimate(first, second);
@@ -266,7 +266,7 @@ fn a_parameter_that_is_a_nuisance_as_well_is_the_sum_of_both() {
     for seed in 61..81 {
         let problem = Problem::new(&mut Random::new(seed), 60, 1.0, 1.5);
         let normal = problem.normal();
-        let beyond = Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond();
+        let beyond = Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond(&ALL_PAIRS);
         for row in HYPOTHESES.iter().filter(|row| row.second.is_none() && row.first.mean == 0.0) {
             let first = row.first;
             let Some(which) = SINCE_ONSET.iter().position(|(direction, _)| *direction == first.direction)
@@ -325,7 +325,7 @@ fn single_precision_is_enough_for_long_and_large_sums() {
     for seed in 101..131 {
         let problem = Problem::new(&mut Random::new(seed), 1000, 1.0, 1.5);
         let normal = problem.normal();
-        let beyond = Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond();
+        let beyond = Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond(&ALL_PAIRS);
         let (alone, ..) = problem.posterior(&narrow(&SINCE_ONSET));
         for (first, second) in FREED {
             let (log_evidence, mean, sd) = problem.posterior(&with(&SINCE_ONSET, first, second));
@@ -348,7 +348,7 @@ fn nothing_seen_gains_nothing() {
     let eleven = [SINCE_ONSET[0]; MOST + 1];
     let nuisances = Nuisances::new(&normal, &eleven, 1.5);
     assert_eq!(nuisances.explained, 0.0);
-    let beyond = nuisances.beyond();
+    let beyond = nuisances.beyond(&ALL_PAIRS);
     for (first, second) in FREED {
         let estimate = beyond.estimate(first, second);
         assert_eq!(

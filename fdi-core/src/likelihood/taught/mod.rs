@@ -15,5 +15,5 @@ mod response;
 mod weigh;
 
 pub use response::{Changed, EFFECTS, Effects, Full, MAX_TAUGHT, Mean, Response, Responses, names, put};
-pub(super) use response::{of_hypothesis, spreads};
+pub(super) use response::{REGRESSORS, of_hypothesis, spreads};
 pub(super) use weigh::{Weighed, likeliest, weigh};

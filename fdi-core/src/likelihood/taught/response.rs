@@ -59,7 +59,7 @@ const fn degrees(regressor: Regressor) -> Effect {
     Effect { regressor, step: 0.01 }
 }
 
-static ALL: [Effect; EFFECTS] = [
+const ALL: [Effect; EFFECTS] = [
     share(Regressor::Power),
     share(Regressor::LessFlow),
     share(Regressor::MoreFlow),
@@ -78,6 +78,16 @@ static ALL: [Effect; EFFECTS] = [
 pub fn names() -> [&'static str; EFFECTS] {
     core::array::from_fn(|i| ALL[i].regressor.name().0)
 }
+
+/// The regressors of the effects.
+pub(in crate::likelihood) const REGRESSORS: [Regressor; EFFECTS] = {
+    let (mut regressors, mut i) = ([Regressor::Power; EFFECTS], 0);
+    while i < EFFECTS {
+        regressors[i] = ALL[i].regressor;
+        i += 1;
+    }
+    regressors
+};
 
 /// The regressors with their spreads: those of the hypotheses of one regressor each.
 pub(in crate::likelihood) fn spreads(tuning: Tuned) -> [(Regressor, f32); EFFECTS] {
@@ -144,9 +154,9 @@ impl Response {
         self.effects == [0; EFFECTS]
     }
 
-    /// Its regressors, each with what it changes.
-    pub(super) fn weights(&self) -> [(Regressor, f32); EFFECTS] {
-        core::array::from_fn(|i| (ALL[i].regressor, f32::from(self.effects[i]) * ALL[i].step))
+    /// What it changes of each of [`regressors`].
+    pub(super) fn weights(&self) -> Effects {
+        core::array::from_fn(|i| f32::from(self.effects[i]) * ALL[i].step)
     }
 }
 
@@ -166,8 +176,8 @@ mod tests {
         let kept = Response::new(Name::NONE, &effects);
         assert_eq!(kept.effects, [-250, 0, 0, 150, 0, i16::MAX, 0, 0, 0, 0, 0]);
         let weights = kept.weights();
-        assert_eq!((weights[0].0, weights[3].0), (Regressor::Power, Regressor::Offset1));
-        assert!((weights[0].1 + 0.25).abs() < 1e-6 && (weights[3].1 - 1.5).abs() < 1e-6, "{weights:?}");
+        assert_eq!((REGRESSORS[0], REGRESSORS[3]), (Regressor::Power, Regressor::Offset1));
+        assert!((weights[0] + 0.25).abs() < 1e-6 && (weights[3] - 1.5).abs() < 1e-6, "{weights:?}");
     }
 
     #[test]

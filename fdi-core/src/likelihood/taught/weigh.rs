@@ -1,6 +1,6 @@
 //! Is what is seen a fault that was taught? Each response is a hypothesis that frees its size, beside all that the bank has.
 
-use super::response::{MAX_TAUGHT, Responses};
+use super::response::{MAX_TAUGHT, REGRESSORS, Responses};
 use crate::bounds::{larger, smaller};
 use crate::likelihood::evidence::{Beyond, Estimate};
 use crate::likelihood::hypothesis::IMPOSSIBLE;
@@ -14,11 +14,15 @@ pub(in crate::likelihood) type Weighed = [Estimate; MAX_TAUGHT];
 pub(in crate::likelihood) fn weigh<const N: usize, const H: usize>(
     t: &TaughtTuning,
     responses: &Responses,
-    beyond: &Beyond<'_, N, H>,
+    beyond: &Beyond<N, H>,
 ) -> Weighed {
     let mut weighed = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; MAX_TAUGHT];
+    if responses.is_empty() {
+        return weighed;
+    }
+    let among = beyond.among(&REGRESSORS);
     for (weighed, response) in weighed.iter_mut().zip(responses) {
-        let estimate = beyond.estimate_along(&response.weights(), (1.0, t.size_sd));
+        let estimate = among.estimate(&response.weights(), (1.0, t.size_sd));
         if estimate.gain > t.least_gain && estimate.value > t.least_size && estimate.value < t.most_size {
             *weighed = Estimate { gain: estimate.gain + t.prior, ..estimate };
         }
@@ -56,7 +60,7 @@ mod tests {
     use super::super::response::{EFFECTS, Response};
     use super::*;
     use crate::likelihood::evidence::Nuisances;
-    use crate::likelihood::hypothesis::SINCE_ONSET;
+    use crate::likelihood::hypothesis::{ALL_PAIRS, SINCE_ONSET};
     use crate::likelihood::normal::Normal;
     use crate::likelihood::regressor::{COUNT, Regressor};
 
@@ -98,7 +102,7 @@ mod tests {
         let mut row = [[0.0; 2]; COUNT];
         row[Regressor::Offset2 as usize] = [0.0, 20.0];
         (0..50).for_each(|_| normal.add(&row, [0.0, 30.0], 1.0));
-        let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond();
+        let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond(&ALL_PAIRS);
         let mut responses = named(&["low", "none", "tiny", "high"]);
         for (response, offset) in responses.iter_mut().zip([-150, 0, 1, 150]) {
             response.effects = [0; EFFECTS];

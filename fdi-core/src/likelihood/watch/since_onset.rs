@@ -14,7 +14,7 @@ use crate::bounds::{bounded, larger, smaller};
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::class::FaultClass;
 use crate::likelihood::evidence::{Estimate, Nuisances};
-use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, Hypothesis, IMPOSSIBLE};
+use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, Hypothesis, IMPOSSIBLE, PAIRS, TAUGHT_PAIRS};
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::normal::Normal;
 use crate::likelihood::onset::{Nominal, Onset};
@@ -73,6 +73,14 @@ pub(super) struct Seen<'a> {
     pub(super) usual: &'a Usual,
     /// Rises that were measured on the tick before, degC.
     pub(super) measured: [f32; 2],
+}
+
+/// What the hypotheses make of all since the onset.
+struct Judged {
+    estimate: [Estimate; COUNT],
+    taught: Weighed,
+    /// What the nuisances leave of the residual sum of squares.
+    left: f32,
 }
 
 /// What others have to know of a tick.
@@ -138,14 +146,14 @@ impl SinceOnset {
         }
         let row = s.onset.step(&seen.times.onset, seen.filter, seen.nominal);
         s.power_response = row[Regressor::Power as usize];
-        if let Some(alarm) = &s.alarm {
-            if alarm.age > t.forgets_from {
-                s.since.scale(seen.times.forgets);
+        match &s.alarm {
+            Some(alarm) => {
+                let forgets = if alarm.age > t.forgets_from { seen.times.forgets } else { 1.0 };
+                let keep = [forgets, seen.times.window];
+                Normal::add_to_both([&mut s.since, &mut s.window], keep, &row, z, weight);
             }
-            s.window.scale(seen.times.window);
-            s.window.add(&row, z, weight);
+            None => s.since.add(&row, z, weight),
         }
-        s.since.add(&row, z, weight);
     }
 
     /// Whether this tick's innovations are out of all proportion to those since the onset.
@@ -166,20 +174,20 @@ impl SinceOnset {
             return Outcome::Nothing;
         }
         s.candidate += self.sample_time / seen.times.time_scale;
-        let (mut estimate, taught, left) = self.judge(s, seen);
-        let posterior = Posterior::new(&estimate);
+        let mut judged = self.judge(s, seen);
+        let posterior = Posterior::new(&judged.estimate);
         let t = &self.tuning.alarm;
         let best = posterior.best % COUNT;
         let least = seen.usual.least_since_onset(HYPOTHESES[best].class, self.least_power);
-        if posterior.best_gain > t.raise && estimate[best].value.abs() >= least {
+        if posterior.best_gain > t.raise && judged.estimate[best].value.abs() >= least {
             let age = s.onset.age.saturating_sub(1);
             s.window = s.since;
             let mut alarm = Alarm::new(seen.tick.saturating_sub(age));
-            self.name(s, &mut alarm, &mut estimate, &taught, left);
+            self.name(s, &mut alarm, &mut judged);
             s.alarm = Some(alarm);
             // What stirred before and does not explain what is seen was something else, which went on until the process changed, too.
             let old = age as f32 * self.sample_time > t.before * seen.times.time_scale;
-            if old && left - 2.0 * t.kappa * posterior.best_gain > t.inexplicable * s.since.count {
+            if old && judged.left - 2.0 * t.kappa * posterior.best_gain > t.inexplicable * s.since.count {
                 s.since.forget(&PROCESS);
                 s.window.forget(&PROCESS);
                 s.onset.process_again = true;
@@ -203,8 +211,7 @@ impl SinceOnset {
         alarm.turn = !alarm.turn;
         let young = alarm.age < t.young;
         if young || alarm.turn {
-            let (mut estimate, taught, left) = self.judge(s, seen);
-            self.name(s, &mut alarm, &mut estimate, &taught, left);
+            self.name(s, &mut alarm, &mut self.judge(s, seen));
         }
         let over = (young || !alarm.turn) && self.is_over(s, &alarm, seen.usual);
         s.alarm = Some(alarm);
@@ -218,22 +225,30 @@ impl SinceOnset {
         Outcome::Nothing
     }
 
-    /// Gains of all hypotheses since the onset, and of what was taught; what the nuisances leave of the residual sum of squares.
-    fn judge(&self, s: &SinceOnsetState, seen: &Seen) -> ([Estimate; COUNT], Weighed, f32) {
+    /// Gains of all hypotheses since the onset, and of what was taught.
+    #[inline(never)]
+    fn judge(&self, s: &SinceOnsetState, seen: &Seen) -> Judged {
         let nuisances = seen.usual.since_onset();
         let nuisances = Nuisances::new(&s.since, &nuisances, self.tuning.alarm.kappa);
         let left = s.since.energy - nuisances.explained;
-        let beyond = nuisances.beyond();
-        let mut estimate = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; COUNT];
-        for (estimate, row) in
-            estimate.iter_mut().zip(self.tuning.hypotheses()).filter(|(_, row)| self.asks(seen.times, row))
+        let beyond = nuisances.beyond(if self.taught.is_empty() { &PAIRS } else { &TAUGHT_PAIRS });
+        let mut judged = Judged {
+            estimate: [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; COUNT],
+            taught: weigh(&self.tuning.taught, &self.taught, &beyond),
+            left,
+        };
+        for (estimate, row) in judged
+            .estimate
+            .iter_mut()
+            .zip(self.tuning.hypotheses())
+            .filter(|(_, row)| self.asks(seen.times, row))
         {
             *estimate = row.judged(beyond.estimate(row.first, row.second_at(s.at_onset)));
             if let Some(second) = row.later(&self.tuning.hypotheses, estimate.value) {
                 *estimate = row.judged(beyond.estimate(row.first, Some(second)));
             }
         }
-        (estimate, weigh(&self.tuning.taught, &self.taught, &beyond), left)
+        judged
     }
 
     /// Whether a fault can be told here. What a controller holds looks stuck, or as if the heater gave always the same, where only slow answers
@@ -245,6 +260,7 @@ impl SinceOnset {
     }
 
     /// Whether the nuisances alone explain what was seen of late better than the fault as it was.
+    #[inline(never)]
     fn is_over(&self, s: &SinceOnsetState, alarm: &Alarm, usual: &Usual) -> bool {
         let row = &HYPOTHESES[alarm.hypothesis % COUNT];
         let [value, second] = alarm.values;
@@ -286,7 +302,7 @@ impl SinceOnsetState {
     pub(in crate::likelihood) fn explained(&self, tuning: Tuned) -> Option<[(FaultClass, f32); COUNT]> {
         self.alarm.as_ref()?;
         let kappa = tuning.alarm.kappa;
-        let alone = Nuisances::new(&self.since, &[], kappa).beyond();
+        let alone = Nuisances::new(&self.since, &[], kappa).beyond(&PAIRS);
         let energy = larger(1.0, self.since.energy - self.since.count);
         Some(core::array::from_fn(|h| {
             let row = &tuning.hypotheses()[h];

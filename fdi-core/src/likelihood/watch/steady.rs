@@ -7,7 +7,7 @@
 use crate::bounds::{bounded, smaller};
 use crate::filter::LowPass;
 use crate::likelihood::evidence::{Estimate, Nuisance, Nuisances};
-use crate::likelihood::hypothesis::{self, IMPOSSIBLE};
+use crate::likelihood::hypothesis::{self, IMPOSSIBLE, PAIRS};
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::normal::LastingNormal;
 use crate::likelihood::regressor::{LASTING, Regressor, Regressors};
@@ -162,7 +162,7 @@ impl Steady {
         inputs: Inputs,
     ) {
         let both = self.with_means(1.0, inputs);
-        let beyond = Nuisances::new(&both, nuisances, self.tuning.since_training.kappa).beyond();
+        let beyond = Nuisances::new(&both, nuisances, self.tuning.since_training.kappa).beyond(&PAIRS);
         for (estimate, hypothesis) in estimate.iter_mut().zip(self.tuning.hypotheses()) {
             *estimate = Estimate { gain: IMPOSSIBLE, ..Estimate::default() };
             if hypothesis.lasting && inputs.tell(hypothesis.class) {
@@ -177,7 +177,7 @@ impl Steady {
         let mostly_means = self.with_means(self.tuning.since_training.fast_in_size, inputs);
         let hypothesis = &self.tuning.hypotheses()[h % hypothesis::COUNT];
         Nuisances::new(&mostly_means, nuisances, self.tuning.since_training.kappa)
-            .beyond()
+            .beyond(&PAIRS)
             .estimate(hypothesis.first, None)
     }
 

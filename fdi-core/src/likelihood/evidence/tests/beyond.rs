@@ -20,8 +20,10 @@ fn several_columns_are_freed_as_their_weighted_sum_is() {
         let wanted = problem.log_evidence(&with(&SINCE_ONSET, first, None))
             - problem.log_evidence(&narrow(&SINCE_ONSET));
         let normal = problem.normal();
-        let estimate =
-            Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond().estimate_along(&weights, (mean, sd));
+        let estimate = Nuisances::new(&normal, &SINCE_ONSET, 1.5)
+            .beyond(&ALL_PAIRS)
+            .among(&weights.map(|(regressor, _)| regressor))
+            .estimate(&weights.map(|(_, weight)| weight), (mean, sd));
         close("gain", estimate.gain, wanted, 1e-3 * (10.0 + wanted.abs()) + problem.rounding(first, None));
         let (mean, sd) = (means[SINCE_ONSET.len()], sds[SINCE_ONSET.len()]);
         close("value", estimate.value, mean, 0.01 * sd + 1e-3 * mean.abs());
@@ -44,14 +46,15 @@ fn changes_are_those_of_the_posterior() {
         let priors: Vec<Gaussian> = narrow(&SINCE_ONSET).into_iter().chain(wide).collect();
         let (_, mean, sd) = problem.posterior(&priors);
         let normal = problem.normal();
-        let (changes, gain) = Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond().changes(&regressors);
+        let (changes, gain) =
+            Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond(&ALL_PAIRS).changes(&regressors);
         let wanted = problem.posterior(&priors).0 - problem.posterior(&narrow(&SINCE_ONSET)).0;
         close("gain", gain, wanted, 1e-3 * (10.0 + wanted.abs()));
         for (i, change) in (SINCE_ONSET.len()..).zip(changes) {
             close("change", change, mean[i], 0.02 * sd[i] + 1e-3 * mean[i].abs());
         }
         assert_eq!(
-            Nuisances::new(&<Normal>::default(), &SINCE_ONSET, 1.5).beyond().changes(&regressors).0,
+            Nuisances::new(&<Normal>::default(), &SINCE_ONSET, 1.5).beyond(&ALL_PAIRS).changes(&regressors).0,
             [0.0; 4]
         );
     }

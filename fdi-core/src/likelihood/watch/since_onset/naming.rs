@@ -1,13 +1,12 @@
 //! From gains to words: which class is said, how surely, and how large it is.
 
-use super::{SinceOnset, SinceOnsetState};
+use super::{Judged, SinceOnset, SinceOnsetState};
 use crate::bounds::{larger, smaller};
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::class::{FaultClass, Quantity};
 use crate::likelihood::evidence::Estimate;
 use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, in_unit};
 use crate::likelihood::posterior::Posterior;
-use crate::likelihood::taught::Weighed;
 use crate::likelihood::tuning::NamingTuning;
 use crate::likelihood::verdict::{Finding, Magnitude};
 use crate::root::sqrt;
@@ -26,15 +25,10 @@ impl NamingTuning {
 }
 
 impl SinceOnset {
-    /// Names the fault by a ranking of the hypotheses; `left` is what the nuisances leave of the residual sum of squares.
-    pub(super) fn name(
-        &self,
-        s: &SinceOnsetState,
-        alarm: &mut Alarm,
-        estimate: &mut [Estimate; COUNT],
-        taught: &Weighed,
-        left: f32,
-    ) {
+    /// Names the fault by a ranking of the hypotheses.
+    #[inline(never)]
+    pub(super) fn name(&self, s: &SinceOnsetState, alarm: &mut Alarm, judged: &mut Judged) {
+        let Judged { estimate, taught, left } = judged;
         let t = &self.tuning.naming;
         if alarm.age < t.process_time {
             for (estimate, row) in estimate.iter_mut().zip(&HYPOTHESES) {
@@ -57,7 +51,7 @@ impl SinceOnset {
             false => t.process,
         };
         let (class, confidence) = named(t, &posterior, least);
-        let unexplained = left - 2.0 * self.tuning.alarm.kappa * gain;
+        let unexplained = *left - 2.0 * self.tuning.alarm.kappa * gain;
         let fits = fits(s, unexplained, if alarm.strange { [t.fits, t.fits_share] } else { t.strange() });
         alarm.misfit += t.misfit_share * (if fits { 0.0 } else { 1.0 } - alarm.misfit);
         // A named fault that has just ended fits nothing either.
@@ -72,7 +66,7 @@ impl SinceOnset {
         } else if confidence > self.naming || was == Some(class) {
             alarm.finding = (confidence > self.naming - t.unname).then_some(finding);
         }
-        self.recall(s, alarm, taught, posterior.evidence(), left);
+        self.recall(s, alarm, taught, posterior.evidence(), *left);
     }
 }
 

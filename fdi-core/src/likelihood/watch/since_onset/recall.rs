@@ -5,7 +5,7 @@ use super::{SinceOnset, SinceOnsetState};
 use crate::bounds::smaller;
 use crate::likelihood::alarm::Alarm;
 use crate::likelihood::evidence::{Estimate, Nuisances};
-use crate::likelihood::hypothesis::{COUNT, HYPOTHESES};
+use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, TAUGHT_PAIRS};
 use crate::likelihood::taught::{Changed, Weighed, likeliest, of_hypothesis, spreads};
 use crate::likelihood::usual::Usual;
 use crate::likelihood::verdict::{Magnitude, TaughtFinding};
@@ -48,8 +48,9 @@ impl SinceOnsetState {
     pub(in crate::likelihood) fn changed(&self, usual: &Usual) -> Option<Changed> {
         let t = usual.tuning;
         let alarm = self.alarm.as_ref().filter(|alarm| alarm.age >= t.naming.process_time)?;
-        let (all, gain) =
-            Nuisances::new(&self.since, &usual.since_onset(), t.alarm.kappa).beyond().changes(&spreads(t));
+        let (all, gain) = Nuisances::new(&self.since, &usual.since_onset(), t.alarm.kappa)
+            .beyond(&TAUGHT_PAIRS)
+            .changes(&spreads(t));
         let likeliest = of_hypothesis(&HYPOTHESES[alarm.hypothesis % COUNT], alarm.values);
         let effects = likeliest.filter(|_| alarm.evidence > gain).unwrap_or(all);
         Some(Changed { onset: alarm.onset, effects })

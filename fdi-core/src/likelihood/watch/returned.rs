@@ -6,7 +6,7 @@
 
 use super::innovations::Innovations;
 use super::times::Times;
-use crate::bounds::{bounded, larger};
+use crate::bounds::larger;
 use crate::likelihood::evidence::Nuisances;
 use crate::likelihood::hypothesis::PAIRS;
 use crate::likelihood::inputs::Inputs;
@@ -40,9 +40,8 @@ impl Returned {
         expected: f32,
     ) -> bool {
         let t = &self.tuning.since_training;
-        let z = innovations.z_trained.map(|z| bounded(z, -t.clip, t.clip));
         s.normal.scale(times.recent);
-        s.normal.add(&innovations.regressors, z, 1.0);
+        s.normal.add(&innovations.regressors, innovations.z_trained, 1.0);
         s.ticks = s.ticks.saturating_add(1);
         let asked_from = times.ticks(2.0 * self.tuning.times.split, self.sample_time);
         s.ticks >= asked_from

@@ -1,6 +1,6 @@
 // A real board: the steps of its commissioning, its console, all of its settings.
-import { $, lab } from "lab/state.js";
-import { escape, say } from "lab/strings.js";
+import { $, isOff, lab } from "lab/state.js";
+import { escape, num, say } from "lab/strings.js";
 import { order } from "lab/talk.js";
 
 const LINES = 400; // of the console that are kept
@@ -18,6 +18,21 @@ export function said({ text }) {
   const atEnd = log.scrollTop + log.clientHeight > log.scrollHeight - 30;
   log.textContent = told.join("\n");
   if (atEnd) log.scrollTop = log.scrollHeight;
+}
+
+// Does a core beside the board come to the same bits? Where the log was not heard from the start, the board may start anew.
+export function agrees(message) {
+  lab.agrees = message;
+}
+export function kept(message) {
+  lab.kept = message;
+}
+export function beside() {
+  const { agrees: told, kept: log } = lab;
+  const how = !told ? "" : told.why ? say("agrees_other", told) : !told.whole ? say("agrees_not") : "differs" in told ? say("agrees_differs", { ...told, tick: told.differs }) : say("agrees_same", told);
+  $("agrees").textContent = how;
+  $("restart").hidden = !told || told.whole || !isOff();
+  $("kept").textContent = log ? say(log.full ? "kept_full" : "kept", { mb: num(log.bytes / 1e6, 1) }) : "";
 }
 
 export function calibrate() {

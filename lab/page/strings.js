@@ -296,6 +296,38 @@ const TABLE = {
   r_no_connection: ["there is no connection.", "não há ligação."],
   r_stranger: ["the server does not know this page any more; load it again.", "o servidor já não conhece esta página; carregue-a de novo."],
   anew: ["Begin anew", "Recomeçar"],
+  r_stop_gone: ["the stop has NOT reached the board, which goes on by itself: press its button.", "a paragem NÃO chegou à placa, que continua por si: carregue no botão dela."],
+  // A board at a port of this computer
+  real_board: ["Real board", "Placa real"],
+  connect: ["Connect a board", "Ligar uma placa"],
+  connect_any: ["Any port", "Qualquer porta"],
+  connecting: ["Looking for the board …", "À procura da placa …"],
+  connected: ["The board is there. Its heater is as it was; Stop stops it at once.", "A placa responde. O aquecedor está como estava; Desligar desliga-o logo."],
+  no_serial: [
+    "This browser cannot open serial ports: open this page in Chrome or Edge on a computer, or use pt326 live --board.",
+    "Este navegador não abre portas série: abra esta página no Chrome ou no Edge num computador, ou use pt326 live --board.",
+  ],
+  no_port: [
+    "No port was chosen: plug the board in by its ST-LINK's USB, then connect again; Any port lists the others, too.",
+    "Nenhuma porta foi escolhida: ligue a placa pelo USB do ST-LINK e tente de novo; Qualquer porta mostra também as outras.",
+  ],
+  port_busy: [
+    "The port is in use, or not for this user: close the other tab or program that has it (on Linux, join the group dialout), then connect again.",
+    "A porta está ocupada ou vedada a este utilizador: feche o separador ou programa que a tem (em Linux, entre no grupo dialout) e tente de novo.",
+  ],
+  no_board: ["No board to watch on this port: {why}", "Não há placa que se possa vigiar nesta porta: {why}"],
+  save_log: ["Save log", "Guardar registo da placa"],
+  kept: ["Log kept in this page: {mb} MB", "Registo guardado nesta página: {mb} MB"],
+  kept_full: ["The log has grown to {mb} MB, and nothing more is kept: save it, and connect anew.", "O registo chegou a {mb} MB e nada mais se guarda: guarde-o e ligue de novo."],
+  back: ["Back to the simulated rig", "Voltar à bancada simulada"],
+  agrees_same: ["Same bits: a core beside the board has come to every number of {ticks} ticks.", "Os mesmos bits: um núcleo ao lado da placa chegou a todos os números de {ticks} amostras."],
+  agrees_not: [
+    "The log was not heard from the board's start, so no core can run beside it: what the models expect is not shown.",
+    "O registo não foi ouvido desde o arranque da placa, e nenhum núcleo pode correr ao lado: o que os modelos esperam não se mostra.",
+  ],
+  agrees_differs: ["From tick {tick} on the board says another {name} than the core beside it.", "Da amostra {tick} em diante a placa diz outro {name} que o núcleo ao lado."],
+  agrees_other: ["No core runs beside this board: {why}", "Nenhum núcleo corre ao lado desta placa: {why}"],
+  c_restart: ["Start the board anew", "Arrancar a placa de novo"],
   // Commissioning of a board
   commissioning: ["Commissioning", "Colocação em serviço"],
   c_thermistors: ["Thermistors: at rest, all three at one known temperature", "Termístores: em repouso, os três à mesma temperatura conhecida"],

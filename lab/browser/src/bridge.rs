@@ -2,10 +2,12 @@
 //!
 //! A connection is an open port. The server says "open" once it is, and closes where the port cannot be opened or has gone.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
+use std::time::Duration;
 
 use anyhow::{Context, bail};
 use base64::Engine;
@@ -84,25 +86,35 @@ pub fn serve(path: String) -> anyhow::Result<String> {
     Ok(address)
 }
 
+/// How long a read waits for a byte: so long a port stays open behind a page that has closed it.
+const PATIENCE: Duration = Duration::from_millis(20);
+
 /// One connection, as long as the port lasts and the page wants it.
 fn connect(mut stream: TcpStream, path: &str) -> anyhow::Result<()> {
     shake_hands(&mut stream)?;
-    let port = File::options().read(true).write(true).open(path)?;
+    let port = serialport::new(path, 115_200).timeout(PATIENCE).exclusive(false).open()?;
     frame(&mut stream, 0x1, b"open")?;
     let (mut to_page, mut from_board) = (stream.try_clone()?, port.try_clone()?);
-    let mut to_board = port;
+    let (mut to_board, closed) = (port, Arc::new(AtomicBool::new(false)));
+    let ended = closed.clone();
     thread::spawn(move || {
         let mut bytes = [0; 1024];
-        while let Ok(n @ 1..) = from_board.read(&mut bytes) {
+        while !ended.load(Ordering::Relaxed) {
+            let n = match from_board.read(&mut bytes) {
+                Ok(n @ 1..) => n,
+                Err(error) if error.kind() == ErrorKind::TimedOut => continue,
+                _ => break,
+            };
             if frame(&mut to_page, 0x2, &bytes[..n]).is_err() {
                 break;
             }
         }
         let _ = to_page.shutdown(std::net::Shutdown::Both);
     });
-    while let Some(bytes) = read_frame(&mut stream)? {
+    while let Ok(Some(bytes)) = read_frame(&mut stream) {
         to_board.write_all(&bytes)?;
     }
+    closed.store(true, Ordering::Relaxed);
     Ok(())
 }
 

@@ -99,3 +99,69 @@ fn from_a_file_to_a_fault_that_is_named_with_the_same_bits() {
     assert!(ticks.as_u64().is_some_and(|ticks| ticks > 1500), "{ticks}");
     assert_eq!(browser.complaints().expect("the console"), Vec::<String>::new());
 }
+
+#[test]
+#[ignore = "needs `cargo fw` and a built virtual-board"]
+fn a_stop_goes_in_the_middle_of_a_line_and_is_the_last_word() {
+    let board = Board::start(&["--speed", "4"]);
+    let browser = beside(&board);
+    connect(&browser);
+    // A wire on which a byte takes 20 ms: the stop does not wait for the rest of the line, nor for what was ordered behind it.
+    let stopped = r##"wire.ms = 20; const from = wire.sent.length;
+        type("set setpoint 36.000000000000000000000000000000000000"); type("arm"); lab.send({ command: "order", order: { order: "arm" } });
+        await sleep(150); click("#stop"); await until(() => sent(from).includes("\x03")); wire.ms = 0; await sleep(1500);
+        return [sent(from), lab.row().setpoint, lab.row().mode, /was stopped before it was done/.test($("#toast").textContent)]"##;
+    let stopped = on(&browser, stopped);
+    let line = stopped[0].as_str().expect("text");
+    let said = line.strip_suffix('\u{3}').unwrap_or_else(|| panic!("{line:?}"));
+    assert!("set setpoint 36.00000000000000000000000000".starts_with(said), "{line:?}");
+    assert_eq!([&stopped[1], &stopped[2], &stopped[3]], [&json!(35), &json!(0), &json!(true)]);
+    // Its keys, and typed; and the console goes on.
+    let keys = r##"const from = wire.sent.length;
+        for (const key of ["!", "Escape"]) $("#line").dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+        type(" stop it"); type("stat!us"); await until(() => sent(from).length > 3); await sleep(300); const all = sent(from);
+        type("status"); await told("mode off"); return all"##;
+    assert_eq!(on(&browser, keys), json!("\u{3}\u{3}\u{3}\u{3}"));
+    // On the wire soon, while the page draws and learns.
+    let soon = r##"const took = [];
+        for (let i = 0; i < 100; i++) {
+          lab.lab.dirty = true; type("get pid"); await frame(); await sleep(i % 7);
+          const begin = performance.now(), from = wire.sent.length; click("#stop");
+          await until(() => wire.sent.slice(from).some(([byte]) => byte === 3));
+          took.push(wire.sent.slice(from).find(([byte]) => byte === 3)[1] - begin);
+        }
+        return took.sort((a, b) => a - b)"##;
+    let took = on(&browser, soon);
+    println!("stop on the wire, ms: median {}, 99th of 100 {}, most {}", took[50], took[98], took[99]);
+    // Nothing heats without the second press, nor by a double click.
+    let pressed = r##"const from = wire.sent.length; const button = $("#desk-board [data-line=arm]"); button.click(); button.click();
+        await sleep(600); const asks = button.textContent; await sleep(5000); button.click(); await sleep(600); return [asks, sent(from).includes("arm")]"##;
+    assert_eq!(on(&browser, pressed), json!(["Yes, it may heat", false]));
+}
+
+#[test]
+#[ignore = "needs `cargo fw` and a built virtual-board"]
+fn a_cable_that_is_pulled_out_is_told_and_back_in_it_goes_on() {
+    let mut board = Board::start(&["--speed", "4"]);
+    let browser = beside(&board);
+    connect(&browser);
+    on(
+        &browser,
+        r##"await until(() => !$("#restart").hidden); click("#restart"); await until(() => /Same bits/.test($("#agrees").textContent))"##,
+    );
+    board.desk("unplug");
+    let gone = r##"await until(() => document.body.dataset.state === "lost"); const sub = $("#sub").textContent; $("#toast").textContent = ""; click("#stop");
+        await until(() => /NOT/.test($("#toast").textContent)); type("arm"); await until(() => /not told/.test($("#toast").textContent)); return sub"##;
+    let gone = on(&browser, gone);
+    assert!(gone.as_str().is_some_and(|text| text.contains("trips by itself")), "{gone}");
+    board.desk("plug");
+    let back = r##"const from = wire.sent.length; await until(() => document.body.dataset.state === "off"); await until(() => /not heard/.test($("#agrees").textContent));
+        const { parts } = await lab.ask({ command: "log" }); const log = await new Blob(parts).text();
+        return [log.startsWith("log format"), /# ticks \d+ to \d+ are missing/.test(log), sent(from).includes("arm"), Number.isFinite(lab.row().t1)]"##;
+    assert_eq!(on(&browser, back), json!([true, true, false, true]));
+    // The way back to the rig that was left, where it was; and the port is free again.
+    let rig = r##"click("#back"); await until(() => lab.lab.hello.kind === "simulated" && lab.lab.store?.end > 3300);
+        click("#connect"); await until(() => lab.lab.hello.kind === "board" && lab.lab.store?.end > 5); return 1"##;
+    assert_eq!(on(&browser, rig), json!(1));
+    assert_eq!(browser.complaints().expect("the console"), Vec::<String>::new());
+}

@@ -47,14 +47,27 @@ for (const [id, any] of [["connect", false], ["connect-any", true]]) {
 }
 $("link").addEventListener("click", async () => {
   const { scene, tick } = await ask({ command: "scene" });
-  history.replaceState(null, "", "#" + toLink(scene, tick));
+  const link = "#" + toLink(scene, tick);
+  history.replaceState(null, "", link);
+  // The address of a file is of use to nobody else.
+  const isFile = location.protocol === "file:";
   try {
-    await navigator.clipboard.writeText(location.href);
-    toast(say("copied"));
+    await navigator.clipboard.writeText(isFile ? link : location.href);
+    toast(say(isFile ? "copied_scene" : "copied"));
   } catch {
     toast(say("link_in_bar"));
   }
 });
+// A scene that is pasted or dropped, as a link or as its end.
+function scene(event, data) {
+  const [found] = /#s=[\w-]+/.exec(data?.getData("text") ?? "") ?? [];
+  if (!found || lab.hello?.kind !== "simulated" || /INPUT|TEXTAREA/.test(event.target.tagName)) return;
+  event.preventDefault();
+  location.hash = found;
+}
+addEventListener("paste", (event) => scene(event, event.clipboardData));
+addEventListener("drop", (event) => scene(event, event.dataTransfer));
+addEventListener("dragover", (event) => event.dataTransfer.types.includes("text/plain") && event.preventDefault());
 $("file").addEventListener("change", async ({ target }) => {
   const [file] = target.files;
   if (!file) return;

@@ -88,6 +88,10 @@ const TABLE = {
     "It cannot heat safely. Mend the cause, then acknowledge and arm.",
     "Não pode aquecer com segurança. Repare a causa, confirme e arme.",
   ],
+  acknowledge_now: [
+    "It cannot heat safely while that lasts. Nothing that was put in acts any more: acknowledge, then arm.",
+    "Não pode aquecer com segurança enquanto durar. Nada do que foi posto atua já: confirme e arme.",
+  ],
   measured_expected: [
     "<b>{measured} °C</b> measured, <b>{expected}</b> expected.",
     "<b>{measured} °C</b> medidos, <b>{expected}</b> esperados.",
@@ -157,6 +161,7 @@ const TABLE = {
   c_short: ["{t} wires touch", "{t} em curto"],
   c_lost: ["{t} lost", "{t} perdido"],
   c_swapped: ["{t} swapped", "{t} trocados"],
+  fault_put_in: ["A fault that was put in", "Uma avaria que foi posta"],
   c_unknown: ["Unknown", "Desconhecida"],
   c_alarm: ["alarm", "alarme"],
   // Parts and faults
@@ -264,9 +269,14 @@ const TABLE = {
   open_trace: ["Open a trace", "Abrir um registo"],
   copy_link: ["Copy link to this scene", "Copiar ligação desta cena"],
   copied: ["Link copied.", "Ligação copiada."],
+  copied_scene: [
+    "The scene is copied as text: paste it into any copy of this page, or drop it there.",
+    "A cena está copiada como texto: cole-a em qualquer cópia desta página, ou largue-a lá.",
+  ],
   link_in_bar: ["The link is in the address bar.", "A ligação está na barra de endereço."],
   back_to_rig: ["Back to the simulated rig", "Voltar à bancada simulada"],
-  bad_trace: ["This is no trace.csv: {why}", "Isto não é um trace.csv: {why}"],
+  no_trace: ["it is no recording of this instrument, since it has no column {name}. Open a trace.csv that Download or pt326 has written.", "não é um registo deste instrumento, pois não tem a coluna {name}. Abra um trace.csv que Descarregar ou pt326 tenha escrito."],
+  bad_trace: ["This file cannot be opened: {why}", "Este ficheiro não se abre: {why}"],
   as_recorded: [
     "Shown as recorded. lab.html shows expected temperatures and shares as well.",
     "Mostrado como foi registado. lab.html mostra também temperaturas esperadas e partes.",
@@ -319,7 +329,6 @@ const TABLE = {
   save_log: ["Save log", "Guardar registo da placa"],
   kept: ["Log kept in this page: {mb} MB", "Registo guardado nesta página: {mb} MB"],
   kept_full: ["The log has grown to {mb} MB, and nothing more is kept: save it, and connect anew.", "O registo chegou a {mb} MB e nada mais se guarda: guarde-o e ligue de novo."],
-  back: ["Back to the simulated rig", "Voltar à bancada simulada"],
   agrees_same: ["Same bits: a core beside the board has come to every number of {ticks} ticks.", "Os mesmos bits: um núcleo ao lado da placa chegou a todos os números de {ticks} amostras."],
   agrees_not: [
     "The log was not heard from the board's start, so no core can run beside it: what the models expect is not shown.",
@@ -339,6 +348,9 @@ const TABLE = {
   c_check: ["Self-test (heats a little)", "Autoteste (aquece um pouco)"],
   c_controller: ["Controller: an experiment tells its gains", "Controlador: uma experiência dá os ganhos"],
   c_tune: ["Experiment (heats)", "Experiência (aquece)"],
+  c_relay: ["Gains by the relay", "Ganhos pelo relé"],
+  c_model: ["Gains by the model", "Ganhos pelo modelo"],
+  c_quick: ["The quickest gains", "Os ganhos mais rápidos"],
   c_show: ["Show the result", "Mostrar o resultado"],
   c_normal: ["What is normal: arm, and leave it alone until it monitors", "O que é normal: armar, e não lhe mexer até vigiar"],
   c_arm: ["Arm (heats)", "Armar (aquece)"],
@@ -382,6 +394,7 @@ const TABLE = {
   trip_t1_lost: ["T1 gave no valid sample for too long.", "T1 sem amostra válida há demasiado tempo."],
   trip_t1_stuck: ["T1 did not move although the heater did.", "T1 não se mexeu embora o aquecedor sim."],
   trip_t1_over_temperature: ["T1 is above the limit.", "T1 acima do limite."],
+  trip_t2_short: ["T2 reads as a short circuit.", "T2 lê como curto-circuito."],
   trip_t2_over_temperature: ["T2 is above the limit.", "T2 acima do limite."],
   trip_air_flow_lost: [
     "Too little air to heat, or a heater that gives more than it is asked for.",

@@ -107,6 +107,6 @@ function beside(row, said, hide) {
 const TRUTHS = { 1: "c_t2_offset", 2: "c_t1_clogged", 3: "c_air_flow" };
 Events.label = (event) => {
   if (event.fault) return describe(event.fault);
-  if (event.truth) return TRUTHS[event.truth] ? say(TRUTHS[event.truth]) : short(event.named ?? "unknown");
+  if (event.truth) return TRUTHS[event.truth] ? say(TRUTHS[event.truth]) : (event.named ? short(event.named) : say("fault_put_in"));
   return say("no_fault", { what: short(event.named) });
 };

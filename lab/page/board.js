@@ -34,7 +34,7 @@ export function kept(message) {
 }
 export function beside() {
   const { agrees: told, kept: log } = lab;
-  const how = !told ? "" : told.why ? say("agrees_other", told) : !told.whole ? say("agrees_not") : "differs" in told ? say("agrees_differs", { ...told, tick: told.differs }) : say("agrees_same", told);
+  const how = !told ? "" : told.format ? say("agrees_format", told) : told.why ? say("agrees_other", told) : !told.whole ? say("agrees_not") : "differs" in told ? say("agrees_differs", { ...told, tick: told.differs }) : say("agrees_same", told);
   $("agrees").textContent = how;
   $("restart").hidden = !told || told.whole || !isOff();
   $("kept").textContent = log ? say(log.full ? "kept_full" : "kept", { mb: num(log.bytes / 1e6, 1) }) : "";

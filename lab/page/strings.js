@@ -335,6 +335,10 @@ const TABLE = {
     "O registo não foi ouvido desde o arranque da placa, e nenhum núcleo pode correr ao lado: o que os modelos esperam não se mostra.",
   ],
   agrees_differs: ["From tick {tick} on the board says another {name} than the core beside it.", "Da amostra {tick} em diante a placa diz outro {name} que o núcleo ao lado."],
+  agrees_format: [
+    "The board's image writes log format {format}, this page reads {expected}: drag the image that came with this page onto the board's drive, or open the page that came with the image.",
+    "A imagem da placa escreve o formato de registo {format}, esta página lê o {expected}: arraste a imagem que veio com esta página para a unidade da placa, ou abra a página que veio com a imagem.",
+  ],
   agrees_other: ["No core runs beside this board: {why}", "Nenhum núcleo corre ao lado desta placa: {why}"],
   c_restart: ["Start the board anew", "Arrancar a placa de novo"],
   // Commissioning of a board

@@ -1,6 +1,7 @@
 //! What whatever is watched tells, in the order in which it happens.
 
 use fdi_core::schema::Numbers;
+use firmware_logic::log_line::VERSION;
 use serde_json::{Value, json};
 
 use crate::board::Agreement;
@@ -58,6 +59,9 @@ impl Told {
             }
             Self::Agrees(Agreement::Differs { tick, name }) => {
                 json!({ "type": "agrees", "whole": true, "differs": tick, "name": name })
+            }
+            Self::Agrees(Agreement::Format(format)) => {
+                json!({ "type": "agrees", "whole": false, "format": format, "expected": VERSION })
             }
             Self::Agrees(Agreement::Other(why)) => json!({ "type": "agrees", "whole": false, "why": why }),
         })

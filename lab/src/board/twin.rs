@@ -3,8 +3,8 @@
 
 use fdi_core::schema::{self, Moment, Numbers};
 use fdi_core::{Config, Instrument};
-use firmware_logic::log_line::LogLine;
 use firmware_logic::log_line::tick::TickLine;
+use firmware_logic::log_line::{LogLine, VERSION};
 
 use super::log::{Change, Start, again};
 
@@ -25,7 +25,9 @@ pub enum Agreement {
         /// The number.
         name: &'static str,
     },
-    /// The board is of another release, in words.
+    /// The board's image writes another format of the log than the one that is read here.
+    Format(u32),
+    /// Its settings are of another release, in words.
     Other(String),
 }
 
@@ -60,8 +62,9 @@ impl Twin {
 
     /// A line of the stream. The numbers of a tick come with the line that ends it, where they are the board's.
     pub(super) fn line(&mut self, line: LogLine<'_>) -> Option<Numbers> {
-        if let LogLine::Start { .. } = line {
-            *self = Self { agreement: Agreement::Same(0), ..Self::new() };
+        if let LogLine::Start { version } = line {
+            let agreement = if version == VERSION { Agreement::Same(0) } else { Agreement::Format(version) };
+            *self = Self { agreement, ..Self::new() };
         }
         if !self.runs() {
             return None;

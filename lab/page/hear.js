@@ -1,4 +1,5 @@
 // What the source says.
+import { setMode } from "lab/acts.js";
 import { agrees, kept, said } from "lab/board.js";
 import { Events } from "lab/events.js";
 import { charts, quiz, review } from "lab/parts.js";
@@ -48,6 +49,7 @@ export const HEAR = {
     lab.session = message.session;
     HEAR.names(message);
     if (message.scene) lab.scene = message.scene;
+    if (!lab.can.has("break") && lab.mode !== "explore") setMode("explore");
     show();
     if (message.kind === "simulated") begin();
   },

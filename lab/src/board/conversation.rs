@@ -353,8 +353,12 @@ impl Conversation {
             Asked::Greeting(_) => {}
             Asked::Settings => match self.settings(answer) {
                 Ok(()) => {}
-                Err(error) if self.standing == Standing::Meets => self.end(format!("{error:#}")),
-                Err(error) => self.refuse(format!("{error:#}")),
+                Err(error) if !self.met => self.end(format!("{error:#}")),
+                Err(error) => {
+                    // Another board than before, of which nothing can be shown.
+                    self.waiting.retain(|asked| matches!(asked, Asked::Line(_)));
+                    self.refuse(format!("{error:#}"));
+                }
             },
             Asked::Stream => {
                 let is_news = self.silent || !self.met;

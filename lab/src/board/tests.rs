@@ -229,6 +229,22 @@ fn a_port_that_has_gone_comes_back_with_what_was_missed_as_a_gap() {
 }
 
 #[test]
+fn another_board_at_the_port_of_which_nothing_can_be_shown_is_told() {
+    let mut board = Board::new();
+    board.conversation.lost();
+    board.conversation.found(board.now);
+    board.told();
+    for answer in ["\r\n> ", "get\r\nwarp.factor = 9\r\n> "] {
+        board.hears();
+        board.says(answer.as_bytes());
+    }
+    board.waits(5.0);
+    let told = board.told();
+    assert!(matches!(&told[..], [Told::Refused { why, .. }] if why.contains("warp.factor")), "{told:?}");
+    assert!(board.conversation.order(&Order::Arm, board.now).is_err());
+}
+
+#[test]
 fn a_board_that_falls_silent_is_missed_and_asked_for_its_stream() {
     let mut board = Board::new();
     board.told();

@@ -126,16 +126,17 @@ fn from_a_trace_there_is_a_way_back_to_the_rig() {
         &[],
     );
     assert!(lacks.as_str().is_some_and(|text| text.contains("no column t_s")), "{lacks}");
+    script_on(&browser, r##"click("[data-mode=quiz]"); return 1"##, &[]);
     browser.choose("#file", &trace).expect("an input");
     let back = script_on(
         &browser,
         r##"await until(() => lab.lab.hello.kind === "recording"); const end = lab.lab.store.end;
            const door = lab.events().list.map((event) => event.label());
            click("#back"); await until(() => lab.lab.hello.kind === "simulated" && lab.lab.store?.end >= end); lab.send({ command: "run", speed: 0 });
-           return [door, $("#back").hidden, lab.events().orders.length]"##,
+           return [door, $("#back").hidden, lab.events().orders.length, lab.lab.mode]"##,
         &[],
     );
-    assert_eq!(back, json!([["A fault that was put in"], true, 1]));
+    assert_eq!(back, json!([["A fault that was put in"], true, 1, "explore"]));
     assert_untroubled(&browser);
     let _ = std::fs::remove_dir_all(folder);
 }

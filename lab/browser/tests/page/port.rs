@@ -12,12 +12,19 @@ class Port {
   constructor(answers) { Object.assign(this, { answers, heard: "" }); }
   getInfo() { return {}; }
   async open() {
-    this.readable = new ReadableStream({ start: (to) => void (this.to = to) });
+    this.reads();
     this.writable = new WritableStream({ write: (some) => {
       this.heard += String.fromCharCode(...some);
       const line = /(?:\x15|[^\r\x15]*\r)$/.exec(this.heard)?.[0].replace("\r", "");
       if (line in this.answers) this.says(this.answers[line]);
     } });
+  }
+  reads() { this.readable = new ReadableStream({ start: (to) => void (this.to = to) }); }
+  // A tab that slept for too long: a browser throws away what has no room, and there is another stream.
+  overruns() {
+    const { to } = this;
+    this.reads();
+    to.error(new DOMException("Buffer overrun.", "BufferOverrunError"));
   }
   says(text) { this.to.enqueue(bytes(text)); }
   async close() {}
@@ -62,4 +69,26 @@ fn a_board_that_lies_can_do_nothing() {
         for (let i = 0; i < 10; i++) await frame();
         return [document.querySelectorAll("main img, main script").length, window.harmed ?? 0, $("#console").textContent.length < 4e6, /\x03(\x15stream on\r)*$/.test(port.heard)]"##;
     assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!([0, 0, true, true]));
+}
+
+/// A tab that slept hears all at once what came meanwhile; where that was too much, there is a gap, and it goes on.
+#[test]
+fn what_came_while_a_tab_slept_is_caught_up_with() {
+    let script = r##"await monitoring();
+        const port = new Port(BOARD); offer(port); click("#connect");
+        await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
+        const crc = (text) => {
+          let sum = -1;
+          for (const byte of bytes(text)) { sum ^= byte; for (let k = 0; k < 8; k++) sum = (sum >>> 1) ^ (sum & 1 ? 0xedb88320 : 0); }
+          return ((sum ^ -1) >>> 0).toString(16).padStart(8, "0");
+        };
+        const tick = (n) => { const line = `tick ${n.toString(16)}${" 45000000".repeat(31)}`; return `\x02${line}*${crc(line)}\r\n`; };
+        const ticks = (from, to) => Array.from({ length: to - from }, (_, i) => tick(from + i)).join("");
+        port.says(tick(500)); await until(() => lab.lab.store?.end === 1);
+        port.says(ticks(501, 5500)); await until(() => lab.lab.store.end === 5000);
+        const all = lab.lab.store.get(2000, "tick");
+        port.overruns(); port.says(ticks(5600, 5610)); await until(() => lab.lab.store.end === 5110);
+        const { parts } = await lab.ask({ command: "log" }); const log = await new Blob(parts).text();
+        return [all, Number.isFinite(lab.lab.store.get(5050, "t1")), Number.isFinite(lab.lab.store.get(5105, "t1")), /# ticks 5500 to 5599 are missing/.test(log), log.split("\n").length - 1]"##;
+    assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!([2000, false, true, true, 5011]));
 }

@@ -40,7 +40,7 @@ export function act(name, data = {}) {
 }
 
 function startQuiz() {
-  quiz.start(order, lab.store.get(lab.store.last, "alarm") > 0, heat());
+  quiz.start(order, lab.store.get(lab.store.last, "alarm") > 0, heat(), lab.events.last);
   if (sheet.part) sheet.close();
   charts.follow();
   run(1);

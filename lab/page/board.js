@@ -1,23 +1,43 @@
 // A real board: the steps of its commissioning, its console, all of its settings.
-import { $, lab } from "lab/state.js";
-import { escape, say } from "lab/strings.js";
+import { $, isOff, lab } from "lab/state.js";
+import { escape, num, say } from "lab/strings.js";
 import { order } from "lab/talk.js";
 
-const LINES = 400; // of the console that are kept
+const [LINES, LONGEST] = [400, 2000]; // of the console that are kept, and characters of one
 const [YES_AFTER, YES_WITHIN] = [500, 5000]; // ms: a double click is no second thought
 const told = [];
 
 const line = (text) => order({ order: "console", line: text });
 
+let prints = 0;
 export function said({ text }) {
-  told.push(...text.split("\n"));
+  told.push(...text.split("\n").map((line) => (line.length > LONGEST ? `${line.slice(0, LONGEST)} …` : line)));
   if (/^check: |^> check\nok/m.test(text)) lab.checking = true;
   if (/^check (passed|failed|ended)/m.test(text)) lab.checking = false;
   told.splice(0, told.length - LINES);
+  prints ||= requestAnimationFrame(print); // once a frame, however much a port floods
+}
+function print() {
+  prints = 0;
   const log = $("console");
   const atEnd = log.scrollTop + log.clientHeight > log.scrollHeight - 30;
   log.textContent = told.join("\n");
   if (atEnd) log.scrollTop = log.scrollHeight;
+}
+
+// Does a core beside the board come to the same bits? Where the log was not heard from the start, the board may start anew.
+export function agrees(message) {
+  lab.agrees = message;
+}
+export function kept(message) {
+  lab.kept = message;
+}
+export function beside() {
+  const { agrees: told, kept: log } = lab;
+  const how = !told ? "" : told.format ? say("agrees_format", told) : told.why ? say("agrees_other", told) : !told.whole ? say("agrees_not") : "differs" in told ? say("agrees_differs", { ...told, tick: told.differs }) : say("agrees_same", told);
+  $("agrees").textContent = how;
+  $("restart").hidden = !told || told.whole || !isOff();
+  $("kept").textContent = log ? say(log.full ? "kept_full" : "kept", { mb: num(log.bytes / 1e6, 1) }) : "";
 }
 
 export function calibrate() {

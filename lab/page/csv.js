@@ -1,4 +1,6 @@
 // A trace.csv as rows of the protocol. What the file does not hold is NaN.
+import { say } from "lab/strings.js";
+
 // What the heater got is in none: what the controller drove stands for it. The others have another form in a file.
 const OTHERS = { drive: "pa_pct", tick: null, mode: null, class: null, onset: null };
 
@@ -6,7 +8,7 @@ export function readTrace(text, hello) {
   const lines = text.split(/\r?\n/).filter((line) => line);
   const header = lines[0]?.split(",") ?? [];
   for (const need of ["t_s", "t1_c", "t2_c", "pa_pct", "mode"]) {
-    if (!header.includes(need)) throw new Error(need);
+    if (!header.includes(need)) throw new Error(say("no_trace", { name: need }));
   }
   const column = (name) => header.indexOf(name);
   const width = hello.fields.length;

@@ -2,7 +2,8 @@
 import { readTrace } from "lab/csv.js";
 import { refusal } from "lab/say.js";
 import { toLink } from "lab/scene.js";
-import { fromRecording, replay } from "lab/sources.js";
+import { connect } from "lab/serial.js";
+import { fromRecording, inWorker, replay } from "lab/sources.js";
 import { $, embedded, lab, toast } from "lab/state.js";
 import { say } from "lab/strings.js";
 import { ask, use } from "lab/talk.js";
@@ -12,25 +13,61 @@ export const parts = () => ({ worker: embedded("worker"), wasm: embedded("wasm")
 
 $("download").addEventListener("click", async () => {
   const answer = await ask({ command: "trace" });
-  const { parts, type } = answer;
-  if (type !== "trace") return toast(refusal(answer));
+  if (answer.type !== "trace") return toast(refusal(answer));
+  save(answer.parts, "trace.csv", "text/csv");
+});
+$("savelog").addEventListener("click", async () => save((await ask({ command: "log" })).parts, "board.log", "text/plain"));
+function save(parts, file, type) {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob(parts, { type: "text/csv" }));
-  link.download = "trace.csv";
+  link.href = URL.createObjectURL(new Blob(parts, { type }));
+  link.download = file;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-  toast(say("replay_with", { file: "trace.csv" }));
-});
+  toast(say("replay_with", { file }));
+}
+
+// Goes over to another source; a session's scene is kept for the way back.
+async function leave(make) {
+  if (lab.hello.kind === "simulated") {
+    const { type, scene, tick: at } = await ask({ command: "scene" });
+    lab.left = type === "scene" ? { scene, at } : null;
+  }
+  use(make);
+}
+$("back").addEventListener("click", () => use((hear) => inWorker(hear, parts())));
+for (const [id, any] of [["connect", false], ["connect-any", true]]) {
+  $(id).addEventListener("click", () => {
+    toast(say("connecting"));
+    // What a browser asks its user for, it asks at once after the press.
+    connect(any, parts()).then(async (make) => {
+      await leave(make);
+      toast(say("connected"));
+    }, ({ message }) => toast(say(["no_serial", "no_port", "port_busy"].includes(message) ? message : "no_board", { why: message })));
+  });
+}
 $("link").addEventListener("click", async () => {
   const { scene, tick } = await ask({ command: "scene" });
-  history.replaceState(null, "", "#" + toLink(scene, tick));
+  const link = "#" + toLink(scene, tick);
+  history.replaceState(null, "", link);
+  // The address of a file is of use to nobody else.
+  const isFile = location.protocol === "file:";
   try {
-    await navigator.clipboard.writeText(location.href);
-    toast(say("copied"));
+    await navigator.clipboard.writeText(isFile ? link : location.href);
+    toast(say(isFile ? "copied_scene" : "copied"));
   } catch {
     toast(say("link_in_bar"));
   }
 });
+// A scene that is pasted or dropped, as a link or as its end.
+function scene(event, data) {
+  const [found] = /#s=[\w-]+/.exec(data?.getData("text") ?? "") ?? [];
+  if (!found || lab.hello?.kind !== "simulated" || /INPUT|TEXTAREA/.test(event.target.tagName)) return;
+  event.preventDefault();
+  location.hash = found;
+}
+addEventListener("paste", (event) => scene(event, event.clipboardData));
+addEventListener("drop", (event) => scene(event, event.dataTransfer));
+addEventListener("dragover", (event) => event.dataTransfer.types.includes("text/plain") && event.preventDefault());
 $("file").addEventListener("change", async ({ target }) => {
   const [file] = target.files;
   if (!file) return;
@@ -39,7 +76,7 @@ $("file").addEventListener("change", async ({ target }) => {
     if (!embedded("wasm")) toast(say("as_recorded"));
     const again = embedded("wasm") && (await replay(text, parts()).catch(({ message }) => void toast(say("not_replayed", { why: message }))));
     const { hello, values } = again || readTrace(text, lab.hello);
-    use((hear) => fromRecording(hear, { hello: { ...hello, session: undefined }, name: file.name, values }));
+    await leave((hear) => fromRecording(hear, { hello: { ...hello, session: undefined }, name: file.name, values }));
   } catch (error) {
     toast(say("bad_trace", { why: error.message }));
   }

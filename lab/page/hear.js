@@ -1,5 +1,6 @@
 // What the source says.
-import { said } from "lab/board.js";
+import { setMode } from "lab/acts.js";
+import { agrees, kept, said } from "lab/board.js";
 import { Events } from "lab/events.js";
 import { charts, quiz, review } from "lab/parts.js";
 import { ownNames, refusal, taughtNames } from "lab/say.js";
@@ -14,14 +15,15 @@ const PROTOCOL = 1;
 
 // A session of its own: what the link holds, or trained and at the point of monitoring.
 export function begin() {
-  let linked = null;
+  let linked = lab.left;
   try {
-    linked = fromLink(location.hash);
+    linked ??= fromLink(location.hash);
   } catch (error) {
     toast(say("bad_link", { why: error.message }));
   }
   if (linked) open(linked.scene, { at: linked.at });
   else open(DEFAULT);
+  lab.left = null;
   run(1);
 }
 
@@ -37,6 +39,7 @@ export const HEAR = {
     lab.hello = message;
     lab.can = new Set(message.can);
     lab.lost = 0;
+    Object.assign(lab, { agrees: null, kept: null });
     if (!lab.store || lab.session !== message.session || message.session === undefined) {
       lab.store = new Store(message);
       lab.events = new Events(message);
@@ -46,6 +49,7 @@ export const HEAR = {
     lab.session = message.session;
     HEAR.names(message);
     if (message.scene) lab.scene = message.scene;
+    if (!lab.can.has("break") && lab.mode !== "explore") setMode("explore");
     show();
     if (message.kind === "simulated") begin();
   },
@@ -104,7 +108,7 @@ export const HEAR = {
     lab.checking = false; // how it goes on is not heard
     lab.lost ||= performance.now();
   },
-  said,
+  said, agrees, kept,
   names({ own_names = [], taught_names = [] }) {
     ownNames.clear();
     for (const [number, name] of own_names) ownNames.set(number, name);

@@ -32,7 +32,7 @@ function draw(now, passed) {
   const hide = quiz.hides;
   if (moving || due) {
     const row = store.row(store.last);
-    const said = verdict({ row, hello, events: lab.events, since: lab.since, ts: store.ts, settings: lab.settings, can: lab.can, checking: lab.checking, lost: lab.lost && now - lab.lost });
+    const said = verdict({ row, hello, events: lab.events, since: lab.since, begun: store.row(store.tickAt(lab.since)), ts: store.ts, settings: lab.settings, can: lab.can, checking: lab.checking, lost: lab.lost && now - lab.lost });
     drawRig(row, said, hide);
     if (due) write(row, said, hide);
   }

@@ -21,12 +21,12 @@ export class Quiz {
     return this.phase === "wait" || this.phase === "ask";
   }
 
-  // Puts something in; `alarm` stands still from before.
-  start(order, alarm, heat) {
+  // Puts something in; `alarm` stands still from before, and `last` is the event before it, which is not its answer.
+  start(order, alarm, heat, last) {
     const fault = surprise(heat);
     fault.at = 2.5 + 3 * Math.random() + (alarm ? 10 : 0);
     this.right = recognise(fault).name;
-    [this.fault, this.event, this.guess, this.itSaid] = [fault, null, null, false];
+    [this.fault, this.event, this.guess, this.itSaid, this.before] = [fault, null, null, false, last];
     this.phase = "wait";
     order({ order: "mend" });
     order({ order: "break", fault });
@@ -34,7 +34,7 @@ export class Quiz {
 
   follow(events) {
     const last = events.last;
-    if (this.phase === "wait" && last?.fault && last.to === undefined && last.truth) {
+    if (this.phase === "wait" && last !== this.before && last?.fault && last.to === undefined && last.truth) {
       this.phase = "ask";
       this.event = last;
     }

@@ -1,7 +1,7 @@
 // What changes with language, mode and source, and not with time.
 import { settings as all, asking } from "lab/board.js";
 import { charts, review } from "lab/parts.js";
-import { $, changed, lab, put } from "lab/state.js";
+import { $, changed, embedded, lab, put } from "lab/state.js";
 import { current, escape, say } from "lab/strings.js";
 
 export function show() {
@@ -56,6 +56,11 @@ function offered() {
   $("excite").parentElement.hidden = kind === "board"; // a board has no command for it
   $("desk-rig").hidden = !can("open");
   $("desk-board").hidden = kind !== "board";
+  const own = embedded("wasm"); // the page has a session of its own
+  $("desk-connect").hidden = !own || kind === "board";
+  $("back").hidden = !own || !kind || kind === "simulated";
+  $("savelog").hidden = !can("log");
+  $("kept").hidden = !can("log");
   $("download").hidden = !can("trace");
   $("link").hidden = !can("trace") || kind !== "simulated";
   $("seek").hidden = !can("seek");

@@ -1,15 +1,21 @@
-// Where the numbers come from: a session in a worker, a server, or a recording. All speak the protocol of PROTOCOL.md.
+// Where the numbers come from: a session in a worker, a server, or a recording; a board at a port is in serial.js. All speak the protocol of PROTOCOL.md.
 
 const decode = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 export const floats = (base64) => new Float32Array(decode(base64).buffer);
 
 // The instrument's own code in a worker. Worker and WebAssembly lie in the page: no request is made.
-export function inWorker(hear, { worker, wasm }) {
+export function work(hear, { worker, wasm }, more = {}) {
   const url = URL.createObjectURL(new Blob([worker], { type: "text/javascript" }));
   const thread = new Worker(url);
   thread.onmessage = ({ data }) => hear(data);
   thread.onerror = (event) => hear({ type: "refused", why: event.message });
-  thread.postMessage({ wasm: decode(wasm).buffer });
+  thread.postMessage({ wasm: decode(wasm).buffer, ...more });
+  return thread;
+}
+
+// A session in it.
+export function inWorker(hear, parts) {
+  const thread = work(hear, parts);
   return { send: (command) => thread.postMessage(command), close: () => thread.terminate() };
 }
 

@@ -88,6 +88,10 @@ const TABLE = {
     "It cannot heat safely. Mend the cause, then acknowledge and arm.",
     "Não pode aquecer com segurança. Repare a causa, confirme e arme.",
   ],
+  acknowledge_now: [
+    "It cannot heat safely while that lasts. Nothing that was put in acts any more: acknowledge, then arm.",
+    "Não pode aquecer com segurança enquanto durar. Nada do que foi posto atua já: confirme e arme.",
+  ],
   measured_expected: [
     "<b>{measured} °C</b> measured, <b>{expected}</b> expected.",
     "<b>{measured} °C</b> medidos, <b>{expected}</b> esperados.",
@@ -157,6 +161,7 @@ const TABLE = {
   c_short: ["{t} wires touch", "{t} em curto"],
   c_lost: ["{t} lost", "{t} perdido"],
   c_swapped: ["{t} swapped", "{t} trocados"],
+  fault_put_in: ["A fault that was put in", "Uma avaria que foi posta"],
   c_unknown: ["Unknown", "Desconhecida"],
   c_alarm: ["alarm", "alarme"],
   // Parts and faults
@@ -264,9 +269,14 @@ const TABLE = {
   open_trace: ["Open a trace", "Abrir um registo"],
   copy_link: ["Copy link to this scene", "Copiar ligação desta cena"],
   copied: ["Link copied.", "Ligação copiada."],
+  copied_scene: [
+    "The scene is copied as text: paste it into any copy of this page, or drop it there.",
+    "A cena está copiada como texto: cole-a em qualquer cópia desta página, ou largue-a lá.",
+  ],
   link_in_bar: ["The link is in the address bar.", "A ligação está na barra de endereço."],
   back_to_rig: ["Back to the simulated rig", "Voltar à bancada simulada"],
-  bad_trace: ["This is no trace.csv: {why}", "Isto não é um trace.csv: {why}"],
+  no_trace: ["it is no recording of this instrument, since it has no column {name}. Open a trace.csv that Download or pt326 has written.", "não é um registo deste instrumento, pois não tem a coluna {name}. Abra um trace.csv que Descarregar ou pt326 tenha escrito."],
+  bad_trace: ["This file cannot be opened: {why}", "Este ficheiro não se abre: {why}"],
   as_recorded: [
     "Shown as recorded. lab.html shows expected temperatures and shares as well.",
     "Mostrado como foi registado. lab.html mostra também temperaturas esperadas e partes.",
@@ -296,6 +306,41 @@ const TABLE = {
   r_no_connection: ["there is no connection.", "não há ligação."],
   r_stranger: ["the server does not know this page any more; load it again.", "o servidor já não conhece esta página; carregue-a de novo."],
   anew: ["Begin anew", "Recomeçar"],
+  r_stop_gone: ["the stop has NOT reached the board, which goes on by itself: press its button.", "a paragem NÃO chegou à placa, que continua por si: carregue no botão dela."],
+  // A board at a port of this computer
+  real_board: ["Real board", "Placa real"],
+  connect: ["Connect a board", "Ligar uma placa"],
+  connect_any: ["Any port", "Qualquer porta"],
+  connecting: ["Looking for the board …", "À procura da placa …"],
+  connected: ["The board is there. Its heater is as it was; Stop stops it at once.", "A placa responde. O aquecedor está como estava; Desligar desliga-o logo."],
+  no_serial: [
+    "This browser cannot open serial ports: open this page in Chrome or Edge on a computer, or use pt326 live --board.",
+    "Este navegador não abre portas série: abra esta página no Chrome ou no Edge num computador, ou use pt326 live --board.",
+  ],
+  no_port: [
+    "No port was chosen: plug the board in by its ST-LINK's USB, then connect again; Any port lists the others, too.",
+    "Nenhuma porta foi escolhida: ligue a placa pelo USB do ST-LINK e tente de novo; Qualquer porta mostra também as outras.",
+  ],
+  port_busy: [
+    "The port is in use, or not for this user: close the other tab or program that has it (on Linux, join the group dialout), then connect again.",
+    "A porta está ocupada ou vedada a este utilizador: feche o separador ou programa que a tem (em Linux, entre no grupo dialout) e tente de novo.",
+  ],
+  no_board: ["No board to watch on this port: {why}", "Não há placa que se possa vigiar nesta porta: {why}"],
+  save_log: ["Save log", "Guardar registo da placa"],
+  kept: ["Log kept in this page: {mb} MB", "Registo guardado nesta página: {mb} MB"],
+  kept_full: ["The log has grown to {mb} MB, and nothing more is kept: save it, and connect anew.", "O registo chegou a {mb} MB e nada mais se guarda: guarde-o e ligue de novo."],
+  agrees_same: ["Same bits: a core beside the board has come to every number of {ticks} ticks.", "Os mesmos bits: um núcleo ao lado da placa chegou a todos os números de {ticks} amostras."],
+  agrees_not: [
+    "The log was not heard from the board's start, so no core can run beside it: what the models expect is not shown.",
+    "O registo não foi ouvido desde o arranque da placa, e nenhum núcleo pode correr ao lado: o que os modelos esperam não se mostra.",
+  ],
+  agrees_differs: ["From tick {tick} on the board says another {name} than the core beside it.", "Da amostra {tick} em diante a placa diz outro {name} que o núcleo ao lado."],
+  agrees_format: [
+    "The board's image writes log format {format}, this page reads {expected}: drag the image that came with this page onto the board's drive, or open the page that came with the image.",
+    "A imagem da placa escreve o formato de registo {format}, esta página lê o {expected}: arraste a imagem que veio com esta página para a unidade da placa, ou abra a página que veio com a imagem.",
+  ],
+  agrees_other: ["No core runs beside this board: {why}", "Nenhum núcleo corre ao lado desta placa: {why}"],
+  c_restart: ["Start the board anew", "Arrancar a placa de novo"],
   // Commissioning of a board
   commissioning: ["Commissioning", "Colocação em serviço"],
   c_thermistors: ["Thermistors: at rest, all three at one known temperature", "Termístores: em repouso, os três à mesma temperatura conhecida"],
@@ -307,6 +352,9 @@ const TABLE = {
   c_check: ["Self-test (heats a little)", "Autoteste (aquece um pouco)"],
   c_controller: ["Controller: an experiment tells its gains", "Controlador: uma experiência dá os ganhos"],
   c_tune: ["Experiment (heats)", "Experiência (aquece)"],
+  c_relay: ["Gains by the relay", "Ganhos pelo relé"],
+  c_model: ["Gains by the model", "Ganhos pelo modelo"],
+  c_quick: ["The quickest gains", "Os ganhos mais rápidos"],
   c_show: ["Show the result", "Mostrar o resultado"],
   c_normal: ["What is normal: arm, and leave it alone until it monitors", "O que é normal: armar, e não lhe mexer até vigiar"],
   c_arm: ["Arm (heats)", "Armar (aquece)"],
@@ -350,6 +398,7 @@ const TABLE = {
   trip_t1_lost: ["T1 gave no valid sample for too long.", "T1 sem amostra válida há demasiado tempo."],
   trip_t1_stuck: ["T1 did not move although the heater did.", "T1 não se mexeu embora o aquecedor sim."],
   trip_t1_over_temperature: ["T1 is above the limit.", "T1 acima do limite."],
+  trip_t2_short: ["T2 reads as a short circuit.", "T2 lê como curto-circuito."],
   trip_t2_over_temperature: ["T2 is above the limit.", "T2 acima do limite."],
   trip_air_flow_lost: [
     "Too little air to heat, or a heater that gives more than it is asked for.",

@@ -19,8 +19,8 @@ const row = (...buttons) => `<div class="row">${buttons.join("")}</div>`;
 const TRIPPED = { air_flow_lost: ["fan", "heater"], heater_stuck_on: ["heater"], sensors_disagree: ["T1", "T2"], t1_contradicted: ["T1", "T2"], no_response: ["T1"], excess_power: [] };
 const ENDING = 8; // s: an alarm takes some time to see that its fault is over
 
-// What to say of a row. `can` tells which buttons make sense, `since` when the state began.
-export function verdict({ row: now, hello, events, since, ts, settings, can, checking, lost }) {
+// What to say of a row. `can` tells which buttons make sense, `since` when the state began, `begun` its first row.
+export function verdict({ row: now, hello, events, since, begun, ts, settings, can, checking, lost }) {
   const at = now.t;
   const aside = say("for_s", { s: num(Math.max(0, at - since), 0) });
   const [order, mends] = [can.has("order"), can.has("break")];
@@ -35,9 +35,11 @@ export function verdict({ row: now, hello, events, since, ts, settings, can, che
     const ways = mends ? [button("mend", "mend_all", broken), acknowledge] : [acknowledge];
     const more = order ? row(...(broken ? ways : ways.reverse())) : "";
     const reason = hello.trips[now.trip - 1] ?? "unknown";
+    // A thermistor whose wires touch reads as hot as can be, and not as anything that is shown.
+    const shorted = reason === "t2_over_temperature" && !Number.isFinite((begun ?? now).t2);
     const parts = TRIPPED[reason] ?? [reason.slice(0, 2).toUpperCase()];
     const off = say("heater_off_since", { s: num(since, 1) });
-    return { state: "tripped", icon: "off", word: say("state_tripped"), aside: off, head: say(`trip_${reason}`), sub: say("acknowledge_first"), more, parts };
+    return { state: "tripped", icon: "off", word: say("state_tripped"), aside: off, head: say(`trip_${shorted ? "t2_short" : reason}`), sub: say(mends && !broken ? "acknowledge_now" : "acknowledge_first"), more, parts };
   }
   if (now.alarm > 0) return alarm(now, hello, events, ts);
   if (checking && now.mode === 0) {

@@ -1,4 +1,5 @@
-// The session in a worker: the instrument's own code as WebAssembly, and a clock. It is a source of the protocol (PROTOCOL.md).
+// The session in a worker: the instrument's own code as WebAssembly, and a clock. It is a source of the protocol (PROTOCOL.md). Or the
+// conversation with a board, whose port the page holds.
 "use strict";
 let wasm, width, ts;
 let speed = 0, owed = 0, before = 0, tick = 0;
@@ -6,7 +7,7 @@ const MOST_AT_ONCE = 2000;
 
 const text = (n) => new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, wasm.output(), Math.abs(n)).slice());
 function put(value) {
-  const bytes = new TextEncoder().encode(typeof value === "string" ? value : JSON.stringify(value));
+  const bytes = value instanceof Uint8Array ? value : new TextEncoder().encode(typeof value === "string" ? value : JSON.stringify(value));
   const place = wasm.input(bytes.length);
   new Uint8Array(wasm.memory.buffer).set(bytes, place);
 }
@@ -81,14 +82,82 @@ const COMMANDS = {
   },
 };
 
-// The WebAssembly comes packed: it is most of the page.
-const unpacked = (gzip) => new Response(new Blob([gzip]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+const through = (data, by) => new Response(new Blob([data]).stream().pipeThrough(by));
 
-let hello;
+// The log of a board, for a file. Hours of it are packed, piece by piece, into blobs, which a browser may keep on its disk.
+const LOG_PIECE = 1 << 16;
+const MOST_LOG = 1 << 29; // bytes; where a port floods, what comes later is not kept
+const KEPT_EVERY = 5; // s
+let log = { text: "", packed: [], bytes: 0, told: 0 };
+
+function keep({ anew, text: lines }) {
+  if (anew) log = { ...log, text: "", packed: [], bytes: 0 };
+  if (log.bytes > MOST_LOG) return;
+  log.text += lines;
+  if (log.text.length < LOG_PIECE) return;
+  const of = log;
+  of.packed.push(through(of.text, new CompressionStream("gzip")).blob().then((blob) => ((of.bytes += blob.size), blob)));
+  of.text = "";
+}
+
+async function logged() {
+  const packed = await Promise.all(log.packed);
+  const parts = [];
+  for (const blob of packed) parts.push(await through(blob, new DecompressionStream("gzip")).blob());
+  return [...parts, log.text];
+}
+
+// Between the board and the page. What was typed before a stop of which this has not heard is void there: each piece tells how often it had
+// been stopped.
+let stops = 0;
+const seconds = () => performance.now() / 1000;
+const INSIDE = {
+  send: ({ bytes }) => postMessage({ type: "send", stops, bytes: Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0)) }),
+  log: keep,
+};
+function tell(n) {
+  for (const message of JSON.parse(text(done(n)))) (INSIDE[message.type] ?? postMessage)(message);
+}
+const BOARD = {
+  heard({ bytes }) {
+    put(bytes);
+    tell(wasm.board_heard(seconds()));
+  },
+  order({ order }) {
+    put(order);
+    tell(wasm.board_order(seconds()));
+  },
+  stopped(command) {
+    stops = command.stops;
+    tell(wasm.board_stopped());
+  },
+  lost(command) {
+    stops = command.stops;
+    tell(wasm.board_lost());
+  },
+  found: () => tell(wasm.board_found(seconds())),
+  log: ({ id }) => logged().then((parts) => postMessage({ type: "log", id, parts })),
+};
+function boardBeat() {
+  tell(wasm.board_beat(seconds()));
+  if (seconds() - log.told < KEPT_EVERY) return;
+  log.told = seconds();
+  postMessage({ type: "kept", bytes: log.bytes + log.text.length, full: log.bytes > MOST_LOG });
+}
+
+// The WebAssembly comes packed: it is most of the page.
+const unpacked = (gzip) => through(gzip, new DecompressionStream("gzip")).arrayBuffer();
+
+let hello, commands;
 onmessage = ({ data }) => {
   if (data.wasm) {
     unpacked(data.wasm).then((bytes) => WebAssembly.instantiate(bytes, {})).then(({ instance }) => {
       wasm = instance.exports;
+      commands = data.board ? BOARD : COMMANDS;
+      if (data.board) {
+        tell(wasm.board_begin(seconds()));
+        return setInterval(boardBeat, 100);
+      }
       hello = JSON.parse(text(wasm.hello()));
       [width, ts] = [hello.fields.length, hello.ts];
       postMessage(hello);
@@ -98,7 +167,7 @@ onmessage = ({ data }) => {
     return;
   }
   try {
-    COMMANDS[data.command](data, hello);
+    commands[data.command](data, hello);
   } catch ({ message, why = message, code, values }) {
     postMessage({ type: "refused", command: data, why, code, values, id: data.id });
   }

@@ -1,5 +1,5 @@
 // What changes with time: the rig's drawing, the sentence and what stands beside it.
-import { asking } from "lab/board.js";
+import { asking, beside as besideBoard } from "lab/board.js";
 import { drawCloseup } from "lab/closeup.js";
 import { Events, meant, namings } from "lab/events.js";
 import { FOREVER, describe } from "lab/faults.js";
@@ -42,6 +42,7 @@ export function write(row, said, hide) {
   $("setpoint").textContent = `${num(row.setpoint)} °C`;
   $("follow").hidden = charts.following;
   if (lab.can.has("seek")) $("seek").value = lab.store.end;
+  if (lab.hello.kind === "board") besideBoard();
   hint(row, hide);
   beside(row, said, hide);
 }
@@ -106,6 +107,6 @@ function beside(row, said, hide) {
 const TRUTHS = { 1: "c_t2_offset", 2: "c_t1_clogged", 3: "c_air_flow" };
 Events.label = (event) => {
   if (event.fault) return describe(event.fault);
-  if (event.truth) return TRUTHS[event.truth] ? say(TRUTHS[event.truth]) : short(event.named ?? "unknown");
+  if (event.truth) return TRUTHS[event.truth] ? say(TRUTHS[event.truth]) : (event.named ? short(event.named) : say("fault_put_in"));
   return say("no_fault", { what: short(event.named) });
 };

@@ -3,6 +3,7 @@
 //!
 //! No clock, no files, no threads: whoever holds a session decides when it ticks.
 
+pub mod board;
 pub mod change;
 pub mod names;
 pub mod page;

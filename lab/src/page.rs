@@ -43,6 +43,7 @@ modules!(
     "rig",
     "say",
     "scene",
+    "serial",
     "sheet",
     "show",
     "sources",

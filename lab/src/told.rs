@@ -1,7 +1,11 @@
 //! What whatever is watched tells, in the order in which it happens.
 
 use fdi_core::schema::Numbers;
+use firmware_logic::log_line::VERSION;
+use serde_json::{Value, json};
 
+use crate::board::Agreement;
+use crate::board::text::persists;
 use crate::names::Names;
 use crate::scene::Order;
 
@@ -25,4 +29,41 @@ pub enum Told {
     Said(String),
     /// Whether there is a connection to what is watched.
     Link(bool),
+    /// How the core beside a board agrees with it.
+    Agrees(Agreement),
+}
+
+impl Told {
+    /// A refusal in the words of a board.
+    pub fn refused(why: String) -> Self {
+        Self::Refused { persists: persists(&why), why }
+    }
+
+    /// The message that says so; `tick` is the next. A row goes with others.
+    pub fn message(&self, tick: usize) -> Option<Value> {
+        Some(match self {
+            Self::Row(_) => return None,
+            Self::Order(order) => json!({ "type": "order", "tick": tick, "order": order }),
+            Self::Refused { why, persists: None } => json!({ "type": "refused", "why": why }),
+            Self::Refused { why, persists: Some(trip) } => {
+                json!({ "type": "refused", "why": why, "code": "persists", "values": { "trip": trip } })
+            }
+            Self::Names(Names { rows, taught }) => {
+                json!({ "type": "names", "own_names": rows, "taught_names": taught })
+            }
+            Self::Said(text) => json!({ "type": "said", "text": text }),
+            Self::Link(up) => json!({ "type": "link", "up": up }),
+            Self::Agrees(Agreement::NotWhole) => json!({ "type": "agrees", "whole": false }),
+            Self::Agrees(Agreement::Same(ticks)) => {
+                json!({ "type": "agrees", "whole": true, "ticks": ticks })
+            }
+            Self::Agrees(Agreement::Differs { tick, name }) => {
+                json!({ "type": "agrees", "whole": true, "differs": tick, "name": name })
+            }
+            Self::Agrees(Agreement::Format(format)) => {
+                json!({ "type": "agrees", "whole": false, "format": format, "expected": VERSION })
+            }
+            Self::Agrees(Agreement::Other(why)) => json!({ "type": "agrees", "whole": false, "why": why }),
+        })
+    }
 }

@@ -2,16 +2,13 @@
 
 mod gate;
 mod port;
-pub mod record;
-mod rows;
 mod session;
 pub mod settings;
 pub mod simulate;
-mod text;
-mod visible;
 pub mod watch;
 
 pub use gate::Gate;
-pub use port::{ALONE, Lost, find, open};
-pub use session::{Heard, STOP, Session};
-pub use text::{check_ended, refusal, take_lines};
+pub use port::{Lost, find, open};
+pub use pt326_lab::board::text::{check_ended, refusal, take_lines};
+pub use pt326_lab::board::{ALONE, STOP, record};
+pub use session::{Heard, Session};

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use anyhow::{Context, bail};
 use firmware_logic::stream::BAUD;
+use pt326_lab::board::ALONE;
 use serialport::{SerialPort, SerialPortInfo, SerialPortType};
 
 /// The USB number of STMicroelectronics, and those of ST-LINKs with a port.
@@ -61,10 +62,6 @@ pub fn open(name: &str) -> anyhow::Result<Box<dyn SerialPort>> {
     let port = serialport::new(name, BAUD).timeout(PATIENCE).open();
     port.with_context(|| format!("{name} cannot be opened"))
 }
-
-/// What becomes of a board that no computer can reach, and who can stop it.
-pub const ALONE: &str = "the board goes on by itself with whatever it does, and trips by itself; its blue button stops it, and so \
-                         does opening its interlock or taking its power away";
 
 /// Why a board can be reached no more. It carries no error of the system below it: a broken pipe to a board is not one to whoever reads
 /// our output.

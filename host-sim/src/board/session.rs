@@ -8,20 +8,16 @@ use firmware_logic::console::ANSWER;
 use firmware_logic::console::line::{LENGTH, is_stop_key};
 use firmware_logic::console::request::Request;
 use firmware_logic::stream::frame::{self, Reader, Step};
+use pt326_lab::board::text::{PROMPT, between, refusal, without_prompts};
+use pt326_lab::board::{ALONE, FORGET, FRAME, STOP, visible};
 use serialport::SerialPort;
 
 use super::gate::Gate;
 use super::port::{self, Lost};
 use super::simulate::SimulatedRig;
-use super::text::{PROMPT, refusal, without_prompts};
-use super::visible::visible;
 
-/// Forgets what was typed of a line: whoever was here before may have left half of `arm`, which must not be ended now.
-const FORGET: u8 = 0x15;
-/// Ctrl-C: heater off, at once.
-pub const STOP: u8 = 0x03;
 /// How long an answer may take: a save erases the flash, an order waits for a tick of up to 5 s.
-pub(super) const PATIENCE: Duration = Duration::from_secs(15);
+const PATIENCE: Duration = Duration::from_secs(15);
 /// How long it may take to say that it has stopped: what it was printing goes before.
 const STOPPING: Duration = Duration::from_secs(3);
 /// How often a board is asked whether it is there, and how long each time.
@@ -29,8 +25,6 @@ const GREETINGS: u32 = 8;
 const GREETING: Duration = Duration::from_millis(400);
 /// A board that has said nothing for so long is asked whether it is still there.
 const QUIET: Duration = Duration::from_secs(5);
-/// Longest frame.
-const FRAME: usize = 1024;
 /// Most characters up to a prompt: an answer, its echo, and as much of what a check or an experiment tells meanwhile.
 const MOST_TEXT: usize = 2 * ANSWER + LENGTH;
 /// Most lines of the stream beside them: a port of 115200 Bd carries fewer within [`PATIENCE`].
@@ -149,7 +143,7 @@ impl<P: Read + Write> Session<P> {
     pub fn stopped_after(&mut self, error: &anyhow::Error) -> anyhow::Error {
         match self.stops() {
             true => anyhow!("{error:#}; the board says that its heater is off"),
-            false => anyhow!("{error:#}; it does NOT say that its heater is off: {}", port::ALONE),
+            false => anyhow!("{error:#}; it does NOT say that its heater is off: {}", ALONE),
         }
     }
 
@@ -310,19 +304,6 @@ impl<P: Read + Write> Session<P> {
     }
 }
 
-/// A text before an echo, from there to the next prompt, and behind that. Without an echo the prompt is the one that ends it all.
-fn between<'a>(text: &'a str, echo: &str) -> Option<(&'a str, &'a str, &'a str)> {
-    if echo.is_empty() {
-        let answer = text.strip_suffix(PROMPT).filter(|text| text.is_empty() || text.ends_with('\n'));
-        return answer.map(|answer| ("", answer, ""));
-    }
-    let at = text.find(&format!("{echo}\n"))?;
-    let (before, behind) = text.split_at(at);
-    // The line feed of the echo may be the one before the prompt.
-    let (answer, after) = behind.split_at(echo.len()).1.split_once("\n> ")?;
-    Some((before, answer, after))
-}
-
 /// The pieces of its console's text.
 fn texts(heard: &[Heard]) -> impl Iterator<Item = &str> {
     heard.iter().filter_map(|heard| match heard {
@@ -335,19 +316,4 @@ fn endless() -> anyhow::Error {
     anyhow!(
         "its answer was cut after {MOST_TEXT} characters, which no board's is longer than: is this the board's port?"
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_answer_is_told_from_what_is_told_beside_it() {
-        let text = "\ncheck: at rest\n> stat\ncheck: pulses\n> status\nmode off\n> \ncheck passed\n> ";
-        let (before, answer, after) = between(text, "status").expect("an answer");
-        assert_eq!(without_prompts(answer), "mode off\n");
-        assert!(before.contains("pulses") && after.contains("check passed"));
-        assert_eq!(between("\ncheck: at rest\n> ", "status"), None, "that is no answer");
-        assert_eq!(between("> arm\n> ", "arm"), Some(("> ", "", "")));
-    }
 }

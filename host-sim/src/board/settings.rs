@@ -2,9 +2,9 @@
 
 use std::io::{Read, Write};
 
-use anyhow::Context;
 use fdi_core::Config;
 use firmware_logic::settings::schema::Name;
+use pt326_lab::board::settings::read as from_answer;
 
 use super::Session;
 
@@ -13,31 +13,13 @@ use super::Session;
 /// # Errors
 /// The port has gone, or the board has a setting that is not known here.
 pub fn read<P: Read + Write>(session: &mut Session<P>) -> anyhow::Result<Config> {
-    let mut config = Config::default();
-    for line in session.order("get")?.lines() {
-        let Some((name, value)) = line.split_once(" = ") else { continue };
-        let told = told(&mut config, name, value);
-        told.with_context(|| format!("the board has {line}: use the pt326 of its release"))?;
-    }
-    Ok(config)
+    from_answer(&session.order("get")?)
 }
 
 /// Whether a board with this status keeps settings: nothing may heat, and its codes must be those of a rig.
 pub fn can_be_kept(status: &str) -> bool {
     let rests = status.starts_with("mode off") || status.starts_with("mode tripped");
     rests && !status.lines().next().is_some_and(|mode| mode.contains("check under way"))
-}
-
-/// Puts a value as the board tells it, perhaps with a unit behind, into a configuration.
-fn told(config: &mut Config, name: &str, value: &str) -> anyhow::Result<()> {
-    let known = Name::find(name).map_err(|error| anyhow::anyhow!("{error}"))?;
-    // A number with more digits than the board shows.
-    let value = value.trim_start_matches('~');
-    let number = value.rsplit_once(' ').map_or(value, |(number, _unit)| number);
-    known
-        .set(config, name, value)
-        .or_else(|_| known.set(config, name, number))
-        .map_err(|error| anyhow::anyhow!("{error}"))
 }
 
 /// Gives the board each setting that differs from its own, and takes away rows that are not wanted; their names. What one refuses only until another has changed comes in the
@@ -92,6 +74,8 @@ fn bare(name: Name, value: &str, config: &Config) -> String {
 
 #[cfg(test)]
 mod tests {
+    use pt326_lab::board::settings::put as told;
+
     use super::*;
 
     /// The usual settings with two rows of the user's own in either table, and two faults.

@@ -3,33 +3,23 @@
 //! A thread holds the conversation. Stop does not wait for it: it goes out by a second handle of the same port, and takes with it whatever
 //! was ordered before and not yet sent.
 
+use std::io::ErrorKind;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
-use fdi_core::Config;
-use fdi_core::settings::Value;
-use firmware_logic::console::line::is_stop_key;
-use pt326_lab::names::Names;
+use pt326_lab::board::{Conversation, STOP, Standing, line, stops};
 use pt326_lab::scene::Order;
 use pt326_lab::told::Told;
-use serialport::SerialPort;
+use serialport::{ClearBuffer, SerialPort};
 
-use super::rows::Rows;
-use super::session::{PATIENCE, STOP};
-use super::text::persists;
-use super::{Heard, Session, refusal, settings, take_lines};
-use crate::experiment::as_written;
+use super::port;
 
-/// So long without a line, beyond a tick, and the board is called silent; its stream is asked for once more.
-const SILENCE: Duration = Duration::from_secs(2);
 /// Between two attempts to open a port that has gone.
 const ANOTHER: Duration = Duration::from_millis(300);
 /// What a board has told and nobody has taken yet: a port that floods waits.
 const UNTAKEN: usize = 1024;
-/// Bytes of a console's line that may come without an end before they are told as they are.
-const UNENDED: usize = 4096;
 
 /// A board that is watched.
 pub struct Watch {
@@ -42,7 +32,7 @@ pub struct Watch {
 
 /// An order for the board, and how often it had been stopped before: a later stop voids it.
 struct Given {
-    line: String,
+    order: Order,
     stops: u64,
 }
 
@@ -73,7 +63,7 @@ impl Watch {
         let (orders, given) = channel();
         let hand = Hand::default();
         let mut keeper = Keeper::open(name.to_owned(), tell, hand.clone())?;
-        let sample_time = keeper.sample_time;
+        let sample_time = keeper.conversation.sample_time();
         std::thread::spawn(move || keeper.run(&given));
         Ok(Self { name: name.to_owned(), sample_time, told, orders, hand })
     }
@@ -98,18 +88,16 @@ impl Watch {
     /// # Errors
     /// The port has gone, or a board has nothing that does this.
     pub fn order(&mut self, order: &Order) -> anyhow::Result<()> {
-        // Typed, too, a stop does not wait for its turn.
-        let typed = |line: &str| line.trim_start().starts_with("stop") || line.bytes().any(is_stop_key);
-        if *order == Order::Stop || matches!(order, Order::Console { line } if typed(line)) {
+        if stops(order) {
             return self.stop();
         }
-        let line = line(order)?;
+        line(order)?;
         let grip = self.hand.grip();
         if grip.port.is_none() {
             bail!("the port has gone, so the board was not told");
         }
         self.orders
-            .send(Given { line, stops: grip.stops })
+            .send(Given { order: order.clone(), stops: grip.stops })
             .context("the conversation with the board has ended")
     }
 
@@ -121,37 +109,16 @@ impl Watch {
     }
 }
 
-/// What is typed for an order.
-fn line(order: &Order) -> anyhow::Result<String> {
-    Ok(match order {
-        Order::Arm => "arm".into(),
-        Order::Tune => "tune start".into(),
-        Order::Stop => "stop".into(),
-        Order::Acknowledge => "ack".into(),
-        Order::Relearn => "baseline learn".into(),
-        Order::Setpoint { celsius } => format!("set setpoint {celsius}"),
-        Order::Fan { percent } => format!("fan {percent}"),
-        Order::Set { name, value } => format!("set {name} {value}"),
-        Order::Console { line } => line.clone(),
-        Order::Excite { .. } => bail!("a board's excitation is not switched from here"),
-        Order::Break { .. } | Order::Mend => bail!("a real rig is broken and mended by hand"),
-    })
-}
-
 /// The thread that talks with the board.
 struct Keeper {
     name: String,
-    session: Session,
-    sample_time: f64,
-    rows: Rows,
+    port: Box<dyn SerialPort>,
+    conversation: Conversation,
+    begun: Instant,
+    /// How often it was stopped before what is typed now.
+    stops: u64,
     tell: SyncSender<Told>,
     hand: Hand,
-    /// Its settings as they were last told; a page begins with the defaults.
-    known: Config,
-    /// What its console has said of a line that is not whole.
-    text: String,
-    last: Instant,
-    silent: bool,
 }
 
 /// Nobody watches any more.
@@ -159,50 +126,21 @@ struct Unwatched;
 
 impl Keeper {
     fn open(name: String, tell: SyncSender<Told>, hand: Hand) -> anyhow::Result<Self> {
-        let mut session = Session::open(&name)?;
-        let config = settings::read(&mut session)?;
-        let sample_time = as_written(config.sample_time.0);
-        let (rows, last) = (Rows::new(&config)?, Instant::now());
-        let (known, text) = (Config::default(), String::new());
-        let mut keeper =
-            Self { name, session, sample_time, rows, tell, hand, known, text, last, silent: false };
-        keeper.greet(&config)?;
-        Ok(keeper)
-    }
-
-    /// What is to be known of a board that is there.
-    fn greet(&mut self, config: &Config) -> anyhow::Result<()> {
-        self.session.order("stream on")?;
-        self.hand.grip().port = Some(self.session.other_hand()?);
-        (self.last, self.silent) = (Instant::now(), false);
-        let _ = self.tell.send(Told::Link(true));
-        self.settings(config);
-        Ok(())
-    }
-
-    /// The settings that are not as they were last told.
-    fn settings(&mut self, config: &Config) {
-        for setting in Config::settings() {
-            if let (Value::Number(value), before) = (config.get(setting), self.known.get(setting))
-                && before != Value::Number(value)
-            {
-                let _ = self.tell.send(Told::Order(Order::Set { name: setting.name.into(), value }));
+        let port = open(&name, &hand)?;
+        let conversation = Conversation::new(0.0);
+        let mut keeper = Self { name, port, conversation, begun: Instant::now(), stops: 0, tell, hand };
+        loop {
+            keeper.send().and_then(|()| keeper.hear()).with_context(|| format!("on {}", keeper.name))?;
+            match keeper.conversation.standing() {
+                Standing::Meets => {}
+                Standing::Speaks => return Ok(keeper),
+                Standing::Ended(why) => bail!("on {}: {why}", keeper.name),
             }
         }
-        let names = Names::of(config);
-        if names != Names::of(&self.known) {
-            let _ = self.tell.send(Told::Names(names));
-        }
-        self.known = config.clone();
     }
 
-    /// What the console says by itself, line by line.
-    fn say(&mut self, text: &str) -> Result<(), Unwatched> {
-        self.text += text;
-        if self.text.len() > UNENDED {
-            self.text.push('\n');
-        }
-        take_lines(&mut self.text).into_iter().try_for_each(|line| self.tell(Told::Said(line)))
+    fn now(&self) -> f64 {
+        self.begun.elapsed().as_secs_f64()
     }
 
     fn run(&mut self, given: &Receiver<Given>) {
@@ -210,103 +148,86 @@ impl Keeper {
     }
 
     fn beat(&mut self, given: &Receiver<Given>) -> Result<(), Unwatched> {
-        while let Ok(order) = given.try_recv() {
-            if let Err(error) = self.carry_out(&order) {
-                let why = format!("{error:#}");
-                self.tell(Told::Refused { persists: persists(&why), why })?;
-            }
+        self.take_orders(given)?;
+        if self.send().and_then(|()| self.hear()).is_err() {
+            return self.reopen(given);
         }
-        let Ok(heard) = self.session.hear() else { return self.reopen(given) };
-        for heard in heard {
-            match heard {
-                Heard::Line(line) => self.line(&line)?,
-                Heard::Text(text) => self.say(&text)?,
-                Heard::Broken => {}
-            }
-        }
-        self.watch_silence()
+        self.tell_all()
     }
 
-    fn tell(&self, told: Told) -> Result<(), Unwatched> {
-        self.tell.send(told).map_err(|_| Unwatched)
+    fn take_orders(&mut self, given: &Receiver<Given>) -> Result<(), Unwatched> {
+        while let Ok(Given { order, stops }) = given.try_recv() {
+            let now = self.now();
+            let done = match stops == self.hand.grip().stops {
+                true => self.conversation.order(&order, now),
+                false => line(&order).and_then(|line| bail!("`{line}` was stopped before it was sent")),
+            };
+            if let Err(error) = done {
+                self.tell.send(Told::refused(format!("{error:#}"))).map_err(|_| Unwatched)?;
+            }
+        }
+        Ok(())
     }
 
-    fn carry_out(&mut self, given: &Given) -> anyhow::Result<()> {
-        let Given { line, stops } = given;
+    fn tell_all(&mut self) -> Result<(), Unwatched> {
+        while let Some(told) = self.conversation.take_told() {
+            self.tell.send(told).map_err(|_| Unwatched)?;
+        }
+        Ok(())
+    }
+
+    /// Types what is to be typed.
+    fn send(&mut self) -> std::io::Result<()> {
         let hand = self.hand.clone();
-        {
-            // While this is held nobody can stop in between: a stop is later than this line, or voids it.
-            let grip = hand.grip();
-            if grip.stops != *stops {
-                bail!("`{line}` was stopped before it was sent");
-            }
-            self.session.begin(line)?;
+        // While this is held nobody can stop in between: a stop is later than these bytes, or voids them.
+        let grip = hand.grip();
+        if std::mem::replace(&mut self.stops, grip.stops) != grip.stops {
+            self.conversation.stopped();
         }
-        let answer = self.session.answer(line, self.patience(line))?;
-        let _ = self.tell.send(Told::Said(format!("> {line}\n{}", answer.trim_end())));
-        match refusal(&answer) {
-            Some(error) => bail!("the board says to `{line}`: {error}"),
-            None => Ok(()),
-        }
+        self.port.write_all(&self.conversation.take_bytes())
     }
 
-    /// Whoever watches is to hear soon that a board has fallen silent; what erases flash or searches takes its time.
-    fn patience(&self, line: &str) -> Duration {
-        let is_slow =
-            ["save", "brownout", "tune", "teach", "commission"].iter().any(|word| line.starts_with(word));
-        if is_slow { PATIENCE } else { SILENCE + Duration::from_secs_f64(2.0 * self.sample_time) }
-    }
-
-    fn line(&mut self, line: &str) -> Result<(), Unwatched> {
-        self.last = Instant::now();
-        if std::mem::take(&mut self.silent) {
-            self.tell(Told::Link(true))?;
-        }
-        let news = self.rows.line(line);
-        if news.settings
-            && let Ok(config) = settings::read(&mut self.session)
-        {
-            let _ = self.rows.retune(&config);
-            self.settings(&config);
-        }
-        news.told.into_iter().try_for_each(|told| self.tell(told))
-    }
-
-    /// A board that says nothing may have been reset, or another program has switched its stream off.
-    fn watch_silence(&mut self) -> Result<(), Unwatched> {
-        if self.last.elapsed() <= SILENCE + Duration::from_secs_f64(self.sample_time) {
-            return Ok(());
-        }
-        self.last = Instant::now();
-        let _ = self.session.send(b"\x15stream on\r");
-        match std::mem::replace(&mut self.silent, true) {
-            true => Ok(()),
-            false => self.tell(Told::Link(false)),
-        }
+    /// Hears what has come, and what comes while it waits a moment.
+    fn hear(&mut self) -> std::io::Result<()> {
+        let mut bytes = [0; 1024];
+        let n = match self.port.read(&mut bytes) {
+            Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
+            Ok(n) => n,
+            Err(error) if port::has_gone(&error) => return Err(error),
+            Err(_) => 0,
+        };
+        let now = self.now();
+        self.conversation.hear(&bytes[..n], now);
+        self.conversation.pass(now);
+        Ok(())
     }
 
     /// Says that the port has gone, and waits for it. What was ordered meanwhile is not carried out later.
     fn reopen(&mut self, given: &Receiver<Given>) -> Result<(), Unwatched> {
         self.hand.grip().port = None;
-        self.tell(Told::Link(false))?;
+        self.conversation.lost();
+        self.tell_all()?;
         loop {
             if Arc::strong_count(&self.hand.0) == 1 {
                 return Err(Unwatched);
             }
             std::thread::sleep(ANOTHER);
-            if let Ok(session) = Session::open(&self.name) {
-                self.session = session;
-                let known = settings::read(&mut self.session).and_then(|config| {
-                    self.rows.retune(&config)?;
-                    while given.try_recv().is_ok() {}
-                    self.greet(&config)
-                });
-                if known.is_ok() {
-                    return Ok(());
-                }
+            if let Ok(port) = open(&self.name, &self.hand) {
+                self.port = port;
+                while given.try_recv().is_ok() {}
+                self.conversation.found(self.now());
+                return Ok(());
             }
         }
     }
+}
+
+/// Opens a port, for the hand that stops, too.
+fn open(name: &str, hand: &Hand) -> anyhow::Result<Box<dyn SerialPort>> {
+    let port = port::open(name)?;
+    port.clear(ClearBuffer::All)?;
+    hand.grip().port = Some(port.try_clone()?);
+    Ok(port)
 }
 
 #[cfg(all(test, unix))]
@@ -318,6 +239,8 @@ mod tests {
 
     use super::*;
 
+    /// Bytes of a piece in which a line without an end is told.
+    const PIECE: usize = 4096;
     /// What a hostile board may say before it is believed that it may say anything.
     const ENDLESS: usize = 16 << 20;
 
@@ -335,8 +258,9 @@ mod tests {
                 let mut byte = [0; 1];
                 board.read_exact(&mut byte).unwrap();
                 heard.extend(byte);
+                board.write_all(&byte).unwrap();
                 if matches!(byte, [b'\r' | 0x15]) {
-                    board.write_all(b"\r\n> ").unwrap();
+                    board.write_all(b"\nsetpoint = 36 degC\r\n> ").unwrap();
                 }
             }
             begun.recv().unwrap();
@@ -356,7 +280,7 @@ mod tests {
         let mut told = 0;
         while told < 100_000 {
             if let Some(Told::Said(text)) = watch.take() {
-                assert!(text.len() <= 2 * UNENDED, "{} bytes at once", text.len());
+                assert!(text.len() <= 2 * PIECE, "{} bytes at once", text.len());
                 told += text.len();
             }
             assert!(begin.elapsed() < Duration::from_secs(60), "{told} bytes were told");
@@ -370,7 +294,7 @@ mod tests {
         let mut before = usize::MAX;
         while before != said.load(Ordering::Relaxed) {
             before = said.load(Ordering::Relaxed);
-            std::thread::sleep(SILENCE);
+            std::thread::sleep(Duration::from_secs(2));
         }
         assert!(before < ENDLESS, "{before} bytes were read");
         drop(watch);

@@ -1,6 +1,8 @@
 //! A headless Chromium, driven by its WebDriver: as much of a client as tests of one page need. WebDriver is HTTP with JSON in it
 //! (w3.org/TR/webdriver), to a program on this machine.
 
+pub mod bridge;
+
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;

@@ -1,8 +1,11 @@
 //! The page as `pt326 live` serves it: faults, two pages at once, and a server that is killed and comes back.
 
-use std::io::{BufRead, BufReader, Write};
+mod board;
+
+use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
+use board::Board;
 use host_sim::commands::run::carry_out as run_experiment;
 use host_sim::experiment::scenario::Scenario;
 use host_sim::settings::read as read_settings;
@@ -175,47 +178,10 @@ fn a_recording_that_is_served_has_the_names_of_its_settings() {
     let _ = std::fs::remove_dir_all(folder);
 }
 
-/// The virtual board behind a pseudo-terminal. `LAB_BOARD` names the program; without it, that of the workspace's debug build.
-struct Board {
-    process: Child,
-    link: String,
-}
-
-impl Board {
-    fn start() -> Self {
-        let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/debug/virtual-board");
-        let program = std::env::var_os("LAB_BOARD").unwrap_or_else(|| default.into());
-        let link = std::env::temp_dir()
-            .join(format!("pt326-lab-{}-{:?}", std::process::id(), std::thread::current().id()))
-            .display()
-            .to_string();
-        let mut process = Command::new(program)
-            .args(["--pty", &link])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("virtual-board, built with `cargo build -p virtual-board`");
-        let mut line = String::new();
-        BufReader::new(process.stdout.as_mut().expect("its output")).read_line(&mut line).expect("a line");
-        Self { process, link }
-    }
-
-    fn desk(&mut self, line: &str) {
-        writeln!(self.process.stdin.as_mut().expect("its input"), "{line}").expect("it lives");
-    }
-}
-
-impl Drop for Board {
-    fn drop(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
-    }
-}
-
 #[test]
 #[ignore = "needs `cargo fw` and a built virtual-board"]
 fn a_real_board_is_commissioned_from_the_page_and_heats_at_a_second_press_only() {
-    let board = Board::start();
+    let board = Board::start(&[]);
     let server = Server::with(0, &["--board", &board.link]);
     assert!(server.address.contains("/?token="), "{}", server.address);
     let browser = Browser::start().expect("a browser");
@@ -247,7 +213,7 @@ fn a_real_board_is_commissioned_from_the_page_and_heats_at_a_second_press_only()
 #[test]
 #[ignore = "needs `cargo fw` and a built virtual-board"]
 fn a_real_board_is_armed_stopped_and_missed() {
-    let mut board = Board::start();
+    let mut board = Board::start(&[]);
     let server = Server::with(0, &["--board", &board.link]);
     let browser = Browser::start().expect("a browser");
     browser.open(&server.address).expect("the page");

@@ -5,7 +5,6 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 use anyhow::ensure;
-use pt326_lab::names::Names;
 use pt326_lab::protocol;
 use pt326_lab::refusal::{self, Refused};
 use pt326_lab::scene::{Order, Scene};
@@ -138,23 +137,11 @@ impl<S: Source> Keeper<S> {
         let mut history = lock(&self.history);
         for told in all {
             let tick = history.end();
-            let note = match told {
-                Told::Row(row) => {
-                    history.push_row(row);
-                    continue;
-                }
-                Told::Order(order) => json!({ "type": "order", "tick": tick, "order": order }),
-                Told::Refused { why, persists: None } => json!({ "type": "refused", "why": why }),
-                Told::Refused { why, persists: Some(trip) } => {
-                    json!({ "type": "refused", "why": why, "code": "persists", "values": { "trip": trip } })
-                }
-                Told::Names(Names { rows, taught }) => {
-                    json!({ "type": "names", "own_names": rows, "taught_names": taught })
-                }
-                Told::Said(text) => json!({ "type": "said", "text": text }),
-                Told::Link(up) => json!({ "type": "link", "up": up }),
-            };
-            history.push_note(note.to_string());
+            if let Some(note) = told.message(tick) {
+                history.push_note(note.to_string());
+            } else if let Told::Row(row) = told {
+                history.push_row(row);
+            }
         }
         drop(history);
         self.tell.send_replace(());

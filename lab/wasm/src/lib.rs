@@ -4,13 +4,18 @@
 use std::cell::RefCell;
 
 use anyhow::Context;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use fdi_core::Config;
 use fdi_core::schema::Numbers;
+use pt326_lab::board::{Conversation, Standing, stops};
 use pt326_lab::protocol;
 use pt326_lab::recording::Recording;
 use pt326_lab::refusal;
-use pt326_lab::scene::Scene;
+use pt326_lab::scene::{Order, Scene};
 use pt326_lab::session::{Session, Trace};
+use pt326_lab::told::Told;
+use serde_json::{Value, json};
 
 #[derive(Default)]
 struct Lab {
@@ -19,6 +24,16 @@ struct Lab {
     session: Option<Session>,
     trace: Option<Trace>,
     replayed: Vec<Numbers>,
+    board: Option<Board>,
+}
+
+/// A board at the port that the page holds.
+struct Board {
+    conversation: Conversation,
+    /// Rows so far.
+    rows: usize,
+    /// The page was told who is there.
+    greeted: bool,
 }
 
 thread_local! {
@@ -146,4 +161,137 @@ pub extern "C" fn replayed() -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn digest() -> i32 {
     answer(|lab| Ok(session(lab)?.digest()?.into_bytes()))
+}
+
+/// Begins a conversation with a board; `now` is the time here and below, s. Each of these functions gives messages of the protocol as a
+/// JSON list, and between them what is for whoever holds the port: bytes to `send`, that it is to `stop` the board, lines of the `log` to
+/// keep, and that nobody is there (`ended`).
+#[unsafe(no_mangle)]
+pub extern "C" fn board_begin(now: f64) -> i32 {
+    answer(|lab| {
+        let conversation = Conversation::new(now);
+        Ok(lab.board.insert(Board { conversation, rows: 0, greeted: false }).messages())
+    })
+}
+
+fn board(act: impl FnOnce(&mut Conversation, &[u8]) -> anyhow::Result<()>) -> i32 {
+    answer(|lab| {
+        let board = lab.board.as_mut().context("no board is there")?;
+        act(&mut board.conversation, &lab.input)?;
+        Ok(board.messages())
+    })
+}
+
+/// The input has come from the board.
+#[unsafe(no_mangle)]
+pub extern "C" fn board_heard(now: f64) -> i32 {
+    board(|conversation, input| {
+        conversation.hear(input, now);
+        Ok(())
+    })
+}
+
+/// Does what the input orders.
+#[unsafe(no_mangle)]
+pub extern "C" fn board_order(now: f64) -> i32 {
+    answer(|lab| {
+        let order: Order = protocol::read(&lab.input)?;
+        if stops(&order) {
+            return Ok(json!([{ "type": "stop" }]).to_string().into_bytes());
+        }
+        let board = lab.board.as_mut().context("no board is there")?;
+        board.conversation.order(&order, now)?;
+        Ok(board.messages())
+    })
+}
+
+/// The page has stopped the board.
+#[unsafe(no_mangle)]
+pub extern "C" fn board_stopped() -> i32 {
+    board(|conversation, _| {
+        conversation.stopped();
+        Ok(())
+    })
+}
+
+/// The port has gone.
+#[unsafe(no_mangle)]
+pub extern "C" fn board_lost() -> i32 {
+    board(|conversation, _| {
+        conversation.lost();
+        Ok(())
+    })
+}
+
+/// It is open again.
+#[unsafe(no_mangle)]
+pub extern "C" fn board_found(now: f64) -> i32 {
+    board(|conversation, _| {
+        conversation.found(now);
+        Ok(())
+    })
+}
+
+/// Time has passed.
+#[unsafe(no_mangle)]
+pub extern "C" fn board_beat(now: f64) -> i32 {
+    board(|conversation, _| {
+        conversation.pass(now);
+        Ok(())
+    })
+}
+
+impl Board {
+    /// All that there is to tell.
+    fn messages(&mut self) -> Vec<u8> {
+        let mut messages = Vec::new();
+        let bytes = self.conversation.take_bytes();
+        if !bytes.is_empty() {
+            messages.push(json!({ "type": "send", "bytes": STANDARD.encode(bytes) }));
+        }
+        let (anew, log) = self.conversation.take_log();
+        if anew || !log.is_empty() {
+            messages.push(json!({ "type": "log", "anew": anew, "text": String::from_utf8_lossy(&log) }));
+        }
+        match self.conversation.standing() {
+            Standing::Ended(why) => messages.push(json!({ "type": "ended", "why": why })),
+            Standing::Speaks if !self.greeted => {
+                self.greeted = true;
+                let mut hello = protocol::hello("board", &["order", "log"]);
+                let told = protocol::recorded(self.conversation.config());
+                if let (Value::Object(hello), Value::Object(told)) = (&mut hello, told) {
+                    hello.extend(told);
+                }
+                messages.push(hello);
+            }
+            _ => {}
+        }
+        if self.greeted {
+            self.tell(&mut messages);
+        }
+        Value::Array(messages).to_string().into_bytes()
+    }
+
+    /// What the conversation tells; rows that follow each other go together.
+    fn tell(&mut self, messages: &mut Vec<Value>) {
+        let mut rows = Vec::new();
+        let mut from = self.rows;
+        let flush = |rows: &mut Vec<u8>, from: usize, to: usize, messages: &mut Vec<Value>| {
+            if !rows.is_empty() {
+                let values = STANDARD.encode(std::mem::take(rows));
+                messages.push(json!({ "type": "rows", "from": from, "count": to - from, "values": values }));
+            }
+        };
+        while let Some(told) = self.conversation.take_told() {
+            if let Some(message) = told.message(self.rows) {
+                flush(&mut rows, from, self.rows, messages);
+                from = self.rows;
+                messages.push(message);
+            } else if let Told::Row(row) = told {
+                row.iter().for_each(|number| rows.extend(number.to_le_bytes()));
+                self.rows += 1;
+            }
+        }
+        flush(&mut rows, from, self.rows, messages);
+    }
 }

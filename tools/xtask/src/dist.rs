@@ -1,16 +1,17 @@
-//! `cargo dist-board`: a folder to hand on, with the image for each board as ELF and as the bytes of its flash, the lab's page if it was
-//! built, and checksums that `sha256sum -c` reads.
+//! `cargo dist-board`: a folder to hand on that needs nothing else, and a zip of it: what to do, the image for each board as ELF and as the
+//! bytes of its flash, the lab's page, and checksums that `sha256sum -c` reads.
 
 use std::ffi::OsStr;
 use std::fmt::Write;
 use std::path::Path;
+use std::process::Command;
 
 use object::Endianness;
 use object::elf::{FileHeader32, PT_LOAD};
 use object::read::elf::{FileHeader, ProgramHeader};
 use sha2::{Digest, Sha256};
 
-use crate::image;
+use crate::{image, zip};
 
 /// The boards, by their features of the firmware.
 const BOARDS: [&str; 2] = ["nucleo-f411re", "nucleo-f446re"];
@@ -21,8 +22,9 @@ const BLANK: u8 = 0xFF;
 /// Longest image: where the settings begin, in memory.x.
 const LONGEST: usize = 256 * 1024;
 const PAGE: &str = "lab.html";
+const README: &str = include_str!("README.txt");
 
-/// Builds both images and fills `folder`, or dist/.
+/// Builds both images and the page, and fills `folder`, or dist/.
 pub(crate) fn write(folder: Option<&OsStr>) -> Result<(), String> {
     let folder = Path::new(folder.unwrap_or(OsStr::new("dist")));
     std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
@@ -35,10 +37,9 @@ pub(crate) fn write(folder: Option<&OsStr>) -> Result<(), String> {
         let bin = flash(&elf).map_err(|why| format!("{board}: {why}"))?;
         files.extend([(format!("pt326-{board}.elf"), elf), (format!("pt326-{board}.bin"), bin)]);
     }
-    match std::fs::read(PAGE) {
-        Ok(page) => files.push((PAGE.into(), page)),
-        Err(_) => println!("without {PAGE}: `cargo lab` builds it"),
-    }
+    let page = folder.join(PAGE);
+    lab(&page)?;
+    files.extend([(PAGE.into(), read(&page)?), ("README.txt".into(), README.into())]);
     files.sort();
     let mut sums = String::new();
     for (name, bytes) in &files {
@@ -46,12 +47,27 @@ pub(crate) fn write(folder: Option<&OsStr>) -> Result<(), String> {
         println!("{:8} {name}", bytes.len());
     }
     files.push(("SHA256SUMS".into(), sums.into_bytes()));
+    let zipped = folder.with_extension("zip");
+    let name = folder.file_name().and_then(OsStr::to_str).ok_or("a folder with a name is needed")?;
+    std::fs::write(&zipped, zip::of(name, &files))
+        .map_err(|error| format!("{}: {error}", zipped.display()))?;
     for (name, bytes) in files {
         let file = folder.join(name);
         std::fs::write(&file, bytes).map_err(|error| format!("{}: {error}", file.display()))?;
     }
-    println!("in {}; there: sha256sum -c SHA256SUMS", folder.display());
+    println!("in {} and {}; there: sha256sum -c SHA256SUMS", folder.display(), zipped.display());
     Ok(())
+}
+
+/// Writes the lab's page.
+fn lab(page: &Path) -> Result<(), String> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let build = ["run", "--quiet", "--release", "-p", "pt326-lab-wasm", "--"];
+    let status = Command::new(cargo).args(build).arg(page).status();
+    match status.map_err(|error| format!("cargo cannot be run: {error}"))?.success() {
+        true => Ok(()),
+        false => Err("the page was not built".into()),
+    }
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, String> {

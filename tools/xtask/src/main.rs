@@ -4,6 +4,7 @@
 mod dist;
 mod image;
 mod stack;
+mod zip;
 
 use std::process::ExitCode;
 

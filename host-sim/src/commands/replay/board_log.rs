@@ -1,28 +1,13 @@
 //! The log of a board as text: the record of each tick, orders, settings, holds. Everything else is passed over.
 
 use anyhow::{Context, bail, ensure};
-use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::schema::WORDS;
-use fdi_core::{Command, Config, Report, Tick};
-use firmware_logic::cadence::Arrival;
-use firmware_logic::control_loop::{OrderKind, TickRecord};
+use fdi_core::{Config, Report, Tick};
+use firmware_logic::log_line::LogLine;
 use firmware_logic::log_line::tick::TickLine;
-use firmware_logic::log_line::{LogLine, VERSION};
-use firmware_logic::settings::schema::Name;
+use pt326_lab::board::log::{Start, again};
 
-use super::{Order, Recorded, Recording, Said};
-
-/// One start of the board: its records, and what was asked for before a tick.
-struct Start {
-    config: Config,
-    /// Settings told since the last order for some: all that are not at their default. The order comes after them.
-    told: Config,
-    baseline: Option<Baseline>,
-    records: Vec<TickLine>,
-    orders: Vec<(u32, Order)>,
-    /// Lines that the board's port had no room for.
-    dropped: u32,
-}
+use super::{Recorded, Recording, Said};
 
 /// Reads a log; of several starts in it, the longest.
 ///
@@ -56,95 +41,44 @@ pub(super) fn read(text: &str, config: Config) -> anyhow::Result<Recording> {
     if start.dropped > 0 {
         remarks.push(format!("{} lines are missing that the port had no room for", start.dropped));
     }
-    let mut orders = start.orders;
-    let ticks = start.records.into_iter().take(whole).map(|record| {
-        let now = orders.extract_if(.., |(tick, _)| *tick == record.tick()).map(|(_, order)| order).collect();
-        Recorded {
-            orders: now,
+    let (mut start, mut ticks) = (start, Vec::with_capacity(whole));
+    while let Some((orders, record)) = start.take().filter(|_| ticks.len() < whole) {
+        ticks.push(Recorded {
+            orders,
             raw: record.raw(),
             applied: Some(record.applied()),
             truth: 0,
             said: Said::Bits(Box::new(record)),
-        }
-    });
-    Ok(Recording {
-        config: start.config,
-        baseline: start.baseline,
-        ticks: ticks.collect(),
-        faults: Vec::new(),
-        remarks,
-    })
+        });
+    }
+    Ok(Recording { config: start.config, baseline: start.baseline, ticks, faults: Vec::new(), remarks })
 }
 
 fn starts(text: &str, config: &Config) -> anyhow::Result<Vec<Start>> {
-    let fresh = || Start {
-        config: config.clone(),
-        told: Config::default(),
-        baseline: None,
-        records: Vec::new(),
-        orders: Vec::new(),
-        dropped: 0,
-    };
+    let fresh = || Start::new(config.clone());
     let mut starts = vec![fresh()];
     for (line, number) in text.lines().zip(1..) {
         let parsed = LogLine::find(line).map_err(|error| anyhow::anyhow!("line {number}: {error}"))?;
         let (Some(start), Some(parsed)) = (starts.last_mut(), parsed) else { continue };
-        match parsed {
-            LogLine::Start { version } => {
-                ensure!(
-                    version == VERSION,
-                    "line {number}: log format {version}, expected {VERSION}: use the replay of the board's release"
-                );
-                if start.records.is_empty() { *start = fresh() } else { starts.push(fresh()) }
-            }
-            LogLine::Tick(record) if record.tick() == 0 && !start.records.is_empty() => {
-                starts.push(Start { records: vec![record], ..fresh() });
-            }
-            LogLine::Tick(record) => start.records.push(record),
-            LogLine::Order { tick, order: OrderKind::Command(command) } => {
-                start.orders.push((tick, Order::Command(command)));
-            }
-            LogLine::Order { tick, order: OrderKind::Settings } => {
-                let settings = std::mem::take(&mut start.told);
-                start.orders.push((tick, Order::Settings(Box::new(settings))));
-            }
-            LogLine::Order { order: OrderKind::Check, .. } => {} // nothing to the core
-            // Settings told before an order that was not carried out are not in force.
-            LogLine::Denied { .. } => start.told = Config::default(),
-            LogLine::Lockout { tick } => start.orders.insert(0, (tick, Order::Command(Command::Stop))),
-            LogLine::Setting { name, value } => {
-                let config = if start.records.is_empty() { &mut start.config } else { &mut start.told };
-                set(config, name, value).with_context(|| format!("line {number}"))?;
-            }
-            LogLine::Commissioned(kept) => {
-                let tick = start.records.len() as u32;
-                start.orders.push((tick, Order::Commission(kept.map(|kept| kept.models))));
-            }
-            LogLine::Wider { .. } => {}  // told as a setting, too
-            LogLine::Cycles { .. } => {} // times of the board
-            LogLine::Dropped { count } => start.dropped += count,
-            LogLine::Baseline(part) => part.restore(start.baseline.get_or_insert_default()),
+        let begins = match parsed {
+            LogLine::Start { .. } => true,
+            LogLine::Tick(record) => record.tick() == 0 && start.heard > 0,
+            _ => false,
+        };
+        if begins && start.heard > 0 {
+            starts.push(fresh());
+        } else if begins {
+            *start = fresh();
         }
+        let Some(start) = starts.last_mut() else { continue };
+        start.line(parsed).with_context(|| format!("line {number}"))?;
     }
     Ok(starts)
 }
 
-/// Sets a value as the log writes it: perhaps with a unit behind.
-fn set(config: &mut Config, name: &str, value: &str) -> anyhow::Result<()> {
-    let known = Name::find(name).map_err(|error| anyhow::anyhow!("{error}"))?;
-    let number = value.rsplit_once(' ').map_or(value, |(number, _unit)| number);
-    known
-        .set(config, name, value)
-        .or_else(|_| known.set(config, name, number))
-        .map_err(|error| anyhow::anyhow!("{error}"))
-}
-
 /// In what the core's bits differ from the board's.
-pub(super) fn differences(said: &TickLine, recorded: &Recorded, tick: &Tick, report: &Report) -> Vec<String> {
-    let arrival = Arrival { late_us: said.late_us(), ..Arrival::default() };
-    let record =
-        TickRecord { arrival, missed: said.missed(), ..TickRecord::new(recorded.raw, *tick, said.applied()) };
-    let ours = TickLine::new(&record, report);
+pub(super) fn differences(said: &TickLine, tick: &Tick, report: &Report) -> Vec<String> {
+    let ours = again(said, tick, report);
     let number = |bits: u32| format!("{bits:#010x} ({})", f32::from_bits(bits));
     said.differences(&ours)
         .map(|(name, board, core)| format!("{name}: board {}, core {}", number(board), number(core)))
@@ -155,7 +89,9 @@ pub(super) fn differences(said: &TickLine, recorded: &Recorded, tick: &Tick, rep
 pub(super) mod tests {
     use super::*;
     use crate::experiment::sample;
-    use fdi_core::Instrument;
+    use fdi_core::{Command, Instrument};
+    use firmware_logic::control_loop::TickRecord;
+    use pt326_lab::board::log::Change;
     use pt326_rig::{Disturbance, Rig, RigConfig};
 
     /// What a board would log of a run on the rig: armed before tick 3, another gain before tick 200.
@@ -213,7 +149,7 @@ pub(super) mod tests {
         let commissioned = |tick: &Recorded| {
             tick.orders
                 .iter()
-                .any(|order| matches!(order, Order::Commission(Some(models)) if models.validate().is_ok()))
+                .any(|order| matches!(order, Change::Commission(Some(models)) if models.validate().is_ok()))
         };
         let at: Vec<usize> =
             (0..recording.ticks.len()).filter(|&k| commissioned(&recording.ticks[k])).collect();

@@ -11,10 +11,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 use fdi_core::diagnosis::baseline::Baseline;
-use fdi_core::likelihood::Commissioned;
 use fdi_core::likelihood::taught::Responses;
 use fdi_core::schema::{self, Entry};
-use fdi_core::{Command, Config, Instrument, Percent, RawSample, Report, Tick};
+use fdi_core::{Config, Instrument, Percent, RawSample, Report, Tick};
 
 use super::results::Folder;
 use super::run;
@@ -22,6 +21,7 @@ use super::terminal::{BAD, GOOD, progress, styled};
 use crate::experiment::{Origin, Record, Row, as_written, tick_time, truth, with_prbs_phase};
 use crate::isolability::{Isolability, Onsets, Question};
 use crate::settings;
+use pt326_lab::board::log::Change;
 use pt326_lab::change::Settings;
 use pt326_lab::names::Names;
 use pt326_lab::recording;
@@ -74,7 +74,7 @@ struct Recording {
 /// One recorded tick.
 struct Recorded {
     /// What was asked for just before it.
-    orders: Vec<Order>,
+    orders: Vec<Change>,
     /// Codes.
     raw: RawSample,
     /// What the heater got; `None`: the drive.
@@ -83,13 +83,6 @@ struct Recorded {
     truth: u8,
     /// What the recording says of it.
     said: Said,
-}
-
-/// Something that changed the instrument before a tick.
-enum Order {
-    Command(Command),
-    Settings(Box<Config>),
-    Commission(Option<Commissioned>),
 }
 
 /// The outputs, in the form of the recording.
@@ -187,7 +180,7 @@ pub(super) fn again(
         if is_trace(&text) { settings::read(args.config.as_deref())? } else { recording.config.clone() };
     let mut changed =
         recording.ticks.into_iter().flat_map(|tick| tick.orders).filter_map(|order| match order {
-            Order::Settings(config) => Some(*config),
+            Change::Settings(config) => Some(*config),
             _ => None,
         });
     Ok(Again { record, config: changed.next_back().unwrap_or(asked), told, agrees: agreement.differing == 0 })
@@ -259,14 +252,9 @@ fn rerun(
     let bar = progress(recording.ticks.len() as u64, "ticks");
     for recorded in &recording.ticks {
         for order in &recorded.orders {
-            match order {
-                // The board logs what it carried out, and an `ack` that released its own interlock means nothing here.
-                Order::Command(command) => drop(instrument.command(*command)),
-                Order::Settings(config) => {
-                    instrument.retune(config)?;
-                    settings.change((**config).clone());
-                }
-                Order::Commission(commissioned) => instrument.commission(*commissioned)?,
+            order.carry_out(&mut instrument)?;
+            if let Change::Settings(config) = order {
+                settings.change((**config).clone());
             }
         }
         let change = settings.take();
@@ -294,7 +282,7 @@ fn rerun(
 impl Recording {
     fn teach(&mut self, taught: &Responses) {
         let later = self.ticks.iter_mut().flat_map(|tick| &mut tick.orders).filter_map(|order| match order {
-            Order::Settings(config) => Some(&mut **config),
+            Change::Settings(config) => Some(&mut **config),
             _ => None,
         });
         [&mut self.config].into_iter().chain(later).for_each(|config| {
@@ -313,7 +301,7 @@ impl Agreement {
     fn compare(&mut self, recorded: &Recorded, tick: &Tick, report: &Report, sample_time: f64) {
         self.ticks += 1;
         let differences = match &recorded.said {
-            Said::Bits(bits) => board_log::differences(bits, recorded, tick, report),
+            Said::Bits(bits) => board_log::differences(bits, tick, report),
             Said::Cells(cells) => {
                 let cells = cells.iter().map(|(column, cell)| (*column, cell.as_str()));
                 recording::differences(cells, tick, report, sample_time)

@@ -5,7 +5,7 @@ use std::path::Path;
 use fdi_core::Config;
 use pt326_lab::recording::{Asked, Recording as Trace};
 
-use super::{Order, Recorded, Recording, Said};
+use super::{Change, Recorded, Recording, Said};
 use crate::experiment::{as_written, truth};
 use crate::record::summary;
 use pt326_rig::fault::Fault;
@@ -21,8 +21,8 @@ pub(super) fn read(text: &str, config: &Config) -> anyhow::Result<Recording> {
         remarks.push(format!("the trace has no column {}, which is not compared", trace.lacks.join(", ")));
     }
     let order = |asked: &Asked| match asked {
-        Asked::Command(command) => Order::Command(*command),
-        Asked::Settings(config) => Order::Settings(config.clone()),
+        Asked::Command(command) => Change::Command(*command),
+        Asked::Settings(config) => Change::Settings(config.clone()),
     };
     let ticks = trace.rows.iter().map(|row| Recorded {
         orders: row.asked.iter().map(order).collect(),

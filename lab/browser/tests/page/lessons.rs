@@ -1,8 +1,9 @@
 //! What leads through the page: the quiz and the tour.
 
+use pt326_lab_browser::Browser;
 use serde_json::{Value, json};
 
-use crate::on_page;
+use crate::{address, assert_untroubled, on_page, script_on};
 
 #[test]
 fn the_quiz_hides_the_name_until_it_is_answered_and_keeps_the_score() {
@@ -63,4 +64,110 @@ fn the_tour_goes_to_its_end() {
     );
     let steps: Vec<Vec<bool>> = serde_json::from_value(steps).expect("steps");
     assert!(steps.len() > 10 && steps.iter().flatten().all(|good| *good), "{steps:?}");
+}
+
+/// An event that began before a question is not its answer.
+#[test]
+fn next_while_a_fault_lasts_asks_about_the_next() {
+    let asked = on_page(
+        r##"await monitoring();
+           click("[data-mode=quiz]"); await until(() => $("[data-act=quiz-start]")); click("[data-act=quiz-start]");
+           lab.send({ command: "run", speed: 0 });
+           while (lab.quiz.phase !== "ask") await step(5);
+           const first = lab.quiz.event;
+           await step(20); await until(() => $(".answers")); click(`[data-name=${lab.quiz.right}]`);
+           await until(() => $("[data-act=quiz-start]")); click("[data-act=quiz-start]"); lab.send({ command: "run", speed: 0 });
+           await step(1);
+           const waits = lab.quiz.phase;
+           while (lab.quiz.phase !== "ask") await step(5);
+           return [waits, lab.quiz.event !== first, lab.quiz.event.fault.do === lab.quiz.fault.do, lab.quiz.event.from > first.to]"##,
+        &[],
+    );
+    assert_eq!(asked, json!(["wait", true, true, true]));
+}
+
+/// What has tripped it is said as it was, and what is left to do as it is.
+#[test]
+fn a_trip_says_its_cause_and_what_is_left_to_do() {
+    let told = on_page(
+        r##"await monitoring();
+           lab.send({ command: "order", order: { order: "break", fault: { do: "short", sensor: "t2", at: 0, for: 1e6 } } });
+           await step(30); await until(() => document.body.dataset.state === "tripped");
+           const first = [$("#head").innerText, /Mend the cause/.test($("#sub").innerText)];
+           click("[data-act=mend]"); await step(30); await until(() => !/Mend the cause/.test($("#sub").innerText));
+           return [...first, $("#head").innerText, /acknowledge/.test($("#sub").innerText)]"##,
+        &[],
+    );
+    let head = "T2 reads as a short circuit.";
+    assert_eq!(told, json!([head, true, head, true]));
+}
+
+/// A file that is no trace says what it lacks; from one that is, there is a way back to the rig as it was left.
+#[test]
+fn from_a_trace_there_is_a_way_back_to_the_rig() {
+    let folder = std::env::temp_dir().join(format!("pt326-back-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let [other, trace] = ["other.csv", "trace.csv"].map(|name| folder.join(name));
+    std::fs::write(&other, "time,temperature\n0,20\n").expect("a file");
+    let browser = Browser::start().expect("a browser");
+    browser.open(&address()).expect("lab.html");
+    let text = script_on(
+        &browser,
+        r##"await monitoring(); $("#file").parentElement.hidden = false;
+           lab.send({ command: "order", order: { order: "break", fault: { do: "ambient", size: -3, at: 0, for: 20 } } }); await step(300);
+           const { parts } = await lab.ask({ command: "trace" }); return parts.join("")"##,
+        &[],
+    );
+    std::fs::write(&trace, text.as_str().expect("text")).expect("a file");
+    browser.choose("#file", &other).expect("an input");
+    let lacks = script_on(
+        &browser,
+        r##"await until(() => /t_s/.test($("#toast").textContent)); return $("#toast").textContent"##,
+        &[],
+    );
+    assert!(lacks.as_str().is_some_and(|text| text.contains("no column t_s")), "{lacks}");
+    script_on(&browser, r##"click("[data-mode=quiz]"); return 1"##, &[]);
+    browser.choose("#file", &trace).expect("an input");
+    let back = script_on(
+        &browser,
+        r##"await until(() => lab.lab.hello.kind === "recording"); const end = lab.lab.store.end;
+           const door = lab.events().list.map((event) => event.label());
+           click("#back"); await until(() => lab.lab.hello.kind === "simulated" && lab.lab.store?.end >= end); lab.send({ command: "run", speed: 0 });
+           return [door, $("#back").hidden, lab.events().orders.length, lab.lab.mode]"##,
+        &[],
+    );
+    assert_eq!(back, json!([["A fault that was put in"], true, 1, "explore"]));
+    assert_untroubled(&browser);
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+/// Every button of the page has its words in the language of the page.
+#[test]
+fn no_button_is_left_untranslated() {
+    let same = on_page(
+        r##"await monitoring();
+           const words = () => [...document.querySelectorAll("[data-line]")].map((button) => button.textContent);
+           const english = words(); click("#language");
+           return words().filter((word, i) => word === english[i])"##,
+        &[],
+    );
+    assert_eq!(same, json!([]));
+}
+
+/// A page from a file copies its scene as text, and any copy of the page takes it.
+#[test]
+fn a_scene_is_copied_as_text_and_pasted() {
+    let seen = on_page(
+        r##"await monitoring();
+           Object.defineProperty(navigator, "clipboard", { configurable: true, value: { writeText: async (text) => void (window.copied = text) } });
+           click("#link"); await until(() => window.copied); const text = window.copied;
+           lab.send({ command: "open", scene: { ...SCENE, seed: 9 }, skip: true }); await step(1);
+           history.replaceState(null, "", "#");
+           const data = new DataTransfer(); data.setData("text", `see ${text} there`);
+           document.body.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true, cancelable: true }));
+           await until(() => lab.lab.scene.seed === 1 && lab.lab.store.end > 100);
+           return [text.startsWith("#s="), /paste it/.test($("#toast").textContent)]"##,
+        &[],
+    );
+    assert_eq!(seen, json!([true, true]));
 }

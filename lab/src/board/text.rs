@@ -4,7 +4,7 @@ use fdi_core::TripReason;
 use firmware_logic::console::ANSWER;
 
 /// What ends an answer.
-pub(super) const PROMPT: &str = "> ";
+pub const PROMPT: &str = "> ";
 
 /// Takes the whole lines of a console's text, without its prompts and what is empty; the rest stays. No line is longer than an answer:
 /// what is goes out in pieces, which say so.
@@ -18,9 +18,22 @@ pub fn take_lines(text: &mut String) -> Vec<String> {
 }
 
 /// The lines of a text without prompts and what is empty: a board shows its prompt again after whatever it tells by itself.
-pub(super) fn without_prompts(text: &str) -> String {
+pub fn without_prompts(text: &str) -> String {
     let lines = text.lines().map(|line| line.trim_end().trim_start_matches(PROMPT));
     lines.filter(|line| !matches!(*line, "" | ">")).fold(String::new(), |out, line| out + line + "\n")
+}
+
+/// A text before an echo, from there to the next prompt, and behind that. Without an echo the prompt is the one that ends it all.
+pub fn between<'a>(text: &'a str, echo: &str) -> Option<(&'a str, &'a str, &'a str)> {
+    if echo.is_empty() {
+        let answer = text.strip_suffix(PROMPT).filter(|text| text.is_empty() || text.ends_with('\n'));
+        return answer.map(|answer| ("", answer, ""));
+    }
+    let at = text.find(&format!("{echo}\n"))?;
+    let (before, behind) = text.split_at(at);
+    // The line feed of the echo may be the one before the prompt.
+    let (answer, after) = behind.split_at(echo.len()).1.split_once("\n> ")?;
+    Some((before, answer, after))
 }
 
 /// Whether a line tells the end of a self-test, and then whether it has passed.
@@ -35,7 +48,7 @@ pub fn refusal(answer: &str) -> Option<&str> {
 }
 
 /// Name of the trip whose cause persists, where that is why.
-pub(super) fn persists(why: &str) -> Option<&'static str> {
+pub fn persists(why: &str) -> Option<&'static str> {
     let number: usize = why.split_once("persists (trip ")?.1.split_once(')')?.0.parse().ok()?;
     TripReason::NAMES.get(number.checked_sub(1)?).copied()
 }
@@ -75,5 +88,15 @@ mod tests {
         let lines = take_lines(&mut text);
         assert!(lines.len() == 1 && lines[0].contains("[cut: "), "{lines:?}");
         assert!(text.is_empty());
+    }
+
+    #[test]
+    fn an_answer_is_told_from_what_is_told_beside_it() {
+        let text = "\ncheck: at rest\n> stat\ncheck: pulses\n> status\nmode off\n> \ncheck passed\n> ";
+        let (before, answer, after) = between(text, "status").expect("an answer");
+        assert_eq!(without_prompts(answer), "mode off\n");
+        assert!(before.contains("pulses") && after.contains("check passed"));
+        assert_eq!(between("\ncheck: at rest\n> ", "status"), None, "that is no answer");
+        assert_eq!(between("> arm\n> ", "arm"), Some(("> ", "", "")));
     }
 }

@@ -1,14 +1,14 @@
 //! The lines of a board's stream as the numbers that the lab's page shows. Its ticks are counted from the first that was heard; what a record
 //! does not hold (what the models expect, shares of the hypotheses, residuals in units of their thresholds) is not defined.
 
+use crate::scene::Order;
+use crate::told::Told;
 use fdi_core::schema::{Entry, FIELDS, Kind, Numbers};
 use fdi_core::sense::thermistor::Thermistor;
 use fdi_core::{Command, Config, Validity};
 use firmware_logic::control_loop::OrderKind;
 use firmware_logic::log_line::LogLine;
 use firmware_logic::log_line::tick::TickLine;
-use pt326_lab::scene::Order;
-use pt326_lab::told::Told;
 
 /// Most rows that stand in for ticks that were not heard: of a longer gap, some ten minutes.
 const MOST_MISSING: u32 = 6000;
@@ -22,8 +22,10 @@ pub(super) struct News {
 }
 
 /// Counts rows, and knows the board's thermistors.
+#[derive(Default)]
 pub(super) struct Rows {
-    thermistors: [Thermistor; 3],
+    /// None before its settings are known: nothing is shown then.
+    thermistors: Option<[Thermistor; 3]>,
     /// Rows so far.
     count: u32,
     /// The board's tick that comes next, where one was heard.
@@ -31,13 +33,9 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    pub(super) fn new(config: &Config) -> anyhow::Result<Self> {
-        Ok(Self { thermistors: thermistors(config)?, count: 0, due: None })
-    }
-
     /// Other settings are in force.
     pub(super) fn retune(&mut self, config: &Config) -> anyhow::Result<()> {
-        self.thermistors = thermistors(config)?;
+        self.thermistors = Some(thermistors(config)?);
         Ok(())
     }
 
@@ -57,40 +55,39 @@ impl Rows {
     }
 
     fn tick(&mut self, line: &TickLine) -> Vec<Told> {
+        let Some(thermistors) = &self.thermistors else { return Vec::new() };
         // A tick before the one that is due is of another start.
         let missing = self.due.and_then(|due| line.tick().checked_sub(due)).unwrap_or(0).min(MOST_MISSING);
         let mut told: Vec<Told> = (0..missing).map(|k| Told::Row(unheard(self.count + k))).collect();
-        self.count += missing;
-        told.push(Told::Row(self.numbers(line)));
-        self.count += 1;
+        told.push(Told::Row(numbers(line, self.count + missing, thermistors)));
+        self.count += missing + 1;
         self.due = Some(line.tick().wrapping_add(1));
         told
     }
+}
 
-    fn numbers(&self, line: &TickLine) -> Numbers {
-        let (raw, [s0, s1, s2]) = (line.raw(), &self.thermistors);
-        let read = |validity, thermistor: &Thermistor, code| {
-            let silent = Validity::READS_NOTHING.iter().any(|v| line.bits(validity) == Some(v.number()));
-            if silent { f32::NAN } else { thermistor.celsius(code).0 }
-        };
-        let number_of = |field: &Entry| match field.name {
-            "tick" => self.count as f32,
-            "t0" => read("t0_validity", s0, raw.t0),
-            "t1" => read("t1_validity", s1, raw.t1),
-            "t2" => read("t2_validity", s2, raw.t2),
-            "truth" => 0.0,
-            _ => match (field.number.kind, field.number.bits(&line.0)) {
-                (_, None) => f32::NAN,
-                (Kind::Float, Some(bits)) => f32::from_bits(bits),
-                // Ticks are counted from the first that was heard.
-                (Kind::Tick, Some(tick)) => {
-                    (f64::from(self.count) - (f64::from(line.tick()) - f64::from(tick))) as f32
-                }
-                (_, Some(number)) => number as f32,
-            },
-        };
-        std::array::from_fn(|i| number_of(&FIELDS[i]))
-    }
+/// The numbers of a record, in its row.
+fn numbers(line: &TickLine, row: u32, thermistors: &[Thermistor; 3]) -> Numbers {
+    let (raw, [s0, s1, s2]) = (line.raw(), thermistors);
+    let read = |validity, thermistor: &Thermistor, code| {
+        let silent = Validity::READS_NOTHING.iter().any(|v| line.bits(validity) == Some(v.number()));
+        if silent { f32::NAN } else { thermistor.celsius(code).0 }
+    };
+    let number_of = |field: &Entry| match field.name {
+        "tick" => row as f32,
+        "t0" => read("t0_validity", s0, raw.t0),
+        "t1" => read("t1_validity", s1, raw.t1),
+        "t2" => read("t2_validity", s2, raw.t2),
+        "truth" => 0.0,
+        _ => match (field.number.kind, field.number.bits(&line.0)) {
+            (_, None) => f32::NAN,
+            (Kind::Float, Some(bits)) => f32::from_bits(bits),
+            // Ticks are counted from the first that was heard.
+            (Kind::Tick, Some(tick)) => (f64::from(row) - (f64::from(line.tick()) - f64::from(tick))) as f32,
+            (_, Some(number)) => number as f32,
+        },
+    };
+    std::array::from_fn(|i| number_of(&FIELDS[i]))
 }
 
 fn thermistors(config: &Config) -> anyhow::Result<[Thermistor; 3]> {
@@ -160,13 +157,19 @@ mod tests {
         (0..ticks).map(both).collect()
     }
 
+    fn rows_of_a_board() -> Rows {
+        let mut rows = Rows::default();
+        rows.retune(&Config::default()).unwrap();
+        rows
+    }
+
     fn rows(told: Vec<Told>) -> Vec<Numbers> {
         told.into_iter().filter_map(|told| if let Told::Row(row) = told { Some(row) } else { None }).collect()
     }
 
     #[test]
     fn a_record_gives_the_numbers_that_the_instrument_gives() {
-        let mut to_rows = Rows::new(&Config::default()).unwrap();
+        let mut to_rows = rows_of_a_board();
         for (line, wanted) in both(50) {
             let [row] = rows(to_rows.line(&line).told)[..] else { panic!("one row a tick") };
             for (field, (ours, theirs)) in FIELDS.iter().zip(row.into_iter().zip(wanted)) {
@@ -179,7 +182,7 @@ mod tests {
 
     #[test]
     fn why_it_tripped_is_told_by_its_number() {
-        let mut to_rows = Rows::new(&Config::default()).unwrap();
+        let mut to_rows = rows_of_a_board();
         let trips =
             both(50).into_iter().flat_map(|(line, _)| rows(to_rows.line(&line).told)).map(|row| row[11]);
         let trips: Vec<f32> = trips.filter(|trip| !trip.is_nan()).collect();
@@ -198,7 +201,7 @@ mod tests {
         let shown = |finding, taught| {
             let likelihood = LikelihoodReport { alarm: true, finding, taught, ..report.likelihood };
             let line = TickLine::new(&record, &Report { likelihood, ..report.clone() });
-            let row = Rows::new(&Config::default()).unwrap().numbers(&line);
+            let row = numbers(&line, 0, &thermistors(&Config::default()).unwrap());
             let number = |name| row[schema::field(name).unwrap()];
             ["class", "taught"].map(|name| Some(number(name)).filter(|number| !number.is_nan()))
         };
@@ -211,7 +214,7 @@ mod tests {
     #[test]
     fn ticks_are_counted_from_the_first_that_was_heard_and_gaps_are_empty_rows() {
         let lines: Vec<String> = both(30).into_iter().map(|(line, _)| line).collect();
-        let mut to_rows = Rows::new(&Config::default()).unwrap();
+        let mut to_rows = rows_of_a_board();
         let mut all = Vec::new();
         for i in [10, 11, 14] {
             all.extend(rows(to_rows.line(&lines[i]).told));
@@ -228,7 +231,7 @@ mod tests {
 
     #[test]
     fn what_was_ordered_is_told() {
-        let mut to_rows = Rows::new(&Config::default()).unwrap();
+        let mut to_rows = rows_of_a_board();
         let setpoint = f32::to_bits(36.0);
         let news = to_rows.line(&format!("order 12 setpoint {setpoint:x} (36 degC)"));
         assert_eq!(news.told, [Told::Order(Order::Setpoint { celsius: 36.0 })]);

@@ -27,6 +27,11 @@ impl<W: Write> Recorder<W> {
         Self { out, ticks: 0, due: None, missing: 0, broken: 0, dropped: 0, from_start: false }
     }
 
+    /// Where it writes.
+    pub fn out(&mut self) -> &mut W {
+        &mut self.out
+    }
+
     /// A line has come.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 //! board at all, is shown and not sent on: a terminal would obey it.
 
 /// The text with every character that is not printable ASCII, a line feed or a tab in its escaped form, such as `\u{1b}` for ESC.
-pub(super) fn visible(text: &str) -> String {
+pub fn visible(text: &str) -> String {
     text.chars().fold(String::with_capacity(text.len()), |mut out, c| {
         match c {
             '\n' | '\t' | ' '..='~' => out.push(c),

@@ -1,0 +1,94 @@
+//! A port of the computer at whose other end is no board, or one that lies.
+
+use serde_json::json;
+
+use crate::on_page;
+
+/// A port that answers as a board does, until `says` says something else for it.
+const PORT: &str = r##"
+const toast = async (pattern) => { await until(() => pattern.test($("#toast").textContent)); return $("#toast").textContent; };
+const bytes = (text) => Uint8Array.from(text, (c) => c.charCodeAt(0));
+class Port {
+  constructor(answers) { Object.assign(this, { answers, heard: "" }); }
+  getInfo() { return {}; }
+  async open() {
+    this.reads();
+    this.writable = new WritableStream({ write: (some) => {
+      this.heard += String.fromCharCode(...some);
+      const line = /(?:\x15|[^\r\x15]*\r)$/.exec(this.heard)?.[0].replace("\r", "");
+      if (line in this.answers) this.says(this.answers[line]);
+    } });
+  }
+  reads() { this.readable = new ReadableStream({ start: (to) => void (this.to = to) }); }
+  // A tab that slept for too long: a browser throws away what has no room, and there is another stream.
+  overruns() {
+    const { to } = this;
+    this.reads();
+    to.error(new DOMException("Buffer overrun.", "BufferOverrunError"));
+  }
+  says(text) { this.to.enqueue(bytes(text)); }
+  async close() {}
+}
+const serial = (value) => Object.defineProperty(navigator, "serial", { configurable: true, value });
+const BOARD = { "\x15": "\r\n> ", get: "get\r\nsetpoint = 36 degC\r\npid.kp = 2.5 %/degC\r\n> ", "stream on": "stream on\r\nok\r\n> " };
+const offer = (port) => serial({ requestPort: async () => port, getPorts: async () => [port] });
+"##;
+
+/// Each way in which there is no board is told in a sentence, and the rig goes on.
+#[test]
+fn where_there_is_no_board_that_is_said_with_what_to_do() {
+    let script = r##"await monitoring();
+        serial(undefined); click("#connect"); const none = await toast(/Chrome or Edge/);
+        serial({ requestPort: async () => { throw new DOMException("No port selected by the user.", "NotFoundError"); } });
+        click("#connect"); const chosen = await toast(/No port was chosen/);
+        const busy = new Port(BOARD); busy.open = async () => { throw new DOMException("Failed to open serial port.", "NetworkError"); };
+        offer(busy); click("#connect"); const used = await toast(/close the other tab or program/);
+        const mute = new Port({}); let closed = 0; mute.close = async () => void closed++;
+        offer(mute); click("#connect-any"); const nobody = await toast(/is this the board's port/);
+        const other = new Port({ ...BOARD, get: "get\r\nwarp.factor = 9\r\n> " });
+        offer(other); click("#connect"); const release = await toast(/warp.factor/);
+        await step(1); await until(() => closed);
+        return [none, chosen, used, nobody, release].every((text) => text.length < 300) && lab.lab.hello.kind === "simulated" && lab.row().mode === 3"##;
+    assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!(true));
+}
+
+/// Whatever it says is text, and a stop still goes out.
+#[test]
+fn a_board_that_lies_can_do_nothing() {
+    let script = r##"await monitoring();
+        const port = new Port(BOARD); offer(port); click("#connect");
+        await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
+        const html = '<img src=x onerror="window.harmed = 1"><script>window.harmed = 1</' + "script>";
+        port.says(`${html}\n\x1b]52;c;cm0=\x07\n`);
+        port.says(`\x02tick 0 ${html}*00000000\r\n\x02${"x".repeat(5000)}\r\n\x02log format 5*00000000\r\n`);
+        await until(() => $("#console").textContent.includes("<img"));
+        for (let i = 0; i < 300; i++) { port.says("z".repeat(8192)); if (i % 50 === 0) await frame(); }
+        port.says(Array.from({ length: 65536 }, (_, i) => String.fromCharCode((i * 7919) % 256)).join(""));
+        await until(() => $("#console").textContent.includes("\\u{"));
+        port.heard = ""; click("#stop"); await until(() => port.heard.includes("\x03"));
+        for (let i = 0; i < 10; i++) await frame();
+        return [document.querySelectorAll("main img, main script").length, window.harmed ?? 0, $("#console").textContent.length < 4e6, /\x03(\x15stream on\r)*$/.test(port.heard)]"##;
+    assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!([0, 0, true, true]));
+}
+
+/// A tab that slept hears all at once what came meanwhile; where that was too much, there is a gap, and it goes on.
+#[test]
+fn what_came_while_a_tab_slept_is_caught_up_with() {
+    let script = r##"await monitoring();
+        const port = new Port(BOARD); offer(port); click("#connect");
+        await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
+        const crc = (text) => {
+          let sum = -1;
+          for (const byte of bytes(text)) { sum ^= byte; for (let k = 0; k < 8; k++) sum = (sum >>> 1) ^ (sum & 1 ? 0xedb88320 : 0); }
+          return ((sum ^ -1) >>> 0).toString(16).padStart(8, "0");
+        };
+        const tick = (n) => { const line = `tick ${n.toString(16)}${" 45000000".repeat(31)}`; return `\x02${line}*${crc(line)}\r\n`; };
+        const ticks = (from, to) => Array.from({ length: to - from }, (_, i) => tick(from + i)).join("");
+        port.says(tick(500)); await until(() => lab.lab.store?.end === 1);
+        port.says(ticks(501, 5500)); await until(() => lab.lab.store.end === 5000);
+        const all = lab.lab.store.get(2000, "tick");
+        port.overruns(); port.says(ticks(5600, 5610)); await until(() => lab.lab.store.end === 5110);
+        const { parts } = await lab.ask({ command: "log" }); const log = await new Blob(parts).text();
+        return [all, Number.isFinite(lab.lab.store.get(5050, "t1")), Number.isFinite(lab.lab.store.get(5105, "t1")), /# ticks 5500 to 5599 are missing/.test(log), log.split("\n").length - 1]"##;
+    assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!([2000, false, true, true, 5011]));
+}

@@ -373,7 +373,10 @@ fn a_room_stays_a_room_for_weeks() {
             (coldest, warmest) = (coldest.min(t1), warmest.max(t1));
         }
         let within = AMBIENT - 2.5..AMBIENT + 2.5;
-        assert!(within.contains(&coldest) && within.contains(&warmest), "{coldest} to {warmest}, seed {seed}");
+        assert!(
+            within.contains(&coldest) && within.contains(&warmest),
+            "{coldest} to {warmest}, seed {seed}"
+        );
         assert!(coldest < AMBIENT - 1.5 && warmest > AMBIENT + 1.5, "{coldest} to {warmest}, seed {seed}");
     }
 }

@@ -111,7 +111,7 @@ impl Watch {
                 tuning,
             },
             since_training: SinceTraining { least_power: c.least_power, sample_time, inputs, tuning },
-            returned: Returned { sample_time, inputs, tuning },
+            returned: Returned { least_power: c.least_power, sample_time, inputs, tuning },
             heat: Heat::new(tuning, sample_time, answer_time),
             sample_time,
             inputs,
@@ -297,12 +297,12 @@ impl Watch {
         e: [f32; 2],
         now: &Simulated,
     ) {
-        if onset.said().is_none() && s.since_training.said().is_none() {
+        let Some(h) = onset.hypothesis().or(s.since_training.hypothesis()) else {
             s.returned.reset();
             return;
-        }
+        };
         let usual = s.usual();
-        if self.returned.step(&mut s.returned, &s.times, innovations, &usual, now.expected[0]) {
+        if self.returned.step(&mut s.returned, &s.times, innovations, &usual, (h, now.expected[0])) {
             s.returned.reset();
             onset.begin_anew();
             s.since_training.forget(e);

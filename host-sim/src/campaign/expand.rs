@@ -29,14 +29,14 @@ impl Campaign {
         for definition in &self.cells {
             let place = format!("cell {:?}", definition.name);
             for plain in definition.variants(&self.plants).with_context(|| place.clone())? {
-                for setting in self.settings().into_iter().filter(|_| enough(definition)) {
+                let is_wanted = enough(definition) && plain.name.contains(&self.only);
+                for setting in self.settings().into_iter().filter(|_| is_wanted) {
                     let cell = self.cell(&plain, seed, &base, setting);
                     cells.push(cell.with_context(|| place.clone())?);
                 }
                 seed += definition.runs; // the same seeds for all values of a sweep
             }
         }
-        cells.retain(|cell| cell.name.contains(&self.only));
         ensure!(!cells.is_empty(), "no cell has {:?} in its name", self.only);
         Ok(cells)
     }

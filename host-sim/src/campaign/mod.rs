@@ -3,6 +3,7 @@
 //! A [`definition`] expands to [`cell`]s; the [`runner`] runs what is not finished and keeps each [`run`] in the
 //! [`store`]; from there come [`statistics`], [`results`] and the [`output`].
 
+pub mod ablation;
 pub mod by;
 pub mod cell;
 pub mod definition;

@@ -11,6 +11,7 @@ use super::statistics::heat::HeatStatistics;
 use super::statistics::said::{self, Confidence, SaidStatistics};
 use super::statistics::target::{self, Outcome};
 use super::statistics::trade::{self, Trade};
+use super::statistics::variation::{self, Variation};
 use super::statistics::{Case, Statistics, class};
 use crate::score::expectation::Expectation;
 
@@ -28,6 +29,8 @@ pub struct Results {
     pub confidence: Vec<(String, Vec<Confidence>)>,
     /// False alarms against delays, for each setting; empty without a sweep.
     pub trade: Vec<Trade>,
+    /// What each value of `vary` is worth; empty without.
+    pub variations: Vec<Variation>,
     /// Targets and what became of them.
     pub targets: Vec<Outcome>,
     /// The campaign itself.
@@ -81,6 +84,7 @@ impl Results {
             confusion: confusion(&cases),
             confidence: said::by_plant(&cases),
             trade: trade::of(&cases),
+            variations: variation::of(&cases),
             targets: target::judge(&campaign.targets, &cases),
             campaign: campaign.clone(),
         }

@@ -75,9 +75,9 @@ impl Header {
     /// The program can't be read.
     pub fn new(campaign: &Campaign, config: &Config, shard: Shard) -> anyhow::Result<Self> {
         let program = std::env::current_exe().and_then(std::fs::read).context("can't read this program")?;
-        let hash = program
-            .iter()
-            .fold(0xcbf2_9ce4_8422_2325_u64, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3));
+        let (words, rest) = program.as_chunks();
+        let words = words.iter().map(|&word| u64::from_le_bytes(word)).chain(rest.iter().map(|&b| b.into()));
+        let hash = words.fold(0xcbf2_9ce4_8422_2325_u64, |h, x| (h ^ x).wrapping_mul(0x0000_0100_0000_01b3));
         Ok(Self {
             campaign: toml::to_string(campaign)?,
             config: toml::to_string(config)?,

@@ -12,8 +12,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::results::Folder;
 use super::terminal::{coloured, print};
+use crate::campaign::ablation;
 use crate::campaign::cell::Cell;
-use crate::campaign::definition::{CAMPAIGN_TOML, Campaign, PHYSICS_TOML};
+use crate::campaign::definition::{ABLATION_TOML, CAMPAIGN_TOML, Campaign, PHYSICS_TOML};
 use crate::campaign::output;
 use crate::campaign::results::Results;
 use crate::campaign::runner::{Progress, Remaining};
@@ -33,6 +34,7 @@ use crate::recording::harness;
   pt326 campaign --only nominal/ --config tuning.toml --seeds-from 1
   pt326 campaign --quick --sweep diagnosis.sigma_factor=2.5,3,3.5,4
   pt326 campaign --seeds-from 1 --vary likelihood.naming=0.8,0.98 --vary likelihood.least_power=0
+  pt326 campaign --ablate --out out/ablation  what is each number of the likelihood diagnosis worth?
   pt326 campaign --shard 2/8 --out part       one of eight jobs of a cluster, then
   pt326 campaign merge part/runs.*.jsonl
   pt326 campaign records DIR                  recordings of real heaters
@@ -60,6 +62,9 @@ pub enum CampaignCommand {
         /// The campaign on physics that no model has.
         #[arg(long)]
         physics: bool,
+        /// The runs of `--ablate`.
+        #[arg(long, conflicts_with = "physics")]
+        ablate: bool,
     },
     /// Put the results of all parts together, and write what a whole campaign writes.
     Merge(MergeArgs),
@@ -95,6 +100,10 @@ pub struct DefinitionArgs {
     /// The campaign on physics that no model has, in place of the default one.
     #[arg(long, conflicts_with = "file")]
     pub physics: bool,
+    /// Vary each number of the likelihood diagnosis (`pt326 config --tuning`), at half and at twice its value: vary.md says what each is worth. Without a
+    /// file, over a few runs of many kinds, all of them: more than an hour of one core.
+    #[arg(long, conflicts_with_all = ["physics", "quick"])]
+    pub ablate: bool,
     /// Settings of the instrument, TOML; see `pt326 config`.
     #[arg(long, value_name = "FILE.toml")]
     pub config: Option<PathBuf>,
@@ -188,12 +197,12 @@ impl DefinitionArgs {
         }
         let mut campaign = match &self.file {
             Some(file) => Campaign::read(file)?,
-            None => toml::from_str(built_in(self.physics))?,
+            None => toml::from_str(built_in(self.physics, self.ablate))?,
         };
         let preset = match (self.quick, self.full) {
             (true, _) => QUICK,
             (_, true) => 1.0,
-            _ if self.file.is_none() => USUAL,
+            _ if self.file.is_none() && !self.ablate => USUAL,
             _ => 1.0,
         };
         campaign.scale *= self.scale.unwrap_or(preset);
@@ -205,6 +214,9 @@ impl DefinitionArgs {
             let (key, values) = parse_sweep(text)?;
             campaign.sweep.insert(key, values);
         }
+        if self.ablate {
+            campaign.vary.extend(ablation::vary());
+        }
         for text in &self.vary {
             let (key, values) = parse_sweep(text)?;
             campaign.vary.insert(key, values);
@@ -214,8 +226,12 @@ impl DefinitionArgs {
 }
 
 /// The text of a built-in campaign.
-fn built_in(physics: bool) -> &'static str {
-    if physics { PHYSICS_TOML } else { CAMPAIGN_TOML }
+fn built_in(physics: bool, ablate: bool) -> &'static str {
+    match (physics, ablate) {
+        (true, _) => PHYSICS_TOML,
+        (_, true) => ABLATION_TOML,
+        _ => CAMPAIGN_TOML,
+    }
 }
 
 /// A mistyped subcommand looks like a file that is not there.
@@ -245,7 +261,7 @@ fn parse_sweep(text: &str) -> anyhow::Result<(String, Vec<toml::Value>)> {
 pub fn run(args: &CampaignArgs) -> anyhow::Result<()> {
     match &args.command {
         None => run_campaign(&args.campaign),
-        Some(CampaignCommand::Define { physics }) => print(built_in(*physics)),
+        Some(CampaignCommand::Define { physics, ablate }) => print(built_in(*physics, *ablate)),
         Some(CampaignCommand::Merge(args)) => merge(args),
         Some(CampaignCommand::Show(args)) => show(args),
         Some(CampaignCommand::Records(args)) => records(args),

@@ -152,6 +152,35 @@ fn numbers_of_the_method_are_varied_by_their_names() {
     assert_eq!((missed(""), missed("tuning.charts.ceiling=0.5")), (0.0, 100.0));
 }
 
+/// Half and twice of each number; one that matters shows in its rows, one that these runs never use does not.
+#[test]
+fn an_ablation_tells_what_matters_from_what_does_not() {
+    let definition = "seeds_from = 700\n[[cell]]\nname = \"offset\"\nruns = 1\n\
+                      fault = [{ do = \"offset\", sensor = \"t2\", size = 1.5, at = 400.0, for = 10.0 }]";
+    let vary = |name: &str, definition: &str, args: &[&str]| {
+        let (dir, file) = folder(name, definition);
+        succeeds(&[&[file.as_str(), "--out", dir.to_str().unwrap()], args].concat());
+        std::fs::read_to_string(dir.join("vary.md")).unwrap()
+    };
+    let args = ["--vary", "tuning.charts.ceiling=0.5", "--vary", "tuning.taught.size_sd=0.4"];
+    let text = vary("worth", definition, &args);
+    let row = |text: &str, start: &str| text.lines().find(|line| line.starts_with(start)).map(str::to_owned);
+    let ceiling = row(&text, "| `tuning.charts.ceiling` | 0.5 | 1 |  | +1 |");
+    assert!(ceiling.is_some_and(|row| row.contains("| -1 |")), "no chart reaches its limit: {text}");
+    assert!(row(&text, "| `tuning.taught.size_sd` | 0.4 | none |").is_some(), "nothing is taught: {text}");
+    assert!(text.contains("**1 of 2: no value has any effect.** `tuning.taught.size_sd`"), "{text}");
+
+    let short = "[[cell]]\nname = \"short\"\nruns = 1\nduration = 1.0";
+    let text = vary("ablation", short, &["--ablate", "--threads", "1"]);
+    let of_one = |name: &str| text.lines().filter(|line| line.starts_with(&format!("| `{name}` |"))).count();
+    assert_eq!((of_one("tuning.charts.clip"), of_one("tuning.alarm.raise")), (2, 2), "{text}");
+    assert_eq!(
+        text.matches("| none |").count(),
+        text.matches("| `tuning.").count(),
+        "too short for any: {text}"
+    );
+}
+
 fn results_json(dir: &Path) -> Vec<u8> {
     std::fs::read(dir.join("campaign.json")).expect("campaign.json")
 }

@@ -47,7 +47,11 @@ fn measure(recording: &Path) -> anyhow::Result<Bench> {
     let counted = Listing::read(&qemu::run(&image, recording, &["-icount", "shift=0"])?)?;
     let intervals = qemu::trace(&image, recording, trace::intervals)?;
     let mut intervals = intervals.into_iter();
-    let mut bench = Bench { prices: Vec::new(), stacks: counted.stacks };
+    let mut samples: Vec<(String, Vec<Cost>)> = Vec::new();
+    let mut keep = |name: &str, costs: Vec<Cost>| match samples.iter_mut().find(|(known, _)| known == name) {
+        Some((_, before)) => before.extend(costs),
+        None => samples.push((name.to_owned(), costs)),
+    };
     let mut nothing = Cost::default();
     let mut timer_overhead = 0;
     for pass in &counted.passes {
@@ -61,15 +65,19 @@ fn measure(recording: &Path) -> anyhow::Result<Bench> {
                 timer_overhead = part.total / pass.samples as u64;
             }
             agree(part, &own, timer_overhead - u64::from(nothing.instructions))?;
-            bench.prices.push((part.name.clone(), price(&own, nothing)));
+            keep(&part.name, own);
         }
         if pass.parts.iter().map(|p| p.name.as_str()).eq(HALVES) {
-            let sums: Vec<Cost> = costs.chunks(names).map(sum).collect();
-            bench.prices.push((TICK.to_owned(), price(&sums, sum(&[nothing; 2]))));
+            keep(TICK, costs.chunks(names).map(sum).collect());
         }
     }
     ensure!(intervals.next().is_none(), "the trace holds more than was counted");
-    Ok(bench)
+    let overhead = |name: &str| if name == TICK { sum(&[nothing; 2]) } else { nothing };
+    let prices = samples.into_iter().map(|(name, costs)| {
+        let price = price(&costs, overhead(&name));
+        (name, price)
+    });
+    Ok(Bench { prices: prices.collect(), stacks: counted.stacks })
 }
 
 /// The timer and the trace must have seen the same instructions, but for those between the timer's two readings that

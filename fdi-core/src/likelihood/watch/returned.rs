@@ -2,13 +2,13 @@
 //!
 //! What the tracker has taken in of a fault that came slowly is missing when that fault is mended: an alarm since the onset of the mending then explains
 //! just that, and goes on for ever. So the residuals without the tracker are asked, too, by the hypotheses and the nuisances of the bank since
-//! training: where these leave noise and no fault explains more, all is as it was trained.
+//! training: where the nuisances leave noise, no fault explains more, and the one of the alarm is too small for one, all is as it was trained.
 
 use super::innovations::Innovations;
 use super::times::Times;
 use crate::bounds::larger;
 use crate::likelihood::evidence::Nuisances;
-use crate::likelihood::hypothesis::PAIRS;
+use crate::likelihood::hypothesis::{COUNT, PAIRS};
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::normal::LastingNormal;
 use crate::likelihood::tuning::Tuned;
@@ -17,6 +17,7 @@ use crate::likelihood::usual::Usual;
 /// The question, for a rig with these inputs.
 #[derive(Clone, Debug)]
 pub(super) struct Returned {
+    pub(super) least_power: f32,
     pub(super) sample_time: f32,
     pub(super) inputs: Inputs,
     pub(super) tuning: Tuned,
@@ -30,14 +31,14 @@ pub(super) struct ReturnedState {
 }
 
 impl Returned {
-    /// A tick with an alarm; `expected` is what T1 should read above T0, degC. Says whether all is as it was trained.
+    /// A tick with an alarm of hypothesis `h`; `expected` is what T1 should read above T0, degC. Says whether all is as it was trained.
     pub(super) fn step(
         &self,
         s: &mut ReturnedState,
         times: &Times,
         innovations: &Innovations,
         usual: &Usual,
-        expected: f32,
+        (h, expected): (usize, f32),
     ) -> bool {
         let t = &self.tuning.since_training;
         s.normal.scale(times.recent);
@@ -46,11 +47,11 @@ impl Returned {
         let asked_from = times.ticks(2.0 * self.tuning.times.split, self.sample_time);
         s.ticks >= asked_from
             && s.ticks.is_multiple_of(t.every as u32)
-            && self.is_as_trained(&s.normal, usual, expected)
+            && self.is_as_trained(&s.normal, usual, h, expected)
     }
 
     #[inline(never)]
-    fn is_as_trained(&self, normal: &LastingNormal, usual: &Usual, expected: f32) -> bool {
+    fn is_as_trained(&self, normal: &LastingNormal, usual: &Usual, h: usize, expected: f32) -> bool {
         let t = &self.tuning.since_training;
         let list = usual.since_training(expected);
         let nuisances = Nuisances::new(normal, &list, t.kappa);
@@ -59,8 +60,14 @@ impl Returned {
             return false;
         }
         let beyond = nuisances.beyond(&PAIRS);
-        let asked = self.tuning.hypotheses().iter().filter(|row| row.lasting && self.inputs.tell(row.class));
-        asked.clone().all(|row| row.judged(beyond.estimate(row.first, None)).gain <= t.lasting_raise * t.raise)
+        let ours = &self.tuning.hypotheses()[h % COUNT];
+        let least = t.lasting_size * usual.least_since_training(ours.class, self.least_power);
+        if ours.lasting && beyond.estimate(ours.first, None).value.abs() > least {
+            return false;
+        }
+        let mut asked =
+            self.tuning.hypotheses().iter().filter(|row| row.lasting && self.inputs.tell(row.class));
+        asked.all(|row| row.judged(beyond.estimate(row.first, None)).gain <= t.lasting_raise * t.raise)
     }
 }
 

@@ -288,6 +288,11 @@ impl SinceOnsetState {
         self.alarm.map(|alarm| alarm.finding)
     }
 
+    /// The likeliest hypothesis of the alarm.
+    pub(super) fn hypothesis(&self) -> Option<usize> {
+        self.alarm.as_ref().map(|alarm| alarm.hypothesis)
+    }
+
     /// The fault of the user's own that the alarm is.
     pub(in crate::likelihood) fn taught(&self) -> Option<TaughtFinding> {
         self.alarm.as_ref()?.taught

@@ -34,6 +34,7 @@ pub(super) struct SinceTrainingState {
 #[derive(Clone, Copy, Debug)]
 struct Change {
     onset: u32,
+    hypothesis: usize,
     finding: Option<Finding>,
 }
 
@@ -80,6 +81,7 @@ impl SinceTraining {
         let (class, confidence) = named(&self.tuning.naming, &posterior, least);
         s.changed = there.then(|| Change {
             onset,
+            hypothesis: h,
             finding: (confidence > t.naming).then(|| Finding {
                 class,
                 confidence,
@@ -122,6 +124,11 @@ impl SinceTrainingState {
     /// Whether anything has changed, and what that is called.
     pub(super) fn said(&self) -> Option<Option<Finding>> {
         self.changed.map(|change| change.finding)
+    }
+
+    /// The likeliest hypothesis of what has changed.
+    pub(super) fn hypothesis(&self) -> Option<usize> {
+        self.changed.as_ref().map(|change| change.hypothesis)
     }
 
     /// Finite as long as all of it is that stays.

@@ -88,7 +88,10 @@ fn a_wrong_t0_moves_the_room_by_no_more_than_a_quarter_of_the_rise() {
     let out_of_the_tube = room_after(24, |_| Shown { t1: 27.0, ..at(20.0, 100.0) });
     assert_eq!(out_of_the_tube, 27.0);
     let within_an_hour = room_after(1, |_| at(25.0, 30.0));
-    assert!((within_an_hour - 25.0).abs() < 0.01 && room_after(1, |_| at(18.0, 47.5)) > 20.9, "6 degC an hour");
+    assert!(
+        (within_an_hour - 25.0).abs() < 0.01 && room_after(1, |_| at(18.0, 47.5)) > 20.9,
+        "6 degC an hour"
+    );
 }
 
 /// At rest, off: whether it is taken for a heater that is stuck on.

@@ -20,6 +20,8 @@ use pt326_rig::{Disturbance, RigConfig};
 pub const CAMPAIGN_TOML: &str = include_str!("../../../defaults/campaign.toml");
 /// The campaign on physics that no model has.
 pub const PHYSICS_TOML: &str = include_str!("../../../defaults/physics.toml");
+/// The runs that show what each number of the likelihood diagnosis is worth.
+pub const ABLATION_TOML: &str = include_str!("../../../defaults/ablation.toml");
 
 /// A campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

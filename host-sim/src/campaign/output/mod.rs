@@ -1,4 +1,4 @@
-//! What a campaign writes: `campaign.json`, `cells.csv`, `runs.csv`, `tables.md`, `runaway.md`, `rigs.md` and pictures.
+//! What a campaign writes: `campaign.json`, `cells.csv`, `runs.csv`, `tables.md`, `runaway.md`, `rigs.md`, `vary.md` and pictures.
 
 mod markdown;
 mod pictures;
@@ -7,6 +7,7 @@ mod runaway;
 mod said;
 pub mod table;
 mod text;
+mod variations;
 
 use std::io::Write;
 use std::path::Path;
@@ -45,6 +46,12 @@ pub fn write(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Path) -> 
     if let Some(rigs) = rigs::of(results) {
         write_file(out, "rigs.md", rigs.as_bytes())?;
         names += ", rigs.md";
+    }
+    let plain = rows.iter().map(|row| &cells[row.cell]).filter(|cell| cell.setting.is_empty());
+    let hours = plain.map(|cell| cell.scenario.duration).sum::<f64>() / 3600.0;
+    if let Some(vary) = variations::of(&results.variations, &results.campaign, hours) {
+        write_file(out, "vary.md", vary.as_bytes())?;
+        names += ", vary.md";
     }
     Ok(names + &pictures::draw(results, cells, rows, out)?)
 }

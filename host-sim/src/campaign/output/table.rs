@@ -11,14 +11,15 @@ use crate::campaign::statistics::heat::HeatStatistics;
 use crate::campaign::statistics::target::Outcome;
 use crate::campaign::statistics::{AlarmStatistics, FaultStatistics};
 
-/// Everything, with a line end.
+/// Everything, with a line end; of what is varied the cells as they are (`vary.md` and `cells.csv` have the others).
 pub fn of(results: &Results) -> String {
     let mut text = String::new();
     let c = &results.campaign;
     let runs: usize = results.cells.iter().map(|cell| cell.runs).sum();
     let _ = writeln!(text, "{runs} runs in {} cells, seeds from {}", results.cells.len(), c.seeds_from);
+    let is_told = |cell: &&CellResults| results.variations.is_empty() || cell.setting.is_empty();
     let (faults, silent): (Vec<_>, Vec<_>) =
-        results.cells.iter().partition(|cell| cell.expect == Expect::Fault);
+        results.cells.iter().filter(is_told).partition(|cell| cell.expect == Expect::Fault);
     let (runaways, faults): (Vec<_>, Vec<_>) = faults.into_iter().partition(|cell| cell.is_runaway());
     fault_cells(&mut text, &faults);
     said::print(&mut text, results, &faults);

@@ -6,6 +6,7 @@ pub mod quantiles;
 pub mod said;
 pub mod target;
 pub mod trade;
+pub mod variation;
 
 use serde::Serialize;
 

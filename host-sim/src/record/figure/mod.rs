@@ -137,19 +137,21 @@ fn reduce(pixels: &[u8], width: usize) -> Vec<u8> {
     let units = UNITS as usize;
     let row = CHANNELS * width * units;
     let mean = |sum: u32| ((sum + UNITS * UNITS / 2) / (UNITS * UNITS)) as u8;
-    let mut reduced = Vec::with_capacity(pixels.len() / (units * units));
+    let mut reduced = vec![[0; CHANNELS]; pixels.len() / (CHANNELS * units * units)];
     let mut columns = vec![0; row];
-    for rows in pixels.chunks_exact(row * units) {
+    for (rows, reduced) in pixels.chunks_exact(row * units).zip(reduced.chunks_exact_mut(width)) {
         columns.fill(0);
         for row in rows.chunks_exact(row) {
             columns.iter_mut().zip(row).for_each(|(sum, &x)| *sum += u32::from(x));
         }
-        for pixel in columns.chunks_exact(CHANNELS * units) {
-            let sum = |channel: usize| pixel[channel..].iter().step_by(CHANNELS).sum();
-            reduced.extend([0, 1, 2].map(|channel| mean(sum(channel))));
+        let columns = columns.as_chunks::<CHANNELS>().0.chunks_exact(units);
+        for (pixel, covered) in reduced.iter_mut().zip(columns) {
+            let sum =
+                covered.iter().fold([0; CHANNELS], |[r, g, b], unit| [r + unit[0], g + unit[1], b + unit[2]]);
+            *pixel = sum.map(mean);
         }
     }
-    reduced
+    reduced.into_flattened()
 }
 
 #[cfg(test)]

@@ -11,40 +11,48 @@ use super::tick::{armed, control, diagnose};
 use crate::codes::sample;
 use crate::recording::Recording;
 
-type Phase = fn(&LikelihoodReport) -> bool;
+/// What is counted on a tick, by what the diagnosis does: as it is delivered, and with ten faults taught. While it waits, nothing.
+fn counted(report: &LikelihoodReport) -> &'static [&'static str] {
+    match report.readiness {
+        _ if report.alarm => &["likelihood: alarm", "likelihood: alarm, ten faults taught"],
+        Readiness::Training => &["likelihood: training"],
+        Readiness::Armed => &["likelihood: watching"],
+        _ => &[],
+    }
+}
 
-/// What it may be doing, with how many faults taught; on the other ticks it waits.
-const PHASES: [(&str, usize, Phase); 4] = [
-    ("likelihood: training", 0, |report| report.readiness == Readiness::Training),
-    ("likelihood: watching", 0, |report| report.readiness == Readiness::Armed && !report.alarm),
-    ("likelihood: alarm", 0, |report| report.alarm),
-    ("likelihood: alarm, ten faults taught", 10, |report| report.alarm),
-];
-
-/// Counts each phase over its own ticks of the run.
+/// Counts each phase over its own ticks, in one pass of the run.
 pub(super) fn count(watch: &mut Stopwatch, recording: &Recording, out: &mut impl Write) -> fmt::Result {
-    for (name, taught, phase) in PHASES {
-        let samples = ticks(recording).filter(|(_, report)| phase(&report.likelihood)).count();
-        let mut ticks = ticks(recording);
-        let mut c = Config::default();
-        for i in 0..taught {
-            let response = Response { effects: [50 + 10 * i as i16; EFFECTS], ..Response::default() };
-            c.likelihood.taught.push(response).expect("room");
-        }
-        let likelihood =
-            Likelihood::new(&c.likelihood, c.tuning, &c.identification, c.sample_time).expect("valid");
-        let mut state = LikelihoodState::default();
-        watch.pass(out, [name], samples, |watch, _| {
-            for (tick, report) in ticks.by_ref() {
-                if phase(&report.likelihood) {
-                    watch.time(0, || step(&likelihood, &mut state, &tick, &report));
-                    break;
+    let diagnoses = [0, 10].map(diagnosis);
+    let mut states = [(); 2].map(|()| LikelihoodState::default());
+    let mut ticks = ticks(recording).peekable();
+    while let Some((_, report)) = ticks.peek() {
+        let names = counted(&report.likelihood);
+        watch.stretch(out, names, |watch| {
+            let mut samples = 0;
+            while let Some((tick, report)) = ticks.next_if(|(_, report)| counted(&report.likelihood) == names)
+            {
+                for (i, (diagnosis, state)) in diagnoses.iter().zip(&mut states).enumerate() {
+                    // What it says is dropped here: to hand it on would be a copy that is counted.
+                    let mut work = || drop(step(diagnosis, state, &tick, &report));
+                    if i < names.len() { watch.time(i, work) } else { work() }
                 }
-                step(&likelihood, &mut state, &tick, &report);
+                samples += 1;
             }
+            samples
         })?;
     }
     Ok(())
+}
+
+/// A diagnosis with so many faults taught.
+fn diagnosis(taught: usize) -> Likelihood {
+    let mut c = Config::default();
+    for i in 0..taught {
+        let response = Response { effects: [50 + 10 * i as i16; EFFECTS], ..Response::default() };
+        c.likelihood.taught.push(response).expect("room");
+    }
+    Likelihood::new(&c.likelihood, c.tuning, &c.identification, c.sample_time).expect("valid")
 }
 
 /// The ticks of the run, and what an instrument says on them.

@@ -39,11 +39,22 @@ impl Stopwatch {
         samples: usize,
         mut sample: impl FnMut(&mut Self, usize),
     ) -> fmt::Result {
+        self.stretch(out, &names, |watch| {
+            (0..samples).for_each(|k| sample(watch, k));
+            samples
+        })
+    }
+
+    /// The same where `all` takes the samples, and says how many there were.
+    pub(super) fn stretch(
+        &mut self,
+        out: &mut impl Write,
+        names: &[&str],
+        all: impl FnOnce(&mut Self) -> usize,
+    ) -> fmt::Result {
         self.totals = Default::default();
-        for k in 0..samples {
-            sample(self, k);
-        }
-        writeln!(out, "pass {M} {samples}")?;
+        let samples = all(self);
+        writeln!(out, "pass {} {samples}", names.len())?;
         for (name, total) in names.iter().zip(&self.totals) {
             writeln!(out, "part {total} {name}")?;
         }

@@ -57,6 +57,8 @@ pub(super) struct Operation {
     /// Ambient temperature, degC. While the heater is off T0 may read wrong: of T0 and the median of the three the
     /// lower is taken, for then the power that is thought to be needed errs upwards.
     ambient: Option<f32>,
+    /// What it was when heating began.
+    at_rest: Option<f32>,
     /// Power in %, T1 and T2 in degC, over the samples that belong to the baseline.
     sums: Statistics<3>,
     learnt: Option<OperatingPoint>,
@@ -114,16 +116,20 @@ impl Operation {
         let seen = smaller(t0, median);
         let highest = self.ambient.map_or(seen, |ambient| ambient + AMBIENT_RATE * sample_time.0);
         self.ambient = Some(smaller(seen, highest));
+        self.at_rest = self.ambient;
     }
 
-    /// Follows the room while it heats in regulation with the mean power `power`, %: slowly, and only where T0 and what was learnt agree. Without
-    /// that a cold night asks for more power than a room that was warm at arming lets expect.
+    /// Follows the room while it heats in regulation with the mean power `power`, %: slowly, only where T0 and what was learnt agree, and to no warmer
+    /// than it was when heating began. Without that a cold night asks for more power than a room that was warm then lets expect. In a warmer room
+    /// the power that is needed still errs upwards: a draught must not trip.
     pub(super) fn follow_heated_room(&mut self, now: &Situation, power: f32, sample_time: Seconds) {
-        let (Some(ambient), Some(learnt)) = (self.ambient, &self.learnt) else { return };
+        let (Some(ambient), Some(at_rest), Some(learnt)) = (self.ambient, self.at_rest, &self.learnt) else {
+            return;
+        };
         let (Some(t0), Some(t1)) = (now.sample.t0.good(), now.sample.t1.good()) else { return };
         let step = HEATED_RATE * sample_time.0;
         if !now.regulated.is_virtual && learnt.agrees(power, t1, t0) {
-            self.ambient = Some(bounded(t0, ambient - step, ambient + step));
+            self.ambient = Some(smaller(at_rest, bounded(t0, ambient - step, ambient + step)));
         }
     }
 }

@@ -75,6 +75,10 @@ fn a_night_is_followed_while_it_heats() {
         Shown { t0, t1: 37.0, t2: 36.0, pid: (37.0 - t0) / 0.4, ..IN_ORDER }
     };
     assert!((room_after(12, night) - 17.0).abs() < 0.1, "{}", room_after(12, night));
+    let day = |hours: f32| night(if hours < 12.0 { hours } else { 24.0 - hours });
+    assert!((room_after(24, day) - 27.0).abs() < 0.2, "{}", room_after(24, day));
+    let warmer = |hours: f32| night(-hours);
+    assert_eq!(room_after(4, warmer), 27.0, "no tighter than when heating began");
 }
 
 /// What is no room: a T0 that reads lower and lower, one that jumps, and power that T1 does not show.

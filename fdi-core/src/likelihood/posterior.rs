@@ -4,7 +4,7 @@ use super::class::FaultClass;
 use super::evidence::Estimate;
 use super::hypothesis::{COUNT, HYPOTHESES, ROWS};
 
-/// A log Bayes factor against the best that leaves nothing of a hypothesis: 2e-9.
+/// A log Bayes factor against the best that leaves nothing of a hypothesis: its share of 2e-9 is less than single precision adds to 1.
 const NOTHING: f32 = -20.0;
 
 /// The first hypothesis of the class of each, and how many that class has.

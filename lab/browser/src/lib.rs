@@ -5,7 +5,7 @@ pub mod bridge;
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -15,6 +15,17 @@ use serde_json::{Value, json};
 
 /// How long a script may take.
 const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Where lab.html lies that is tested: `LAB_PAGE`, or where `cargo lab` puts it.
+///
+/// # Panics
+/// There is none.
+pub fn page() -> PathBuf {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lab.html");
+    let page = std::env::var_os("LAB_PAGE").map_or(default, PathBuf::from);
+    page.canonicalize()
+        .unwrap_or_else(|error| panic!("{}: {error}; write it with `cargo lab`", page.display()))
+}
 
 /// The letters of a page, the same on every machine.
 #[derive(Clone, Copy, Debug)]

@@ -3,12 +3,10 @@
 
 mod board;
 
-use std::path::{Path, PathBuf};
-
 use board::Board;
 use host_sim::commands::replay::agreement;
-use pt326_lab_browser::Browser;
 use pt326_lab_browser::bridge::{SERIAL, serve};
+use pt326_lab_browser::{Browser, page};
 use serde_json::{Value, json};
 
 const HELPERS: &str = r##"
@@ -25,13 +23,6 @@ const told = (text) => until(() => $("#console").textContent.includes(text));
 const heat = async (line) => { const button = $(`#desk-board [data-line="${line}"]`); button.click(); await sleep(600); button.click(); };
 const sent = (from = 0) => (window.wire?.sent ?? []).slice(from).map(([byte]) => String.fromCharCode(byte)).join("");
 "##;
-
-fn page() -> PathBuf {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lab.html");
-    let page = std::env::var_os("LAB_PAGE").map_or(default, PathBuf::from);
-    page.canonicalize()
-        .unwrap_or_else(|error| panic!("{}: {error}; write it with `cargo lab`", page.display()))
-}
 
 fn on(browser: &Browser, script: &str) -> Value {
     browser.run(&format!("{HELPERS}{script}"), &[]).unwrap_or_else(|error| panic!("{error:#}"))

@@ -3,9 +3,10 @@ extern crate std;
 use std::vec;
 use std::vec::Vec;
 
-use super::super::hypothesis::{ALL_PAIRS, HYPOTHESES, SINCE_ONSET, SINCE_TRAINING};
+use super::super::hypothesis::{ALL_PAIRS, HYPOTHESES, PAIRS, SINCE_ONSET, SINCE_TRAINING, TAUGHT_PAIRS};
 use super::super::reference::{Matrix, Random, identity, inverse, solve};
 use super::super::regressor::{COUNT, Regressor, Regressors};
+use super::super::taught::{EFFECTS, REGRESSORS};
 use super::*;
 use crate::root::sqrt;
 
@@ -359,3 +360,18 @@ fn nothing_seen_gains_nothing() {
 }
 
 mod beyond;
+
+/// Of the products of regressors only those that are asked for are formed: what hypotheses and taught faults free has the bits that it has with all.
+#[test]
+fn no_product_that_is_asked_for_is_left_out() {
+    let normal = Problem::new(&mut Random::new(91), 60, 1.0, 1.5).normal();
+    let beyond = |pairs| Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond(pairs);
+    let (all, asked, taught) = (beyond(&ALL_PAIRS), beyond(&PAIRS), beyond(&TAUGHT_PAIRS));
+    for row in &HYPOTHESES {
+        let gain = |beyond: &Beyond<_, _>| beyond.estimate(row.first, row.second).gain;
+        assert_eq!((gain(&asked), gain(&taught)), (gain(&all), gain(&all)), "{row:?}");
+    }
+    let gain = |beyond: &Beyond<_, _>| beyond.among(&REGRESSORS).estimate(&[0.1; EFFECTS], (1.0, 0.2)).gain;
+    assert_eq!(gain(&taught), gain(&all));
+    assert!(gain(&asked) != gain(&all), "taught faults ask for more");
+}

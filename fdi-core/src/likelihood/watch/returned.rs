@@ -31,28 +31,20 @@ pub(super) struct ReturnedState {
 }
 
 impl Returned {
-    /// A tick with an alarm of hypothesis `h`; `expected` is what T1 should read above T0, degC. Says whether all is as it was trained.
-    pub(super) fn step(
-        &self,
-        s: &mut ReturnedState,
-        times: &Times,
-        innovations: &Innovations,
-        usual: &Usual,
-        (h, expected): (usize, f32),
-    ) -> bool {
-        let t = &self.tuning.since_training;
+    /// Gathers a tick with an alarm; says whether it is one on which the question is asked.
+    pub(super) fn gather(&self, s: &mut ReturnedState, times: &Times, innovations: &Innovations) -> bool {
         s.normal.scale(times.recent);
         s.normal.add(&innovations.regressors, innovations.z_trained, 1.0);
         s.ticks = s.ticks.saturating_add(1);
+        // Twice the memory: then hardly anything is left of what was before the alarm.
         let asked_from = times.ticks(2.0 * self.tuning.times.split, self.sample_time);
-        s.ticks >= asked_from
-            && s.ticks.is_multiple_of(t.every as u32)
-            && self.is_as_trained(&s.normal, usual, h, expected)
+        s.ticks >= asked_from && s.ticks.is_multiple_of(self.tuning.since_training.every as u32)
     }
 
+    /// Whether all is as it was trained, during an alarm of hypothesis `h`; `expected` is what T1 should read above T0, degC.
     #[inline(never)]
-    fn is_as_trained(&self, normal: &LastingNormal, usual: &Usual, h: usize, expected: f32) -> bool {
-        let t = &self.tuning.since_training;
+    pub(super) fn is_as_trained(&self, s: &ReturnedState, usual: &Usual, h: usize, expected: f32) -> bool {
+        let (t, normal) = (&self.tuning.since_training, &s.normal);
         let list = usual.since_training(expected);
         let nuisances = Nuisances::new(normal, &list, t.kappa);
         let left = normal.energy - nuisances.explained;

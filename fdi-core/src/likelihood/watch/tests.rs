@@ -5,6 +5,7 @@ use std::vec;
 use std::vec::Vec;
 
 use super::super::class::{Channel, FaultClass, Pair};
+use super::super::onset::Onset;
 use super::super::process::{Motion, Parameter, Parameters, Process, Rises};
 use super::super::reference::Random;
 use super::super::regressor::{LASTING, Regressor};

@@ -13,9 +13,7 @@ mod scenes;
 mod taught;
 mod verdict;
 
-use std::path::{Path, PathBuf};
-
-use pt326_lab_browser::Browser;
+use pt326_lab_browser::{Browser, page};
 use serde_json::{Value, json};
 
 /// What scripts use: a session that stands still where monitoring begins, and the user's hand.
@@ -34,13 +32,6 @@ const monitoring = async () => {
 };
 const said = async () => { const before = $("#clock").textContent; await step(3); await until(() => $("#clock").textContent !== before); return $("#head").innerText; };
 "##;
-
-fn page() -> PathBuf {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lab.html");
-    let page = std::env::var_os("LAB_PAGE").map_or(default, PathBuf::from);
-    page.canonicalize()
-        .unwrap_or_else(|error| panic!("{}: {error}; write it with `cargo lab`", page.display()))
-}
 
 fn address() -> String {
     format!("file://{}", page().display())

@@ -1,0 +1,85 @@
+//! What is asked of a rig that is watched: what is usual on it, what it should read, its virtual T1 and its air flow.
+
+use super::WatchState;
+use crate::bounds::{larger, smaller};
+use crate::likelihood::onset::Onset;
+use crate::likelihood::regressor::Regressors;
+use crate::likelihood::usual::Usual;
+
+impl WatchState {
+    /// What is usual on this rig, as far as is known now.
+    pub(in crate::likelihood) fn usual(&self) -> Usual {
+        Usual {
+            steps: self.tracker.steps(),
+            walk: self.tracker.walk(),
+            curvature: self.curvature(),
+            slow_surroundings: self.times.slow_surroundings,
+            tuning: self.tuning,
+        }
+    }
+
+    /// Mean square of the gain's error as far from the trained power as the rig is now: a share.
+    fn curvature(&self) -> f32 {
+        // A fault moves either what is expected or, where the controller cannot help it, what is measured; a new set-point moves both.
+        let from_trained = |rise: f32| (rise - self.charts.trained()).abs();
+        let away = smaller(from_trained(self.charts.mean_rise()), from_trained(self.measured[0]))
+            / self.simulation.gain();
+        let t = &self.tuning.alarm;
+        // Where it was excited the gain is known. Surroundings that are slower still are learnt as such, in the noise model.
+        let inflation = if self.times.slow_surroundings { 1.0 } else { t.curvature_inflation };
+        let error = inflation * self.curvature_error * larger(0.0, away / self.tuning.model.step - t.excited);
+        error * error
+    }
+
+    /// Static gain from the power to T1, degC per %.
+    pub(in crate::likelihood) fn gain(&self) -> f32 {
+        self.simulation.gain()
+    }
+
+    /// What T1 and T2 should be above the ambient now, degC.
+    pub(in crate::likelihood) fn expected(&self) -> [f32; 2] {
+        self.simulation.expected()
+    }
+
+    /// The virtual T1: its rise over the ambient on the next tick by the models and T2, degC; None where they disagree, or T1 and T2 do.
+    pub(in crate::likelihood) fn virtual_t1(&self) -> Option<f32> {
+        self.heat.virtual_t1(self.simulation.expected_by_own_heater()[0])
+    }
+
+    /// Air flow, % of that at which the rig was learnt: an announced level of the fan is what the model expects, not what is enough.
+    pub(in crate::likelihood) fn air_flow(&self) -> Option<f32> {
+        Some(self.simulation.fan() * self.heat.air_flow()?)
+    }
+
+    /// Whether the rig has been hot without power for too long.
+    pub(in crate::likelihood) fn heater_stuck_on(&self) -> bool {
+        self.heat.heater_stuck_on()
+    }
+
+    /// The regressors of the last tick since an onset that is assumed; none before enough is remembered.
+    pub(in crate::likelihood) fn regressors(&self, onset: &mut Onset) -> Option<Regressors> {
+        let last = self.simulation.last();
+        let nominal = self.simulation.nominal(&last);
+        let filter = self.innovations.filter();
+        self.innovations.remembers().then(|| onset.step(&self.times.onset, filter, &nominal))
+    }
+
+    /// Rises of the model on the last tick, degC.
+    pub(in crate::likelihood) fn rises(&self) -> [f32; 2] {
+        self.simulation.rises()
+    }
+
+    /// Finite as long as all of it is that would stay for ever.
+    pub(in crate::likelihood) fn sum(&self) -> f32 {
+        let stages = [
+            self.simulation.sum(),
+            self.tracker.sum(),
+            self.innovations.sum(),
+            self.charts.sum(),
+            self.since_training.sum(),
+            self.returned.sum(),
+            self.heat.sum(),
+        ];
+        stages.iter().chain(&self.measured).sum::<f32>() + self.curvature_error
+    }
+}

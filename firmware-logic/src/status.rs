@@ -92,7 +92,8 @@ impl Status {
     /// What the LED should say.
     pub fn sign(&self) -> Sign {
         let Some((_, report)) = &self.last else { return Sign::Off };
-        let faulty = report.likelihood.alarm || report.filtered.is_some_and(|verdict| verdict.fdv != 0);
+        let alarm = report.likelihood.alarm && !report.likelihood.advice;
+        let faulty = alarm || report.filtered.is_some_and(|verdict| verdict.fdv != 0);
         match (self.is_latched(), self.may_heat()) {
             (true, _) => Sign::Latched,
             (false, true) if faulty => Sign::Alarm,
@@ -185,7 +186,8 @@ impl fmt::Display for Status {
         }
         if report.likelihood.alarm {
             let class = report.likelihood.finding.map_or("alarm", |finding| finding.class.name());
-            write!(f, ": {class}{}", Called(self.taught))?;
+            let advice = if report.likelihood.advice { ", advice" } else { "" };
+            write!(f, "{advice}: {class}{}", Called(self.taught))?;
         }
         if let Some(since) = self.commissioned {
             write!(f, "\n{since}")?;

@@ -85,7 +85,8 @@ function alarm(now, hello, events, ts) {
   const name = hello.classes.find((c) => c.number === now.class)?.name;
   const event = events.last;
   const aside = event?.alarm === undefined ? "" : say("for_s", { s: num(now.t - event.alarm, 0) });
-  const common = { state: "alarm", icon: "alarm", word: say("state_alarm"), aside };
+  const advice = now.advice > 0;
+  const common = { state: advice ? "advice" : "alarm", icon: "alarm", word: say(advice ? "state_advice" : "state_alarm"), aside };
   const over = event?.truth && event.alarm !== undefined ? now.t - event.to : NaN;
   if (over < ENDING * events.slow) return { ...common, head: say("head_ending"), sub: say("sub_ending", { s: num(over, 0) }), more: "" };
   if (!name) return { ...common, head: say("head_unnamed"), sub: now.taught > 0 ? asTaught(now) : say("sub_unnamed"), more: "" };

@@ -1,13 +1,15 @@
 //! What the instrument does with the rig: the numbers that the paper's experiment must show, and rig events.
 
+use std::sync::atomic::AtomicBool;
+
 use fdi_core::control::{Controller, ControllerState};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::identify::Adaptation;
 use fdi_core::{Command, Config, Feedback, Instrument, Mode, RawSample, Report, Tick, TripReason};
-use host_sim::commands::repeat::repeat;
 use host_sim::experiment::scenario::{Action, Scenario};
 use host_sim::experiment::{Backend, Record, run, run_on};
 use host_sim::record::summary::Summary;
+use host_sim::repeat::repeat;
 use indicatif::ProgressBar;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 
@@ -24,7 +26,15 @@ fn run_with(faults: Vec<Fault>, actions: Vec<Action>, duration: f64, seed: u64) 
 /// The bounds, over 200 seeds, calm, nominal sizes, low-passed.
 #[test]
 fn two_hundred_runs_of_the_papers_experiment() {
-    let r = repeat(&Config::default(), &Scenario::default(), 1, 200, &ProgressBar::hidden()).unwrap();
+    let r = repeat(
+        &Config::default(),
+        &Scenario::default(),
+        1,
+        200,
+        &ProgressBar::hidden(),
+        &AtomicBool::new(false),
+    )
+    .unwrap();
     let bounds = [("AFS2", 0.6, 25.0..=29.0), ("MFS1", 1.2, 10.0..=13.0), ("MFP", 1.3, 25.0..=29.0)];
     for (fault, (name, delay, duration)) in r.faults.iter().zip(bounds) {
         assert_eq!(fault.name, name);

@@ -16,9 +16,11 @@ use crate::identify::observer::{Identified, Observer, ObserverState};
 use crate::known::KnownInputs;
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::model::Model;
+use crate::likelihood::start::Start;
 use crate::likelihood::taught::Changed;
 use crate::likelihood::{
-    Channel, Commissioned, FaultClass, Likelihood, LikelihoodReport, LikelihoodState, SinceCommissioning,
+    Channel, Commissioned, FaultClass, Fitted, Likelihood, LikelihoodReport, LikelihoodState, RejectReason,
+    SinceCommissioning,
 };
 use crate::observation::{Observation, Phase};
 use crate::units::Percent;
@@ -160,6 +162,21 @@ impl Diagnosis {
     /// Another recording of the same rig begins with this power, %.
     pub fn resume(&self, state: &mut DiagnosisState, power: f32, known: &KnownInputs) {
         self.likelihood.resume(&mut state.likelihood, power, known);
+    }
+
+    /// Is armed with a model that was fitted elsewhere; see [`Likelihood::take`].
+    pub(crate) fn take(&self, state: &mut DiagnosisState, fitted: &Fitted) -> Result<(), RejectReason> {
+        self.likelihood.take(&mut state.likelihood, fitted)
+    }
+
+    /// What has to be found of a rig that was just resumed, and that it has been: see [`Likelihood::start`].
+    pub(crate) fn start_of_rig(&self, state: &DiagnosisState, same_room: bool) -> Option<Start> {
+        self.likelihood.start(&state.likelihood, same_room)
+    }
+
+    /// The same, as found.
+    pub(crate) fn settle(&self, state: &mut DiagnosisState, start: &Start) {
+        self.likelihood.settle(&mut state.likelihood, start);
     }
 
     /// The model in force; none before one was learnt.

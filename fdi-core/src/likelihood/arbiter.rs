@@ -74,6 +74,12 @@ impl Evidence {
         self.said.alarm() || [self.sensors, self.response, self.room].iter().any(Option::is_some)
     }
 
+    /// All that is wrong came little by little since training.
+    pub(super) fn creeps(&self) -> bool {
+        let sudden = [self.sensors, self.response, self.room].iter().any(Option::is_some);
+        self.said.since_training.is_some() && self.said.since_onset.is_none() && !sudden
+    }
+
     fn of(&self, source: Source) -> Option<Finding> {
         match source {
             Sensors => self.sensors,

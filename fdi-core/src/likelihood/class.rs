@@ -176,7 +176,7 @@ const WARM_T0: &str = "T0 reads {t0} degC and is no warmer place than T1 and T2:
 const STUCK: &str = "{t} stands still: {measured} degC measured, movement expected";
 const OPEN: &str = "wire of {t} broken: no temperature measured, one expected";
 const SHORT: &str = "wires of {t} touch: no temperature measured, one expected";
-const LOST: &str = "{t} gives nothing that can be true: no temperature measured, one expected";
+const LOST: &str = "{t} gives no plausible reading: no temperature measured, one expected";
 
 macro_rules! rows {
     ($($class:ident $(($which:ident))? => $row:expr;)*) => {
@@ -210,7 +210,7 @@ rows! {
     T1Clogged => Facts {
         quantity: Quantity::Rise,
         needs: FAN,
-        sized: "T1 sees {size} % of the rise too {much|little}: {measured} degC measured, {expected}",
+        sized: "T1 sees {size} % {more|less} of the rise than it should: {measured} degC measured, {expected}",
         axis: "is clogged: loss of gain (%), lag below (s)",
         ..of(T1, 3, "t1_clogged", "T1 is clogged: {measured} degC measured, {expected}")
     };
@@ -221,16 +221,16 @@ rows! {
         needs: FAN,
         sized: "the air flow is {size} % {stronger|weaker} than learnt: {share} % of normal estimated, 100 expected",
         axis: "Air flow changes (%)",
-        ..plain(4, "air_flow", "the air flow is not as learnt: as learnt expected")
+        ..plain(4, "air_flow", "the air flow differs from the learnt value")
     };
     HeaterPower => Facts {
         quantity: Quantity::Power,
         sized: "the heater gives {size} % {more|less} power than asked for: {share} % of it estimated, 100 expected",
         axis: "Heater power changes (%)",
-        ..plain(5, "heater_power", "the heater gives the same power whatever is asked for: as much as asked for expected")
+        ..plain(5, "heater_power", "the heater does not follow the command: it gives the same power whatever is asked for")
     };
     AirFlowOrHeaterPower => plain(18, "air_flow_or_heater_power",
-        "the air flow or the heater's power is not as learnt: as learnt expected");
+        "the air flow or the heater's power differs from the learnt value");
     Drift => Facts {
         quantity: Quantity::Ramp,
         sized: "a thermistor drifts {upwards|downwards} by {size} degC a minute, 0 expected",

@@ -27,7 +27,8 @@ impl LikelihoodState {
     #[cold]
     #[inline(never)]
     pub(super) fn begin_anew(&mut self) -> LikelihoodReport {
-        (self.work, self.trained, self.current) = (Work::Nothing, None, false);
+        (self.work, self.trained) = (Work::Nothing, None);
+        (self.current, self.given) = (false, false);
         (self.ambient, self.contradiction) = (AmbientState::default(), Contradiction::default());
         (self.sensors, self.cold) = (Sensors::default(), Default::default());
         self.said = Default::default();

@@ -52,6 +52,7 @@ pub mod described;
 mod evidence;
 mod explained;
 mod finite;
+mod given;
 mod heat;
 mod hypothesis;
 mod impulse;
@@ -62,6 +63,7 @@ pub mod model;
 mod normal;
 mod onset;
 mod posterior;
+mod priority;
 mod process;
 mod readiness;
 mod recovery;
@@ -72,6 +74,7 @@ mod second_heater;
 mod sensors;
 #[doc(hidden)]
 pub mod signatures;
+pub(crate) mod start;
 mod tangent;
 #[doc(hidden)]
 pub mod taught;
@@ -98,10 +101,13 @@ pub use class::{Channel, FaultClass, Pair};
 pub use commissioned::{Commissioned, PARAMETERS, SinceCommissioning};
 use config::LikelihoodConfig;
 use contradiction::Contradiction;
+pub use given::Fitted;
 pub use hypothesis::COUNT as HYPOTHESES;
 use impulse::ImpulseResponse;
 use inputs::Inputs;
 pub use model::Model;
+use priority::Standing;
+pub use process::{Parameter, Parameters};
 use sensors::Sensors;
 use training::{Cold, Trainer, Training};
 pub use tuning::{Tuned, Tuning};
@@ -116,6 +122,8 @@ pub struct Likelihood {
     ambient: Ambient,
     response: ImpulseResponse,
     inputs: Inputs,
+    /// Ticks after which an alarm is advice.
+    stands: u32,
     tuning: Tuned,
 }
 
@@ -127,6 +135,8 @@ pub struct LikelihoodState {
     trained: Option<WatchState>,
     /// It belongs to the last learning, so that faults may be told by it.
     current: bool,
+    /// It was fitted elsewhere: no learning replaces it.
+    given: bool,
     /// What was trained when the rig was commissioned.
     commissioned: Option<Commissioned>,
     /// What the models said last.
@@ -134,6 +144,7 @@ pub struct LikelihoodState {
     sensors: Sensors,
     ambient: AmbientState,
     contradiction: Contradiction,
+    standing: Standing,
     /// What is said while nothing is learnt: why the last training was not accepted, or that it was begun anew.
     otherwise: Readiness,
     restarts: u32,
@@ -179,6 +190,7 @@ impl Likelihood {
             ambient: Ambient::new(tuning, ts.0, answer_time),
             response: ImpulseResponse::new(tuning, ts.0, answer_time),
             inputs: Inputs::ALL,
+            stands: Seconds(tuning.alarm.stands).ticks(ts),
             tuning,
         })
     }
@@ -189,6 +201,11 @@ impl Likelihood {
         self.watch = self.watch.with(inputs);
         self.trainer = self.trainer.with(inputs);
         self
+    }
+
+    /// Mean and standard deviation of what each parameter may be, times in ticks.
+    pub fn priors(&self) -> [(f32, f32); Parameters::COUNT] {
+        self.trainer.priors()
     }
 
     /// Diagnoses one tick. `undisturbed` says that the paper's signatures see no fault.
@@ -233,10 +250,12 @@ impl Likelihood {
         if seen.index.is_multiple_of(finite::EVERY) && !state.is_finite() {
             return state.begin_anew();
         }
+        let advice = state.standing.is_advice(&evidence, seen.index, self.stands);
         LikelihoodReport {
             readiness: state.readiness(),
             restarts: state.restarts,
             alarm: evidence.alarm(),
+            advice,
             finding: decide(&evidence, self.tuning),
             t1_contradicted: contradiction.is_some_and(|found| found.class.leaves_t1_blind()),
             ..self.heat(state, seen, &now)
@@ -286,7 +305,7 @@ impl Likelihood {
             state.work = Work::Nothing;
             state.otherwise = Readiness::Untrained;
         }
-        state.current &= !begins;
+        state.current &= !begins || state.given;
         state.was_learning = learning;
     }
 

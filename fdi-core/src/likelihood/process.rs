@@ -19,7 +19,7 @@ pub(super) const COUNT: usize = 13;
 
 /// A parameter of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Parameter {
+pub enum Parameter {
     /// ln of the static gain K, degC per %.
     Gain,
     /// ln of the heater's time constant tau, ticks.
@@ -50,9 +50,12 @@ pub(super) enum Parameter {
 
 /// All parameters, by [`Parameter`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Parameters(pub(super) [f32; COUNT]);
+pub struct Parameters(pub [f32; COUNT]);
 
 impl Parameters {
+    /// How many there are.
+    pub const COUNT: usize = COUNT;
+
     #[inline]
     pub(super) fn get(&self, which: Parameter) -> f32 {
         self.0[which as usize]

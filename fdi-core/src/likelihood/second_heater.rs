@@ -32,6 +32,17 @@ impl SecondHeater {
         Self { x: power, m: power, power, ..self }
     }
 
+    /// The same heater without power, from this heat and this lag.
+    pub(super) fn free(self, x: f32, m: f32) -> Self {
+        Self { x, m, power: 0.0, ..self }
+    }
+
+    /// With `share` of what has arrived of another on top.
+    pub(super) fn add(&mut self, other: &Self, share: f32) {
+        self.x += share * other.x;
+        self.m += share * other.m;
+    }
+
     /// Takes over what is learnt.
     pub(super) fn follow(&mut self, p: &Parameters) {
         self.heater = share(libm::expf(p.get(Parameter::Heater)));

@@ -1,8 +1,9 @@
 //! What moves slowly without being a fault yet: power, air flow and both offsets, by a Kalman filter that runs while nothing stirs.
 
+use super::class::Quantity;
 use super::regressor::{LASTING, Regressor, Regressors};
 use super::tuning::Tuned;
-use crate::bounds::larger;
+use crate::bounds::{bounded, larger};
 use crate::filter::LowPass;
 
 const N: usize = 4;
@@ -12,7 +13,8 @@ const N: usize = 4;
 pub(super) struct Tracker {
     x: [f32; N],
     p: [[f32; N]; N],
-    /// Mean squares of what it has followed: power, air flow and both offsets.
+    /// Means of what it has followed, power, air flow and both offsets, and mean squares of what came and went around them.
+    level: [f32; N],
     walk: [f32; N],
     /// Mean square of the steps of the power that it took over.
     steps: f32,
@@ -28,15 +30,15 @@ impl Tracker {
             p[i][i] = first[i] * first[i];
         }
         let step = tuning.nuisances.onset_power;
-        Self { x: [0.0; N], p, walk: [0.0; N], steps: step * step, tuning }
+        Self { x: [0.0; N], p, level: [0.0; N], walk: [0.0; N], steps: step * step, tuning }
     }
 
     /// Begins anew; how much things move here stays known.
     pub(super) fn resume(&mut self) {
-        *self = Self { walk: self.walk, steps: self.steps, ..Self::new(self.tuning) };
+        *self = Self { level: self.level, walk: self.walk, steps: self.steps, ..Self::new(self.tuning) };
     }
 
-    /// Mean squares of what it has followed: power, air flow and both offsets.
+    /// Mean squares of what it has followed around their means, which excuse nothing: power, air flow and both offsets.
     pub(super) fn walk(&self) -> [f32; N] {
         self.walk
     }
@@ -55,9 +57,22 @@ impl Tracker {
 
     /// A tick without an alarm: how far it has gone counts for what is usual here.
     pub(super) fn remember(&mut self, mean: &LowPass) {
-        for (square, x) in self.walk.iter_mut().zip(self.x) {
-            mean.follow(square, x * x);
+        for ((level, square), x) in self.level.iter_mut().zip(&mut self.walk).zip(self.x) {
+            mean.follow(level, x);
+            let away = x - *level;
+            mean.follow(square, away * away);
         }
+    }
+
+    /// A change of this size has come and gone by itself, seen against the trained state.
+    pub(super) fn learn(&mut self, quantity: Quantity, size: f32) {
+        let square = match quantity {
+            Quantity::Power => &mut self.walk[0],
+            Quantity::Flow => &mut self.walk[1],
+            Quantity::Nothing | Quantity::Offset | Quantity::Ramp | Quantity::Rise => return,
+        };
+        let size = bounded(size, 0.0, self.tuning.tracker.passing);
+        *square = larger(*square, size * size);
     }
 
     /// Takes over what the nuisances since an onset are thought to be: power, less and more air, offsets of T1, T2 and T0. Gives by how much it expects more
@@ -122,10 +137,11 @@ impl Tracker {
 
     /// Finite as long as all of it is.
     pub(super) fn sum(&self) -> f32 {
-        self.x.iter().chain(self.p.iter().flatten()).chain(&self.walk).sum::<f32>() + self.steps
+        self.x.iter().chain(self.p.iter().flatten()).chain(&self.level).chain(&self.walk).sum::<f32>()
+            + self.steps
     }
 
-    /// Less sure by these standard deviations.
+    /// Adds process noise with these standard deviations.
     pub(super) fn widen(&mut self, by: [f32; N]) {
         for i in 0..N {
             self.p[i][i] += by[i] * by[i];

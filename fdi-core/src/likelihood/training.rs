@@ -21,7 +21,7 @@ use crate::identify::config::{Adaptation, RlsConfig};
 use crate::identify::rls::Rls;
 pub(super) use cold::Cold;
 use filter::Filter;
-use sense::make_twin;
+pub(super) use sense::make_twin;
 
 /// Priors of the parameters, mean and standard deviation, where neither the answer time nor the usual gain says more.
 const fn prior(t: &PriorTuning) -> [(f32, f32); COUNT] {
@@ -43,7 +43,7 @@ const fn prior(t: &PriorTuning) -> [(f32, f32); COUNT] {
 }
 
 /// Longest dead time of T1 and T2 together, ticks: the transport holds it for a lower air flow, too.
-fn longest_delay(tuning: &Tuned) -> f32 {
+pub(super) fn longest_delay(tuning: &Tuned) -> f32 {
     tuning.range.longest_delay * LONGEST
 }
 
@@ -140,6 +140,11 @@ impl Trainer {
             self.prior[Parameter::Lag2 as usize] = (heater, t.second_heater_lag_sd);
         }
         self
+    }
+
+    /// Mean and standard deviation of each parameter.
+    pub(super) fn priors(&self) -> [(f32, f32); COUNT] {
+        self.prior
     }
 
     pub(super) fn start(&self) -> Training {

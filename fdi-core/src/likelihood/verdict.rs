@@ -80,6 +80,8 @@ pub struct LikelihoodReport {
     pub readiness: Readiness,
     /// Something is wrong.
     pub alarm: bool,
+    /// It is no urgent one: it came little by little since training, or has stood for an hour.
+    pub advice: bool,
     /// What it is, once that can be told.
     pub finding: Option<Finding>,
     /// T1 is out of the tube, stands still or is mistaken for T0: by how the thermistors answer to the power, without models.

@@ -29,6 +29,7 @@ use super::heat::{Heat, HeatState, Rise};
 use super::inputs::Inputs;
 use super::model::Model;
 use super::regressor::{LASTING, Regressors};
+use super::start::{Begun, Start};
 use super::tracker::Tracker;
 use super::training::Trained;
 use super::tuning::Tuned;
@@ -148,6 +149,22 @@ impl Watch {
     /// Another recording of the same rig begins, long after its power was last changed.
     pub(super) fn resume(&self, s: &mut WatchState, power: f32, fan: f32, second_power: f32) {
         self.simulation.resume(&mut s.simulation, power, fan, second_power);
+        self.begin_anew(s);
+    }
+
+    /// What has to be found of how the rig began.
+    pub(super) fn begins(&self, s: &WatchState) -> Start {
+        self.simulation.begins(&s.simulation, *s.innovations.filter())
+    }
+
+    /// How the rig began has been found.
+    pub(super) fn settle(&self, s: &mut WatchState, begun: &Begun) {
+        self.simulation.settle(&mut s.simulation, begun);
+        self.begin_anew(s);
+    }
+
+    /// Nothing of what has been seen so far counts for what is seen from now on.
+    fn begin_anew(&self, s: &mut WatchState) {
         s.tracker.resume();
         s.innovations.resume();
         s.charts.resume(s.simulation.rise_of_t1());
@@ -168,7 +185,7 @@ impl Watch {
         s.heat.compare(y.iter().all(Option::is_some));
         if let [Some(y1), Some(y2)] = y {
             let e = [y1 - simulated.expected[0], y2 - simulated.expected[1]];
-            if self.simulation.anchors(&mut s.simulation, e) {
+            if s.simulation.is_beginning() {
                 return Said::default();
             }
             self.judge(s, onset, now.tick, e, &simulated);
@@ -201,10 +218,11 @@ impl Watch {
         let t = &self.tuning;
         let followed = s.tracker.expected(&now.regressors);
         let left = [e[0] - followed[0], e[1] - followed[1]];
-        let innovations = s.innovations.step(left, e, &now.regressors);
-        let temperatures = (now.expected[0], s.simulation.inlet_above());
+        let widened = self.charts.widened(&mut s.charts, &s.times, s.innovations.filter(), now.expected[0]);
+        let innovations = s.innovations.step(left, e, &now.regressors, widened);
+        let inlet = s.simulation.inlet_above();
         let filter = s.innovations.filter();
-        let charted = self.charts.step(&mut s.charts, &s.times, filter, &innovations, temperatures);
+        let charted = self.charts.step(&mut s.charts, &s.times, filter, &innovations, widened, inlet);
         let outcome = self.since_onset.step(
             onset,
             &since_onset::Seen {
@@ -234,7 +252,7 @@ impl Watch {
         }
         if s.charts.is_charting() && !settling && self.charts.is_calm(&s.charts) && innovations.gathered {
             let usual = s.usual();
-            self.since_training.step(
+            let passed = self.since_training.step(
                 &mut s.since_training,
                 &since_training::Seen {
                     tick,
@@ -246,6 +264,9 @@ impl Watch {
                     usual: &usual,
                 },
             );
+            if let Some((quantity, size)) = passed {
+                s.tracker.learn(quantity, size);
+            }
         }
     }
 

@@ -67,12 +67,12 @@ impl WhiteningFilter {
     /// The same for charts: an innovation counts and is remembered only up to `limit` standard deviations, so that a single outlier leaves
     /// no echo.
     #[inline(never)]
-    pub(super) fn step_clipped(&self, past: &mut Past, e: [f32; 2], limit: f32) -> [f32; 2] {
+    pub(super) fn step_clipped(&self, past: &mut Past, e: [f32; 2], limit: [f32; 2]) -> [f32; 2] {
         let mut z = [0.0; 2];
         let mut kept = [0.0; 2];
         for m in 0..2 {
             let expected = self.expected(past, kept[0])[m];
-            z[m] = bounded((e[m] - expected) * self.inv_sigma[m], -limit, limit);
+            z[m] = bounded((e[m] - expected) * self.inv_sigma[m], -limit[m], limit[m]);
             kept[m] = expected + z[m] * self.sigma[m];
         }
         shift(&mut past.e1, kept[0]);

@@ -14,7 +14,9 @@ use crate::error::{ConfigError, in_range};
 use crate::likelihood::arbiter::of_two_rates;
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::model::Model;
-use crate::likelihood::{FaultClass, Finding, LikelihoodReport, LikelihoodState, Readiness};
+use crate::likelihood::{
+    FaultClass, Finding, Fitted, LikelihoodReport, LikelihoodState, Readiness, RejectReason,
+};
 use crate::observation::Observation;
 use crate::units::Seconds;
 use gate::Gate;
@@ -90,6 +92,8 @@ struct Slow {
     rate: OneRate,
     every: u32,
     gathered: Gathered,
+    /// A thermistor is said to read wrong.
+    corrected: bool,
     said: LikelihoodReport,
 }
 
@@ -111,6 +115,11 @@ impl Gathered {
                 *count += 1.0;
             }
         }
+    }
+
+    fn forget_temperatures(&mut self) {
+        let [t0, t1, t2, ..] = &mut self.sums;
+        [*t0, *t1, *t2] = [(0.0, 0.0); 3];
     }
 
     fn mean(&self) -> Observed {
@@ -140,7 +149,7 @@ impl Monitor {
         let inputs = Inputs { since: true, ..self.fast.inputs() };
         let rate = OneRate::new(&config, inputs, self.fast.units())?;
         let (gathered, said) = (Gathered::default(), LikelihoodReport::default());
-        Ok(Self { slow: Some(Slow { rate, every, gathered, said }), ..self })
+        Ok(Self { slow: Some(Slow { rate, every, gathered, corrected: false, said }), ..self })
     }
 
     /// One sample: what is believed of it, and the report on it.
@@ -159,6 +168,18 @@ impl Monitor {
     /// stands in for them.
     pub fn implausible(&self) -> [u32; QUANTITIES] {
         self.gate.refused
+    }
+
+    /// Is armed with models that were fitted elsewhere, to samples and to means where it looks at these; the next sample is the first of a recording.
+    ///
+    /// # Errors
+    /// Why one cannot be trusted.
+    pub fn take(&mut self, samples: &Fitted, means: Option<&Fitted>) -> Result<(), RejectReason> {
+        self.fast.take(samples)?;
+        match (&mut self.slow, means) {
+            (Some(slow), Some(means)) => slow.rate.take(means),
+            _ => Ok(()),
+        }
     }
 
     /// The next sample is the first of another recording of the same rig.
@@ -190,6 +211,7 @@ impl Monitor {
 impl Slow {
     fn step(&mut self, observed: &Observed, fast: Option<Finding>) {
         let mut observed = *observed;
+        let mut corrected = false;
         if let Some(Finding { class, magnitude: Some(magnitude), .. }) = fast {
             let [t0, t1, t2] = &mut observed.t;
             let reads_wrong = match class {
@@ -198,7 +220,12 @@ impl Slow {
                 FaultClass::T2Offset => t2,
                 _ => &mut None,
             };
+            corrected = reads_wrong.is_some();
             *reads_wrong = reads_wrong.map(|t| t - magnitude.value);
+        }
+        // What has just been found out was so for some samples: none of them may be in a mean with those that are right.
+        if core::mem::replace(&mut self.corrected, corrected) != corrected {
+            self.gathered.forget_temperatures();
         }
         self.gathered.add(&observed);
         if self.gathered.count >= self.every {
@@ -218,7 +245,7 @@ impl Slow {
             alarm: fast.alarm || self.said.alarm,
             restarts: fast.restarts.saturating_add(self.said.restarts),
             finding: of_two_rates(fast.finding, by_means),
-            expected: self.said.expected.map(|expected| expected.filter(|_| readiness == Readiness::Armed)),
+            expected: fast.expected.map(|expected| expected.filter(|_| readiness == Readiness::Armed)),
             ..fast
         }
     }

@@ -1,7 +1,7 @@
 //! The instrument's second half at one sample time, for a rig under another control.
 
 use super::{Observed, Units};
-use crate::bounds::larger;
+use crate::bounds::{larger, smaller};
 use crate::config::Config;
 use crate::diagnosis::baseline::Baseline;
 use crate::diagnosis::{Diagnosis, DiagnosisState, Report};
@@ -9,8 +9,10 @@ use crate::error::{ConfigError, in_range};
 use crate::known::KnownInputs;
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::model::Model;
-use crate::likelihood::{FaultClass, LikelihoodState, Readiness};
+use crate::likelihood::start::Start;
+use crate::likelihood::{FaultClass, Fitted, LikelihoodState, Readiness, RejectReason};
 use crate::observation::{Observation, Phase};
+use crate::root::sqrt;
 use crate::sense::{Reading, Sample, Validity};
 use crate::units::{Celsius, Percent};
 
@@ -32,31 +34,39 @@ fn faster(config: &Config, factor: f32) -> Config {
     config
 }
 
-/// For how long a thermistor has repeated itself, samples, and for how long it ever did in training.
+/// For how many samples a thermistor has repeated itself, and between what the model expected of it meanwhile, degC.
 #[derive(Clone, Copy, Debug, Default)]
 struct Still {
     value: Option<f32>,
     run: u32,
-    longest: u32,
+    expected: Option<[f32; 2]>,
 }
 
-/// A thermistor is stuck when it has repeated itself for so many times as long as it ever did in training, and for so many samples.
-const REPEATS: u32 = 5;
-const LEAST_REPEATS: u32 = 60;
+/// A thermistor is stuck when it has repeated itself for so many samples while it should have moved by so much, degC, and by so many times what the
+/// model leaves of it in the mean. Of a room nobody knows how it should have moved.
+const REPEATS: u32 = 60;
+const SHOULD_MOVE: f32 = 3.0;
+const LEFT: f32 = 4.0;
 
 impl Still {
-    fn step(&mut self, value: Option<f32>, learning: bool) -> bool {
+    fn step(&mut self, value: Option<f32>, expected: Option<f32>, left: f32) -> bool {
         if value.is_none() {
             return false;
         }
-        self.run = if value == self.value { self.run.saturating_add(1) } else { 0 };
-        self.value = value;
-        if learning {
-            self.longest = self.longest.max(self.run);
+        if value != self.value {
+            *self = Self { value, ..Self::default() };
         }
-        self.run > self.longest.saturating_mul(REPEATS).max(LEAST_REPEATS)
+        self.run = self.run.saturating_add(1);
+        let Some(expected) = expected else { return false };
+        let [low, high] = self.expected.unwrap_or([expected; 2]);
+        let [low, high] = *self.expected.insert([smaller(low, expected), larger(high, expected)]);
+        self.run > REPEATS && high - low > larger(SHOULD_MOVE, LEFT * left)
     }
 }
+
+/// Over a gap of more than this share of what the rig takes to answer, and of so many samples, nobody knows what it did.
+const GAP: f32 = 0.5;
+const LEAST_GAP: f32 = 5.0;
 
 /// A diagnosis that only looks on, at one sample time.
 #[derive(Clone, Debug)]
@@ -65,17 +75,29 @@ pub(super) struct OneRate {
     state: DiagnosisState,
     inputs: Inputs,
     units: Units,
-    /// Seconds for each second of the diagnosis.
+    /// Seconds for each second of the diagnosis, and its own sample time.
     time: f32,
+    diagnosis_time: f32,
     index: u32,
     learnt: u32,
+    /// What was learnt is not its own.
+    given: bool,
     armed: bool,
     was_learning: bool,
     resuming: bool,
+    /// The room is that of the learning.
+    same_room: bool,
+    /// How the rig began, while it is being found.
+    start: Option<Start>,
+    /// Samples since the last with a power or a T1.
+    gap: u32,
     /// The T1 with which learning began: it stands for a T0 that is missing.
     base: Option<f32>,
     last: [f32; 3],
     still: [Still; 3],
+    /// What T0, T1 and T2 should have read on the last tick, degC, and what the model leaves in the mean.
+    expected: [Option<f32>; 3],
+    left: f32,
     power: f32,
 }
 
@@ -90,34 +112,49 @@ impl OneRate {
         in_range("units.celsius", units.celsius, 1e-6, 1e6)?;
         in_range("units.full_power", units.full_power, 1e-6, 1e9)?;
         let state = diagnosis.start();
-        let (index, learnt, armed, was_learning, resuming, base) = (0, 0, false, false, false, None);
-        let (last, power) = ([0.0; 3], 0.0);
+        let (index, learnt, given, armed, was_learning, resuming, base) =
+            (0, 0, false, false, false, false, None);
+        let (last, power, start, gap) = ([0.0; 3], 0.0, None, 0);
         Ok(Self {
             diagnosis,
             state,
             inputs,
             units,
             time,
+            diagnosis_time: config.sample_time.0 / time,
             index,
             learnt,
+            given,
             armed,
             was_learning,
             resuming,
+            same_room: false,
+            start,
+            gap,
             base,
             last,
             still: [Still::default(); 3],
+            expected: [None; 3],
+            left: 0.0,
             power,
         })
     }
 
     /// One sample: what is believed of it, and the report on it.
     pub(super) fn step(&mut self, observed: &Observed) -> (Observation, Report) {
+        let gone = observed.power.is_none() && observed.t[1].is_none();
+        self.resuming |= !gone && self.gap > 0 && self.gap > self.longest_gap();
+        self.gap = if gone { self.gap.saturating_add(1) } else { 0 };
         let seen = self.see(observed);
-        if core::mem::take(&mut self.resuming) {
+        if !gone && core::mem::take(&mut self.resuming) {
             self.diagnosis.resume(&mut self.state, seen.power.0, &seen.known);
+            self.start = self.diagnosis.start_of_rig(&self.state, self.same_room);
         }
         let mut report = self.diagnosis.step(&mut self.state, &seen);
         self.armed = report.likelihood.readiness == Readiness::Armed;
+        self.find_start(&seen, &mut report);
+        let [_, t1, t2] = report.likelihood.expected;
+        self.expected = [None, t1, t2];
         self.to_units(&mut report);
         (self.in_units(seen), report)
     }
@@ -132,7 +169,44 @@ impl OneRate {
 
     /// The next sample is the first of another recording of the same rig.
     pub(super) fn resume(&mut self) {
-        self.resuming = true;
+        (self.resuming, self.same_room) = (true, false);
+    }
+
+    /// Is armed with a model that was fitted elsewhere.
+    ///
+    /// # Errors
+    /// Why it cannot be trusted.
+    pub(super) fn take(&mut self, fitted: &Fitted) -> Result<(), RejectReason> {
+        self.diagnosis.take(&mut self.state, fitted)?;
+        (self.base, self.given, self.armed, self.resuming) = (Some(fitted.base), true, true, true);
+        (self.same_room, self.left) = (
+            true,
+            sqrt(
+                fitted.left.iter().map(|([e, _], _)| e * e).sum::<f32>()
+                    / larger(1.0, fitted.left.len() as f32),
+            ),
+        );
+        Ok(())
+    }
+
+    /// Over so many samples without power and T1 nobody knows what the rig did.
+    fn longest_gap(&self) -> u32 {
+        self.diagnosis.model(&self.state).map_or(u32::MAX, |model| {
+            let answers = (model.heater + model.lag + model.dead_time) / self.diagnosis_time;
+            (GAP * answers).max(LEAST_GAP) as u32
+        })
+    }
+
+    /// What is seen of how the rig began; until it is known nobody knows what to expect.
+    fn find_start(&mut self, seen: &Observation, report: &mut Report) {
+        let Some(start) = &mut self.start else { return };
+        let [_, t1, t2] = report.likelihood.expected;
+        let beyond = |reading: Reading, expected: Option<f32>| Some(reading.good()? - expected?);
+        if start.step([beyond(seen.sample.t1, t1), beyond(seen.sample.t2, t2)]) {
+            self.diagnosis.settle(&mut self.state, start);
+            self.start = None;
+        }
+        report.likelihood.expected = [None; 3];
     }
 
     /// What was learnt; its degC and % are those of [`Units`].
@@ -161,8 +235,8 @@ impl OneRate {
         self.power = percent(observed.power).unwrap_or(self.power).clamp(0.0, 100.0);
         let beside = percent(observed.beside).map(Percent);
         let begins = !core::mem::replace(&mut self.was_learning, observed.learn) && observed.learn;
-        let anew = begins && self.learnt > 0;
-        let learn = observed.learn && (!self.armed || anew);
+        let anew = begins && self.learnt > 0 && !self.given;
+        let learn = observed.learn && (!self.armed || anew || self.given);
         // What began to be learnt with a wild T1 ends with a training that is refused: the next one begins with another.
         let learns = self.state.likelihood.learns() && !anew;
         self.base = if learns { self.base.or(t1) } else { t1.or(self.base) };
@@ -174,7 +248,7 @@ impl OneRate {
         self.learnt = self.learnt.saturating_add(u32::from(learn));
         let phase = match (learn, self.learnt) {
             (true, _) => Phase::Learning,
-            (false, 0) => Phase::Heated,
+            (false, 0) if !self.given => Phase::Heated,
             (false, _) => Phase::Watched,
         };
         let index = self.index;
@@ -199,7 +273,8 @@ impl OneRate {
     fn reading(&mut self, which: usize, t: Option<f32>) -> Reading {
         let measured = [self.inputs.t0, true, self.inputs.t2].get(which) == Some(&true);
         let still = self.still.get_mut(which).filter(|_| measured);
-        let stuck = still.is_some_and(|still| still.step(t, !self.armed));
+        let expected = self.expected.get(which).copied().flatten().filter(|_| self.armed);
+        let stuck = still.is_some_and(|still| still.step(t, expected, self.left));
         let validity = match t {
             Some(_) if stuck => Validity::Stuck,
             Some(_) => Validity::Good,

@@ -296,7 +296,8 @@ fn status(board: &impl Board, out: &mut dyn Write) {
                 expected: report.likelihood.expected,
                 sample_time,
             };
-            let _ = writeln!(out, "fault: {told}");
+            let priority = if report.likelihood.advice { "advice" } else { "fault" };
+            let _ = writeln!(out, "{priority}: {told}");
         }
         None if report.likelihood.alarm => say(out, "fault: something is wrong, too early to say what\n"),
         None => {}

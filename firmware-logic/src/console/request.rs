@@ -94,7 +94,7 @@ pub const COMMANDS: [(&str, &str, &str); 21] = [
     (
         "commission",
         "[clear]",
-        "the rig as it is now is what later ones are held against; `clear`: as next learnt",
+        "store this rig as the reference for later comparison; `clear`: take the next one learnt",
     ),
     ("brownout", "set", "reset below 2.7 V, from the next power-up (heater off only)"),
     ("faults", "", "what went wrong since the start"),
@@ -106,7 +106,7 @@ pub const COMMANDS: [(&str, &str, &str); 21] = [
     (
         "teach",
         "NAME|end|show|save|drop",
-        "a repetition of a fault that you make begins, ends; the row that comes of all; put in force and kept; forgotten",
+        "NAME and `end`: around each repetition of a fault that you cause; `show` its signature, `save` or `drop` it",
     ),
     (
         "tune",
@@ -146,7 +146,7 @@ impl fmt::Display for RequestError<'_> {
                 write!(f, "unknown command \"{word}\", expected one of")?;
                 COMMANDS.iter().try_for_each(|(name, ..)| write!(f, " {name}"))
             }
-            Self::Extra { command, word } => write!(f, "{command}: \"{word}\" is too much"),
+            Self::Extra { command, word } => write!(f, "{command}: unexpected argument \"{word}\""),
             Self::Missing { command, expected } => write!(f, "{command}: expected {expected}"),
         }
     }
@@ -289,9 +289,9 @@ mod tests {
     fn errors_name_what_was_wrong() {
         let text = |line: &str| Request::parse(line).expect_err(line).to_string();
         assert!(text("sopt").starts_with("unknown command \"sopt\", expected one of help status get set"));
-        assert_eq!(text("arm now"), "arm: \"now\" is too much");
+        assert_eq!(text("arm now"), "arm: unexpected argument \"now\"");
         assert_eq!(text("set pid.kp"), "set: expected NAME VALUE");
-        assert_eq!(text("baseline forget"), "baseline: \"forget\" is too much");
+        assert_eq!(text("baseline forget"), "baseline: unexpected argument \"forget\"");
         assert_eq!(text("brownout"), "brownout: expected set");
         assert_eq!(text("stream of"), "stream: expected on or off");
         assert_eq!(text("tune apply pid"), format!("tune: expected {}", tune::EXPECTED));

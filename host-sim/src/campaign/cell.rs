@@ -6,6 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::definition::{Expect, MayTrip};
+use crate::experiment::as_written;
 use crate::experiment::scenario::Scenario;
 use pt326_rig::fault::Fault;
 
@@ -44,6 +45,11 @@ impl Cell {
     /// The seed of a run.
     pub fn seed(&self, run: u64) -> u64 {
         self.first_seed.wrapping_add(run)
+    }
+
+    /// Ts in s.
+    pub fn sample_time(&self) -> f64 {
+        as_written(self.config.sample_time.0)
     }
 
     /// Name with the values of the sweep.

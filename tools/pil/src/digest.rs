@@ -205,6 +205,7 @@ impl Digest {
         let LikelihoodReport {
             readiness,
             alarm,
+            advice,
             finding,
             t1_contradicted,
             taught,
@@ -222,6 +223,7 @@ impl Digest {
             Readiness::Restarted => self.word(4),
         }
         self.word(u32::from(*alarm));
+        self.word(u32::from(*advice));
         self.word(u32::from(*t1_contradicted));
         let size = |d: &mut Self, Magnitude { value, half_width }| d.numbers(&[value, half_width]);
         self.option(finding.as_ref(), |d, finding| {

@@ -85,7 +85,7 @@ fn carry_out(cli: &Cli) -> anyhow::Result<bool> {
     for d in done.differences.iter().take(10) {
         writeln!(out, "  tick {} {}: board {:#010x}, host {:#010x}", d.tick, d.name, d.board, d.host)?;
     }
-    files::write(&done.record, &summary, &cli.out)?;
+    files::write(&done.record, &summary, None, &cli.out)?;
     let log: String = done.board.log.iter().map(|line| format!("{line}\n")).collect();
     std::fs::write(cli.out.join("board.log"), log)?;
     writeln!(out, "\nWritten to {}: what `pt326 run` writes, and board.log", cli.out.display())?;

@@ -153,3 +153,36 @@ fn widening_adds_variances_and_nothing_else() {
     }
     assert_eq!(tracker.x, [0.0; N]);
 }
+
+/// What comes and goes is usual on this rig; a loss that grows for a day and stays excuses nothing.
+#[test]
+fn a_level_is_no_walk() {
+    let mean = LowPass::over(1000.0);
+    let after = |power: &dyn Fn(f32) -> f32| {
+        let mut tracker = Tracker::new(Default::default());
+        for k in 0..20_000 {
+            tracker.x[0] = power(k as f32);
+            tracker.remember(&mean);
+        }
+        libm::sqrtf(tracker.walk()[0])
+    };
+    let swings = after(&|k| 0.1 * libm::sinf(k / 100.0));
+    let ages = after(&|k| -0.2 * k / 20_000.0);
+    assert!(swings > 0.06 && ages < 0.015, "{swings} {ages}");
+}
+
+/// What came and went is usual, up to what mains do.
+#[test]
+fn what_has_passed_is_usual_within_bounds() {
+    let mut tracker = Tracker::new(Default::default());
+    for (quantity, size, place, usual) in [
+        (Quantity::Power, 0.05, 0, 0.05),
+        (Quantity::Power, 0.02, 0, 0.05),
+        (Quantity::Power, 0.5, 0, TUNING.passing),
+        (Quantity::Flow, 0.03, 1, 0.03),
+        (Quantity::Offset, 0.03, 2, 0.0),
+    ] {
+        tracker.learn(quantity, size);
+        assert!((libm::sqrtf(tracker.walk()[place]) - usual).abs() < 1e-6, "{quantity:?} {size}");
+    }
+}

@@ -21,7 +21,7 @@ pub(super) fn exchange_lags(t: &RangeTuning, p: &mut Parameters) {
 }
 
 /// A T2 that is missing is T1's twin: what was learnt in its place is kept elsewhere.
-pub(super) fn make_twin(p: &mut Parameters, motion: &mut Motion) {
+pub(in super::super) fn make_twin(p: &mut Parameters, motion: &mut Motion) {
     use Parameter::{Delay2, Lag1, Lag2, Offset1, Offset2, Reaches2, Wall2};
     for (which, value) in
         [(Reaches2, 1.0), (Delay2, 0.0), (Wall2, 0.0), (Lag2, p.get(Lag1)), (Offset2, p.get(Offset1))]

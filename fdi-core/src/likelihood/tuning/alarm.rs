@@ -77,6 +77,8 @@ tuning! {
         power_after = 0.015, "1", chosen "";
         /// And of both offsets by this.
         offset_after = 0.05, "degC", chosen "";
+        /// After so long an alarm is advice.
+        stands = 3600.0, "s", chosen "who has not come within an hour needs no siren";
     }
 }
 

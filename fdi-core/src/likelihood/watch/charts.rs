@@ -46,16 +46,16 @@ pub(super) struct Charted {
 }
 
 impl Charts {
-    /// One tick: T1's expected rise, and by how much T0 is above its mean, degC.
+    /// One tick: by how many standard deviations the residuals may be off, and by how much T0 is above its mean, degC.
     pub(super) fn step(
         &self,
         s: &mut ChartsState,
         times: &Times,
         filter: &WhiteningFilter,
         innovations: &Innovations,
-        (rise, inlet): (f32, f32),
+        widened: [f32; 2],
+        inlet: f32,
     ) -> Charted {
-        let widened = self.widened(s, times, filter, rise);
         let mut z = innovations.clipped;
         if times.slow_surroundings && s.holdoff == 0 {
             self.confirm(s, innovations.z, &mut z);
@@ -74,7 +74,14 @@ impl Charts {
         Charted { fast: fast / self.fast.interval, slow: slow / self.slow.interval, fast_sum: fast, widened }
     }
 
-    fn widened(&self, s: &mut ChartsState, times: &Times, filter: &WhiteningFilter, rise: f32) -> [f32; 2] {
+    /// By how many standard deviations the residuals may be off because the temperature moves: where T1 should have risen by `rise`, degC.
+    pub(super) fn widened(
+        &self,
+        s: &mut ChartsState,
+        times: &Times,
+        filter: &WhiteningFilter,
+        rise: f32,
+    ) -> [f32; 2] {
         times.swing.follow(&mut s.mean_rise, rise);
         let kept = s.swing * (1.0 - times.swing.share());
         s.swing = larger(kept, (rise - s.mean_rise).abs());

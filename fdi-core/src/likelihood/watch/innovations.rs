@@ -52,12 +52,14 @@ impl InnovationsState {
         *self = Self::new(self.tuning, self.filter);
     }
 
-    /// A tick: what the tracker leaves of the residuals, the residuals since training and the regressors, degC.
+    /// A tick: what the tracker leaves of the residuals, the residuals since training and the regressors, degC. A spike counts as `clip` beyond what
+    /// the model may get wrong, `widened` standard deviations: with less, no jump of any size would show while the temperature moves.
     pub(super) fn step(
         &mut self,
         left: [f32; 2],
         e: [f32; 2],
         regressors: &Regressors<LASTING>,
+        widened: [f32; 2],
     ) -> Innovations {
         let t = &self.tuning.charts;
         self.ticks = self.ticks.saturating_add(1);
@@ -68,7 +70,7 @@ impl InnovationsState {
         }
         let innovations = Innovations {
             z: filter.step(&mut self.past, left),
-            clipped: filter.step_clipped(&mut self.past_clipped, left, t.clip),
+            clipped: filter.step_clipped(&mut self.past_clipped, left, widened.map(|by| t.clip + by)),
             z_trained: filter.step(&mut self.past_trained, e),
             regressors: whitened,
             charted: self.ticks >= t.first as u32,

@@ -8,8 +8,10 @@ use crate::likelihood::onset::{History, Nominal, REMEMBERED};
 use crate::likelihood::process::{Motion, Parameter, Parameters, Process, Rises};
 use crate::likelihood::regressor::{LASTING, Regressor, Regressors};
 use crate::likelihood::second_heater::SecondHeater;
+use crate::likelihood::start::{Begun, Start};
 use crate::likelihood::training::Trained;
 use crate::likelihood::tuning::Tuned;
+use crate::likelihood::whitening::WhiteningFilter;
 
 /// The simulation of a rig that has these inputs.
 #[derive(Clone, Debug)]
@@ -44,8 +46,8 @@ pub(super) struct SimulationState {
     expected: [f32; 2],
     /// Means of the residuals in training, degC.
     mean: [f32; 2],
-    /// Ticks that the means are still taken anew from, since the room of a recording is another one.
-    anchoring: u32,
+    /// It is not known yet how the rig began.
+    begins: bool,
     history: History,
     inlet: Option<Inlet>,
 }
@@ -91,7 +93,7 @@ impl Simulation {
             rises: [trained.rise; 2],
             expected: [trained.rise; 2],
             mean: trained.mean,
-            anchoring: 0,
+            begins: false,
             history: History::default(),
             inlet: None,
         }
@@ -106,16 +108,27 @@ impl Simulation {
         for rig in [&mut s.rig, &mut s.less, &mut s.more] {
             rig.motion = Motion::steady(s.heat);
         }
-        s.history = History::default();
-        for _ in 0..REMEMBERED {
-            s.history.push(s.heat, &s.rig.motion);
-        }
-        s.rises = s.rig.rises().y;
-        // Where nothing says how warm the room is by now, the first ticks do.
+        s.remember_anew();
+        s.begins = true;
+    }
+
+    /// What has to be found before it is judged again.
+    pub(super) fn begins(&self, s: &SimulationState, whitening: WhiteningFilter) -> Start {
         let t = &self.tuning.slow;
         let settles = t.settles * s.parameters.residence();
-        let settles = if settles <= t.anchored { settles as u32 } else { 0 };
-        s.anchoring = settles + if self.inputs.t0 { 0 } else { t.anchored as u32 };
+        let settles = if settles <= t.anchored { settles } else { 0.0 };
+        Start::new(s.rig.process, whitening, s.second_heater, self.inputs, (settles + t.anchored) as u32)
+    }
+
+    /// How the rig began is known, and so how it is.
+    pub(super) fn settle(&self, s: &mut SimulationState, begun: &Begun) {
+        for rig in [&mut s.rig, &mut s.less, &mut s.more] {
+            rig.motion.add(&begun.motion, 1.0);
+        }
+        s.second_heater.add(&begun.beside, 1.0);
+        s.mean.iter_mut().zip(begun.room).for_each(|(mean, room)| *mean += room);
+        s.remember_anew();
+        s.begins = false;
     }
 
     /// Follows an announced change of the fan, with its lag; gives what is left of it, none where there is none.
@@ -183,23 +196,6 @@ impl Simulation {
         put(Regressor::Shift, [before[0] - y[0], before[1] - y[1]]);
         regressors
     }
-
-    /// Whether this tick, with residuals `e` in degC, is one of the first of a recording, which say what the means are after those in which the rig
-    /// has forgotten how it began.
-    pub(super) fn anchors(&self, s: &mut SimulationState, e: [f32; 2]) -> bool {
-        if s.anchoring == 0 {
-            return false;
-        }
-        s.anchoring = s.anchoring.saturating_sub(1);
-        let taken = (self.tuning.slow.anchored as u32).saturating_sub(s.anchoring);
-        if taken > 0 {
-            let share = 1.0 / taken as f32;
-            for (mean, e) in s.mean.iter_mut().zip(e) {
-                *mean += share * e;
-            }
-        }
-        true
-    }
 }
 
 impl Rig {
@@ -213,6 +209,20 @@ impl Rig {
 }
 
 impl SimulationState {
+    /// Whether nothing can be judged, since it is not known how the rig began.
+    pub(super) fn is_beginning(&self) -> bool {
+        self.begins
+    }
+
+    /// As if it had been for long as it is now.
+    fn remember_anew(&mut self) {
+        self.history = History::default();
+        for _ in 0..REMEMBERED {
+            self.history.push(self.heat, &self.rig.motion);
+        }
+        self.rises = self.rig.rises().y;
+    }
+
     fn offsets(&self) -> [f32; 2] {
         [self.parameters.get(Parameter::Offset1), self.parameters.get(Parameter::Offset2)]
     }

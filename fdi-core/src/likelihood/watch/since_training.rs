@@ -4,8 +4,10 @@ use super::innovations::Innovations;
 use super::since_onset::{magnitude, named};
 use super::steady::Steady;
 use super::times::Times;
+use crate::bounds::larger;
+use crate::likelihood::class::Quantity;
 use crate::likelihood::evidence::Estimate;
-use crate::likelihood::hypothesis::{COUNT, IMPOSSIBLE};
+use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, IMPOSSIBLE};
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::posterior::Posterior;
 use crate::likelihood::regressor::{LASTING, Regressors};
@@ -36,6 +38,8 @@ struct Change {
     onset: u32,
     hypothesis: usize,
     finding: Option<Finding>,
+    /// The largest change that was seen of what it is, in the unit of its regressor.
+    largest: f32,
 }
 
 /// What the bank sees of a tick.
@@ -51,18 +55,18 @@ pub(super) struct Seen<'a> {
 }
 
 impl SinceTraining {
-    /// A quiet tick is gathered, and the minute judged now and then.
-    pub(super) fn step(&self, s: &mut SinceTrainingState, seen: &Seen) {
+    /// A quiet tick is gathered, and the minute judged now and then. Gives what has come and gone, and how much of it has gone.
+    pub(super) fn step(&self, s: &mut SinceTrainingState, seen: &Seen) -> Option<(Quantity, f32)> {
         let Innovations { regressors, z_trained, .. } = seen.innovations;
         s.steady.gather(&seen.times.steady, seen.regressors, regressors, seen.e, *z_trained);
-        self.judge(s, seen);
+        self.judge(s, seen)
     }
 
-    fn judge(&self, s: &mut SinceTrainingState, seen: &Seen) {
+    fn judge(&self, s: &mut SinceTrainingState, seen: &Seen) -> Option<(Quantity, f32)> {
         let t = &self.tuning.since_training;
         let first = t.first * seen.times.time_scale / self.sample_time;
         if !s.steady.is_ready(first) {
-            return;
+            return None;
         }
         let mut estimate = [Estimate::default(); COUNT];
         let nuisances = seen.usual.since_training(seen.expected);
@@ -79,7 +83,14 @@ impl SinceTraining {
         let onset = s.changed.map_or(seen.tick, |was| was.onset);
         let least = if self.inputs.fan { t.naming } else { 0.0 };
         let (class, confidence) = named(&self.tuning.naming, &posterior, least);
+        let value = estimate[h].value.abs();
+        let largest = s.changed.map_or(value, |was| larger(was.largest, value));
+        let passed = s.changed.filter(|_| !there).map(|was| {
+            let h = was.hypothesis % COUNT;
+            (HYPOTHESES[h].class.quantity(), was.largest - estimate[h].value.abs())
+        });
         s.changed = there.then(|| Change {
+            largest,
             onset,
             hypothesis: h,
             finding: (confidence > t.naming).then(|| Finding {
@@ -89,6 +100,7 @@ impl SinceTraining {
                 onset,
             }),
         });
+        passed
     }
 }
 

@@ -187,7 +187,11 @@ fn a_clipped_spike_leaves_no_echo() {
         let spiked =
             e.iter().enumerate().map(|(k, e)| if k == 30 { [e[0] + spike, e[1] + spike] } else { *e });
         let step = |e| {
-            if clipped { whitening.step_clipped(&mut past, e, limit) } else { whitening.step(&mut past, e) }
+            if clipped {
+                whitening.step_clipped(&mut past, e, [limit; 2])
+            } else {
+                whitening.step(&mut past, e)
+            }
         };
         spiked.map(step).collect()
     };

@@ -22,6 +22,10 @@ pub const CAMPAIGN_TOML: &str = include_str!("../../../defaults/campaign.toml");
 pub const PHYSICS_TOML: &str = include_str!("../../../defaults/physics.toml");
 /// The runs that show what each number of the likelihood diagnosis is worth.
 pub const ABLATION_TOML: &str = include_str!("../../../defaults/ablation.toml");
+/// Share of the runs that a built-in campaign does when nobody asks for all.
+pub const USUAL: f64 = 0.25;
+/// The same when it is to be quick.
+pub const QUICK: f64 = 0.05;
 
 /// A campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

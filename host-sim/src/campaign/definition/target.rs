@@ -68,13 +68,15 @@ pub enum Measure {
     /// Verdicts of about one confidence: the share that is right above that confidence, in points of %, of the worst bin with 100
     /// verdicts or more.
     Calibration,
-    /// Time beside the fault that an alarm stood, %.
+    /// Time beside the fault that an alarm stood that was no advice, %.
     AlarmTime,
-    /// Alarms an hour beside the fault.
+    /// Time beside the fault that an alarm or advice stood, %.
+    ToldTime,
+    /// Alarms an hour beside the fault, without what is only advice.
     AlarmsPerHour,
     /// Hours watched.
     Hours,
-    /// Runs with an alarm beside the fault; does not exist where it never watched.
+    /// Runs with an alarm or advice beside the fault; does not exist where it never watched.
     RunsWithAlarm,
     /// Runs in which it did not watch when it should have: silence means nothing then.
     Unarmed,

@@ -37,7 +37,7 @@ pub fn write(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Path) -> 
     write_file(out, "campaign.json", &json)?;
     write_file(out, "tables.md", markdown::of(results).as_bytes())?;
     write_file(out, "cells.csv", &csv(results.cells.iter().map(cell_fields))?)?;
-    write_file(out, "runs.csv", &csv(rows.iter().map(|row| run_fields(&cells[row.cell], row)))?)?;
+    write_file(out, "runs.csv", &runs_csv(cells, rows)?)?;
     let mut names = String::from("campaign.json, cells.csv, runs.csv, tables.md");
     if let Some(runaway) = runaway::of(results) {
         write_file(out, "runaway.md", runaway.as_bytes())?;
@@ -54,6 +54,14 @@ pub fn write(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Path) -> 
         names += ", vary.md";
     }
     Ok(names + &pictures::draw(results, cells, rows, out)?)
+}
+
+/// `runs.csv`: a row for each run.
+///
+/// # Errors
+/// None that is known of.
+pub fn runs_csv(cells: &[Cell], rows: &[RunRow]) -> anyhow::Result<Vec<u8>> {
+    csv(rows.iter().map(|row| run_fields(&cells[row.cell], row)))
 }
 
 fn write_file(out: &Path, name: &str, bytes: &[u8]) -> anyhow::Result<()> {
@@ -143,8 +151,10 @@ fn observation_fields(by: By, observed: &Observation) -> Vec<Field> {
         maybe("onset_error_s", observed.onset_error_s),
         maybe("confidence", observed.confidence),
         field("alarms", observed.alarms),
+        field("advices", observed.advices),
         field("watched_ticks", observed.watched_ticks),
         field("alarm_ticks", observed.alarm_ticks),
+        field("advice_ticks", observed.advice_ticks),
         maybe("first_alarm_s", observed.first_alarm_s),
         maybe("first_alarm_as", observed.first_alarm_as.as_ref()),
     ];
@@ -195,6 +205,7 @@ fn cell_fields(cell: &CellResults) -> Vec<Field> {
             maybe("alarms_per_hour_high", alarms.per_hour_95.map(|i| i[1])),
             maybe("alarms_dispersion", alarms.dispersion),
             maybe("alarm_share_of_time", alarms.share_of_time),
+            maybe("told_share_of_time", alarms.told_share_of_time),
         ]);
         fields.extend(these.into_iter().map(|(name, value)| (format!("{}_{name}", by.name()), value)));
     }

@@ -12,8 +12,8 @@ use crate::experiment::{Row, as_written, drive, tick_time, with_prbs_phase};
 use crate::score::expectation::Expectation;
 use crate::score::said::{Said, SaidScorer};
 use crate::score::{
-    LikelihoodScore, LikelihoodScorer, Rise, Score, Scorer, TAIL, likelihood_alarm, signature_class,
-    signature_indication,
+    Indication, LikelihoodScore, LikelihoodScorer, Rise, Score, Scorer, TAIL, likelihood_alarm,
+    signature_class, signature_indication,
 };
 use heat::{Heat, HeatMeter};
 use pt326_rig::fault::Fault;
@@ -76,12 +76,18 @@ pub struct Observation {
     pub onset_error_s: Option<f64>,
     /// Confidence.
     pub confidence: Option<f64>,
-    /// Alarms that rose outside the fault and its tail.
+    /// Alarms that rose outside the fault and its tail, or that advice became.
     pub alarms: u32,
+    /// Advice that came up there.
+    #[serde(default)]
+    pub advices: u32,
     /// Ticks outside of it on which it watched and no alarm stood.
     pub watched_ticks: u64,
     /// Ticks outside of it on which an alarm stood.
     pub alarm_ticks: u64,
+    /// Those of them on which it was only advice.
+    #[serde(default)]
+    pub advice_ticks: u64,
     /// Time of the first false alarm, s.
     pub first_alarm_s: Option<f64>,
     /// What it was first named; empty if it was not.
@@ -92,24 +98,39 @@ pub struct Observation {
 #[derive(Default)]
 struct AlarmCounter {
     rise: Rise,
+    alarm: Rise,
+    advice: Rise,
     observed: Observation,
 }
 
-/// What a diagnosis puts out on a tick; `alarm` is `None` while it does not watch.
-struct Output {
-    alarm: Option<bool>,
-    named: Option<FaultClass>,
+/// What a diagnosis puts out on a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Output {
+    /// Whether it raises an alarm; `None` while it does not watch.
+    pub alarm: Option<bool>,
+    /// Whether that alarm is only advice.
+    pub advice: bool,
+    /// What it names.
+    pub named: Option<FaultClass>,
 }
 
 impl Output {
     fn by_signature(row: &Row) -> Self {
         let verdict = row.report.filtered;
-        Self { alarm: verdict.map(|v| v.fdv != 0), named: verdict.and_then(|v| signature_class(v.fiv)) }
+        Self {
+            alarm: verdict.map(|v| v.fdv != 0),
+            advice: false,
+            named: verdict.and_then(|v| signature_class(v.fiv)),
+        }
     }
 
     fn by_likelihood(row: &Row) -> Self {
         let likelihood = &row.report.likelihood;
-        Self { alarm: likelihood_alarm(likelihood), named: likelihood.finding.map(|f| f.class) }
+        Self {
+            alarm: likelihood_alarm(likelihood),
+            advice: likelihood.advice,
+            named: likelihood.finding.map(|f| f.class),
+        }
     }
 }
 
@@ -123,6 +144,8 @@ impl AlarmCounter {
     fn observe(&mut self, t: f64, fault: Option<&Fault>, output: &Output) {
         let alarm = output.alarm == Some(true);
         let rises = self.rise.of(alarm);
+        let [alarms, advices] =
+            [self.alarm.of(alarm && !output.advice), self.advice.of(alarm && output.advice)].map(u32::from);
         let observed = &mut self.observed;
         if fault.is_none_or(|f| t < f.at) {
             observed.armed = output.alarm.is_some();
@@ -132,12 +155,16 @@ impl AlarmCounter {
             return;
         }
         match output.alarm {
-            Some(true) => observed.alarm_ticks += 1,
+            Some(true) => {
+                observed.alarm_ticks += 1;
+                observed.advice_ticks += u64::from(output.advice);
+            }
             Some(false) => observed.watched_ticks += 1,
             None => {}
         }
+        observed.alarms += alarms;
+        observed.advices += advices;
         if rises {
-            observed.alarms += 1;
             observed.first_alarm_s.get_or_insert(t);
         }
         if let (true, Some(class)) = (observed.first_alarm_s.is_some(), output.named) {
@@ -158,11 +185,71 @@ impl AlarmCounter {
     }
 }
 
+/// Scores a diagnosis of which nothing is known but what it puts out, over one run of a cell, as ours are scored.
+pub struct Observer {
+    fault: Option<Fault>,
+    right: Vec<FaultClass>,
+    sample_time: f64,
+    counter: AlarmCounter,
+    scorer: Option<Scorer>,
+}
+
+impl Observer {
+    /// Of the run with a seed, before its first tick.
+    pub fn new(cell: &Cell, seed: u64) -> Self {
+        let (config, scenario) = cell.draw(seed);
+        let fault = cell.fault().and(scenario.faults.into_iter().next());
+        Self {
+            right: cell.right.clone(),
+            sample_time: as_written(config.sample_time.0),
+            counter: AlarmCounter::new(fault.as_ref()),
+            scorer: fault.as_ref().map(Scorer::new),
+            fault,
+        }
+    }
+
+    /// One tick, at `t`.
+    pub fn observe(&mut self, t: f64, output: &Output) {
+        self.counter.observe(t, self.fault.as_ref(), output);
+        if let Some(scorer) = &mut self.scorer {
+            scorer.observe(
+                t,
+                Indication {
+                    monitoring: output.alarm.is_some(),
+                    detected: output.alarm == Some(true) && !self.right.is_empty(),
+                    isolated: output.named.is_some_and(|class| self.right.contains(&class)),
+                    named: output.named,
+                },
+            );
+        }
+    }
+
+    /// What it observed.
+    pub fn finish(self) -> Observation {
+        let Some(scorer) = self.scorer else { return self.counter.observed };
+        let score = scorer.score(self.sample_time, !self.right.is_empty());
+        with_names(self.counter.finish(score), &scorer)
+    }
+}
+
 /// Runs one run of a cell.
 ///
 /// # Errors
 /// The parameter of the configuration that is out of bounds.
 pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
+    run_before(cell, number, run, |_, _| {})
+}
+
+/// The same before somebody who looks at each tick, with its time in s.
+///
+/// # Errors
+/// The parameter of the configuration that is out of bounds.
+pub fn run_before(
+    cell: &Cell,
+    number: usize,
+    run: u64,
+    mut observe: impl FnMut(f64, &Row),
+) -> anyhow::Result<RunRow> {
     let seed = cell.seed(run);
     let (config, scenario) = cell.draw(seed);
     let config = with_prbs_phase(&config, seed);
@@ -177,6 +264,7 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
     drive(&mut instrument, &config, &scenario, seed, |row, rig, _| {
         let t = tick_time(row.tick.index, sample_time);
         heat.observe(t, &row, rig);
+        observe(t, &row);
         for (counter, output) in
             counters.iter_mut().zip([Output::by_signature(&row), Output::by_likelihood(&row)])
         {
@@ -193,10 +281,7 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
         (Some(fault), Some((by_signature, by_likelihood))) => {
             let isolable = Expectation::of(fault).fiv.is_some();
             let observed = signature.finish(by_signature.score(sample_time, isolable));
-            (
-                named_by_signature(observed, &by_signature),
-                named_by_likelihood(likelihood, by_likelihood.score()),
-            )
+            (with_names(observed, &by_signature), named_by_likelihood(likelihood, by_likelihood.score()))
         }
         _ => (signature.observed, likelihood.observed),
     };
@@ -212,7 +297,7 @@ pub fn run(cell: &Cell, number: usize, run: u64) -> anyhow::Result<RunRow> {
     })
 }
 
-fn named_by_signature(observed: Observation, scorer: &Scorer) -> Observation {
+fn with_names(observed: Observation, scorer: &Scorer) -> Observation {
     let name = |class: FaultClass| class.name().to_owned();
     Observation { first: scorer.first_named().map(name), settled: scorer.settled().map(name), ..observed }
 }
@@ -240,7 +325,8 @@ mod tests {
         let mut counter = AlarmCounter::new(Some(&fault));
         for t in 0..60 {
             let named = (t == 40).then_some(FaultClass::Drift);
-            counter.observe(f64::from(t), Some(&fault), &Output { alarm: alarm(t), named });
+            let advice = (40..=50).contains(&t) && alarm(t) == Some(true);
+            counter.observe(f64::from(t), Some(&fault), &Output { alarm: alarm(t), advice, named });
         }
         counter.finish(Score { detection_delay_s: Some(0.0), ..Score::default() })
     }
@@ -248,7 +334,8 @@ mod tests {
     #[test]
     fn only_alarms_outside_the_fault_and_its_tail_are_false_and_each_counts_once() {
         let observed = observed(|t| (t >= 2).then_some(matches!(t, 12..34 | 38..42 | 50)));
-        assert_eq!((observed.alarms, observed.alarm_ticks), (2, 5));
+        assert_eq!((observed.alarms, observed.alarm_ticks), (1, 5));
+        assert_eq!((observed.advices, observed.advice_ticks), (2, 3), "from 40 s on it is advice");
         assert_eq!(observed.watched_ticks, 8 + 25 - 5, "2 to 9 s, and 35 to 59 s without the alarms");
         assert_eq!((observed.first_alarm_s, observed.first_alarm_as.as_deref()), (Some(38.0), Some("drift")));
         assert_eq!((observed.armed, observed.early, observed.detection_delay_s), (true, false, Some(0.0)));
@@ -264,10 +351,30 @@ mod tests {
     fn what_is_there_before_arming_can_still_be_found() {
         let fault = Fault { at: 0.0, ..Fault::new(Verb::Detach, Some(Sensor::T1), Some(1.0), 0.0, 10.0) };
         let mut counter = AlarmCounter::new(Some(&fault));
-        counter.observe(0.0, Some(&fault), &Output { alarm: None, named: None });
-        counter.observe(5.0, Some(&fault), &Output { alarm: Some(true), named: None });
+        counter.observe(0.0, Some(&fault), &Output { alarm: None, advice: false, named: None });
+        counter.observe(5.0, Some(&fault), &Output { alarm: Some(true), advice: false, named: None });
         let observed = counter.finish(Score { detection_delay_s: Some(5.0), ..Score::default() });
         assert_eq!((observed.armed, observed.detection_delay_s, observed.alarms), (true, Some(5.0), 0));
+    }
+
+    /// Whoever says what ours says is scored as ours is.
+    #[test]
+    fn a_diagnosis_from_outside_is_scored_as_ours_is() {
+        let text = "[[cell]]\nname = \"c\"\nruns = 1\nphase = 60.0\n\
+                    fault = [{ do = \"offset\", sensor = \"t2\", size = 1.5, at = 400.0, for = 20.0 }]";
+        let campaign: crate::campaign::definition::Campaign = toml::from_str(text).unwrap();
+        let cell = campaign.expand(&fdi_core::Config::default()).unwrap().remove(0);
+        let mut observer = Observer::new(&cell, cell.seed(0));
+        let ours =
+            run_before(&cell, 0, 0, |t, row| observer.observe(t, &Output::by_likelihood(row))).unwrap();
+        let theirs = observer.finish();
+        assert!(theirs.isolation_delay_s.is_some_and(|delay| delay < 5.0), "{theirs:?}");
+        let (magnitude, half_width) = (theirs.magnitude, theirs.half_width);
+        let (onset_error_s, confidence) = (theirs.onset_error_s, theirs.confidence);
+        assert_eq!(
+            theirs,
+            Observation { magnitude, half_width, onset_error_s, confidence, ..ours.likelihood }
+        );
     }
 
     #[test]

@@ -90,17 +90,19 @@ pub struct AlarmStatistics {
     pub alarms: u32,
     /// Hours that it watched without an alarm standing.
     pub hours: f64,
-    /// Alarms an hour.
+    /// Alarms an hour, without what is only advice.
     pub per_hour: Option<f64>,
     /// Exact 95 % interval of that, if alarms come independently of each other.
     pub per_hour_95: Option<[f64; 2]>,
     /// Variance over mean of the alarms of a run. About 1 if they do come independently; where it is much more, they
     /// come in bursts, and the interval is too narrow.
     pub dispersion: Option<f64>,
-    /// Runs with an alarm.
+    /// Runs with an alarm or advice.
     pub runs_with: usize,
-    /// Share of the time that an alarm stood; null: it never watched.
+    /// Share of the time that an alarm stood that was no advice; null: it never watched.
     pub share_of_time: Option<f64>,
+    /// Share of the time that an alarm or advice stood.
+    pub told_share_of_time: Option<f64>,
 }
 
 impl Statistics {
@@ -173,7 +175,9 @@ impl AlarmStatistics {
             let of = |(cell, row): &Case| ticks(row.by(by)) as f64 * as_written(cell.config.sample_time.0);
             cases.iter().map(of).sum::<f64>() / 3600.0
         };
-        let (watched, alarmed) = (hours(|s| s.watched_ticks), hours(|s| s.alarm_ticks));
+        let (watched, told) = (hours(|s| s.watched_ticks), hours(|s| s.alarm_ticks));
+        let alarmed = hours(|s| s.alarm_ticks - s.advice_ticks);
+        let share = |of: f64| (told + watched > 0.0).then(|| of / (told + watched));
         let alarms = cases.iter().map(|(_, row)| row.by(by).alarms).sum();
         let rate = |count: f64| count / watched;
         let watches = watched > 0.0;
@@ -183,8 +187,9 @@ impl AlarmStatistics {
             per_hour: watches.then(|| rate(f64::from(alarms))),
             per_hour_95: watches.then(|| poisson_interval(alarms).map(rate)),
             dispersion: dispersion(cases.iter().map(|(_, row)| f64::from(row.by(by).alarms)).collect()),
-            runs_with: cases.iter().filter(|(_, row)| row.by(by).alarms > 0).count(),
-            share_of_time: (alarmed + watched > 0.0).then(|| alarmed / (alarmed + watched)),
+            runs_with: cases.iter().filter(|(_, row)| row.by(by).alarms + row.by(by).advices > 0).count(),
+            share_of_time: share(alarmed),
+            told_share_of_time: share(told),
         }
     }
 }
@@ -260,6 +265,7 @@ mod tests {
             alarms,
             watched_ticks: 32_727,
             alarm_ticks: 32_727,
+            advice_ticks: 16_364,
             ..Observation::default()
         };
         let alarms = statistics(vec![observed(3), observed(0)]).alarms;
@@ -268,7 +274,8 @@ mod tests {
         let [low, high] = alarms.per_hour_95.unwrap();
         assert!((low - 0.6187 / 2.0).abs() < 1e-3 && (high - 8.7673 / 2.0).abs() < 1e-3);
         assert_eq!(alarms.dispersion, Some(3.0), "3 and 0: variance 4.5, mean 1.5");
-        assert!((alarms.share_of_time.unwrap() - 0.5).abs() < 1e-12);
+        assert!((alarms.share_of_time.unwrap() - 0.25).abs() < 1e-4, "the other half is advice");
+        assert!((alarms.told_share_of_time.unwrap() - 0.5).abs() < 1e-12);
         assert_eq!(statistics(vec![Observation::default()]).alarms.share_of_time, None, "never watched");
     }
 }

@@ -81,6 +81,7 @@ impl Measure {
             Self::MagnitudeCoverage => fault?.magnitude_coverage_pct,
             Self::AlarmsPerHour => s.alarms.per_hour,
             Self::AlarmTime => s.alarms.share_of_time.map(percent),
+            Self::ToldTime => s.alarms.told_share_of_time.map(percent),
             Self::Hours => Some(s.alarms.hours),
             Self::RunsWithAlarm => s.alarms.per_hour.map(|_| s.alarms.runs_with as f64),
             Self::Unarmed => Some(s.unarmed as f64),

@@ -28,8 +28,8 @@ fn the_heater_is_stopped_and_armed_by_one_button_and_a_trip_is_acknowledged() {
     let expected = json!([
         ["The heater is off.", false],
         ["Warming up to 35.0 °C.", true],
-        ["Measuring how the rig answers.", false],
-        ["All is as learnt.", true],
+        ["Measuring the rig's response.", false],
+        ["Everything looks normal.", true],
         ["T1 reads as a broken wire.", false],
         ["The heater is off.", false]
     ]);

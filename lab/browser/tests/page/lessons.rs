@@ -93,8 +93,8 @@ fn a_trip_says_its_cause_and_what_is_left_to_do() {
         r##"await monitoring();
            lab.send({ command: "order", order: { order: "break", fault: { do: "short", sensor: "t2", at: 0, for: 1e6 } } });
            await step(30); await until(() => document.body.dataset.state === "tripped");
-           const first = [$("#head").innerText, /Mend the cause/.test($("#sub").innerText)];
-           click("[data-act=mend]"); await step(30); await until(() => !/Mend the cause/.test($("#sub").innerText));
+           const first = [$("#head").innerText, /Repair the cause/.test($("#sub").innerText)];
+           click("[data-act=mend]"); await step(30); await until(() => !/Repair the cause/.test($("#sub").innerText));
            return [...first, $("#head").innerText, /acknowledge/.test($("#sub").innerText)]"##,
         &[],
     );

@@ -36,7 +36,7 @@ fn a_report_is_the_page_with_the_run_within_it() {
     assert_eq!(script_on(&browser, edges, &[]), json!(0));
     let heads = [
         "T# reads # °C too high.",
-        "T# sees # % of the rise too little.",
+        "T# sees # % less of the rise than it should.",
         "The air flow is # % stronger than learnt.",
     ];
     assert_eq!(told, json!([heads, true, true, true, true]));

@@ -11,7 +11,7 @@ fn it_opens_from_a_file_trained_and_at_the_point_of_monitoring() {
         "await monitoring(); return [await said(), lab.row().mode, lab.row().readiness, document.title]",
         &[],
     );
-    assert_eq!(said, json!(["All is as learnt.", 3, 2, "PT-326 lab"]));
+    assert_eq!(said, json!(["Everything looks normal.", 3, 2, "PT-326 lab"]));
 }
 
 /// Each fault by its part's button: chosen, broken, named.
@@ -44,7 +44,7 @@ fn each_fault_that_can_be_put_in_is_named_by_its_own_name() {
         ("T0", "drifts", "", ""),
         ("T0", "open", "t0_open", "Wire of T0 broken."),
         ("T1", "wrong", "t1_offset", "T1 reads"),
-        ("T1", "clogged", "t1_clogged", "of the rise too little."),
+        ("T1", "clogged", "t1_clogged", "less of the rise than it should."),
         ("T1", "drifts", "drift", "drifts up"),
         ("T1", "sticks", "t1_stuck", "T1 did not move"),
         ("T1", "falls", "t1_detached", "T2 is far hotter than T1."),
@@ -61,7 +61,7 @@ fn each_fault_that_can_be_put_in_is_named_by_its_own_name() {
         ("heater", "weak", "heater_power", "less power than asked for."),
         ("heater", "stuck", "air_flow_or_heater_power", ""),
         ("mains", "sags", "heater_power", "less power than asked for."),
-        ("door", "opens", "", "All is as learnt."),
+        ("door", "opens", "", "Everything looks normal."),
     ];
     let found: Vec<(String, String, String, String)> = serde_json::from_value(found).expect("texts");
     assert_eq!(found.len(), expected.len());
@@ -90,7 +90,7 @@ fn two_that_look_alike_are_shown_together_and_then_told_apart() {
         return all;"##,
         &[],
     );
-    assert_eq!(seen, json!([[["fan", "heater"], 2], [["fan"], 1], true, true, "What was wrong is ending."]));
+    assert_eq!(seen, json!([[["fan", "heater"], 2], [["fan"], 1], true, true, "The fault is ending."]));
 }
 
 /// The paper's fiv flickers while its models adapt: only what stands is a name, dated to its start.

@@ -14,7 +14,7 @@ use super::results::Folder;
 use super::terminal::{coloured, print};
 use crate::campaign::ablation;
 use crate::campaign::cell::Cell;
-use crate::campaign::definition::{ABLATION_TOML, CAMPAIGN_TOML, Campaign, PHYSICS_TOML};
+use crate::campaign::definition::{ABLATION_TOML, CAMPAIGN_TOML, Campaign, PHYSICS_TOML, QUICK, USUAL};
 use crate::campaign::output;
 use crate::campaign::results::Results;
 use crate::campaign::runner::{Progress, Remaining};
@@ -178,10 +178,6 @@ pub struct ShowArgs {
     pub out: PathBuf,
 }
 
-/// Share of the runs that a campaign does without `--full`.
-const USUAL: f64 = 0.25;
-/// The same with `--quick`.
-const QUICK: f64 = 0.05;
 /// Exit code of a program that Ctrl-C has stopped.
 const INTERRUPTED: i32 = 130;
 

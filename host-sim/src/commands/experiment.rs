@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use fdi_core::Config;
-use pt326_rig::{Disturbance, RigConfig};
+use pt326_rig::Disturbance;
 
 use crate::experiment::scenario::{self, Scenario};
-use crate::experiment::{FaultSize, slowness};
+use crate::experiment::{self, FaultSize};
 use crate::settings;
 
 /// What describes an experiment.
@@ -43,13 +43,8 @@ impl ExperimentArgs {
         let name = self.preset.as_deref();
         let table = name.map(settings::preset).transpose()?.unwrap_or_default();
         let config = settings::read_over(table, self.config.as_deref())?;
-        let mut scenario = scenario::read_scenario(self.scenario.as_deref())?;
-        if let Some(name) = name {
-            scenario = Scenario { rig: RigConfig::preset(name)?, ..scenario }.slowed(slowness(&config));
-        }
-        scenario.disturbance = self.disturbance.unwrap_or(scenario.disturbance);
-        scenario.faults = scenario.faults.iter().map(|fault| self.fault_size.apply(fault)).collect();
-        scenario.validate()?;
+        let scenario = scenario::read_scenario(self.scenario.as_deref())?;
+        let scenario = experiment::on_rig(scenario, &config, name, self.disturbance, self.fault_size)?;
         Ok((config, scenario))
     }
 }

@@ -47,10 +47,12 @@ pub fn run(args: &FitRigArgs) -> anyhow::Result<()> {
     let heater = recording.heaters.get(which).context("--heater: the recording has no such heater")?;
     let training = Training::Own(0..recording.len(), "all of it is taken for normal".into());
     let done = diagnose(&recording, which, &training, &[], &settings::read(None)?, &ProgressBar::hidden())?;
+    let warning = done.trained.warning().unwrap_or_default();
+    ensure!(!done.trained.is_poor(), "{warning}");
     let toml = scenario(&recording, heater, &done)?;
     std::fs::write(&args.out, &toml).with_context(|| format!("can't write {}", args.out.display()))?;
     print(&format!(
-        "{}\nFit, simulated: {:.1} % of T1\nWritten to {}\n",
+        "{warning}{}\nFit, simulated: {:.1} % of T1\nWritten to {}\n",
         heater.map,
         done.trained.fit,
         args.out.display()
@@ -68,7 +70,6 @@ impl Left {
     /// White noise and a slow wander: e = w + s with cov(e, e') = var(s) over a few samples.
     fn of(recording: &Recording, heater: &Heater, done: &Diagnosed) -> anyhow::Result<Self> {
         let mut monitor = done.trained.monitor.clone();
-        monitor.resume();
         let e: Vec<f64> = heater
             .samples
             .iter()

@@ -48,14 +48,14 @@ impl Folder {
         Ok(Self { dir: dir.to_owned() })
     }
 
-    /// Writes trace, summary, figures and report. Results of another run are moved to a folder of their own before.
+    /// Writes trace, summary, and report with figures, or a page in their place. Results of another run are moved to a folder of their own before.
     ///
     /// # Errors
     /// The file that can't be written or moved.
-    pub fn write(&self, record: &Record, summary: &Summary) -> anyhow::Result<Written> {
+    pub fn write(&self, record: &Record, summary: &Summary, page: Option<&str>) -> anyhow::Result<Written> {
         let moved = self.set_aside_another(record)?;
-        files::write(record, summary, &self.dir)?;
-        Ok(Written { dir: self.dir.clone(), moved })
+        files::write(record, summary, page, &self.dir)?;
+        Ok(Written { dir: self.dir.clone(), moved, has_figures: page.is_none() })
     }
 
     /// Moves what is there to the first free `earlier-N`, unless it is of the same run.
@@ -81,15 +81,14 @@ pub struct Written {
     dir: PathBuf,
     /// Where the results of another run were moved, if there were any.
     moved: Option<PathBuf>,
+    has_figures: bool,
 }
 
 impl fmt::Display for Written {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let dir = self.dir.display();
-        writeln!(
-            f,
-            "Written to {dir}: report.html (open this), trace.csv, summary.json, figures as .svg and .png"
-        )?;
+        let figures = if self.has_figures { ", figures as .svg and .png" } else { "" };
+        writeln!(f, "Written to {dir}: report.html (open this), trace.csv, summary.json{figures}")?;
         self.moved
             .iter()
             .try_for_each(|aside| writeln!(f, "The earlier results are now in {}", aside.display()))

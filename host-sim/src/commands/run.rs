@@ -78,7 +78,7 @@ pub fn carry_out(config: &Config, scenario: &Scenario, seed: u64, dir: &Path) ->
 /// A file that can't be written.
 pub fn tell(record: &Record, folder: &Folder, remarks: &str) -> anyhow::Result<()> {
     let summary = Summary::new(record);
-    let written = folder.write(record, &summary)?;
+    let written = folder.write(record, &summary, None)?;
     print(&format!("{remarks}{}\n{written}", coloured(&table::of_run(record, &summary))))
 }
 

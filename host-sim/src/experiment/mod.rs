@@ -14,7 +14,7 @@ pub use pt326_lab::preset::with_prbs_phase;
 pub use pt326_lab::session::{sample, truth};
 pub use pt326_lab::time::{as_written, tick_time};
 use pt326_rig::fault::Fault;
-use pt326_rig::{Disturbance, Rig};
+use pt326_rig::{Disturbance, Rig, RigConfig};
 use scenario::{Scenario, commands};
 
 /// Something that can stand in for the board: it takes codes and gives a drive and a report.
@@ -185,6 +185,26 @@ impl Record {
 /// How much slower than the default an instrument samples: an experiment takes as many samples on every plant.
 pub fn slowness(config: &Config) -> f64 {
     as_written(config.sample_time.0) / as_written(Config::default().sample_time.0)
+}
+
+/// The same experiment on the rig of a preset, in other surroundings (`None`: the scenario's), with faults of another size.
+///
+/// # Errors
+/// There is no such preset; the key of the scenario that is out of bounds.
+pub fn on_rig(
+    mut scenario: Scenario,
+    config: &Config,
+    preset: Option<&str>,
+    disturbance: Option<Disturbance>,
+    size: FaultSize,
+) -> anyhow::Result<Scenario> {
+    if let Some(name) = preset {
+        scenario = Scenario { rig: RigConfig::preset(name)?, ..scenario }.slowed(slowness(config));
+    }
+    scenario.disturbance = disturbance.unwrap_or(scenario.disturbance);
+    scenario.faults = scenario.faults.iter().map(|fault| size.apply(fault)).collect();
+    scenario.validate()?;
+    Ok(scenario)
 }
 
 /// Runs a scenario on an instrument of our own, its excitation begun where the seed says.

@@ -102,11 +102,16 @@ fn rival_name(rival: From) -> &'static str {
     }
 }
 
-/// `isolability.csv`: a line for each fault, rival and horizon.
+/// Writes `isolability.csv`.
 ///
 /// # Errors
 /// The file can't be written.
 pub fn write_csv(found: &Isolability, path: &Path) -> anyhow::Result<()> {
+    std::fs::write(path, csv(found)).with_context(|| format!("can't write {}", path.display()))
+}
+
+/// `isolability.csv`: a line for each fault, rival and horizon.
+pub fn csv(found: &Isolability) -> String {
     let mut text = String::from("fault,which,sign,unit,from,within_s,told,size\n");
     for (h, horizon) in found.horizons.iter().enumerate() {
         for (asked, row) in found.faults.iter().zip(&found.told[h]) {
@@ -119,11 +124,11 @@ pub fn write_csv(found: &Isolability, path: &Path) -> anyhow::Result<()> {
                 };
                 let (class, which) = (asked.fault.class.name(), asked.fault.which);
                 let (sign, unit, from) = (asked.sign_in_unit(), unit(asked), rival_name(*rival));
-                writeln!(text, "{class},{which},{sign},{unit},{from},{horizon},{word},{size}")?;
+                let _ = writeln!(text, "{class},{which},{sign},{unit},{from},{horizon},{word},{size}");
             }
         }
     }
-    std::fs::write(path, text).with_context(|| format!("can't write {}", path.display()))
+    text
 }
 
 /// `isolability-10s.svg` and `.png`, and so on for each horizon; gives their names.

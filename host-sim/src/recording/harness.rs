@@ -123,9 +123,12 @@ impl Definition {
     /// A file that is missing or wrong, or why nothing can be learnt.
     pub fn run(&self, dir: &Path, config: &Config) -> anyhow::Result<Vec<Outcome>> {
         let (file, text) = super::table::text_of(&dir.join(&self.file))?;
-        let mut recording = Recording::parse(file, &text, &self.reading)?;
-        let other =
-            self.train_on.as_ref().map(|file| Recording::read(&dir.join(file), &self.reading)).transpose()?;
+        let (mut recording, other) = Recording::with_other(
+            file,
+            &text,
+            self.train_on.as_ref().map(|of| dir.join(of)).as_deref(),
+            &self.reading,
+        )?;
         let mut outcomes = Vec::new();
         let truths: Vec<_> = (0..recording.heaters.len())
             .map(|which| {
@@ -208,7 +211,9 @@ impl Bar {
                 missed.push(format!("{place}: size off by {error:.0} % for {limit} %"));
             }
         }
-        if let (Some(limit), Some(tail)) = (self.tail, seen.tail)
+        if seen.endless {
+            missed.push(format!("{place}: its alarm does not end"));
+        } else if let (Some(limit), Some(tail)) = (self.tail, seen.tail)
             && tail > limit
         {
             missed.push(format!("{place}: alarm for {tail:.0} s after its end for {limit} s"));

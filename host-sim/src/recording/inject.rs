@@ -96,7 +96,7 @@ impl Simulated {
 pub fn inject(recording: &Recording, heater: &Heater, done: &Diagnosed, onsets: usize) -> Vec<Injected> {
     let samples = &heater.samples;
     let mut monitors: Vec<Monitor> = Vec::new();
-    let mut monitor = done.trained.fresh.clone();
+    let mut monitor = done.trained.monitor.clone();
     for (k, sample) in samples.iter().enumerate() {
         if k >= done.watched_from {
             monitors.push(monitor.clone());

@@ -1,21 +1,31 @@
 //! Recordings of heaters that others made, as samples on an even grid of time.
 
+pub mod batch;
+pub mod believed;
 pub mod format;
+pub mod grid;
 pub mod harness;
 pub mod inject;
+mod quirks;
+pub mod report;
 pub mod run;
 pub mod score;
+pub mod stamp;
 pub mod table;
 pub mod training;
 pub mod truth;
 
+use std::ops::Range;
 use std::path::Path;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 use fdi_core::likelihood::inputs::Inputs;
 use fdi_core::{Observed, Units};
 
+use crate::experiment::as_written;
 use format::{Map, Role};
+use grid::Grid;
+use stamp::Stamps;
 use table::Table;
 
 /// How a file is to be read; what is not said is guessed where it is obvious.
@@ -27,9 +37,11 @@ pub struct Reading {
     /// Sample time, s; none: by the time stamps.
     #[serde(rename = "ts")]
     pub sample_time: Option<f64>,
-    /// Uneven time stamps are brought to an even grid.
+    /// The unit of times that are numbers; none: as the column's name says, or the numbers themselves.
+    pub time_unit: Option<stamp::Unit>,
+    /// Time stamps are brought to an even grid even where they lie on one.
     pub resample: bool,
-    /// The power that is 100 %; none: 100, or as the format says.
+    /// The power that is 100 %; none: as the format says, or the numbers themselves.
     pub full_power: Option<f64>,
     /// How many degC one unit of a temperature counts for.
     #[serde(rename = "degc")]
@@ -65,16 +77,18 @@ pub struct Heater {
 pub struct Recording {
     /// Its file.
     pub file: String,
-    /// What it was taken for.
-    pub format: &'static str,
     /// Ts, s.
     pub sample_time: f64,
+    /// The samples of each session, in order: what was before one says nothing of what is in it. Between them samples are missing.
+    pub sessions: Vec<Range<usize>>,
     /// What its units are.
     pub units: Units,
     /// Its heaters.
     pub heaters: Vec<Heater>,
     /// What whoever reads the results must know.
     pub remarks: Vec<String>,
+    /// How its times are told; none where each row is a sample.
+    pub stamps: Option<Stamps>,
     /// The row of the file at each sample; none where it is missing.
     rows: Vec<Option<usize>>,
 }
@@ -84,12 +98,10 @@ const SPANS: (f64, f64) = (5.0, 1000.0);
 const TYPICAL_SPAN: f64 = 30.0;
 /// Samples of rest that are put before a recording which began at rest.
 const REST: usize = 60;
-/// Stamps may be off the grid by so much of Ts.
-const UNEVEN: f64 = 0.2;
-/// A sample that is older than so many Ts is missing, where uneven ones are brought to a grid.
-const STALE: f64 = 2.0;
-/// Samples of a grid that a typing error in a stamp may ask for.
-const MOST: f64 = 5e6;
+/// A longer run of samples that the file has no row for is a gap.
+pub const GAP: usize = 10;
+/// Two sample times that differ by less are one.
+const SAME: f64 = 0.02;
 
 impl Recording {
     /// Reads a file; `-` is standard input.
@@ -109,7 +121,8 @@ impl Recording {
         let klipper = format::klipper(text);
         let text = klipper.as_deref().or_else(|| format::artisan(text)).unwrap_or(text);
         let table = Table::parse(file, text)?;
-        let guess = format::guess(&table);
+        // What columns are called says nothing where somebody says what they are; a layout that is known does.
+        let guess = format::guess(&table).filter(|guess| how.map.is_empty() || guess.name.is_some());
         let maps = match &guess {
             _ if !how.map.is_empty() => vec![Map::parse(how.map.iter().map(String::as_str))?],
             Some(guess) => guess.heaters.clone(),
@@ -119,31 +132,86 @@ impl Recording {
                 table.columns()
             ),
         };
-        let full_power = how.full_power.or(guess.as_ref().map(|guess| guess.full_power)).unwrap_or(100.0);
         let fan = how.fan.or(guess.as_ref().map(|guess| guess.fan)).unwrap_or(true);
-        let grid = Grid::new(&table, &maps[0], how)?;
-        let heaters = maps
+        let mut grid = Grid::new(&table, &maps[0], how)?;
+        let mut remarks = grid.remarks.clone();
+        let mut heaters = maps
             .into_iter()
             .map(|map| heater(&table, map, &grid, fan))
             .collect::<anyhow::Result<Vec<_>>>()?;
-        let mut remarks = grid.remarks.clone();
+        let known_power = how.full_power.or(guess.as_ref().and_then(|guess| guess.full_power));
+        let full_power = known_power.unwrap_or_else(|| as_written(full_power(&heaters) as f32));
+        for heater in &mut heaters {
+            remarks.extend(quirks::take_out(&mut heater.samples, &grid.sessions, full_power as f32));
+        }
+        // What was taken out of all heaters is as good as never written.
+        let is_empty = |k: usize| {
+            heaters.iter().all(|heater| heater.samples[k].t[1].is_none() && heater.samples[k].power.is_none())
+        };
+        for (k, row) in grid.rows.iter_mut().enumerate() {
+            *row = row.filter(|_| !is_empty(k));
+        }
         let celsius = how.celsius.unwrap_or_else(|| celsius(&heaters));
         if celsius != 1.0 {
             remarks.push(format!("One unit of T1 counts for {celsius} °C, since the diagnosis was made for rises of some 30; --degc says otherwise."));
         }
-        let format = guess.filter(|_| how.map.is_empty()).map_or("as told", |guess| guess.name);
-        if format != "as told" {
-            remarks.push(format!("Taken for {format}; --map says otherwise."));
+        if let Some(guess) = guess.filter(|_| how.map.is_empty()) {
+            let maps: Vec<String> = heaters.iter().map(|heater| heater.map.arguments()).collect();
+            let taken = guess.name.map_or("Columns are taken for what they are called".into(), |name| {
+                format!("Taken for {name}")
+            });
+            remarks.insert(
+                0,
+                format!("{taken}; the same: {} --full-power {full_power} --fan {fan}", maps.join(", or ")),
+            );
+        } else if known_power.is_none() && full_power != 100.0 {
+            remarks.push(format!("A power of {full_power} is taken for 100 %; --full-power says otherwise."));
         }
+        remarks.dedup();
         Ok(Self {
             file: table.file().to_owned(),
-            format,
             sample_time: grid.sample_time,
+            sessions: grid.sessions,
             units: Units { celsius: celsius as f32, full_power: full_power as f32 },
             heaters,
             remarks,
+            stamps: grid.stamps,
             rows: grid.rows,
         })
+    }
+
+    /// A text, and another file of the same rig in the same units and at the same sample time, as far as nobody says them.
+    ///
+    /// # Errors
+    /// Those of either.
+    pub fn with_other(
+        file: String,
+        text: &str,
+        other: Option<&Path>,
+        how: &Reading,
+    ) -> anyhow::Result<(Self, Option<Self>)> {
+        let mut this = Self::parse(file.clone(), text, how)?;
+        let Some(other) = other else { return Ok((this, None)) };
+        let (other_file, other_text) = table::text_of(other)?;
+        let mut that = Self::parse(other_file.clone(), &other_text, how)?;
+        let full_power = this.units.full_power.max(that.units.full_power);
+        let sample_time = that.sample_time;
+        let is_near = (this.sample_time - sample_time).abs() <= SAME * sample_time;
+        let how = Reading {
+            full_power: Some(full_power.into()),
+            celsius: Some(that.units.celsius.into()),
+            fan: Some(that.has_fan()),
+            sample_time: how.sample_time.or(is_near.then_some(sample_time)),
+            ..how.clone()
+        };
+        let units = Units { celsius: that.units.celsius, full_power };
+        if this.units != units || this.sample_time != sample_time || this.has_fan() != that.has_fan() {
+            this = Self::parse(file, text, &how)?;
+        }
+        if that.units != units {
+            that = Self::parse(other_file, &other_text, &how)?;
+        }
+        Ok((this, Some(that)))
     }
 
     /// How many samples it has.
@@ -163,7 +231,11 @@ impl Recording {
             rest.t = rest.t.map(|t| t.and(room));
             heater.samples.splice(0..0, std::iter::repeat_n(rest, REST));
         }
-        self.rows.splice(0..0, std::iter::repeat_n(None, REST));
+        let first = self.rows.iter().copied().flatten().next();
+        self.rows.splice(0..0, std::iter::repeat_n(first, REST));
+        for (i, session) in self.sessions.iter_mut().enumerate() {
+            *session = if i == 0 { 0 } else { session.start + REST }..session.end + REST;
+        }
         REST as f64 * self.sample_time
     }
 
@@ -172,84 +244,54 @@ impl Recording {
         self.len() == 0
     }
 
+    fn has_fan(&self) -> bool {
+        self.heaters.first().is_some_and(|heater| heater.inputs.fan)
+    }
+
+    /// The samples between gaps of more than [`GAP`]: those of a session, or less.
+    pub fn stretches(&self) -> Vec<Range<usize>> {
+        let mut stretches: Vec<Range<usize>> = Vec::new();
+        for k in (0..self.rows.len()).filter(|k| self.rows[*k].is_some()) {
+            match stretches.last_mut() {
+                Some(last) if k - last.end <= GAP => last.end = k + 1,
+                _ => stretches.push(k..k + 1),
+            }
+        }
+        stretches
+    }
+
+    /// What a temperature of a heater is in: without a word in the header, degC where it moves as one does.
+    pub fn unit(&self, heater: &Heater) -> &'static str {
+        let words = heater.map.column(Role::T1).map(format::words).unwrap_or_default();
+        let says = words.last().is_some_and(|word| format::DEGREES.contains(&word.as_str()));
+        if says || self.units.celsius == 1.0 { "°C" } else { "units" }
+    }
+
     /// The sample at or after a time since the first, s.
     pub fn at(&self, time: f64) -> usize {
         (time / self.sample_time - 1e-6).ceil().max(0.0) as usize
     }
 }
 
-/// Which row stands at each place of an even grid of time.
-struct Grid {
-    sample_time: f64,
-    rows: Vec<Option<usize>>,
-    remarks: Vec<String>,
-}
-
-impl Grid {
-    fn new(table: &Table, map: &Map, how: &Reading) -> anyhow::Result<Self> {
-        let Some(column) = map.column(Role::Time).filter(|_| !how.untimed) else {
-            let Some(sample_time) = how.sample_time else {
-                bail!(
-                    "{}: no column is said to be the time: add --map time=COLUMN, or --ts with the sample time in s",
-                    table.file()
-                )
-            };
-            let rows = (0..table.rows()).map(Some).collect();
-            return Ok(Self { sample_time, rows, remarks: Vec::new() });
-        };
-        let column = table.column(column)?;
-        let stamps = table.values_or_gaps(column)?;
-        let stamps: Vec<(usize, f64)> =
-            stamps.into_iter().enumerate().filter_map(|(i, t)| Some((i, t?))).collect();
-        let line = |row: usize| format!("{}, line {}", table.file(), table.line_of(row));
-        for pair in stamps.windows(2) {
-            ensure!(
-                pair[1].1 > pair[0].1,
-                "{}, column {}: time {} comes after {}, expected a later one",
-                line(pair[1].0),
-                column + 1,
-                pair[1].1,
-                pair[0].1
-            );
-        }
-        ensure!(stamps.len() > 1, "{}: fewer than two rows have a time", table.file());
-        let mut steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1].1 - pair[0].1).collect();
-        steps.sort_by(f64::total_cmp);
-        let sample_time = how.sample_time.unwrap_or(tidy(steps[steps.len() / 2]));
-        let (start, end) = (stamps[0].1, stamps[stamps.len() - 1].1);
-        let count = (end - start) / sample_time;
-        ensure!(
-            count < MOST,
-            "{}: {start} to {end} s at {sample_time} s are {count:.0} samples",
-            table.file()
-        );
-        let mut rows = vec![None; count.round() as usize + 1];
-        if how.resample {
-            let mut next = 0;
-            for (k, place) in rows.iter_mut().enumerate() {
-                let t = start + k as f64 * sample_time;
-                while next + 1 < stamps.len() && stamps[next + 1].1 <= t + 1e-9 {
-                    next += 1;
-                }
-                *place = (t - stamps[next].1 <= STALE * sample_time).then_some(stamps[next].0);
-            }
-        } else {
-            for (row, t) in &stamps {
-                let k = (t - start) / sample_time;
-                ensure!(
-                    (k - k.round()).abs() <= UNEVEN,
-                    "{}: time {t} is not on a grid of {sample_time} s from {start} s: say --ts, or --resample to take the last row at \
-                     each of its points",
-                    line(*row)
-                );
-                rows[k.round() as usize] = Some(*row);
-            }
-        }
-        let gaps = rows.iter().filter(|row| row.is_none()).count();
-        let remarks =
-            if gaps > 0 { vec![format!("{gaps} of {} samples are missing.", rows.len())] } else { vec![] };
-        Ok(Self { sample_time, rows, remarks })
+/// The power that is full one, by what there is: a switch or a share, %, the counts of a timer, or the largest.
+fn full_power(heaters: &[Heater]) -> f64 {
+    /// What a power may be a little above the full one when it is measured.
+    const ABOVE: f64 = 1.001;
+    const USUAL: [f64; 2] = [1.0, 100.0];
+    const COUNTS: [f64; 4] = [255.0, 1023.0, 4095.0, 65_535.0];
+    let is_watts = |heater: &Heater| {
+        let words = heater.map.column(Role::Power).map(format::words).unwrap_or_default();
+        words.last().is_some_and(|word| ["w", "watt", "watts"].contains(&word.as_str()))
+    };
+    let powers = || heaters.iter().flat_map(|heater| &heater.samples).filter_map(|sample| sample.power);
+    let (_, most) = span(powers());
+    let is_whole = powers().all(|power| power.fract() == 0.0);
+    let counts = COUNTS.into_iter().filter(|_| is_whole);
+    if heaters.iter().all(is_watts) {
+        return most;
     }
+    let found = USUAL.into_iter().chain(counts).find(|full| most <= ABOVE * full);
+    found.unwrap_or(most)
 }
 
 /// How many degC one unit of a temperature should count for: 1, but where T1 moves by so little or so much that its unit is no degC.
@@ -284,26 +326,36 @@ pub fn span(values: impl Iterator<Item = f32>) -> (f64, f64) {
     kept.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)))
 }
 
-/// A sample time as someone would write it: stamps are rounded.
-fn tidy(step: f64) -> f64 {
-    let rounded = (step * 1e4).round() / 1e4;
-    if rounded > 0.0 { rounded } else { step }
-}
-
 fn heater(table: &Table, map: Map, grid: &Grid, fan: bool) -> anyhow::Result<Heater> {
-    let values = |role: Role| -> anyhow::Result<Option<Vec<Option<f32>>>> {
-        let Some(column) = map.column(role) else { return Ok(None) };
-        let column = table.column(column)?;
-        let values = table.values_or_gaps(column)?;
-        Ok(Some(grid.rows.iter().map(|row| values[(*row)?].map(|value| value as f32)).collect()))
+    let values = |role: Role| -> anyhow::Result<Option<Vec<Option<f64>>>> {
+        let column = map.column(role).map(|column| table.column(column)).transpose()?;
+        column.map(|column| table.values_or_gaps(column)).transpose()
     };
-    let all = |roles: [Role; 3]| -> anyhow::Result<Vec<_>> { roles.into_iter().map(values).collect() };
-    let temperatures = all([Role::T0, Role::T1, Role::T2])?;
-    let power = values(Role::Power)?.context("no column is said to be the power")?;
-    let others = all([Role::Known, Role::Fan, Role::Supply])?;
+    let levels = |role: Role| -> anyhow::Result<Option<Vec<Option<f32>>>> {
+        let at = |values: Vec<Option<f64>>| {
+            grid.rows.iter().map(|row| values[(*row)?].map(|x| x as f32)).collect()
+        };
+        Ok(values(role)?.map(at))
+    };
+    let temperatures = |role: Role| -> anyhow::Result<Option<Vec<Option<f32>>>> {
+        let unit = map.column(role).and_then(format::to_celsius).unwrap_or(|x| x);
+        let between = |values: Vec<Option<f64>>| {
+            let at = |(k, row): (usize, &Option<usize>)| {
+                let before = values[(*row)?];
+                let next = grid.next.get(k).copied().flatten();
+                let next = next.and_then(|(row, share)| Some((values[row]?, share)));
+                Some(unit(before.map(|x| next.map_or(x, |(y, share)| x + share * (y - x)))?) as f32)
+            };
+            grid.rows.iter().enumerate().map(at).collect()
+        };
+        Ok(values(role)?.map(between))
+    };
+    let t = [temperatures(Role::T0)?, temperatures(Role::T1)?, temperatures(Role::T2)?];
+    let power = levels(Role::Power)?.context("no column is said to be the power")?;
+    let others = [levels(Role::Known)?, levels(Role::Fan)?, levels(Role::Supply)?];
     let at = |column: &Option<Vec<Option<f32>>>, k: usize| column.as_ref().and_then(|column| column[k]);
     let samples = (0..grid.rows.len()).map(|k| Observed {
-        t: [0, 1, 2].map(|which| at(&temperatures[which], k)),
+        t: [0, 1, 2].map(|which| at(&t[which], k)),
         power: power[k],
         beside: at(&others[0], k),
         fan: at(&others[1], k),

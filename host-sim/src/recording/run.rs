@@ -9,6 +9,7 @@ use fdi_core::{Celsius, Config, Mode, Monitor, Observation, Observed, Percent, P
 use indicatif::ProgressBar;
 use pt326_rig::fault::Fault;
 
+use super::believed::Believed;
 use super::training::{self, Trained};
 use super::{Heater, Recording};
 use crate::experiment::{Origin, Record, Row, truth};
@@ -18,6 +19,8 @@ use crate::experiment::{Origin, Record, Row, truth};
 pub enum Training {
     /// These samples of the recording itself; why they are trusted.
     Own(Range<usize>, String),
+    /// These samples, which seem to be normal; why. They are judged as all others are.
+    Found(Range<usize>, String),
     /// All of another recording of the same rig.
     Other(Box<Recording>),
 }
@@ -36,6 +39,8 @@ pub struct Diagnosed {
     pub record: Record,
     /// One tick in so many of a very long one.
     pub thinned: usize,
+    /// What was not judged: learnt from, or seen before it was known how the rig began; s.
+    pub unjudged: Vec<Range<f64>>,
     /// Samples that no rig can have given, in the order of [`fdi_core::monitor::OBSERVED`].
     pub implausible: [u32; OBSERVED.len()],
     /// How often the monitor has begun anew: see [`Readiness::Restarted`].
@@ -45,56 +50,61 @@ pub struct Diagnosed {
 /// A row takes close to a kilobyte: of a longer recording not all are kept, unless there is a truth to hold each against.
 pub const MOST_ROWS: usize = 250_000;
 
-/// A part is taken for normal only where the model explains so much of it, %.
-const EXPLAINED: f64 = 50.0;
+/// A part is taken for normal where the model explains so much of it, %, and raises no alarm when it goes over it again.
+const EXPLAINED: f64 = 60.0;
 /// What is tried when nobody says what is normal: shares of the recording.
 const TRIED: [Range<f64>; 6] = [0.0..0.25, 0.0..0.34, 0.0..0.5, 0.33..0.67, 0.5..1.0, 0.0..1.0];
 
 impl Training {
-    /// Finds a part that seems to be normal: the model that is learnt from it explains it, and raises no alarm when it goes over it again.
+    /// Finds a part that seems to be normal; where none does, the one over which its own model raises the fewest alarms, and explains most.
     ///
     /// # Errors
-    /// None is, with the reason for each.
+    /// Nothing can be learnt from any, with the reason of the last.
     pub fn find(recording: &Recording, heater: &Heater, config: &Config) -> anyhow::Result<Self> {
-        let mut refusals: Vec<String> = Vec::new();
+        let (mut refusal, mut best) = (None, None::<(f64, Range<usize>, String)>);
         for share in TRIED {
             let at = |share: f64| (share * recording.len() as f64) as usize;
             let part = at(share.start)..at(share.end);
             let span = |k: usize| k as f64 * recording.sample_time;
             let place = format!("{:.0} to {:.0} s", span(part.start), span(part.end));
             let samples = &heater.samples[part.clone()];
-            let why = match training::train(recording, heater, samples, config) {
-                Err(error) => format!("{error:#}"),
-                Ok(trained) if trained.fit < EXPLAINED => {
-                    format!("the model explains {:.0} % of it", trained.fit)
+            let trained = match training::train(recording, heater, samples, config) {
+                Ok(trained) => trained,
+                Err(error) => {
+                    refusal = Some(error);
+                    continue;
                 }
-                Ok(trained) => match alarm(&trained, samples) {
-                    Some(k) => format!("its own model raises an alarm at {:.0} s", span(part.start + k)),
-                    None => {
-                        let why = format!(
-                            "{place} are taken for normal: the model learnt there explains {:.1} % of T1 and raises no alarm on going over it again",
-                            trained.fit
-                        );
-                        return Ok(Self::Own(part, why));
-                    }
-                },
             };
-            refusals.push(format!("{place}: {why}"));
+            let (fit, alarms) = (trained.fit, alarms(&trained, samples));
+            let explains = format!("{place}: the model learnt there explains {fit:.1} % of T1");
+            if fit >= EXPLAINED && alarms == 0.0 {
+                let why = format!("{explains} and raises no alarm on going over it again");
+                return Ok(Self::Found(part, why));
+            }
+            let score = fit - 100.0 * alarms;
+            if best.as_ref().is_none_or(|(least, ..)| score > *least) {
+                let alarmed = 100.0 * alarms;
+                let why = format!(
+                    "{explains}, and is in alarm for {alarmed:.1} % of it; no part is better, say with --train which is normal"
+                );
+                best = Some((score, part, why));
+            }
         }
-        refusals.dedup_by(|a, b| a.split_once(": ").map(|x| x.1) == b.split_once(": ").map(|x| x.1));
-        bail!(
-            "{}: no part of it seems normal enough to learn from; say which with --train. {}",
-            recording.file,
-            refusals.join("; ")
-        )
+        match (best, refusal) {
+            (Some((_, part, why)), _) => Ok(Self::Found(part, why)),
+            (None, Some(error)) => {
+                Err(error.context(format!("{}: nothing can be learnt from any part", recording.file)))
+            }
+            (None, None) => bail!("{}: there is nothing in it", recording.file),
+        }
     }
 }
 
-/// The first sample on which what was learnt from some raises an alarm over them.
-fn alarm(trained: &Trained, samples: &[Observed]) -> Option<usize> {
+/// The share of some samples in which what was learnt from them is in alarm.
+fn alarms(trained: &Trained, samples: &[Observed]) -> f64 {
     let mut monitor = trained.monitor.clone();
-    monitor.resume();
-    samples.iter().position(|sample| monitor.step(&Observed { learn: false, ..*sample }).1.likelihood.alarm)
+    let alarmed = samples.iter().filter(|sample| monitor.step(sample).1.likelihood.alarm);
+    alarmed.count() as f64 / samples.len() as f64
 }
 
 /// Learns, and watches; `faults` is what is known to have been wrong, in the recording's time.
@@ -112,21 +122,40 @@ pub fn diagnose(
     let heater = recording.heaters.get(which).context("there is no such heater")?;
     let samples = &heater.samples;
     let (trained, mut monitor, part) = learn(recording, which, training, config)?;
-    let fit_on_the_rest = training::fit(&trained.monitor, &samples[part.start..], part.len()..samples.len());
+    let learnt = if let Training::Found(part, _) = training { part } else { &part };
+    let rest = learnt.len()..samples.len() - learnt.start;
+    let fit_on_the_rest = training::fit(&trained.monitor, &samples[learnt.start..], rest);
     let thinned = if faults.is_empty() { (samples.len() - part.start).div_ceil(MOST_ROWS).max(1) } else { 1 };
     let (mut rows, mut restarts) = (Rows { kept: Vec::new(), last: None, every: thinned }, 0);
-    let before = monitor.implausible();
+    let mut unjudged: Vec<Range<usize>> = Vec::new();
+    let (before, believed) = (monitor.implausible(), Believed::of(heater));
     progress.set_length((samples.len() - part.start) as u64);
+    let stretches = recording.stretches();
+    let mut stretches = stretches.iter().skip_while(|stretch| stretch.end <= part.end).peekable();
     for (k, sample) in samples.iter().enumerate().skip(part.start) {
+        if k >= part.end {
+            // Where the logger wrote nothing there is nothing to judge, and what was before says little of what comes behind.
+            stretches.next_if(|stretch| stretch.end <= k);
+            let Some(stretch) = stretches.peek().filter(|stretch| stretch.contains(&k)) else { continue };
+            if k == stretch.start && k > 0 {
+                monitor.resume();
+            }
+        }
         let (seen, report) = monitor.step(&Observed { learn: part.contains(&k), ..*sample });
         if report.likelihood.readiness == Readiness::Restarted {
             restarts += 1;
             monitor = trained.monitor.clone();
             monitor.resume();
         }
+        if part.contains(&k) || report.likelihood.expected[1].is_none() {
+            match unjudged.last_mut() {
+                Some(last) if last.end >= k => last.end = k + 1,
+                _ => unjudged.push(k..k + 1),
+            }
+        }
         let shift = k as i64 - i64::from(seen.index);
         let time = recording.sample_time * k as f64;
-        rows.push(k, row(heater, seen, report, shift, truth(faults, time)));
+        rows.push(k, row(&believed, heater, seen, report, shift, truth(faults, time)));
         if k.is_multiple_of(PROGRESS) {
             progress.set_position((k - part.start) as u64);
         }
@@ -143,7 +172,10 @@ pub fn diagnose(
     let baseline = monitor.baseline().filter(|_| paper).copied();
     let mut record = Record::new(origin, &config, faults, rows.kept, baseline);
     record.setpoint = f64::NAN;
-    Ok(Diagnosed { trained, fit_on_the_rest, watched_from: part.end, record, thinned, implausible, restarts })
+    let seconds = |k: usize| recording.sample_time * k as f64;
+    let unjudged = unjudged.into_iter().map(|part| seconds(part.start)..seconds(part.end)).collect();
+    let watched_from = part.end;
+    Ok(Diagnosed { trained, fit_on_the_rest, watched_from, record, thinned, unjudged, implausible, restarts })
 }
 
 /// What was learnt, the monitor that goes on with the recording, and the samples of it that were learnt from.
@@ -163,8 +195,15 @@ fn learn(
                 samples.len()
             );
             let trained = training::train(recording, heater, &samples[part.clone()], config)?;
-            let fresh = trained.fresh.clone();
-            Ok((trained, fresh, part.clone()))
+            let monitor = trained.monitor.clone();
+            Ok((trained, monitor, part.clone()))
+        }
+        Training::Found(part, _) => {
+            let trained = training::train(recording, heater, &samples[part.clone()], config)?;
+            let monitor = trained.monitor.clone();
+            // The paper's signatures learn what is normal by themselves.
+            let learnt = if heater.inputs.t0 && heater.inputs.t2 { part.clone() } else { 0..0 };
+            Ok((trained, monitor, learnt))
         }
         Training::Other(other) => {
             let theirs =
@@ -175,9 +214,9 @@ fn learn(
                 other.file,
                 recording.file
             );
-            let trained = training::train(other, theirs, &theirs.samples, config)?;
-            let mut monitor = trained.monitor.clone();
-            monitor.resume();
+            let mut trained = training::train(other, theirs, &theirs.samples, config)?;
+            trained.monitor.resume();
+            let monitor = trained.monitor.clone();
             Ok((trained, monitor, 0..0))
         }
     }
@@ -215,11 +254,21 @@ impl Rows {
 }
 
 /// A tick by the recording's own count, without what was fed in place of a thermistor that there is not.
-fn row(heater: &Heater, mut seen: Observation, mut report: Report, shift: i64, truth: u8) -> Row {
+fn row(
+    believed: &Believed,
+    heater: &Heater,
+    mut seen: Observation,
+    mut report: Report,
+    shift: i64,
+    truth: u8,
+) -> Row {
     let shifted = |index: u32| (i64::from(index) + shift).max(0) as u32;
     seen.index = shifted(seen.index);
     report.tick = seen.index;
-    if let Some(finding) = &mut report.likelihood.finding {
+    let finding = &mut report.likelihood.finding;
+    *finding =
+        finding.filter(|finding| believed.believes(finding, &seen.sample, &report.likelihood.expected));
+    if let Some(finding) = finding {
         finding.onset = shifted(finding.onset);
     }
     let nothing =

@@ -7,6 +7,8 @@ use std::path::Path;
 use anyhow::{Context, bail, ensure};
 use csv::{ReaderBuilder, StringRecord, Trim};
 
+use super::stamp;
+
 /// A text file that is cut into cells. A cell becomes a number only when its column and row are asked for, so what nobody asks
 /// for may hold dates, text or nothing; of millions of rows nothing but the text is kept.
 #[derive(Clone, Debug)]
@@ -17,10 +19,10 @@ pub struct Table {
     separator: u8,
     /// The first line, if no cell of it is a number.
     header: Option<StringRecord>,
+    /// Lines before the first row: the header, and a second one with the units.
+    heads: usize,
     rows: usize,
     width: usize,
-    /// A comma inside a number is a decimal point.
-    decimal_comma: bool,
 }
 
 impl Table {
@@ -34,21 +36,34 @@ impl Table {
     }
 
     /// Cuts `text` into cells. The separator is the first of semicolon, tab, comma that the first line contains, else
-    /// blanks.
+    /// blanks. What a logger tells of itself above the header is passed over.
+    ///
+    /// # Errors
+    /// A line has another number of cells than the first one, or there is no data.
     pub fn parse(file: String, text: &str) -> anyhow::Result<Self> {
         let text = text.trim_start_matches('\u{feff}');
-        let separator = separator(text);
-        let text = if separator.is_some() { text.to_owned() } else { single_blanks(text) };
-        let decimal_comma = separator != Some(',');
+        let text = match text.contains('\r') {
+            true => text.replace("\r\n", "\n").replace('\r', "\n"),
+            false => text.to_owned(),
+        };
+        let below = preamble(&text);
+        Self::cut(file.clone(), text).or_else(|error| Self::cut(file, below.ok_or(error)?))
+    }
+
+    fn cut(file: String, text: String) -> anyhow::Result<Self> {
+        let separator = separator(&text);
+        let text = if separator.is_some() { text } else { single_blanks(&text) };
         let separator = separator.unwrap_or(' ') as u8;
-        let mut table = Self { file, text, separator, header: None, rows: 0, width: 0, decimal_comma };
+        let mut table = Self { file, text, separator, header: None, heads: 0, rows: 0, width: 0 };
         let first = table.first()?;
-        let rows = table.check_widths(first.len())?;
-        let is_header = first.iter().all(|c| number(c, decimal_comma).is_none());
         table.width = first.len();
-        table.rows = rows - usize::from(is_header && rows > 0);
-        ensure!(table.rows > 0, "{} contains no data rows", table.file);
+        let rows = table.check_widths()?;
+        let is_header = first.iter().all(|cell| number(cell).is_none());
+        table.heads = usize::from(is_header && rows > 0);
+        table.rows = rows - table.heads;
         table.header = is_header.then_some(first);
+        while is_header && table.rows > 1 && table.skips_words()? {}
+        ensure!(table.rows > 0, "{} contains no data rows", table.file);
         Ok(table)
     }
 
@@ -59,20 +74,41 @@ impl Table {
         Ok(first)
     }
 
-    /// All lines must have as many cells as the first; gives how many there are.
-    fn check_widths(&self, width: usize) -> anyhow::Result<usize> {
+    /// All lines must have as many cells as the first; gives how many there are. The last one may have been cut off while it was written.
+    fn check_widths(&self) -> anyhow::Result<usize> {
         let (mut reader, mut row, mut rows) = (self.reader(), StringRecord::new(), 0);
         while reader.read_record(&mut row).with_context(|| self.cannot_read())? {
+            let at_end = reader.position().byte() as usize >= self.text.len();
+            if row.len() < self.width && at_end && !self.text.ends_with('\n') {
+                break;
+            }
+            let is_whole = row.len() >= self.width && row.iter().skip(self.width).all(str::is_empty);
             ensure!(
-                row.len() == width,
-                "{}, line {}: {} cells, expected {width} as on the first line",
+                is_whole,
+                "{}, line {}: {} cells, expected {} as on the first line",
                 self.file,
-                line(&row),
-                row.len()
+                self.line(&row),
+                row.len(),
+                self.width
             );
             rows += 1;
         }
         Ok(rows)
+    }
+
+    /// Passes over the first row if it is but words: units, or the header below what a logger tells of itself, where it has more of them.
+    fn skips_words(&mut self) -> anyhow::Result<bool> {
+        let filled = |cells: &StringRecord| cells.iter().filter(|cell| !is_missing(cell)).count();
+        let says = |cell: &str| value(cell).is_some() || stamp::is_time(cell);
+        let first = self.map(0..1, |cells| Ok(cells.clone()))?.pop();
+        let Some(words) = first.filter(|cells| filled(cells) > 0 && !cells.iter().any(says)) else {
+            return Ok(false);
+        };
+        (self.heads, self.rows) = (self.heads + 1, self.rows - 1);
+        if self.header.as_ref().is_some_and(|header| filled(&words) > filled(header)) {
+            self.header = Some(words);
+        }
+        Ok(true)
     }
 
     fn cannot_read(&self) -> String {
@@ -97,7 +133,7 @@ impl Table {
         mut of: impl FnMut(&StringRecord) -> anyhow::Result<T>,
     ) -> anyhow::Result<Vec<T>> {
         let (mut reader, mut row) = (self.reader(), StringRecord::new());
-        for _ in 0..rows.start + usize::from(self.has_header()) {
+        for _ in 0..rows.start + self.heads {
             reader.read_record(&mut row)?;
         }
         let mut all = Vec::with_capacity(rows.len());
@@ -167,13 +203,13 @@ impl Table {
 
     fn value(&self, cells: &StringRecord, column: usize, row: usize) -> anyhow::Result<f64> {
         let cell = &cells[column];
-        let Some(value) = number(cell, self.decimal_comma).filter(|v| v.is_finite()) else {
+        let Some(value) = value(cell).filter(|v| v.is_finite()) else {
             let what = if cell.is_empty() { "is empty".to_owned() } else { format!("is `{cell}`") };
             bail!(
                 "{}, line {}, column {} ({}) {what}, expected a number. A regression cannot step over a gap: leave \
                  row {row} out with --from and --to, or fill it in",
                 self.file,
-                line(cells),
+                self.line(cells),
                 column + 1,
                 self.name(column),
             );
@@ -181,34 +217,73 @@ impl Table {
         Ok(value)
     }
 
-    /// The numbers of `column`, with `None` where a cell is empty or says `nan`.
+    /// The numbers of `column`, with `None` where a cell says that there is none: see [`is_missing`].
     ///
     /// # Errors
     /// Cells that hold anything else, with file, line, column and text.
     pub fn values_or_gaps(&self, column: usize) -> anyhow::Result<Vec<Option<f64>>> {
+        self.read_as(column, value)
+    }
+
+    /// What `of` makes of each cell of `column`, with `None` where a cell says that there is none.
+    ///
+    /// # Errors
+    /// Cells that it makes nothing of, with file, line, column and text.
+    pub fn read_as(
+        &self,
+        column: usize,
+        mut of: impl FnMut(&str) -> Option<f64>,
+    ) -> anyhow::Result<Vec<Option<f64>>> {
         let value = |cells: &StringRecord| {
             let cell = &cells[column];
-            if cell.is_empty() || cell.eq_ignore_ascii_case("nan") {
+            if is_missing(cell) {
                 return Ok(None);
             }
-            let value = number(cell, self.decimal_comma).or_else(|| clock(cell)).filter(|v| v.is_finite());
             let place = || {
-                let (file, line) = (&self.file, line(cells));
+                let (file, line) = (&self.file, self.line(cells));
                 format!(
                     "{file}, line {line}, column {} ({}) is `{cell}`, expected a number, or nothing where a sample is missing",
                     column + 1,
                     self.name(column)
                 )
             };
-            Ok(Some(value.with_context(place)?))
+            Ok(Some(of(cell).with_context(place)?).filter(|value| value.is_finite()))
         };
         self.map(0..self.rows, value)
     }
 
+    /// The first cell of `column` that is not missing.
+    pub fn first_of(&self, column: usize) -> anyhow::Result<Option<String>> {
+        let (mut reader, mut row) = (self.reader(), StringRecord::new());
+        for _ in 0..self.heads {
+            reader.read_record(&mut row)?;
+        }
+        while reader.read_record(&mut row)? && row.len() == self.width {
+            if !is_missing(&row[column]) {
+                return Ok(Some(row[column].to_owned()));
+            }
+        }
+        Ok(None)
+    }
+
     /// The line of the file that a row came from, from 1.
     pub fn line_of(&self, row: usize) -> u64 {
-        let found = self.map(row..row + 1, |cells| Ok(line(cells)));
+        let found = self.map(row..row + 1, |cells| Ok(self.line(cells)));
         found.ok().and_then(|lines| lines.first().copied()).unwrap_or(0)
+    }
+
+    /// The line of a row, from 1. The reader says where it began to look for it: comments and empty lines may stand before.
+    fn line(&self, row: &StringRecord) -> u64 {
+        let begun = row.position().map_or(0, |position| position.byte() as usize).min(self.text.len());
+        let (before, mut rest) = self.text.split_at(begun);
+        let mut line = 1 + before.matches('\n').count() as u64;
+        while let Some((passed, after)) = rest.split_once('\n') {
+            if !passed.trim().is_empty() && !passed.starts_with('#') {
+                break;
+            }
+            (line, rest) = (line + 1, after);
+        }
+        line
     }
 
     /// Whether a column is called so.
@@ -248,6 +323,21 @@ pub fn text_of(path: &Path) -> anyhow::Result<(String, String)> {
     Ok((file, String::from_utf8_lossy(&bytes).into_owned()))
 }
 
+/// The text with empty lines in place of those above a header, where without them its first lines are a table.
+fn preamble(text: &str) -> Option<String> {
+    const LONGEST: usize = 40;
+    const LOOKED_AT: usize = 60;
+    let lines: Vec<&str> = text.lines().take(LOOKED_AT).collect();
+    let is_table = |skip: &usize| {
+        let table = Table::cut(String::new(), lines[*skip..].join("\n") + "\n");
+        table
+            .is_ok_and(|table| table.width > 1 && table.has_header() && 2 * table.rows() > lines.len() - skip)
+    };
+    let skip = (1..lines.len().min(LONGEST)).find(is_table)?;
+    let above: usize = lines[..skip].iter().map(|line| line.len() + 1).sum();
+    Some("\n".repeat(skip) + &text[above..])
+}
+
 /// What stands between cells: the first of semicolon, tab, comma that the first line contains; none: blanks.
 fn separator(text: &str) -> Option<char> {
     let is_row = |l: &&str| !l.trim().is_empty() && !l.trim_start().starts_with('#');
@@ -270,20 +360,36 @@ fn single_blanks(text: &str) -> String {
     text.lines().map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ") + "\n").collect()
 }
 
-/// The line of the file that a row came from, from 1.
-fn line(row: &StringRecord) -> u64 {
-    row.position().map_or(0, csv::Position::line)
+/// What loggers write where they have nothing to say.
+const NOTHING: [&str; 10] = ["", "nan", "null", "none", "n/a", "na", "-", "--", "unknown", "unavailable"];
+
+/// Whether a cell says that its sample is missing.
+pub fn is_missing(cell: &str) -> bool {
+    NOTHING.iter().any(|word| cell.eq_ignore_ascii_case(word))
 }
 
-/// A time of day or a duration: hours, minutes and seconds, or the last two.
-fn clock(cell: &str) -> Option<f64> {
-    let mut parts = cell.split(':');
-    let first = parts.next().filter(|_| cell.contains(':'))?;
-    parts.try_fold(first.parse::<f64>().ok()?, |time, part| Some(60.0 * time + part.parse::<f64>().ok()?))
+/// A number with a point or a comma before its decimals, and perhaps marks between its thousands.
+fn number(cell: &str) -> Option<f64> {
+    cell.parse().ok().or_else(|| {
+        let comma = cell.rfind(',')?;
+        let plain = match cell.rfind('.') {
+            Some(point) if point > comma => cell.replace(',', ""),
+            _ => cell.replace('.', "").replace(',', "."),
+        };
+        plain.parse().ok()
+    })
 }
 
-fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
-    if decimal_comma { cell.replace(',', ".").parse().ok() } else { cell.parse().ok() }
+/// A number, one with its unit behind it, or a switch as 0 or 1.
+fn value(cell: &str) -> Option<f64> {
+    let is = |words: [&str; 3]| words.iter().any(|word| cell.eq_ignore_ascii_case(word));
+    let switch = || match () {
+        () if is(["on", "true", "yes"]) => Some(1.0),
+        () if is(["off", "false", "no"]) => Some(0.0),
+        () => None,
+    };
+    let unit = |c: char| c.is_alphabetic() || c.is_whitespace() || ['%', '°'].contains(&c);
+    number(cell).or_else(switch).or_else(|| number(cell.trim_end_matches(unit)))
 }
 
 #[cfg(test)]
@@ -353,6 +459,64 @@ mod tests {
         }
         assert_eq!(t.values(1, 4..5).unwrap(), [10.0]);
         assert_eq!(t.values(0, 0..5).unwrap(), [1.0, 3.0, 5.0, 7.0, 9.0]);
+    }
+
+    /// Whatever ends a line, and whatever stands between the rows.
+    #[test]
+    fn lines_are_counted_as_an_editor_counts_them() {
+        for end in ["\n", "\r\n", "\r"] {
+            for (lines, at) in [
+                (["u,y", "1,2", "3,x"].as_slice(), 3),
+                (&["# by hand", "u,y", "", "1,2", "# pause", "", "3,x", "4,5"], 7),
+            ] {
+                let t = table(&lines.join(end));
+                let said = t.values_or_gaps(1).unwrap_err().to_string();
+                assert!(said.starts_with(&format!("f, line {at}, column 2 (y) is `x`")), "{end:?}: {said}");
+                assert_eq!(t.line_of(1), at, "{end:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_are_read_as_people_and_loggers_write_them() {
+        let read = |cell: &str| {
+            let t = table(&format!("u;y\n0;0\n0;{cell}\n"));
+            t.values_or_gaps(1).ok().map(|values| values[1])
+        };
+        for (cell, number) in [
+            ("20,5", 20.5),
+            ("1.234,5", 1234.5),
+            ("1,234.5", 1234.5),
+            ("-3", -3.0),
+            ("1e3", 1000.0),
+            ("23.5 °C", 23.5),
+            ("45%", 45.0),
+            ("on", 1.0),
+            ("FALSE", 0.0),
+        ] {
+            assert_eq!(read(cell), Some(Some(number)), "{cell}");
+        }
+        for cell in ["", "NaN", "null", "n/a", "unavailable", "inf"] {
+            assert_eq!(read(cell), Some(None), "{cell}");
+        }
+        for cell in ["x", "°C", "1.2.3", "3V3"] {
+            assert_eq!(read(cell), None, "{cell}");
+        }
+        assert_eq!(column("u,y\n0,\"20,5\"\n", "y"), [20.5]);
+    }
+
+    #[test]
+    fn units_below_the_header_and_a_line_that_was_cut_off_are_no_rows() {
+        assert_eq!(column("t,u,y\ns,%,degC\n0,1,2\n1,3,4\n2,5", "y"), [2.0, 4.0]);
+        // Below what a logger tells of itself, with as many cells and with others; lines that end with a comma.
+        for above in ["Logger:,X,\nof:,,\n", "Logger X\nSerial: 12, 7\n\n", "Logger X\n\n"] {
+            let text = format!("{above}t,u,y\n0,1,2,\n1,3,4,\n2,x,5,\n");
+            assert_eq!(table(&text).values(2, 0..2).unwrap(), [2.0, 4.0], "{above}");
+            let said = table(&text).values_or_gaps(1).unwrap_err().to_string();
+            let line = 4 + above.lines().count();
+            assert!(said.contains(&format!("line {line}, column 2 (u) is `x`")), "{said}");
+        }
+        assert_eq!(column("t,u\n2024-05-01 10:00:00,off\n2024-05-01 10:00:01,on\n", "u"), [0.0, 1.0]);
     }
 
     #[test]

@@ -1,19 +1,20 @@
-//! What of a recording is learnt, and how well: the same training with several answer times, of which the best is kept.
+//! What of a recording is learnt, and how well: all samples at once ([`super::batch`]), at the sample time and, where the rig answers over many
+//! samples, by means of several.
 
 use std::ops::Range;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{bail, ensure};
 use fdi_core::likelihood::model::Model;
-use fdi_core::likelihood::{Readiness, RejectReason};
+use fdi_core::likelihood::{Fitted, Parameter, Parameters, RejectReason};
+use fdi_core::settings::Kind;
 use fdi_core::{Celsius, Config, Monitor, Observed, Seconds};
 
+use super::batch::{self, Found, Question};
 use super::{Heater, Recording, span};
 
-/// Answer times that are tried, samples.
-const ANSWERS: [f64; 7] = [10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0];
-/// A training takes at least so many answers.
-const LEAST_ANSWERS: f64 = 2.0;
-/// Shares of the samples that the model is fitted to, and that its noise is learnt from.
+/// Fewer samples are no answer.
+const LEAST_ANSWER: f64 = 10.0;
+/// Shares of the samples that a board would fit its model to, and learn its noise from.
 const FITTED: f64 = 0.6;
 const CHECKED: f64 = 0.35;
 /// Fewer samples are no training.
@@ -22,24 +23,26 @@ const LEAST: usize = 60;
 const STILL: f64 = 1e-3;
 /// A rig that answers over more samples than this is looked at by means, too.
 const MOST_SAMPLES: f64 = 20.0;
-/// Samples that the intercept is taken from come before a fit is judged.
+/// Samples that the state is found from come before a fit is judged.
 const SETTLED: usize = 60;
+/// Longest sample time that the diagnosis knows, s: it sees a slower rig as a faster one.
+const LONGEST_SAMPLE: f64 = 10.0;
 
 /// A trained monitor.
 #[derive(Clone, Debug)]
 pub struct Trained {
     /// It has seen nothing yet.
-    pub fresh: Monitor,
-    /// It has seen the training alone.
     pub monitor: Monitor,
     /// The settings at the sample time.
     pub config: Config,
     /// Of so many samples there are means, for the process; 1: there are none.
     pub every: u32,
-    /// What it learnt.
+    /// What was learnt.
     pub model: Model,
     /// How much of the training the model explains when it is simulated, %.
     pub fit: f64,
+    /// What the samples do not tell, in words; the priors stand for it.
+    pub unknown: Vec<&'static str>,
 }
 
 /// Learns from some samples of a heater.
@@ -53,68 +56,106 @@ pub fn train(
     config: &Config,
 ) -> anyhow::Result<Trained> {
     let usual = identifiable(recording, samples)?;
-    let settings = |every: u32, answer: f64| {
-        let count = samples.len() / every as usize;
-        settings(config, recording.sample_time, f64::from(every), count, answer, usual)
+    // How much has to be explained is for whoever reads the results to say: see `Trained::warning`.
+    let mut tuning = *config.tuning;
+    tuning.whitening.largest_unexplained = f32::MAX;
+    let config = &Config { tuning: tuning.into(), ..config.clone() };
+    let ask = |every: usize| Question {
+        samples,
+        inputs: heater.inputs,
+        units: recording.units,
+        config,
+        usual,
+        every,
     };
-    let monitor = |config: &Config| Monitor::new(config, heater.inputs, recording.units);
-    let fast = best_of(recording, samples, 1, |answer| {
-        let config = settings(1, answer);
-        Ok((monitor(&config)?, config))
-    })?;
-    let every = (fast.residence(recording.sample_time) / MOST_SAMPLES) as u32;
-    if every < 2 {
-        return Ok(fast);
+    let nothing = || {
+        anyhow::anyhow!(
+            "nothing can be learnt from these {} samples: there are too few without a gap",
+            samples.len()
+        )
+    };
+    let found = ask(1).fit(None).ok_or_else(nothing)?;
+    let settings = |every: usize, theta: &batch::Theta| {
+        let count = samples.len() / every;
+        let answer = (batch::ANSWER * batch::residence(theta)).max(LEAST_ANSWER);
+        settings(config, recording.sample_time, every as f64, count, answer, usual)
+    };
+    let fast = settings(1, &found.theta);
+    let mut monitor = Monitor::new(&fast, heater.inputs, recording.units)?;
+    let mut every = (batch::residence(&found.theta) / MOST_SAMPLES) as usize;
+    let near = batch::in_ticks_of(every.max(1) as f64, &found.theta);
+    let means = if every > 1 { ask(every).fit(Some(&near)) } else { None };
+    match &means {
+        Some(means) => {
+            monitor = monitor.with_means(&settings(every, &means.theta), every as u32)?;
+            monitor.take(&fitted(&found), Some(&fitted(means))).map_err(refused)?;
+        }
+        None => {
+            every = 1;
+            monitor.take(&fitted(&found), None).map_err(refused)?;
+        }
     }
-    let slow = best_of(recording, samples, every, |answer| {
-        let means = settings(every, answer);
-        Ok((monitor(&fast.config)?.with_means(&means, every)?, means))
-    });
-    // Without the look at means the process is not watched as closely, but its thermistors are.
-    Ok(slow.map(|slow| Trained { every, config: fast.config.clone(), ..slow }).unwrap_or(fast))
+    let Some(model) = monitor.model() else { bail!("nothing can be learnt from these samples") };
+    let unknown = unknown(&found, heater);
+    ensure!(found.fit.is_finite(), "the model explains nothing");
+    Ok(Trained { monitor, config: fast, every: every as u32, model, fit: found.fit, unknown })
 }
 
-/// Trains with each answer time that the samples are long enough for, and keeps what explains most.
-fn best_of(
-    recording: &Recording,
-    samples: &[Observed],
-    every: u32,
-    make: impl Fn(f64) -> anyhow::Result<(Monitor, Config)>,
-) -> anyhow::Result<Trained> {
-    let (mut refusals, mut best) = (Vec::new(), None::<Trained>);
-    for answer in ANSWERS {
-        let answered = answer * f64::from(every);
-        if samples.len() as f64 <= LEAST_ANSWERS * answered {
-            break;
-        }
-        let (mut monitor, config) = make(answer)?;
-        let fresh = monitor.clone();
-        match learn(&mut monitor, samples) {
-            Ok((model, fit)) if best.as_ref().is_none_or(|best| fit > best.fit) => {
-                best = Some(Trained { fresh, monitor, config, every: 1, model, fit });
-            }
-            Ok(_) => {}
-            Err(why) => {
-                refusals.push(format!("{why} with an answer of {:.3} s", answered * recording.sample_time))
-            }
-        }
-    }
-    best.with_context(|| {
-        format!("nothing can be learnt from these {} samples: {}", samples.len(), refusals.join("; "))
-    })
-}
+/// A model that explains less, %, is warned about, and one that explains still less is none.
+const WEAK: f64 = 60.0;
+const POOR: f64 = 30.0;
 
 impl Trained {
-    /// Samples of its first thermistor's answer.
-    fn residence(&self, sample_time: f64) -> f64 {
-        f64::from(self.model.heater + self.model.lag + self.model.dead_time) / sample_time
+    /// Whether what is said by this model is worth nothing.
+    pub fn is_poor(&self) -> bool {
+        !(self.fit >= POOR)
+    }
+
+    /// What whoever reads the results must know of the model, the cause, and what to do next; none where it explains enough.
+    pub fn warning(&self) -> Option<String> {
+        let (cause, next) = match self.unknown.first() {
+            _ if self.fit >= WEAK => return None,
+            _ if self.model.gain < LEAST_GAIN => (
+                "T1 does not get warmer by more power",
+                "say which column is what with --map, or train on another part with --train FROM:TO",
+            ),
+            Some(unknown) => (
+                *unknown,
+                "train on a part where the power moves further, with --train FROM:TO or --train-on RECORD",
+            ),
+            None => (
+                "something moves T1 that is not in the record: a room, a fan, a lid, another heater",
+                "add what is known of it with --map t0=COLUMN, known=COLUMN or fan=COLUMN, or train on a quieter part with --train FROM:TO",
+            ),
+        };
+        Some(format!(
+            "The model explains {:.0} % of T1 where it was learnt, which is {}.\nCause: {cause}.\nNext: {next}.\n",
+            self.fit,
+            if self.is_poor() {
+                "too little to say anything by it"
+            } else {
+                "little: take what follows with care"
+            },
+        ))
+    }
+}
+
+/// A gain of less, degC per %, is none.
+const LEAST_GAIN: f32 = 0.01;
+
+/// The same for the diagnosis.
+fn fitted(found: &Found) -> Fitted<'_> {
+    Fitted {
+        parameters: Parameters(found.theta.map(|x| x as f32)),
+        curvature_sd: found.sd[Parameter::Curvature as usize] as f32,
+        base: found.base as f32,
+        left: &found.left,
     }
 }
 
 /// How much of the temperature of some samples the trained model explains when it is simulated from the first of all on, %.
 pub fn fit(trained: &Monitor, samples: &[Observed], judged: Range<usize>) -> f64 {
     let mut monitor = trained.clone();
-    monitor.resume();
     let first = judged.start.max(SETTLED);
     let simulate = |sample: &Observed| {
         let (seen, report) = monitor.step(&Observed { learn: false, ..*sample });
@@ -151,38 +192,55 @@ fn identifiable(recording: &Recording, samples: &[Observed]) -> anyhow::Result<f
 fn settings(config: &Config, sample_time: f64, every: f64, count: usize, answer: f64, usual: f64) -> Config {
     let mut config = config.clone();
     let seconds = |samples: f64| Seconds((samples * every * sample_time) as f32);
-    config.identification.answer_time = seconds(answer);
+    // The diagnosis takes a slower rig for a faster one, and its settings have bounds.
+    let slower = (every * sample_time / LONGEST_SAMPLE).max(1.0);
+    let within = |setting: &str, time: Seconds| {
+        let kind = Config::settings().find(|known| known.name == setting).map(|known| known.kind);
+        let Some(Kind::Number { min, max }) = kind else { return time };
+        Seconds(time.0.clamp(min * slower as f32, max * slower as f32))
+    };
+    config.identification.answer_time = within("identification.answer_time", seconds(answer));
     config.identification.y_scale = Celsius((usual * f64::from(config.identification.u_scale.0)) as f32);
     config.identification.gain_max = (10.0 * usual) as f32;
-    config.likelihood.fit_time = seconds((FITTED * count as f64).floor());
-    config.likelihood.check_time = seconds((CHECKED * count as f64).floor());
+    let part = |share: f64| seconds((share * count as f64).floor());
+    config.likelihood.fit_time = within("likelihood.fit_time", part(FITTED));
+    config.likelihood.check_time = within("likelihood.check_time", part(CHECKED));
     config.sample_time = Seconds(sample_time as f32);
     config
 }
 
-/// Feeds samples to be learnt from; gives the model and its fit, or why there is none.
-fn learn(monitor: &mut Monitor, samples: &[Observed]) -> Result<(Model, f64), &'static str> {
-    let mut readiness = Readiness::Untrained;
-    for sample in samples {
-        readiness = monitor.step(&Observed { learn: true, ..*sample }).1.likelihood.readiness;
-    }
-    match readiness {
-        Readiness::Refused(why) => Err(words(why)),
-        Readiness::Training | Readiness::Untrained => Err("too many samples are missing"),
-        Readiness::Restarted => Err("what it learnt was no number"),
-        Readiness::Armed => {
-            let model = monitor.model().map(|model| (model, fit(monitor, samples, 0..samples.len())));
-            model.filter(|(_, fit)| fit.is_finite()).ok_or("the model explains nothing")
-        }
-    }
-}
-
 /// Why a training was not accepted.
-fn words(why: RejectReason) -> &'static str {
-    match why {
+fn refused(why: RejectReason) -> anyhow::Error {
+    let why = match why {
         RejectReason::PoorFit => "the model leaves too much unexplained",
         RejectReason::DeadTime => "the dead time is longer than the model remembers",
         RejectReason::Gain => "more power does not warm",
         RejectReason::Unstable => "the model is unstable",
+    };
+    anyhow::anyhow!("nothing can be learnt from these samples: {why}")
+}
+
+/// A parameter is not known where the samples leave it more than this share of the standard deviation that it had before them.
+const UNKNOWN: f64 = 0.5;
+
+/// What the samples do not tell.
+fn unknown(found: &Found, heater: &Heater) -> Vec<&'static str> {
+    use Parameter::{Gain, Heater, Offset1, Reaches2};
+    let mut told = vec![
+        (Gain, "the gain is not known: the power hardly moved while T1 was steady"),
+        (Heater, "the time constant is not known: the power hardly moved for as long as T1 takes to answer"),
+    ];
+    if !heater.inputs.t0 {
+        told.push((
+            Offset1,
+            "what T1 reads without power is not known: it was never without, nor did the power move far",
+        ));
     }
+    if !heater.inputs.t2 {
+        told.push((
+            Reaches2,
+            "what the heater beside does is not known: its power moved as the own one did, or hardly",
+        ));
+    }
+    told.into_iter().filter(|(which, _)| found.known[*which as usize] > UNKNOWN).map(|(_, why)| why).collect()
 }

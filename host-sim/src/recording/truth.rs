@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use serde::Deserialize;
 
@@ -85,17 +85,60 @@ fn columns(
             k += 1;
         }
         let time = |k: usize| k as f64 * recording.sample_time;
-        let size =
-            if *verb == Verb::HeaterPower { 1.0 + share(size, &heater.samples[first..k])? } else { size };
-        faults.push(Fault::new(*verb, *sensor, Some(size), time(first), time(k) - time(first)));
+        let known = match verb {
+            Verb::HeaterPower => power(size, &heater.samples[first..k], recording.units.full_power.into()),
+            verb => Some((*verb, size)),
+        };
+        faults.extend(
+            known.map(|(verb, size)| {
+                Fault::new(verb, *sensor, Some(size), time(first), time(k) - time(first))
+            }),
+        );
     }
     Ok(faults)
 }
 
-/// What an amount of power is of that which is asked for meanwhile.
-fn share(amount: f64, samples: &[fdi_core::Observed]) -> anyhow::Result<f64> {
+/// An amount of power beside that which is asked for meanwhile: the share of it that the heater gives, or where little is asked for what it gives
+/// in the mean, %. Nothing is taken from a heater that is off.
+fn power(amount: f64, samples: &[fdi_core::Observed], full: f64) -> Option<(Verb, f64)> {
+    /// The largest share that a fault may have.
+    const MOST: f64 = 3.0;
     let powers: Vec<f64> = samples.iter().filter_map(|sample| sample.power.map(f64::from)).collect();
     let mean = powers.iter().sum::<f64>() / powers.len().max(1) as f64;
-    ensure!(mean > 0.0, "the power is {mean} while the truth says that it is off by {amount}");
-    Ok(amount / mean)
+    if amount <= (MOST - 1.0) * mean {
+        (mean > 0.0).then_some((Verb::HeaterPower, (1.0 + amount / mean).max(0.0)))
+    } else {
+        Some((Verb::HeaterStuck, (100.0 * (mean + amount) / full).clamp(0.0, 100.0)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::Reading;
+
+    /// +20 % for 20 s each while 40 % are asked for, and while the heater is off.
+    #[test]
+    fn a_heater_that_gives_power_while_none_is_asked_for_is_a_fault_too() {
+        let row = |k: usize| {
+            let asked = if k < 60 { 40 } else { 0 };
+            let amount = match k {
+                20..40 | 80..100 => 20,
+                100..110 => -20,
+                _ => 0,
+            };
+            format!("{k},{asked},{},{amount}\n", 30 + k % 3)
+        };
+        let text = format!("t,power,temp,din\n{}", (0..120).map(row).collect::<String>());
+        let how = Reading { full_power: Some(100.0), ..Reading::default() };
+        let recording = Recording::parse("f".into(), &text, &how).unwrap();
+        let said = ["heater_power=din".to_owned()];
+        let faults = read(&said, &text, &recording, &recording.heaters[0]).unwrap();
+        let known: Vec<_> =
+            faults.iter().map(|fault| (fault.verb, fault.size, fault.at, fault.duration)).collect();
+        assert_eq!(
+            known,
+            [(Verb::HeaterPower, Some(1.5), 20.0, 20.0), (Verb::HeaterStuck, Some(20.0), 80.0, 20.0)]
+        );
+    }
 }

@@ -41,6 +41,8 @@ fn a_trace_of_ours_is_diagnosed_as_a_recording() {
     for file in ["trace.csv", "summary.json", "figure6.svg", "report.html"] {
         assert!(out.join(file).exists(), "{file}");
     }
+    // Nobody said what was true.
+    assert!(!std::fs::read_to_string(out.join("report.html")).unwrap().contains("<h2>False alarms</h2>"));
 }
 
 #[test]
@@ -60,6 +62,46 @@ fn one_thermistor_and_a_truth_are_scored() {
         serde_json::from_str(&std::fs::read_to_string(dir.join("score.json")).unwrap()).unwrap();
     let faults = score["faults"].as_array().unwrap();
     assert!(faults.iter().all(|fault| fault["alarmed"].as_f64().is_some_and(|t| t < 3.0)), "{score:#}");
+    let page = std::fs::read_to_string(dir.join("report.html")).unwrap();
+    assert!(page.contains("Held against the truth") && page.contains("False alarms"), "{page}");
+}
+
+/// The page about a recording: what was measured over what was expected, each alarm with its sentence, what was learnt, the map; nothing of what
+/// the recording lacks.
+#[test]
+fn a_page_about_a_recording_is_about_the_recording() {
+    let dir = folder("diagnose-page");
+    let record = dir.join("record.csv");
+    std::fs::write(&record, plain_record(&dir)).unwrap();
+    let out = dir.join("out");
+    let map = ["--map", "time=time", "--map", "t1=outlet", "--map", "power=heater"];
+    let done =
+        pt326(&[&["diagnose", arg(&record), "--train", "2:364", "--out", arg(&out)], &map[..]].concat());
+    let said = text(&done.stdout);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    let sentence = said
+        .lines()
+        .find(|line| line.contains("T1 sees"))
+        .and_then(|line| line.split_once(" s  "))
+        .unwrap()
+        .1;
+    for part in [
+        "<b>T1</b> (°C)",
+        "class='band'",
+        "class='alarm'",
+        "class='train'",
+        "What was learnt",
+        "--map time=time --map t1=outlet --map power=heater --full-power 100 --fan true",
+        sentence,
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    for part in ["tube", "False alarms", "NaN", "fdv", "src=", "http:", "https:", "<script"] {
+        assert!(!page.contains(part), "{part}");
+    }
+    assert!(!out.join("figure4.svg").exists() && page.len() < 1_000_000);
+    assert!(said.contains("all is as expected again") && !said.contains("fdv"), "{said}");
 }
 
 #[test]
@@ -80,9 +122,6 @@ fn what_is_wrong_with_a_recording_is_named_by_line_and_column() {
     let bad = "t,u,y\n0,1,2\n1,x,3\n";
     let said = error(bad, &map);
     assert!(said.contains("line 3") && said.contains("column 2") && said.contains("`x`"), "{said}");
-    let uneven = "t,u,y\n0,1,2\n1,1,3\n2,1,3\n3.5,2,3\n";
-    let said = error(uneven, &map);
-    assert!(said.contains("line 5") && said.contains("--resample"), "{said}");
     let backwards = "t,u,y\n0,1,2\n2,1,3\n1,1,3\n";
     assert!(error(backwards, &map).contains("line 4"));
     let said = error("a,b\n1,2\n", &[]);

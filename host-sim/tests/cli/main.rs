@@ -2,9 +2,11 @@
 
 mod core;
 mod diagnose;
+mod forms;
 mod hostile;
 mod identify;
 mod isolability;
+mod made;
 mod porting;
 mod replay;
 mod run;

@@ -38,7 +38,7 @@ pub(super) fn learnt(
 ) -> String {
     let (model, trained) = (&done.trained.model, &done.trained);
     let degc = f64::from(recording.units.celsius);
-    let unit = if degc == 1.0 { "°C" } else { "units" };
+    let unit = recording.unit(heater);
     let full = f64::from(recording.units.full_power) / 100.0;
     let gain = |gain: f32| f64::from(gain) / degc / full;
     let mut text = format!(
@@ -75,11 +75,14 @@ pub(super) fn learnt(
         trained.fit,
         match training {
             _ if !done.fit_on_the_rest.is_finite() => String::new(),
-            Training::Own(..) => format!(", {:.1} % on the rest", done.fit_on_the_rest),
+            Training::Own(..) | Training::Found(..) => format!(", {:.1} % on the rest", done.fit_on_the_rest),
             Training::Other(_) => format!(", {:.1} % here, faults and all", done.fit_on_the_rest),
         },
         f64::from(model.noise[0]) / degc
     );
+    for unknown in &trained.unknown {
+        let _ = write!(text, "\nNot known: {unknown}");
+    }
     if trained.every > 1 {
         let _ = write!(
             text,
@@ -105,7 +108,7 @@ pub(super) fn told_apart(
     let digits = |x: f64| (x * 10.0).round().max(1.0) / 10.0;
     let horizons = WITHIN.map(|share| digits(share * answer)).to_vec();
     let samples = match training {
-        Training::Own(part, _) => &heater.samples[part.clone()],
+        Training::Own(part, _) | Training::Found(part, _) => &heater.samples[part.clone()],
         Training::Other(_) => &heater.samples[..],
     };
     let mut monitor = done.trained.monitor.clone();

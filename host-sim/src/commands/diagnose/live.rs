@@ -1,20 +1,28 @@
 //! Samples as they come, a line each. A line that is no sample is told and counted, a source that is silent as well: both are gaps, and it goes on.
+//! Where lines have times, a sample stands where its time is.
 
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow, ensure};
 use fdi_core::likelihood::Readiness;
 use fdi_core::monitor::OBSERVED;
-use fdi_core::{Config, Monitor, Observed};
+use fdi_core::{Config, Finding, Monitor, Observed};
+use serde_json::{Value, json};
 
 use super::super::terminal::{in_words, print};
 use super::DiagnoseArgs;
 use super::lines::{Heard, Lines};
 use crate::experiment::{Origin, Record, Row, tick_time};
 use crate::record::summary::sentence;
+use crate::recording::believed::Believed;
+use crate::recording::format::Role;
+use crate::recording::grid::OFF;
+use crate::recording::report::plain;
 use crate::recording::run::as_tick;
+use crate::recording::stamp::Stamps;
+use crate::recording::table::{self, Table};
 use crate::recording::training::train;
-use crate::recording::{Reading, Recording, table};
+use crate::recording::{GAP, Reading, Recording};
 
 /// A source is silent when nothing has come for so many sample times, and at least so long: loggers gather some lines before they send them.
 const SILENT: f64 = 5.0;
@@ -26,7 +34,13 @@ pub(super) fn run(args: &DiagnoseArgs, how: &Reading, config: &Config) -> anyhow
     let other = Recording::read(path, how)?;
     let heater = &other.heaters[0];
     let trained = train(&other, heater, &heater.samples, config)?;
-    print(&format!("{}: learnt from {}, {:.1} % explained\n", heater.map, other.file, trained.fit))?;
+    let mut say = |said: Said| print(&if args.json { format!("{}\n", said.json) } else { said.text });
+    let text = format!("{}: learnt from {}, {:.1} % explained\n", heater.map, other.file, trained.fit);
+    say(Said::new(
+        "learnt",
+        text,
+        json!({ "map": heater.map.to_string(), "file": other.file, "fit_pct": trained.fit }),
+    ))?;
     let silence = Duration::from_secs_f64(SILENT * other.sample_time).max(LEAST_SILENCE);
     let mut lines = Lines::of_standard_input();
     let Heard::Line(header) = lines.next(None) else {
@@ -36,10 +50,25 @@ pub(super) fn run(args: &DiagnoseArgs, how: &Reading, config: &Config) -> anyhow
     loop {
         match lines.next(Some(silence)) {
             Heard::End => break,
-            heard => live.hear(heard, Instant::now(), &mut print)?,
+            heard => live.hear(heard, Instant::now(), &mut say)?,
         }
     }
-    live.end(&mut print)
+    live.end(&mut say)
+}
+
+/// Something that is said: for people, and for programs.
+struct Said {
+    text: String,
+    json: Value,
+}
+
+impl Said {
+    /// `more`: an object with what there is to it.
+    fn new(event: &str, text: String, mut more: Value) -> Self {
+        more["event"] = event.into();
+        more["text"] = text.trim().into();
+        Self { text, json: more }
+    }
 }
 
 /// What a source sends must not command the terminal.
@@ -48,14 +77,19 @@ fn visible(text: &str) -> String {
 }
 
 /// Where what is said goes.
-type Say<'a> = &'a mut dyn FnMut(&str) -> anyhow::Result<()>;
+type Say<'a> = &'a mut dyn FnMut(Said) -> anyhow::Result<()>;
 
 /// A source of samples under watch.
 struct Live<'a> {
+    other: &'a Recording,
+    believed: Believed,
     how: Reading,
     header: String,
     trained: &'a Monitor,
     monitor: Monitor,
+    /// How the lines tell their times, and that of the last sample, s.
+    stamps: Option<Stamps>,
+    at: Option<f64>,
     /// Sample times that have passed since the first line.
     passed: u32,
     record: Record,
@@ -74,14 +108,16 @@ impl<'a> Live<'a> {
     /// # Errors
     /// The header lacks a column.
     fn new(
-        other: &Recording,
+        other: &'a Recording,
         how: &Reading,
         trained: &'a Monitor,
         config: &Config,
         header: String,
     ) -> anyhow::Result<Self> {
         let celsius = Some(other.units.celsius.into());
-        let how = Reading { sample_time: Some(other.sample_time), celsius, ..how.clone() }.untimed();
+        let full_power = Some(other.units.full_power.into());
+        let how =
+            Reading { sample_time: Some(other.sample_time), celsius, full_power, ..how.clone() }.untimed();
         let numbers = table::as_numbers(&header);
         Recording::parse("standard input, line 1".into(), &format!("{header}\n{numbers}\n"), &how)?;
         let origin = Origin::Watched { file: "standard input".into() };
@@ -90,11 +126,15 @@ impl<'a> Live<'a> {
         let mut monitor = trained.clone();
         monitor.resume();
         Ok(Self {
+            other,
+            believed: Believed::of(&other.heaters[0]),
             how,
             header,
             trained,
             implausible: [0; OBSERVED.len()],
             monitor,
+            stamps: other.stamps,
+            at: None,
             passed: 0,
             record,
             line: 1,
@@ -114,7 +154,8 @@ impl<'a> Live<'a> {
                 let since = *self.silent_since.insert(self.last.unwrap_or(now));
                 self.silences += 1;
                 let time = now.duration_since(since).as_secs_f64();
-                say(&format!("no sample for {time:.1} s, after line {}\n", self.line))?;
+                let text = format!("no sample for {time:.1} s, after line {}\n", self.line);
+                say(Said::new("silent", text, json!({ "line": self.line, "for_s": time })))?;
             }
             return Ok(());
         };
@@ -122,40 +163,81 @@ impl<'a> Live<'a> {
         self.last = Some(now);
         if let Some(since) = self.silent_since.take() {
             let time = now.duration_since(since).as_secs_f64();
-            say(&format!("line {}: samples again, after {time:.1} s without\n", self.line))?;
+            let text = format!("line {}: samples again, after {time:.1} s without\n", self.line);
+            say(Said::new("again", text, json!({ "line": self.line, "for_s": time })))?;
         }
         if line.as_ref().is_ok_and(|line| line.trim().is_empty() || line.trim_start().starts_with('#')) {
             return Ok(()); // as in a file
         }
-        let sample = match line
+        match line
             .with_context(|| format!("standard input, line {}", self.line))
             .and_then(|line| self.sample(&line))
         {
-            Ok(sample) => {
+            Ok((sample, time)) => {
                 self.samples += 1;
-                sample
+                self.place(&sample, time, say)
             }
             Err(why) => {
                 self.left_out += 1;
-                say(&format!(
-                    "left out, it counts as a sample that is missing: {}\n",
-                    visible(&in_words(&why))
-                ))?;
-                Observed::default()
+                let why = visible(&in_words(&why));
+                let text = format!("left out, it counts as a sample that is missing: {why}\n");
+                say(Said::new("left_out", text, json!({ "line": self.line })))?;
+                // Where lines have times, the next one says how many are missing.
+                if self.at.is_some() { Ok(()) } else { self.watch(&Observed::default(), say) }
             }
-        };
-        self.watch(&sample, say)
+        }
     }
 
-    /// A recording of one line: the same cells, the same errors, but for where the line is.
-    fn sample(&self, line: &str) -> anyhow::Result<Observed> {
+    /// A recording of one line: the same cells, the same errors, but for where the line is; and its time, s.
+    fn sample(&mut self, line: &str) -> anyhow::Result<(Observed, Option<f64>)> {
         let file = format!("standard input, line {}", self.line);
         let text = format!("{}\n{line}\n", self.header);
-        let one = Recording::parse(file.clone(), &text, &self.how).map_err(|error| {
+        let here = |error: anyhow::Error| {
             anyhow!("{}", format!("{error:#}").replace(&format!("{file}, line 2"), &file))
-        })?;
-        let sample = one.heaters.first().and_then(|heater| heater.samples.first());
-        sample.copied().with_context(|| format!("{file} holds no sample"))
+        };
+        let one = Recording::parse(file.clone(), &text, &self.how).map_err(here)?;
+        let heater = one.heaters.first().with_context(|| format!("{file} holds no sample"))?;
+        let sample = *heater.samples.first().with_context(|| format!("{file} holds no sample"))?;
+        let Some(column) = heater.map.column(Role::Time).filter(|_| self.stamps.is_some()) else {
+            return Ok((sample, None));
+        };
+        let table = Table::parse(file.clone(), &text)?;
+        let column = table.column(column)?;
+        let cell = table.first_of(column)?.unwrap_or_default();
+        if let Some(time) = self.stamps.and_then(|stamps| stamps.seconds(&cell)) {
+            return Ok((sample, Some(time)));
+        }
+        // Written in another way than in the training.
+        let (stamps, times) = Stamps::of(&table, column, self.how.time_unit).map_err(here)?;
+        self.stamps = Some(stamps);
+        Ok((sample, times.first().copied().flatten()))
+    }
+
+    /// A sample where its time is: those before it are missing, and another session begins where time does not go on.
+    fn place(&mut self, sample: &Observed, time: Option<f64>, say: Say) -> anyhow::Result<()> {
+        let (Some(time), Some(stamps)) = (time, self.stamps) else { return self.watch(sample, say) };
+        let Some(at) = self.at.replace(time) else { return self.watch(sample, say) };
+        let ts = self.record.sample_time;
+        let steps = stamps.between(at, time) / ts;
+        // A quarter: what is nearer to the last sample than half of a step may only be early.
+        if !(-0.25..=OFF).contains(&steps) {
+            let text = format!("line {}: its times begin anew: another session\n", self.line);
+            say(Said::new("session", text, json!({ "line": self.line })))?;
+            self.monitor.resume();
+            return self.watch(sample, say);
+        }
+        let steps = steps.round();
+        // On the grid of the first, so that what is early or late now does not shift all that comes.
+        self.at = Some(at + steps * ts);
+        let missing = (steps as u32).saturating_sub(1);
+        if missing as usize > GAP {
+            // What was before says little of what comes behind.
+            self.passed = self.passed.saturating_add(missing);
+            self.monitor.resume();
+        } else {
+            (0..missing).try_for_each(|_| self.watch(&Observed::default(), say))?;
+        }
+        if steps > 0.0 { self.watch(sample, say) } else { Ok(()) }
     }
 
     fn watch(&mut self, sample: &Observed, say: Say) -> anyhow::Result<()> {
@@ -169,21 +251,25 @@ impl<'a> Live<'a> {
         let told = self.trained.implausible().into_iter().zip(self.monitor.implausible());
         for ((name, count), (learnt, now)) in OBSERVED.iter().zip(&mut self.implausible).zip(told) {
             if *count == 0 && now > learnt {
-                say(&format!(
-                    "{time:>9.2} s  line {}: no {name} is so; it counts as not known\n",
-                    self.line
-                ))?;
+                let text =
+                    format!("{time:>9.2} s  line {}: no {name} is so; it counts as not known\n", self.line);
+                say(Said::new("implausible", text, json!({ "t_s": time, "line": self.line, "what": name })))?;
             }
             *count = now.saturating_sub(learnt);
         }
         let likelihood = &mut report.likelihood;
         if likelihood.readiness == Readiness::Restarted {
-            say(&format!(
+            let text = format!(
                 "{time:>9.2} s  its memory held what is no number: it begins anew as it was trained\n"
-            ))?;
+            );
+            say(Said::new("restarted", text, json!({ "t_s": time, "line": self.line })))?;
             self.monitor = self.trained.clone();
             self.monitor.resume();
         }
+        let heater = &self.other.heaters[0];
+        let expected = &likelihood.expected;
+        let can_be = |finding: &Finding| self.believed.believes(finding, &seen.sample, expected);
+        likelihood.finding = likelihood.finding.filter(can_be);
         if let Some(finding) = &mut likelihood.finding {
             finding.onset = finding.onset.saturating_sub(before);
         }
@@ -193,12 +279,31 @@ impl<'a> Live<'a> {
         }
         self.said = now;
         let row = Row { applied: seen.power, tick: as_tick(&seen), report, truth: 0 };
-        let what = match (now, row.report.likelihood.finding) {
+        let finding = row.report.likelihood.finding.filter(|_| now.is_some());
+        let what = match (now, finding) {
             (None, _) => "all is as expected again".to_owned(),
-            (_, Some(finding)) => sentence(&self.record, &row, &finding),
+            (_, Some(finding)) => plain(self.other, heater, &sentence(&self.record, &row, &finding)),
             _ => "something is wrong, and it cannot be told what yet".to_owned(),
         };
-        say(&format!("{time:>9.2} s  {what}\n"))
+        let number = |x: f32| crate::experiment::as_written(x);
+        let size = finding.and_then(|finding| finding.magnitude);
+        let more = json!({
+            "t_s": time,
+            "line": self.line,
+            "class": finding.map(|finding| finding.class.name()),
+            "confidence": finding.map(|finding| number(finding.confidence)),
+            "since_s": finding.map(|finding| tick_time(finding.onset, self.record.sample_time)),
+            "size": size.map(|size| number(size.value)),
+            "half_width": size.map(|size| number(size.half_width)),
+            "unit": finding.filter(|_| size.is_some()).map(|finding| finding.class.unit()),
+            "t1": row.tick.sample.t1.good().map(number),
+            "t1_expected": row.report.likelihood.expected[1].map(number),
+        });
+        say(Said::new(
+            if now.is_some() { "alarm" } else { "clear" },
+            format!("{time:>9.2} s  {what}\n"),
+            more,
+        ))
     }
 
     /// # Errors
@@ -207,7 +312,11 @@ impl<'a> Live<'a> {
         let Self { samples, left_out, silences, .. } = self;
         ensure!(*samples > 0, "standard input: none of {left_out} lines was a sample");
         let odd = super::odd(&self.implausible).map(|odd| format!(", {odd}")).unwrap_or_default();
-        say(&format!("{samples} samples, {left_out} lines left out, {silences} times silent{odd}\n"))
+        let text = format!("{samples} samples, {left_out} lines left out, {silences} times silent{odd}\n");
+        let passed = self.passed;
+        let more =
+            json!({ "samples": samples, "left_out": left_out, "silences": silences, "passed": passed });
+        say(Said::new("end", text, more))
     }
 }
 
@@ -241,11 +350,15 @@ mod tests {
         let mut live = Live::new(&other, &how, &learnt.monitor, &learnt.config, "t,u,y".into()).unwrap();
         let start = Instant::now();
         let mut text = String::new();
-        let mut say = |said: &str| {
-            text += said;
+        let mut say = |said: Said| {
+            text += &said.text;
             Ok(())
         };
-        let line = || Heard::Line(Ok("1,30,29.0".to_owned()));
+        let mut seconds = 0;
+        let mut line = || {
+            seconds += 1;
+            Heard::Line(Ok(format!("{seconds},30,29.0")))
+        };
         let script = [
             (0, line()),
             (5, Heard::Silence),

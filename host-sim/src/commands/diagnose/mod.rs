@@ -15,10 +15,12 @@ use fdi_core::monitor::OBSERVED;
 use pt326_rig::fault::Fault;
 
 use super::results::Folder;
-use super::terminal::{coloured, print, progress};
+use super::terminal::{coloured, in_words, print, progress};
 use crate::record::summary::Summary;
 use crate::record::table;
+use crate::recording::report::Told;
 use crate::recording::run::{Diagnosed, Training, diagnose};
+use crate::recording::stamp::Unit;
 use crate::recording::{Heater, Reading, Recording, score, truth};
 use crate::{recording, settings};
 
@@ -26,9 +28,12 @@ use crate::{recording, settings};
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Roles of --map: t1 (the heater's thermistor) and power are needed; time, t0 (the room), t2 (behind T1), known (the power of a second \
-heater beside), fan (its level, %) and supply (share of the nominal voltage) are used where they are there. Known by their header: traces of \
-this project, TCLab, TCLab's historian, Klipper's log; of Artisan's, say which columns are what. Two heaters are diagnosed one after the other. \
-Times count from the first sample.
+heater beside), fan (its level, %), supply (share of the nominal voltage) and session (another number: the logger began anew) are used where they are \
+there. Known by their header: traces of this project, TCLab, TCLab's historian, Klipper's log; other columns are taken for what they are called, and \
+the first line says which. Several heaters are diagnosed one after the other.
+
+Times are numbers (seconds, or what --time-unit says), clocks or dates, of which 5/1/2024 is in May. Times count from the first sample; where they fall \
+back, stand still or leap, another session begins.
 
 Without T0 an intercept is learnt in its place, and nothing is said of T0. Without T2 no fault has a place: what T1 reads, the heater and the air \
 are told apart by how fast things go.
@@ -54,6 +59,9 @@ pub struct DiagnoseArgs {
     /// Learn from another recording of the same rig.
     #[arg(long, value_name = "RECORD")]
     pub train_on: Option<PathBuf>,
+    /// Go on with a model that explains hardly anything.
+    #[arg(long)]
+    pub force: bool,
     /// The rig was cold and its heater off before the first sample.
     #[arg(long)]
     pub from_rest: bool,
@@ -64,9 +72,12 @@ pub struct DiagnoseArgs {
     /// Say what was learnt, and what can be told apart with it.
     #[arg(long)]
     pub explain: bool,
-    /// Read standard input for ever, a line a sample, and say what is wrong when it is.
+    /// Read standard input for ever, a line a sample, and say what is wrong when it is; where the lines have times, a sample stands where its time is.
     #[arg(long, requires = "train_on")]
     pub live: bool,
+    /// Say it as JSON, an object a line.
+    #[arg(long, requires = "live")]
+    pub json: bool,
     /// Write the settings that a board would need.
     #[arg(long, value_name = "FILE.toml")]
     pub write_config: Option<PathBuf>,
@@ -87,10 +98,13 @@ pub struct ReadingArgs {
     /// Sample time, s; left out: that of the time stamps.
     #[arg(long, value_name = "S")]
     pub ts: Option<f64>,
-    /// Bring uneven time stamps to an even grid: the last row at each point counts.
+    /// Unit of times that are numbers: ns, us, ms, s, min, h or d; left out: as their column's name says, or the numbers themselves.
+    #[arg(long, value_name = "UNIT")]
+    pub time_unit: Option<String>,
+    /// Bring time stamps to an even grid even where they lie on one; uneven ones are anyway.
     #[arg(long)]
     pub resample: bool,
-    /// The power that is 100 %, in its unit.
+    /// The power that is 100 %, in its unit; left out: 1, 100, 255, 1023 .., as the numbers are.
     #[arg(long, value_name = "POWER")]
     pub full_power: Option<f64>,
     /// How many degC one unit of a temperature counts for, where it is none.
@@ -114,6 +128,7 @@ impl ReadingArgs {
         Ok(Reading {
             map: self.map.clone(),
             sample_time: self.ts,
+            time_unit: self.time_unit.as_deref().map(Unit::parse).transpose().context("--time-unit")?,
             resample: self.resample,
             full_power: self.full_power,
             celsius: self.degc,
@@ -134,26 +149,46 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
         return live::run(args, &how, &config);
     }
     let (file, text) = recording::table::text_of(&args.file)?;
-    let mut recording = Recording::parse(file, &text, &how)?;
-    let other = args.train_on.as_deref().map(|path| Recording::read(path, &how)).transpose()?;
+    let (mut recording, other) = Recording::with_other(file, &text, args.train_on.as_deref(), &how)?;
     let truths = recording.heaters.iter().map(|heater| truth::read(&args.truth, &text, &recording, heater));
     let mut truths: Vec<Vec<Fault>> = truths.collect::<anyhow::Result<_>>()?;
     if args.from_rest {
         let rest = recording.put_rest_before();
         truths.iter_mut().flatten().for_each(|fault| fault.at += rest);
     }
-    let lines = recording.remarks.iter().map(|remark| format!("{remark}\n"));
-    print(&lines.collect::<String>())?;
+    let mut remarks: String = recording.remarks.iter().map(|remark| format!("{remark}\n")).collect();
     let asked = |which: &usize| args.heater.is_none_or(|number| number == which + 1);
     let count = recording.heaters.len();
     ensure!((0..count).any(|which| asked(&which)), "--heater: the recording has heaters 1 to {count}");
+    let mut refusals = Vec::new();
+    let mut is_any = false;
     for (which, faults) in truths.iter().enumerate().filter(|(which, _)| asked(which)) {
-        let training = training(args, &recording, which, other.as_ref(), &config)?;
-        let progress = progress(0, "samples");
-        let done = diagnose(&recording, which, &training, faults, &config, &progress)
-            .with_context(|| format!("{}, {}", recording.file, recording.heaters[which].map))?;
-        let out = if which == 0 { args.out.clone() } else { args.out.join(format!("heater-{}", which + 1)) };
-        tell(args, &recording, which, &training, &done, &out)?;
+        let diagnosed = training(args, &recording, which, other.as_ref(), &config).and_then(|training| {
+            let progress = progress(0, "samples");
+            let done = diagnose(&recording, which, &training, faults, &config, &progress)?;
+            let warning = done.trained.warning().unwrap_or_default();
+            ensure!(args.force || !done.trained.is_poor(), "{warning}Or take it as it is with --force");
+            Ok((training, done))
+        });
+        match diagnosed.with_context(|| format!("{}, {}", recording.file, recording.heaters[which].map)) {
+            Ok((training, done)) => {
+                is_any = true;
+                let warning = done.trained.warning().unwrap_or_default();
+                print(&(warning + &std::mem::take(&mut remarks)))?;
+                let out = if which == 0 {
+                    args.out.clone()
+                } else {
+                    args.out.join(format!("heater-{}", which + 1))
+                };
+                tell(args, &recording, which, &training, &done, &out)?;
+            }
+            Err(error) => refusals.push(error),
+        }
+    }
+    // One heater that was never used does not hide what is found of another.
+    for refusal in refusals {
+        ensure!(is_any, refusal);
+        print(&format!("\nNot diagnosed: {}\n", in_words(&refusal)))?;
     }
     Ok(())
 }
@@ -207,17 +242,20 @@ fn tell(
         text += &explain::told_apart(recording, heater, training, done)?;
     }
     text += &remarks(done);
-    let folder = Folder::open(out)?;
-    let summary = Summary::new(&done.record);
-    let written = folder.write(&done.record, &summary)?;
     let from = done.watched_from as f64 * recording.sample_time;
-    if done.record.faults.is_empty() {
-        text += &format!("\n{}", coloured(&table::of_run(&done.record, &summary)));
-    } else {
-        let score = score::score(&done.record, from);
-        let json = serde_json::to_string_pretty(&score)?;
+    let score = (!done.record.faults.is_empty()).then(|| score::score(&done.record, from));
+    // With all thermistors it is a rig that the lab's page and the paper's figures can show.
+    let told = (!has_all(heater)).then(|| Told::new(recording, heater, training, done, score.as_ref()));
+    let summary = Summary::new(&done.record);
+    let page = told.as_ref().map(Told::page);
+    let written = Folder::open(out)?.write(&done.record, &summary, page.as_deref())?;
+    if let Some(score) = &score {
+        let json = serde_json::to_string_pretty(score)?;
         std::fs::write(out.join("score.json"), json + "\n").context("can't write score.json")?;
-        let _ = write!(text, "\n{}", score::table(&score));
+        let _ = write!(text, "\n{}", score::table(score));
+    } else {
+        let said = told.map_or_else(|| coloured(&table::of_run(&done.record, &summary)), |told| told.text());
+        text += &format!("\n{said}");
     }
     if let Some(path) = args.write_config.as_deref().filter(|_| which == 0) {
         let toml = explain::settings_of(&done.trained.config);
@@ -227,9 +265,27 @@ fn tell(
     print(&format!("{text}{written}"))
 }
 
+/// So many parts that were not judged are told one by one.
+const MOST_PARTS: usize = 8;
+
 /// What of the recording was not taken as it stands.
 fn remarks(done: &Diagnosed) -> String {
     let mut text = String::new();
+    let parts: Vec<String> = done
+        .unjudged
+        .iter()
+        .take(MOST_PARTS)
+        .map(|part| format!("{:.0} to {:.0} s", part.start, part.end))
+        .collect();
+    if !parts.is_empty() {
+        let more = done.unjudged.len().saturating_sub(MOST_PARTS);
+        let more = if more > 0 { format!(" and {more} more parts") } else { String::new() };
+        let _ = writeln!(
+            text,
+            "Not judged, since it was learnt from or how the rig began was not known yet: {}{more}.",
+            parts.join(", ")
+        );
+    }
     if let Some(odd) = odd(&done.implausible) {
         let _ = writeln!(text, "Samples that no rig gives, taken as not known: {odd}.");
     }
@@ -259,7 +315,7 @@ fn odd(implausible: &[u32; OBSERVED.len()]) -> Option<String> {
 
 fn because(training: &Training) -> String {
     match training {
-        Training::Own(_, why) => format!("Learnt: {why}."),
+        Training::Own(_, why) | Training::Found(_, why) => format!("Learnt: {why}."),
         Training::Other(other) => format!("Learnt: all of {}, which is said to be normal.", other.file),
     }
 }

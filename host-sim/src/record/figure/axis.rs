@@ -9,7 +9,7 @@ const MARGIN: f64 = 0.06;
 
 /// Lower and upper end of an axis for `values`; finite, and never empty. All of `always` is within, and the range
 /// is `min_span` wide at least, so that a constant stays a line in the middle and quiet noise looks quiet.
-pub(super) fn range(values: Vec<f64>, always: &[f64], min_span: f64) -> (f64, f64) {
+pub(crate) fn range(values: Vec<f64>, always: &[f64], min_span: f64) -> (f64, f64) {
     let bulk = bulk(values);
     let ends = || always.iter().copied().filter(|x| x.is_finite()).chain(bulk.into_iter().flatten());
     let low = ends().min_by(f64::total_cmp).unwrap_or(0.0);
@@ -31,7 +31,7 @@ fn bulk(mut values: Vec<f64>) -> Option<[f64; 2]> {
 }
 
 /// Multiples of 1, 2 or 5 times a power of ten within a range, at most `count` + 1 of them, with their labels.
-pub(super) fn ticks((low, high): (f64, f64), count: u32) -> Vec<(f64, String)> {
+pub(crate) fn ticks((low, high): (f64, f64), count: u32) -> Vec<(f64, String)> {
     let step = round_up((high - low) / f64::from(count.max(1)));
     let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
     let first = (low / step).ceil();

@@ -1,14 +1,14 @@
 //! Pictures as SVG for pages and papers, and as PNG for a quick look: the paper's figures 4, 5 and 6, drawn from a run, and
 //! the charts of a campaign.
 
-mod axis;
+pub(crate) mod axis;
 mod canvas;
 pub(crate) mod chart;
 mod content;
 pub(crate) mod matrix;
 mod paint;
 mod plot;
-mod polyline;
+pub(crate) mod polyline;
 
 use std::path::Path;
 

@@ -1,11 +1,11 @@
 //! From a signal to the few line pieces that a panel needs: split at gaps, thinned to the pixels, cut at the frame.
 
 /// Time and value, in pixels.
-pub(super) type Point = (f64, f64);
+pub(crate) type Point = (f64, f64);
 
 /// Lines through `points`, broken where no value is a number for a pixel or more. Each pixel column keeps its lowest and
 /// highest value, so that no spike is lost; `stepped` holds a value until the next; what lies beyond `bounds` is cut off.
-pub(super) fn polylines(points: &[Point], stepped: bool, bounds: (f64, f64)) -> Vec<Vec<Point>> {
+pub(crate) fn polylines(points: &[Point], stepped: bool, bounds: (f64, f64)) -> Vec<Vec<Point>> {
     thin(points)
         .split(|p| !p.1.is_finite())
         .map(|line| if stepped { steps(line) } else { line.to_vec() })

@@ -9,8 +9,8 @@ use crate::record::{numbers as numbers_of, paper};
 use crate::score::expectation::Expectation;
 use pt326_lab::page::{self, Source};
 
-pub(crate) use numbers::escape;
-use numbers::{NOTHING, count, significant, written};
+use numbers::{NOTHING, count};
+pub(crate) use numbers::{escape, significant, written};
 
 /// How the method works, for whoever opens the page first.
 const HOW_TO_READ: &str = include_str!("how_to_read.html");
@@ -20,13 +20,18 @@ pub fn html(record: &Record, summary: &Summary) -> String {
     let report = [
         introduction(record, summary),
         warnings(record, summary),
-        key_numbers(record, summary),
+        if is_known(record) { key_numbers(record, summary) } else { String::new() },
         tables::faults(record, summary),
-        tables::false_alarms(summary),
+        if is_known(record) { tables::false_alarms(summary) } else { String::new() },
         tables::baseline(record, summary),
         HOW_TO_READ.into(),
     ];
     page::html(Source::Recording { json: &numbers_of::json(record), report: &report.concat() })
+}
+
+/// Whether it is known what was done to the rig: of a recording only where somebody says it.
+fn is_known(record: &Record) -> bool {
+    !matches!(record.origin, Origin::Watched { .. }) || !record.faults.is_empty()
 }
 
 /// What was run.

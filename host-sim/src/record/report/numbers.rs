@@ -4,7 +4,7 @@
 pub(super) const NOTHING: &str = "\u{2014}";
 
 /// A number rounded to so many significant digits, with a real minus sign; a power of ten where it is very large or small.
-pub(super) fn significant(x: f64, digits: usize) -> String {
+pub(crate) fn significant(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         return NOTHING.into();
     }
@@ -35,7 +35,7 @@ pub(super) fn count(n: Option<u32>) -> String {
 }
 
 /// A number as the user wrote it.
-pub(super) fn written(x: f64) -> String {
+pub(crate) fn written(x: f64) -> String {
     x.to_string().replace('-', "\u{2212}")
 }
 

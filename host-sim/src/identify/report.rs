@@ -10,7 +10,6 @@ use super::findings::{Findings, Fits, Parameter};
 use super::model::Order;
 use super::poles::Complex;
 use super::warning::Warning;
-use crate::commands::terminal::{WARNING, styled};
 
 /// All results; `--json` prints this as one flat object. What does not exist is null.
 #[derive(Clone, Debug, Serialize)]
@@ -80,8 +79,7 @@ impl Display for Report {
         if !self.warnings.is_empty() {
             writeln!(f)?;
         }
-        let head = styled(WARNING, "warning:");
-        self.warnings.iter().try_for_each(|warning| writeln!(f, "{head} {warning}"))
+        self.warnings.iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))
     }
 }
 

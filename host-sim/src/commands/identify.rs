@@ -1,28 +1,15 @@
 //! `pt326 identify`: the core's identification on a recorded file.
 
-pub mod detrend;
-pub mod estimate;
-pub mod findings;
-pub mod model;
-pub mod poles;
-pub mod report;
-pub mod stamps;
-pub mod warning;
-
 use std::ops::Range;
 use std::path::PathBuf;
 
-use anyhow::{Context, ensure};
 use clap::Args;
 
-use super::terminal::print;
+use super::terminal::{WARNING, print, styled};
+use crate::identify::detrend::Detrend;
+use crate::identify::model::Order;
+use crate::identify::{Asked, identify};
 use crate::recording::table::Table;
-use detrend::{Detrend, Detrended, detrended};
-use findings::{Findings, Fits};
-use model::{Model, Order, Signals};
-use report::{Question, Report, Validation};
-use stamps::Stamps;
-use warning::{Warning, warnings};
 
 /// Arguments of `identify`.
 #[derive(Clone, Debug, Args)]
@@ -99,79 +86,27 @@ fn row_range(text: &str) -> Result<Range<usize>, String> {
 /// # Errors
 /// What is wrong in the file or the arguments, by name.
 pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
-    let report = identify(args, &Table::read(&args.file)?)?;
-    let text = if args.json { serde_json::to_string_pretty(&report)? + "\n" } else { report.to_string() };
+    let report = identify(&args.asked(), &Table::read(&args.file)?)?;
+    let text = match args.json {
+        true => serde_json::to_string_pretty(&report)? + "\n",
+        false => report.to_string().replace("warning:", &styled(WARNING, "warning:")),
+    };
     print(&text)
 }
 
-/// Identifies a model from `table`, judges it and tests it.
-///
-/// # Errors
-/// What is wrong in the table or the arguments, by name.
-pub fn identify(args: &IdentifyArgs, table: &Table) -> anyhow::Result<Report> {
-    let columns = (table.column(&args.u)?, table.column(&args.y)?);
-    let range = args.from..args.to.unwrap_or(table.rows());
-    let recorded = signals(table, columns, &range)?;
-    let stamps = Stamps::find(table, columns, &range);
-    let ts = args
-        .ts
-        .or(stamps.as_ref().map(|stamps| stamps.usual))
-        .context("no sample time: expected --ts, or a column of times that rise (named t, time, t_s, ...)")?;
-    let Detrended { detrend, offsets, estimate } =
-        detrended(&recorded, args.detrend, args.order, args.lambda)?;
-    let used = recorded.minus(offsets.0, offsets.1);
-
-    let mut doubts: Vec<Warning> = stamps
-        .map(|stamps| stamps.warnings(ts))
-        .into_iter()
-        .flatten()
-        .chain(warnings(&used, &estimate))
-        .collect();
-    let mut validation = None;
-    if let Some(rows) = &args.validate {
-        let unseen = signals(table, columns, rows)?.minus(offsets.0, offsets.1);
-        validation = Some(validate(&estimate.model, &unseen, rows)?);
-        if rows.start < range.end && range.start < rows.end {
-            doubts.push(Warning::ValidationOverlaps);
+impl IdentifyArgs {
+    fn asked(&self) -> Asked {
+        Asked {
+            u: self.u.clone(),
+            y: self.y.clone(),
+            order: self.order,
+            ts: self.ts,
+            lambda: self.lambda,
+            detrend: self.detrend,
+            from: self.from,
+            to: self.to,
+            validate: self.validate.clone(),
         }
-    }
-    Ok(Report {
-        question: Question {
-            file: table.file().to_owned(),
-            rows: table.rows(),
-            from: range.start,
-            to: range.end,
-            u: table.name(columns.0),
-            y: table.name(columns.1),
-            order: args.order,
-            ts_s: ts,
-            lambda: args.lambda,
-            detrend,
-            detrend_chosen: args.detrend == Detrend::Auto,
-        },
-        findings: Findings::new(&estimate, ts),
-        fits: Fits::new(&estimate.model, &used),
-        initial_state: initial_state(args.order),
-        validation,
-        warnings: doubts,
-    })
-}
-
-/// The columns u and y in `rows`.
-fn signals(table: &Table, (u, y): (usize, usize), rows: &Range<usize>) -> anyhow::Result<Signals> {
-    Ok(Signals { u: table.values(u, rows.clone())?, y: table.values(y, rows.clone())? })
-}
-
-fn validate(model: &Model, unseen: &Signals, rows: &Range<usize>) -> anyhow::Result<Validation> {
-    let least = model.order.memory() + 2;
-    ensure!(rows.len() >= least, "--validate: {} rows are too few, expected {least} or more", rows.len());
-    Ok(Validation { from: rows.start, to: rows.end, fits: Fits::new(model, unseen) })
-}
-
-fn initial_state(order: Order) -> String {
-    match order.memory() {
-        1 => "from the first measured row of the range".into(),
-        n => format!("from the first {n} measured rows of the range"),
     }
 }
 
@@ -180,6 +115,7 @@ mod tests {
     use clap::Parser;
 
     use super::*;
+    use crate::identify::warning::Warning;
 
     #[derive(Parser)]
     struct Cli {
@@ -187,9 +123,9 @@ mod tests {
         args: IdentifyArgs,
     }
 
-    fn args(options: &str) -> IdentifyArgs {
+    fn args(options: &str) -> Asked {
         let line = format!("x f --u u --y y --ts 0.5 {options}");
-        Cli::try_parse_from(line.split_whitespace()).unwrap().args
+        Cli::try_parse_from(line.split_whitespace()).unwrap().args.asked()
     }
 
     /// y[k] = 0.9 y[k-1] + 0.2 u[k-1] exactly, u a square wave; from row 60 on, y is twice that.

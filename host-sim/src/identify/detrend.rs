@@ -1,14 +1,14 @@
 //! What is done about the values that u and y have at rest.
 
 use anyhow::Context;
-use clap::ValueEnum;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::estimate::{Estimate, estimate, estimate_with_constant};
 use super::model::{Order, Signals, mean, rms};
 
 /// What is done about the values that u and y have at rest.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Detrend {
     /// As offset, if y is clearly not zero when u is, as a temperature is not; else as none. The report says which.

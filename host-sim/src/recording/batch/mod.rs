@@ -1,0 +1,462 @@
+//! Training on all samples at once: an output-error fit of the model of `fdi_core`, with how each stretch began free (L. Ljung, *System
+//! Identification*, 2nd ed., 1999, chapter 7). A board keeps no samples and learns in one pass; a recording lies on a disk.
+
+mod plant;
+mod search;
+
+use fdi_core::likelihood::Likelihood;
+use fdi_core::likelihood::Parameter::{
+    self, Curvature, Delay1, Delay2, Gain, Heater, Lag1, Lag2, Offset1, Offset2, Reaches2, Wall1, Wall2,
+    WallTime,
+};
+use fdi_core::likelihood::inputs::Inputs;
+use fdi_core::{Celsius, Config, KnownInputs, Observed, Percent, Seconds, Units};
+
+pub use plant::Theta;
+use plant::{PARAMETERS, Pairs, Plant, Row, Stretch};
+use search::{Point, Search};
+
+/// Answer times from which it is looked for, samples; as long as there are so many of them.
+const FIRST_ANSWER: f64 = 10.0;
+const LONGER: f64 = 2.0;
+const LEAST_ANSWERS: f64 = 2.0;
+/// Steps from each of them, and from the best.
+const STEPS: usize = 8;
+const MOST_STEPS: usize = 25;
+/// Steps over all rows together, so that many rows take no longer; and the least of them.
+const STEPS_OF_ALL: usize = 400_000;
+const LEAST_STEPS: usize = 3;
+/// Of more rows than this means are asked first.
+const FEW: usize = 6000;
+/// Dead time and about four time constants are so many times what the heat takes to arrive.
+pub const ANSWER: f64 = 4.4;
+/// How often what is left says anew what noise there is.
+const NOISES: usize = 2;
+/// A longer run of missing samples is a gap, behind which another stretch begins.
+const GAP: usize = 10;
+/// A shorter stretch says nothing but how it began.
+const SHORTEST: usize = 20;
+/// The spread of the residuals that is assumed first, as a share of that of T1.
+const ASSUMED: f64 = 0.1;
+/// A heater beside that moves by less, %, shows nothing.
+const STILL: f64 = 0.1;
+/// A wall has to make the sum less by so much: three standard deviations. Otherwise what drifts would be taken for one.
+const WORTH_A_WALL: f64 = 9.0;
+const NO_WALL: (f64, f64) = (0.0, 0.0);
+/// A wall that is slower than this share of all there is shows nothing but a drift.
+const LONGEST_WALL: f64 = 0.25;
+/// What the diagnosis remembers of the air, as a share of its ticks: see `longest_delay` of the tuning.
+const LONGEST_DELAY: f64 = 43.0;
+/// Temperatures beyond are none, degC: see [`fdi_core::Monitor`].
+const HOTTEST: f64 = 1e5;
+/// Nothing is learnt where the fan is further from its usual level.
+const USUAL_FAN: f32 = 0.05;
+
+/// What is fitted.
+#[derive(Clone, Copy, Debug)]
+pub struct Question<'a> {
+    /// The samples.
+    pub samples: &'a [Observed],
+    /// What is measured.
+    pub inputs: Inputs,
+    /// What its units are.
+    pub units: Units,
+    /// The settings.
+    pub config: &'a Config,
+    /// About how many degC there are for a %.
+    pub usual: f64,
+    /// Means of so many samples are fitted.
+    pub every: usize,
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The parameters, times in ticks of `every` samples.
+    pub theta: Theta,
+    /// Their standard deviations, and as shares of those of the priors; 0 of what was not looked for.
+    pub sd: Theta,
+    /// The same.
+    pub known: Theta,
+    /// The T1 over which rises count where there is no T0, degC.
+    pub base: f64,
+    /// Residuals and rises of T1 and T2, degC, of each sample that has them.
+    pub left: Vec<([f32; 2], [f32; 2])>,
+    /// How much of T1 the model explains, %.
+    pub fit: f64,
+    /// How many stretches there were.
+    pub stretches: usize,
+}
+
+/// Samples as the model wants them.
+struct Prepared {
+    stretches: Vec<Stretch>,
+    base: f64,
+    beside: bool,
+}
+
+impl Question<'_> {
+    /// The parameters that explain the samples best; `near` is where they are looked for, none: anywhere.
+    pub fn fit(&self, near: Option<&Theta>) -> Option<Found> {
+        let prepared = self.prepared();
+        let rows: usize = prepared.stretches.iter().map(Vec::len).sum();
+        let spread = self.spread(&prepared.stretches)?;
+        let anywhere = || {
+            let longer = std::iter::successors(Some(FIRST_ANSWER), |answer| Some(LONGER * answer));
+            longer
+                .take_while(|answer| rows as f64 > LEAST_ANSWERS * answer)
+                .map(|answer| (answer, None))
+                .collect()
+        };
+        let close = |theta: Theta| (ANSWER * residence(&theta), Some(theta));
+        let begins: Vec<(f64, Option<Theta>)> = match near {
+            Some(theta) => vec![close(*theta)],
+            None if rows <= FEW => anywhere(),
+            // Of many samples means say where to look, or the first, where the rig is faster than that.
+            None => {
+                let every = rows.div_ceil(FEW);
+                let means = Question { every: every * self.every, ..*self };
+                let means = means.fit(None).map(|found| in_ticks_of(1.0 / every as f64, &found.theta));
+                let first = Question {
+                    samples: &self.samples[..(FEW * self.every).min(self.samples.len())],
+                    ..*self
+                };
+                let first = first.fit(None).map(|found| found.theta);
+                means.into_iter().chain(first).map(close).collect()
+            }
+        };
+        let most = (STEPS_OF_ALL / rows.max(1)).clamp(LEAST_STEPS, MOST_STEPS);
+        let tuning = &self.config.tuning;
+        let plant = Plant { t2: self.inputs.t2, model: &tuning.model };
+        let search = |answer: f64| {
+            let (prior, mut range) = self.limits(answer, rows, prepared.beside);
+            [Wall1, Wall2, WallTime].into_iter().for_each(|which| range[which as usize] = NO_WALL);
+            Search {
+                plant,
+                stretches: &prepared.stretches,
+                prior,
+                range,
+                t0: self.inputs.t0,
+                beside: prepared.beside,
+                sigma: [ASSUMED * spread; 2],
+                kappa: [1.0; 2],
+            }
+        };
+        let tried = begins.into_iter().map(|(answer, near)| {
+            let search = search(answer);
+            let theta = near.unwrap_or(search.prior.map(|(mean, _)| mean));
+            let theta = std::array::from_fn(|i| theta[i].clamp(search.range[i].0, search.range[i].1));
+            let point = search.descend(search.begin(theta), most.min(STEPS));
+            (search, point)
+        });
+        let (mut search, mut point) = tried.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))?;
+        for _ in 0..NOISES {
+            search.learn_noise(&point);
+            point = search.descend(search.judged(point.theta, point.starts.clone()), most);
+        }
+        if near.is_none_or(|near| near[Wall1 as usize] != 0.0) {
+            let (prior, range) = self.limits(ANSWER * residence(&point.theta), rows, prepared.beside);
+            let walled = Search { prior, range, ..search.clone() };
+            let mut theta = point.theta;
+            for which in
+                [Wall1, Wall2, WallTime].map(|which| which as usize).into_iter().filter(|i| walled.moves(*i))
+            {
+                let (low, high) = walled.range[which];
+                theta[which] = walled.prior[which].0.clamp(low, high);
+            }
+            let other = walled.descend(walled.judged(theta, point.starts.clone()), most);
+            if other.cost < point.cost - WORTH_A_WALL {
+                (search, point) = (walled, other);
+            }
+        }
+        Some(self.found(&search, &point, prepared.base))
+    }
+
+    fn found(&self, search: &Search, point: &Point, base: f64) -> Found {
+        let (mut left, mut squares, mut ys) = (Vec::new(), 0.0, Vec::new());
+        for (stretch, residuals) in search.stretches.iter().zip(search.residuals(point)) {
+            for (row, e) in stretch.iter().zip(residuals) {
+                if e[0].is_finite() {
+                    squares += e[0] * e[0];
+                    ys.push(row.y[0]);
+                }
+                let (e, y) = if self.inputs.t2 { (e, row.y) } else { ([e[0]; 2], [row.y[0]; 2]) };
+                if e.iter().all(|e| e.is_finite()) {
+                    left.push((e.map(|e| e as f32), y.map(|y| y as f32)));
+                }
+            }
+        }
+        let mean = ys.iter().sum::<f64>() / ys.len() as f64;
+        let all: f64 = ys.iter().map(|y| (y - mean).powi(2)).sum();
+        let known = search.deviations(point);
+        let known = std::array::from_fn(|i| if search.moves(i) { known[i] } else { 0.0 });
+        Found {
+            theta: point.theta,
+            sd: std::array::from_fn(|i| known[i] * search.prior[i].1),
+            known,
+            base,
+            left,
+            fit: 100.0 * (1.0 - (squares / all).sqrt()),
+            stretches: search.stretches.len(),
+        }
+    }
+
+    /// Priors and ranges of a rig that answers within `answer` ticks.
+    fn limits(&self, answer: f64, rows: usize, beside: bool) -> (Pairs, Pairs) {
+        let mut config = self.config.clone();
+        config.identification.answer_time = Seconds(answer as f32);
+        config.identification.y_scale =
+            Celsius((self.usual * f64::from(config.identification.u_scale.0)) as f32);
+        let likelihood =
+            Likelihood::new(&config.likelihood, config.tuning, &config.identification, Seconds(1.0));
+        let priors = likelihood.map(|likelihood| likelihood.with(self.inputs).priors());
+        let prior =
+            priors.unwrap_or([(0.0, 1.0); PARAMETERS]).map(|(mean, sd)| (f64::from(mean), f64::from(sd)));
+        let t = &self.config.tuning.range;
+        let wide = |low: f32, high: f32| (f64::from(low), f64::from(high));
+        let mut range = [(0.0, 0.0); PARAMETERS];
+        let mut put = |which: Parameter, within: (f64, f64)| range[which as usize] = within;
+        let longest = (4.0 * rows as f64).ln();
+        let delay = if self.inputs.t2 { LONGEST_DELAY / 2.0 } else { LONGEST_DELAY };
+        let offset =
+            if self.inputs.t0 { t.offset } else { t.intercept * self.config.tuning.prior.intercept_sd };
+        put(Gain, wide(t.least_gain, t.largest_gain));
+        put(Heater, (t.least_heater.into(), longest));
+        put(Delay1, (0.0, delay));
+        put(Lag1, (t.least_lag.into(), longest));
+        put(Wall1, wide(t.least_wall, t.largest_wall));
+        let wall = (60.0 * answer).min(LONGEST_WALL * rows as f64).max(2.0 * answer);
+        put(WallTime, (answer.ln(), wall.ln()));
+        put(Offset1, wide(-offset, offset));
+        put(Curvature, wide(-t.curvature, t.curvature));
+        if self.inputs.t2 || beside {
+            let least = if self.inputs.t2 { t.least_reaches } else { 0.0 };
+            put(Reaches2, wide(least, t.largest_reaches));
+            put(Lag2, (t.least_lag.into(), longest));
+        }
+        if self.inputs.t2 {
+            put(Delay2, (0.0, delay));
+            put(Wall2, wide(t.least_wall, t.largest_wall));
+            put(Offset2, wide(-offset, offset));
+        }
+        (prior, range)
+    }
+
+    /// Standard deviation of T1; none where it never moves.
+    fn spread(&self, stretches: &[Stretch]) -> Option<f64> {
+        let y: Vec<f64> = stretches.iter().flatten().map(|row| row.y[0]).filter(|y| y.is_finite()).collect();
+        let mean = y.iter().sum::<f64>() / y.len() as f64;
+        let spread = (y.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / y.len() as f64).sqrt();
+        (spread > 0.0).then_some(spread)
+    }
+
+    /// The samples in degC and %, cut at gaps.
+    fn prepared(&self) -> Prepared {
+        let celsius = f64::from(self.units.celsius);
+        let percent = 100.0 / self.units.full_power;
+        let first = self.samples.iter().find_map(|sample| sample.t[1]).map_or(0.0, f64::from);
+        let base = first * celsius;
+        let (mut power, mut beside) = (0.0, 0.0);
+        let rows: Vec<Option<Row>> = self
+            .samples
+            .iter()
+            .map(|sample| {
+                let known = KnownInputs {
+                    supply: sample.supply,
+                    fan: sample.fan.map(Percent),
+                    ..KnownInputs::default()
+                };
+                let asked = sample.power.map(|u| (u * percent).clamp(0.0, 100.0));
+                power = asked.map_or(power, |u| f64::from(known.effective(u)));
+                beside = sample.beside.map_or(beside, |u| f64::from(u * percent));
+                let [t0, t1, t2] = sample.t.map(|t| t.map_or(f64::NAN, |t| f64::from(t) * celsius));
+                let t0 = if self.inputs.t0 { t0 } else { base };
+                let usual = (known.fan_share() - 1.0).abs() <= USUAL_FAN;
+                let y = [t1 - t0, t2 - t0].map(|y| if usual && y.abs() < HOTTEST { y } else { f64::NAN });
+                let there = sample.power.is_some() || !y[0].is_nan();
+                there.then_some(Row { power, beside, y })
+            })
+            .collect();
+        let beside = rows.iter().flatten().map(|row| row.beside);
+        let (low, high) = beside.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
+        let stretches = stretches(&rows).into_iter();
+        Prepared {
+            stretches: stretches
+                .map(|part| self.averaged(&part))
+                .filter(|part| part.len() >= SHORTEST)
+                .collect(),
+            base,
+            beside: high - low > STILL,
+        }
+    }
+
+    /// Means, and what has driven the rig since the row before.
+    fn averaged(&self, part: &[Row]) -> Stretch {
+        if self.every > 1 {
+            return part.chunks_exact(self.every).map(mean).collect();
+        }
+        let before = std::iter::once(&part[0]).chain(part);
+        let pairs = part.iter().zip(before);
+        pairs.map(|(row, before)| Row { power: before.power, beside: before.beside, ..*row }).collect()
+    }
+}
+
+/// Samples without a gap; what is missing for a moment has the power of before, and no temperature.
+fn stretches(rows: &[Option<Row>]) -> Vec<Stretch> {
+    let (mut all, mut part, mut missing) = (Vec::new(), Stretch::new(), 0);
+    for row in rows {
+        let Some(row) = row else {
+            missing += 1;
+            continue;
+        };
+        if missing > GAP {
+            all.push(std::mem::take(&mut part));
+        }
+        if let Some(last) = part.last().copied() {
+            part.extend(std::iter::repeat_n(Row { y: [f64::NAN; 2], ..last }, missing));
+        }
+        missing = 0;
+        part.push(*row);
+    }
+    all.push(part);
+    all.retain(|part| !part.is_empty());
+    all
+}
+
+/// The mean of some rows, as one.
+fn mean(rows: &[Row]) -> Row {
+    let over = |of: &dyn Fn(&Row) -> f64| {
+        let known: Vec<f64> = rows.iter().map(of).filter(|x| x.is_finite()).collect();
+        known.iter().sum::<f64>() / known.len() as f64
+    };
+    Row {
+        power: over(&|row| row.power),
+        beside: over(&|row| row.beside),
+        y: [over(&|row| row.y[0]), over(&|row| row.y[1])],
+    }
+}
+
+/// Ticks that it takes for the heat to arrive at T1.
+pub fn residence(theta: &Theta) -> f64 {
+    theta[Heater as usize].exp() + theta[Lag1 as usize].exp() + theta[Delay1 as usize]
+}
+
+/// The same parameters in ticks of so many.
+pub fn in_ticks_of(every: f64, theta: &Theta) -> Theta {
+    let mut theta = *theta;
+    for which in [Heater, Lag1, Lag2, WallTime] {
+        theta[which as usize] -= every.ln();
+    }
+    for which in [Delay1, Delay2] {
+        theta[which as usize] /= every;
+    }
+    theta
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A heater of two lags, 0.4 degC a %, a dead time of 3 samples; its power changes now and then.
+    struct Rig {
+        k: u32,
+        x: f64,
+        m: f64,
+        past: [f64; 3],
+        power: f64,
+    }
+
+    impl Rig {
+        fn begun(x: f64, m: f64) -> Self {
+            Self { k: 0, x, m, past: [x; 3], power: 40.0 }
+        }
+
+        fn random(&self, of: u32) -> f64 {
+            f64::from(self.k.wrapping_mul(0x9E37_79B9).wrapping_add(of).wrapping_mul(0x85EB_CA6B) >> 8)
+                / f64::from(1 << 24)
+                - 0.5
+        }
+
+        /// A sample of it; `moves` is by how much the power does.
+        fn sample(&mut self, moves: f64) -> Observed {
+            let t1 = 22.0 + 0.4 * self.m + 0.2 * self.random(1);
+            if self.k.is_multiple_of(50) {
+                self.power = 40.0 + moves * self.random(2);
+            }
+            self.x += (self.power - self.x) / 60.5;
+            self.m += (self.past[2] - self.m) / 8.5;
+            self.past = [self.x, self.past[0], self.past[1]];
+            self.k += 1;
+            Observed {
+                t: [None, Some(t1 as f32), None],
+                power: Some(self.power as f32),
+                ..Observed::default()
+            }
+        }
+    }
+
+    fn fit(samples: &[Observed]) -> Found {
+        let inputs = Inputs { t0: false, t2: false, fan: false, ..Inputs::ALL };
+        let config = Config::default();
+        let question =
+            Question { samples, inputs, units: Units::default(), config: &config, usual: 0.5, every: 1 };
+        question.fit(None).unwrap()
+    }
+
+    /// Three sessions, each begun in the middle of something else, with samples that are missing and one that is wild: the rig is found as it is.
+    #[test]
+    fn stretches_that_begin_anyhow_are_one_rig() {
+        let mut samples = Vec::new();
+        for (x, m) in [(0.0, 0.0), (95.0, 60.0), (20.0, 80.0)] {
+            let mut rig = Rig::begun(x, m);
+            samples.extend((0..500).map(|_| rig.sample(60.0)));
+            samples.extend([Observed::default(); 30]);
+        }
+        samples[200..206].fill(Observed::default());
+        samples[300].t[1] = Some(500.0);
+        let found = fit(&samples);
+        let time = |which: Parameter| found.theta[which as usize].exp();
+        assert_eq!(found.stretches, 3);
+        assert!((time(Gain) - 0.4).abs() < 0.02, "{found:?}");
+        assert!((time(Heater) - 60.0).abs() < 5.0 && (time(Lag1) - 8.0).abs() < 2.0, "{:?}", found.theta);
+        let clean = fit(&samples
+            .iter()
+            .map(|sample| Observed { t: sample.t.map(|t| t.filter(|t| *t < 200.0)), ..*sample })
+            .collect::<Vec<_>>());
+        assert!(clean.fit > 95.0, "{}", clean.fit);
+    }
+
+    /// Where the power hardly moves, what the rig makes of it is not known, and that is seen.
+    #[test]
+    fn what_the_samples_do_not_tell_is_known_as_such() {
+        let sampled = |moves: f64| {
+            let mut rig = Rig::begun(40.0, 40.0);
+            fit(&(0..1500).map(|_| rig.sample(moves)).collect::<Vec<_>>()).known[Gain as usize]
+        };
+        let (little, enough) = (sampled(0.05), sampled(30.0));
+        assert!(little > 0.5 && enough < 0.2, "{little} {enough}");
+    }
+
+    /// Means of a rig are about the rig, with its times in their ticks.
+    #[test]
+    fn means_find_the_same_rig() {
+        let mut rig = Rig::begun(10.0, 10.0);
+        let samples: Vec<_> = (0..3000).map(|_| rig.sample(60.0)).collect();
+        let found = fit(&samples);
+        let inputs = Inputs { t0: false, t2: false, fan: false, ..Inputs::ALL };
+        let config = Config::default();
+        let means = Question {
+            samples: &samples,
+            inputs,
+            units: Units::default(),
+            config: &config,
+            usual: 0.5,
+            every: 5,
+        };
+        let means = means.fit(Some(&in_ticks_of(5.0, &found.theta))).unwrap();
+        for (found, ticks) in [(&found, 60.0), (&means, 12.0)] {
+            let heater = found.theta[Heater as usize].exp();
+            assert!((heater / ticks - 1.0).abs() < 0.1 && found.fit > 95.0, "{heater} {}", found.fit);
+        }
+    }
+}

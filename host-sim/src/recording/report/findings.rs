@@ -1,0 +1,138 @@
+//! The alarms of a recording with their sentences, and where nothing could be said.
+
+use fdi_core::FaultClass;
+use fdi_core::likelihood::Readiness;
+
+use super::super::run::Diagnosed;
+use super::super::{Heater, Recording};
+use crate::experiment::{Record, Row};
+use crate::record::summary::sentence;
+
+/// An alarm from its rise to its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Episode {
+    /// When it rose, s.
+    pub from: f64,
+    /// When it ended, or the recording, s.
+    pub to: f64,
+    /// It ended before the recording.
+    pub is_over: bool,
+    /// What was said, one after the other.
+    pub said: Vec<Said>,
+}
+
+/// What is said while an alarm stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Said {
+    /// From when on, s.
+    pub at: f64,
+    /// Which fault; none: it can't be told.
+    pub class: Option<FaultClass>,
+    /// The same in words, with the size as it was said last.
+    pub sentence: String,
+}
+
+/// A part of which nothing was said.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unjudged {
+    /// From when, s.
+    pub from: f64,
+    /// To when, s.
+    pub to: f64,
+    /// Why.
+    pub why: &'static str,
+}
+
+impl Episode {
+    /// What it came to: the last name, or that there was none.
+    pub fn headline(&self) -> Option<&Said> {
+        self.said.iter().rev().find(|said| said.class.is_some()).or(self.said.last())
+    }
+}
+
+/// What is said of a fault that nobody can name.
+const UNNAMED: &str = "something is wrong, and it cannot be told what";
+/// Shorter parts are not told, samples.
+const SHORT: f64 = 5.0;
+
+/// Each alarm.
+pub(super) fn episodes(recording: &Recording, heater: &Heater, done: &Diagnosed) -> Vec<Episode> {
+    let record = &done.record;
+    let first = done.watched_from as u32;
+    let start = record.rows.partition_point(|row| row.tick.index < first);
+    let rows = &record.rows[start..];
+    let time = |row: &Row| record.time(row.tick.index);
+    let alarm = |row: &Row| row.report.likelihood.alarm;
+    let mut episodes = Vec::new();
+    let mut after = rows;
+    for rows in rows.chunk_by(|a, b| alarm(a) == alarm(b)) {
+        after = &after[rows.len()..];
+        if !alarm(&rows[0]) {
+            continue;
+        }
+        let class = |row: &Row| row.report.likelihood.finding.map(|finding| finding.class);
+        let said = rows.chunk_by(|a, b| class(a) == class(b)).map(|rows| Said {
+            at: time(&rows[0]),
+            class: class(&rows[0]),
+            sentence: words(recording, heater, record, rows),
+        });
+        let to = after.first().map_or(record.end(), time);
+        episodes.push(Episode { from: time(&rows[0]), to, is_over: !after.is_empty(), said: said.collect() });
+    }
+    episodes
+}
+
+/// What is said on rows that name the same, with its size on the last of them.
+fn words(recording: &Recording, heater: &Heater, record: &Record, rows: &[Row]) -> String {
+    let told = |row: &Row| {
+        Some(plain(recording, heater, &sentence(record, row, row.report.likelihood.finding.as_ref()?)))
+    };
+    let is_whole = |text: &String| !text.contains("? ");
+    rows.iter().rev().filter_map(told).find(is_whole).unwrap_or_else(|| UNNAMED.to_owned())
+}
+
+/// The sentence of a board about a rig of which less is known.
+pub fn plain(recording: &Recording, heater: &Heater, sentence: &str) -> String {
+    let loose = if heater.inputs.fan { "is it loose? " } else { "is it loose, or is heat lost? " };
+    sentence.replace("is it out of the tube? ", loose).replace("°C", recording.unit(heater))
+}
+
+/// Where nothing could be said after the training.
+pub(super) fn unjudged(recording: &Recording, done: &Diagnosed) -> Vec<Unjudged> {
+    let first = done.record.rows.first().map_or(0, |row| row.tick.index);
+    let before = Unjudged { from: 0.0, to: done.record.time(first), why: "before what was learnt from" };
+    let record = &done.record;
+    let time = |k: usize| record.time(k as u32);
+    let stretches = recording.stretches();
+    let between = stretches.windows(2).filter(|pair| pair[1].start > done.watched_from);
+    let session = |k: usize| recording.sessions.iter().position(|session| session.contains(&k));
+    let gaps = between.map(|pair| {
+        let why = if session(pair[1].start) != session(pair[0].start) {
+            "another session begins"
+        } else {
+            "no rows"
+        };
+        Unjudged { from: time(pair[0].end.max(done.watched_from)), to: time(pair[1].start), why }
+    });
+    let why = |row: &Row| {
+        let likelihood = &row.report.likelihood;
+        let is_watched = !likelihood.alarm && (row.tick.index as usize) >= done.watched_from;
+        let why = match () {
+            () if row.tick.sample.t1.good().is_none() => "no T1",
+            () if likelihood.readiness != Readiness::Armed || likelihood.expected[1].is_none() => {
+                "the state of the rig was not known yet"
+            }
+            () => return None,
+        };
+        is_watched.then_some(why)
+    };
+    let parts = record.rows.chunk_by(|a, b| why(a) == why(b)).filter_map(|rows| {
+        let (first, last) = (rows.first()?, rows.last()?);
+        let to = record.time(last.tick.index + 1);
+        Some(Unjudged { from: record.time(first.tick.index), to, why: why(first)? })
+    });
+    let mut parts: Vec<Unjudged> = parts.chain(gaps).chain([before]).collect();
+    parts.retain(|part| part.to - part.from > SHORT * record.sample_time);
+    parts.sort_by(|a, b| a.from.total_cmp(&b.from));
+    parts
+}

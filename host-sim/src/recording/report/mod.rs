@@ -1,0 +1,194 @@
+//! What was found in a recording: as text for a terminal, and as a page that needs nothing else.
+
+mod chart;
+mod findings;
+mod learnt;
+mod page;
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use fdi_core::Observed;
+
+use super::run::{Diagnosed, Training};
+use super::score::Score;
+use super::{Heater, Recording};
+use crate::experiment::Row;
+
+pub use findings::{Episode, Said, Unjudged, plain};
+pub use learnt::Learnt;
+
+/// A heater of a recording with all that is told of it.
+#[derive(Clone, Debug)]
+pub struct Told<'a> {
+    /// The recording.
+    pub recording: &'a Recording,
+    /// The heater.
+    pub heater: &'a Heater,
+    /// What was learnt from.
+    pub training: &'a Training,
+    /// What was made of it.
+    pub done: &'a Diagnosed,
+    /// How its faults were seen, where they are known.
+    pub score: Option<&'a Score>,
+    /// Each alarm.
+    pub episodes: Vec<Episode>,
+    /// Where nothing could be said.
+    pub unjudged: Vec<Unjudged>,
+    /// What the model says of T1 at each row, in the recording's unit; none where it says nothing.
+    expected: Vec<Option<f64>>,
+    /// T1 was within so much of it for [`WITHIN`] of the training, in the recording's unit.
+    band: f64,
+}
+
+/// Share of the training that lies within the band.
+const WITHIN: f64 = 0.95;
+/// Samples that a model which begins with the first of them takes to know where it is.
+const SETTLED: usize = 60;
+
+impl<'a> Told<'a> {
+    /// Gathers it. `heater` is one of the recording's own.
+    pub fn new(
+        recording: &'a Recording,
+        heater: &'a Heater,
+        training: &'a Training,
+        done: &'a Diagnosed,
+        score: Option<&'a Score>,
+    ) -> Self {
+        let own = learnt_from(training);
+        let normal = match (own, training) {
+            (Some((part, _)), _) => &heater.samples[part.clone()],
+            (None, Training::Other(other)) => {
+                let which = recording.heaters.iter().position(|of| std::ptr::eq(of, heater));
+                which.and_then(|which| other.heaters.get(which)).map_or(&[][..], |theirs| &theirs.samples)
+            }
+            (None, _) => &[],
+        };
+        let every = f64::from(done.trained.every);
+        let ticks: Vec<u32> = (0..normal.len() as u32).collect();
+        let learnt = aligned(&ticks, &simulated(done, normal), every);
+        let off = learnt.iter().zip(normal).skip(SETTLED);
+        let off = off.filter_map(|(expected, sample)| Some((f64::from(sample.t[1]?) - (*expected)?).abs()));
+        let mut off: Vec<f64> = off.filter(|off| off.is_finite()).collect();
+        off.sort_by(f64::total_cmp);
+        let band = off.get((WITHIN * off.len() as f64) as usize).copied().unwrap_or(f64::NAN);
+        // Of what was learnt from, too, the page shows what the model made of it.
+        let in_training = |k: usize| learnt.get(k.checked_sub(own?.0.start)?).copied().flatten();
+        let expected = |row: &Row| {
+            let now = row.report.likelihood.expected[1].map(f64::from);
+            now.or_else(|| in_training(row.tick.index as usize))
+        };
+        let (ticks, said): (Vec<u32>, Vec<Option<f64>>) =
+            done.record.rows.iter().map(|row| (row.tick.index, expected(row))).unzip();
+        Self {
+            recording,
+            heater,
+            training,
+            done,
+            score,
+            episodes: findings::episodes(recording, heater, done),
+            unjudged: findings::unjudged(recording, done),
+            expected: aligned(&ticks, &said, every),
+            band,
+        }
+    }
+
+    /// What a temperature is in.
+    pub fn unit(&self) -> &'static str {
+        self.recording.unit(self.heater)
+    }
+
+    /// Each alarm and what was not judged, a line each.
+    pub fn text(&self) -> String {
+        let record = &self.done.record;
+        let from = self.done.watched_from as f64 * self.recording.sample_time;
+        let mut text =
+            format!("{:.0} s watched, {} alarms", (record.end() - from).max(0.0), self.episodes.len());
+        text += if self.episodes.is_empty() { "\n" } else { ":\n" };
+        for episode in &self.episodes {
+            for said in &episode.said {
+                let _ = writeln!(text, "{:>9.2} s  {}", said.at, said.sentence);
+            }
+            let _ = match episode.is_over {
+                true => writeln!(text, "{:>9.2} s  all is as expected again", episode.to),
+                false => writeln!(text, "{:>11}  and so to the end", ""),
+            };
+        }
+        for part in &self.unjudged {
+            let _ = writeln!(text, "Not judged: {:.2} to {:.2} s, {}.", part.from, part.to, part.why);
+        }
+        text
+    }
+
+    /// The page.
+    pub fn page(&self) -> String {
+        page::html(self)
+    }
+}
+
+/// The samples of the recording that were learnt from, and why they are trusted; none where another recording was.
+fn learnt_from(training: &Training) -> Option<(&Range<usize>, &str)> {
+    match training {
+        Training::Own(part, why) | Training::Found(part, why) => Some((part, why)),
+        Training::Other(_) => None,
+    }
+}
+
+/// What is said of means of `every` samples once they have passed, where it belongs: in the middle of them, and on straight lines between.
+fn aligned(ticks: &[u32], said: &[Option<f64>], every: f64) -> Vec<Option<f64>> {
+    if every < 2.0 {
+        return said.to_vec();
+    }
+    let (mut places, mut last) = (Vec::new(), None);
+    for (tick, value) in ticks.iter().zip(said) {
+        if *value != last
+            && let Some(value) = value
+        {
+            places.push((f64::from(*tick) - 0.5 * (every - 1.0), *value));
+        }
+        last = *value;
+    }
+    let mut next = 0;
+    let at = |(tick, value): (&u32, &Option<f64>)| {
+        let tick = f64::from(*tick);
+        while places.get(next).is_some_and(|(place, _)| *place <= tick) {
+            next += 1;
+        }
+        let between = || {
+            let ((a, from), (b, to)) = (*places.get(next.checked_sub(1)?)?, *places.get(next)?);
+            (b - a < 3.0 * every).then(|| from + (to - from) * (tick - a) / (b - a))
+        };
+        value.map(|value| between().unwrap_or(value))
+    };
+    ticks.iter().zip(said).map(at).collect()
+}
+
+/// What the trained model says of T1 at some samples, from the first of them on.
+fn simulated(done: &Diagnosed, samples: &[Observed]) -> Vec<Option<f64>> {
+    let mut monitor = done.trained.monitor.clone();
+    monitor.resume();
+    let step = |sample: &Observed| {
+        let (_, report) = monitor.step(&Observed { learn: false, ..*sample });
+        report.likelihood.expected[1].map(f64::from)
+    };
+    samples.iter().map(step).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ramp that is told by means of 4, each when its last sample has come.
+    #[test]
+    fn means_stand_in_the_middle_of_what_they_are_of() {
+        let ticks: Vec<u32> = (0..40).collect();
+        let mean = |k: &u32| (*k >= 3).then(|| f64::from((k + 1) / 4 * 4) - 2.5);
+        let said: Vec<Option<f64>> = ticks.iter().map(mean).collect();
+        let placed = aligned(&ticks, &said, 4.0);
+        assert!(placed[..3].iter().all(Option::is_none));
+        for (k, value) in placed.iter().enumerate().take(36).skip(3) {
+            assert_eq!(*value, Some(k as f64));
+        }
+        assert_eq!(aligned(&ticks, &said, 1.0), said);
+    }
+}

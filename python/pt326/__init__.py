@@ -1,0 +1,43 @@
+"""The PT-326 instrument in Python: the code of the board, with its simulated rig.
+
+``run()`` is the paper's experiment; ``Rig`` and ``Instrument`` are the same tick by tick; ``diagnose()`` reads the recording of any heater;
+``campaign()`` and ``evaluate()`` score both diagnoses, and anybody's detector, over many runs. The project's docs/python.md has more.
+"""
+
+from . import tclab
+from ._campaign import Campaign, Detector, Evaluation, campaign, evaluate
+from ._core import VERSION as __version__
+from ._core import Board, Codes, Config, Finding, Instrument, Monitor, Report, Setting, scenario
+from ._error import Error
+from ._recording import Diagnosis, Model, diagnose, identify
+from ._rig import Rig
+from ._run import Run, isolability, repeat, run
+
+__all__ = [
+    "Board",
+    "Campaign",
+    "Codes",
+    "Config",
+    "Detector",
+    "Diagnosis",
+    "Error",
+    "Evaluation",
+    "Finding",
+    "Instrument",
+    "Model",
+    "Monitor",
+    "Report",
+    "Rig",
+    "Run",
+    "Setting",
+    "__version__",
+    "campaign",
+    "diagnose",
+    "evaluate",
+    "identify",
+    "isolability",
+    "repeat",
+    "run",
+    "scenario",
+    "tclab",
+]

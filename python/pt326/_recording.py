@@ -1,0 +1,196 @@
+"""Recordings of heaters that something else controls."""
+
+from __future__ import annotations
+
+import importlib
+import io
+import os
+import warnings
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import numpy as np
+
+from . import _core, _frames
+from ._core import Config, Monitor
+from ._run import Run
+
+#: What a column may be, as in ``pt326 diagnose --map``.
+ROLES = ("time", "t0", "t1", "t2", "power", "known", "fan", "supply")
+
+
+class Diagnosis(Run):
+    """What a recording showed: a run without truth, with what was learnt of the heater."""
+
+    def __init__(self, record: _core.Record, learnt: dict[str, Any], recording: _core.Recording) -> None:
+        super().__init__(record)
+        self._recording = recording
+        #: Why the part that was learnt from is trusted.
+        self.because: str = learnt["because"]
+        #: What was learnt: gain in degC per %, times in s.
+        self.model: dict[str, Any] = learnt["model"]
+        #: How much of T1 the model explains where it was learnt, simulated, %.
+        self.fit: float = learnt["fit"]
+        #: The same of the rest; NaN where nothing is left.
+        self.fit_on_the_rest: float = learnt["fit_on_the_rest"]
+        #: The first time that was watched, s.
+        self.watched_from: float = learnt["watched_from"]
+        #: What whoever reads the results must know.
+        self.remarks: list[str] = recording.remarks
+
+    def monitor(self) -> Monitor:
+        """A monitor that has learnt the same, for what comes next from this heater."""
+        return self._recording.monitor()
+
+    def plot(self, figure: Any = None) -> Any:
+        """Temperatures, what was expected, and what was said, as a matplotlib.figure.Figure."""
+        from . import _plot
+
+        return _plot.diagnosis(self) if figure is None else super().plot(figure)
+
+    def __repr__(self) -> str:
+        return f"<pt326.Diagnosis of {len(self)} samples: {len(self.events)} events>"
+
+
+def diagnose(
+    recording: str | os.PathLike[str] | Mapping[str, Any] | Any,
+    *,
+    time: str | None = None,
+    t0: str | None = None,
+    t1: str | None = None,
+    t2: str | None = None,
+    power: str | None = None,
+    known: str | None = None,
+    fan: str | None = None,
+    supply: str | None = None,
+    heater: int = 1,
+    train: tuple[float, float] | None = None,
+    train_on: str | os.PathLike[str] | Mapping[str, Any] | Any = None,
+    from_rest: bool = False,
+    force: bool = False,
+    ts: float | None = None,
+    resample: bool = False,
+    full_power: float | None = None,
+    degc: float | None = None,
+    has_fan: bool | None = None,
+    config: Config | None = None,
+    progress: bool | _frames.Progress = True,
+) -> Diagnosis:
+    """Diagnoses the recording of a heater that something else controls: ``pt326 diagnose``.
+
+    ``recording`` is a file, a data frame, or a mapping of columns. ``time`` to ``supply`` say which column is what; left out: guessed from the
+    header. It learns from the part ``train`` (from, to in s), from another recording ``train_on``, or from a part that seems normal.
+    A model that explains less than 30 % of T1 is refused unless ``force``; below 60 % a warning tells why.
+    """
+    roles = dict(zip(ROLES, (time, t0, t1, t2, power, known, fan, supply), strict=True))
+    reading: dict[str, object] = {
+        "map": [f"{role}={column}" for role, column in roles.items() if column is not None],
+        "ts": ts,
+        "resample": resample,
+        "full_power": full_power,
+        "degc": degc,
+        "fan": has_fan,
+    }
+    read = _read(recording, reading)
+    if from_rest:
+        read.put_rest_before()
+    with _frames.shown("samples", progress) as tell:
+        record, learnt = read.diagnose(
+            heater=heater,
+            train=train,
+            train_on=None if train_on is None else _read(train_on, reading),
+            from_rest=from_rest,
+            force=force,
+            config=config,
+            progress=tell,
+        )
+    if warning := learnt.pop("warning"):
+        warnings.warn(warning, stacklevel=2)
+    return Diagnosis(record, learnt, read)
+
+
+def _read(recording: Any, reading: dict[str, object]) -> _core.Recording:
+    if isinstance(recording, (str, os.PathLike)):
+        return _core.Recording(recording, reading=reading)
+    return _core.Recording(text=_as_csv(recording), reading=reading)
+
+
+def _as_csv(columns: Any) -> str:
+    """A mapping or a data frame as CSV; numbers are written so that the same are read."""
+    names = [str(name) for name in (columns.columns if hasattr(columns, "columns") else columns)]
+    values = [np.asarray(columns[name]) for name in (columns.columns if hasattr(columns, "columns") else columns)]
+    cells = [[_cell(value) for value in column.tolist()] for column in values]
+    text = io.StringIO()
+    text.write(",".join(f'"{name}"' for name in names) + "\n")
+    text.writelines(",".join(row) + "\n" for row in zip(*cells, strict=True))
+    return text.getvalue()
+
+
+def _cell(value: Any) -> str:
+    return "" if value is None or value != value else str(value)
+
+
+class Model:
+    """An ARX model, y[k] + a1 y[k-1] + .. = b1 u[k-nk] + .. + e[k], with what follows from it and reasons for doubt."""
+
+    def __init__(self, report: dict[str, Any], text: str) -> None:
+        #: All that is known of it, as ``pt326 identify --json`` prints it.
+        self.report = report
+        self._text = text
+        order = report["order"]
+        values = [parameter["value"] for parameter in report["parameters"]]
+        #: a1, a2, ..
+        self.a: list[float] = values[: order["na"]]
+        #: b1, b2, ..
+        self.b: list[float] = values[order["na"] :]
+        #: Samples from the input to the output.
+        self.delay: int = order["nk"]
+        #: Sample time, s.
+        self.ts: float = report["ts_s"]
+
+    def transfer_function(self) -> Any:
+        """It as a control.TransferFunction."""
+        control = importlib.import_module("control")
+        excess = self.delay + len(self.b) - 1 - len(self.a)
+        numerator, denominator = [*self.b, *[0.0] * max(0, -excess)], [1.0, *self.a, *[0.0] * max(0, excess)]
+        return control.TransferFunction(numerator, denominator, self.ts)
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        order = self.report["order"]
+        return f"<pt326.Model ARX({order['na']},{order['nb']},{order['nk']}) from {self.report['u']} to {self.report['y']}>"
+
+
+def identify(
+    recording: str | os.PathLike[str] | Mapping[str, Any] | Any,
+    *,
+    u: str,
+    y: str,
+    order: tuple[int, int, int],
+    ts: float | None = None,
+    lam: float = 1.0,
+    detrend: Literal["auto", "none", "mean", "offset"] = "auto",
+    rows: tuple[int, int] | None = None,
+    validate: tuple[int, int] | None = None,
+) -> Model:
+    """Identifies an ARX model with the board's recursive least squares: ``pt326 identify``.
+
+    ``recording`` is a file, a data frame, or a mapping of columns; ``order`` is na, nb, nk: past outputs, inputs, delay in samples. ``rows`` are
+    those to estimate from, ``validate`` those to test on, each (first, one behind the last).
+    """
+    path = recording if isinstance(recording, (str, os.PathLike)) else None
+    report, text = _core.identify(
+        path,
+        _as_csv(recording) if path is None else None,
+        u,
+        y,
+        order,
+        ts=ts,
+        lam=lam,
+        detrend=detrend,
+        rows=rows,
+        validate=validate,
+    )
+    return Model(report, text)

@@ -1,0 +1,241 @@
+//! The diagnosis of recordings, and of what comes in from a rig that something else controls.
+
+use std::path::PathBuf;
+
+use fdi_core::likelihood::inputs::Inputs;
+use fdi_core::likelihood::model::Model;
+use fdi_core::{Observed, Units};
+use host_sim::recording::run::{Training, as_tick, diagnose};
+use host_sim::recording::table::text_of;
+use host_sim::recording::{self, Reading};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::config::{Config, or_default};
+use crate::convert::{error, from_table, python, refused, to_table};
+use crate::instrument::Report;
+use crate::run::Record;
+use crate::wait::wait;
+
+/// The diagnosis alone, for a heater that something else controls: temperatures and power in, reports out. It learns from the samples of which
+/// `learn` is said.
+#[pyclass(module = "pt326")]
+pub(crate) struct Monitor {
+    monitor: fdi_core::Monitor,
+    sample_time: f64,
+}
+
+#[pymethods]
+impl Monitor {
+    /// `t0`, `t2`, `fan`: what of it the rig has. `celsius` is how many degC one unit of a temperature counts for, `full_power` the power that is 100 %.
+    #[new]
+    #[pyo3(signature = (config = None, *, t0 = true, t2 = true, fan = true, celsius = 1.0, full_power = 100.0))]
+    fn new(
+        config: Option<&Bound<'_, Config>>,
+        t0: bool,
+        t2: bool,
+        fan: bool,
+        celsius: f32,
+        full_power: f32,
+    ) -> PyResult<Self> {
+        let config = or_default(config);
+        let inputs = Inputs { t0, t2, fan, ..Inputs::ALL };
+        let monitor =
+            fdi_core::Monitor::new(&config, inputs, Units { celsius, full_power }).map_err(error)?;
+        Ok(Self { monitor, sample_time: host_sim::experiment::as_written(config.sample_time.0) })
+    }
+
+    /// One sample: temperatures, and what drives the heater from it on. What is None, or no number, is missing.
+    #[pyo3(signature = (t0 = None, t1 = None, t2 = None, power = None, *, beside = None, fan = None, supply = None, learn = false))]
+    #[expect(clippy::too_many_arguments, reason = "Python names them")]
+    fn step(
+        &mut self,
+        t0: Option<f32>,
+        t1: Option<f32>,
+        t2: Option<f32>,
+        power: Option<f32>,
+        beside: Option<f32>,
+        fan: Option<f32>,
+        supply: Option<f32>,
+        learn: bool,
+    ) -> Report {
+        let (seen, report) =
+            self.monitor.step(&Observed { t: [t0, t1, t2], power, beside, fan, supply, learn });
+        Report { raw: None, tick: as_tick(&seen), report, applied: seen.power, sample_time: self.sample_time }
+    }
+
+    /// The next sample is the first of another recording of the same rig.
+    fn resume(&mut self) {
+        self.monitor.resume();
+    }
+
+    /// What was learnt, in s, degC and %; None: nothing yet.
+    #[pyo3(signature = () -> "dict[str, typing.Any] | None")]
+    fn model<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        self.monitor.model().map(|model| as_dict(py, &model)).transpose()
+    }
+}
+
+fn as_dict<'py>(py: Python<'py>, model: &Model) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    for (name, value) in [
+        ("gain", model.gain),
+        ("curvature", model.curvature),
+        ("offset", model.offset),
+        ("heater", model.heater),
+        ("lag", model.lag),
+        ("wall", model.wall),
+        ("dead_time", model.dead_time),
+        ("wall_share", model.wall_share),
+        ("reaches", model.reaches),
+        ("lag2", model.lag2),
+        ("transport", model.transport),
+        ("gain_beside", model.gain_beside),
+        ("lag_beside", model.lag_beside),
+    ] {
+        dict.set_item(name, value)?;
+    }
+    dict.set_item("noise", model.noise)?;
+    Ok(dict)
+}
+
+/// A recording of a heater that something else controls, as it is read by `pt326 diagnose`.
+#[pyclass(module = "pt326")]
+pub(crate) struct Recording {
+    recording: recording::Recording,
+    trained: Option<recording::training::Trained>,
+}
+
+#[pymethods]
+impl Recording {
+    /// From a file, or from the text of one; `reading` has the options of `pt326 diagnose`: map, ts, resample, full_power, degc, fan.
+    #[new]
+    #[pyo3(signature = (path: "str | os.PathLike[str] | None" = None, text = None, name = "data", reading: "dict[str, object] | None" = None))]
+    fn new(
+        path: Option<PathBuf>,
+        text: Option<String>,
+        name: &str,
+        reading: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let reading: Reading = from_table(reading.map(to_table).transpose()?.unwrap_or_default())?;
+        for (name, value) in
+            [("ts", reading.sample_time), ("full_power", reading.full_power), ("degc", reading.celsius)]
+        {
+            if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
+                return Err(refused(format!(
+                    "{name} is {}, expected a number above 0",
+                    value.unwrap_or_default()
+                )));
+            }
+        }
+        let (file, text) = match (path, text) {
+            (Some(path), None) => python(text_of(&path))?,
+            (None, Some(text)) => (name.to_owned(), text),
+            _ => return Err(refused("expected a path or a text".into())),
+        };
+        let recording = python(recording::Recording::parse(file, &text, &reading))?;
+        Ok(Self { recording, trained: None })
+    }
+
+    /// Whoever reads the results must know this.
+    #[getter]
+    fn remarks(&self) -> Vec<String> {
+        self.recording.remarks.clone()
+    }
+
+    /// What each heater's columns are.
+    #[getter]
+    fn heaters(&self) -> Vec<String> {
+        self.recording.heaters.iter().map(|heater| heater.map.to_string()).collect()
+    }
+
+    /// Ts, s.
+    #[getter]
+    fn sample_time(&self) -> f64 {
+        self.recording.sample_time
+    }
+
+    fn __len__(&self) -> usize {
+        self.recording.len()
+    }
+
+    /// The rig was cold and its heater off before the first sample. Gives for how long that is put before it, s.
+    fn put_rest_before(&mut self) -> f64 {
+        self.recording.put_rest_before()
+    }
+
+    /// Learns from a part (from, to in s), from another recording, or from a part that seems normal; then watches. A model that explains less than
+    /// 30 % of T1 is refused, unless `force`.
+    #[pyo3(signature = (heater = 1, train = None, train_on = None, from_rest = false, force = false, config = None, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "tuple[Record, dict[str, typing.Any]]")]
+    #[expect(clippy::too_many_arguments, reason = "Python names them")]
+    fn diagnose<'py>(
+        &mut self,
+        py: Python<'py>,
+        heater: usize,
+        train: Option<(f64, f64)>,
+        train_on: Option<&Bound<'py, Recording>>,
+        from_rest: bool,
+        force: bool,
+        config: Option<&Bound<'py, Config>>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(Record, Bound<'py, PyDict>)> {
+        let recording = self.recording.clone();
+        let (which, count) = (heater.wrapping_sub(1), recording.heaters.len());
+        if which >= count {
+            return Err(refused(format!("heater: the recording has heaters 1 to {count}")));
+        }
+        let end = recording.len() as f64 * recording.sample_time;
+        let own = |part, why: String| Some(Training::Own(part, why));
+        let training = match (train_on, train) {
+            (Some(_), Some(_)) => return Err(refused("train and train_on: expected one of them".into())),
+            (Some(other), None) => Some(Training::Other(Box::new(other.borrow().recording.clone()))),
+            (None, Some((from, to))) if from >= 0.0 && from < to && to <= end + 1e-6 => {
+                own(recording.at(from)..recording.at(to), format!("{from} to {to} s are said to be normal"))
+            }
+            (None, Some((from, to))) => {
+                return Err(refused(format!("train ({from}, {to}): expected 0 <= from < to <= {end} s")));
+            }
+            (None, None) if from_rest => {
+                own(0..recording.len(), "all of it is taken for one heating up from rest".into())
+            }
+            (None, None) => None,
+        };
+        let config = or_default(config);
+        let (because, done) = wait(py, progress, move |shared| {
+            let training = match training {
+                Some(training) => training,
+                None => Training::find(&recording, &recording.heaters[which], &config)?,
+            };
+            let because = match &training {
+                Training::Own(_, why) | Training::Found(_, why) => why.clone(),
+                Training::Other(other) => format!("all of {}, which is said to be normal", other.file),
+            };
+            Ok((because, diagnose(&recording, which, &training, &[], &config, &shared.bar)?))
+        })?;
+        let warning = done.trained.warning().unwrap_or_default();
+        if done.trained.is_poor() && !force {
+            return Err(refused(format!("{warning}Or take it as it is with force=True")));
+        }
+        let learnt = PyDict::new(py);
+        learnt.set_item("warning", warning)?;
+        learnt.set_item("because", because)?;
+        learnt.set_item("model", as_dict(py, &done.trained.model)?)?;
+        learnt.set_item("fit", done.trained.fit)?;
+        learnt.set_item("fit_on_the_rest", done.fit_on_the_rest)?;
+        learnt.set_item("watched_from", done.watched_from as f64 * self.recording.sample_time)?;
+        learnt.set_item("thinned", done.thinned)?;
+        learnt.set_item("restarts", done.restarts)?;
+        self.trained = Some(done.trained);
+        Ok((Record(done.record), learnt))
+    }
+
+    /// A monitor that has learnt what `diagnose` learnt, for what comes next from the same rig.
+    fn monitor(&self) -> PyResult<Monitor> {
+        let trained =
+            self.trained.as_ref().ok_or_else(|| PyRuntimeError::new_err("diagnose comes before"))?;
+        let mut monitor = trained.monitor.clone();
+        monitor.resume();
+        Ok(Monitor { monitor, sample_time: self.recording.sample_time })
+    }
+}

@@ -1,0 +1,120 @@
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pt326
+from conftest import Command
+
+
+@pytest.fixture(scope="module")
+def frame() -> Any:
+    pandas = pytest.importorskip("pandas")
+    scenario = pt326.scenario()
+    scenario["action"] = [
+        {"at": 60.0, "setpoint": 42.0},
+        {"at": 150.0, "setpoint": 30.0},
+        {"at": 250.0, "setpoint": 35.0},
+    ]
+    run = pt326.run(scenario, seed=3)
+    columns = {"t": run.t, "room": run["t0_c"], "box": run["t1_c"], "behind": run["t2_c"], "heat": run["pa_pct"]}
+    return pandas.DataFrame(columns)
+
+
+MAP: dict[str, Any] = {"time": "t", "t0": "room", "t1": "box", "t2": "behind", "power": "heat"}
+
+
+def test_a_frame_is_diagnosed(frame: Any) -> None:
+    told: list[tuple[int, int | None]] = []
+    found = pt326.diagnose(frame, **MAP, train=(0.0, 300.0), progress=lambda done, of: told.append((done, of)))
+    named = [event["name"] for event in found.events if event["by"] == "likelihood"]
+    assert {"t2_offset", "t1_clogged", "air_flow"} <= set(named)
+    assert found.model["gain"] == pytest.approx(0.29, abs=0.05)
+    assert found.because == "0 to 300 s are said to be normal"
+    assert found.watched_from == pytest.approx(300.0, abs=0.2)
+    assert told
+    assert len(found.plot().axes) == 3
+    assert "t2_offset" in set(found.to_pandas()["verdict"])
+
+
+def test_the_command_line_says_the_same(frame: Any, command: Command, tmp_path: Path) -> None:
+    file = tmp_path / "box.csv"
+    frame.astype(np.float64).to_csv(file, index=False)
+    roles = [word for role, column in MAP.items() for word in ("--map", f"{role}={column}")]
+    done = command("diagnose", file, *roles, "--train", "0:300", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    trace = (tmp_path / "out" / "trace.csv").read_text()
+    assert pt326.diagnose(file, **MAP, train=(0, 300), progress=False).trace() == trace
+    assert pt326.diagnose(frame, **MAP, train=(0, 300), progress=False).trace() == trace
+    mapping = {name: frame[name].to_numpy() for name in frame}
+    assert pt326.diagnose(mapping, **MAP, train=(0, 300), progress=False).trace() == trace
+
+
+def test_another_recording_can_be_learnt_from_and_a_monitor_goes_on(frame: Any) -> None:
+    normal, rest = frame[:2700], frame[2700:]
+    found = pt326.diagnose(rest, **MAP, train_on=normal, progress=False)
+    assert found.because == "all of data, which is said to be normal"
+    monitor = found.monitor()
+    said = set()
+    for row in rest.itertuples():
+        report = monitor.step(row.room, row.box, row.behind, row.heat)
+        said |= {report.finding.name} if report.finding else set()
+    assert {"t2_offset", "t1_clogged"} <= said
+    assert monitor.model() == found.model
+
+
+def test_what_cannot_be_is_refused(frame: Any) -> None:
+    with pytest.raises(pt326.Error, match=r"there is no column|no column"):
+        pt326.diagnose(frame, t1="kettle", power="heat", time="t")
+    with pytest.raises(pt326.Error, match="no column is said to be `power`"):
+        pt326.diagnose(frame, t1="box", time="t")
+    with pytest.raises(pt326.Error, match="0 <= from < to <="):
+        pt326.diagnose(frame, **MAP, train=(5.0, 1.0))
+    with pytest.raises(pt326.Error, match="full_power is 0"):
+        pt326.diagnose(frame, **MAP, full_power=0.0)
+    with pytest.raises(pt326.Error, match="heaters 1 to 1"):
+        pt326.diagnose(frame, **MAP, heater=2)
+
+
+def test_a_monitor_says_what_it_is_given() -> None:
+    monitor = pt326.Monitor(t0=False, t2=False, fan=False)
+    report = monitor.step(t1=35.0, power=40.0, learn=True)
+    assert report.finding is None
+    assert report["t1_c"] == 35.0
+    assert monitor.model() is None
+
+
+def test_a_model_is_that_of_the_command_line(frame: Any, command: Command, tmp_path: Path) -> None:
+    file = tmp_path / "box.csv"
+    frame.astype(np.float64).to_csv(file, index=False)
+    options = ["--u", "heat", "--y", "box", "--order", "2,1,2", "--to", "3000", "--validate", "3000:4000"]
+    model = pt326.identify(frame, u="heat", y="box", order=(2, 1, 2), rows=(0, 3000), validate=(3000, 4000))
+    said = json.loads(command("identify", file, *options, "--json").stdout)
+    assert {**model.report, "file": said["file"]} == said
+    assert str(model).splitlines()[3:] == command("identify", file, *options).stdout.splitlines()[3:]
+    assert (
+        str(pt326.identify(file, u="heat", y="box", order=(2, 1, 2))) == command("identify", file, *options[:6]).stdout
+    )
+
+
+@pytest.mark.parametrize("order", [(2, 1, 2), (1, 2, 1), (3, 1, 1)])
+def test_a_model_is_a_transfer_function(frame: Any, order: tuple[int, int, int]) -> None:
+    control = pytest.importorskip("control")
+    model = pt326.identify(frame, u="heat", y="box", order=order, rows=(0, 3000))
+    transfer = model.transfer_function()
+    assert transfer.dt == model.ts == 0.11
+    assert control.dcgain(transfer) == pytest.approx(model.report["static_gain"]["value"], rel=1e-3)
+    _, response = control.impulse_response(transfer, T=np.arange(6) * model.ts)
+    first = next(k for k, value in enumerate(response) if abs(value) > 1e-9)
+    assert first == model.delay
+
+
+def test_what_cannot_be_identified_is_refused(frame: Any) -> None:
+    with pytest.raises(pt326.Error, match="order: expected NA and NB from 1 to 8"):
+        pt326.identify(frame, u="heat", y="box", order=(9, 1, 1))
+    with pytest.raises(pt326.Error, match="kettle"):
+        pt326.identify(frame, u="kettle", y="box", order=(1, 1, 1))
+    with pytest.raises(pt326.Error, match="detrend"):
+        pt326.identify(frame, u="heat", y="box", order=(1, 1, 1), detrend="never")  # type: ignore[arg-type]

@@ -191,7 +191,7 @@ fn a_real_board_is_commissioned_from_the_page_and_heats_at_a_second_press_only()
         const check = $("[data-line=check]"); check.click(); check.click(); // a double click is one press
         await sleep(400); lab.send({ command: "order", order: { order: "setpoint", celsius: 36 } }); await sleep(300);
         const asks = check.textContent; const before = $("#console").textContent.includes("check"); check.click();
-        await until(() => $("#console").textContent.includes("check: thermistors at rest")); await until(() => lab.row().drive === 2.5); const head = (await until(() => /tests itself/.test($("#head").textContent)), true);
+        await until(() => $("#console").textContent.includes("check: thermistors at rest")); await until(() => lab.row().drive === 2.5); const head = (await until(() => /Self-test/.test($("#head").textContent)), true);
         return [asks, before, check.textContent, head]"##;
     assert_eq!(on(&browser, shown), json!(["Yes, it may heat", false, "Self-test (heats a little)", true]));
     let typed = r##"$("#line").focus(); $("#line").dispatchEvent(new KeyboardEvent("keydown", { key: "!", bubbles: true }));

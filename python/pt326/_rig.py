@@ -45,6 +45,10 @@ class Rig(_core.Rig):
         """A sensor repeats its last code, with noise of the standard deviation ``size`` codes."""
         self._do("freeze", at, duration, sensor=sensor, size=size)
 
+    def loose(self, sensor: Sensor, size: float, *, at: float = 0.0, duration: float = 1e9) -> None:
+        """A sensor's contact is loose: it reads ``size`` degC too high, or right, each for 40 s in the mean."""
+        self._do("loose", at, duration, sensor=sensor, size=size)
+
     def spike(self, sensor: Sensor, size: float, *, at: float = 0.0, duration: float = 1e9) -> None:
         """One single sample of a sensor is ``size`` degC off."""
         self._do("spike", at, duration, sensor=sensor, size=size)

@@ -4,7 +4,7 @@ use super::alarm::Said;
 use super::class::{Channel, FaultClass};
 use super::tuning::Tuned;
 use super::verdict::Finding;
-use Source::{Models, Response, Rises, Room, Sensors};
+use Source::{Contact, Models, Response, Rises, Room, Sensors};
 
 /// Who finds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +15,8 @@ enum Source {
     Models,
     /// The rises of T1 and T2 held against those that the models expect: who sees too little.
     Rises,
+    /// The count of how often a thermistor's error came back.
+    Contact,
     /// The thermistors' responses to the power.
     Response,
     /// The room that T0 reads.
@@ -26,6 +28,7 @@ enum Source {
 pub(super) struct Evidence {
     pub(super) sensors: Option<Finding>,
     pub(super) said: Said,
+    pub(super) contact: Option<Finding>,
     pub(super) response: Option<Finding>,
     pub(super) room: Option<Finding>,
 }
@@ -41,7 +44,7 @@ const fn rule(source: Source, holds: fn(&Evidence, Tuned) -> bool) -> Rule {
 }
 
 /// The first that holds is reported.
-static RULES: [Rule; 9] = [
+static RULES: [Rule; 10] = [
     // A broken wire needs no second opinion; a thermistor that is only lost may be part of something larger.
     rule(Sensors, |e, _| !matches!(e.sensors, Some(Finding { class: FaultClass::Lost(_), .. }))),
     // A T2 that slides out resembles a T1 that sees too much; but that reads as it should.
@@ -53,6 +56,8 @@ static RULES: [Rule; 9] = [
     rule(Rises, |e, t| e.rises_say_so(t) && e.models_say(&[FaultClass::Drift])),
     // What slips out a little fits no signature, and looks stuck while the controller holds it.
     rule(Rises, |e, _| e.models_say(&[FaultClass::Unknown]) || e.is_stuck_but_moves()),
+    // An error that comes and goes is one alarm, also while it is gone; what has another name meanwhile is another fault.
+    rule(Contact, |e, _| e.said.by_models().is_none_or(|named| named.class.sensor() == e.contact_of())),
     // The models see more than a contradiction does.
     rule(Models, |e, _| e.models_tell()),
     // That says more than a thermistor that is lost, or than that nothing fits.
@@ -71,13 +76,23 @@ pub(super) fn decide(evidence: &Evidence, tuning: Tuned) -> Option<Finding> {
 impl Evidence {
     /// Whether anything is wrong.
     pub(super) fn alarm(&self) -> bool {
-        self.said.alarm() || [self.sensors, self.response, self.room].iter().any(Option::is_some)
+        self.said.alarm() || self.sources().iter().any(Option::is_some)
     }
 
     /// All that is wrong came little by little since training.
     pub(super) fn creeps(&self) -> bool {
-        let sudden = [self.sensors, self.response, self.room].iter().any(Option::is_some);
+        let sudden = self.sources().iter().any(Option::is_some);
         self.said.since_training.is_some() && self.said.since_onset.is_none() && !sudden
+    }
+
+    /// All but the models.
+    fn sources(&self) -> [Option<Finding>; 4] {
+        [self.sensors, self.contact, self.response, self.room]
+    }
+
+    /// The thermistor whose contact is loose.
+    fn contact_of(&self) -> Option<Channel> {
+        self.contact.and_then(|found| found.class.sensor())
     }
 
     fn of(&self, source: Source) -> Option<Finding> {
@@ -85,6 +100,7 @@ impl Evidence {
             Sensors => self.sensors,
             Models => self.said.by_models(),
             Rises => self.said.by_rises,
+            Contact => self.contact,
             Response => self.response,
             Room => self.room,
         }
@@ -129,8 +145,8 @@ mod tests {
     use super::super::verdict::Magnitude;
     use super::*;
     use FaultClass::{
-        AirFlow, Drift, HeaterPower, Lost, Open, Stuck, T0Fault, T1Clogged, T1Detached, T1Offset, T2Detached,
-        T2Offset, Unknown,
+        AirFlow, Drift, HeaterPower, Lost, Open, Stuck, T0Fault, T1Clogged, T1Detached, T1Loose, T1Offset,
+        T2Detached, T2Offset, Unknown,
     };
 
     fn named(class: FaultClass) -> Option<Finding> {
@@ -156,7 +172,7 @@ mod tests {
     /// One case or more for each rule, in their order: which one decides, and what.
     fn cases() -> Vec<(usize, Evidence, FaultClass)> {
         let (open, lost) = (named(Open(Channel::T1)), named(Lost(Channel::T2)));
-        let (out, t0) = (named(T1Detached), named(T0Fault));
+        let (out, t0, loose) = (named(T1Detached), named(T0Fault), named(T1Loose));
         let slips = |class, rises, share, moves| Evidence {
             said: said(Some(class), Some((rises, share)), moves),
             ..Evidence::default()
@@ -169,19 +185,22 @@ mod tests {
             (2, slips(Drift, T1Detached, 60.0, false), T1Detached),
             (3, slips(Unknown, T1Detached, 20.0, false), T1Detached),
             (3, slips(stuck, T1Detached, 20.0, true), T1Detached),
-            (4, Evidence { sensors: lost, response: out, ..models(T2Offset) }, T2Offset),
-            (4, slips(T1Clogged, T1Detached, 60.0, false), T1Clogged),
-            (4, slips(T1Clogged, T2Detached, 20.0, false), T1Clogged),
-            (4, slips(stuck, T1Detached, 20.0, false), stuck),
-            (4, Evidence { response: out, ..models(HeaterPower) }, HeaterPower),
-            (4, Evidence { room: t0, ..models(T2Offset) }, T2Offset),
-            (5, Evidence { sensors: lost, response: out, ..models(Unknown) }, T1Detached),
-            (5, Evidence { response: out, room: t0, ..models(Drift) }, T1Detached),
-            (6, Evidence { room: t0, ..models(HeaterPower) }, T0Fault),
-            (6, Evidence { room: t0, ..models(AirFlow) }, T0Fault),
-            (7, Evidence { sensors: lost, ..models(Unknown) }, Lost(Channel::T2)),
-            (8, slips(Drift, T1Detached, 20.0, false), Drift),
-            (8, models(Unknown), Unknown),
+            (4, Evidence { contact: loose, ..models(T1Offset) }, T1Loose),
+            (4, Evidence { contact: loose, response: out, ..Evidence::default() }, T1Loose),
+            (5, Evidence { contact: loose, ..models(HeaterPower) }, HeaterPower),
+            (5, Evidence { sensors: lost, response: out, ..models(T2Offset) }, T2Offset),
+            (5, slips(T1Clogged, T1Detached, 60.0, false), T1Clogged),
+            (5, slips(T1Clogged, T2Detached, 20.0, false), T1Clogged),
+            (5, slips(stuck, T1Detached, 20.0, false), stuck),
+            (5, Evidence { response: out, ..models(HeaterPower) }, HeaterPower),
+            (5, Evidence { room: t0, ..models(T2Offset) }, T2Offset),
+            (6, Evidence { sensors: lost, response: out, ..models(Unknown) }, T1Detached),
+            (6, Evidence { response: out, room: t0, ..models(Drift) }, T1Detached),
+            (7, Evidence { room: t0, ..models(HeaterPower) }, T0Fault),
+            (7, Evidence { room: t0, ..models(AirFlow) }, T0Fault),
+            (8, Evidence { sensors: lost, ..models(Unknown) }, Lost(Channel::T2)),
+            (9, slips(Drift, T1Detached, 20.0, false), Drift),
+            (9, models(Unknown), Unknown),
         ]
     }
 

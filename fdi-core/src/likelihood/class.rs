@@ -22,6 +22,10 @@ pub enum FaultClass {
     T0Fault,
     /// A thermistor's error grows slowly.
     Drift,
+    /// T1's error comes and goes: its contact is loose.
+    T1Loose,
+    /// T2's error comes and goes: its contact is loose.
+    T2Loose,
     /// A thermistor repeats itself although it should move.
     Stuck(Channel),
     /// A thermistor's wire is broken.
@@ -174,6 +178,19 @@ const fn detached(sensor: Channel, number: u32, name: &'static str) -> Facts {
 const READS_WRONG: &str = "{t} reads wrong: {measured} degC measured, {expected}";
 const WARM_T0: &str = "T0 reads {t0} degC and is no warmer place than T1 and T2: {t1} and {t2} measured, a colder room expected";
 const STUCK: &str = "{t} stands still: {measured} degC measured, movement expected";
+/// A reading that jumps to and fro; its size is the last one's.
+const fn loose(sensor: Channel, number: u32, name: &'static str) -> Facts {
+    Facts {
+        sized: "{t} reads {size} degC too {high|low} again and again: is its contact loose? {measured} degC measured, {expected}",
+        ..offset(
+            sensor,
+            number,
+            name,
+            "{t} reads wrong again and again: is its contact loose? {measured} degC measured, {expected}",
+        )
+    }
+}
+
 const OPEN: &str = "wire of {t} broken: no temperature measured, one expected";
 const SHORT: &str = "wires of {t} touch: no temperature measured, one expected";
 const LOST: &str = "{t} gives no plausible reading: no temperature measured, one expected";
@@ -237,6 +254,8 @@ rows! {
         axis: "drifts (\u{b0}C a minute)",
         ..plain(7, "drift", "a thermistor drifts: none expected")
     };
+    T1Loose => loose(T1, 29, "t1_loose");
+    T2Loose => loose(T2, 45, "t2_loose");
     Stuck(T0) => of(T0, 9, "t0_stuck", STUCK);
     Stuck(T1) => of(T1, 25, "t1_stuck", STUCK);
     Stuck(T2) => of(T2, 41, "t2_stuck", STUCK);
@@ -324,7 +343,7 @@ mod tests {
     /// Recordings are read by these, so that an old one says what it said.
     #[test]
     fn names_and_numbers_are_the_classes_own_and_never_change() {
-        const NUMBERS: [(u32, &str); 26] = [
+        const NUMBERS: [(u32, &str); 28] = [
             (1, "t1_offset"),
             (2, "t2_offset"),
             (3, "t1_clogged"),
@@ -347,10 +366,12 @@ mod tests {
             (26, "t1_open"),
             (27, "t1_short"),
             (28, "t1_lost"),
+            (29, "t1_loose"),
             (41, "t2_stuck"),
             (42, "t2_open"),
             (43, "t2_short"),
             (44, "t2_lost"),
+            (45, "t2_loose"),
         ];
         for (number, name) in NUMBERS {
             let classes = || FaultClass::ALL.iter().filter(|class| class.number() == number);

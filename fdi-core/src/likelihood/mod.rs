@@ -45,6 +45,7 @@ pub mod class;
 mod commissioned;
 #[doc(hidden)]
 pub mod config;
+mod contact;
 mod contradiction;
 #[cfg(feature = "tuning")]
 #[doc(hidden)]
@@ -100,6 +101,7 @@ use arbiter::{Evidence, decide};
 pub use class::{Channel, FaultClass, Pair};
 pub use commissioned::{Commissioned, PARAMETERS, SinceCommissioning};
 use config::LikelihoodConfig;
+use contact::{Chatter, Contact};
 use contradiction::Contradiction;
 pub use given::Fitted;
 pub use hypothesis::COUNT as HYPOTHESES;
@@ -124,6 +126,7 @@ pub struct Likelihood {
     inputs: Inputs,
     /// Ticks after which an alarm is advice.
     stands: u32,
+    chatter: Chatter,
     tuning: Tuned,
 }
 
@@ -144,6 +147,7 @@ pub struct LikelihoodState {
     sensors: Sensors,
     ambient: AmbientState,
     contradiction: Contradiction,
+    contact: Contact,
     standing: Standing,
     /// What is said while nothing is learnt: why the last training was not accepted, or that it was begun anew.
     otherwise: Readiness,
@@ -191,6 +195,10 @@ impl Likelihood {
             response: ImpulseResponse::new(tuning, ts.0, answer_time),
             inputs: Inputs::ALL,
             stands: Seconds(tuning.alarm.stands).ticks(ts),
+            chatter: Chatter {
+                alarms: tuning.alarm.chatters as u32,
+                window: Seconds(tuning.alarm.returns).ticks(ts),
+            },
             tuning,
         })
     }
@@ -244,6 +252,7 @@ impl Likelihood {
         let evidence = Evidence {
             sensors: state.sensors.step(self.tuning, sample, seen.index),
             said,
+            contact: state.contact.step(self.chatter, said.alarm(), said.by_models(), seen.index),
             response: contradiction,
             room: self.ambient.finding(&state.ambient),
         };
@@ -303,6 +312,7 @@ impl Likelihood {
         // What was seen while it heated up belongs to the learning that follows.
         if (begins && state.current) || !seen.phase.is_heated() {
             state.work = Work::Nothing;
+            state.contact = Contact::default();
             state.otherwise = Readiness::Untrained;
         }
         state.current &= !begins || state.given;

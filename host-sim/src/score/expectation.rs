@@ -48,11 +48,11 @@ pub fn size_as(fault: &Fault, class: FaultClass, t: f64) -> Option<f64> {
 }
 
 fn vectors(fault: &Fault) -> (Option<u8>, Option<u8>) {
-    use Verb::{Clog, Detach, Drift, Freeze, HeaterPower, HeaterStuck, Offset, Stuck, SupplyVoltage};
+    use Verb::{Clog, Detach, Drift, Freeze, HeaterPower, HeaterStuck, Loose, Offset, Stuck, SupplyVoltage};
     match (fault.truth(), fault.verb, fault.sensor) {
         (truth @ 1..=3, ..) => (Some(truth.min(2)), Some(truth)),
-        (_, Offset | Drift | Clog | Stuck | Detach | Freeze, Some(Sensor::T2)) => (Some(1), None),
-        (_, Offset | Drift | Stuck | Detach | Freeze, Some(Sensor::T1)) => (Some(2), None),
+        (_, Offset | Loose | Drift | Clog | Stuck | Detach | Freeze, Some(Sensor::T2)) => (Some(1), None),
+        (_, Offset | Loose | Drift | Stuck | Detach | Freeze, Some(Sensor::T1)) => (Some(2), None),
         (_, HeaterPower | HeaterStuck | SupplyVoltage, _) => (Some(2), None),
         _ => (None, None),
     }
@@ -63,6 +63,8 @@ fn class(fault: &Fault) -> Option<FaultClass> {
     match (fault.verb, fault.sensor.map(channel)) {
         (Verb::AirFlow, _) => Some(FaultClass::AirFlow),
         (Verb::HeaterPower | Verb::HeaterStuck | Verb::SupplyVoltage, _) => Some(FaultClass::HeaterPower),
+        (Verb::Loose, Some(T1)) => Some(FaultClass::T1Loose),
+        (Verb::Loose, Some(T2)) => Some(FaultClass::T2Loose),
         (Verb::Offset, Some(T1)) => Some(FaultClass::T1Offset),
         (Verb::Offset, Some(T2)) => Some(FaultClass::T2Offset),
         (Verb::Offset | Verb::Clog, Some(T0)) => Some(FaultClass::T0Fault),
@@ -76,7 +78,7 @@ fn class(fault: &Fault) -> Option<FaultClass> {
         (Verb::Open, channel) => channel.map(FaultClass::Open),
         (Verb::Short, channel) => channel.map(FaultClass::Short),
         (Verb::Missing, channel) if fault.size == Some(1.0) => channel.map(FaultClass::Lost),
-        (Verb::Offset | Verb::Clog | Verb::Drift | Verb::Missing, _) => None,
+        (Verb::Offset | Verb::Loose | Verb::Clog | Verb::Drift | Verb::Missing, _) => None,
         (Verb::Spike | Verb::Ambient | Verb::AmbientDrift, _) => None,
     }
 }
@@ -84,7 +86,7 @@ fn class(fault: &Fault) -> Option<FaultClass> {
 fn magnitude(fault: &Fault) -> Option<f64> {
     let size = fault.size?;
     match fault.verb {
-        Verb::Offset | Verb::Drift => Some(size),
+        Verb::Offset | Verb::Drift | Verb::Loose => Some(size),
         Verb::Clog if fault.sensor == Some(Sensor::T1) => Some(percent(size)),
         Verb::AirFlow | Verb::HeaterPower => Some(percent(size)),
         Verb::SupplyVoltage => Some(percent(size * size)), // of power

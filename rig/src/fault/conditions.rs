@@ -1,6 +1,7 @@
 //! What the faults that act at one time make of the rig.
 
 use super::{Fault, Verb};
+use crate::noise::Noise;
 
 /// What the converter of a channel says, instead of the truth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -69,6 +70,8 @@ impl Conditions {
             let size = fault.size_at(t);
             match fault.verb {
                 Verb::Offset => now.offset[i] += size,
+                Verb::Loose if is_apart(fault.at, t) => now.offset[i] += size,
+                Verb::Loose => {}
                 Verb::Drift => now.offset[i] += size * (t - fault.at) / 60.0,
                 Verb::Clog => {
                     now.gain[i] *= size;
@@ -94,5 +97,33 @@ impl Conditions {
             }
         }
         now
+    }
+}
+
+/// A contact that is loose keeps as it is for so long, and then is as likely to change as not, s.
+const STAYS: f64 = 20.0;
+
+/// Whether a contact that has been loose since `from` is apart at the time `t`, by a draw that only these two decide. It begins apart.
+fn is_apart(from: f64, t: f64) -> bool {
+    let spell = ((t - from) / STAYS) as u64;
+    spell == 0 || Noise::new(from.to_bits() ^ spell).uniform(0.0, 1.0) < 0.5
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Sensor;
+    use super::*;
+
+    /// It is apart about half of the time, for some 40 s at once, and the same whenever it is asked.
+    #[test]
+    fn a_loose_contact_opens_and_closes_at_random() {
+        let fault = Fault::new(Verb::Loose, Some(Sensor::T1), Some(0.5), 400.0, 20_000.0);
+        let apart = |t: f64| Conditions::at(std::slice::from_ref(&fault), t, 0.1).offset[1] == 0.5;
+        let seen: Vec<bool> = (0..20_000).map(|i| apart(400.0 + f64::from(i))).collect();
+        let share = seen.iter().filter(|apart| **apart).count() as f64 / 20_000.0;
+        let changes = seen.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        assert!(seen[0] && (0.45..0.55).contains(&share), "{share}");
+        assert!((450..550).contains(&changes), "{changes}");
+        assert!(!apart(399.0));
     }
 }

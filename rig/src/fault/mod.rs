@@ -70,6 +70,8 @@ pub enum Verb {
     Freeze,
     /// The heater's supply has `size` times its nominal voltage.
     SupplyVoltage,
+    /// A sensor's contact is loose: it reads `size` degC too high, or right, and changes between the two at random.
+    Loose,
 }
 
 impl fmt::Display for Verb {
@@ -79,7 +81,7 @@ impl fmt::Display for Verb {
 }
 
 /// All verbs. New ones come last: the numbers of the column `truth` go by this order.
-const ALL_VERBS: [Verb; 17] = [
+const ALL_VERBS: [Verb; 18] = [
     Verb::Offset,
     Verb::Drift,
     Verb::Clog,
@@ -97,6 +99,7 @@ const ALL_VERBS: [Verb; 17] = [
     Verb::Swap,
     Verb::Freeze,
     Verb::SupplyVoltage,
+    Verb::Loose,
 ];
 
 /// One thing that happens, for a time.
@@ -298,6 +301,7 @@ mod tests {
             (plain(Verb::Detach, Some(T1)), 44),
             (plain(Verb::Freeze, Some(T2)), 51),
             (plain(Verb::SupplyVoltage, None), 52),
+            (plain(Verb::Loose, Some(T2)), 57),
             (swap(T1, T2), 46),
             (swap(T2, T1), 46),
             (swap(T0, T2), 47),

@@ -79,6 +79,10 @@ tuning! {
         offset_after = 0.05, "degC", chosen "";
         /// After so long an alarm is advice.
         stands = 3600.0, "s", chosen "who has not come within an hour needs no siren";
+        /// From this many alarms of one thermistor's error on its contact is loose.
+        chatters = 3.0, "1", chosen "a fault that is made twice on purpose is two faults";
+        /// Where each came within this time of the one before.
+        returns = 270.0, "s", chosen "an alarm may outlive its fault by no more than five minutes";
     }
 }
 

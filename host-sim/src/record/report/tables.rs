@@ -233,6 +233,7 @@ pub(super) fn what_happens(fault: &Fault) -> String {
             format!("{sensor} reads {} °C too low", size.trim_start_matches(['-', '−']))
         }
         Verb::Offset => format!("{sensor} reads {size} °C too high"),
+        Verb::Loose => format!("the contact of {sensor} is loose: it reads {size} °C too high now and then"),
         Verb::Drift => format!("{sensor} drifts by {size} °C a minute"),
         Verb::Clog => {
             let lag = fault.lag.map_or_else(String::new, |lag| format!(" with a lag of {} s", written(lag)));

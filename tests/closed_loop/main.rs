@@ -1,6 +1,7 @@
 //! The instrument in closed loop with the simulated rig.
 
 mod board_loop;
+mod commissioned;
 mod contradiction;
 mod heat;
 mod known;

@@ -27,22 +27,21 @@ pub(super) struct Chatter {
 }
 
 impl Contact {
-    /// One tick: whether the models have an alarm, and what they call it.
+    /// One tick: the alarm since an onset, and what it is called.
     pub(super) fn step(
         &mut self,
         chatter: Chatter,
-        alarm: bool,
-        by_models: Option<Finding>,
+        alarm: Option<Option<Finding>>,
         tick: u32,
     ) -> Option<Finding> {
-        self.counted &= alarm;
+        self.counted &= alarm.is_some();
         if tick.wrapping_sub(self.last) > chatter.window {
             *self = Self::default();
         }
-        match by_models {
-            Some(named) if loose(named.class).is_some() => self.follow(named, tick),
+        match alarm {
+            Some(Some(named)) if loose(named.class).is_some() => self.follow(named, tick),
             // One that is too short for a name may be the next of them: it keeps what stands, and does not count.
-            None if alarm => self.last = tick,
+            Some(None) => self.last = tick,
             _ => {}
         }
         let named = self.named.filter(|_| self.alarms >= chatter.alarms)?;
@@ -91,7 +90,7 @@ mod tests {
             for _ in 0..100 {
                 let named =
                     class.map(|class| Finding { class, confidence: 0.9, magnitude: None, onset: tick });
-                said = contact.step(CHATTER, class.is_some(), named, tick);
+                said = contact.step(CHATTER, named.map(Some), tick);
                 tick += 1;
             }
             said
@@ -128,15 +127,14 @@ mod tests {
         let mut contact = Contact::default();
         let named = |tick| Some(Finding { class: T1Offset, confidence: 0.9, magnitude: None, onset: tick });
         for tick in [100, 200, 300] {
-            assert!(contact.step(CHATTER, true, None, tick).is_none());
-            contact.step(CHATTER, true, named(tick + 1), tick + 1);
-            contact.step(CHATTER, false, None, tick + 2);
+            assert!(contact.step(CHATTER, Some(None), tick).is_none());
+            contact.step(CHATTER, Some(named(tick + 1)), tick + 1);
+            contact.step(CHATTER, None, tick + 2);
         }
         assert!(
-            contact.step(CHATTER, true, None, 800).is_some()
-                && contact.step(CHATTER, false, None, 1300).is_some()
+            contact.step(CHATTER, Some(None), 800).is_some() && contact.step(CHATTER, None, 1300).is_some()
         );
-        assert!(contact.step(CHATTER, false, None, 1401).is_none());
+        assert!(contact.step(CHATTER, None, 1401).is_none());
     }
 
     /// An alarm that changes its name and back is still one.
@@ -146,7 +144,7 @@ mod tests {
         for tick in 0..60 {
             let class = if tick % 2 == 0 { T1Offset } else { AirFlow };
             let named = Finding { class, confidence: 0.9, magnitude: None, onset: 0 };
-            assert_eq!(contact.step(CHATTER, true, Some(named), tick), None, "{tick}");
+            assert_eq!(contact.step(CHATTER, Some(Some(named)), tick), None, "{tick}");
         }
     }
 
@@ -156,7 +154,7 @@ mod tests {
         let mut step = |named: bool, tick| {
             let named =
                 named.then_some(Finding { class: T1Offset, confidence: 0.9, magnitude: None, onset: tick });
-            contact.step(CHATTER, named.is_some(), named, tick).is_some()
+            contact.step(CHATTER, named.map(Some), tick).is_some()
         };
         for tick in [100, 200, 300] {
             step(true, tick);

@@ -252,7 +252,7 @@ impl Likelihood {
         let evidence = Evidence {
             sensors: state.sensors.step(self.tuning, sample, seen.index),
             said,
-            contact: state.contact.step(self.chatter, said.alarm(), said.by_models(), seen.index),
+            contact: state.contact.step(self.chatter, said.since_onset, seen.index),
             response: contradiction,
             room: self.ambient.finding(&state.ambient),
         };

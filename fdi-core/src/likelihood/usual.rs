@@ -61,6 +61,12 @@ impl Usual {
         nuisances
     }
 
+    /// Mean squares of what may have moved since training. What it was then is as far from its mean as it is now: of two draws of one process the
+    /// difference has twice the mean square.
+    fn walk_since_training(&self) -> [f32; 4] {
+        self.walk.map(|square| 2.0 * square)
+    }
+
     /// The smallest magnitude of a hypothesis that is a fault when it comes at an onset, with that of the power by the setting; 0 where whatever is
     /// seen is one.
     pub(super) fn least_since_onset(&self, class: FaultClass, power: f32) -> f32 {
@@ -76,9 +82,10 @@ impl Usual {
     /// The same when it has come about since training.
     pub(super) fn least_since_training(&self, class: FaultClass, power: f32) -> f32 {
         let (t, alarm) = (&self.tuning.since_training, &self.tuning.alarm);
+        let walk = self.walk_since_training();
         match class.quantity() {
-            Quantity::Power => larger(power, alarm.unusual * sqrt(self.walk[0] + self.curvature)),
-            Quantity::Flow => larger(alarm.least_flow, alarm.unusual * sqrt(self.walk[1])),
+            Quantity::Power => larger(power, alarm.unusual * sqrt(walk[0] + self.curvature)),
+            Quantity::Flow => larger(alarm.least_flow, alarm.unusual * sqrt(walk[1])),
             Quantity::Rise => t.least_gain,
             Quantity::Nothing | Quantity::Offset | Quantity::Ramp => t.least_offset,
         }

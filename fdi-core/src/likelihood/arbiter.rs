@@ -4,7 +4,7 @@ use super::alarm::Said;
 use super::class::{Channel, FaultClass};
 use super::tuning::Tuned;
 use super::verdict::Finding;
-use Source::{Contact, Models, Response, Rises, Room, Sensors};
+use Source::{Commissioning, Contact, Models, Response, Rises, Room, Sensors};
 
 /// Who finds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +21,8 @@ enum Source {
     Response,
     /// The room that T0 reads.
     Room,
+    /// The models in force held against those of the commissioning.
+    Commissioning,
 }
 
 /// All that was found on a tick.
@@ -31,6 +33,7 @@ pub(super) struct Evidence {
     pub(super) contact: Option<Finding>,
     pub(super) response: Option<Finding>,
     pub(super) room: Option<Finding>,
+    pub(super) commissioning: Option<Finding>,
 }
 
 /// A source is reported where it has found something and this holds.
@@ -44,7 +47,7 @@ const fn rule(source: Source, holds: fn(&Evidence, Tuned) -> bool) -> Rule {
 }
 
 /// The first that holds is reported.
-static RULES: [Rule; 10] = [
+static RULES: [Rule; 11] = [
     // A broken wire needs no second opinion; a thermistor that is only lost may be part of something larger.
     rule(Sensors, |e, _| !matches!(e.sensors, Some(Finding { class: FaultClass::Lost(_), .. }))),
     // A T2 that slides out resembles a T1 that sees too much; but that reads as it should.
@@ -65,6 +68,8 @@ static RULES: [Rule; 10] = [
     rule(Room, |_, _| true),
     rule(Sensors, |_, _| true),
     rule(Models, |e, _| !e.is_stuck_but_moves()),
+    // What was so before it was learnt, where nothing has happened since.
+    rule(Commissioning, |e, _| !e.said.alarm()),
 ];
 
 /// What is reported.
@@ -76,18 +81,17 @@ pub(super) fn decide(evidence: &Evidence, tuning: Tuned) -> Option<Finding> {
 impl Evidence {
     /// Whether anything is wrong.
     pub(super) fn alarm(&self) -> bool {
-        self.said.alarm() || self.sources().iter().any(Option::is_some)
+        self.said.alarm() || self.commissioning.is_some() || self.sudden()
     }
 
-    /// All that is wrong came little by little since training.
+    /// All that is wrong came little by little since training, or since the commissioning.
     pub(super) fn creeps(&self) -> bool {
-        let sudden = self.sources().iter().any(Option::is_some);
-        self.said.since_training.is_some() && self.said.since_onset.is_none() && !sudden
+        self.alarm() && self.said.since_onset.is_none() && !self.sudden()
     }
 
-    /// All but the models.
-    fn sources(&self) -> [Option<Finding>; 4] {
-        [self.sensors, self.contact, self.response, self.room]
+    /// Something is wrong by another source than the models.
+    fn sudden(&self) -> bool {
+        [self.sensors, self.contact, self.response, self.room].iter().any(Option::is_some)
     }
 
     /// The thermistor whose contact is loose.
@@ -103,6 +107,7 @@ impl Evidence {
             Contact => self.contact,
             Response => self.response,
             Room => self.room,
+            Commissioning => self.commissioning,
         }
     }
 
@@ -145,8 +150,8 @@ mod tests {
     use super::super::verdict::Magnitude;
     use super::*;
     use FaultClass::{
-        AirFlow, Drift, HeaterPower, Lost, Open, Stuck, T0Fault, T1Clogged, T1Detached, T1Loose, T1Offset,
-        T2Detached, T2Offset, Unknown,
+        AirFlow, Drift, HeaterPower, Lost, Open, SinceCommissioning, Stuck, T0Fault, T1Clogged, T1Detached,
+        T1Loose, T1Offset, T2Detached, T2Offset, Unknown,
     };
 
     fn named(class: FaultClass) -> Option<Finding> {
@@ -173,6 +178,7 @@ mod tests {
     fn cases() -> Vec<(usize, Evidence, FaultClass)> {
         let (open, lost) = (named(Open(Channel::T1)), named(Lost(Channel::T2)));
         let (out, t0, loose) = (named(T1Detached), named(T0Fault), named(T1Loose));
+        let commissioning = named(SinceCommissioning);
         let slips = |class, rises, share, moves| Evidence {
             said: said(Some(class), Some((rises, share)), moves),
             ..Evidence::default()
@@ -200,7 +206,8 @@ mod tests {
             (7, Evidence { room: t0, ..models(AirFlow) }, T0Fault),
             (8, Evidence { sensors: lost, ..models(Unknown) }, Lost(Channel::T2)),
             (9, slips(Drift, T1Detached, 20.0, false), Drift),
-            (9, models(Unknown), Unknown),
+            (9, Evidence { commissioning, ..models(Unknown) }, Unknown),
+            (10, Evidence { commissioning, ..Evidence::default() }, SinceCommissioning),
         ]
     }
 

@@ -20,6 +20,8 @@ pub enum FaultClass {
     AirFlowOrHeaterPower,
     /// The ambient thermistor reads wrong.
     T0Fault,
+    /// The same power warms otherwise than when the rig was commissioned: heater or air flow has aged, or was changed.
+    SinceCommissioning,
     /// A thermistor's error grows slowly.
     Drift,
     /// T1's error comes and goes: its contact is loose.
@@ -248,6 +250,11 @@ rows! {
     };
     AirFlowOrHeaterPower => plain(18, "air_flow_or_heater_power",
         "the air flow or the heater's power differs from the learnt value");
+    SinceCommissioning => Facts {
+        quantity: Quantity::Rise,
+        sized: "the same power warms by {size} % {more|less} than when the rig was commissioned: {share} % of it learnt, 100 expected",
+        ..plain(20, "since_commissioning", "the same power warms otherwise than when the rig was commissioned")
+    };
     Drift => Facts {
         quantity: Quantity::Ramp,
         sized: "a thermistor drifts {upwards|downwards} by {size} degC a minute, 0 expected",
@@ -343,7 +350,7 @@ mod tests {
     /// Recordings are read by these, so that an old one says what it said.
     #[test]
     fn names_and_numbers_are_the_classes_own_and_never_change() {
-        const NUMBERS: [(u32, &str); 28] = [
+        const NUMBERS: [(u32, &str); 29] = [
             (1, "t1_offset"),
             (2, "t2_offset"),
             (3, "t1_clogged"),
@@ -362,6 +369,7 @@ mod tests {
             (16, "t0_t1_swapped"),
             (17, "t0_t2_swapped"),
             (18, "air_flow_or_heater_power"),
+            (20, "since_commissioning"),
             (25, "t1_stuck"),
             (26, "t1_open"),
             (27, "t1_short"),

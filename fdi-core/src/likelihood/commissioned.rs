@@ -1,6 +1,11 @@
 //! What the rig was like when it was commissioned: the models that were trained then, kept for good. A rig that loses its heat little by
 //! little is learnt anew each time as it is; held against this, the loss shows.
 
+use core::f32::consts::SQRT_2;
+
+use super::class::FaultClass;
+use super::tuning::Tuned;
+use super::verdict::{Finding, Magnitude};
 use crate::error::ConfigError;
 
 /// Numbers that are kept.
@@ -20,6 +25,19 @@ pub struct Commissioned {
 pub struct SinceCommissioning {
     /// Change of the rise of T1 that a power gives, as a share: -0.12 where it is 12 % less. Less heat and more air look alike here.
     pub rise: f32,
+}
+
+impl SinceCommissioning {
+    /// That the rig is another one, where it is: by models that were trained on tick `trained`.
+    pub(super) fn finding(&self, tuning: Tuned, trained: u32) -> Option<Finding> {
+        let t = &tuning.commissioned;
+        (self.rise.abs() > t.least).then(|| Finding {
+            class: FaultClass::SinceCommissioning,
+            confidence: tuning.naming.certain,
+            magnitude: Some(Magnitude { value: 100.0 * self.rise, half_width: 100.0 * SQRT_2 * t.repeats }),
+            onset: trained,
+        })
+    }
 }
 
 impl Commissioned {
@@ -61,6 +79,20 @@ mod tests {
     fn a_change_is_a_share_of_what_it_was() {
         let since = Commissioned::new(0.25).until(&Commissioned::new(0.2));
         assert!((since.rise + 0.2).abs() < 1e-6);
+    }
+
+    /// Below what one training differs from the next by nothing is said.
+    #[test]
+    fn a_large_change_is_a_finding_with_its_size() {
+        let found =
+            |gain| Commissioned::new(0.3).until(&Commissioned::new(gain)).finding(Tuned::default(), 7);
+        assert!(found(0.26).is_none() && found(0.34).is_none());
+        for (gain, size) in [(0.24, -20.0), (0.36, 20.0)] {
+            let finding = found(gain).expect("a fifth");
+            let value = finding.magnitude.map(|magnitude| magnitude.value);
+            assert_eq!((finding.class, finding.onset), (FaultClass::SinceCommissioning, 7));
+            assert!(value.is_some_and(|value| (value - size).abs() < 1e-3), "{value:?}");
+        }
     }
 
     #[test]

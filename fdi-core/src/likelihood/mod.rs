@@ -140,6 +140,8 @@ pub struct LikelihoodState {
     current: bool,
     /// It was fitted elsewhere: no learning replaces it.
     given: bool,
+    /// The tick on which it was accepted.
+    trained_at: u32,
     /// What was trained when the rig was commissioned.
     commissioned: Option<Commissioned>,
     /// What the models said last.
@@ -255,6 +257,7 @@ impl Likelihood {
             contact: state.contact.step(self.chatter, said.since_onset, seen.index),
             response: contradiction,
             room: self.ambient.finding(&state.ambient),
+            commissioning: self.worn(state, seen.phase),
         };
         if seen.index.is_multiple_of(finite::EVERY) && !state.is_finite() {
             return state.begin_anew();
@@ -285,6 +288,12 @@ impl Likelihood {
     /// What has become of the rig since it was commissioned, by the models in force.
     pub fn since_commissioning(&self, state: &LikelihoodState) -> Option<SinceCommissioning> {
         Some(state.commissioned?.until(&self.trained(state)?))
+    }
+
+    /// What has become of it, where the rig is watched and that is more than one training differs from the next by.
+    fn worn(&self, state: &LikelihoodState, phase: Phase) -> Option<Finding> {
+        let since = self.since_commissioning(state).filter(|_| phase == Phase::Watched)?;
+        since.finding(self.tuning, state.trained_at)
     }
 
     /// Another recording of the same rig begins with these inputs.
@@ -343,6 +352,7 @@ impl Likelihood {
                 state.work = Work::Nothing;
                 state.trained = Some(self.watch.start(&trained));
                 state.current = true;
+                state.trained_at = seen.index;
             }
             Err(why) => {
                 state.otherwise = Readiness::Refused(why);

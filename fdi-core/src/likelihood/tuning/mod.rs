@@ -27,7 +27,7 @@ pub use bank::{HypothesisTuning, NuisanceTuning, TaughtTuning};
 use declare::tuning;
 pub use model::{ModelTuning, TimeTuning};
 pub use sensors::{AmbientTuning, ContradictionTuning, HeatTuning, ImpulseTuning, SensorTuning};
-pub use since_training::SinceTrainingTuning;
+pub use since_training::{CommissionedTuning, SinceTrainingTuning};
 pub use tracking::{FanTuning, TrackerTuning};
 pub use training::{ColdTuning, FilterTuning, PriorTuning, RangeTuning, WhiteningTuning};
 
@@ -85,6 +85,8 @@ parts! {
     fan: FanTuning;
     /// Changes since training.
     since_training: SinceTrainingTuning;
+    /// Changes since the commissioning.
+    commissioned: CommissionedTuning;
     /// Rises held against the model.
     heat: HeatTuning;
     /// Thermistors that contradict each other.

@@ -253,7 +253,7 @@ rows! {
     SinceCommissioning => Facts {
         quantity: Quantity::Rise,
         sized: "the same power warms by {size} % {more|less} than when the rig was commissioned: {share} % of it learnt, 100 expected",
-        ..plain(20, "since_commissioning", "the same power warms otherwise than when the rig was commissioned")
+        ..plain(20, "since_commissioning", "the same power warms more or less than when the rig was commissioned: no change expected")
     };
     Drift => Facts {
         quantity: Quantity::Ramp,

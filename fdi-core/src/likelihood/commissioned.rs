@@ -6,7 +6,9 @@ use core::f32::consts::SQRT_2;
 use super::class::FaultClass;
 use super::tuning::Tuned;
 use super::verdict::{Finding, Magnitude};
+use super::{Likelihood, LikelihoodState};
 use crate::error::ConfigError;
+use crate::observation::Phase;
 
 /// Numbers that are kept.
 pub const PARAMETERS: usize = 16;
@@ -68,6 +70,30 @@ impl Commissioned {
     /// What has become of it by now.
     pub(super) fn until(&self, now: &Self) -> SinceCommissioning {
         SinceCommissioning { rise: now.parameters[0] / self.parameters[0] - 1.0 }
+    }
+}
+
+impl Likelihood {
+    /// The models that are in force, as they are kept at a commissioning.
+    pub fn trained(&self, state: &LikelihoodState) -> Option<Commissioned> {
+        let trained = state.trained.as_ref().filter(|_| state.current)?;
+        Some(Commissioned::new(trained.gain()))
+    }
+
+    /// Takes over what was trained when the rig was commissioned, which has been checked with [`Commissioned::validate`].
+    pub fn commission(&self, state: &mut LikelihoodState, commissioned: Option<Commissioned>) {
+        state.commissioned = commissioned;
+    }
+
+    /// What has become of the rig since it was commissioned, by the models in force.
+    pub fn since_commissioning(&self, state: &LikelihoodState) -> Option<SinceCommissioning> {
+        Some(state.commissioned?.until(&self.trained(state)?))
+    }
+
+    /// What has become of the rig since it was commissioned, where it is watched and that is more than one training differs from the next by.
+    pub(super) fn worn(&self, state: &LikelihoodState, phase: Phase) -> Option<Finding> {
+        let since = self.since_commissioning(state).filter(|_| phase == Phase::Watched)?;
+        since.finding(self.tuning, state.trained_at)
     }
 }
 

@@ -251,6 +251,11 @@ impl Likelihood {
         state.cold.step(&self.tuning.cold, now.y, seen.power.0 <= 0.0);
         let said = self.watch(state, seen, &now);
         self.train(state, seen, &now, undisturbed && contradiction.is_none());
+        let taught = Self::taught(state, seen.phase);
+        if taught.is_some() {
+            // What the user has a name for is no loose contact, however often it comes.
+            state.contact = Contact::default();
+        }
         let evidence = Evidence {
             sensors: state.sensors.step(self.tuning, sample, seen.index),
             said,
@@ -269,31 +274,18 @@ impl Likelihood {
             alarm: evidence.alarm(),
             advice,
             finding: decide(&evidence, self.tuning),
+            taught,
             t1_contradicted: contradiction.is_some_and(|found| found.class.leaves_t1_blind()),
             ..self.heat(state, seen, &now)
         }
     }
 
-    /// The models that are in force, as they are kept at a commissioning.
-    pub fn trained(&self, state: &LikelihoodState) -> Option<Commissioned> {
-        let trained = state.trained.as_ref().filter(|_| state.current)?;
-        Some(Commissioned::new(trained.gain()))
-    }
-
-    /// Takes over what was trained when the rig was commissioned, which has been checked with [`Commissioned::validate`].
-    pub fn commission(&self, state: &mut LikelihoodState, commissioned: Option<Commissioned>) {
-        state.commissioned = commissioned;
-    }
-
-    /// What has become of the rig since it was commissioned, by the models in force.
-    pub fn since_commissioning(&self, state: &LikelihoodState) -> Option<SinceCommissioning> {
-        Some(state.commissioned?.until(&self.trained(state)?))
-    }
-
-    /// What has become of it, where the rig is watched and that is more than one training differs from the next by.
-    fn worn(&self, state: &LikelihoodState, phase: Phase) -> Option<Finding> {
-        let since = self.since_commissioning(state).filter(|_| phase == Phase::Watched)?;
-        since.finding(self.tuning, state.trained_at)
+    /// The fault of the user's own that an alarm is.
+    fn taught(state: &LikelihoodState, phase: Phase) -> Option<TaughtFinding> {
+        match &state.work {
+            Work::Watching(onset) if state.current && phase == Phase::Watched => onset.taught(),
+            _ => None,
+        }
     }
 
     /// Another recording of the same rig begins with these inputs.
@@ -396,10 +388,6 @@ impl Likelihood {
         let known = monitoring && now.y[1].is_some() && self.ambient.is_followed(&state.ambient, now.t0);
         LikelihoodReport {
             expected: [ambient, y1, y2],
-            taught: match &state.work {
-                Work::Watching(onset) if monitoring => onset.taught(),
-                _ => None,
-            },
             virtual_rise: if known { trained.virtual_t1() } else { None },
             air_flow: if seen.phase.is_heated() { trained.air_flow() } else { None },
             heater_stuck_on: trained.heater_stuck_on(),

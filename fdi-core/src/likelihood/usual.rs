@@ -109,11 +109,9 @@ mod tests {
             tuning: Tuned::default(),
         };
         let restless = Usual { walk: [0.04, 0.0, 0.0, 0.0], steps: 0.04, ..calm };
-        let cases: [(fn(&Usual, FaultClass, f32) -> f32, f32); 2] =
-            [(Usual::least_since_onset, 0.5), (Usual::least_since_training, 0.5 * SQRT_2)];
-        for (least, expected) in cases {
-            assert_eq!(least(&calm, FaultClass::HeaterPower, 0.2), 0.2);
-            assert!((least(&restless, FaultClass::HeaterPower, 0.2) - expected).abs() < 1e-6);
-        }
+        let power = FaultClass::HeaterPower;
+        assert_eq!([calm.least_since_onset(power, 0.2), calm.least_since_training(power, 0.2)], [0.2; 2]);
+        assert!((restless.least_since_onset(power, 0.2) - 0.5).abs() < 1e-6);
+        assert!((restless.least_since_training(power, 0.2) - 0.5 * SQRT_2).abs() < 1e-6);
     }
 }

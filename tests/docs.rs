@@ -1,7 +1,9 @@
-//! The documents: every relative link leads to a file, every anchor to a heading, and the book lists every page.
+//! The documents: every relative link leads to a file, every anchor to a heading, and the book lists every page; every class of fault has its entry.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+
+use fdi_core::FaultClass;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
@@ -123,6 +125,16 @@ fn the_book_lists_every_page() {
     let listed: Vec<PathBuf> = links(summary).into_iter().map(|(_, link)| Path::new("docs").join(link)).collect();
     let missing: Vec<_> = documents.keys().filter(|page| page.starts_with("docs") && !listed.contains(page)).collect();
     assert_eq!(missing, [Path::new("docs/SUMMARY.md")], "pages that docs/SUMMARY.md does not list");
+}
+
+#[test]
+fn every_class_of_fault_has_its_entry() {
+    let faults = std::fs::read_to_string(root().join("docs/faults.md")).unwrap();
+    let headings: Vec<&str> = faults.lines().filter(|line| line.starts_with('#')).collect();
+    for class in FaultClass::ALL {
+        let name = format!("`{}`", class.name());
+        assert!(headings.iter().any(|line| line.contains(&name)), "docs/faults.md has no heading with {name}");
+    }
 }
 
 /// All sources of the folders with tests, one after the other.

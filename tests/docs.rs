@@ -45,7 +45,9 @@ fn links(text: &str) -> Vec<(usize, String)> {
         let line: String = line.split('`').step_by(2).collect(); // without code
         let inline = line.split("](").skip(1).filter_map(|rest| rest.split([')', ' ']).next());
         let defined = line.strip_prefix('[').and_then(|rest| rest.split_once("]: "));
-        found.extend(inline.chain(defined.map(|(_, target)| target)).map(|target| (number, target.to_owned())));
+        found.extend(
+            inline.chain(defined.map(|(_, target)| target)).map(|target| (number, target.to_owned())),
+        );
     }
     found
 }
@@ -54,7 +56,9 @@ fn links(text: &str) -> Vec<(usize, String)> {
 fn anchors(text: &str) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for (_, line) in outside_code(text) {
-        found.extend(line.split("<a id=\"").skip(1).filter_map(|rest| rest.split('"').next()).map(str::to_owned));
+        found.extend(
+            line.split("<a id=\"").skip(1).filter_map(|rest| rest.split('"').next()).map(str::to_owned),
+        );
         let title = line.trim_start_matches('#');
         if title.len() == line.len() || !title.starts_with(' ') {
             continue;
@@ -122,8 +126,10 @@ fn every_link_of_the_documents_leads_somewhere() {
 fn the_book_lists_every_page() {
     let documents = documents();
     let summary = &documents[Path::new("docs/SUMMARY.md")];
-    let listed: Vec<PathBuf> = links(summary).into_iter().map(|(_, link)| Path::new("docs").join(link)).collect();
-    let missing: Vec<_> = documents.keys().filter(|page| page.starts_with("docs") && !listed.contains(page)).collect();
+    let listed: Vec<PathBuf> =
+        links(summary).into_iter().map(|(_, link)| Path::new("docs").join(link)).collect();
+    let missing: Vec<_> =
+        documents.keys().filter(|page| page.starts_with("docs") && !listed.contains(page)).collect();
     assert_eq!(missing, [Path::new("docs/SUMMARY.md")], "pages that docs/SUMMARY.md does not list");
 }
 
@@ -133,7 +139,10 @@ fn every_class_of_fault_has_its_entry() {
     let headings: Vec<&str> = faults.lines().filter(|line| line.starts_with('#')).collect();
     for class in FaultClass::ALL {
         let name = format!("`{}`", class.name());
-        assert!(headings.iter().any(|line| line.contains(&name)), "docs/faults.md has no heading with {name}");
+        assert!(
+            headings.iter().any(|line| line.contains(&name)),
+            "docs/faults.md has no heading with {name}"
+        );
     }
 }
 

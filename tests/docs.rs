@@ -134,6 +134,12 @@ fn the_book_lists_every_page() {
 }
 
 #[test]
+fn the_readme_is_one_screen_and_a_half() {
+    let lines = std::fs::read_to_string(root().join("README.md")).unwrap().lines().count();
+    assert!(lines <= 120, "README.md has {lines} lines, expected 120 at most: the rest belongs to docs/");
+}
+
+#[test]
 fn every_class_of_fault_has_its_entry() {
     let faults = std::fs::read_to_string(root().join("docs/faults.md")).unwrap();
     let headings: Vec<&str> = faults.lines().filter(|line| line.starts_with('#')).collect();

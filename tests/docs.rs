@@ -1,0 +1,213 @@
+//! The documents: every relative link leads to a file, every anchor to a heading, and the book lists every page; every class of fault has its entry.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use fdi_core::FaultClass;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
+}
+
+/// The documents at the top and all of docs/, by their paths from the top.
+fn documents() -> BTreeMap<PathBuf, String> {
+    let root = root();
+    let (mut pages, mut folders) = (Vec::new(), vec![root.join("docs")]);
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if entry.is_dir() { folders.push(entry) } else { pages.push(entry) }
+        }
+    }
+    pages.extend(std::fs::read_dir(&root).unwrap().map(|entry| entry.unwrap().path()));
+    pages.retain(|page| page.extension().is_some_and(|ending| ending == "md"));
+    let text = |page: PathBuf| {
+        let text = std::fs::read_to_string(&page).unwrap();
+        (page.strip_prefix(&root).unwrap().into(), text)
+    };
+    pages.into_iter().map(text).collect()
+}
+
+/// The lines outside of code blocks, with their numbers from 1.
+fn outside_code(text: &str) -> Vec<(usize, &str)> {
+    let mut code = false;
+    let outside = |(_, line): &(usize, &str)| {
+        let fence = line.trim_start().starts_with("```");
+        code ^= fence;
+        !code && !fence
+    };
+    (1..).zip(text.lines()).filter(outside).collect()
+}
+
+/// Targets of `[text](target)`, `![text](target)` and `[name]: target`, each with its line.
+fn links(text: &str) -> Vec<(usize, String)> {
+    let mut found = Vec::new();
+    for (number, line) in outside_code(text) {
+        let line: String = line.split('`').step_by(2).collect(); // without code
+        let inline = line.split("](").skip(1).filter_map(|rest| rest.split([')', ' ']).next());
+        let defined = line.strip_prefix('[').and_then(|rest| rest.split_once("]: "));
+        found.extend(
+            inline.chain(defined.map(|(_, target)| target)).map(|target| (number, target.to_owned())),
+        );
+    }
+    found
+}
+
+/// Anchors of a page as GitHub and mdBook make them of its headings, and those that are written as `<a id="...">`.
+fn anchors(text: &str) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    for (_, line) in outside_code(text) {
+        found.extend(
+            line.split("<a id=\"").skip(1).filter_map(|rest| rest.split('"').next()).map(str::to_owned),
+        );
+        let title = line.trim_start_matches('#');
+        if title.len() == line.len() || !title.starts_with(' ') {
+            continue;
+        }
+        let slug: String = title.trim().to_lowercase().replace(' ', "-");
+        let slug: String = slug.chars().filter(|c| c.is_alphanumeric() || "-_".contains(*c)).collect();
+        let again = found.iter().filter(|other| **other == slug).count();
+        found.push(if again > 0 { format!("{slug}-{again}") } else { slug });
+    }
+    found
+}
+
+/// What is wrong with the links of these documents; `exists` knows other files, by their paths from the top.
+fn dead_links(documents: &BTreeMap<PathBuf, String>, exists: impl Fn(&Path) -> bool) -> Vec<String> {
+    let mut dead = Vec::new();
+    for (page, text) in documents {
+        for (line, link) in links(text) {
+            if link.contains("://") || link.starts_with("mailto:") {
+                continue;
+            }
+            let (path, anchor) = link.split_once('#').unwrap_or((&link, ""));
+            let target = if path.is_empty() { Some(page.clone()) } else { resolved(page, path) };
+            let why = match target {
+                None => "leads out of the repository",
+                Some(target) if page.starts_with("docs") && !target.starts_with("docs") => {
+                    "leads out of docs/, where the book has no page"
+                }
+                Some(target) => match documents.get(&target) {
+                    Some(text) if !anchor.is_empty() && !anchors(text).iter().any(|a| a == anchor) => {
+                        "names no heading"
+                    }
+                    Some(_) => continue,
+                    None if exists(&target) => continue,
+                    None => "leads to no file",
+                },
+            };
+            dead.push(format!("{}:{line}: {link} {why}", page.display()));
+        }
+    }
+    dead
+}
+
+/// A path beside `page`, from the top; `None` where it leaves the repository.
+fn resolved(page: &Path, path: &str) -> Option<PathBuf> {
+    let mut parts: Vec<&str> = page.parent()?.iter().filter_map(|part| part.to_str()).collect();
+    for part in path.split('/') {
+        match part {
+            "." => {}
+            ".." => drop(parts.pop()?),
+            part => parts.push(part),
+        }
+    }
+    Some(parts.iter().collect())
+}
+
+#[test]
+fn every_link_of_the_documents_leads_somewhere() {
+    let documents = documents();
+    assert!(documents.len() > 20 && documents.contains_key(Path::new("README.md")), "{documents:?}");
+    let dead = dead_links(&documents, |path| root().join(path).exists());
+    assert!(dead.is_empty(), "{}", dead.join("\n"));
+}
+
+#[test]
+fn the_book_lists_every_page() {
+    let documents = documents();
+    let summary = &documents[Path::new("docs/SUMMARY.md")];
+    let listed: Vec<PathBuf> =
+        links(summary).into_iter().map(|(_, link)| Path::new("docs").join(link)).collect();
+    let missing: Vec<_> =
+        documents.keys().filter(|page| page.starts_with("docs") && !listed.contains(page)).collect();
+    assert_eq!(missing, [Path::new("docs/SUMMARY.md")], "pages that docs/SUMMARY.md does not list");
+}
+
+#[test]
+fn the_readme_is_one_screen_and_a_half() {
+    let lines = std::fs::read_to_string(root().join("README.md")).unwrap().lines().count();
+    assert!(lines <= 120, "README.md has {lines} lines, expected 120 at most: the rest belongs to docs/");
+}
+
+#[test]
+fn every_class_of_fault_has_its_entry() {
+    let faults = std::fs::read_to_string(root().join("docs/faults.md")).unwrap();
+    let headings: Vec<&str> = faults.lines().filter(|line| line.starts_with('#')).collect();
+    for class in FaultClass::ALL {
+        let name = format!("`{}`", class.name());
+        assert!(
+            headings.iter().any(|line| line.contains(&name)),
+            "docs/faults.md has no heading with {name}"
+        );
+    }
+}
+
+/// All sources of the folders with tests, one after the other.
+fn sources() -> String {
+    let folders = ["fdi-core", "firmware-logic", "host-sim", "lab", "tests", "tools/virtual-board"];
+    let (mut text, mut folders) = (String::new(), folders.map(|folder| root().join(folder)).to_vec());
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if entry.is_dir() {
+                folders.push(entry);
+            } else if entry.extension().is_some_and(|ending| ending == "rs") {
+                text += &std::fs::read_to_string(entry).unwrap();
+            }
+        }
+    }
+    text
+}
+
+/// From a hazard to the code and to the tests: a file or a test that was renamed is missed here.
+#[test]
+fn the_hazards_name_files_and_tests_that_are_there() {
+    let (text, sources) = (std::fs::read_to_string(root().join("docs/safety.md")).unwrap(), sources());
+    let named = |start: &'static str| {
+        let lines = text.lines().filter(move |line| line.starts_with(start));
+        lines.flat_map(|line| line.split('`').skip(1).step_by(2)).filter(|name| !name.contains(' '))
+    };
+    let (mut files, mut tests) = (0, 0);
+    for name in named("* **Code.**").chain(named("* **Evidence.**")) {
+        if name.contains('/') || name.contains('.') {
+            files += 1;
+            assert!(root().join(name).exists(), "docs/safety.md names {name}, which is not there");
+        } else if name.contains('_') {
+            tests += 1;
+            let there = ["(", "<"].iter().any(|end| sources.contains(&format!("fn {name}{end}")));
+            assert!(there, "docs/safety.md names the test {name}, which is not there");
+        }
+    }
+    assert!(files > 100 && tests > 100, "{files} files, {tests} tests");
+}
+
+#[test]
+fn a_dead_link_is_told_with_its_line() {
+    let page = "# A page\n[b](b.md#two-words) [b](b.md#none) `[c](c.md)`\n```\n[d](d.md)\n```\n![e](e.png)\n\n[f]: f/\n[g](../../g.md)\n[h](#a-page)";
+    let documents = [("docs/a.md", page), ("docs/b.md", "## Two words\n")];
+    let documents = documents.map(|(path, text)| (path.into(), text.to_owned())).into();
+    let dead = dead_links(&documents, |path| path == Path::new("docs/f"));
+    let expected = [
+        "docs/a.md:2: b.md#none names no heading",
+        "docs/a.md:6: e.png leads to no file",
+        "docs/a.md:9: ../../g.md leads out of the repository",
+    ];
+    assert_eq!(dead, expected);
+    let readme = [("docs/a.md".into(), "[r](../README.md)".to_owned())].into();
+    assert_eq!(dead_links(&readme, |_| true).len(), 1, "the book has no such page");
+}
+
+#[test]
+fn anchors_are_those_of_the_headings() {
+    let text = "# 8. Naming, unknown, ending\n```sh\n# a comment\n```\n## `check`: what\n## Same\n## Same\n<a id=\"h\"></a>";
+    assert_eq!(anchors(text), ["8-naming-unknown-ending", "check-what", "same", "same-1", "h"]);
+}

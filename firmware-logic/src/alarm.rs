@@ -4,7 +4,7 @@
 use core::fmt;
 
 use fdi_core::name::Name;
-use fdi_core::{Finding, Report};
+use fdi_core::{FaultClass, Finding, Report};
 
 use crate::decimal::Fixed;
 
@@ -20,6 +20,13 @@ pub struct AlarmRecord {
     pub taught: Name,
     /// The tick on which it had gone.
     pub ended: Option<u32>,
+}
+
+impl AlarmRecord {
+    /// What it was called last, by the classes and by the user.
+    pub(crate) fn name(&self) -> (Option<FaultClass>, Name) {
+        (self.finding.map(|finding| finding.class), self.taught)
+    }
 }
 
 /// Follows what the diagnosis says.
@@ -87,9 +94,9 @@ impl fmt::Display for AlarmText<'_> {
 
 #[cfg(test)]
 mod tests {
+    use fdi_core::Report;
     use fdi_core::likelihood::verdict::TaughtFinding;
     use fdi_core::likelihood::{LikelihoodReport, Magnitude};
-    use fdi_core::{FaultClass, Report};
 
     use super::*;
 

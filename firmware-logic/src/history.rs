@@ -1,4 +1,5 @@
-//! What went wrong since the start, the newest few: faults of the rig, trips, holds.
+//! What went wrong since the start, the newest few: faults of the rig, trips, holds. What comes again and again takes one entry, and what switched the
+//! heater off outlives what did not.
 
 use core::fmt;
 
@@ -27,7 +28,14 @@ pub enum Entry {
         name: Name,
     },
     /// The likelihood diagnosis raised an alarm.
-    Alarm(AlarmRecord),
+    Alarm {
+        /// The last one with its name.
+        alarm: AlarmRecord,
+        /// How many there were.
+        count: u32,
+        /// The tick on which the first of them was raised.
+        first: u32,
+    },
     /// The supervisor tripped.
     Trip(Trip),
     /// Something held the heater off, from this tick on.
@@ -42,16 +50,17 @@ pub enum Entry {
 /// The newest entries.
 #[derive(Clone, Debug, Default)]
 pub struct History {
-    entries: heapless::Deque<Entry, LENGTH>,
+    entries: heapless::Vec<Entry, LENGTH>,
 }
 
 impl History {
-    /// Adds an entry; the oldest makes room.
+    /// Adds an entry. Room is made by the oldest that did not switch off, or by the oldest of all.
     pub fn push(&mut self, entry: Entry) {
         if self.entries.is_full() {
-            self.entries.pop_front();
+            let is_minor = |entry: &Entry| matches!(entry, Entry::Fault { .. } | Entry::Alarm { .. });
+            self.entries.remove(self.entries.iter().position(is_minor).unwrap_or(0));
         }
-        let _ = self.entries.push_back(entry);
+        let _ = self.entries.push(entry);
     }
 
     /// Adds an event of the diagnosis, with the name that a user has for it; what becomes of a fault replaces its entry.
@@ -68,18 +77,31 @@ impl History {
         }
     }
 
-    /// Adds an alarm, or replaces its entry.
+    /// Adds an alarm, or replaces its entry. Once it has ended it takes the place of those before it that had the same name, and counts them.
     pub fn alarm(&mut self, alarm: AlarmRecord) {
-        let same = |entry: &&mut Entry| matches!(entry, Entry::Alarm(known) if known.raised == alarm.raised);
-        match self.entries.iter_mut().find(same) {
-            Some(entry) => *entry = Entry::Alarm(alarm),
-            None => self.push(Entry::Alarm(alarm)),
+        let is_same = |entry: &Entry| matches!(entry, Entry::Alarm { alarm: known, .. } if known.raised == alarm.raised);
+        let (mut count, mut first) = (1, alarm.raised);
+        if let Some(Entry::Alarm { count: before, first: since, .. }) =
+            self.entries.iter().find(|entry| is_same(entry))
+        {
+            (count, first) = (*before, *since);
         }
+        self.entries.retain(|entry| match entry {
+            entry if is_same(entry) => false,
+            Entry::Alarm { alarm: known, count: before, first: since }
+                if alarm.ended.is_some() && known.name() == alarm.name() =>
+            {
+                (count, first) = (count + before, *since);
+                false
+            }
+            _ => true,
+        });
+        self.push(Entry::Alarm { alarm, count, first });
     }
 
     /// An entry, the oldest first.
     pub fn get(&self, index: usize) -> Option<&Entry> {
-        self.entries.iter().nth(index)
+        self.entries.get(index)
     }
 }
 
@@ -113,7 +135,10 @@ impl fmt::Display for EntryText<'_> {
                     false => f.write_str(", lasting"),
                 }
             }
-            Entry::Alarm(alarm) => alarm::AlarmText { alarm, sample_time: self.sample_time }.fmt(f),
+            Entry::Alarm { alarm, count, first } => {
+                alarm::AlarmText { alarm, sample_time: self.sample_time }.fmt(f)?;
+                if *count == 1 { Ok(()) } else { write!(f, ", {count} times since {} s", seconds(*first)) }
+            }
             Entry::Trip(trip) => {
                 let (wanted, tick) = (Fixed(trip.setpoint.0, 1), seconds(trip.tick));
                 let (Reading { celsius, validity }, code) = seen(trip);
@@ -168,7 +193,7 @@ fn seen(trip: &Trip) -> (Reading, AdcCode) {
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::{Celsius, Percent, RawSample, Sample, Validity};
+    use fdi_core::{Celsius, FaultClass, Finding, Percent, RawSample, Sample, Validity};
 
     use super::*;
 
@@ -199,17 +224,42 @@ mod tests {
         assert!(text.starts_with("10.6 s fault: fdv 1 fiv 2 (hand), detected"), "{text}");
     }
 
+    fn alarm(raised: u32, class: Option<FaultClass>, ended: Option<u32>) -> AlarmRecord {
+        let finding = class.map(|class| Finding { class, confidence: 0.9, magnitude: None, onset: raised });
+        AlarmRecord { raised, finding, taught: Name::NONE, ended }
+    }
+
+    fn texts(history: &History) -> Vec<String> {
+        history.entries.iter().map(|entry| EntryText { entry, sample_time: 0.1 }.to_string()).collect()
+    }
+
     #[test]
     fn an_alarm_is_one_entry_from_its_beginning_to_its_end() {
         let mut history = History::default();
-        let alarm = AlarmRecord { raised: 100, finding: None, taught: Name::NONE, ended: None };
-        history.alarm(alarm);
-        history.event(Event::Detected(fault(100)), Name::NONE);
-        history.alarm(AlarmRecord { ended: Some(200), ..alarm });
-        assert_eq!(history.get(0), Some(&Entry::Alarm(AlarmRecord { ended: Some(200), ..alarm })));
-        assert_eq!(history.get(2), None);
-        history.alarm(AlarmRecord { raised: 300, ..alarm });
-        assert_eq!(history.get(2), Some(&Entry::Alarm(AlarmRecord { raised: 300, ..alarm })));
+        history.alarm(alarm(100, None, None));
+        history.alarm(alarm(100, Some(FaultClass::T1Offset), None));
+        assert_eq!(texts(&history), ["10.0 s alarm: t1_offset, confidence 0.90, since 10.0 s, lasting"]);
+        history.alarm(alarm(100, Some(FaultClass::T1Offset), Some(200)));
+        assert_eq!(texts(&history), ["10.0 s alarm: t1_offset, confidence 0.90, since 10.0 s, ended 20.0 s"]);
+    }
+
+    /// One that comes again and again is one that chatters: it has a count, and pushes nothing out.
+    #[test]
+    fn alarms_of_one_name_are_one_entry_with_a_count() {
+        let mut history = History::default();
+        for raised in [100, 300, 500] {
+            history.alarm(alarm(raised, None, None));
+            history.alarm(alarm(raised, Some(FaultClass::T1Offset), None));
+            history.alarm(alarm(raised, Some(FaultClass::T1Offset), Some(raised + 50)));
+            history.alarm(alarm(raised + 60, Some(FaultClass::AirFlow), Some(raised + 70)));
+        }
+        assert_eq!(
+            texts(&history),
+            [
+                "50.0 s alarm: t1_offset, confidence 0.90, since 50.0 s, ended 55.0 s, 3 times since 10.0 s",
+                "56.0 s alarm: air_flow, confidence 0.90, since 56.0 s, ended 57.0 s, 3 times since 16.0 s"
+            ]
+        );
     }
 
     #[test]
@@ -235,12 +285,17 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_makes_ambient() {
+    fn what_switched_off_outlives_what_did_not() {
         let mut history = History::default();
-        for tick in 0..LENGTH as u32 + 3 {
-            history.push(Entry::Lockout { lockout: Lockout::BreakInput, tick });
+        let lockout = |tick| Entry::Lockout { lockout: Lockout::BreakInput, tick };
+        history.push(lockout(0));
+        for detected in 100..100 + 2 * LENGTH as u32 {
+            history.event(Event::Detected(fault(detected)), Name::NONE);
         }
-        assert_eq!(history.get(0), Some(&Entry::Lockout { lockout: Lockout::BreakInput, tick: 3 }));
-        assert!(history.get(LENGTH - 1).is_some() && history.get(LENGTH).is_none());
+        assert_eq!((history.get(0), history.entries.len()), (Some(&lockout(0)), LENGTH));
+        for tick in 1..=LENGTH as u32 {
+            history.push(lockout(tick));
+        }
+        assert_eq!((history.get(0), history.entries.len()), (Some(&lockout(1)), LENGTH));
     }
 }

@@ -167,7 +167,9 @@ impl fmt::Display for NoticeText<'_> {
             Notice::Fault(Event::Ended(fault)) => {
                 write_entry("ended: ", Entry::Fault { fault, ended: true, name: Name::NONE })
             }
-            Notice::Alarm(alarm) => write_entry("likelihood: ", Entry::Alarm(alarm)),
+            Notice::Alarm(alarm) => {
+                write_entry("likelihood: ", Entry::Alarm { alarm, count: 1, first: alarm.raised })
+            }
             Notice::Readiness { tick, readiness: now } => write!(f, "likelihood {tick} {}", readiness(now)),
             Notice::Commissioning(kept) => LogLine::Commissioned(kept).fmt(f),
             Notice::Commissioned(since) => since.fmt(f),

@@ -136,6 +136,7 @@ impl<S: Source> Keeper<S> {
         }
         let mut history = lock(&self.history);
         for told in all {
+            history.counts.take(&told);
             let tick = history.end();
             if let Some(note) = told.message(tick) {
                 history.push_note(note.to_string());

@@ -1,4 +1,4 @@
-//! What clients can still be told: the rows of the last two hours, and the notes between them.
+//! What clients can still be told: the rows of the last two hours, the notes between them, and what was counted.
 
 use std::collections::VecDeque;
 
@@ -6,6 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
+use crate::counts::Counts;
 use crate::source::Numbers;
 
 /// Rows that are kept: two hours at the usual sample time.
@@ -29,6 +30,8 @@ pub(crate) struct History {
     /// Messages, each with the tick before which it was sent.
     notes: VecDeque<(usize, String)>,
     first_note: usize,
+    /// Over all scenes.
+    pub(crate) counts: Counts,
 }
 
 /// How far a client has been told.
@@ -43,7 +46,12 @@ impl History {
     /// Nothing yet; `hello` is what a client is told first.
     pub(crate) fn new(hello: Value, id: String) -> Self {
         let (rows, notes) = (VecDeque::new(), VecDeque::new());
-        Self { hello, id, life: 0, rows, first_row: 0, notes, first_note: 0 }
+        Self { hello, id, life: 0, rows, first_row: 0, notes, first_note: 0, counts: Counts::default() }
+    }
+
+    /// What is watched, by the keys of `hello`.
+    pub(crate) fn about(&self) -> &Value {
+        &self.hello
     }
 
     /// What a client is told first.
@@ -60,7 +68,9 @@ impl History {
 
     /// All that was is void: `opened` says so, and `hello` what is told first from now on.
     pub(crate) fn begin(&mut self, hello: Value, mut opened: Value) {
-        *self = Self { life: self.life + 1, ..Self::new(hello, std::mem::take(&mut self.id)) };
+        let mut counts = std::mem::take(&mut self.counts);
+        counts.begin();
+        *self = Self { life: self.life + 1, counts, ..Self::new(hello, std::mem::take(&mut self.id)) };
         opened["session"] = json!(self.session());
         self.push_note(opened.to_string());
     }

@@ -4,6 +4,7 @@
 //! slow or vanished one delays nobody, and one that comes back gets what it missed. `guard` says who may ask for what.
 
 pub mod clock;
+mod counts;
 mod guard;
 mod history;
 mod metrics;

@@ -32,6 +32,8 @@ pub(crate) struct History {
     first_note: usize,
     /// Over all scenes.
     pub(crate) counts: Counts,
+    /// Lowest and highest set-point that is taken now, degC.
+    pub(crate) setpoint_limits: Option<[f32; 2]>,
 }
 
 /// How far a client has been told.
@@ -46,7 +48,8 @@ impl History {
     /// Nothing yet; `hello` is what a client is told first.
     pub(crate) fn new(hello: Value, id: String) -> Self {
         let (rows, notes) = (VecDeque::new(), VecDeque::new());
-        Self { hello, id, life: 0, rows, first_row: 0, notes, first_note: 0, counts: Counts::default() }
+        let counts = Counts::default();
+        Self { hello, id, life: 0, rows, first_row: 0, notes, first_note: 0, counts, setpoint_limits: None }
     }
 
     /// What is watched, by the keys of `hello`.
@@ -107,12 +110,25 @@ impl History {
         Place { life: self.life, row, note: self.first_note + before }
     }
 
-    /// The next message for a client, if there is any: notes and rows in the order in which they came.
-    pub(crate) fn next(&self, place: &mut Place) -> Option<String> {
+    /// The rows that come next, all there are.
+    pub(crate) fn next_rows(&self, place: &mut Place) -> Vec<Numbers> {
+        self.find(place);
+        let rows = self.rows.range(place.row - self.first_row..).copied().collect();
+        place.row = self.end();
+        rows
+    }
+
+    /// Where a place is now: in another life at the beginning, and not before what is kept.
+    fn find(&self, place: &mut Place) {
         if place.life != self.life {
             *place = Place { life: self.life, ..Place::default() };
         }
         place.row = place.row.max(self.first_row);
+    }
+
+    /// The next message for a client, if there is any: notes and rows in the order in which they came.
+    pub(crate) fn next(&self, place: &mut Place) -> Option<String> {
+        self.find(place);
         place.note = place.note.max(self.first_note);
         let note = self.notes.get(place.note - self.first_note);
         if let Some((tick, text)) = note

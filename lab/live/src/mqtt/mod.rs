@@ -103,7 +103,7 @@ enum Heard {
     Connected { remembers: bool },
     Lost(String),
     Acknowledged,
-    Command { payload: Vec<u8>, retained: bool },
+    Message { topic: String, payload: Vec<u8>, retained: bool },
 }
 
 struct Bridge {
@@ -211,15 +211,13 @@ impl Bridge {
                 self.outbox.lost();
             }
             Heard::Acknowledged => self.outbox.acknowledged(),
-            Heard::Command { payload, retained } => {
-                let answer = self.answer(&payload, retained).await;
+            // Somebody else of the same name may have asked for other topics, on which others may publish.
+            Heard::Message { topic, .. } if topic != self.broker.topic("command") => {}
+            Heard::Message { payload, retained, .. } => {
+                let answer = self.answer(&payload, retained).await.to_string();
                 if self.broker.commands {
-                    let _ = client.try_publish(
-                        self.broker.topic("answer"),
-                        QoS::AtMostOnce,
-                        false,
-                        answer.to_string(),
-                    );
+                    let topic = self.broker.topic("answer");
+                    let _ = client.try_publish(topic, QoS::AtMostOnce, false, answer);
                 }
             }
         }
@@ -257,7 +255,8 @@ async fn listen(mut events: EventLoop, tell: mpsc::Sender<Heard>, pause: Duratio
             }
             Ok(Event::Incoming(Packet::PubAck(_))) => Heard::Acknowledged,
             Ok(Event::Incoming(Packet::Publish(message))) => {
-                Heard::Command { payload: message.payload.to_vec(), retained: message.retain }
+                let (payload, retained) = (message.payload.to_vec(), message.retain);
+                Heard::Message { topic: message.topic, payload, retained }
             }
             Ok(_) => continue,
             Err(error) => {

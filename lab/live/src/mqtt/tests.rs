@@ -203,6 +203,8 @@ fn a_broker_that_comes_back_hears_what_it_has_missed_once() {
 fn no_message_reaches_the_rig_but_stop_and_a_set_point_within_bounds() {
     let (rig, _tell, orders) = rig();
     let mut peer = Peer::accept(&bridged(rig, true), false);
+    let elsewhere = Publish::new("pt326/other/command", QoS::AtMostOnce, r#"{"command":"stop"}"#);
+    peer.send(&Packet::Publish(elsewhere));
     for order in ["arm", "tune", "acknowledge", "relearn", "excite", "fan", "set", "console"] {
         for payload in [
             format!(r#"{{"command":"{order}"}}"#),

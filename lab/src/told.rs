@@ -14,6 +14,13 @@ use crate::scene::Order;
 pub enum Told {
     /// A tick.
     Row(Numbers),
+    /// A tick of a board was not in time; goes before its row. Pages are not told.
+    Late {
+        /// How late it began, µs.
+        micros: u32,
+        /// It never began.
+        missed: bool,
+    },
     /// An order was carried out, by whomever it was given; in force from the next row on.
     Order(Order),
     /// An order was not carried out.
@@ -39,10 +46,10 @@ impl Told {
         Self::Refused { persists: persists(&why), why }
     }
 
-    /// The message that says so; `tick` is the next. A row goes with others.
+    /// The message that says so; `tick` is the next. A row goes with others, and times are not for pages.
     pub fn message(&self, tick: usize) -> Option<Value> {
         Some(match self {
-            Self::Row(_) => return None,
+            Self::Row(_) | Self::Late { .. } => return None,
             Self::Order(order) => json!({ "type": "order", "tick": tick, "order": order }),
             Self::Refused { why, persists: None } => json!({ "type": "refused", "why": why }),
             Self::Refused { why, persists: Some(trip) } => {

@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
+use fdi_core::Config;
 use pt326_lab::board::{Conversation, STOP, Standing, line, stops};
 use pt326_lab::scene::Order;
 use pt326_lab::told::Told;
@@ -28,6 +29,8 @@ pub struct Watch {
     told: Receiver<Told>,
     orders: Sender<Given>,
     hand: Hand,
+    /// Lowest and highest set-point, degC, by the settings that it has told.
+    setpoint_limits: [f32; 2],
 }
 
 /// An order for the board, and how often it had been stopped before: a later stop voids it.
@@ -65,7 +68,10 @@ impl Watch {
         let mut keeper = Keeper::open(name.to_owned(), tell, hand.clone())?;
         let sample_time = keeper.conversation.sample_time();
         std::thread::spawn(move || keeper.run(&given));
-        Ok(Self { name: name.to_owned(), sample_time, told, orders, hand })
+        let name = name.to_owned();
+        let supervisor = Config::default().supervisor; // what is told of settings begins with the defaults
+        let setpoint_limits = [supervisor.setpoint_min.0, supervisor.setpoint_max.0];
+        Ok(Self { name, sample_time, told, orders, hand, setpoint_limits })
     }
 
     /// Its port.
@@ -80,7 +86,20 @@ impl Watch {
 
     /// What it has told next; `None` where nothing has come.
     pub fn take(&mut self) -> Option<Told> {
-        self.told.try_recv().ok()
+        let told = self.told.try_recv().ok();
+        if let Some(Told::Order(Order::Set { name, value })) = &told {
+            match name.as_str() {
+                "supervisor.setpoint_min" => self.setpoint_limits[0] = *value,
+                "supervisor.setpoint_max" => self.setpoint_limits[1] = *value,
+                _ => {}
+            }
+        }
+        told
+    }
+
+    /// Lowest and highest set-point that it takes, degC.
+    pub fn setpoint_limits(&self) -> [f32; 2] {
+        self.setpoint_limits
     }
 
     /// Has an order carried out; what becomes of it is told. Stop goes out before this returns.
@@ -260,7 +279,8 @@ mod tests {
                 heard.extend(byte);
                 board.write_all(&byte).unwrap();
                 if matches!(byte, [b'\r' | 0x15]) {
-                    board.write_all(b"\nsetpoint = 36 degC\r\n> ").unwrap();
+                    let settings = b"\nsetpoint = 36 degC\r\nsupervisor.setpoint_max = 50 degC\r\n> ";
+                    board.write_all(settings).unwrap();
                 }
             }
             begun.recv().unwrap();
@@ -284,6 +304,16 @@ mod tests {
                 told += text.len();
             }
             assert!(begin.elapsed() < Duration::from_secs(60), "{told} bytes were told");
+        }
+    }
+
+    #[test]
+    fn the_limits_of_the_set_point_are_the_boards() {
+        let (mut watch, _) = babbles();
+        let begin = Instant::now();
+        while watch.setpoint_limits() != [20.0, 50.0] {
+            watch.take();
+            assert!(begin.elapsed() < Duration::from_secs(60), "{:?}", watch.setpoint_limits());
         }
     }
 

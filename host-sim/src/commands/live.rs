@@ -7,8 +7,9 @@ use std::process::{Command, Stdio};
 use anyhow::Context;
 use pt326_lab::scene::{Order, Scene};
 use pt326_lab::session::Session;
+use pt326_live::mqtt::Broker;
 use pt326_live::source::{Recording, Source, Told};
-use pt326_live::{Access, Server, clock, listen};
+use pt326_live::{Access, Server, clock, listen, mqtt};
 use pt326_rig::Disturbance;
 
 use super::replay::{self, ReplayArgs};
@@ -29,13 +30,15 @@ nothing is heard of the board the page says so; the board goes on regulating, an
 With --board or --listen the page opens only by the link that is printed, which holds a token. No browser is opened then: other users of \
 the machine could read the link on its command line.
 
-Numbers for Prometheus: /metrics (with --listen, the token as bearer).
+Numbers for Prometheus: /metrics (with --listen, the token as bearer). With --mqtt, state, findings and trips as JSON at a broker, for Home \
+Assistant, too. Neither can switch a heater on. See docs/dashboards.md.
 
 Examples:
   pt326 live                              the simulated rig, where it monitors
   pt326 live --preset trainer --seed 7
   pt326 live --recording out/trace.csv --speed 10
   pt326 live --board                      the ST-LINK that is plugged in; or: --board /dev/ttyACM0
+  pt326 live --board --mqtt mqtt://broker.local/bench-1
   pt326 live --listen 192.168.1.7 --token $(openssl rand -hex 16)")]
 pub struct LiveArgs {
     /// Which rig: paper, trainer, harsh, recorded; oven, hotend or tclab, with the settings that belong to it.
@@ -68,6 +71,13 @@ pub struct LiveArgs {
     /// What everybody must know who opens the page: 16 letters and digits or more.
     #[arg(long, requires = "listen")]
     pub token: Option<String>,
+    /// An MQTT broker that is told of the rig: mqtt://[USER@]HOST[:PORT][/NAME]; topics begin with pt326/NAME. The password of USER is taken
+    /// from PT326_MQTT_PASSWORD.
+    #[arg(long, value_name = "URL")]
+    pub mqtt: Option<String>,
+    /// Take commands from the broker: stop, and a set-point within its bounds. Whoever may publish there may do that; nobody can arm.
+    #[arg(long, requires = "mqtt")]
+    pub mqtt_commands: bool,
     /// Do not open a browser, where one would be opened.
     #[arg(long)]
     pub no_open: bool,
@@ -129,6 +139,10 @@ impl Source for Watch {
     fn order(&mut self, order: Order) -> anyhow::Result<()> {
         Self::order(self, &order)
     }
+
+    fn setpoint_limits(&self) -> Option<[f32; 2]> {
+        Some(Self::setpoint_limits(self))
+    }
 }
 
 fn serve(args: &LiveArgs, source: impl Source) -> anyhow::Result<()> {
@@ -137,7 +151,16 @@ fn serve(args: &LiveArgs, source: impl Source) -> anyhow::Result<()> {
         // A board heats: its page is for the user who has started this, not for every user of the machine.
         _ => Access::local(args.board.is_some())?,
     };
-    let server = Server { access, clock: clock::start(source, args.speed)? };
+    let broker = args.mqtt.as_deref().map(|url| {
+        let password = std::env::var("PT326_MQTT_PASSWORD").ok();
+        Broker::new(url, password, args.mqtt_commands)
+    });
+    let broker = broker.transpose()?;
+    let clock = clock::start(source, args.speed)?;
+    if let Some(broker) = broker {
+        mqtt::start(clock.clone(), broker, |said| drop(print(&format!("{said}\n"))))?;
+    }
+    let server = Server { access, clock };
     let address = SocketAddr::new(args.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), args.port);
     listen(server, address, |address, query| {
         let page = format!("http://{address}/{query}");

@@ -55,7 +55,9 @@ pub struct Clock {
 pub fn start(source: impl Source, speed: f64) -> anyhow::Result<Clock> {
     let (asks, asked) = channel();
     let (tell, changed) = watch::channel(());
-    let history = Arc::new(Mutex::new(History::new(hello(&source), random()?)));
+    let mut history = History::new(hello(&source), random()?);
+    history.setpoint_limits = source.setpoint_limits();
+    let history = Arc::new(Mutex::new(history));
     let keeper =
         Keeper { source, history: history.clone(), tell, speed: speed.clamp(0.0, FASTEST), owed: 0.0 };
     std::thread::spawn(move || keeper.run(&asked));
@@ -136,6 +138,7 @@ impl<S: Source> Keeper<S> {
         }
         let mut history = lock(&self.history);
         for told in all {
+            history.counts.take(&told);
             let tick = history.end();
             if let Some(note) = told.message(tick) {
                 history.push_note(note.to_string());
@@ -143,6 +146,7 @@ impl<S: Source> Keeper<S> {
                 history.push_row(row);
             }
         }
+        history.setpoint_limits = self.source.setpoint_limits();
         drop(history);
         self.tell.send_replace(());
     }
@@ -159,7 +163,10 @@ impl<S: Source> Keeper<S> {
         self.source.open(scene)?;
         let mut opened = self.source.opening();
         opened["name"] = json!(self.source.name());
-        lock(&self.history).begin(hello(&self.source), opened);
+        let mut history = lock(&self.history);
+        history.begin(hello(&self.source), opened);
+        history.setpoint_limits = self.source.setpoint_limits();
+        drop(history);
         self.owed = 0.0;
         self.ticks(ticks as usize);
         if at.is_none() {

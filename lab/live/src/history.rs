@@ -1,4 +1,4 @@
-//! What clients can still be told: the rows of the last two hours, and the notes between them.
+//! What clients can still be told: the rows of the last two hours, the notes between them, and what was counted.
 
 use std::collections::VecDeque;
 
@@ -6,6 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
+use crate::counts::Counts;
 use crate::source::Numbers;
 
 /// Rows that are kept: two hours at the usual sample time.
@@ -29,6 +30,10 @@ pub(crate) struct History {
     /// Messages, each with the tick before which it was sent.
     notes: VecDeque<(usize, String)>,
     first_note: usize,
+    /// Over all scenes.
+    pub(crate) counts: Counts,
+    /// Lowest and highest set-point that is taken now, degC.
+    pub(crate) setpoint_limits: Option<[f32; 2]>,
 }
 
 /// How far a client has been told.
@@ -43,7 +48,13 @@ impl History {
     /// Nothing yet; `hello` is what a client is told first.
     pub(crate) fn new(hello: Value, id: String) -> Self {
         let (rows, notes) = (VecDeque::new(), VecDeque::new());
-        Self { hello, id, life: 0, rows, first_row: 0, notes, first_note: 0 }
+        let counts = Counts::default();
+        Self { hello, id, life: 0, rows, first_row: 0, notes, first_note: 0, counts, setpoint_limits: None }
+    }
+
+    /// What is watched, by the keys of `hello`.
+    pub(crate) fn about(&self) -> &Value {
+        &self.hello
     }
 
     /// What a client is told first.
@@ -60,7 +71,9 @@ impl History {
 
     /// All that was is void: `opened` says so, and `hello` what is told first from now on.
     pub(crate) fn begin(&mut self, hello: Value, mut opened: Value) {
-        *self = Self { life: self.life + 1, ..Self::new(hello, std::mem::take(&mut self.id)) };
+        let mut counts = std::mem::take(&mut self.counts);
+        counts.begin();
+        *self = Self { life: self.life + 1, counts, ..Self::new(hello, std::mem::take(&mut self.id)) };
         opened["session"] = json!(self.session());
         self.push_note(opened.to_string());
     }
@@ -97,12 +110,25 @@ impl History {
         Place { life: self.life, row, note: self.first_note + before }
     }
 
-    /// The next message for a client, if there is any: notes and rows in the order in which they came.
-    pub(crate) fn next(&self, place: &mut Place) -> Option<String> {
+    /// The rows that come next, all there are.
+    pub(crate) fn next_rows(&self, place: &mut Place) -> Vec<Numbers> {
+        self.find(place);
+        let rows = self.rows.range(place.row - self.first_row..).copied().collect();
+        place.row = self.end();
+        rows
+    }
+
+    /// Where a place is now: in another life at the beginning, and not before what is kept.
+    fn find(&self, place: &mut Place) {
         if place.life != self.life {
             *place = Place { life: self.life, ..Place::default() };
         }
         place.row = place.row.max(self.first_row);
+    }
+
+    /// The next message for a client, if there is any: notes and rows in the order in which they came.
+    pub(crate) fn next(&self, place: &mut Place) -> Option<String> {
+        self.find(place);
         place.note = place.note.max(self.first_note);
         let note = self.notes.get(place.note - self.first_note);
         if let Some((tick, text)) = note

@@ -255,7 +255,7 @@ async fn numbers(State(app): App, headers: HeaderMap) -> Result<impl IntoRespons
         return Err(StatusCode::UNAUTHORIZED);
     }
     let history = app.server.clock.history();
-    let text = metrics::text(history.last(), history.end(), app.clients.load(Ordering::Relaxed));
+    let text = metrics::text(&history, app.clients.load(Ordering::Relaxed));
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text))
 }
 

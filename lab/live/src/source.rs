@@ -42,6 +42,11 @@ pub trait Source: Send + 'static {
         Err(Refused::Recorded.into())
     }
 
+    /// Lowest and highest set-point that it takes, degC; `None` where it takes none.
+    fn setpoint_limits(&self) -> Option<[f32; 2]> {
+        None
+    }
+
     /// Begins another scene, of a simulated rig.
     ///
     /// # Errors
@@ -89,6 +94,11 @@ impl Source for Session {
 
     fn order(&mut self, order: Order) -> anyhow::Result<()> {
         Self::order(self, order)
+    }
+
+    fn setpoint_limits(&self) -> Option<[f32; 2]> {
+        let supervisor = &self.config().supervisor;
+        Some([supervisor.setpoint_min.0, supervisor.setpoint_max.0])
     }
 
     fn open(&mut self, scene: Scene) -> anyhow::Result<()> {

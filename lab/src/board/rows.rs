@@ -59,6 +59,10 @@ impl Rows {
         // A tick before the one that is due is of another start.
         let missing = self.due.and_then(|due| line.tick().checked_sub(due)).unwrap_or(0).min(MOST_MISSING);
         let mut told: Vec<Told> = (0..missing).map(|k| Told::Row(unheard(self.count + k))).collect();
+        let (micros, missed) = (line.late_us(), line.missed());
+        if micros > 0 || missed {
+            told.push(Told::Late { micros, missed });
+        }
         told.push(Told::Row(numbers(line, self.count + missing, thermistors)));
         self.count += missing + 1;
         self.due = Some(line.tick().wrapping_add(1));
@@ -227,6 +231,21 @@ mod tests {
         assert_eq!(ticks, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         let t1: Vec<bool> = all.iter().map(|row| row[2].is_nan()).collect();
         assert_eq!(t1, [false, false, true, true, false, false, false]);
+    }
+
+    #[test]
+    fn a_tick_that_was_not_in_time_is_told_before_its_row() {
+        let mut to_rows = rows_of_a_board();
+        let all = both(1);
+        let Ok(Some(LogLine::Tick(line))) = LogLine::find(&all[0].0) else { panic!("a tick") };
+        let mut told = |timing| {
+            let mut words = line.0;
+            words[1] = timing;
+            to_rows.line(&TickLine(words).to_string()).told
+        };
+        assert_eq!(told(0).len(), 1);
+        assert_eq!(told(70)[0], Told::Late { micros: 70, missed: false });
+        assert_eq!(told(1 << 31)[0], Told::Late { micros: 0, missed: true });
     }
 
     #[test]

@@ -6,7 +6,7 @@ use fdi_core::likelihood::inputs::Inputs;
 use fdi_core::likelihood::model::Model;
 use fdi_core::{Observed, Units};
 use host_sim::recording::run::{Training, as_tick, diagnose};
-use host_sim::recording::table::text_of;
+use host_sim::recording::text::text_of;
 use host_sim::recording::{self, Reading};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;

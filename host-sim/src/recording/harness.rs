@@ -122,7 +122,7 @@ impl Definition {
     /// # Errors
     /// A file that is missing or wrong, or why nothing can be learnt.
     pub fn run(&self, dir: &Path, config: &Config) -> anyhow::Result<Vec<Outcome>> {
-        let (file, text) = super::table::text_of(&dir.join(&self.file))?;
+        let (file, text) = super::text::text_of(&dir.join(&self.file))?;
         let (mut recording, other) = Recording::with_other(
             file,
             &text,

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::sync::OnceLock;
 
-use host_sim::recording::format::Role;
+use host_sim::recording::map::Role;
 use host_sim::recording::{Reading, Recording};
 
 use crate::{arg, folder, pt326, pt326_reading, text};

@@ -148,7 +148,7 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
     if args.live {
         return live::run(args, &how, &config);
     }
-    let (file, text) = recording::table::text_of(&args.file)?;
+    let (file, text) = recording::text::text_of(&args.file)?;
     let (mut recording, other) = Recording::with_other(file, &text, args.train_on.as_deref(), &how)?;
     let truths = recording.heaters.iter().map(|heater| truth::read(&args.truth, &text, &recording, heater));
     let mut truths: Vec<Vec<Fault>> = truths.collect::<anyhow::Result<_>>()?;

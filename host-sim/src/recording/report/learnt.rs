@@ -1,7 +1,7 @@
 //! What was learnt, as a table.
 
 use super::super::Recording;
-use super::super::format::Role;
+use super::super::map::Role;
 use super::Told;
 
 /// A number that was learnt.

@@ -1,6 +1,7 @@
 //! What was found in a recording: as text for a terminal, and as a page that needs nothing else.
 
 mod chart;
+mod data;
 mod findings;
 mod learnt;
 mod page;

@@ -91,14 +91,14 @@ def diagnose(
         "degc": degc,
         "fan": has_fan,
     }
-    read = _read(recording, reading)
+    other = {} if train_on is None else {f"other_{kind}": of for kind, of in _source(train_on).items()}
+    read = _core.Recording(**_source(recording), **other, reading=reading)
     if from_rest:
         read.put_rest_before()
     with _frames.shown("samples", progress) as tell:
         record, learnt = read.diagnose(
             heater=heater,
             train=train,
-            train_on=None if train_on is None else _read(train_on, reading),
             from_rest=from_rest,
             force=force,
             config=config,
@@ -109,10 +109,9 @@ def diagnose(
     return Diagnosis(record, learnt, read)
 
 
-def _read(recording: Any, reading: dict[str, object]) -> _core.Recording:
-    if isinstance(recording, (str, os.PathLike)):
-        return _core.Recording(recording, reading=reading)
-    return _core.Recording(text=_as_csv(recording), reading=reading)
+def _source(recording: Any) -> dict[str, Any]:
+    """A file by its path, and all else as the text of one."""
+    return {"path": recording} if isinstance(recording, (str, os.PathLike)) else {"text": _as_csv(recording)}
 
 
 def _as_csv(columns: Any) -> str:

@@ -104,19 +104,23 @@ fn as_dict<'py>(py: Python<'py>, model: &Model) -> PyResult<Bound<'py, PyDict>> 
 #[pyclass(module = "pt326")]
 pub(crate) struct Recording {
     recording: recording::Recording,
+    /// Another of the same heater, to learn from.
+    other: Option<recording::Recording>,
     trained: Option<recording::training::Trained>,
 }
 
 #[pymethods]
 impl Recording {
-    /// From a file, or from the text of one; `reading` has the options of `pt326 diagnose`: map, ts, resample, full_power, degc, fan.
+    /// From a file, or from the text of one; `reading` has the options of `pt326 diagnose`: map, ts, resample, full_power, degc, fan. Another
+    /// of the same heater is read with it, in the same units, to learn from.
     #[new]
-    #[pyo3(signature = (path: "str | os.PathLike[str] | None" = None, text = None, name = "data", reading: "dict[str, object] | None" = None))]
+    #[pyo3(signature = (path: "str | os.PathLike[str] | None" = None, text = None, reading: "dict[str, object] | None" = None, other_path: "str | os.PathLike[str] | None" = None, other_text = None))]
     fn new(
         path: Option<PathBuf>,
         text: Option<String>,
-        name: &str,
         reading: Option<&Bound<'_, PyAny>>,
+        other_path: Option<PathBuf>,
+        other_text: Option<String>,
     ) -> PyResult<Self> {
         let reading: Reading = from_table(reading.map(to_table).transpose()?.unwrap_or_default())?;
         for (name, value) in
@@ -129,13 +133,16 @@ impl Recording {
                 )));
             }
         }
-        let (file, text) = match (path, text) {
-            (Some(path), None) => python(text_of(&path))?,
-            (None, Some(text)) => (name.to_owned(), text),
-            _ => return Err(refused("expected a path or a text".into())),
+        let named = |path: Option<PathBuf>, text: Option<String>| match path {
+            Some(path) => python(text_of(&path)).map(Some),
+            None => Ok(text.map(|text| ("data".to_owned(), text))),
         };
-        let recording = python(recording::Recording::parse(file, &text, &reading))?;
-        Ok(Self { recording, trained: None })
+        let Some((file, text)) = named(path, text)? else {
+            return Err(refused("expected a path or a text".into()));
+        };
+        let other = named(other_path, other_text)?;
+        let (recording, other) = python(recording::Recording::with_other((file, &text), other, &reading))?;
+        Ok(Self { recording, other, trained: None })
     }
 
     /// Whoever reads the results must know this.
@@ -165,16 +172,15 @@ impl Recording {
         self.recording.put_rest_before()
     }
 
-    /// Learns from a part (from, to in s), from another recording, or from a part that seems normal; then watches. A model that explains less than
+    /// Learns from the other recording if there is one, from a part (from, to in s), or from a part that seems normal; then watches. A model that explains less than
     /// 30 % of T1 is refused, unless `force`.
-    #[pyo3(signature = (heater = 1, train = None, train_on = None, from_rest = false, force = false, config = None, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "tuple[Record, dict[str, typing.Any]]")]
+    #[pyo3(signature = (heater = 1, train = None, from_rest = false, force = false, config = None, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "tuple[Record, dict[str, typing.Any]]")]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn diagnose<'py>(
         &mut self,
         py: Python<'py>,
         heater: usize,
         train: Option<(f64, f64)>,
-        train_on: Option<&Bound<'py, Recording>>,
         from_rest: bool,
         force: bool,
         config: Option<&Bound<'py, Config>>,
@@ -187,9 +193,9 @@ impl Recording {
         }
         let end = recording.len() as f64 * recording.sample_time;
         let own = |part, why: String| Some(Training::Own(part, why));
-        let training = match (train_on, train) {
+        let training = match (&self.other, train) {
             (Some(_), Some(_)) => return Err(refused("train and train_on: expected one of them".into())),
-            (Some(other), None) => Some(Training::Other(Box::new(other.borrow().recording.clone()))),
+            (Some(other), None) => Some(Training::Other(Box::new(other.clone()))),
             (None, Some((from, to))) if from >= 0.0 && from < to && to <= end + 1e-6 => {
                 own(recording.at(from)..recording.at(to), format!("{from} to {to} s are said to be normal"))
             }
@@ -213,10 +219,7 @@ impl Recording {
             };
             Ok((because, diagnose(&recording, which, &training, &[], &config, &shared.bar)?))
         })?;
-        let warning = done.trained.warning().unwrap_or_default();
-        if done.trained.is_poor() && !force {
-            return Err(refused(format!("{warning}Or take it as it is with force=True")));
-        }
+        let warning = python(done.trained.accepted(force, "Or take it as it is with force=True"))?;
         let learnt = PyDict::new(py);
         learnt.set_item("warning", warning)?;
         learnt.set_item("because", because)?;

@@ -65,6 +65,20 @@ def test_another_recording_can_be_learnt_from_and_a_monitor_goes_on(frame: Any) 
     assert monitor.model() == found.model
 
 
+def test_a_recording_and_what_it_is_trained_on_have_the_same_units(frame: Any) -> None:
+    # Counts of 255, of which the part that is learnt from has no more than 100, as if it were in %.
+    largest = frame["heat"][1500:2700].max()
+    counts = frame.assign(heat=(100.0 / largest * frame["heat"]).round())
+    normal, other = counts[1500:2700], counts[:1500]
+    assert other["heat"].max() > 100.0 >= normal["heat"].max()
+    guessed, told = (
+        pt326.diagnose(other, **MAP, full_power=full_power, train_on=normal, progress=False)
+        for full_power in (None, 255.0)
+    )
+    assert guessed.model == told.model
+    assert guessed.trace() == told.trace()
+
+
 def test_what_cannot_be_is_refused(frame: Any) -> None:
     with pytest.raises(pt326.Error, match=r"there is no column|no column"):
         pt326.diagnose(frame, t1="kettle", power="heat", time="t")

@@ -47,8 +47,7 @@ pub fn run(args: &FitRigArgs) -> anyhow::Result<()> {
     let heater = recording.heaters.get(which).context("--heater: the recording has no such heater")?;
     let training = Training::Own(0..recording.len(), "all of it is taken for normal".into());
     let done = diagnose(&recording, which, &training, &[], &settings::read(None)?, &ProgressBar::hidden())?;
-    let warning = done.trained.warning().unwrap_or_default();
-    ensure!(!done.trained.is_poor(), "{warning}");
+    let warning = done.trained.accepted(false, "")?;
     let toml = scenario(&recording, heater, &done)?;
     std::fs::write(&args.out, &toml).with_context(|| format!("can't write {}", args.out.display()))?;
     print(&format!(

@@ -124,9 +124,8 @@ impl Definition {
     pub fn run(&self, dir: &Path, config: &Config) -> anyhow::Result<Vec<Outcome>> {
         let (file, text) = super::text::text_of(&dir.join(&self.file))?;
         let (mut recording, other) = Recording::with_other(
-            file,
-            &text,
-            self.train_on.as_ref().map(|of| dir.join(of)).as_deref(),
+            (file, &text),
+            self.train_on.as_ref().map(|of| super::text::text_of(&dir.join(of))).transpose()?,
             &self.reading,
         )?;
         let mut outcomes = Vec::new();

@@ -184,19 +184,18 @@ impl Recording {
         })
     }
 
-    /// A text, and another file of the same rig in the same units and at the same sample time, as far as nobody says them.
+    /// A text, and another of the same rig in the same units and at the same sample time, as far as nobody says them; of each what to call
+    /// its file comes first, as [`text::text_of`] gives them.
     ///
     /// # Errors
     /// Those of either.
     pub fn with_other(
-        file: String,
-        text: &str,
-        other: Option<&Path>,
+        (file, text): (String, &str),
+        other: Option<(String, String)>,
         how: &Reading,
     ) -> anyhow::Result<(Self, Option<Self>)> {
         let mut this = Self::parse(file.clone(), text, how)?;
-        let Some(other) = other else { return Ok((this, None)) };
-        let (other_file, other_text) = text::text_of(other)?;
+        let Some((other_file, other_text)) = other else { return Ok((this, None)) };
         let mut that = Self::parse(other_file.clone(), &other_text, how)?;
         let full_power = this.units.full_power.max(that.units.full_power);
         let sample_time = that.sample_time;

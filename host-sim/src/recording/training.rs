@@ -111,6 +111,16 @@ impl Trained {
         !(self.fit >= POOR)
     }
 
+    /// The warning, if there is one; `instead` says how to go on with a model that is worth nothing.
+    ///
+    /// # Errors
+    /// It is worth nothing, and nobody said to go on.
+    pub fn accepted(&self, force: bool, instead: &str) -> anyhow::Result<String> {
+        let warning = self.warning().unwrap_or_default();
+        ensure!(force || !self.is_poor(), "{warning}{instead}");
+        Ok(warning)
+    }
+
     /// What whoever reads the results must know of the model, the cause, and what to do next; none where it explains enough.
     pub fn warning(&self) -> Option<String> {
         let (cause, next) = match self.unknown.first() {

@@ -7,37 +7,12 @@ use host_sim::recording::run::{Training, diagnose};
 use host_sim::recording::{Reading, Recording};
 use indicatif::ProgressBar;
 
-/// Numbers that are the same each time.
-struct Dice(u64);
-
-impl Dice {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-
-    fn one_in(&mut self, count: f64) -> bool {
-        self.next() * count < 1.0
-    }
-
-    fn any<T: Copy>(&mut self, of: &[T]) -> T {
-        of[(self.next() * of.len() as f64) as usize]
-    }
-}
+use crate::on_a_large_stack;
+use crate::plant::Dice;
 
 /// A log of a heater with one or two lags under somebody's hand, and what happens to it and to its logger.
 fn made(seed: u64) -> (String, Reading) {
-    let mut dice = Dice(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
-    let dice = &mut dice;
-    for _ in 0..8 {
-        dice.next();
-    }
+    let dice = &mut Dice::of(seed);
     let count = dice.between(300.0, 900.0) as usize;
     let ts = dice.any(&[0.1, 0.25, 1.0, 1.0, 5.0, 60.0]);
     let full = dice.any(&[1.0, 100.0, 255.0]);
@@ -157,7 +132,7 @@ fn no_text_makes_the_reader_panic() {
     let (mut read, mut refused) = (0, 0);
     for seed in 1..=150 {
         let (whole, how) = made(seed);
-        let mut dice = Dice(seed);
+        let mut dice = Dice::of(seed);
         let few: Vec<&str> = whole.lines().take(80).collect();
         let klipper: String = few
             .iter()
@@ -198,13 +173,9 @@ fn before(sentence: &str, words: &str) -> Option<f64> {
     head.trim_end().rsplit([' ', ',']).next()?.parse().ok()
 }
 
-/// Monitors are large, and a build without optimization copies them on the stack: a test's own is too small.
-const STACK: usize = 64 << 20;
-
 #[test]
 fn no_sentence_about_a_made_recording_is_absurd() {
-    let looked = std::thread::Builder::new().stack_size(STACK).spawn(look).unwrap().join();
-    assert!(looked.is_ok());
+    on_a_large_stack(look);
 }
 
 fn look() {

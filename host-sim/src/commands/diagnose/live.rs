@@ -36,8 +36,10 @@ pub(super) fn run(args: &DiagnoseArgs, how: &Reading, config: &Config) -> anyhow
     let other = Recording::read(path, how)?;
     let heater = &other.heaters[0];
     let trained = train(&other, heater, &heater.samples, config)?;
+    let warning = trained.accepted(args.force, super::FORCED)?;
     let mut say = |said: Said| print(&if args.json { format!("{}\n", said.json) } else { said.text });
-    let text = format!("{}: learnt from {}, {:.1} % explained\n", heater.map, other.file, trained.fit);
+    let text =
+        format!("{warning}{}: learnt from {}, {:.1} % explained\n", heater.map, other.file, trained.fit);
     say(Said::new(
         "learnt",
         text,

@@ -5,7 +5,9 @@ const NOTHING: [&str; 10] = ["", "nan", "null", "none", "n/a", "na", "-", "--", 
 
 /// Whether a cell says that its sample is missing.
 pub(super) fn is_missing(cell: &str) -> bool {
-    NOTHING.iter().any(|word| cell.eq_ignore_ascii_case(word))
+    // Most cells are numbers, and need no more than a look at how they begin.
+    !cell.starts_with(|c: char| c.is_ascii_digit())
+        && NOTHING.iter().any(|word| cell.eq_ignore_ascii_case(word))
 }
 
 /// A number with a point or a comma before its decimals, and perhaps marks between its thousands.

@@ -29,6 +29,10 @@ class Diagnosis(Run):
         self.because: str = learnt["because"]
         #: What was learnt: gain in degC per %, times in s.
         self.model: dict[str, Any] = learnt["model"]
+        #: 95 % intervals of what was looked for, by the names of ``model``; None: the samples do not tell it.
+        self.intervals: dict[str, tuple[float, float] | None] = learnt["intervals"]
+        #: What the samples do not tell, in words.
+        self.unknown: list[str] = learnt["unknown"]
         #: How much of T1 the model explains where it was learnt, simulated, %.
         self.fit: float = learnt["fit"]
         #: The same of the rest; NaN where nothing is left.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use fdi_core::likelihood::inputs::Inputs;
 use fdi_core::likelihood::model::Model;
 use fdi_core::{Observed, Units};
+use host_sim::recording::intervals::{Known, numbers};
 use host_sim::recording::run::{Training, as_tick, diagnose};
 use host_sim::recording::text::text_of;
 use host_sim::recording::{self, Reading};
@@ -79,21 +80,7 @@ impl Monitor {
 
 fn as_dict<'py>(py: Python<'py>, model: &Model) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    for (name, value) in [
-        ("gain", model.gain),
-        ("curvature", model.curvature),
-        ("offset", model.offset),
-        ("heater", model.heater),
-        ("lag", model.lag),
-        ("wall", model.wall),
-        ("dead_time", model.dead_time),
-        ("wall_share", model.wall_share),
-        ("reaches", model.reaches),
-        ("lag2", model.lag2),
-        ("transport", model.transport),
-        ("gain_beside", model.gain_beside),
-        ("lag_beside", model.lag_beside),
-    ] {
+    for (name, value) in numbers(model) {
         dict.set_item(name, value)?;
     }
     dict.set_item("noise", model.noise)?;
@@ -224,6 +211,16 @@ impl Recording {
         learnt.set_item("warning", warning)?;
         learnt.set_item("because", because)?;
         learnt.set_item("model", as_dict(py, &done.trained.model)?)?;
+        let intervals = PyDict::new(py);
+        for (name, known) in &done.trained.intervals {
+            let ends = match known {
+                Known::Within(low, high) => Some((low, high)),
+                Known::No => None,
+            };
+            intervals.set_item(name, ends)?;
+        }
+        learnt.set_item("intervals", intervals)?;
+        learnt.set_item("unknown", &done.trained.unknown)?;
         learnt.set_item("fit", done.trained.fit)?;
         learnt.set_item("fit_on_the_rest", done.fit_on_the_rest)?;
         learnt.set_item("watched_from", done.watched_from as f64 * self.recording.sample_time)?;

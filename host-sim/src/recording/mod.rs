@@ -7,6 +7,7 @@ pub mod format;
 pub mod grid;
 pub mod harness;
 pub mod inject;
+pub mod intervals;
 mod logs;
 pub mod map;
 mod names;

@@ -36,8 +36,9 @@ pub(crate) struct Plant {
     pub(crate) lags: [f64; 2],
     /// degC a %.
     pub(crate) gain: f64,
-    /// Half of the width of the noise, degC.
+    /// Half of the width of the noise, degC, and how much of it stays until the next sample.
     pub(crate) noise: f64,
+    pub(crate) wander: f64,
     /// The heat that both lags hold, % of power.
     pub(crate) heat: [f64; 2],
     /// Least and largest power, %.
@@ -53,6 +54,7 @@ impl Plant {
             lags: [30.0, 4.0],
             gain: 0.4,
             noise: 0.05,
+            wander: 0.0,
             heat: [0.0; 2],
             power: [10.0, 80.0],
             dice: Dice::of(seed),
@@ -62,13 +64,14 @@ impl Plant {
     /// A log of so many samples with a header; `off` is what T1 reads too high at each, degC.
     pub(crate) fn log(&mut self, count: usize, off: impl Fn(usize) -> f64) -> String {
         let mut text = "time,temp,power\n".to_owned();
-        let mut power = 0.0;
+        let (mut power, mut noise) = (0.0, 0.0);
         for k in 0..count {
             if k % 40 == 0 {
                 let [low, high] = self.power;
-                power = self.dice.between(low, high).round();
+                power = (10.0 * self.dice.between(low, high)).round() / 10.0;
             }
-            let read = 21.0 + self.gain * self.heat[1] + self.dice.between(-self.noise, self.noise) + off(k);
+            noise = self.wander * noise + (1.0 - self.wander) * self.dice.between(-self.noise, self.noise);
+            let read = 21.0 + self.gain * self.heat[1] + noise + off(k);
             text += &format!("{},{read:.2},{power}\n", k as f64 * self.sample_time);
             self.heat[0] += (power - self.heat[0]) / self.lags[0];
             self.heat[1] += (self.heat[0] - self.heat[1]) / self.lags[1];

@@ -1,7 +1,10 @@
 //! `pt326 diagnose`: what a model is learnt from, and when it is worth nothing.
 
-use host_sim::recording::report::{Said, Told};
+use fdi_core::Config;
+use host_sim::recording::intervals::Known;
+use host_sim::recording::report::{Said, Told, learnt};
 use host_sim::recording::run::{Diagnosed, Training, diagnose};
+use host_sim::recording::training::train;
 use host_sim::recording::{Reading, Recording};
 use indicatif::ProgressBar;
 
@@ -10,7 +13,7 @@ use crate::{arg, folder, on_a_large_stack, pt326, pt326_reading, text};
 
 /// Learns from the first share of a log, or from another, and watches the rest.
 fn diagnosed(recording: &Recording, training: &Training) -> Diagnosed {
-    let config = fdi_core::Config::default();
+    let config = Config::default();
     diagnose(recording, 0, training, &[], &config, &ProgressBar::hidden()).unwrap()
 }
 
@@ -88,8 +91,10 @@ fn a_rig_that_was_learnt_from_one_file_is_watched_in_another() {
     std::fs::write(&normal, plant.log(2000, |_| 0.0)).unwrap();
     plant.heat = [90.0, 90.0];
     std::fs::write(&today, plant.log(1000, |k| if k >= 600 { -4.0 } else { 0.0 })).unwrap();
-    let done = pt326(&["diagnose", arg(&today), "--train-on", arg(&normal), "--out", arg(&dir.join("out"))]);
+    let out = dir.join("out");
+    let done = pt326(&["diagnose", arg(&today), "--train-on", arg(&normal), "--explain", "--out", arg(&out)]);
     let said = text(&done.stdout);
+    assert!(said.contains("95 % interval") && said.contains("Gain: what T1 rises by in the end"), "{said}");
     assert!(done.status.success(), "{}", text(&done.stderr));
     assert!(said.contains("1 alarm:"), "{said}");
     assert!(offset(&said).is_some_and(|size| (size + 4.0).abs() < 0.5), "{said}");
@@ -126,4 +131,37 @@ fn a_poor_model_is_warned_about_or_refused() {
     assert_eq!(done.status.code(), Some(2), "{}", text(&done.stdout));
     let done = pt326_reading(&[&live[..], &["--force"]].concat(), "time,temp,power\n0,30,40\n");
     assert!(done.status.success() && text(&done.stdout).contains("too little to say anything by it"));
+}
+
+/// Of made rigs whose noise is correlated the intervals hold what they should of 25; what a power that hardly moves does not tell is said by name.
+#[test]
+fn intervals_hold_what_was_made() {
+    on_a_large_stack(|| {
+        let mut held = [0; 3];
+        for seed in 1..=25 {
+            let mut plant = Plant { noise: 1.0, wander: 0.9, ..Plant::of(1.0, seed) };
+            let recording = parse(&plant.log(800, |_| 0.0));
+            let trained =
+                train(&recording, &recording.heaters[0], &recording.heaters[0].samples, &Config::default());
+            let trained = trained.unwrap();
+            // A lag that goes 1/T of its way a sample has a time constant of T - 1/2.
+            for (i, (name, true_value)) in
+                [("gain", 0.4), ("heater", 29.5), ("lag", 3.5)].into_iter().enumerate()
+            {
+                let known = trained.intervals.iter().find(|(known, _)| *known == name).unwrap().1;
+                let Known::Within(low, high) = known else { panic!("{name}: {known:?}") };
+                assert!(high - low < 2.0 * true_value, "{name}: {low} to {high}");
+                held[i] += usize::from((low..high).contains(&true_value));
+            }
+        }
+        println!("{held:?}");
+        assert!(held.iter().all(|held| *held >= 21), "{held:?}");
+        let mut plant = Plant { power: [39.9, 40.1], heat: [40.0, 40.0], noise: 1.0, ..Plant::of(1.0, 1) };
+        let recording = parse(&plant.log(800, |_| 0.0));
+        let trained =
+            train(&recording, &recording.heaters[0], &recording.heaters[0].samples, &Config::default());
+        let learnt = learnt(&recording, &recording.heaters[0], &trained.unwrap());
+        let gain = learnt.iter().find(|learnt| learnt.name.starts_with("Gain")).unwrap();
+        assert_eq!(gain.interval(), "not known");
+    });
 }

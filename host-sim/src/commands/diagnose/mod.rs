@@ -18,7 +18,7 @@ use super::results::Folder;
 use super::terminal::{coloured, in_words, print, progress};
 use crate::record::summary::Summary;
 use crate::record::table;
-use crate::recording::report::Told;
+use crate::recording::report::{Told, learnt, table as table_of};
 use crate::recording::run::{Diagnosed, Training, diagnose};
 use crate::recording::stamp::Unit;
 use crate::recording::{Heater, Reading, Recording, score, truth};
@@ -240,6 +240,7 @@ fn tell(
     text += &explain::missing(heater.inputs);
     text += &explain::learnt(recording, heater, training, done);
     if args.explain {
+        text += &table_of(&learnt(recording, heater, &done.trained));
         text += &explain::told_apart(recording, heater, training, done)?;
     }
     text += &remarks(done);

@@ -65,10 +65,12 @@ pub struct Question<'a> {
 pub struct Found {
     /// The parameters, times in ticks of `every` samples.
     pub theta: Theta,
-    /// Their standard deviations, and as shares of those of the priors; 0 of what was not looked for.
+    /// Their standard deviations; 0 of what was not looked for.
     pub sd: Theta,
-    /// The same.
+    /// What they would be by the samples alone, as shares of those of the priors; 0 of what was not looked for.
     pub known: Theta,
+    /// Standard deviation of the logarithm of the gain of the heater beside.
+    pub sd_beside: f64,
     /// The T1 over which rises count where there is no T0, degC.
     pub base: f64,
     /// Residuals and rises of T1 and T2, degC, of each sample that has them.
@@ -172,12 +174,22 @@ impl Question<'_> {
         }
         let mean = ys.iter().sum::<f64>() / ys.len() as f64;
         let all: f64 = ys.iter().map(|y| (y - mean).powi(2)).sum();
-        let known = search.deviations(point);
-        let known = std::array::from_fn(|i| if search.moves(i) { known[i] } else { 0.0 });
+        let [covariance, alone] = search.covariances(point);
+        let deviations = |of: &[[f64; PARAMETERS]; PARAMETERS]| -> Theta {
+            std::array::from_fn(|i| if search.moves(i) { of[i][i].sqrt() } else { 0.0 })
+        };
+        let (known, by_all) = (deviations(&alone), deviations(&covariance));
+        let sd = |which: Parameter| search.prior[which as usize].1;
+        // Its gain is K b: ln K + ln b, to first order.
+        let beside =
+            [(Gain, sd(Gain)), (Reaches2, sd(Reaches2) / point.theta[Reaches2 as usize].abs().max(1e-6))];
+        let pairs = beside.iter().flat_map(|a| beside.iter().map(move |b| (a, b)));
+        let variance: f64 = pairs.map(|((i, a), (j, b))| a * b * covariance[*i as usize][*j as usize]).sum();
         Found {
             theta: point.theta,
-            sd: std::array::from_fn(|i| known[i] * search.prior[i].1),
+            sd: std::array::from_fn(|i| by_all[i] * search.prior[i].1),
             known,
+            sd_beside: variance.max(0.0).sqrt(),
             base,
             left,
             fit: 100.0 * (1.0 - (squares / all).sqrt()),

@@ -17,7 +17,7 @@ use super::{Heater, Recording};
 use crate::experiment::Row;
 
 pub use findings::{Episode, Said, Unjudged, plain};
-pub use learnt::Learnt;
+pub use learnt::{Learnt, learnt, table};
 
 /// A heater of a recording with all that is told of it.
 #[derive(Clone, Debug)]

@@ -277,26 +277,16 @@ fn learnt(told: &Told) -> String {
         (None, _) => String::new(),
     };
     let all = told.learnt();
-    let has_intervals = all.iter().any(|learnt| learnt.half_width.is_some());
     let row = |learnt: &super::Learnt| {
-        let interval = match learnt.half_width {
-            Some(half) => format!(
-                "<td class='n'>{} to {}</td>",
-                significant(learnt.value - half, 3),
-                significant(learnt.value + half, 3)
-            ),
-            None if has_intervals => "<td></td>".to_owned(),
-            None => String::new(),
-        };
         format!(
-            "<tr><td>{}</td><td class='n'>{}</td>{interval}<td>{}</td></tr>\n",
+            "<tr><td>{}</td><td class='n'>{}</td><td class='n'>{}</td><td>{}</td></tr>\n",
             learnt.name,
             significant(learnt.value, 3),
+            learnt.interval(),
             learnt.unit
         )
     };
     let rows: String = all.iter().map(row).collect();
-    let head = if has_intervals { "<th class='n'>95 % interval</th>" } else { "" };
     let every = told.done.trained.every;
     let means = if every > 1 {
         format!(
@@ -307,7 +297,7 @@ fn learnt(told: &Told) -> String {
         String::new()
     };
     format!(
-        "<h2>What was learnt</h2>\n<p>{of}{means}</p>\n<div class='wide'><table>\n<thead><tr><th></th><th class='n'>Value</th>{head}<th>Unit</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
+        "<h2>What was learnt</h2>\n<p>{of}{means}</p>\n<div class='wide'><table>\n<thead><tr><th></th><th class='n'>Value</th><th class='n'>95 % interval</th><th>Unit</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
     )
 }
 

@@ -100,6 +100,19 @@ fn a_rig_that_was_learnt_from_one_file_is_watched_in_another() {
     assert!(offset(&said).is_some_and(|size| (size + 4.0).abs() < 0.5), "{said}");
 }
 
+/// A rig that is slower than a simulated one can be is not written as a faster one without a word.
+#[test]
+fn what_no_simulated_rig_has_is_told() {
+    let dir = folder("training-slow-rig");
+    let record = dir.join("record.csv");
+    std::fs::write(&record, Plant::of(60.0, 6).log(1500, |_| 0.0)).unwrap();
+    let done = pt326(&["fit-rig", arg(&record), "-o", arg(&dir.join("rig.toml"))]);
+    let said = text(&done.stdout);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    assert!(said.contains("heater_time is 17") && said.contains("written as 1000.0"), "{said}");
+    assert!(!said.contains("gain is"), "{said}");
+}
+
 /// A model that explains little is warned about, with a cause and what to do; one that explains hardly anything is refused, and goes on if told to.
 #[test]
 fn a_poor_model_is_warned_about_or_refused() {

@@ -15,11 +15,13 @@ use super::score::{Score, Seen, score, table};
 use super::{Reading, Recording, truth};
 
 /// The definitions that come with the program.
-pub const BUILT_IN: [&str; 4] = [
+pub const BUILT_IN: [&str; 6] = [
     include_str!("../../defaults/records/tclab_faults_0.toml"),
     include_str!("../../defaults/records/tclab_setpoint_0.toml"),
     include_str!("../../defaults/records/tclab_step.toml"),
     include_str!("../../defaults/records/pt326_dryer.toml"),
+    include_str!("../../defaults/records/floor_run1.toml"),
+    include_str!("../../defaults/records/floor_run2.toml"),
 ];
 
 /// A recording, where it is from, and what is expected of it.

@@ -112,22 +112,6 @@ fn no_more_than_all(sentence: &str, less: &str) -> String {
     )
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn no_interval_of_a_loss_goes_beyond_all() {
-        for (sentence, expected) in [
-            ("gives 72.3 (43.4 to 101.1) % less power", "gives 72.3 (43.4 to 100) % less power"),
-            ("gives 72.3 (43.4 to 99.1) % less power", "gives 72.3 (43.4 to 99.1) % less power"),
-            ("gives 90.0 (70.1 to 110.0) % more power", "gives 90.0 (70.1 to 110.0) % more power"),
-        ] {
-            assert_eq!(no_more_than_all(sentence, "% less "), expected);
-        }
-    }
-}
-
 /// Where nothing could be said after the training.
 pub(super) fn unjudged(recording: &Recording, done: &Diagnosed) -> Vec<Unjudged> {
     let first = done.record.rows.first().map_or(0, |row| row.tick.index);
@@ -166,4 +150,20 @@ pub(super) fn unjudged(recording: &Recording, done: &Diagnosed) -> Vec<Unjudged>
     parts.retain(|part| part.to - part.from > SHORT * record.sample_time);
     parts.sort_by(|a, b| a.from.total_cmp(&b.from));
     parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_interval_of_a_loss_goes_beyond_all() {
+        for (sentence, expected) in [
+            ("gives 72.3 (43.4 to 101.1) % less power", "gives 72.3 (43.4 to 100) % less power"),
+            ("gives 72.3 (43.4 to 99.1) % less power", "gives 72.3 (43.4 to 99.1) % less power"),
+            ("gives 90.0 (70.1 to 110.0) % more power", "gives 90.0 (70.1 to 110.0) % more power"),
+        ] {
+            assert_eq!(no_more_than_all(sentence, "% less "), expected);
+        }
+    }
 }

@@ -187,7 +187,7 @@ impl Table {
         Ok(value)
     }
 
-    /// The numbers of `column`, with `None` where a cell says that there is none: see [`super::cell`].
+    /// The numbers of `column`, with `None` where a cell is empty or says nan, none, n/a or the like.
     ///
     /// # Errors
     /// Cells that hold anything else, with file, line, column and text.

@@ -421,13 +421,14 @@ class Recording:
     A recording of a heater that something else controls, as it is read by `pt326 diagnose`.
     """
     def __len__(self, /) -> int: ...
-    def __new__(cls, /, path: "str | os.PathLike[str] | None" = None, text: str | None = None, name: str = "data", reading: "dict[str, object] | None" = None) -> Recording:
+    def __new__(cls, /, path: "str | os.PathLike[str] | None" = None, text: str | None = None, reading: "dict[str, object] | None" = None, other_path: "str | os.PathLike[str] | None" = None, other_text: str | None = None) -> Recording:
         """
-        From a file, or from the text of one; `reading` has the options of `pt326 diagnose`: map, ts, resample, full_power, degc, fan.
+        From a file, or from the text of one; `reading` has the options of `pt326 diagnose`: map, ts, resample, full_power, degc, fan. Another
+        of the same heater is read with it, in the same units, to learn from.
         """
-    def diagnose(self, /, heater: SupportsIndex = 1, train: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None = None, train_on: Recording | None = None, from_rest: bool = False, force: bool = False, config: Config | None = None, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "tuple[Record, dict[str, typing.Any]]":
+    def diagnose(self, /, heater: SupportsIndex = 1, train: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None = None, from_rest: bool = False, force: bool = False, config: Config | None = None, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "tuple[Record, dict[str, typing.Any]]":
         """
-        Learns from a part (from, to in s), from another recording, or from a part that seems normal; then watches. A model that explains less than
+        Learns from the other recording if there is one, from a part (from, to in s), or from a part that seems normal; then watches. A model that explains less than
         30 % of T1 is refused, unless `force`.
         """
     @property

@@ -29,6 +29,10 @@ class Diagnosis(Run):
         self.because: str = learnt["because"]
         #: What was learnt: gain in degC per %, times in s.
         self.model: dict[str, Any] = learnt["model"]
+        #: 95 % intervals of what was looked for, by the names of ``model``; None: the samples do not tell it.
+        self.intervals: dict[str, tuple[float, float] | None] = learnt["intervals"]
+        #: What the samples do not tell, in words.
+        self.unknown: list[str] = learnt["unknown"]
         #: How much of T1 the model explains where it was learnt, simulated, %.
         self.fit: float = learnt["fit"]
         #: The same of the rest; NaN where nothing is left.
@@ -91,14 +95,14 @@ def diagnose(
         "degc": degc,
         "fan": has_fan,
     }
-    read = _read(recording, reading)
+    other = {} if train_on is None else {f"other_{kind}": of for kind, of in _source(train_on).items()}
+    read = _core.Recording(**_source(recording), **other, reading=reading)
     if from_rest:
         read.put_rest_before()
     with _frames.shown("samples", progress) as tell:
         record, learnt = read.diagnose(
             heater=heater,
             train=train,
-            train_on=None if train_on is None else _read(train_on, reading),
             from_rest=from_rest,
             force=force,
             config=config,
@@ -109,10 +113,9 @@ def diagnose(
     return Diagnosis(record, learnt, read)
 
 
-def _read(recording: Any, reading: dict[str, object]) -> _core.Recording:
-    if isinstance(recording, (str, os.PathLike)):
-        return _core.Recording(recording, reading=reading)
-    return _core.Recording(text=_as_csv(recording), reading=reading)
+def _source(recording: Any) -> dict[str, Any]:
+    """A file by its path, and all else as the text of one."""
+    return {"path": recording} if isinstance(recording, (str, os.PathLike)) else {"text": _as_csv(recording)}
 
 
 def _as_csv(columns: Any) -> str:

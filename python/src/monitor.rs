@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use fdi_core::likelihood::inputs::Inputs;
 use fdi_core::likelihood::model::Model;
 use fdi_core::{Observed, Units};
+use host_sim::recording::intervals::{Known, numbers};
 use host_sim::recording::run::{Training, as_tick, diagnose};
-use host_sim::recording::table::text_of;
+use host_sim::recording::text::text_of;
 use host_sim::recording::{self, Reading};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -79,21 +80,7 @@ impl Monitor {
 
 fn as_dict<'py>(py: Python<'py>, model: &Model) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    for (name, value) in [
-        ("gain", model.gain),
-        ("curvature", model.curvature),
-        ("offset", model.offset),
-        ("heater", model.heater),
-        ("lag", model.lag),
-        ("wall", model.wall),
-        ("dead_time", model.dead_time),
-        ("wall_share", model.wall_share),
-        ("reaches", model.reaches),
-        ("lag2", model.lag2),
-        ("transport", model.transport),
-        ("gain_beside", model.gain_beside),
-        ("lag_beside", model.lag_beside),
-    ] {
+    for (name, value) in numbers(model) {
         dict.set_item(name, value)?;
     }
     dict.set_item("noise", model.noise)?;
@@ -104,19 +91,23 @@ fn as_dict<'py>(py: Python<'py>, model: &Model) -> PyResult<Bound<'py, PyDict>> 
 #[pyclass(module = "pt326")]
 pub(crate) struct Recording {
     recording: recording::Recording,
+    /// Another of the same heater, to learn from.
+    other: Option<recording::Recording>,
     trained: Option<recording::training::Trained>,
 }
 
 #[pymethods]
 impl Recording {
-    /// From a file, or from the text of one; `reading` has the options of `pt326 diagnose`: map, ts, resample, full_power, degc, fan.
+    /// From a file, or from the text of one; `reading` has the options of `pt326 diagnose`: map, ts, resample, full_power, degc, fan. Another
+    /// of the same heater is read with it, in the same units, to learn from.
     #[new]
-    #[pyo3(signature = (path: "str | os.PathLike[str] | None" = None, text = None, name = "data", reading: "dict[str, object] | None" = None))]
+    #[pyo3(signature = (path: "str | os.PathLike[str] | None" = None, text = None, reading: "dict[str, object] | None" = None, other_path: "str | os.PathLike[str] | None" = None, other_text = None))]
     fn new(
         path: Option<PathBuf>,
         text: Option<String>,
-        name: &str,
         reading: Option<&Bound<'_, PyAny>>,
+        other_path: Option<PathBuf>,
+        other_text: Option<String>,
     ) -> PyResult<Self> {
         let reading: Reading = from_table(reading.map(to_table).transpose()?.unwrap_or_default())?;
         for (name, value) in
@@ -129,13 +120,16 @@ impl Recording {
                 )));
             }
         }
-        let (file, text) = match (path, text) {
-            (Some(path), None) => python(text_of(&path))?,
-            (None, Some(text)) => (name.to_owned(), text),
-            _ => return Err(refused("expected a path or a text".into())),
+        let named = |path: Option<PathBuf>, text: Option<String>| match path {
+            Some(path) => python(text_of(&path)).map(Some),
+            None => Ok(text.map(|text| ("data".to_owned(), text))),
         };
-        let recording = python(recording::Recording::parse(file, &text, &reading))?;
-        Ok(Self { recording, trained: None })
+        let Some((file, text)) = named(path, text)? else {
+            return Err(refused("expected a path or a text".into()));
+        };
+        let other = named(other_path, other_text)?;
+        let (recording, other) = python(recording::Recording::with_other((file, &text), other, &reading))?;
+        Ok(Self { recording, other, trained: None })
     }
 
     /// Whoever reads the results must know this.
@@ -165,16 +159,15 @@ impl Recording {
         self.recording.put_rest_before()
     }
 
-    /// Learns from a part (from, to in s), from another recording, or from a part that seems normal; then watches. A model that explains less than
+    /// Learns from the other recording if there is one, from a part (from, to in s), or from a part that seems normal; then watches. A model that explains less than
     /// 30 % of T1 is refused, unless `force`.
-    #[pyo3(signature = (heater = 1, train = None, train_on = None, from_rest = false, force = false, config = None, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "tuple[Record, dict[str, typing.Any]]")]
+    #[pyo3(signature = (heater = 1, train = None, from_rest = false, force = false, config = None, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "tuple[Record, dict[str, typing.Any]]")]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn diagnose<'py>(
         &mut self,
         py: Python<'py>,
         heater: usize,
         train: Option<(f64, f64)>,
-        train_on: Option<&Bound<'py, Recording>>,
         from_rest: bool,
         force: bool,
         config: Option<&Bound<'py, Config>>,
@@ -187,9 +180,9 @@ impl Recording {
         }
         let end = recording.len() as f64 * recording.sample_time;
         let own = |part, why: String| Some(Training::Own(part, why));
-        let training = match (train_on, train) {
+        let training = match (&self.other, train) {
             (Some(_), Some(_)) => return Err(refused("train and train_on: expected one of them".into())),
-            (Some(other), None) => Some(Training::Other(Box::new(other.borrow().recording.clone()))),
+            (Some(other), None) => Some(Training::Other(Box::new(other.clone()))),
             (None, Some((from, to))) if from >= 0.0 && from < to && to <= end + 1e-6 => {
                 own(recording.at(from)..recording.at(to), format!("{from} to {to} s are said to be normal"))
             }
@@ -213,14 +206,21 @@ impl Recording {
             };
             Ok((because, diagnose(&recording, which, &training, &[], &config, &shared.bar)?))
         })?;
-        let warning = done.trained.warning().unwrap_or_default();
-        if done.trained.is_poor() && !force {
-            return Err(refused(format!("{warning}Or take it as it is with force=True")));
-        }
+        let warning = python(done.trained.accepted(force, "Or take it as it is with force=True"))?;
         let learnt = PyDict::new(py);
         learnt.set_item("warning", warning)?;
         learnt.set_item("because", because)?;
         learnt.set_item("model", as_dict(py, &done.trained.model)?)?;
+        let intervals = PyDict::new(py);
+        for (name, known) in &done.trained.intervals {
+            let ends = match known {
+                Known::Within(low, high) => Some((low, high)),
+                Known::No => None,
+            };
+            intervals.set_item(name, ends)?;
+        }
+        learnt.set_item("intervals", intervals)?;
+        learnt.set_item("unknown", &done.trained.unknown)?;
         learnt.set_item("fit", done.trained.fit)?;
         learnt.set_item("fit_on_the_rest", done.fit_on_the_rest)?;
         learnt.set_item("watched_from", done.watched_from as f64 * self.recording.sample_time)?;

@@ -33,6 +33,9 @@ def test_a_frame_is_diagnosed(frame: Any) -> None:
     assert {"t2_offset", "t1_clogged", "air_flow"} <= set(named)
     assert found.model["gain"] == pytest.approx(0.29, abs=0.05)
     assert found.because == "0 to 300 s are said to be normal"
+    gain = found.intervals["gain"]
+    assert gain is not None
+    assert gain[0] < found.model["gain"] < gain[1] < 1.2 * gain[0]
     assert found.watched_from == pytest.approx(300.0, abs=0.2)
     assert told
     assert len(found.plot().axes) == 3
@@ -63,6 +66,20 @@ def test_another_recording_can_be_learnt_from_and_a_monitor_goes_on(frame: Any) 
         said |= {report.finding.name} if report.finding else set()
     assert {"t2_offset", "t1_clogged"} <= said
     assert monitor.model() == found.model
+
+
+def test_a_recording_and_what_it_is_trained_on_have_the_same_units(frame: Any) -> None:
+    # Counts of 255, of which the part that is learnt from has no more than 100, as if it were in %.
+    largest = frame["heat"][1500:2700].max()
+    counts = frame.assign(heat=(100.0 / largest * frame["heat"]).round())
+    normal, other = counts[1500:2700], counts[:1500]
+    assert other["heat"].max() > 100.0 >= normal["heat"].max()
+    guessed, told = (
+        pt326.diagnose(other, **MAP, full_power=full_power, train_on=normal, progress=False)
+        for full_power in (None, 255.0)
+    )
+    assert guessed.model == told.model
+    assert guessed.trace() == told.trace()
 
 
 def test_what_cannot_be_is_refused(frame: Any) -> None:

@@ -47,12 +47,11 @@ pub fn run(args: &FitRigArgs) -> anyhow::Result<()> {
     let heater = recording.heaters.get(which).context("--heater: the recording has no such heater")?;
     let training = Training::Own(0..recording.len(), "all of it is taken for normal".into());
     let done = diagnose(&recording, which, &training, &[], &settings::read(None)?, &ProgressBar::hidden())?;
-    let warning = done.trained.warning().unwrap_or_default();
-    ensure!(!done.trained.is_poor(), "{warning}");
-    let toml = scenario(&recording, heater, &done)?;
+    let warning = done.trained.accepted(false, "")?;
+    let (toml, beyond) = scenario(&recording, heater, &done)?;
     std::fs::write(&args.out, &toml).with_context(|| format!("can't write {}", args.out.display()))?;
     print(&format!(
-        "{warning}{}\nFit, simulated: {:.1} % of T1\nWritten to {}\n",
+        "{warning}{beyond}{}\nFit, simulated: {:.1} % of T1\nWritten to {}\n",
         heater.map,
         done.trained.fit,
         args.out.display()
@@ -98,8 +97,11 @@ impl Left {
     }
 }
 
-/// The rig as a scenario without faults.
-fn scenario(recording: &Recording, heater: &Heater, done: &Diagnosed) -> anyhow::Result<String> {
+/// A value that is written with another one, by more than this share of it, is told.
+const MOVED: f64 = 0.01;
+
+/// The rig as a scenario without faults, and what of it no simulated rig can have.
+fn scenario(recording: &Recording, heater: &Heater, done: &Diagnosed) -> anyhow::Result<(String, String)> {
     let model = &done.trained.model;
     let left = Left::of(recording, heater, done)?;
     let number = |x: f64| format!("{:?}", format!("{x:.4}").parse::<f64>().unwrap_or(x));
@@ -111,26 +113,33 @@ fn scenario(recording: &Recording, heater: &Heater, done: &Diagnosed) -> anyhow:
         done.trained.fit,
         number((recording.len() as f64 * recording.sample_time).max(1.0)),
     );
-    let mut put = |name: &str, value: f64, [low, high]: [f64; 2]| {
-        let _ = writeln!(text, "{name} = {}", number(value.clamp(low, high)));
+    let mut beyond = String::new();
+    let mut put = |text: &mut String, name: &str, value: f64, [low, high]: [f64; 2]| {
+        let kept = value.clamp(low, high);
+        let _ = writeln!(text, "{name} = {}", number(kept));
+        if (value - kept).abs() > MOVED * kept.abs() {
+            let _ = writeln!(
+                beyond,
+                "{name} is {} in the recording, and a simulated rig has {low} to {high}: written as {}, so it answers otherwise.",
+                number(value),
+                number(kept)
+            );
+        }
     };
-    put("gain", model.gain.into(), [0.001, 100.0]);
-    put("heater_time", model.heater.into(), [0.01, 1000.0]);
-    put("dead_time", model.dead_time.into(), [0.0, 60.0]);
-    put("t1_lag", model.lag.into(), [0.001, 100.0]);
+    put(&mut text, "gain", model.gain.into(), [0.001, 100.0]);
+    put(&mut text, "heater_time", model.heater.into(), [0.01, 1000.0]);
+    put(&mut text, "dead_time", model.dead_time.into(), [0.0, 60.0]);
+    put(&mut text, "t1_lag", model.lag.into(), [0.001, 100.0]);
     if heater.inputs.t2 {
-        put("t2_lag", model.lag2.into(), [0.001, 100.0]);
-        put("t2_delay", model.transport.into(), [0.0, 60.0]);
-        put("heat_loss", 1.0 - f64::from(model.reaches), [0.0, 0.9]);
+        put(&mut text, "t2_lag", model.lag2.into(), [0.001, 100.0]);
+        put(&mut text, "t2_delay", model.transport.into(), [0.0, 60.0]);
+        put(&mut text, "heat_loss", 1.0 - f64::from(model.reaches), [0.0, 0.9]);
     }
-    put("white_noise", left.white, [0.0, 10.0]);
-    put("turbulence", left.slow, [0.0, 10.0]);
-    put("turbulence_time", left.slow_time, [0.001, 100.0]);
+    put(&mut text, "white_noise", left.white, [0.0, 10.0]);
+    put(&mut text, "turbulence", left.slow, [0.0, 10.0]);
+    put(&mut text, "turbulence_time", left.slow_time, [0.001, 100.0]);
     text += "\n[rig.wall]\n";
-    let mut put = |name: &str, value: f64, [low, high]: [f64; 2]| {
-        let _ = writeln!(text, "{name} = {}", number(value.clamp(low, high)));
-    };
-    put("t1_share", model.wall_share.into(), [0.0, 0.5]);
-    put("time", model.wall.into(), [0.1, 1e4]);
-    Ok(text)
+    put(&mut text, "t1_share", model.wall_share.into(), [0.0, 0.5]);
+    put(&mut text, "time", model.wall.into(), [0.1, 1e4]);
+    Ok((text, beyond))
 }

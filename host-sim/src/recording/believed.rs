@@ -10,6 +10,9 @@ use super::{Heater, span};
 /// A heater may give so many % more than it is asked for, or a fan move so much more air; nothing gives less than nothing.
 const MORE: RangeInclusive<f32> = -100.0..=400.0;
 
+/// Nor does a thermistor read further off than so many times all that it read.
+const LARGEST_OFFSET: f64 = 1.5;
+
 /// The temperatures that each thermistor of a heater can have: those that it had, and as much again on either side.
 #[derive(Clone, Debug)]
 pub struct Believed {
@@ -47,7 +50,10 @@ impl Believed {
                 let range = &self.ranges[which as usize];
                 let is_near = |t: f32| range.contains(&f64::from(t));
                 match class.unit() {
-                    "degC" => size.is_none_or(|size| is_near(reading.celsius.0 - size)),
+                    "degC" => size.is_none_or(|size| {
+                        let most = LARGEST_OFFSET / 3.0 * (range.end() - range.start());
+                        is_near(reading.celsius.0 - size) && f64::from(size.abs()) <= most
+                    }),
                     _ => expected[which as usize].is_none_or(is_near),
                 }
             })
@@ -79,6 +85,7 @@ mod tests {
         assert!(says(FaultClass::HeaterPower, -40.0, 30.0));
         for (class, size, expected) in [
             (FaultClass::T1Offset, 133.0, 30.0),
+            (FaultClass::T1Offset, 46.0, 30.0),
             (FaultClass::T1Detached, -90.0, 400.0),
             (FaultClass::HeaterPower, 900.0, 30.0),
             (FaultClass::T2Offset, 1.0, 30.0),

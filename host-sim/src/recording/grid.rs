@@ -5,7 +5,7 @@ use std::ops::Range;
 use anyhow::{bail, ensure};
 
 use super::Reading;
-use super::format::{Map, Role};
+use super::map::{Map, Role};
 use super::stamp::{Stamps, usual_step};
 use super::table::Table;
 

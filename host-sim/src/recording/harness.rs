@@ -15,11 +15,13 @@ use super::score::{Score, Seen, score, table};
 use super::{Reading, Recording, truth};
 
 /// The definitions that come with the program.
-pub const BUILT_IN: [&str; 4] = [
+pub const BUILT_IN: [&str; 6] = [
     include_str!("../../defaults/records/tclab_faults_0.toml"),
     include_str!("../../defaults/records/tclab_setpoint_0.toml"),
     include_str!("../../defaults/records/tclab_step.toml"),
     include_str!("../../defaults/records/pt326_dryer.toml"),
+    include_str!("../../defaults/records/floor_run1.toml"),
+    include_str!("../../defaults/records/floor_run2.toml"),
 ];
 
 /// A recording, where it is from, and what is expected of it.
@@ -122,11 +124,10 @@ impl Definition {
     /// # Errors
     /// A file that is missing or wrong, or why nothing can be learnt.
     pub fn run(&self, dir: &Path, config: &Config) -> anyhow::Result<Vec<Outcome>> {
-        let (file, text) = super::table::text_of(&dir.join(&self.file))?;
+        let (file, text) = super::text::text_of(&dir.join(&self.file))?;
         let (mut recording, other) = Recording::with_other(
-            file,
-            &text,
-            self.train_on.as_ref().map(|of| dir.join(of)).as_deref(),
+            (file, &text),
+            self.train_on.as_ref().map(|of| super::text::text_of(&dir.join(of))).transpose()?,
             &self.reading,
         )?;
         let mut outcomes = Vec::new();

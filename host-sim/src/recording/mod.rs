@@ -2,16 +2,23 @@
 
 pub mod batch;
 pub mod believed;
+mod cell;
 pub mod format;
 pub mod grid;
 pub mod harness;
 pub mod inject;
+pub mod intervals;
+mod logs;
+pub mod map;
+mod names;
 mod quirks;
 pub mod report;
 pub mod run;
 pub mod score;
 pub mod stamp;
+pub mod stretches;
 pub mod table;
+pub mod text;
 pub mod training;
 pub mod truth;
 
@@ -23,8 +30,8 @@ use fdi_core::likelihood::inputs::Inputs;
 use fdi_core::{Observed, Units};
 
 use crate::experiment::as_written;
-use format::{Map, Role};
 use grid::Grid;
+use map::{Map, Role};
 use stamp::Stamps;
 use table::Table;
 
@@ -98,8 +105,6 @@ const SPANS: (f64, f64) = (5.0, 1000.0);
 const TYPICAL_SPAN: f64 = 30.0;
 /// Samples of rest that are put before a recording which began at rest.
 const REST: usize = 60;
-/// A longer run of samples that the file has no row for is a gap.
-pub const GAP: usize = 10;
 /// Two sample times that differ by less are one.
 const SAME: f64 = 0.02;
 
@@ -109,7 +114,7 @@ impl Recording {
     /// # Errors
     /// The file, line and column that are wrong, or what has to be said on top.
     pub fn read(path: &Path, how: &Reading) -> anyhow::Result<Self> {
-        let (file, text) = table::text_of(path)?;
+        let (file, text) = text::text_of(path)?;
         Self::parse(file, &text, how)
     }
 
@@ -118,8 +123,8 @@ impl Recording {
     /// # Errors
     /// The same.
     pub fn parse(file: String, text: &str, how: &Reading) -> anyhow::Result<Self> {
-        let klipper = format::klipper(text);
-        let text = klipper.as_deref().or_else(|| format::artisan(text)).unwrap_or(text);
+        let klipper = logs::klipper(text);
+        let text = klipper.as_deref().or_else(|| logs::artisan(text)).unwrap_or(text);
         let table = Table::parse(file, text)?;
         // What columns are called says nothing where somebody says what they are; a layout that is known does.
         let guess = format::guess(&table).filter(|guess| how.map.is_empty() || guess.name.is_some());
@@ -180,19 +185,18 @@ impl Recording {
         })
     }
 
-    /// A text, and another file of the same rig in the same units and at the same sample time, as far as nobody says them.
+    /// A text, and another of the same rig in the same units and at the same sample time, as far as nobody says them; of each what to call
+    /// its file comes first, as [`text::text_of`] gives them.
     ///
     /// # Errors
     /// Those of either.
     pub fn with_other(
-        file: String,
-        text: &str,
-        other: Option<&Path>,
+        (file, text): (String, &str),
+        other: Option<(String, String)>,
         how: &Reading,
     ) -> anyhow::Result<(Self, Option<Self>)> {
         let mut this = Self::parse(file.clone(), text, how)?;
-        let Some(other) = other else { return Ok((this, None)) };
-        let (other_file, other_text) = table::text_of(other)?;
+        let Some((other_file, other_text)) = other else { return Ok((this, None)) };
         let mut that = Self::parse(other_file.clone(), &other_text, how)?;
         let full_power = this.units.full_power.max(that.units.full_power);
         let sample_time = that.sample_time;
@@ -248,22 +252,15 @@ impl Recording {
         self.heaters.first().is_some_and(|heater| heater.inputs.fan)
     }
 
-    /// The samples between gaps of more than [`GAP`]: those of a session, or less.
+    /// The samples between gaps of more than [`stretches::GAP`]: those of a session, or less.
     pub fn stretches(&self) -> Vec<Range<usize>> {
-        let mut stretches: Vec<Range<usize>> = Vec::new();
-        for k in (0..self.rows.len()).filter(|k| self.rows[*k].is_some()) {
-            match stretches.last_mut() {
-                Some(last) if k - last.end <= GAP => last.end = k + 1,
-                _ => stretches.push(k..k + 1),
-            }
-        }
-        stretches
+        stretches::stretches(self.rows.iter().map(Option::is_some))
     }
 
     /// What a temperature of a heater is in: without a word in the header, degC where it moves as one does.
     pub fn unit(&self, heater: &Heater) -> &'static str {
-        let words = heater.map.column(Role::T1).map(format::words).unwrap_or_default();
-        let says = words.last().is_some_and(|word| format::DEGREES.contains(&word.as_str()));
+        let words = heater.map.column(Role::T1).map(names::words).unwrap_or_default();
+        let says = words.last().is_some_and(|word| names::DEGREES.contains(&word.as_str()));
         if says || self.units.celsius == 1.0 { "°C" } else { "units" }
     }
 
@@ -280,7 +277,7 @@ fn full_power(heaters: &[Heater]) -> f64 {
     const USUAL: [f64; 2] = [1.0, 100.0];
     const COUNTS: [f64; 4] = [255.0, 1023.0, 4095.0, 65_535.0];
     let is_watts = |heater: &Heater| {
-        let words = heater.map.column(Role::Power).map(format::words).unwrap_or_default();
+        let words = heater.map.column(Role::Power).map(names::words).unwrap_or_default();
         words.last().is_some_and(|word| ["w", "watt", "watts"].contains(&word.as_str()))
     };
     let powers = || heaters.iter().flat_map(|heater| &heater.samples).filter_map(|sample| sample.power);
@@ -338,7 +335,7 @@ fn heater(table: &Table, map: Map, grid: &Grid, fan: bool) -> anyhow::Result<Hea
         Ok(values(role)?.map(at))
     };
     let temperatures = |role: Role| -> anyhow::Result<Option<Vec<Option<f32>>>> {
-        let unit = map.column(role).and_then(format::to_celsius).unwrap_or(|x| x);
+        let unit = map.column(role).and_then(names::to_celsius).unwrap_or(|x| x);
         let between = |values: Vec<Option<f64>>| {
             let at = |(k, row): (usize, &Option<usize>)| {
                 let before = values[(*row)?];

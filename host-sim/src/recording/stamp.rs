@@ -6,7 +6,7 @@ use jiff::civil::DateTime;
 use jiff::tz::TimeZone;
 use serde::Deserialize;
 
-use super::format::words;
+use super::names::words;
 use super::table::Table;
 
 /// The unit of a time that is told as a number.

@@ -1,13 +1,16 @@
 //! A recording: rows of numbers in a text file, read column by column.
 
-use std::io::Read;
+mod columns;
+
 use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 use csv::{ReaderBuilder, StringRecord, Trim};
 
+use super::cell::{is_missing, number, value};
 use super::stamp;
+use super::text::{separator, single_blanks, text_of};
 
 /// A text file that is cut into cells. A cell becomes a number only when its column and row are asked for, so what nobody asks
 /// for may hold dates, text or nothing; of millions of rows nothing but the text is kept.
@@ -148,42 +151,9 @@ impl Table {
         &self.file
     }
 
-    /// Whether the first line names the columns.
-    pub fn has_header(&self) -> bool {
-        self.header.is_some()
-    }
-
     /// How many data rows there are; comments, empty lines and the header do not count.
     pub fn rows(&self) -> usize {
         self.rows
-    }
-
-    /// Index of the column that `name` means: the name in the header or else the number, from 1.
-    ///
-    /// # Errors
-    /// No such column, or a name that occurs twice; the message lists the columns.
-    pub fn column(&self, name: &str) -> anyhow::Result<usize> {
-        let named = |i: &usize| self.header.as_ref().is_some_and(|h| &h[*i] == name);
-        let found: Vec<usize> = (0..self.width()).filter(named).collect();
-        match found[..] {
-            [column] => return Ok(column),
-            [] => {}
-            _ => bail!(
-                "{}: several columns are called `{name}`, name one by its number: {}",
-                self.file,
-                self.columns()
-            ),
-        }
-        match name.parse::<usize>() {
-            Ok(n) if (1..=self.width()).contains(&n) => Ok(n - 1),
-            _ => bail!("{}: no column `{name}`; the columns are {}", self.file, self.columns()),
-        }
-    }
-
-    /// What to call a column in a report.
-    pub fn name(&self, column: usize) -> String {
-        let name = self.header.as_ref().map_or("", |h| &h[column]);
-        if name.is_empty() { format!("column {}", column + 1) } else { name.to_owned() }
     }
 
     /// The numbers of `column` in `rows`.
@@ -217,7 +187,7 @@ impl Table {
         Ok(value)
     }
 
-    /// The numbers of `column`, with `None` where a cell says that there is none: see [`is_missing`].
+    /// The numbers of `column`, with `None` where a cell is empty or says nan, none, n/a or the like.
     ///
     /// # Errors
     /// Cells that hold anything else, with file, line, column and text.
@@ -285,42 +255,6 @@ impl Table {
         }
         line
     }
-
-    /// Whether a column is called so.
-    pub fn has(&self, name: &str) -> bool {
-        self.header.as_ref().is_some_and(|header| header.iter().any(|cell| cell == name))
-    }
-
-    /// How many columns there are.
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// All columns, for messages.
-    pub fn columns(&self) -> String {
-        let describe = |i: usize| match self.header.as_ref().map(|h| &h[i]) {
-            Some(name) if !name.is_empty() => format!("{} `{name}`", i + 1),
-            _ => format!("{} (no name)", i + 1),
-        };
-        (0..self.width()).map(describe).collect::<Vec<_>>().join(", ")
-    }
-}
-
-/// What to call a file, and its text; `-` is standard input.
-///
-/// # Errors
-/// It cannot be read.
-pub fn text_of(path: &Path) -> anyhow::Result<(String, String)> {
-    let (file, bytes) = match path.to_str() {
-        Some("-") => {
-            let mut bytes = Vec::new();
-            ("standard input".into(), std::io::stdin().read_to_end(&mut bytes).map(|_| bytes))
-        }
-        _ => (path.display().to_string(), std::fs::read(path)),
-    };
-    let bytes = bytes.with_context(|| format!("cannot read {file}"))?;
-    // Lossy: a degree sign in an old encoding must not keep anyone from the numbers.
-    Ok((file, String::from_utf8_lossy(&bytes).into_owned()))
 }
 
 /// The text with empty lines in place of those above a header, where without them its first lines are a table.
@@ -336,60 +270,6 @@ fn preamble(text: &str) -> Option<String> {
     let skip = (1..lines.len().min(LONGEST)).find(is_table)?;
     let above: usize = lines[..skip].iter().map(|line| line.len() + 1).sum();
     Some("\n".repeat(skip) + &text[above..])
-}
-
-/// What stands between cells: the first of semicolon, tab, comma that the first line contains; none: blanks.
-fn separator(text: &str) -> Option<char> {
-    let is_row = |l: &&str| !l.trim().is_empty() && !l.trim_start().starts_with('#');
-    let first = text.lines().find(is_row).unwrap_or_default();
-    [';', '\t', ','].into_iter().find(|&s| first.contains(s))
-}
-
-/// A row of noughts below a header, to try the header with.
-pub fn as_numbers(header: &str) -> String {
-    let separator = separator(header);
-    let cells = match separator {
-        Some(separator) => header.split(separator).count(),
-        None => header.split_whitespace().count(),
-    };
-    vec!["0"; cells].join(&separator.unwrap_or(' ').to_string())
-}
-
-/// The same lines with each run of blanks made one.
-fn single_blanks(text: &str) -> String {
-    text.lines().map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ") + "\n").collect()
-}
-
-/// What loggers write where they have nothing to say.
-const NOTHING: [&str; 10] = ["", "nan", "null", "none", "n/a", "na", "-", "--", "unknown", "unavailable"];
-
-/// Whether a cell says that its sample is missing.
-pub fn is_missing(cell: &str) -> bool {
-    NOTHING.iter().any(|word| cell.eq_ignore_ascii_case(word))
-}
-
-/// A number with a point or a comma before its decimals, and perhaps marks between its thousands.
-fn number(cell: &str) -> Option<f64> {
-    cell.parse().ok().or_else(|| {
-        let comma = cell.rfind(',')?;
-        let plain = match cell.rfind('.') {
-            Some(point) if point > comma => cell.replace(',', ""),
-            _ => cell.replace('.', "").replace(',', "."),
-        };
-        plain.parse().ok()
-    })
-}
-
-/// A number, one with its unit behind it, or a switch as 0 or 1.
-fn value(cell: &str) -> Option<f64> {
-    let is = |words: [&str; 3]| words.iter().any(|word| cell.eq_ignore_ascii_case(word));
-    let switch = || match () {
-        () if is(["on", "true", "yes"]) => Some(1.0),
-        () if is(["off", "false", "no"]) => Some(0.0),
-        () => None,
-    };
-    let unit = |c: char| c.is_alphabetic() || c.is_whitespace() || ['%', '°'].contains(&c);
-    number(cell).or_else(switch).or_else(|| number(cell.trim_end_matches(unit)))
 }
 
 #[cfg(test)]
@@ -433,22 +313,6 @@ mod tests {
     }
 
     #[test]
-    fn a_name_in_the_header_wins_over_a_number() {
-        // "1" is no header on its own, so the line needs a cell that is no number, and none that is.
-        let t = table("a,b\n5,6\n");
-        assert_eq!((t.column("b").unwrap(), t.column("1").unwrap()), (1, 0));
-        assert!(t.column("0").is_err() && t.column("3").is_err());
-    }
-
-    #[test]
-    fn an_unknown_or_ambiguous_column_lists_the_columns() {
-        let t = table(",T,T\n1,2,3\n");
-        let unknown = t.column("Q").unwrap_err().to_string();
-        assert_eq!(unknown, "f: no column `Q`; the columns are 1 (no name), 2 `T`, 3 `T`");
-        assert!(t.column("T").unwrap_err().to_string().contains("several columns are called `T`"));
-    }
-
-    #[test]
     fn a_bad_cell_is_named_by_line_column_and_text_and_only_where_it_is_used() {
         let t = table("# x\nu,y\n1,2\n3,abc\n5,\n7,NaN\n9,10\n");
         for (row, text) in
@@ -475,34 +339,6 @@ mod tests {
                 assert_eq!(t.line_of(1), at, "{end:?}");
             }
         }
-    }
-
-    #[test]
-    fn numbers_are_read_as_people_and_loggers_write_them() {
-        let read = |cell: &str| {
-            let t = table(&format!("u;y\n0;0\n0;{cell}\n"));
-            t.values_or_gaps(1).ok().map(|values| values[1])
-        };
-        for (cell, number) in [
-            ("20,5", 20.5),
-            ("1.234,5", 1234.5),
-            ("1,234.5", 1234.5),
-            ("-3", -3.0),
-            ("1e3", 1000.0),
-            ("23.5 °C", 23.5),
-            ("45%", 45.0),
-            ("on", 1.0),
-            ("FALSE", 0.0),
-        ] {
-            assert_eq!(read(cell), Some(Some(number)), "{cell}");
-        }
-        for cell in ["", "NaN", "null", "n/a", "unavailable", "inf"] {
-            assert_eq!(read(cell), Some(None), "{cell}");
-        }
-        for cell in ["x", "°C", "1.2.3", "3V3"] {
-            assert_eq!(read(cell), None, "{cell}");
-        }
-        assert_eq!(column("u,y\n0,\"20,5\"\n", "y"), [20.5]);
     }
 
     #[test]

@@ -10,6 +10,7 @@ use fdi_core::settings::Kind;
 use fdi_core::{Celsius, Config, Monitor, Observed, Seconds};
 
 use super::batch::{self, Found, Question};
+use super::intervals::{self, Interval, UNKNOWN};
 use super::{Heater, Recording, span};
 
 /// Fewer samples are no answer.
@@ -41,6 +42,8 @@ pub struct Trained {
     pub model: Model,
     /// How much of the training the model explains when it is simulated, %.
     pub fit: f64,
+    /// How well what was learnt is known.
+    pub intervals: Vec<Interval>,
     /// What the samples do not tell, in words; the priors stand for it.
     pub unknown: Vec<&'static str>,
 }
@@ -98,7 +101,9 @@ pub fn train(
     let Some(model) = monitor.model() else { bail!("nothing can be learnt from these samples") };
     let unknown = unknown(&found, heater);
     ensure!(found.fit.is_finite(), "the model explains nothing");
-    Ok(Trained { monitor, config: fast, every: every as u32, model, fit: found.fit, unknown })
+    let (looked_at, tick) = (means.as_ref().unwrap_or(&found), every as f64 * recording.sample_time);
+    let intervals = intervals::intervals(&model, looked_at, heater.inputs.t2, tick);
+    Ok(Trained { monitor, config: fast, every: every as u32, model, fit: found.fit, intervals, unknown })
 }
 
 /// A model that explains less, %, is warned about, and one that explains still less is none.
@@ -109,6 +114,16 @@ impl Trained {
     /// Whether what is said by this model is worth nothing.
     pub fn is_poor(&self) -> bool {
         !(self.fit >= POOR)
+    }
+
+    /// The warning, if there is one; `instead` says how to go on with a model that is worth nothing.
+    ///
+    /// # Errors
+    /// It is worth nothing, and nobody said to go on.
+    pub fn accepted(&self, force: bool, instead: &str) -> anyhow::Result<String> {
+        let warning = self.warning().unwrap_or_default();
+        ensure!(force || !self.is_poor(), "{warning}{instead}");
+        Ok(warning)
     }
 
     /// What whoever reads the results must know of the model, the cause, and what to do next; none where it explains enough.
@@ -219,9 +234,6 @@ fn refused(why: RejectReason) -> anyhow::Error {
     };
     anyhow::anyhow!("nothing can be learnt from these samples: {why}")
 }
-
-/// A parameter is not known where the samples leave it more than this share of the standard deviation that it had before them.
-const UNKNOWN: f64 = 0.5;
 
 /// What the samples do not tell.
 fn unknown(found: &Found, heater: &Heater) -> Vec<&'static str> {

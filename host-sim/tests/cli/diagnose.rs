@@ -92,6 +92,7 @@ fn a_page_about_a_recording_is_about_the_recording() {
         "class='alarm'",
         "class='train'",
         "What was learnt",
+        "95 % interval",
         "--map time=time --map t1=outlet --map power=heater --full-power 100 --fan true",
         sentence,
     ] {

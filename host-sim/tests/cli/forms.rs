@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::sync::OnceLock;
 
-use host_sim::recording::format::Role;
+use host_sim::recording::map::Role;
 use host_sim::recording::{Reading, Recording};
 
 use crate::{arg, folder, pt326, pt326_reading, text};
@@ -241,16 +241,15 @@ fn a_power_that_is_frozen_with_its_temperature_is_not_judged() {
 /// Two logs of one heater, of which one never comes to full power, are of one unit.
 #[test]
 fn a_recording_and_what_it_is_trained_on_have_the_same_units() {
-    let dir = folder("forms-units");
-    let file = dir.join("normal.csv");
     let counts = |most: f64| {
         move |k: usize, t: f64, p: f64| {
             format!("{},{t},{}", TS * k as f64 * 1.003, (255.0 * p.min(most)).round())
         }
     };
-    std::fs::write(&file, table("time,temp,pwm", 600, counts(0.3))).unwrap();
     let text = table("time,temp,pwm", 600, counts(1.0));
-    let (this, other) = Recording::with_other("log".into(), &text, Some(&file), &Reading::default()).unwrap();
+    let normal = ("normal".into(), table("time,temp,pwm", 600, counts(0.3)));
+    let (this, other) =
+        Recording::with_other(("log".into(), &text), Some(normal), &Reading::default()).unwrap();
     let other = other.unwrap();
     assert_eq!((this.units, this.sample_time), (other.units, other.sample_time));
     assert_eq!(this.units.full_power, 255.0);

@@ -7,12 +7,14 @@ mod hostile;
 mod identify;
 mod isolability;
 mod made;
+mod plant;
 mod porting;
 mod replay;
 mod run;
 mod score;
 mod shell;
 mod teach;
+mod training;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -66,3 +68,10 @@ fn arg(path: &Path) -> &str {
 
 /// A run that takes little time.
 const SHORT: &str = "duration = 20.0\nfault = []\n";
+
+/// Monitors are large, and a build without optimization copies them on the stack: a test's own is too small.
+fn on_a_large_stack(look: impl FnOnce() + Send + 'static) {
+    const STACK: usize = 64 << 20;
+    let looked = std::thread::Builder::new().stack_size(STACK).spawn(look).unwrap().join();
+    assert!(looked.is_ok());
+}

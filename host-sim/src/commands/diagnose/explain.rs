@@ -60,7 +60,7 @@ pub(super) fn learnt(
             model.lag2,
             100.0 * model.reaches
         );
-    } else if heater.map.column(crate::recording::format::Role::Known).is_some() {
+    } else if heater.map.column(crate::recording::map::Role::Known).is_some() {
         let _ = writeln!(
             text,
             "       the heater beside -> lag {:.3} s -> lag {:.3} s -> T1; gain {:.4} {unit} a unit of its power",

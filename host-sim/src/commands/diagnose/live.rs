@@ -15,14 +15,16 @@ use super::lines::{Heard, Lines};
 use crate::experiment::{Origin, Record, Row, tick_time};
 use crate::record::summary::sentence;
 use crate::recording::believed::Believed;
-use crate::recording::format::Role;
 use crate::recording::grid::OFF;
+use crate::recording::map::Role;
 use crate::recording::report::plain;
 use crate::recording::run::as_tick;
 use crate::recording::stamp::Stamps;
-use crate::recording::table::{self, Table};
+use crate::recording::stretches::GAP;
+use crate::recording::table::Table;
+use crate::recording::text::as_numbers;
 use crate::recording::training::train;
-use crate::recording::{GAP, Reading, Recording};
+use crate::recording::{Reading, Recording};
 
 /// A source is silent when nothing has come for so many sample times, and at least so long: loggers gather some lines before they send them.
 const SILENT: f64 = 5.0;
@@ -34,8 +36,10 @@ pub(super) fn run(args: &DiagnoseArgs, how: &Reading, config: &Config) -> anyhow
     let other = Recording::read(path, how)?;
     let heater = &other.heaters[0];
     let trained = train(&other, heater, &heater.samples, config)?;
+    let warning = trained.accepted(args.force, super::FORCED)?;
     let mut say = |said: Said| print(&if args.json { format!("{}\n", said.json) } else { said.text });
-    let text = format!("{}: learnt from {}, {:.1} % explained\n", heater.map, other.file, trained.fit);
+    let text =
+        format!("{warning}{}: learnt from {}, {:.1} % explained\n", heater.map, other.file, trained.fit);
     say(Said::new(
         "learnt",
         text,
@@ -118,7 +122,7 @@ impl<'a> Live<'a> {
         let full_power = Some(other.units.full_power.into());
         let how =
             Reading { sample_time: Some(other.sample_time), celsius, full_power, ..how.clone() }.untimed();
-        let numbers = table::as_numbers(&header);
+        let numbers = as_numbers(&header);
         Recording::parse("standard input, line 1".into(), &format!("{header}\n{numbers}\n"), &how)?;
         let origin = Origin::Watched { file: "standard input".into() };
         let mut record = Record::new(origin, config, &[], Vec::new(), None);

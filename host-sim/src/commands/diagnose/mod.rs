@@ -18,7 +18,7 @@ use super::results::Folder;
 use super::terminal::{coloured, in_words, print, progress};
 use crate::record::summary::Summary;
 use crate::record::table;
-use crate::recording::report::Told;
+use crate::recording::report::{Told, learnt, table as table_of};
 use crate::recording::run::{Diagnosed, Training, diagnose};
 use crate::recording::stamp::Unit;
 use crate::recording::{Heater, Reading, Recording, score, truth};
@@ -148,8 +148,9 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
     if args.live {
         return live::run(args, &how, &config);
     }
-    let (file, text) = recording::table::text_of(&args.file)?;
-    let (mut recording, other) = Recording::with_other(file, &text, args.train_on.as_deref(), &how)?;
+    let (file, text) = recording::text::text_of(&args.file)?;
+    let other = args.train_on.as_deref().map(recording::text::text_of).transpose()?;
+    let (mut recording, other) = Recording::with_other((file, &text), other, &how)?;
     let truths = recording.heaters.iter().map(|heater| truth::read(&args.truth, &text, &recording, heater));
     let mut truths: Vec<Vec<Fault>> = truths.collect::<anyhow::Result<_>>()?;
     if args.from_rest {
@@ -166,14 +167,11 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
         let diagnosed = training(args, &recording, which, other.as_ref(), &config).and_then(|training| {
             let progress = progress(0, "samples");
             let done = diagnose(&recording, which, &training, faults, &config, &progress)?;
-            let warning = done.trained.warning().unwrap_or_default();
-            ensure!(args.force || !done.trained.is_poor(), "{warning}Or take it as it is with --force");
-            Ok((training, done))
+            Ok((training, done.trained.accepted(args.force, FORCED)?, done))
         });
         match diagnosed.with_context(|| format!("{}, {}", recording.file, recording.heaters[which].map)) {
-            Ok((training, done)) => {
+            Ok((training, warning, done)) => {
                 is_any = true;
-                let warning = done.trained.warning().unwrap_or_default();
                 print(&(warning + &std::mem::take(&mut remarks)))?;
                 let out = if which == 0 {
                     args.out.clone()
@@ -192,6 +190,9 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
     }
     Ok(())
 }
+
+/// How to go on with a model that is worth nothing.
+const FORCED: &str = "Or take it as it is with --force";
 
 /// What is learnt from.
 fn training(
@@ -239,6 +240,7 @@ fn tell(
     text += &explain::missing(heater.inputs);
     text += &explain::learnt(recording, heater, training, done);
     if args.explain {
+        text += &table_of(&learnt(recording, heater, &done.trained));
         text += &explain::told_apart(recording, heater, training, done)?;
     }
     text += &remarks(done);

@@ -2,6 +2,7 @@
 //! Identification*, 2nd ed., 1999, chapter 7). A board keeps no samples and learns in one pass; a recording lies on a disk.
 
 mod plant;
+mod prepared;
 mod search;
 
 use fdi_core::likelihood::Likelihood;
@@ -10,10 +11,10 @@ use fdi_core::likelihood::Parameter::{
     WallTime,
 };
 use fdi_core::likelihood::inputs::Inputs;
-use fdi_core::{Celsius, Config, KnownInputs, Observed, Percent, Seconds, Units};
+use fdi_core::{Celsius, Config, Observed, Seconds, Units};
 
 pub use plant::Theta;
-use plant::{PARAMETERS, Pairs, Plant, Row, Stretch};
+use plant::{PARAMETERS, Pairs, Plant};
 use search::{Point, Search};
 
 /// Answer times from which it is looked for, samples; as long as there are so many of them.
@@ -32,14 +33,8 @@ const FEW: usize = 6000;
 pub const ANSWER: f64 = 4.4;
 /// How often what is left says anew what noise there is.
 const NOISES: usize = 2;
-/// A longer run of missing samples is a gap, behind which another stretch begins.
-const GAP: usize = 10;
-/// A shorter stretch says nothing but how it began.
-const SHORTEST: usize = 20;
 /// The spread of the residuals that is assumed first, as a share of that of T1.
 const ASSUMED: f64 = 0.1;
-/// A heater beside that moves by less, %, shows nothing.
-const STILL: f64 = 0.1;
 /// A wall has to make the sum less by so much: three standard deviations. Otherwise what drifts would be taken for one.
 const WORTH_A_WALL: f64 = 9.0;
 const NO_WALL: (f64, f64) = (0.0, 0.0);
@@ -47,10 +42,6 @@ const NO_WALL: (f64, f64) = (0.0, 0.0);
 const LONGEST_WALL: f64 = 0.25;
 /// What the diagnosis remembers of the air, as a share of its ticks: see `longest_delay` of the tuning.
 const LONGEST_DELAY: f64 = 43.0;
-/// Temperatures beyond are none, degC: see [`fdi_core::Monitor`].
-const HOTTEST: f64 = 1e5;
-/// Nothing is learnt where the fan is further from its usual level.
-const USUAL_FAN: f32 = 0.05;
 
 /// What is fitted.
 #[derive(Clone, Copy, Debug)]
@@ -74,10 +65,12 @@ pub struct Question<'a> {
 pub struct Found {
     /// The parameters, times in ticks of `every` samples.
     pub theta: Theta,
-    /// Their standard deviations, and as shares of those of the priors; 0 of what was not looked for.
+    /// Their standard deviations; 0 of what was not looked for.
     pub sd: Theta,
-    /// The same.
+    /// What they would be by the samples alone, as shares of those of the priors; 0 of what was not looked for.
     pub known: Theta,
+    /// Standard deviation of the logarithm of the gain of the heater beside.
+    pub sd_beside: f64,
     /// The T1 over which rises count where there is no T0, degC.
     pub base: f64,
     /// Residuals and rises of T1 and T2, degC, of each sample that has them.
@@ -88,19 +81,12 @@ pub struct Found {
     pub stretches: usize,
 }
 
-/// Samples as the model wants them.
-struct Prepared {
-    stretches: Vec<Stretch>,
-    base: f64,
-    beside: bool,
-}
-
 impl Question<'_> {
     /// The parameters that explain the samples best; `near` is where they are looked for, none: anywhere.
     pub fn fit(&self, near: Option<&Theta>) -> Option<Found> {
         let prepared = self.prepared();
         let rows: usize = prepared.stretches.iter().map(Vec::len).sum();
-        let spread = self.spread(&prepared.stretches)?;
+        let spread = prepared.spread()?;
         let anywhere = || {
             let longer = std::iter::successors(Some(FIRST_ANSWER), |answer| Some(LONGER * answer));
             longer
@@ -188,12 +174,22 @@ impl Question<'_> {
         }
         let mean = ys.iter().sum::<f64>() / ys.len() as f64;
         let all: f64 = ys.iter().map(|y| (y - mean).powi(2)).sum();
-        let known = search.deviations(point);
-        let known = std::array::from_fn(|i| if search.moves(i) { known[i] } else { 0.0 });
+        let [covariance, alone] = search.covariances(point);
+        let deviations = |of: &[[f64; PARAMETERS]; PARAMETERS]| -> Theta {
+            std::array::from_fn(|i| if search.moves(i) { of[i][i].sqrt() } else { 0.0 })
+        };
+        let (known, by_all) = (deviations(&alone), deviations(&covariance));
+        let sd = |which: Parameter| search.prior[which as usize].1;
+        // Its gain is K b: ln K + ln b, to first order.
+        let beside =
+            [(Gain, sd(Gain)), (Reaches2, sd(Reaches2) / point.theta[Reaches2 as usize].abs().max(1e-6))];
+        let pairs = beside.iter().flat_map(|a| beside.iter().map(move |b| (a, b)));
+        let variance: f64 = pairs.map(|((i, a), (j, b))| a * b * covariance[*i as usize][*j as usize]).sum();
         Found {
             theta: point.theta,
-            sd: std::array::from_fn(|i| known[i] * search.prior[i].1),
+            sd: std::array::from_fn(|i| by_all[i] * search.prior[i].1),
             known,
+            sd_beside: variance.max(0.0).sqrt(),
             base,
             left,
             fit: 100.0 * (1.0 - (squares / all).sqrt()),
@@ -240,99 +236,6 @@ impl Question<'_> {
             put(Offset2, wide(-offset, offset));
         }
         (prior, range)
-    }
-
-    /// Standard deviation of T1; none where it never moves.
-    fn spread(&self, stretches: &[Stretch]) -> Option<f64> {
-        let y: Vec<f64> = stretches.iter().flatten().map(|row| row.y[0]).filter(|y| y.is_finite()).collect();
-        let mean = y.iter().sum::<f64>() / y.len() as f64;
-        let spread = (y.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / y.len() as f64).sqrt();
-        (spread > 0.0).then_some(spread)
-    }
-
-    /// The samples in degC and %, cut at gaps.
-    fn prepared(&self) -> Prepared {
-        let celsius = f64::from(self.units.celsius);
-        let percent = 100.0 / self.units.full_power;
-        let first = self.samples.iter().find_map(|sample| sample.t[1]).map_or(0.0, f64::from);
-        let base = first * celsius;
-        let (mut power, mut beside) = (0.0, 0.0);
-        let rows: Vec<Option<Row>> = self
-            .samples
-            .iter()
-            .map(|sample| {
-                let known = KnownInputs {
-                    supply: sample.supply,
-                    fan: sample.fan.map(Percent),
-                    ..KnownInputs::default()
-                };
-                let asked = sample.power.map(|u| (u * percent).clamp(0.0, 100.0));
-                power = asked.map_or(power, |u| f64::from(known.effective(u)));
-                beside = sample.beside.map_or(beside, |u| f64::from(u * percent));
-                let [t0, t1, t2] = sample.t.map(|t| t.map_or(f64::NAN, |t| f64::from(t) * celsius));
-                let t0 = if self.inputs.t0 { t0 } else { base };
-                let usual = (known.fan_share() - 1.0).abs() <= USUAL_FAN;
-                let y = [t1 - t0, t2 - t0].map(|y| if usual && y.abs() < HOTTEST { y } else { f64::NAN });
-                let there = sample.power.is_some() || !y[0].is_nan();
-                there.then_some(Row { power, beside, y })
-            })
-            .collect();
-        let beside = rows.iter().flatten().map(|row| row.beside);
-        let (low, high) = beside.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
-        let stretches = stretches(&rows).into_iter();
-        Prepared {
-            stretches: stretches
-                .map(|part| self.averaged(&part))
-                .filter(|part| part.len() >= SHORTEST)
-                .collect(),
-            base,
-            beside: high - low > STILL,
-        }
-    }
-
-    /// Means, and what has driven the rig since the row before.
-    fn averaged(&self, part: &[Row]) -> Stretch {
-        if self.every > 1 {
-            return part.chunks_exact(self.every).map(mean).collect();
-        }
-        let before = std::iter::once(&part[0]).chain(part);
-        let pairs = part.iter().zip(before);
-        pairs.map(|(row, before)| Row { power: before.power, beside: before.beside, ..*row }).collect()
-    }
-}
-
-/// Samples without a gap; what is missing for a moment has the power of before, and no temperature.
-fn stretches(rows: &[Option<Row>]) -> Vec<Stretch> {
-    let (mut all, mut part, mut missing) = (Vec::new(), Stretch::new(), 0);
-    for row in rows {
-        let Some(row) = row else {
-            missing += 1;
-            continue;
-        };
-        if missing > GAP {
-            all.push(std::mem::take(&mut part));
-        }
-        if let Some(last) = part.last().copied() {
-            part.extend(std::iter::repeat_n(Row { y: [f64::NAN; 2], ..last }, missing));
-        }
-        missing = 0;
-        part.push(*row);
-    }
-    all.push(part);
-    all.retain(|part| !part.is_empty());
-    all
-}
-
-/// The mean of some rows, as one.
-fn mean(rows: &[Row]) -> Row {
-    let over = |of: &dyn Fn(&Row) -> f64| {
-        let known: Vec<f64> = rows.iter().map(of).filter(|x| x.is_finite()).collect();
-        known.iter().sum::<f64>() / known.len() as f64
-    };
-    Row {
-        power: over(&|row| row.power),
-        beside: over(&|row| row.beside),
-        y: [over(&|row| row.y[0]), over(&|row| row.y[1])],
     }
 }
 

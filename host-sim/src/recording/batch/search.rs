@@ -8,6 +8,8 @@
 //! normal equations stretch by stretch (Schur complement), so that a hundred stretches cost no more than one that is as long. Parameters and states are
 //! counted in standard deviations of their priors.
 
+use fdi_core::likelihood::Parameter;
+
 use super::plant::{PARAMETERS, Pairs, Plant, STATES, State, Stretch, Theta};
 
 /// Standard deviations of how a stretch begins, % and degC.
@@ -29,8 +31,11 @@ const LEAST_SIGMA: f64 = 1e-3;
 const BLOCK: usize = 50;
 const LEAST_BLOCK: usize = 10;
 
+/// The weight of priors where the samples are asked alone.
+const NEXT_TO_NOTHING: f64 = 1e-3;
+
 /// A matrix of parameters.
-type Square<const N: usize> = [[f64; N]; N];
+pub(super) type Square<const N: usize> = [[f64; N]; N];
 
 /// What is fitted to what.
 #[derive(Clone, Debug)]
@@ -78,7 +83,7 @@ struct Normal {
     parts: Vec<Reduced>,
 }
 
-/// The inverse of a symmetric matrix whose eigenvalues are 1 and more, by Gauss and Jordan.
+/// The inverse of a symmetric matrix whose eigenvalues are above 0, by Gauss and Jordan.
 fn inverse<const N: usize>(mut a: Square<N>) -> Square<N> {
     for i in 0..N {
         let pivot = 1.0 / a[i][i];
@@ -323,9 +328,13 @@ impl Search<'_> {
         self.judged(theta, starts.collect())
     }
 
-    /// Standard deviations of the parameters, in those of their priors.
-    pub(super) fn deviations(&self, point: &Point) -> Theta {
-        let covariance = inverse(self.linearized(point).matrix);
-        std::array::from_fn(|i| covariance[i][i].sqrt())
+    /// Covariance of the parameters, in standard deviations of their priors; and what it would be if these counted for next to nothing, but for that of
+    /// the curvature: power that is full or off tells nothing of what is between, and need not.
+    pub(super) fn covariances(&self, point: &Point) -> [Square<PARAMETERS>; 2] {
+        let matrix = self.linearized(point).matrix;
+        let mut alone = matrix;
+        let asked = |i: &usize| self.moves(*i) && *i != Parameter::Curvature as usize;
+        (0..PARAMETERS).filter(asked).for_each(|i| alone[i][i] -= 1.0 - NEXT_TO_NOTHING);
+        [matrix, alone].map(inverse)
     }
 }

@@ -94,7 +94,22 @@ fn words(recording: &Recording, heater: &Heater, record: &Record, rows: &[Row]) 
 /// The sentence of a board about a rig of which less is known.
 pub fn plain(recording: &Recording, heater: &Heater, sentence: &str) -> String {
     let loose = if heater.inputs.fan { "is it loose? " } else { "is it loose, or is heat lost? " };
-    sentence.replace("is it out of the tube? ", loose).replace("°C", recording.unit(heater))
+    let sentence = sentence.replace("is it out of the tube? ", loose).replace("°C", recording.unit(heater));
+    ["% less ", "% weaker "].into_iter().fold(sentence, |sentence, less| no_more_than_all(&sentence, less))
+}
+
+/// An interval of a loss ends at 100 %: `72.3 (43.4 to 101.1) % less`.
+fn no_more_than_all(sentence: &str, less: &str) -> String {
+    let end = || {
+        let (head, _) = sentence.split_once(&format!(") {less}"))?;
+        let from = head.rfind(' ')? + 1;
+        let beyond = head[from..].parse::<f64>().ok()? > 100.0;
+        beyond.then_some(from..head.len())
+    };
+    end().map_or_else(
+        || sentence.to_owned(),
+        |end| format!("{}100{}", &sentence[..end.start], &sentence[end.end..]),
+    )
 }
 
 /// Where nothing could be said after the training.
@@ -135,4 +150,20 @@ pub(super) fn unjudged(recording: &Recording, done: &Diagnosed) -> Vec<Unjudged>
     parts.retain(|part| part.to - part.from > SHORT * record.sample_time);
     parts.sort_by(|a, b| a.from.total_cmp(&b.from));
     parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_interval_of_a_loss_goes_beyond_all() {
+        for (sentence, expected) in [
+            ("gives 72.3 (43.4 to 101.1) % less power", "gives 72.3 (43.4 to 100) % less power"),
+            ("gives 72.3 (43.4 to 99.1) % less power", "gives 72.3 (43.4 to 99.1) % less power"),
+            ("gives 90.0 (70.1 to 110.0) % more power", "gives 90.0 (70.1 to 110.0) % more power"),
+        ] {
+            assert_eq!(no_more_than_all(sentence, "% less "), expected);
+        }
+    }
 }

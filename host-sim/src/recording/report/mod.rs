@@ -1,6 +1,7 @@
 //! What was found in a recording: as text for a terminal, and as a page that needs nothing else.
 
 mod chart;
+mod data;
 mod findings;
 mod learnt;
 mod page;
@@ -16,7 +17,7 @@ use super::{Heater, Recording};
 use crate::experiment::Row;
 
 pub use findings::{Episode, Said, Unjudged, plain};
-pub use learnt::Learnt;
+pub use learnt::{Learnt, learnt, table};
 
 /// A heater of a recording with all that is told of it.
 #[derive(Clone, Debug)]
@@ -103,7 +104,7 @@ impl<'a> Told<'a> {
         let record = &self.done.record;
         let from = self.done.watched_from as f64 * self.recording.sample_time;
         let mut text =
-            format!("{:.0} s watched, {} alarms", (record.end() - from).max(0.0), self.episodes.len());
+            format!("{:.0} s watched, {}", (record.end() - from).max(0.0), alarms(self.episodes.len()));
         text += if self.episodes.is_empty() { "\n" } else { ":\n" };
         for episode in &self.episodes {
             for said in &episode.said {
@@ -124,6 +125,10 @@ impl<'a> Told<'a> {
     pub fn page(&self) -> String {
         page::html(self)
     }
+}
+
+fn alarms(count: usize) -> String {
+    if count == 1 { "1 alarm".into() } else { format!("{count} alarms") }
 }
 
 /// The samples of the recording that were learnt from, and why they are trusted; none where another recording was.

@@ -7,6 +7,7 @@ mod heater;
 mod hostile;
 mod layout;
 mod lessons;
+mod mended;
 mod port;
 mod report;
 mod scenes;

@@ -8,7 +8,9 @@ import { begins, order, run, send } from "lab/talk.js";
 import { Tour } from "lab/tour.js";
 
 export const tour = new Tour($("tour"), {
-  act, order, again: changed,
+  act, order,
+  now: () => lab.store.now,
+  finish: () => setMode("explore"),
   busy: () => lab.store.get(lab.store.last, "alarm") > 0 || lab.events.active(lab.store.now).length > 0,
 });
 
@@ -24,6 +26,7 @@ const ACTS = {
   relearn: () => order({ order: "relearn" }),
   skip: () => send({ command: "skip" }),
   anew: () => begins(lab.scene),
+  paper: () => begins({ ...lab.scene, preset: "paper" }),
   surprise: () => (setMode("quiz"), startQuiz()),
   "quick-t2": () => quick("T2", "wrong"),
   "quick-air": () => quick("fan", "more"),

@@ -5,8 +5,8 @@ import { forgetColours } from "lab/canvas.js";
 import { begin } from "lab/hear.js";
 import { charts, quiz, review, rig, sheet } from "lab/parts.js";
 import { show } from "lab/show.js";
-import { $, arms, changed, keep, lab } from "lab/state.js";
-import { current, speak } from "lab/strings.js";
+import { $, arms, changed, keep, lab, plant } from "lab/state.js";
+import { current, following, speak } from "lab/strings.js";
 import { begins, order, run, send } from "lab/talk.js";
 
 document.addEventListener("click", ({ target }) => {
@@ -23,9 +23,9 @@ $("transport").addEventListener("click", ({ target }) => {
 $("stop").addEventListener("click", () => act(arms() ? "arm" : "stop"));
 $("follow").addEventListener("click", () => charts.follow());
 $("language").addEventListener("click", () => {
-  speak(current() === "en" ? "pt" : "en");
+  speak(following());
   keep.set("language", current());
-  rig.fit(true);
+  rig.fit(plant(), true);
   if (sheet.part) sheet.build();
   tour.show(lab.mode === "tour");
   show();

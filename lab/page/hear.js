@@ -1,5 +1,5 @@
 // What the source says.
-import { setMode } from "lab/acts.js";
+import { setMode, tour } from "lab/acts.js";
 import { agrees, kept, said } from "lab/board.js";
 import { Events } from "lab/events.js";
 import { charts, quiz, review } from "lab/parts.js";
@@ -69,6 +69,7 @@ export const HEAR = {
     for (const [tick, order] of scene?.orders ?? []) HEAR.order({ tick, order });
     charts.follow();
     show();
+    tour.opened();
   },
   rows({ from, values }) {
     const { store, events } = lab;

@@ -43,7 +43,7 @@ function draw(now, passed) {
   lab.dirty = false;
 }
 
-speak(keep.get("language") ?? (navigator.language?.startsWith("pt") ? "pt" : "en"));
+speak(keep.get("language") ?? (navigator.language?.slice(0, 2)));
 document.documentElement.dataset.theme = keep.get("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
 listen(HEAR);
 show();

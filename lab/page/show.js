@@ -1,10 +1,11 @@
 // What changes with language, mode and source, and not with time.
 import { settings as all, asking } from "lab/board.js";
 import { charts, review } from "lab/parts.js";
-import { $, changed, embedded, lab, put } from "lab/state.js";
-import { current, escape, say } from "lab/strings.js";
+import { $, changed, embedded, lab, plant, put } from "lab/state.js";
+import { escape, following, languages, say, speakOf } from "lab/strings.js";
 
 export function show() {
+  speakOf(plant());
   words();
   source();
   pressed();
@@ -18,8 +19,7 @@ function words() {
   for (const node of document.querySelectorAll("[data-say]")) node.textContent = say(node.dataset.say);
   asking();
   for (const node of document.querySelectorAll("[data-label]")) node.setAttribute("aria-label", say(node.dataset.label));
-  $("language").textContent = current() === "en" ? "PT" : "EN";
-  $("language").lang = current() === "en" ? "pt" : "en";
+  Object.assign($("language"), { textContent: following().toUpperCase(), lang: following(), ariaLabel: languages()[following()].language });
   $("stack").setAttribute("aria-label", `${say("region_charts")}. ${say("charts_help")}`);
   $("overview").title = say("charts_help");
 }

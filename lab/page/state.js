@@ -20,6 +20,9 @@ export const changed = () => (lab.dirty = true);
 // How many times as hot above the room this rig's air is as the usual one's.
 export const heat = () => Math.max(1, Math.round((lab.settings.setpoint - 20) / 15));
 
+// The plant that is simulated, by its preset: a board and a recording are a tube.
+export const plant = () => (lab.can.has("open") ? lab.scene.preset : "");
+
 export const isOff = () => [0, 4].includes(lab.stateOf);
 // Of a real board the button only ever stops: whoever presses it twice must not arm.
 export const arms = () => isOff() && lab.hello.kind !== "board";

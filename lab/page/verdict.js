@@ -150,7 +150,8 @@ function howSoon(event, names) {
   let body = `<path d="M4 22H${WIDTH - 4}" class="axis"/><path d="M4 22H${X(a)}" class="value"/>`;
   for (const s of soon) body += `<circle cx="${X(s)}" cy="22" r="5" class="dot"/>`;
   const own = delays(names, event.from);
-  body += text(names.length > 1 ? 4 : Math.min(Math.max(4, X(a) - 4), WIDTH - 110), 10, own, 'class="strong"');
+  const late = names.length < 2 && X(a) > WIDTH / 2;
+  body += text(names.length > 1 ? 4 : late ? Math.min(WIDTH - 4, X(a) + 4) : X(a) - 4, 10, own, `class="strong" text-anchor="${late ? "end" : "start"}"`);
   let paper = say("paper_nothing");
   if (b >= 0) {
     body += `<circle cx="${X(b)}" cy="22" r="5" class="other"/>`;

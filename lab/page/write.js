@@ -1,4 +1,5 @@
 // What changes with time: the rig's drawing, the sentence and what stands beside it.
+import { tour } from "lab/acts.js";
 import { asking, beside as besideBoard } from "lab/board.js";
 import { drawCloseup } from "lab/closeup.js";
 import { Events, meant, namings } from "lab/events.js";
@@ -6,14 +7,14 @@ import { FOREVER, describe } from "lab/faults.js";
 import { CLASSES } from "lab/panels.js";
 import { charts, quiz, rig, sheet } from "lab/parts.js";
 import { short } from "lab/say.js";
-import { $, arms, isOff, lab, put } from "lab/state.js";
+import { $, arms, isOff, lab, plant, put } from "lab/state.js";
 import { num, say } from "lab/strings.js";
 import { quizLine, secondOpinion, stateLine, wanted } from "lab/verdict.js";
 
 const CLOSE_FROM = 0.25; // s after a fault its close-up has something to show
 
 export function drawRig(row, said, hide) {
-  rig.fit();
+  rig.fit(plant());
   const blamed = hide ? [] : said.parts ?? [];
   const should = hide ? null : wanted(row, said.name);
   const air = lab.events.active(row.t).find((p) => p.fault.do === "air-flow" && !hide);
@@ -43,6 +44,7 @@ export function write(row, said, hide) {
   $("follow").hidden = charts.following;
   if (lab.can.has("seek")) $("seek").value = lab.store.end;
   if (lab.hello.kind === "board") besideBoard();
+  tour.tell(row.t);
   hint(row, hide);
   beside(row, said, hide);
 }

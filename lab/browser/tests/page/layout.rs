@@ -116,6 +116,29 @@ fn fits(font: Font) {
     assert_untroubled(&browser);
 }
 
+/// Every plant's drawing and words, on a phone and on a wide screen.
+#[test]
+fn every_plant_fits() {
+    let browser = Browser::start_with(Font::Wide).expect("a browser");
+    browser.open(&address()).expect("lab.html");
+    for (width, height) in [(400, 900), (1400, 900)] {
+        browser.resize(width, height).expect("a size");
+        for preset in ["oven", "hotend", "tclab"] {
+            let script = r##"await monitoring(); lab.send({ command: "open", scene: { ...SCENE, preset: args[0] }, skip: true }); await step(1);
+                lab.send({ command: "order", order: { order: "break", fault: { do: "clog", sensor: "t1", size: 0.85, lag: 0.4, at: 0, for: 1e5 } } });
+                await step(60); const wrong = [];
+                for (let language = 0; language < 2; language++) {
+                  click("#language"); looks.length = 0; await said(); wrong.push(...cut());
+                  if (document.documentElement.scrollWidth > innerWidth) wrong.push("wider than the screen");
+                }
+                return wrong"##;
+            let wrong = script_on(&browser, &format!("{LOOK}{script}"), &[json!(preset)]);
+            assert_eq!(wrong, json!([]), "{preset} at {width} x {height} px");
+        }
+    }
+    assert_untroubled(&browser);
+}
+
 #[test]
 fn it_fits_with_wide_letters() {
     fits(Font::Wide);

@@ -8,6 +8,7 @@ mod hostile;
 mod layout;
 mod lessons;
 mod mended;
+mod plants;
 mod port;
 mod report;
 mod scenes;

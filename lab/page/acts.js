@@ -1,9 +1,11 @@
 // What can be done by a button, wherever it stands: on the desk, below the sentence, in the tour.
 import { calibrate } from "lab/board.js";
 import { PARTS, sized } from "lab/faults.js";
-import { charts, quiz, sheet } from "lab/parts.js";
+import { save } from "lab/files.js";
+import { charts, exam, quiz, sheet } from "lab/parts.js";
 import { show } from "lab/show.js";
 import { $, changed, heat, lab } from "lab/state.js";
+import { say } from "lab/strings.js";
 import { begins, order, run, send } from "lab/talk.js";
 import { Tour } from "lab/tour.js";
 
@@ -33,12 +35,18 @@ const ACTS = {
   "quiz-start": startQuiz,
   "quiz-answer": ({ name }) => quiz.answer(name),
   "quiz-end": () => setMode("explore"),
+  "exam-start": () => exam.start(order, heat(), lab.store.now, lab.store.slow),
+  "exam-answer": ({ name }) => exam.answer(name, lab.store.now),
+  "exam-hand-in": () => exam.handIn(),
+  "exam-save": () => save([exam.csv], "exam.csv", "text/csv", say("saved", { file: "exam.csv" })),
+  "exam-end": () => exam.end(),
   calibrate,
   setpoint: ({ by }) => order({ order: "setpoint", celsius: Math.round(lab.store.get(lab.store.last, "setpoint")) + Number(by) }),
   look: ({ at }) => charts.show(Number(at) + 15 * lab.store.slow, 20 * lab.store.slow),
 };
 export function act(name, data = {}) {
   ACTS[name]?.(data);
+  if (name.startsWith("exam")) show(); // what an exam hides on the desk
   changed();
 }
 

@@ -3,7 +3,7 @@ import { act, setMode, tour } from "lab/acts.js";
 import { typed } from "lab/board.js";
 import { forgetColours } from "lab/canvas.js";
 import { begin } from "lab/hear.js";
-import { charts, quiz, review, rig, sheet } from "lab/parts.js";
+import { charts, exam, hides, quiz, review, rig, sheet } from "lab/parts.js";
 import { show } from "lab/show.js";
 import { $, arms, changed, keep, lab, plant } from "lab/state.js";
 import { current, following, speak } from "lab/strings.js";
@@ -42,7 +42,7 @@ addEventListener("beforeprint", () => {
   document.documentElement.dataset.theme = "light";
   forgetColours();
   show();
-  if (lab.store?.end) charts.print(lab.events, quiz.hides);
+  if (lab.store?.end) charts.print(lab.events, hides());
 });
 $("excite").addEventListener("change", ({ target }) => order({ order: "excite", on: target.checked }));
 for (const input of document.querySelectorAll("[data-set]")) {
@@ -64,7 +64,7 @@ $("seek").addEventListener("input", ({ target }) => {
   send({ command: "seek", tick: Number(target.value) });
   charts.moment();
 });
-addEventListener("hashchange", () => lab.hello?.kind === "simulated" && location.hash && begin());
+addEventListener("hashchange", () => lab.hello?.kind === "simulated" && location.hash && !exam.hides && begin());
 addEventListener("resize", () => {
   changed();
   if (sheet.part) sheet.arrange();

@@ -2,7 +2,9 @@
 import { setMode, tour } from "lab/acts.js";
 import { agrees, kept, said } from "lab/board.js";
 import { Events } from "lab/events.js";
-import { charts, quiz, review } from "lab/parts.js";
+import { fromExam } from "lab/exam_text.js";
+import { charts, exam, quiz, review } from "lab/parts.js";
+import { hold } from "lab/plan.js";
 import { ownNames, refusal, taughtNames } from "lab/say.js";
 import { DEFAULT, fromLink } from "lab/scene.js";
 import { show } from "lab/show.js";
@@ -17,6 +19,8 @@ const PROTOCOL = 1;
 export function begin() {
   let linked = lab.left;
   try {
+    const paper = !linked && fromExam(location.hash);
+    if (paper) return hold(paper);
     linked ??= fromLink(location.hash);
   } catch (error) {
     toast(say("bad_link", { why: error.message }));
@@ -64,6 +68,7 @@ export const HEAR = {
     }
     lab.stateOf = NaN;
     quiz.end(); // what it asked about is void, whoever opened the scene
+    if (scene) exam.opened(scene);
     // As a session begins; what its orders have changed they change again.
     $("excite").checked = true;
     for (const [tick, order] of scene?.orders ?? []) HEAR.order({ tick, order });
@@ -80,6 +85,7 @@ export const HEAR = {
       if (mode === mode && mode !== lab.stateOf) [lab.stateOf, lab.since] = [mode, tick * store.ts];
     }
     quiz.follow(events);
+    if (exam.follow(store.now)) show();
     lab.heard = performance.now();
     lab.lost = 0;
     if (store.end !== lab.hello.count) return;
@@ -88,6 +94,7 @@ export const HEAR = {
   },
   order({ tick, order }) {
     lab.events.order(tick, order);
+    exam.ordered(tick * lab.store.ts, order);
     if (order.order === "excite") $("excite").checked = order.on;
     if (order.order === "set") {
       lab.settings = { ...lab.settings, [order.name]: order.value };

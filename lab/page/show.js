@@ -1,6 +1,7 @@
 // What changes with language, mode and source, and not with time.
 import { settings as all, asking } from "lab/board.js";
-import { charts, review } from "lab/parts.js";
+import { charts, exam, review } from "lab/parts.js";
+import { showPlan } from "lab/plan.js";
 import { $, changed, embedded, lab, plant, put } from "lab/state.js";
 import { escape, following, languages, say, speakOf } from "lab/strings.js";
 
@@ -11,6 +12,7 @@ export function show() {
   pressed();
   offered();
   settings();
+  if (lab.hello) showPlan();
   series();
   changed();
 }
@@ -51,13 +53,16 @@ function offered() {
   $("transport").hidden = !can("run");
   $("stop").hidden = !can("order");
   $("stop").classList.toggle("large", kind === "board");
-  $("modes").hidden = !can("break");
+  const asked = exam.hides; // then nothing may be opened, read or put in beside it
+  $("modes").hidden = !can("break") || asked;
   $("desk-control").hidden = !can("order");
   $("excite").parentElement.hidden = kind === "board"; // a board has no command for it
-  $("desk-rig").hidden = !can("open");
+  $("desk-rig").hidden = !can("open") || asked;
+  $("desk-recording").hidden = asked;
+  $("desk-plan").hidden = !can("open") || asked;
   $("desk-board").hidden = kind !== "board";
   const own = embedded("wasm"); // the page has a session of its own
-  $("desk-connect").hidden = !own || kind === "board";
+  $("desk-connect").hidden = !own || kind === "board" || asked;
   $("back").hidden = !own || !kind || kind === "simulated";
   $("savelog").hidden = !can("log");
   $("kept").hidden = !can("log");

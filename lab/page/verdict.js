@@ -163,4 +163,4 @@ function howSoon(event, names) {
 }
 
 export const stateLine = ({ icon: name, word, aside }) => `${icon(name)}<span>${word}${aside ? ` <span class="aside">${aside}</span>` : ""}</span>`;
-export const quizLine = (score) => stateLine({ icon: "ask", word: say("state_quiz"), aside: score });
+export const askedLine = (word, aside) => stateLine({ icon: "ask", word, aside });

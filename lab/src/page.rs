@@ -28,6 +28,8 @@ modules!(
     "closeup",
     "csv",
     "events",
+    "exam",
+    "exam_text",
     "faults",
     "files",
     "hand",
@@ -37,6 +39,7 @@ modules!(
     "panel",
     "panels",
     "parts",
+    "plan",
     "plants",
     "quiz",
     "review",
@@ -116,8 +119,7 @@ pub fn html(source: Source) -> String {
 
 /// Text as it stands in an address of `data:` within JSON within HTML: a third shorter than base64.
 fn in_address(text: &str) -> String {
-    let escapes =
-        [('%', "%25"), ('#', "%23"), ('\n', "%0A"), ('<', "%3C"), ('\\', "\\\\"), ('"', "\\\"")];
+    let escapes = [('%', "%25"), ('#', "%23"), ('\n', "%0A"), ('<', "%3C"), ('\\', "\\\\"), ('"', "\\\"")];
     text.chars().fold(String::with_capacity(text.len()), |mut out, c| {
         match escapes.iter().find(|(escaped, _)| *escaped == c) {
             Some((_, escape)) => out.push_str(escape),

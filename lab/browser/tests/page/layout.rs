@@ -20,7 +20,7 @@ const SCREENS: [(u32, u32); 9] = [
 
 /// What does not fit. `cut()` lists texts that go beyond the screen, their box, their drawing or what is around a part of it, or that
 /// lie on one another in a drawing; of canvases it is what was drawn since `looks` was emptied.
-const LOOK: &str = r##"
+pub(crate) const LOOK: &str = r##"
     if (!window.looks) {
       window.looks = [];
       const { fillText } = CanvasRenderingContext2D.prototype;
@@ -69,6 +69,7 @@ const LOOK: &str = r##"
 /// Breaks T1, looks at every mode in both languages, and at the sheet of every part.
 const FITS: &str = r##"
     await monitoring();
+    for (const details of document.querySelectorAll(".plan")) details.open = true;
     lab.send({ command: "order", order: { order: "break", fault: { do: "clog", sensor: "t1", size: 0.85, lag: 0.4, at: 0, for: 60 } } });
     await step(60);
     const wrong = [];

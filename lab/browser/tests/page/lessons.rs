@@ -184,12 +184,10 @@ fn no_button_is_left_untranslated() {
 fn a_scene_is_copied_as_text_and_pasted() {
     let seen = on_page(
         r##"await monitoring();
-           Object.defineProperty(navigator, "clipboard", { configurable: true, value: { writeText: async (text) => void (window.copied = text) } });
-           click("#link"); await until(() => window.copied); const text = window.copied;
+           copies(); const text = await copied("#link");
            lab.send({ command: "open", scene: { ...SCENE, seed: 9 }, skip: true }); await step(1);
            history.replaceState(null, "", "#");
-           const data = new DataTransfer(); data.setData("text", `see ${text} there`);
-           document.body.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true, cancelable: true }));
+           paste(`see ${text} there`);
            await until(() => lab.lab.scene.seed === 1 && lab.lab.store.end > 100);
            return [text.startsWith("#s="), /paste it/.test($("#toast").textContent)]"##,
         &[],

@@ -1,6 +1,7 @@
 // The user's hand: what is pressed, typed, chosen.
 import { act, setMode, tour } from "lab/acts.js";
 import { typed } from "lab/board.js";
+import "lab/export.js";
 import { forgetColours } from "lab/canvas.js";
 import { begin } from "lab/hear.js";
 import { charts, exam, hides, quiz, review, rig, sheet } from "lab/parts.js";

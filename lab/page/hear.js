@@ -72,6 +72,7 @@ export const HEAR = {
     // As a session begins; what its orders have changed they change again.
     $("excite").checked = true;
     for (const [tick, order] of scene?.orders ?? []) HEAR.order({ tick, order });
+    charts.bind();
     charts.follow();
     show();
     tour.opened();

@@ -68,6 +68,8 @@ function offered() {
   $("kept").hidden = !can("log");
   $("download").hidden = !can("trace");
   $("link").hidden = !can("trace") || kind !== "simulated";
+  $("again").hidden = kind !== "simulated";
+  $("compare").textContent = say(charts.kept ? "compare_off" : "compare");
   $("seek").hidden = !can("seek");
   if (kind === "recording") $("seek").max = count;
 }

@@ -241,6 +241,8 @@ export default {
   quiz_it: "The instrument said: {what}.", quiz_it_not: "The instrument has not named it.", quiz_next: "Next", quiz_end: "Enough",
   a_t1_offset: "T1 reads wrong", a_t2_offset: "T2 reads wrong", a_t1_clogged: "T1 clogged", a_air_flow: "Air flow", a_heater_power: "Heater",
   a_t0_fault: "T0 reads wrong",
+  save_svg: "Charts as SVG", save_png: "Charts as PNG", save_csv: "Data in view as CSV",
+  compare: "Keep this run to compare", compare_off: "Stop comparing", compared: "faint: the run that was kept", again: "Same run with these gains",
   // Schedule and exam
   plan_title: "Schedule and exam", plan: "Schedule of faults", plan_note: "Faults that come at their times, counted from the moment you run the schedule. Copied, it is the scene with the faults to come.",
   plan_at: "at, s", plan_add: "Add", plan_run: "Run from now", plan_copy: "Copy scene with schedule", plan_drop: "Remove", open_text: "Open a copied text",

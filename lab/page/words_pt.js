@@ -239,6 +239,8 @@ export default {
   quiz_it: "O instrumento disse: {what}.", quiz_it_not: "O instrumento não lhe deu nome.", quiz_next: "Seguinte", quiz_end: "Chega",
   a_t1_offset: "T1 lê mal", a_t2_offset: "T2 lê mal", a_t1_clogged: "T1 entupido", a_air_flow: "Caudal de ar", a_heater_power: "Aquecedor",
   a_t0_fault: "T0 lê mal",
+  save_svg: "Gráficos em SVG", save_png: "Gráficos em PNG", save_csv: "Dados à vista em CSV",
+  compare: "Guardar para comparar", compare_off: "Deixar de comparar", compared: "ténue: o que foi guardado", again: "O mesmo com estes ganhos",
   // Plano e exame
   plan_title: "Plano e exame", plan: "Plano de avarias", plan_note: "Avarias que vêm a horas certas, contadas do momento em que corre o plano. Copiado, é a cena com as avarias que hão de vir.",
   plan_at: "aos, s", plan_add: "Juntar", plan_run: "Correr a partir de agora", plan_copy: "Copiar cena com o plano", plan_drop: "Tirar", open_text: "Abrir um texto copiado",

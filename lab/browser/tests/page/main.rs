@@ -4,6 +4,7 @@ mod access;
 mod bits;
 mod charts;
 mod exam;
+mod export;
 mod heater;
 mod hostile;
 mod layout;

@@ -1,6 +1,7 @@
 // What the source says.
 import { setMode, tour } from "lab/acts.js";
 import { agrees, kept, said } from "lab/board.js";
+import { beginReport, noted } from "lab/commissioning.js";
 import { Events } from "lab/events.js";
 import { fromExam } from "lab/exam_text.js";
 import { charts, exam, quiz, review } from "lab/parts.js";
@@ -55,7 +56,10 @@ export const HEAR = {
     if (message.scene) lab.scene = message.scene;
     if (!lab.can.has("break") && lab.mode !== "explore") setMode("explore");
     show();
-    if (message.kind === "simulated") begin();
+    if (message.kind === "board") beginReport();
+    if (message.kind !== "simulated") return;
+    lab.usual = message.settings;
+    begin();
   },
   opened({ scene, ts = lab.hello.ts, settings = lab.hello.settings, session = lab.session, name = lab.hello.name }) {
     Object.assign(lab, { session });
@@ -117,7 +121,11 @@ export const HEAR = {
     lab.checking = false; // how it goes on is not heard
     lab.lost ||= performance.now();
   },
-  said, agrees, kept,
+  agrees, kept,
+  said(message) {
+    said(message);
+    noted(message);
+  },
   names({ own_names = [], taught_names = [] }) {
     ownNames.clear();
     for (const [number, name] of own_names) ownNames.set(number, name);

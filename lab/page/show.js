@@ -1,5 +1,5 @@
 // What changes with language, mode and source, and not with time.
-import { settings as all, asking } from "lab/board.js";
+import { settings as all, asking, wide } from "lab/board.js";
 import { charts, exam, review } from "lab/parts.js";
 import { showPlan } from "lab/plan.js";
 import { $, changed, embedded, lab, plant, put } from "lab/state.js";
@@ -83,10 +83,6 @@ function settings() {
   $("wider").hidden = !wider.length;
   $("wider").textContent = say("wider", { what: wider.map((name) => `${name} = ${lab.settings[name]}`).join(", ") });
 }
-
-// The limits that are wider than their defaults.
-const wide = (limits, settings) =>
-  Object.entries(limits).filter(([name, { default: usual, wider }]) => (wider === "above" ? settings[name] > usual : settings[name] < usual)).map(([name]) => name);
 
 function series() {
   const choice = ({ id, on, css, label }) => `<label><input type="checkbox" value="${id}" ${on ? "checked" : ""}><i style="background:var(${css})"></i>${label}</label>`;

@@ -243,6 +243,11 @@ export default {
   a_t0_fault: "T0 reads wrong",
   save_svg: "Charts as SVG", save_png: "Charts as PNG", save_csv: "Data in view as CSV",
   compare: "Keep this run to compare", compare_off: "Stop comparing", compared: "faint: the run that was kept", again: "Same run with these gains",
+  // Report of a commissioning
+  report_title: "Commissioning of a PT-326", report_who: "Who, which rig", report_save: "Save report", c_report: "A report of all this, as a page to print",
+  report_done: "done", report_left: "left out", report_failed: "FAILED", report_other: "What else was typed and said", report_none: "nothing",
+  report_own: "Settings that are not the default", report_wider: "Limits that are wider than the default",
+  report_dropped: "The first {count} entries of the console are no longer kept.", report_by: "Written by the lab's page {version} from what the board said.",
   // Schedule and exam
   plan_title: "Schedule and exam", plan: "Schedule of faults", plan_note: "Faults that come at their times, counted from the moment you run the schedule. Copied, it is the scene with the faults to come.",
   plan_at: "at, s", plan_add: "Add", plan_run: "Run from now", plan_copy: "Copy scene with schedule", plan_drop: "Remove", open_text: "Open a copied text",

@@ -241,6 +241,11 @@ export default {
   a_t0_fault: "T0 lê mal",
   save_svg: "Gráficos em SVG", save_png: "Gráficos em PNG", save_csv: "Dados à vista em CSV",
   compare: "Guardar para comparar", compare_off: "Deixar de comparar", compared: "ténue: o que foi guardado", again: "O mesmo com estes ganhos",
+  // Relatório de uma colocação em serviço
+  report_title: "Colocação em serviço de um PT-326", report_who: "Quem, que bancada", report_save: "Guardar relatório", c_report: "Um relatório de tudo isto, como página para imprimir",
+  report_done: "feito", report_left: "não feito", report_failed: "FALHOU", report_other: "O que mais foi escrito e dito", report_none: "nada",
+  report_own: "Definições que não são as de fábrica", report_wider: "Limites mais largos do que o normal",
+  report_dropped: "As primeiras {count} entradas da consola já não estão guardadas.", report_by: "Escrito pela página do laboratório {version} a partir do que a placa disse.",
   // Plano e exame
   plan_title: "Plano e exame", plan: "Plano de avarias", plan_note: "Avarias que vêm a horas certas, contadas do momento em que corre o plano. Copiado, é a cena com as avarias que hão de vir.",
   plan_at: "aos, s", plan_add: "Juntar", plan_run: "Correr a partir de agora", plan_copy: "Copiar cena com o plano", plan_drop: "Tirar", open_text: "Abrir um texto copiado",

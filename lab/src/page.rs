@@ -26,6 +26,7 @@ modules!(
     "canvas",
     "charts",
     "closeup",
+    "commissioning",
     "csv",
     "drawing",
     "events",

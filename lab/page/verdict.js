@@ -2,7 +2,7 @@
 import { heats } from "lab/board.js";
 import { namings } from "lab/events.js";
 import { recognise } from "lab/faults.js";
-import { asTaught, blamed, delays, headline, papers, support, unitOf } from "lab/say.js";
+import { asTaught, blamed, delays, headline, isOffset, papers, support, unitOf } from "lab/say.js";
 import { num, say, sayHtml } from "lab/strings.js";
 
 const ICONS = {
@@ -106,7 +106,7 @@ export function wanted(now, name) {
   const [part] = blamed(name);
   if (!/^T[12]$/.test(part) || /open|short|lost/.test(name)) return null;
   const t = part.toLowerCase();
-  const celsius = /_offset$/.test(name) ? now[t] - now.magnitude : now[t + "_expected"];
+  const celsius = isOffset(name) && Number.isFinite(now.magnitude) ? now[t] - now.magnitude : now[t + "_expected"];
   return Number.isFinite(celsius) ? { part, celsius } : null;
 }
 

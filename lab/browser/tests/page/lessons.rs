@@ -87,8 +87,8 @@ fn the_tour_counts_down_while_it_waits_and_finishes() {
     let waits = |s| format!("It breaks in {s} s: what was wrong before has to be over first.");
     let expected = ["", &waits(9), &waits(4), ""];
     let after = json!([1, "Finish", "explore", true, "1 / 13"]);
-    assert_eq!(seen.as_array().map(|all| (&all[..4]).to_vec()), json!(expected).as_array().cloned());
-    assert_eq!(seen.as_array().map(|all| (&all[4..]).to_vec()), after.as_array().cloned());
+    assert_eq!(seen.as_array().map(|all| all[..4].to_vec()), json!(expected).as_array().cloned());
+    assert_eq!(seen.as_array().map(|all| all[4..].to_vec()), after.as_array().cloned());
 }
 
 /// An event that began before a question is not its answer.

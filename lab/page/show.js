@@ -59,7 +59,7 @@ function offered() {
   $("excite").parentElement.hidden = kind === "board"; // a board has no command for it
   $("desk-rig").hidden = !can("open") || asked;
   $("desk-recording").hidden = asked;
-  $("desk-plan").hidden = !can("open") || asked;
+  $("desk-plan").hidden = kind !== "simulated" || asked;
   $("desk-board").hidden = kind !== "board";
   const own = embedded("wasm"); // the page has a session of its own
   $("desk-connect").hidden = !own || kind === "board" || asked;

@@ -251,21 +251,21 @@ export default {
   report_own: "Settings that are not the default", report_wider: "Limits that are wider than the default",
   report_dropped: "The first {count} entries of the console are no longer kept.", report_by: "Written by the lab's page {version} from what the board said.",
   // Schedule and exam
-  plan_title: "Schedule and exam", plan: "Schedule of faults", plan_note: "Faults that come at their times, counted from the moment you run the schedule. Copied, it is the scene with the faults to come.",
+  plan_title: "Schedule and exam", plan: "Schedule of faults", plan_note: "Each fault comes at its time, counted from when you run the schedule. The copied text holds this scene and the faults to come.",
   plan_at: "at, s", plan_add: "Add", plan_run: "Run from now", plan_copy: "Copy scene with schedule", plan_drop: "Remove", open_text: "Open a copied text",
-  exam: "Exam", exam_note: "Faults come at hidden times on the rig chosen here; whoever opens the text names them and saves the result. The text does not show the answers, but that is no cryptography: who reads this page's code can work them out.",
+  exam: "Exam", exam_note: "The rig chosen here breaks at hidden times. Students open the text, name each fault, and save the result. The text does not show the answers, but it is not encrypted: anyone who reads this page's code can work them out.",
   exam_seed: "Seed", exam_count: "Faults", exam_minutes: "Minutes", exam_parts: "Parts that may fail", exam_preset: "Preset",
   exam_copy: "Copy text for students", exam_try: "Try it here",
   exam_range: "{what}: expected a whole number from {min} to {max}.", exam_no_parts: "Choose at least one part that may fail.",
   exam_no_room: "At most {most} faults fit into {minutes} minutes.",
   exam_ready: "An exam: {count} faults in {minutes} minutes.",
-  exam_rules: "Name each fault as soon as you can tell it. The first answer after a fault begins counts, until the next one begins.",
+  exam_rules: "Name each fault as soon as you recognise it. Only your first answer to each fault counts.",
   exam_start: "Start", exam_leave: "Leave", exam_runs: "What is broken?", exam_left: "{s} s left", exam_noted: "Noted at {s} s: {what}.", exam_hand_in: "Hand in",
   exam_told: "{right} of {count} right.", exam_save: "Save the result", col_answer: "answer", col_result: "result", saved: "Saved: {file}",
   // Tour
   tour_back: "Back", tour_next: "Next",
   tour_finish: "Finish",
-  tour_wait: "It breaks in {s} s: what was wrong before has to be over first.",
+  tour_wait: "The fault begins in {s} s, once the last one is over.",
   tour_about: "The tour is about the PT-326, a tube with a fan and a heater.", tour_goto: "Go to the PT-326",
   tour_steps: {
     tube: [

@@ -249,21 +249,21 @@ export default {
   report_own: "Definições que não são as de fábrica", report_wider: "Limites mais largos do que o normal",
   report_dropped: "As primeiras {count} entradas da consola já não estão guardadas.", report_by: "Escrito pela página do laboratório {version} a partir do que a placa disse.",
   // Plano e exame
-  plan_title: "Plano e exame", plan: "Plano de avarias", plan_note: "Avarias que vêm a horas certas, contadas do momento em que corre o plano. Copiado, é a cena com as avarias que hão de vir.",
+  plan_title: "Plano e exame", plan: "Plano de avarias", plan_note: "Cada avaria vem à sua hora, contada de quando corre o plano. O texto copiado tem esta cena e as avarias que hão de vir.",
   plan_at: "aos, s", plan_add: "Juntar", plan_run: "Correr a partir de agora", plan_copy: "Copiar cena com o plano", plan_drop: "Tirar", open_text: "Abrir um texto copiado",
-  exam: "Exame", exam_note: "Avarias vêm a horas escondidas na bancada aqui escolhida; quem abre o texto dá-lhes nome e guarda o resultado. O texto não mostra as respostas, mas não é criptografia: quem ler o código desta página pode descobri-las.",
+  exam: "Exame", exam_note: "A bancada aqui escolhida avaria a horas escondidas. Os alunos abrem o texto, dão nome a cada avaria e guardam o resultado. O texto não mostra as respostas, mas não está cifrado: quem ler o código desta página pode descobri-las.",
   exam_seed: "Semente", exam_count: "Avarias", exam_minutes: "Minutos", exam_parts: "Peças que podem avariar", exam_preset: "Modelo",
   exam_copy: "Copiar texto para alunos", exam_try: "Experimentar aqui",
   exam_range: "{what}: espera-se um número inteiro de {min} a {max}.", exam_no_parts: "Escolha pelo menos uma peça que possa avariar.",
   exam_no_room: "Em {minutes} minutos cabem no máximo {most} avarias.",
   exam_ready: "Um exame: {count} avarias em {minutes} minutos.",
-  exam_rules: "Dê nome a cada avaria logo que a reconheça. Conta a primeira resposta depois de uma avaria começar, até começar a seguinte.",
+  exam_rules: "Dê nome a cada avaria logo que a reconheça. Só conta a primeira resposta a cada avaria.",
   exam_start: "Começar", exam_leave: "Sair", exam_runs: "O que está avariado?", exam_left: "faltam {s} s", exam_noted: "Anotado aos {s} s: {what}.", exam_hand_in: "Entregar",
   exam_told: "{right} de {count} certas.", exam_save: "Guardar o resultado", col_answer: "resposta", col_result: "resultado", saved: "Guardado: {file}",
   // Tour
   tour_back: "Anterior", tour_next: "Seguinte",
   tour_finish: "Terminar",
-  tour_wait: "Avaria dentro de {s} s: antes tem de acabar o que estava errado.",
+  tour_wait: "A avaria começa dentro de {s} s, depois de acabar a anterior.",
   tour_about: "A visita é sobre o PT-326, um tubo com ventilador e aquecedor.", tour_goto: "Ir para o PT-326",
   tour_steps: {
     tube: [

@@ -84,7 +84,7 @@ fn the_tour_counts_down_while_it_waits_and_finishes() {
            return [quiet, first, later, over, broken, last, mode, hidden, $("#tour .note").textContent]"##,
         &[],
     );
-    let waits = |s| format!("It breaks in {s} s: what was wrong before has to be over first.");
+    let waits = |s| format!("The fault begins in {s} s, once the last one is over.");
     let expected = ["", &waits(9), &waits(4), ""];
     let after = json!([1, "Finish", "explore", true, "1 / 13"]);
     assert_eq!(seen.as_array().map(|all| all[..4].to_vec()), json!(expected).as_array().cloned());

@@ -44,6 +44,7 @@ export function headline(name, magnitude) {
   }
   if (name === "air_flow_or_heater_power") return say("f_either", { part: part(say("Air_flow"), "flow"), other: part(say("heater_power"), "power") });
   if (name === "drift") return signed("f_drift_up", "f_drift_down", 2);
+  if (name === "since_commissioning") return Number.isFinite(magnitude) ? signed("f_since_more", "f_since_less", 0) : say("f_since");
   const kind = /^t\d_(stuck|open|short|lost)$/.exec(name)?.[1];
   if (kind) return say("f_" + kind, { part: T });
   const pair = /^(t\d)_(t\d)_swapped$/.exec(name);

@@ -75,7 +75,8 @@ export default {
   sub_either: "The two look alike at first; a few more seconds tell them apart.",
   f_drift_up: "A thermistor drifts up by {size} °C a minute.",
   f_drift_down: "A thermistor drifts down by {size} °C a minute.", f_stuck: "{part} stands still.", f_open: "Wire of {part} broken.",
-  f_short: "Wires of {part} touch.", f_loose: "{part} reads wrong again and again: is its contact loose?", f_loose_high: "{part} reads {size} °C too high again and again: is its contact loose?",
+  f_short: "Wires of {part} touch.", f_since: "The same power warms otherwise than when the rig was commissioned.", f_since_more: "The same power warms {size} % more than when the rig was commissioned.",
+  f_since_less: "The same power warms {size} % less than when the rig was commissioned.", f_loose: "{part} reads wrong again and again: is its contact loose?", f_loose_high: "{part} reads {size} °C too high again and again: is its contact loose?",
   f_loose_low: "{part} reads {size} °C too low again and again: is its contact loose?",
   f_lost: "{part} gives no plausible reading.", f_swapped: "Are the wires of {a} and {b} swapped?",
   f_unknown: "Something is wrong, and no known fault explains it.",
@@ -97,7 +98,7 @@ export default {
   c_t1_offset: "T1 reads wrong", c_t2_offset: "T2 reads wrong", c_t0_fault: "T0 reads wrong", c_t1_clogged: "T1 clogged",
   c_t1_detached: "T1 out of the tube", c_t2_detached: "T2 out of the tube", c_air_flow: "Air flow", c_heater_power: "Heater power",
   c_air_flow_or_heater_power: "Air or power", c_drift: "Drift", c_stuck: "{t} stuck", c_open: "{t} wire broken", c_short: "{t} wires touch",
-  c_loose: "{t}: loose contact", c_lost: "{t} lost", c_swapped: "{t} swapped",
+  c_since_commissioning: "Other than commissioned", c_loose: "{t}: loose contact", c_lost: "{t} lost", c_swapped: "{t} swapped",
   fault_put_in: "A fault that was put in",
   c_unknown: "Unknown", c_alarm: "alarm",
   // Parts and faults

@@ -75,7 +75,8 @@ export default {
   sub_either: "Ao princípio parecem iguais; há de distingui-los.",
   f_drift_up: "Um termístor deriva {size} °C por minuto para cima.",
   f_drift_down: "Um termístor deriva {size} °C por minuto para baixo.", f_stuck: "{part} não se mexe.", f_open: "Fio de {part} partido.",
-  f_short: "Os fios de {part} tocam-se.", f_loose: "{part} lê mal uma e outra vez: mau contacto?", f_loose_high: "{part} lê {size} °C a mais uma e outra vez: mau contacto?",
+  f_short: "Os fios de {part} tocam-se.", f_since: "A mesma potência não aquece como na colocação em serviço.", f_since_more: "A mesma potência aquece {size} % mais do que na colocação em serviço.",
+  f_since_less: "A mesma potência aquece {size} % menos do que na colocação em serviço.", f_loose: "{part} lê mal uma e outra vez: mau contacto?", f_loose_high: "{part} lê {size} °C a mais uma e outra vez: mau contacto?",
   f_loose_low: "{part} lê {size} °C a menos uma e outra vez: mau contacto?",
   f_lost: "{part} não dá nenhuma leitura plausível.", f_swapped: "Os fios de {a} e {b} estão trocados?",
   f_unknown: "Algo está errado que nenhuma falha conhecida explica.",
@@ -96,7 +97,7 @@ export default {
   // Short names of classes
   c_t1_offset: "T1 lê mal", c_t2_offset: "T2 lê mal", c_t0_fault: "T0 lê mal", c_t1_clogged: "T1 entupido", c_t1_detached: "T1 fora do tubo",
   c_t2_detached: "T2 fora do tubo", c_air_flow: "Caudal de ar", c_heater_power: "Potência", c_air_flow_or_heater_power: "Caudal ou potência",
-  c_drift: "Deriva", c_stuck: "{t} preso", c_open: "{t}: fio partido", c_short: "{t} em curto", c_loose: "{t}: mau contacto", c_lost: "{t} perdido", c_swapped: "{t} trocados",
+  c_drift: "Deriva", c_stuck: "{t} preso", c_open: "{t}: fio partido", c_short: "{t} em curto", c_since_commissioning: "Mudou desde a colocação", c_loose: "{t}: mau contacto", c_lost: "{t} perdido", c_swapped: "{t} trocados",
   fault_put_in: "Uma avaria que foi posta",
   c_unknown: "Desconhecida", c_alarm: "alarme",
   // Parts and faults

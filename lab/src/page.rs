@@ -120,16 +120,22 @@ pub fn html(source: Source) -> String {
     INDEX.replacen(REPORT, &report, 1).replacen(PLACE, &head, 1)
 }
 
-/// Text as it stands in an address of `data:` within JSON within HTML: a third shorter than base64.
+/// What stands for what in an address of `data:` within JSON within HTML, in this order. The last two keep names and references of a drawing
+/// from looking like addresses that the page asks for.
+const ESCAPES: [(&str, &str); 8] = [
+    ("%", "%25"),
+    ("#", "%23"),
+    ("\n", "%0A"),
+    ("<", "%3C"),
+    ("\\", "\\\\"),
+    ("\"", "\\\""),
+    ("http:", "http%3A"),
+    ("url(", "url%28"),
+];
+
+/// Text as it stands in such an address: a fifth shorter than base64.
 fn in_address(text: &str) -> String {
-    let escapes = [('%', "%25"), ('#', "%23"), ('\n', "%0A"), ('<', "%3C"), ('\\', "\\\\"), ('"', "\\\"")];
-    text.chars().fold(String::with_capacity(text.len()), |mut out, c| {
-        match escapes.iter().find(|(escaped, _)| *escaped == c) {
-            Some((_, escape)) => out.push_str(escape),
-            None => out.push(c),
-        }
-        out
-    })
+    ESCAPES.iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
 #[cfg(test)]

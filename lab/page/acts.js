@@ -1,14 +1,18 @@
 // What can be done by a button, wherever it stands: on the desk, below the sentence, in the tour.
 import { calibrate } from "lab/board.js";
 import { PARTS, sized } from "lab/faults.js";
-import { charts, quiz, sheet } from "lab/parts.js";
+import { save } from "lab/files.js";
+import { charts, exam, quiz, sheet } from "lab/parts.js";
 import { show } from "lab/show.js";
 import { $, changed, heat, lab } from "lab/state.js";
+import { say } from "lab/strings.js";
 import { begins, order, run, send } from "lab/talk.js";
 import { Tour } from "lab/tour.js";
 
 export const tour = new Tour($("tour"), {
-  act, order, again: changed,
+  act, order,
+  now: () => lab.store.now,
+  finish: () => setMode("explore"),
   busy: () => lab.store.get(lab.store.last, "alarm") > 0 || lab.events.active(lab.store.now).length > 0,
 });
 
@@ -24,18 +28,25 @@ const ACTS = {
   relearn: () => order({ order: "relearn" }),
   skip: () => send({ command: "skip" }),
   anew: () => begins(lab.scene),
+  paper: () => begins({ ...lab.scene, preset: "paper" }),
   surprise: () => (setMode("quiz"), startQuiz()),
   "quick-t2": () => quick("T2", "wrong"),
   "quick-air": () => quick("fan", "more"),
   "quiz-start": startQuiz,
   "quiz-answer": ({ name }) => quiz.answer(name),
   "quiz-end": () => setMode("explore"),
+  "exam-start": () => exam.start(order, heat(), lab.store.now, lab.store.slow),
+  "exam-answer": ({ name }) => exam.answer(name, lab.store.now),
+  "exam-hand-in": () => exam.handIn(),
+  "exam-save": () => save([exam.csv], "exam.csv", "text/csv", say("saved", { file: "exam.csv" })),
+  "exam-end": () => exam.end(),
   calibrate,
   setpoint: ({ by }) => order({ order: "setpoint", celsius: Math.round(lab.store.get(lab.store.last, "setpoint")) + Number(by) }),
   look: ({ at }) => charts.show(Number(at) + 15 * lab.store.slow, 20 * lab.store.slow),
 };
 export function act(name, data = {}) {
   ACTS[name]?.(data);
+  if (name.startsWith("exam")) show(); // what an exam hides on the desk
   changed();
 }
 

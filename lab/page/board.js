@@ -70,6 +70,10 @@ export function asking() {
 // A number that was typed; null where it is none, or out of bounds.
 export const typed = (input) => (input.value === "" || !input.reportValidity() ? null : Number(input.value));
 
+// The limits that are wider than their defaults.
+export const wide = (limits, settings) =>
+  Object.entries(limits).filter(([name, { default: usual, wider }]) => (wider === "above" ? settings[name] > usual : settings[name] < usual)).map(([name]) => name);
+
 // A row for each setting that is a number, with its unit and bounds, under the name of its section.
 export function settings() {
   const place = $("settings");

@@ -11,11 +11,10 @@ export function colour(name) {
 }
 
 export class Pen {
-  // Takes a canvas that is `height` high and as wide as its place.
-  constructor(canvas, height) {
-    const ratio = window.devicePixelRatio || 1;
+  // Takes a canvas that is `height` high and as wide as its place, or as is said.
+  constructor(canvas, height, width = canvas.parentNode.clientWidth, ratio = window.devicePixelRatio || 1) {
     this.ratio = ratio;
-    this.width = canvas.parentNode.clientWidth;
+    this.width = width;
     this.height = height;
     const [w, h] = [Math.round(this.width * ratio), Math.round(height * ratio)];
     if (canvas.width !== w || canvas.height !== h) {

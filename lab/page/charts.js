@@ -1,6 +1,7 @@
 // The stack of charts over one time axis, and the overview below it. Drawn is only what can be seen and has changed by a pixel.
 import { Pen, niceStep } from "lab/canvas.js";
 import { drawOverview } from "lab/overview.js";
+import { Kept } from "lab/store.js";
 import { drawPanel, labelWidth } from "lab/panel.js";
 import { PANELS } from "lab/panels.js";
 import { RIBBON, drawFlags, drawRibbons, ribbons } from "lab/ribbons.js";
@@ -8,6 +9,8 @@ import { num, say } from "lab/strings.js";
 import { View } from "lab/view.js";
 
 const [TOP, HEAD, GAP, FOOT] = [24, 20, 12, 26];
+// What of two runs is drawn together: what was measured and done.
+const COMPARED = PANELS.filter((panel) => !panel.range).flatMap((panel) => panel.series.filter((series) => !series.dash));
 const LEAST_MOVE = 0.5; // pixels
 
 export class Charts extends View {
@@ -15,6 +18,7 @@ export class Charts extends View {
     super(canvases, changed);
     this.off = new Set(PANELS.flatMap((panel) => panel.series.filter((s) => s.off).map((s) => s.id)));
     this.drawn = null; // what the canvas shows
+    this.kept = null; // the run that others are compared with
     this.unseen = new Set();
     const watch = new IntersectionObserver((entries) => {
       for (const { target, isIntersecting } of entries) this.unseen[isIntersecting ? "delete" : "add"](target);
@@ -37,6 +41,7 @@ export class Charts extends View {
         series.high = (block) => high[store.block(block) + at] * scale;
       }
     }
+    this.bind();
   }
 
   // Whether time has moved the picture so far that it would look otherwise.
@@ -75,14 +80,33 @@ export class Charts extends View {
     return [7 + pen.measure(num(-88.8, 1)), Math.max(...names, ...ribbons(narrow).map((name) => 8 + pen.measure(name)))];
   }
 
-  drawStack(events, hide) {
+  // What is in view on another canvas, of so many pixels for each of the page's; its size.
+  drawOn(canvas, events, ratio = 1) {
+    const { clientWidth: width } = this.stack.parentNode;
+    return this.drawStack(events, null, canvas, width, ratio);
+  }
+
+  // Keeps the numbers of a store to be seen beside those of the next runs; null forgets them.
+  compare(store) {
+    this.kept = store && new Kept(store, COMPARED.map((series) => series.field));
+    this.bind();
+    this.changed();
+  }
+
+  // The kept run, where it has the present one's times.
+  bind() {
+    const kept = this.kept?.ts === this.store.ts ? this.kept : null;
+    for (const series of COMPARED) series.kept = kept?.of(series.field, series.scale) ?? null;
+  }
+
+  drawStack(events, hide, canvas = this.stack, ...size) {
     const { store, narrow } = this;
     const k = narrow ? 1 : 0;
     const shown = (panel) => panel.series.filter((series) => !this.off.has(series.id));
     const panels = this.panels.filter((panel) => shown(panel).length);
     const heights = panels.map((panel) => panel.high[k] + HEAD + GAP);
     const total = TOP + heights.reduce((sum, high) => sum + high, 0) + (hide ? 0 : 3 * RIBBON) + FOOT;
-    const pen = new Pen(this.stack, total);
+    const pen = new Pen(canvas, total, ...size);
     const [left, right] = this.margins(pen);
     const width = pen.width - left - right;
     this.area = { left, width };
@@ -106,6 +130,7 @@ export class Charts extends View {
     }
     if (hovered !== null && store.has(hovered)) drawHand(pen, hovered * store.ts, on);
     drawAxis(pen, on);
+    return pen;
   }
 
   // The curves that can be shown or not, for the list of them.

@@ -8,7 +8,7 @@ import { num, say } from "lab/strings.js";
 export function drawCloseup(canvas, event, store) {
   const high = 190;
   const pen = new Pen(canvas, high);
-  const [left, right] = [28, 6];
+  const [left, right] = [7 + pen.measure(num(88.8, 1)), 6];
   const from = Math.min(event.onset ?? event.from, event.from);
   const names = namings(event);
   const [before, least, most, more] = [2, 4, 10, 3].map((s) => s * store.slow);

@@ -76,14 +76,15 @@ export function signed(value, { decimals, unit, min }) {
 const QUIZ = [
   ["T1", "wrong"], ["T1", "clogged"], ["T2", "wrong"], ["T0", "wrong"], ["fan", "more"], ["heater", "weak"],
 ];
-export const ANSWERS = QUIZ.map(([part, kind]) => PARTS[part][kind].name);
+export const ANSWERS = QUIZ.map(([part, kind]) => ({ part, name: PARTS[part][kind].name }));
 
-export function surprise(heat, random = Math.random) {
-  const [part, kind] = QUIZ[Math.floor(random() * QUIZ.length)];
+// One of them at random, of some parts, from half of the largest size to a share of it.
+export function surprise(heat, { random = Math.random, parts = Object.keys(PARTS), largest = 1 } = {}) {
+  const asked = QUIZ.filter(([part]) => parts.includes(part));
+  const [part, kind] = asked[Math.floor(random() * asked.length)];
   const { fault } = PARTS[part][kind];
-  const size = sized(PARTS[part][kind].size, heat);
-  const largest = random() < 0.5 && size.min < 0 ? size.min : size.max;
-  const least = Math.abs(largest) * 0.5;
-  const value = Math.sign(largest) * (least + random() * (Math.abs(largest) - least));
+  const { min, max } = sized(PARTS[part][kind].size, heat);
+  const end = min < 0 && (max <= 0 || random() < 0.5) ? min : max;
+  const value = end * (0.5 + random() * (largest - 0.5));
   return { ...fault(Math.round(value * 10) / 10), at: 0, for: 30 };
 }

@@ -14,16 +14,17 @@ export const parts = () => ({ worker: embedded("worker"), wasm: embedded("wasm")
 $("download").addEventListener("click", async () => {
   const answer = await ask({ command: "trace" });
   if (answer.type !== "trace") return toast(refusal(answer));
-  save(answer.parts, "trace.csv", "text/csv");
+  save(answer.parts, "trace.csv", "text/csv", say("replay_with", { file: "trace.csv" }));
 });
-$("savelog").addEventListener("click", async () => save((await ask({ command: "log" })).parts, "board.log", "text/plain"));
-function save(parts, file, type) {
+$("savelog").addEventListener("click", async () => save((await ask({ command: "log" })).parts, "board.log", "text/plain", say("replay_with", { file: "board.log" })));
+// Saves a file, and says so.
+export function save(parts, file, type, told) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob(parts, { type }));
   link.download = file;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-  toast(say("replay_with", { file }));
+  toast(told);
 }
 
 // Goes over to another source; a session's scene is kept for the way back.
@@ -47,24 +48,32 @@ for (const [id, any] of [["connect", false], ["connect-any", true]]) {
 }
 $("link").addEventListener("click", async () => {
   const { scene, tick } = await ask({ command: "scene" });
-  const link = "#" + toLink(scene, tick);
-  history.replaceState(null, "", link);
-  // The address of a file is of use to nobody else.
+  copyText("#" + toLink(scene, tick));
+});
+// Copies a scene or an exam: as a link, or of a file, whose address is of use to nobody else, as the end of one.
+export async function copyText(text) {
   const isFile = location.protocol === "file:";
+  const address = location.href.replace(/#.*/, "") + text;
   try {
-    await navigator.clipboard.writeText(isFile ? link : location.href);
+    await navigator.clipboard.writeText(isFile ? text : address);
     toast(say(isFile ? "copied_scene" : "copied"));
   } catch {
     toast(say("link_in_bar"));
   }
-});
-// A scene that is pasted or dropped, as a link or as its end.
-function scene(event, data) {
-  const [found] = /#s=[\w-]+/.exec(data?.getData("text") ?? "") ?? [];
-  if (!found || lab.hello?.kind !== "simulated" || /INPUT|TEXTAREA/.test(event.target.tagName)) return;
-  event.preventDefault();
-  location.hash = found;
+  history.replaceState(null, "", text);
 }
+// A scene or an exam that is pasted, dropped or typed, as a link or as its end.
+function opens(text) {
+  const [found] = /#[sx]=[\w-]+/.exec(text ?? "") ?? [];
+  if (!found || lab.hello?.kind !== "simulated") return false;
+  history.replaceState(null, "", "#"); // the same one may be opened again
+  location.hash = found;
+  return true;
+}
+function scene(event, data) {
+  if (!/INPUT|TEXTAREA/.test(event.target.tagName) && opens(data?.getData("text"))) event.preventDefault();
+}
+$("opentext").addEventListener("input", ({ target }) => opens(target.value) && (target.value = ""));
 addEventListener("paste", (event) => scene(event, event.clipboardData));
 addEventListener("drop", (event) => scene(event, event.dataTransfer));
 addEventListener("dragover", (event) => event.dataTransfer.types.includes("text/plain") && event.preventDefault());

@@ -1,12 +1,13 @@
 // The user's hand: what is pressed, typed, chosen.
 import { act, setMode, tour } from "lab/acts.js";
 import { typed } from "lab/board.js";
+import "lab/export.js";
 import { forgetColours } from "lab/canvas.js";
 import { begin } from "lab/hear.js";
-import { charts, quiz, review, rig, sheet } from "lab/parts.js";
+import { charts, exam, hides, quiz, review, rig, sheet } from "lab/parts.js";
 import { show } from "lab/show.js";
-import { $, arms, changed, keep, lab } from "lab/state.js";
-import { current, speak } from "lab/strings.js";
+import { $, arms, changed, keep, lab, plant } from "lab/state.js";
+import { current, following, speak } from "lab/strings.js";
 import { begins, order, run, send } from "lab/talk.js";
 
 document.addEventListener("click", ({ target }) => {
@@ -23,9 +24,9 @@ $("transport").addEventListener("click", ({ target }) => {
 $("stop").addEventListener("click", () => act(arms() ? "arm" : "stop"));
 $("follow").addEventListener("click", () => charts.follow());
 $("language").addEventListener("click", () => {
-  speak(current() === "en" ? "pt" : "en");
+  speak(following());
   keep.set("language", current());
-  rig.fit(true);
+  rig.fit(plant(), true);
   if (sheet.part) sheet.build();
   tour.show(lab.mode === "tour");
   show();
@@ -42,7 +43,7 @@ addEventListener("beforeprint", () => {
   document.documentElement.dataset.theme = "light";
   forgetColours();
   show();
-  if (lab.store?.end) charts.print(lab.events, quiz.hides);
+  if (lab.store?.end) charts.print(lab.events, hides());
 });
 $("excite").addEventListener("change", ({ target }) => order({ order: "excite", on: target.checked }));
 for (const input of document.querySelectorAll("[data-set]")) {
@@ -64,7 +65,7 @@ $("seek").addEventListener("input", ({ target }) => {
   send({ command: "seek", tick: Number(target.value) });
   charts.moment();
 });
-addEventListener("hashchange", () => lab.hello?.kind === "simulated" && location.hash && begin());
+addEventListener("hashchange", () => lab.hello?.kind === "simulated" && location.hash && !exam.hides && begin());
 addEventListener("resize", () => {
   changed();
   if (sheet.part) sheet.arrange();

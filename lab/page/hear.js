@@ -1,8 +1,11 @@
 // What the source says.
-import { setMode } from "lab/acts.js";
+import { setMode, tour } from "lab/acts.js";
 import { agrees, kept, said } from "lab/board.js";
+import { beginReport, noted } from "lab/commissioning.js";
 import { Events } from "lab/events.js";
-import { charts, quiz, review } from "lab/parts.js";
+import { fromExam } from "lab/exam_text.js";
+import { charts, exam, quiz, review } from "lab/parts.js";
+import { hold } from "lab/plan.js";
 import { ownNames, refusal, taughtNames } from "lab/say.js";
 import { DEFAULT, fromLink } from "lab/scene.js";
 import { show } from "lab/show.js";
@@ -17,6 +20,8 @@ const PROTOCOL = 1;
 export function begin() {
   let linked = lab.left;
   try {
+    const paper = !linked && fromExam(location.hash);
+    if (paper) return hold(paper);
     linked ??= fromLink(location.hash);
   } catch (error) {
     toast(say("bad_link", { why: error.message }));
@@ -51,7 +56,10 @@ export const HEAR = {
     if (message.scene) lab.scene = message.scene;
     if (!lab.can.has("break") && lab.mode !== "explore") setMode("explore");
     show();
-    if (message.kind === "simulated") begin();
+    if (message.kind === "board") beginReport();
+    if (message.kind !== "simulated") return;
+    lab.usual = message.settings;
+    begin();
   },
   opened({ scene, ts = lab.hello.ts, settings = lab.hello.settings, session = lab.session, name = lab.hello.name }) {
     Object.assign(lab, { session });
@@ -64,11 +72,14 @@ export const HEAR = {
     }
     lab.stateOf = NaN;
     quiz.end(); // what it asked about is void, whoever opened the scene
+    if (scene) exam.opened(scene);
     // As a session begins; what its orders have changed they change again.
     $("excite").checked = true;
     for (const [tick, order] of scene?.orders ?? []) HEAR.order({ tick, order });
+    charts.bind();
     charts.follow();
     show();
+    tour.opened();
   },
   rows({ from, values }) {
     const { store, events } = lab;
@@ -79,6 +90,7 @@ export const HEAR = {
       if (mode === mode && mode !== lab.stateOf) [lab.stateOf, lab.since] = [mode, tick * store.ts];
     }
     quiz.follow(events);
+    if (exam.follow(store.now)) show();
     lab.heard = performance.now();
     lab.lost = 0;
     if (store.end !== lab.hello.count) return;
@@ -87,6 +99,7 @@ export const HEAR = {
   },
   order({ tick, order }) {
     lab.events.order(tick, order);
+    exam.ordered(tick * lab.store.ts, order);
     if (order.order === "excite") $("excite").checked = order.on;
     if (order.order === "set") {
       lab.settings = { ...lab.settings, [order.name]: order.value };
@@ -108,7 +121,11 @@ export const HEAR = {
     lab.checking = false; // how it goes on is not heard
     lab.lost ||= performance.now();
   },
-  said, agrees, kept,
+  agrees, kept,
+  said(message) {
+    said(message);
+    noted(message);
+  },
   names({ own_names = [], taught_names = [] }) {
     ownNames.clear();
     for (const [number, name] of own_names) ownNames.set(number, name);

@@ -2,7 +2,7 @@
 import { parts } from "lab/files.js";
 import "lab/hand.js";
 import { HEAR } from "lab/hear.js";
-import { charts, quiz } from "lab/parts.js";
+import { charts, exam, hides, quiz } from "lab/parts.js";
 import { show } from "lab/show.js";
 import { floats, fromRecording, fromServer, inWorker } from "lab/sources.js";
 import { $, embedded, keep, lab } from "lab/state.js";
@@ -29,7 +29,7 @@ function draw(now, passed) {
   // Between two ticks the axis moves on, so that it does not jerk.
   charts.lead = moving ? Math.min(0, ((now - lab.heard) / 1000) * lab.speed - store.ts) : 0;
   const due = dirty || (now - told > TEXT_EVERY && (store.end !== toldTick || lab.lost));
-  const hide = quiz.hides;
+  const hide = hides();
   if (moving || due) {
     const row = store.row(store.last);
     const said = verdict({ row, hello, events: lab.events, since: lab.since, begun: store.row(store.tickAt(lab.since)), ts: store.ts, settings: lab.settings, can: lab.can, checking: lab.checking, lost: lab.lost && now - lab.lost });
@@ -43,7 +43,7 @@ function draw(now, passed) {
   lab.dirty = false;
 }
 
-speak(keep.get("language") ?? (navigator.language?.startsWith("pt") ? "pt" : "en"));
+speak(keep.get("language") ?? (navigator.language?.slice(0, 2)));
 document.documentElement.dataset.theme = keep.get("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
 listen(HEAR);
 show();
@@ -54,4 +54,4 @@ if ($("recording")) {
 else use((hear) => inWorker(hear, parts()));
 requestAnimationFrame(frame);
 // For tests and the curious.
-window.lab = { lab, charts, quiz, events: () => lab.events, ask, send, row: () => lab.store.row(lab.store.last) };
+window.lab = { lab, charts, quiz, exam, events: () => lab.events, ask, send, row: () => lab.store.row(lab.store.last) };

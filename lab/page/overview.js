@@ -15,7 +15,7 @@ export function drawOverview(pen, { store, events, series, view, margins: [left,
   const Y = (v) => 29 - ((Math.min(top, Math.max(low, v)) - low) / (top - low)) * 26;
   for (const one of series) drawSeries(pen, one, store.first, store.last, X, Y, { css: one.css, width: 1 });
   for (const event of events.list) {
-    if (hide && event === events.last) continue;
+    if (hide?.(event)) continue;
     const [x, e] = [T(event.from), T(Math.min(event.to ?? store.now, to))];
     if (e > left) pen.box(Math.max(left, x), 0, Math.max(2, e - Math.max(left, x)), 3, "--alarm");
   }

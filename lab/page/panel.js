@@ -7,8 +7,10 @@ import { num, say } from "lab/strings.js";
 export function drawPanel(pen, panel, { shown, y, high, left, edge, a, b, X, at, narrow, hide, quiet }) {
   const title = say(panel.id);
   const w = pen.text(title, left, y - 8, { css: "--ink", bold: true });
-  pen.text(panel.unit(), left + w + 7, y - 8, { css: "--faint" });
-  const [low, top] = range(panel, shown, a, b);
+  const unit = pen.text(panel.unit(), left + w + 7, y - 8, { css: "--faint" });
+  if (panel.id === "temperature" && shown.some((series) => series.kept)) pen.text(say("compared"), left + w + unit + 21, y - 8, { css: "--faint" });
+  const kept = shown.filter((series) => series.kept);
+  const [low, top] = range(panel, [...shown, ...kept.map((series) => series.kept)], a, b);
   const Y = (v) => y + high - ((Math.min(top, Math.max(low, v)) - low) / (top - low)) * high;
   const step = niceStep(top - low, high > 100 ? 5 : 3);
   const ticks = panel.ticks ?? Array.from({ length: Math.floor((top - low) / step + 1e-6) + 1 }, (_, i) => low + i * step);
@@ -24,6 +26,9 @@ export function drawPanel(pen, panel, { shown, y, high, left, edge, a, b, X, at,
   for (const bound of panel.bounds ?? []) pen.line(left, Y(bound), edge, Y(bound), "--soft", { dash: [5, 4] });
   const labels = [];
   pen.within(left, y - 2, edge - left, high + 4, () => {
+    pen.c.globalAlpha = 0.45;
+    for (const { kept: run, css } of kept) drawSeries(pen, run, a, b, X, Y, { css, width: 1 });
+    pen.c.globalAlpha = 1;
     for (const series of shown) {
       drawSeries(pen, series, a, b, X, Y);
       if (series.beyond) drawBeyond(pen, series, a, b, X, Y);

@@ -76,7 +76,7 @@ export class Quiz {
     }
     if (this.phase === "wait") return { line, head: say("quiz_wait_head"), sub: say("quiz_wait_sub"), more: "" };
     if (this.phase === "ask") {
-      const answers = ANSWERS.map((name) => `<button data-act="quiz-answer" data-name="${name}">${say("a_" + name)}</button>`);
+      const answers = ANSWERS.map(({ name }) => `<button data-act="quiz-answer" data-name="${name}">${say("a_" + name)}</button>`);
       const head = say("quiz_head", { s: num(now - this.event.from, 0) });
       return { line, head, sub: say("quiz_sub"), more: `<div class="answers">${answers.join("")}</div>` };
     }

@@ -1,14 +1,31 @@
 // The drawing of the rig: built once for a width, then only attributes change, so that clicks and focus stay.
+import { PLANTS } from "lab/plants.js";
 import { num, say } from "lab/strings.js";
 
 const WIDE = {
-  size: [820, 300], tube: [92, 800, 104, 190], fan: 142, coil: [232, 322], turns: 5, T0: 56, T1: 540, T2: 704,
+  size: [820, 300], tube: [92, 800, 104, 190], hub: 142, coil: [232, 322], turns: 5, T0: 56, T1: 540, T2: 704,
   box: [330, 240, 172, 50], mains: [112, 240], door: [14, 240], lanes: 30,
 };
 const NARROW = {
-  size: [368, 300], tube: [4, 364, 104, 176], fan: 42, coil: [86, 142], turns: 3, T0: 56, T1: 230, T2: 320,
+  size: [368, 300], tube: [4, 364, 104, 176], hub: 42, coil: [86, 142], turns: 3, T0: 56, T1: 230, T2: 320,
   box: [122, 232, 97, 50], mains: [48, 238], door: [0, 238], lanes: 14,
 };
+// Where a narrow drawing's x lies in a wide one.
+const far = (x) => 121 + 1.822 * x;
+const tube = ({ tube: [x0, x1, y0, y1], ...more }) => ({
+  ...more, tube: [x0, x1, y0, y1], stretch: null,
+  warm: `M${x0} ${y0}H${x1}V${y1}H${x0}z`, lines: [["wall", `M${x0} ${y0}H${x1}M${x0} ${y1}H${x1}`]],
+});
+const narrow = (plant) => ({ ...NARROW, ...plant, stretch: null });
+function wide(plant) {
+  const { hub, coil, T1, T2, box } = NARROW;
+  const [x0, x1, y0, y1] = plant.tube;
+  const places = { hub: far(hub), coil: coil.map(far), T1: far(T1), T2: far(T2), box: [far(box[0]), 240, 172, 50], tube: [far(x0), far(x1), y0, y1] };
+  return { ...WIDE, ...plant, ...places, stretch: `translate(${far(0)} 0) scale(1.822 1)` };
+}
+// Of every plant the wide and the narrow drawing.
+const LAYOUTS = new Map(Object.entries(PLANTS).map(([name, plant]) => [name, [wide(plant), narrow(plant)]]));
+const TUBE = [tube(WIDE), tube(NARROW)];
 const FLOW = 60; // units a second at the usual flow
 const RAMP = [[18, 112, 146, 184], [27, 172, 180, 180], [34, 238, 178, 106], [41, 228, 112, 48], [56, 184, 36, 60]];
 
@@ -38,9 +55,9 @@ export class RigDrawing {
     this.still = matchMedia("(prefers-reduced-motion: reduce)");
   }
 
-  // Draws anew where the width or the language asks for it.
-  fit(force) {
-    const layout = this.host.clientWidth < 560 ? NARROW : WIDE;
+  // Draws anew where the width, the plant or the language asks for it.
+  fit(plant, force) {
+    const layout = (LAYOUTS.get(plant) ?? TUBE)[this.host.clientWidth < 560 ? 1 : 0];
     if (layout === this.layout && !force) return;
     this.layout = layout;
     this.host.replaceChildren();
@@ -58,8 +75,9 @@ export class RigDrawing {
     el(blur, "feGaussianBlur", { stdDeviation: 7 });
     const tip = el(defs, "marker", { id: "tip", viewBox: "0 0 8 8", refX: 6, refY: 4, markerWidth: 8, markerHeight: 8, orient: "auto" });
     el(tip, "path", { d: "M0 .8 6.5 4 0 7.2z", class: "tip" });
-    el(svg, "rect", { x: x0, y: y0, width: x1 - x0, height: y1 - y0, fill: "url(#air)" });
-    el(svg, "path", { d: `M${x0} ${y0}H${x1}M${x0} ${y1}H${x1}`, class: "wall" });
+    const body = el(svg, "g", g.stretch ? { transform: g.stretch } : {});
+    el(body, "path", { d: g.warm, fill: "url(#air)" });
+    for (const [css, d] of g.lines) el(body, "path", { d, class: css, "vector-effect": "non-scaling-stroke" });
     const clip = el(defs, "clipPath", { id: "inside" });
     el(clip, "rect", { x: x0, y: y0, width: x1 - x0, height: y1 - y0 });
     this.streaks = el(svg, "g", { class: "streaks", "clip-path": "url(#inside)" });
@@ -107,14 +125,16 @@ export class RigDrawing {
   fan(svg, g) {
     const [, , y0, y1] = g.tube;
     const y = (y0 + y1) / 2;
-    const group = this.part(svg, "fan", [g.fan - 34, y0 - 6, 68, y1 - y0 + 12]);
-    el(group, "circle", { cx: g.fan, cy: y, r: 28, class: "housing" });
+    const group = this.part(svg, "fan", [g.hub - 34, y0 - 6, 68, y1 - y0 + 12]);
+    this.blades = null;
+    if (g.fan) return void el(group, "path", { d: g.fan, class: "icon", transform: `translate(${g.hub - NARROW.hub} 0)` });
+    el(group, "circle", { cx: g.hub, cy: y, r: 28, class: "housing" });
     this.blades = el(group, "g");
     for (const turn of [0, 120, 240]) {
-      el(this.blades, "path", { d: `M${g.fan} ${y}q-13-9-2-23q14 6 2 23`, transform: `rotate(${turn} ${g.fan} ${y})`, class: "blade" });
+      el(this.blades, "path", { d: `M${g.hub} ${y}q-13-9-2-23q14 6 2 23`, transform: `rotate(${turn} ${g.hub} ${y})`, class: "blade" });
     }
-    el(group, "circle", { cx: g.fan, cy: y, r: 3.5, class: "housing" });
-    this.hub = [g.fan, y];
+    el(group, "circle", { cx: g.hub, cy: y, r: 3.5, class: "housing" });
+    this.hub = [g.hub, y];
   }
 
   coil(svg, g) {
@@ -131,7 +151,7 @@ export class RigDrawing {
 
   probe(svg, g, id) {
     const [x, [, , y0, y1]] = [g[id], g.tube];
-    const wide = g === WIDE;
+    const wide = g.size === WIDE.size;
     const half = wide ? 58 : 44;
     const bead = (y0 + y1) / 2 + 2;
     const group = this.part(svg, id, [x - half, 12, 2 * half, bead + 4]);
@@ -161,7 +181,7 @@ export class RigDrawing {
   // Shows a moment: readings, power, set-point, which part is blamed or chosen, what was expected.
   draw({ row, t, flow, blamed, chosen, wanted, off, tripped }) {
     const g = this.layout;
-    const wide = g === WIDE;
+    const wide = g.size === WIDE.size;
     const unit = wide ? " °C" : "";
     const put = (node, text) => node.textContent !== text && (node.textContent = text);
     const read = (x) => (Number.isFinite(x) ? num(x) + unit : "–");
@@ -169,7 +189,7 @@ export class RigDrawing {
     const order = tripped ? ["", "_expected"] : ["_expected", ""];
     const believed = (t) => order.map((more) => row[t + more]).find(Number.isFinite);
     const [room, one, two] = ["t0", "t1", "t2"].map(believed);
-    [room, room, one, one, two].forEach((c, i) => this.stops[i].setAttribute("stop-color", warmth(c, row.setpoint)));
+    (g.solid ? [one, one, one, one, two] : [room, room, one, one, two]).forEach((c, i) => this.stops[i].setAttribute("stop-color", warmth(c, row.setpoint)));
     put(this.ambient, read(row.t0));
     for (const id of ["T1", "T2"]) {
       const { value, want } = this.probes[id];
@@ -192,6 +212,6 @@ export class RigDrawing {
       lane.setAttribute("x1", x.toFixed(1));
       lane.setAttribute("x2", (x + 10 * flow).toFixed(1));
     });
-    this.blades.setAttribute("transform", `rotate(${((moved * 300 * flow) % 360).toFixed(0)} ${this.hub.join(" ")})`);
+    this.blades?.setAttribute("transform", `rotate(${((moved * 300 * flow) % 360).toFixed(0)} ${this.hub.join(" ")})`);
   }
 }

@@ -2,6 +2,9 @@
 import { EITHER, meant } from "lab/events.js";
 import { escape, num, say } from "lab/strings.js";
 
+// Classes whose size is an error of a thermistor.
+export const isOffset = (name) => /_(offset|loose)$|^t0_fault$/.test(name);
+
 const PART = { t0: "T0", t1: "T1", t2: "T2" };
 
 // Class of a finding -> the parts that it blames.
@@ -14,7 +17,7 @@ export function blamed(name) {
 // The short name of a class.
 export function short(name) {
   if (!name) return say("c_alarm");
-  const [, t, kind] = /^(t\d)_(stuck|open|short|lost)$/.exec(name) ?? [];
+  const [, t, kind] = /^(t\d)_(stuck|open|short|lost|loose)$/.exec(name) ?? [];
   if (kind) return say("c_" + kind, { t: PART[t] });
   const pair = /^(t\d)_(t\d)_swapped$/.exec(name);
   if (pair) return say("c_swapped", { t: `${PART[pair[1]]}, ${PART[pair[2]]}` });
@@ -31,7 +34,8 @@ export function headline(name, magnitude) {
   const T = t && part(t, t.toLowerCase());
   const air = part(say("air_flow"), "flow");
   const heater = part(say("heater"), "power");
-  if (/_offset$|^t0_fault$/.test(name)) return signed("f_offset_high", "f_offset_low", 2, T);
+  if (/_loose$/.test(name)) return Number.isFinite(magnitude) ? signed("f_loose_high", "f_loose_low", 2, T) : say("f_loose", { part: T });
+  if (isOffset(name)) return signed("f_offset_high", "f_offset_low", 2, T);
   if (name === "t1_clogged") return signed("f_clogged_more", "f_clogged_less", 1, T);
   if (/_detached$/.test(name)) return say("f_detached", { part: T, seen: num(Math.max(0, 100 + (magnitude || -100)), 0) });
   if (name === "air_flow") return signed("f_flow_more", "f_flow_less", 1, air);
@@ -40,6 +44,7 @@ export function headline(name, magnitude) {
   }
   if (name === "air_flow_or_heater_power") return say("f_either", { part: part(say("Air_flow"), "flow"), other: part(say("heater_power"), "power") });
   if (name === "drift") return signed("f_drift_up", "f_drift_down", 2);
+  if (name === "since_commissioning") return Number.isFinite(magnitude) ? signed("f_since_more", "f_since_less", 0) : say("f_since");
   const kind = /^t\d_(stuck|open|short|lost)$/.exec(name)?.[1];
   if (kind) return say("f_" + kind, { part: T });
   const pair = /^(t\d)_(t\d)_swapped$/.exec(name);
@@ -53,7 +58,7 @@ export function support(name, row, ts) {
   const out = [];
   if (t && !/open|short|lost|swapped/.test(name)) {
     const measured = row[t];
-    const offset = /_offset$|^t0_fault$/.test(name) && Number.isFinite(row.magnitude);
+    const offset = isOffset(name) && Number.isFinite(row.magnitude);
     const expected = offset ? measured - row.magnitude : row[t + "_expected"];
     if (Number.isFinite(expected)) out.push(say("measured_expected", { measured: num(measured), expected: num(expected) }));
   }
@@ -101,4 +106,4 @@ export const delays = (names, from) =>
     return say("delay", { who, s: num(t - from, 2) });
   }).join(", ");
 
-export const unitOf = (name) => (/_offset$|^t0_fault$/.test(name) ? "°C" : name === "drift" ? "°C/min" : "%");
+export const unitOf = (name) => (isOffset(name) ? "°C" : name === "drift" ? "°C/min" : "%");

@@ -7,17 +7,17 @@ const DEEPEST = 16; // a scene is nested seven deep
 const isObject = (x) => typeof x === "object" && x !== null && !Array.isArray(x);
 const isDeep = (x, left = DEEPEST) => typeof x === "object" && x !== null && (left === 0 || Object.values(x).some((y) => isDeep(y, left - 1)));
 
-export function toLink(scene, tick) {
-  const bytes = new TextEncoder().encode(JSON.stringify({ v: 1, at: tick, scene }));
-  return "s=" + btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join("")).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
-}
+// Bytes as text that an address can hold (base64url), and back.
+export const toText = (bytes) => btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join("")).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+export const fromText = (text) => Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
+
+export const toLink = (scene, tick) => "s=" + toText(new TextEncoder().encode(JSON.stringify({ v: 1, at: tick, scene })));
 
 // What a fragment holds; null where it holds no scene. Throws where it is broken.
 export function fromLink(fragment) {
   const text = new URLSearchParams(fragment.replace(/^#/, "")).get("s");
   if (!text) return null;
-  const bytes = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
-  const link = JSON.parse(new TextDecoder().decode(bytes));
+  const link = JSON.parse(new TextDecoder().decode(fromText(text)));
   // No worker is sent what is nested so deep that it cannot be copied.
   if (isDeep(link)) throw new Error(say("link_deep"));
   if (!isObject(link) || !isObject(link.scene)) throw new Error(say("link_other"));

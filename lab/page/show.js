@@ -1,15 +1,18 @@
 // What changes with language, mode and source, and not with time.
-import { settings as all, asking } from "lab/board.js";
-import { charts, review } from "lab/parts.js";
-import { $, changed, embedded, lab, put } from "lab/state.js";
-import { current, escape, say } from "lab/strings.js";
+import { settings as all, asking, wide } from "lab/board.js";
+import { charts, exam, review } from "lab/parts.js";
+import { showPlan } from "lab/plan.js";
+import { $, changed, embedded, lab, plant, put } from "lab/state.js";
+import { escape, following, languages, say, speakOf } from "lab/strings.js";
 
 export function show() {
+  speakOf(plant());
   words();
   source();
   pressed();
   offered();
   settings();
+  if (lab.hello) showPlan();
   series();
   changed();
 }
@@ -18,8 +21,7 @@ function words() {
   for (const node of document.querySelectorAll("[data-say]")) node.textContent = say(node.dataset.say);
   asking();
   for (const node of document.querySelectorAll("[data-label]")) node.setAttribute("aria-label", say(node.dataset.label));
-  $("language").textContent = current() === "en" ? "PT" : "EN";
-  $("language").lang = current() === "en" ? "pt" : "en";
+  Object.assign($("language"), { textContent: following().toUpperCase(), lang: following(), ariaLabel: languages()[following()].language });
   $("stack").setAttribute("aria-label", `${say("region_charts")}. ${say("charts_help")}`);
   $("overview").title = say("charts_help");
 }
@@ -51,18 +53,23 @@ function offered() {
   $("transport").hidden = !can("run");
   $("stop").hidden = !can("order");
   $("stop").classList.toggle("large", kind === "board");
-  $("modes").hidden = !can("break");
+  const asked = exam.hides; // then nothing may be opened, read or put in beside it
+  $("modes").hidden = !can("break") || asked;
   $("desk-control").hidden = !can("order");
   $("excite").parentElement.hidden = kind === "board"; // a board has no command for it
-  $("desk-rig").hidden = !can("open");
+  $("desk-rig").hidden = !can("open") || asked;
+  $("desk-recording").hidden = asked;
+  $("desk-plan").hidden = kind !== "simulated" || asked;
   $("desk-board").hidden = kind !== "board";
   const own = embedded("wasm"); // the page has a session of its own
-  $("desk-connect").hidden = !own || kind === "board";
+  $("desk-connect").hidden = !own || kind === "board" || asked;
   $("back").hidden = !own || !kind || kind === "simulated";
   $("savelog").hidden = !can("log");
   $("kept").hidden = !can("log");
   $("download").hidden = !can("trace");
   $("link").hidden = !can("trace") || kind !== "simulated";
+  $("again").hidden = kind !== "simulated";
+  $("compare").textContent = say(charts.kept ? "compare_off" : "compare");
   $("seek").hidden = !can("seek");
   if (kind === "recording") $("seek").max = count;
 }
@@ -76,10 +83,6 @@ function settings() {
   $("wider").hidden = !wider.length;
   $("wider").textContent = say("wider", { what: wider.map((name) => `${name} = ${lab.settings[name]}`).join(", ") });
 }
-
-// The limits that are wider than their defaults.
-const wide = (limits, settings) =>
-  Object.entries(limits).filter(([name, { default: usual, wider }]) => (wider === "above" ? settings[name] > usual : settings[name] < usual)).map(([name]) => name);
 
 function series() {
   const choice = ({ id, on, css, label }) => `<label><input type="checkbox" value="${id}" ${on ? "checked" : ""}><i style="background:var(${css})"></i>${label}</label>`;

@@ -11,6 +11,7 @@ export const keep = {
 export const lab = {
   hello: null, store: null, events: null, can: new Set(), scene: structuredClone(DEFAULT), settings: null,
   mode: "explore", speed: 1, paused: false, lost: 0, checking: false, since: 0, stateOf: NaN, turned: 0, heard: 0,
+  usual: null, // the settings of a board to which nothing was done, where they are known
   left: null, // the scene of the session that was left for a recording or a board
   agrees: null, kept: null, // of a board: does a core beside it come to the same bits; what its log takes
   dirty: true, // something else than time has changed: all is to be drawn
@@ -19,6 +20,9 @@ export const changed = () => (lab.dirty = true);
 
 // How many times as hot above the room this rig's air is as the usual one's.
 export const heat = () => Math.max(1, Math.round((lab.settings.setpoint - 20) / 15));
+
+// The plant that is simulated, by its preset: a board and a recording are a tube.
+export const plant = () => (lab.can.has("open") ? lab.scene.preset : "");
 
 export const isOff = () => [0, 4].includes(lab.stateOf);
 // Of a real board the button only ever stops: whoever presses it twice must not arm.

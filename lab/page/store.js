@@ -99,3 +99,29 @@ export class Store {
     return Math.round(t / this.ts);
   }
 }
+
+// Some columns of a store as they are now.
+export class Kept {
+  constructor(store, names) {
+    Object.assign(this, { ts: store.ts, first: store.first, end: store.end, columns: new Map() });
+    const blocks = Math.ceil(store.end / BLOCK);
+    for (const name of names.filter((name) => name in store.at)) {
+      const at = store.at[name];
+      const take = (from, to, value) => Float32Array.from({ length: to - from }, (_, i) => value(from + i));
+      const block = (of) => (number) => of[store.block(number) + at];
+      const from = Math.floor(store.first / BLOCK);
+      this.columns.set(name, {
+        from, value: take(store.first, store.end, (tick) => store.ring[store.place(tick) + at]),
+        low: take(from, blocks, block(store.low)), high: take(from, blocks, block(store.high)),
+      });
+    }
+  }
+
+  // A column as a chart's series has it, by ticks and blocks; NaN where there is none.
+  of(name, scale = 1) {
+    const column = this.columns.get(name);
+    if (!column) return null;
+    const by = (values, from) => (k) => (k >= from && k < from + values.length ? values[k - from] * scale : NaN);
+    return { value: by(column.value, this.first), low: by(column.low, column.from), high: by(column.high, column.from) };
+  }
+}

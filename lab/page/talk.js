@@ -35,13 +35,13 @@ export const ask = (command) => new Promise((resolve) => {
 
 // Times of a fault are those of the usual rig: on a slower plant it lasts for as many samples. Nothing else waits for anything: a stop
 // goes out before the first row has come.
-export function order(what) {
-  if (!what.fault) return send({ command: "order", order: what });
+export function scaled(what) {
+  if (!what.fault) return what;
   const { slow } = lab.store;
   const { at, for: lasts } = what.fault;
-  const fault = { ...what.fault, at: at * slow, for: lasts === FOREVER ? lasts : Math.round(lasts * slow) };
-  send({ command: "order", order: { ...what, fault } });
+  return { ...what, fault: { ...what.fault, at: at * slow, for: lasts === FOREVER ? lasts : Math.round(lasts * slow) } };
 }
+export const order = (what) => send({ command: "order", order: scaled(what) });
 export const open = (scene, more = { skip: true }) => send({ command: "open", scene, ...more });
 export const run = (speed) => send({ command: "run", speed });
 // The scene of a rig that was chosen, from its beginning.

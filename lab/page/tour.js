@@ -1,15 +1,16 @@
-// A guided tour: what to look at, what to do, what to have seen. Steps are data; their words are in tour_steps.js.
+// A guided tour: what to look at, what to do, what to have seen. Steps are data (tour_steps.js); their words are those of the language.
 import { STEPS } from "lab/tour_steps.js";
-import { current, num, say } from "lab/strings.js";
+import { isTube, num, say, stepWords } from "lab/strings.js";
+
+const OVER = 9; // s: what was wrong before is mended, and then has this long to be over
 
 export class Tour {
   constructor(host, doing) {
-    Object.assign(this, { host, ...doing }); // act, order, again, busy
-    this.at = 0;
+    Object.assign(this, { host, ...doing }); // act, order, now, busy, finish
+    [this.at, this.due] = [0, 0];
     host.addEventListener("click", ({ target }) => {
-      const by = Number(target.closest("[data-step]")?.dataset.step);
-      if (by) this.go(this.at + by);
-      const does = target.closest("[data-do]");
+      const { step, do: does } = target.closest("[data-step], [data-do]")?.dataset ?? {};
+      if (step) this.go(this.at + Number(step));
       if (does) this.does();
     });
   }
@@ -21,27 +22,56 @@ export class Tour {
   }
 
   go(step) {
-    this.at = Math.min(STEPS.length - 1, Math.max(0, step));
-    const { title, text, button, look } = STEPS[this.at];
-    const words = (pair) => pair[current() === "pt" ? 1 : 0];
-    const doing = button ? `<button class="primary" data-do="1">${words(button)}</button>` : "";
+    if (step === STEPS.length) return this.end();
+    this.at = Math.max(0, step);
+    this.due = 0;
+    if (!isTube()) return this.elsewhere();
+    const { id, look } = STEPS[this.at];
+    const [title, text, button] = stepWords(id);
+    const doing = button ? `<button class="primary" data-do="1">${button}</button>` : "";
     const back = `<button class="plain" data-step="-1" ${this.at ? "" : "disabled"}>${say("tour_back")}</button>`;
-    const next = `<button class="plain" data-step="1" ${this.at < STEPS.length - 1 ? "" : "disabled"}>${say("tour_next")}</button>`;
-    this.host.innerHTML = `<p class="note">${num(this.at + 1, 0)} / ${num(STEPS.length, 0)}</p><h2>${words(title)}</h2><div class="text">${words(text)
-      .split("\n")
-      .map((p) => `<p>${p}</p>`)
-      .join("")}</div><div class="row">${doing}${back}${next}</div>`;
+    const next = `<button class="plain" data-step="1">${say(this.at < STEPS.length - 1 ? "tour_next" : "tour_finish")}</button>`;
+    const paragraphs = text.split("\n").map((p) => `<p>${p}</p>`).join("");
+    this.host.innerHTML = `<p class="note">${num(this.at + 1, 0)} / ${num(STEPS.length, 0)}</p><h2>${title}</h2><div class="text">${paragraphs}</div><div class="row">${doing}${back}${next}<span class="note" role="status"></span></div>`;
     this.mark(look);
-    this.again();
   }
 
-  // What still is wrong is mended, and has some seconds to be over.
+  // Another scene began.
+  opened() {
+    if (!this.host.hidden) this.go(this.at);
+  }
+
+  // The first step comes next time.
+  end() {
+    this.at = 0;
+    this.finish();
+  }
+
+  // On another plant most of what the steps say is not so.
+  elsewhere() {
+    this.host.innerHTML = `<p>${say("tour_about")}</p><div class="row"><button class="primary" data-act="paper">${say("tour_goto")}</button></div>`;
+    this.mark(null);
+  }
+
   does() {
-    const at = this.busy() ? 9 : 0.5;
+    const busy = this.busy();
+    const wait = busy ? OVER : 0.5;
     for (const what of STEPS[this.at].does ?? []) {
       if (typeof what === "string") this.act(what);
-      else this.order({ ...what, fault: { ...what.fault, at } });
+      else {
+        this.order({ ...what, fault: { ...what.fault, at: wait } });
+        this.due = busy ? this.now() + wait : 0;
+      }
     }
+  }
+
+  // Tells how long it still waits.
+  tell(now) {
+    const status = this.host.querySelector("[role=status]");
+    if (!status) return;
+    const left = Math.ceil(Math.min(OVER, this.due - now));
+    const text = left > 0 ? say("tour_wait", { s: num(left, 0) }) : "";
+    if (status.textContent !== text) status.textContent = text;
   }
 
   // Frames what the step speaks of.

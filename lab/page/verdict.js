@@ -2,7 +2,7 @@
 import { heats } from "lab/board.js";
 import { namings } from "lab/events.js";
 import { recognise } from "lab/faults.js";
-import { asTaught, blamed, delays, headline, papers, support, unitOf } from "lab/say.js";
+import { asTaught, blamed, delays, headline, isOffset, papers, support, unitOf } from "lab/say.js";
 import { num, say, sayHtml } from "lab/strings.js";
 
 const ICONS = {
@@ -106,7 +106,7 @@ export function wanted(now, name) {
   const [part] = blamed(name);
   if (!/^T[12]$/.test(part) || /open|short|lost/.test(name)) return null;
   const t = part.toLowerCase();
-  const celsius = /_offset$/.test(name) ? now[t] - now.magnitude : now[t + "_expected"];
+  const celsius = isOffset(name) && Number.isFinite(now.magnitude) ? now[t] - now.magnitude : now[t + "_expected"];
   return Number.isFinite(celsius) ? { part, celsius } : null;
 }
 
@@ -150,7 +150,8 @@ function howSoon(event, names) {
   let body = `<path d="M4 22H${WIDTH - 4}" class="axis"/><path d="M4 22H${X(a)}" class="value"/>`;
   for (const s of soon) body += `<circle cx="${X(s)}" cy="22" r="5" class="dot"/>`;
   const own = delays(names, event.from);
-  body += text(names.length > 1 ? 4 : Math.min(Math.max(4, X(a) - 4), WIDTH - 110), 10, own, 'class="strong"');
+  const late = names.length < 2 && X(a) > WIDTH / 2;
+  body += text(names.length > 1 ? 4 : late ? Math.min(WIDTH - 4, X(a) + 4) : X(a) - 4, 10, own, `class="strong" text-anchor="${late ? "end" : "start"}"`);
   let paper = say("paper_nothing");
   if (b >= 0) {
     body += `<circle cx="${X(b)}" cy="22" r="5" class="other"/>`;
@@ -162,4 +163,4 @@ function howSoon(event, names) {
 }
 
 export const stateLine = ({ icon: name, word, aside }) => `${icon(name)}<span>${word}${aside ? ` <span class="aside">${aside}</span>` : ""}</span>`;
-export const quizLine = (score) => stateLine({ icon: "ask", word: say("state_quiz"), aside: score });
+export const askedLine = (word, aside) => stateLine({ icon: "ask", word, aside });

@@ -1,19 +1,20 @@
 // What changes with time: the rig's drawing, the sentence and what stands beside it.
+import { tour } from "lab/acts.js";
 import { asking, beside as besideBoard } from "lab/board.js";
 import { drawCloseup } from "lab/closeup.js";
 import { Events, meant, namings } from "lab/events.js";
 import { FOREVER, describe } from "lab/faults.js";
 import { CLASSES } from "lab/panels.js";
-import { charts, quiz, rig, sheet } from "lab/parts.js";
+import { charts, exam, quiz, rig, sheet } from "lab/parts.js";
 import { short } from "lab/say.js";
-import { $, arms, isOff, lab, put } from "lab/state.js";
+import { $, arms, isOff, lab, plant, put } from "lab/state.js";
 import { num, say } from "lab/strings.js";
-import { quizLine, secondOpinion, stateLine, wanted } from "lab/verdict.js";
+import { askedLine, secondOpinion, stateLine, wanted } from "lab/verdict.js";
 
 const CLOSE_FROM = 0.25; // s after a fault its close-up has something to show
 
 export function drawRig(row, said, hide) {
-  rig.fit();
+  rig.fit(plant());
   const blamed = hide ? [] : said.parts ?? [];
   const should = hide ? null : wanted(row, said.name);
   const air = lab.events.active(row.t).find((p) => p.fault.do === "air-flow" && !hide);
@@ -22,11 +23,12 @@ export function drawRig(row, said, hide) {
 }
 
 export function write(row, said, hide) {
-  const asks = lab.mode === "quiz" && (quiz.hides || !["tripped", "lost", "learn", "off"].includes(said.state));
-  const view = asks ? { ...said, ...quiz.view(row.t) } : said;
+  const asked = lab.mode === "quiz" && (quiz.hides || !["tripped", "lost", "learn", "off"].includes(said.state)) ? quiz : null;
+  const asks = exam.on ? exam : asked;
+  const view = asks ? { ...said, ...asks.view(row.t) } : said;
   const { body } = document;
   body.dataset.state = asks ? "quiz" : said.state;
-  put("state", asks ? quizLine(view.line) : stateLine(said));
+  put("state", asks ? askedLine(say(exam.on ? "exam" : "state_quiz"), view.line) : stateLine(said));
   put("head", view.head);
   put("sub", view.sub);
   put("more", view.more);
@@ -43,6 +45,7 @@ export function write(row, said, hide) {
   $("follow").hidden = charts.following;
   if (lab.can.has("seek")) $("seek").value = lab.store.end;
   if (lab.hello.kind === "board") besideBoard();
+  tour.tell(row.t);
   hint(row, hide);
   beside(row, said, hide);
 }
@@ -66,7 +69,7 @@ function hint(row, hide) {
 }
 
 function beside(row, said, hide) {
-  $("why").hidden = hide || !("x_drift" in lab.store.at);
+  $("why").hidden = !!hide || !("x_drift" in lab.store.at);
   const shares = CLASSES.map((c) => ({ ...c, share: row[c.field] })).filter((c) => c.share > 0.005);
   const any = row.alarm > 0 && shares.length > 0;
   const sensor = row.alarm > 0 && !shares.length && said.name && lab.hello.kind !== "recording";
@@ -81,7 +84,7 @@ function beside(row, said, hide) {
     return `<li class="${blames(c) ? "best" : ""}" style="--c:var(${css})"><span>${short(name)}</span><span class="track"><i style="width:${(100 * share).toFixed(1)}%"></i></span><output>${p} %</output></li>`;
   };
   put("bars", order.map(bar).join(""));
-  const list = lab.events.list.filter((event) => !(hide && event === quiz.event));
+  const list = lab.events.list.filter((event) => !hide?.(event));
   const last = list[list.length - 1];
   const close = last && lab.store.has(lab.store.tickAt(last.from)) && row.t > last.from + CLOSE_FROM * lab.store.slow && (last.truth || last.alarm !== undefined);
   $("close").hidden = !close;

@@ -114,7 +114,7 @@ mod tests {
 
     use super::*;
 
-    const WORDS: &str = include_str!("../page/strings.js");
+    const WORDS: [&str; 2] = [include_str!("../page/words_en.js"), include_str!("../page/words_pt.js")];
     const PAGE: &str = include_str!("../page/index.html");
 
     #[test]
@@ -138,6 +138,6 @@ mod tests {
     }
 
     fn has_words(key: &str) -> bool {
-        WORDS.lines().any(|line| line.trim_start().starts_with(&format!("{key}: [")))
+        WORDS.iter().all(|words| words.contains(&format!(" {key}: \"")))
     }
 }

@@ -78,6 +78,11 @@ fn from_a_file_to_a_fault_that_is_named_with_the_same_bits() {
         browser.picture(file.as_ref()).expect("a picture");
     }
     on(&browser, r##"click("#stop"); await until(() => lab.row().mode === 0 && lab.row().drive === 0)"##);
+    // The report knows what was done, by what this board says.
+    let report = r##"const { report } = await import("lab/commissioning.js");
+        const page = new DOMParser().parseFromString(report("", ""), "text/html");
+        return [...page.querySelectorAll("tr")].map((row) => row.lastElementChild.textContent.trim())"##;
+    assert_eq!(on(&browser, report), json!(["left out", "done", "left out", "done", "left out"]));
     let log = on(
         &browser,
         r##"const { parts } = await lab.ask({ command: "log" }); return new Blob(parts).text()"##,

@@ -1,5 +1,5 @@
 //! `cargo dist-board`: a folder to hand on that needs nothing else, and a zip of it: what to do, the image for each board as ELF and as the
-//! bytes of its flash, the lab's page, and checksums that `sha256sum -c` reads.
+//! bytes of its flash, the lab's page, wiring and the first day to print, and checksums that `sha256sum -c` reads.
 
 use std::ffi::OsStr;
 use std::fmt::Write;
@@ -11,7 +11,7 @@ use object::elf::{FileHeader32, PT_LOAD};
 use object::read::elf::{FileHeader, ProgramHeader};
 use sha2::{Digest, Sha256};
 
-use crate::{image, zip};
+use crate::{guide, image, zip};
 
 /// The boards, by their features of the firmware.
 const BOARDS: [&str; 2] = ["nucleo-f411re", "nucleo-f446re"];
@@ -22,6 +22,7 @@ const BLANK: u8 = 0xFF;
 /// Longest image: where the settings begin, in memory.x.
 const LONGEST: usize = 256 * 1024;
 const PAGE: &str = "lab.html";
+const GUIDE: &str = "wiring-and-first-day.html";
 const README: &str = include_str!("README.txt");
 
 /// Builds both images and the page, and fills `folder`, or dist/.
@@ -39,7 +40,12 @@ pub(crate) fn write(folder: Option<&OsStr>) -> Result<(), String> {
     }
     let page = folder.join(PAGE);
     lab(&page)?;
-    files.extend([(PAGE.into(), read(&page)?), ("README.txt".into(), README.into())]);
+    let guide = guide::page(&image::root().join("docs"))?;
+    files.extend([
+        (PAGE.into(), read(&page)?),
+        (GUIDE.into(), guide.into()),
+        ("README.txt".into(), README.into()),
+    ]);
     files.sort();
     let mut sums = String::new();
     for (name, bytes) in &files {

@@ -23,7 +23,8 @@ pub(crate) fn cargo(verb: &str, arguments: impl Iterator<Item = OsString>) -> Re
     if status.success() { Ok(()) } else { Err(format!("cargo {command} has failed")) }
 }
 
-fn root() -> PathBuf {
+/// The folder of the workspace.
+pub(crate) fn root() -> PathBuf {
     let own = std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(PathBuf::new, PathBuf::from);
     own.ancestors().nth(2).map_or_else(PathBuf::new, Path::to_path_buf)
 }

@@ -2,6 +2,7 @@
 //! of its stack.
 
 mod dist;
+mod guide;
 mod image;
 mod stack;
 mod zip;

@@ -50,6 +50,7 @@ const LINKS: &str = r##"
           if (name in deep && !/nested deeper/.test(toast)) wrong.push(`${name}: ${toast}`);
         }
         history.replaceState(null, "", "#");
+        await step(1); // the orders are carried out then
         click("#link");
         await until(() => location.hash.length > 1);
         const largest = location.hash.length;

@@ -20,7 +20,7 @@ const SCREENS: [(u32, u32); 9] = [
 
 /// What does not fit. `cut()` lists texts that go beyond the screen, their box, their drawing or what is around a part of it, or that
 /// lie on one another in a drawing; of canvases it is what was drawn since `looks` was emptied.
-const LOOK: &str = r##"
+pub(crate) const LOOK: &str = r##"
     if (!window.looks) {
       window.looks = [];
       const { fillText } = CanvasRenderingContext2D.prototype;
@@ -69,6 +69,7 @@ const LOOK: &str = r##"
 /// Breaks T1, looks at every mode in both languages, and at the sheet of every part.
 const FITS: &str = r##"
     await monitoring();
+    for (const details of document.querySelectorAll(".plan")) details.open = true;
     lab.send({ command: "order", order: { order: "break", fault: { do: "clog", sensor: "t1", size: 0.85, lag: 0.4, at: 0, for: 60 } } });
     await step(60);
     const wrong = [];
@@ -112,6 +113,29 @@ fn fits(font: Font) {
         browser.resize(width, height).expect("a size");
         let wrong = script_on(&browser, &format!("{LOOK}{FITS}"), &[]);
         assert_eq!(wrong, json!([]), "at {width} x {height} px with {font:?} letters");
+    }
+    assert_untroubled(&browser);
+}
+
+/// Every plant's drawing and words, on a phone and on a wide screen.
+#[test]
+fn every_plant_fits() {
+    let browser = Browser::start_with(Font::Wide).expect("a browser");
+    browser.open(&address()).expect("lab.html");
+    for (width, height) in [(400, 900), (1400, 900)] {
+        browser.resize(width, height).expect("a size");
+        for preset in ["oven", "hotend", "tclab"] {
+            let script = r##"await monitoring(); lab.send({ command: "open", scene: { ...SCENE, preset: args[0] }, skip: true }); await step(1);
+                lab.send({ command: "order", order: { order: "break", fault: { do: "clog", sensor: "t1", size: 0.85, lag: 0.4, at: 0, for: 1e5 } } });
+                await step(60); const wrong = [];
+                for (let language = 0; language < 2; language++) {
+                  click("#language"); looks.length = 0; await said(); wrong.push(...cut());
+                  if (document.documentElement.scrollWidth > innerWidth) wrong.push("wider than the screen");
+                }
+                return wrong"##;
+            let wrong = script_on(&browser, &format!("{LOOK}{script}"), &[json!(preset)]);
+            assert_eq!(wrong, json!([]), "{preset} at {width} x {height} px");
+        }
     }
     assert_untroubled(&browser);
 }

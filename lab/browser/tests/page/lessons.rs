@@ -66,6 +66,31 @@ fn the_tour_goes_to_its_end() {
     assert!(steps.len() > 10 && steps.iter().flatten().all(|good| *good), "{steps:?}");
 }
 
+/// A step that has to wait for what was wrong before says for how long, and the last step ends the tour.
+#[test]
+fn the_tour_counts_down_while_it_waits_and_finishes() {
+    let seen = on_page(
+        r##"await monitoring();
+           click("[data-mode=tour]"); click("[data-step='1']"); click("[data-step='1']");
+           const told = async () => { await said(); return $("#tour [role=status]").textContent.replaceAll("\u00a0", " "); };
+           $("[data-do]").click(); const quiet = await told(); await step(30);
+           $("[data-do]").click(); const first = await told(); await step(40); const later = await told(); await step(60); const over = await told();
+           const broken = lab.events().active(lab.lab.store.now).length;
+           for (let i = 0; i < 10; i++) click("[data-step='1']");
+           const last = $("#tour .row").lastElementChild.previousElementSibling.textContent;
+           click("[data-step='1']");
+           const [mode, hidden] = [lab.lab.mode, $("#tour").hidden];
+           click("[data-mode=tour]");
+           return [quiet, first, later, over, broken, last, mode, hidden, $("#tour .note").textContent]"##,
+        &[],
+    );
+    let waits = |s| format!("The fault begins in {s} s, once the last one is over.");
+    let expected = ["", &waits(9), &waits(4), ""];
+    let after = json!([1, "Finish", "explore", true, "1 / 13"]);
+    assert_eq!(seen.as_array().map(|all| all[..4].to_vec()), json!(expected).as_array().cloned());
+    assert_eq!(seen.as_array().map(|all| all[4..].to_vec()), after.as_array().cloned());
+}
+
 /// An event that began before a question is not its answer.
 #[test]
 fn next_while_a_fault_lasts_asks_about_the_next() {
@@ -159,12 +184,10 @@ fn no_button_is_left_untranslated() {
 fn a_scene_is_copied_as_text_and_pasted() {
     let seen = on_page(
         r##"await monitoring();
-           Object.defineProperty(navigator, "clipboard", { configurable: true, value: { writeText: async (text) => void (window.copied = text) } });
-           click("#link"); await until(() => window.copied); const text = window.copied;
+           copies(); const text = await copied("#link");
            lab.send({ command: "open", scene: { ...SCENE, seed: 9 }, skip: true }); await step(1);
            history.replaceState(null, "", "#");
-           const data = new DataTransfer(); data.setData("text", `see ${text} there`);
-           document.body.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true, cancelable: true }));
+           paste(`see ${text} there`);
            await until(() => lab.lab.scene.seed === 1 && lab.lab.store.end > 100);
            return [text.startsWith("#s="), /paste it/.test($("#toast").textContent)]"##,
         &[],

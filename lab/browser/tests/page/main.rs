@@ -3,13 +3,18 @@
 mod access;
 mod bits;
 mod charts;
+mod exam;
+mod export;
 mod heater;
 mod hostile;
 mod layout;
 mod lessons;
+mod mended;
+mod plants;
 mod port;
 mod report;
 mod scenes;
+mod schedule;
 mod taught;
 mod verdict;
 
@@ -30,6 +35,9 @@ const monitoring = async () => {
   lab.send({ command: "open", scene: SCENE, skip: true });
   await step(1);
 };
+const copies = () => Object.defineProperty(navigator, "clipboard", { configurable: true, value: { writeText: async (text) => void (window.copied = text) } });
+const copied = async (selector) => { window.copied = ""; click(selector); await until(() => window.copied); return window.copied; };
+const paste = (text) => { const data = new DataTransfer(); data.setData("text", text); document.body.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true, cancelable: true })); };
 const said = async () => { const before = $("#clock").textContent; await step(3); await until(() => $("#clock").textContent !== before); return $("#head").innerText; };
 "##;
 

@@ -92,3 +92,40 @@ fn what_came_while_a_tab_slept_is_caught_up_with() {
         return [all, Number.isFinite(lab.lab.store.get(5050, "t1")), Number.isFinite(lab.lab.store.get(5105, "t1")), /# ticks 5500 to 5599 are missing/.test(log), log.split("\n").length - 1]"##;
     assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!([2000, false, true, true, 5011]));
 }
+
+/// What was done and said becomes a page of its own: each step with how it ended, the board's own settings, and nothing of it as HTML.
+#[test]
+fn a_commissioning_is_written_down_as_a_page() {
+    let script = r##"await monitoring();
+        const answer = (line, text) => ({ [line]: `${line}\r\n${text}\r\n> ` });
+        const port = new Port({ ...BOARD, ...answer("calibrate apply", "in force; `save` keeps it"), ...answer("check", "ok, see below for about 2 min"), ...answer("save", "ok"), ...answer("tune", "no result <i>") });
+        offer(port); click("#connect");
+        await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
+        const type = async (line) => { $("#line").value = line; $("#typed").requestSubmit(); await until(() => $("#console").textContent.includes(`> ${line}\n`)); };
+        await type("calibrate apply"); await type("check");
+        port.says("check: T1 and T2 are swapped\r\ncheck failed\r\n"); await until(() => $("#console").textContent.includes("check failed"));
+        await type("tune"); await type("save");
+        const { report } = await import("lab/commissioning.js");
+        const page = () => new DOMParser().parseFromString(report("Ana <b>, rig 3", "today"), "text/html");
+        const english = page(); click("#language"); const other = page(); click("#language");
+        const rows = (of) => [...of.querySelectorAll("tr")].map((row) => row.lastElementChild.textContent.trim());
+        const parts = [...english.querySelectorAll("pre")].map((part) => part.textContent.trim());
+        const files = []; HTMLAnchorElement.prototype.click = function () { files.push(this.download); };
+        click("#report-save");
+        return [rows(english), rows(other), english.querySelectorAll("b, i").length, english.querySelector("p").textContent.startsWith("Ana <b>, rig 3today"), parts[1], parts.at(-2), english.documentElement.lang + other.documentElement.lang, files]"##;
+    let seen = on_page(&format!("{PORT}{script}"), &[]);
+    let check = "> check\nok, see below for about 2 min\ncheck: T1 and T2 are swapped\ncheck failed";
+    assert_eq!(
+        seen,
+        json!([
+            ["done", "FAILED", "left out", "left out", "done"],
+            ["feito", "FALHOU", "não feito", "não feito", "feito"],
+            0,
+            true,
+            check,
+            "pid.kp = 2.5 %/°C\nsetpoint = 36 °C",
+            "enpt",
+            ["commissioning.html"]
+        ])
+    );
+}

@@ -71,6 +71,28 @@ fn each_fault_that_can_be_put_in_is_named_by_its_own_name() {
     }
 }
 
+/// What the diagnosis can call a fault, the page can say, in each language.
+#[test]
+fn every_class_has_a_name_and_a_sentence() {
+    let lacking = on_page(
+        r##"
+        await monitoring();
+        const { headline, short } = await import("lab/say.js");
+        const { say } = await import("lab/strings.js");
+        const lacking = [];
+        for (let language = 0; language < 2; language++) {
+          click("#language");
+          for (const { name } of lab.lab.hello.classes) {
+            if (/[a-z]_[a-z]/.test(short(name))) lacking.push(short(name));
+            if (name !== "unknown" && headline(name, 1) === say("f_unknown")) lacking.push(`sentence of ${name}`);
+          }
+        }
+        return [lab.lab.hello.classes.length > 20, lacking];"##,
+        &[],
+    );
+    assert_eq!(lacking, json!([true, []]));
+}
+
 /// Air and power look alike at first: both are shown, and when they were told apart.
 #[test]
 fn two_that_look_alike_are_shown_together_and_then_told_apart() {

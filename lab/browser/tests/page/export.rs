@@ -1,0 +1,61 @@
+//! What is seen, as files; two runs in one chart.
+
+use serde_json::json;
+
+use crate::on_page;
+
+/// What the page saves, by the names of the files, in place of a download.
+const SAVED: &str = r##"
+const files = {};
+HTMLAnchorElement.prototype.click = function () { files[this.download] = fetch(this.href).then((answer) => answer.blob()); };
+const saved = async (selector, name) => { click(selector); await until(() => files[name]); return files[name]; };
+await monitoring();
+lab.send({ command: "order", order: { order: "break", fault: { do: "offset", sensor: "t2", size: 1.5, at: 0, for: 30 } } }); await step(240); await said();
+"##;
+
+#[test]
+fn the_charts_are_saved_as_svg_and_png_and_what_is_in_view_as_csv() {
+    let script = r##"
+        const svg = new DOMParser().parseFromString(await (await saved("#save-svg", "charts.svg")).text(), "image/svg+xml");
+        const texts = [...svg.querySelectorAll("text")].map((n) => n.textContent.replaceAll("\u00a0", " "));
+        const [wide, high] = ["width", "height"].map((name) => Number(svg.documentElement.getAttribute(name)));
+        const stack = $("#stack").getBoundingClientRect();
+        const png = await createImageBitmap(await saved("#save-png", "charts.png"));
+        const canvas = new OffscreenCanvas(png.width, png.height), c = canvas.getContext("2d"); c.drawImage(png, 0, 0);
+        const colours = new Set(new Uint32Array(c.getImageData(0, 0, png.width, png.height).data.buffer));
+        const lines = (await (await saved("#save-csv", "view.csv")).text()).trim().split("\n").map((line) => line.split(","));
+        const { store } = lab.lab;
+        const at = (name) => lines[0].indexOf(name);
+        const last = lines.at(-1);
+        return [
+          svg.querySelector("parsererror"), svg.querySelectorAll("path").length > 50, ["Temperature", "T2: reads wrong, +1.5 °C", "T2 reads wrong"].every((text) => texts.includes(text)),
+          wide === stack.width, high === stack.height, png.width === 2 * wide, png.height === 2 * high, colours.size > 50, [...colours].every((rgba) => rgba >>> 24 === 255),
+          lines.length - 1 === Math.round(40 / store.ts) + 1, Number(last[at("t1")]) === store.get(store.last, "t1"), last[0] === store.now.toFixed(3), last[at("trip")],
+        ];"##;
+    let seen = on_page(&format!("{SAVED}{script}"), &[]);
+    assert_eq!(seen, json!([null, true, true, true, true, true, true, true, true, true, true, true, ""]));
+}
+
+/// One run with other gains, all else the same, beside the first; then no more.
+#[test]
+fn a_run_with_other_gains_is_drawn_beside_the_one_before() {
+    let script = r##"
+        const { store, settings } = lab.lab;
+        const first = Array.from({ length: store.end }, (_, tick) => store.get(tick, "t1"));
+        const kp = $("[data-set='pid.kp']"); kp.value = 1; kp.dispatchEvent(new Event("change", { bubbles: true })); await step(1);
+        const end = store.end;
+        click("#again"); await until(() => lab.charts.kept && store.end >= end); lab.send({ command: "run", speed: 0 }); await step(1); await said();
+        const t1 = lab.charts.panels[0].series.find((series) => series.id === "t1");
+        const same = first.every((value, tick) => t1.kept.value(tick) === value);
+        const differs = first.filter((value, tick) => store.get(tick, "t1") !== value).length > 1000;
+        const { scene } = await lab.ask({ command: "scene" });
+        const svg = async () => (await (await saved("#save-svg", "charts.svg")).text()).includes("the run that was kept");
+        const with_it = await svg();
+        lab.charts.show(Infinity, 7200); await frame(); lab.charts.moment();
+        const blocks = t1.kept.low(20) <= first[325] && t1.kept.high(20) >= first[325];
+        delete files["charts.svg"]; click("#compare"); await frame();
+        return [same, differs, blocks, with_it, await svg(), lab.lab.settings["pid.kp"], scene.orders.map(([, { order }]) => order), lab.events().list.length, t1.kept];"##;
+    let seen = on_page(&format!("{SAVED}{script}"), &[]);
+    let orders = ["set", "set", "set", "arm", "break"];
+    assert_eq!(seen, json!([true, true, true, true, false, 1, orders, 1, null]));
+}

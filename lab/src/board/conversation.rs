@@ -92,8 +92,8 @@ pub struct Conversation {
     config: Config,
     rows: Rows,
     twin: Twin,
-    /// The row of a tick for which the core beside it has not come yet.
-    held: Option<Numbers>,
+    /// The row of a tick for which the core beside it has not come yet, and that the tick was late.
+    held: Option<(Option<Told>, Numbers)>,
     agreed: Option<Agreement>,
     record: Recorder<Vec<u8>>,
     /// What was recorded before is void.
@@ -438,10 +438,9 @@ impl Conversation {
         let news = self.rows.line(line);
         let mut told = news.told;
         if self.twin.runs()
-            && let Some(Told::Row(_)) = told.last()
-            && let Some(Told::Row(row)) = told.pop()
+            && let Some(Told::Row(row)) = told.pop_if(|told| matches!(told, Told::Row(_)))
         {
-            self.held = Some(row);
+            self.held = Some((told.pop_if(|told| matches!(told, Told::Late { .. })), row));
         }
         self.told.extend(told);
         self.tell_agreement();
@@ -453,13 +452,13 @@ impl Conversation {
 
     /// The row that is held, with what only the core beside the board knows.
     fn release(&mut self, core: Option<Numbers>) {
-        let Some(mut row) = self.held.take() else { return };
+        let Some((late, mut row)) = self.held.take() else { return };
         for (board, core) in row.iter_mut().zip(core.into_iter().flatten()) {
             if board.is_nan() {
                 *board = core;
             }
         }
-        self.told.push_back(Told::Row(row));
+        self.told.extend(late.into_iter().chain([Told::Row(row)]));
     }
 
     /// Tells how the core beside the board agrees, of ticks that are the same now and then.

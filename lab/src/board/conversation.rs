@@ -361,10 +361,13 @@ impl Conversation {
                 }
             },
             Asked::Stream => {
-                let is_news = self.silent || !self.met;
-                (self.silent, self.met) = (false, true);
-                if is_news {
-                    self.told.push_back(Told::Link(true));
+                let (met, silent) =
+                    (std::mem::replace(&mut self.met, true), std::mem::take(&mut self.silent));
+                match (met, silent) {
+                    (true, false) => {}
+                    (true, true) => self.told.push_back(Told::Link(true)),
+                    // It may have streamed already: nothing of that is told before it is there.
+                    (false, _) => self.told.push_front(Told::Link(true)),
                 }
                 if let Standing::Meets = std::mem::replace(&mut self.standing, Standing::Speaks) {
                     self.tell_settings();

@@ -102,6 +102,25 @@ fn start(board: &mut Board, instead: impl Fn(u32, TickLine) -> Option<TickLine>)
     board.told()
 }
 
+/// A board that streams already, or whose first ticks come with its answer, is there before they are told.
+#[test]
+fn ticks_that_come_before_the_answer_are_told_after_the_connection() {
+    let mut board = Board { conversation: Conversation::new(0.0), now: 0.0, typed: String::new() };
+    for answer in ["\r\n> ", "get\r\nsetpoint = 36 degC\r\n> "] {
+        board.hears();
+        board.says(answer.as_bytes());
+    }
+    board.hears();
+    for (k, record) in (0..).zip(records(3)) {
+        board.streams(&record.to_string());
+        board.streams(&format!("cycles {k} 1 1"));
+    }
+    board.says(b"stream on\r\nok\r\n> ");
+    let told = board.told();
+    assert_eq!(told[0], Told::Link(true), "{told:?}");
+    assert_eq!(rows(&told).len(), 3, "{told:?}");
+}
+
 #[test]
 fn who_is_there_is_told_with_its_settings() {
     let mut board = Board::new();

@@ -64,7 +64,7 @@ fn it_is_armed_set_and_stopped_from_afar() {
     let board = LiveBoard::new();
     let mut watch = watched(&board);
     let first = until(&mut watch, "row", in_mode(0.0));
-    assert_eq!(first[0], Told::Link(true));
+    assert_eq!(first[0], Told::Link(true), "{first:?}");
     watch.order(&Order::Setpoint { celsius: 36.0 }).expect("passed on");
     watch.order(&Order::Arm).expect("passed on");
     let told = until(&mut watch, "heat", |told| {

@@ -87,30 +87,6 @@ impl Question<'_> {
         let prepared = self.prepared();
         let rows: usize = prepared.stretches.iter().map(Vec::len).sum();
         let spread = prepared.spread()?;
-        let anywhere = || {
-            let longer = std::iter::successors(Some(FIRST_ANSWER), |answer| Some(LONGER * answer));
-            longer
-                .take_while(|answer| rows as f64 > LEAST_ANSWERS * answer)
-                .map(|answer| (answer, None))
-                .collect()
-        };
-        let close = |theta: Theta| (ANSWER * residence(&theta), Some(theta));
-        let begins: Vec<(f64, Option<Theta>)> = match near {
-            Some(theta) => vec![close(*theta)],
-            None if rows <= FEW => anywhere(),
-            // Of many samples means say where to look, or the first, where the rig is faster than that.
-            None => {
-                let every = rows.div_ceil(FEW);
-                let means = Question { every: every * self.every, ..*self };
-                let means = means.fit(None).map(|found| in_ticks_of(1.0 / every as f64, &found.theta));
-                let first = Question {
-                    samples: &self.samples[..(FEW * self.every).min(self.samples.len())],
-                    ..*self
-                };
-                let first = first.fit(None).map(|found| found.theta);
-                means.into_iter().chain(first).map(close).collect()
-            }
-        };
         let most = (STEPS_OF_ALL / rows.max(1)).clamp(LEAST_STEPS, MOST_STEPS);
         let tuning = &self.config.tuning;
         let plant = Plant { t2: self.inputs.t2, model: &tuning.model };
@@ -128,7 +104,7 @@ impl Question<'_> {
                 kappa: [1.0; 2],
             }
         };
-        let tried = begins.into_iter().map(|(answer, near)| {
+        let tried = self.begins(near, rows).into_iter().map(|(answer, near)| {
             let search = search(answer);
             let theta = near.unwrap_or(search.prior.map(|(mean, _)| mean));
             let theta = std::array::from_fn(|i| theta[i].clamp(search.range[i].0, search.range[i].1));
@@ -143,19 +119,32 @@ impl Question<'_> {
         if near.is_none_or(|near| near[Wall1 as usize] != 0.0) {
             let (prior, range) = self.limits(ANSWER * residence(&point.theta), rows, prepared.beside);
             let walled = Search { prior, range, ..search.clone() };
-            let mut theta = point.theta;
-            for which in
-                [Wall1, Wall2, WallTime].map(|which| which as usize).into_iter().filter(|i| walled.moves(*i))
-            {
-                let (low, high) = walled.range[which];
-                theta[which] = walled.prior[which].0.clamp(low, high);
-            }
-            let other = walled.descend(walled.judged(theta, point.starts.clone()), most);
+            let other = walled.descend(walled_from(&walled, &point), most);
             if other.cost < point.cost - WORTH_A_WALL {
                 (search, point) = (walled, other);
             }
         }
         Some(self.found(&search, &point, prepared.base))
+    }
+
+    /// Where the search begins, of `rows` rows: answer times in samples, and parameters where a fit is near.
+    fn begins(&self, near: Option<&Theta>, rows: usize) -> Vec<(f64, Option<Theta>)> {
+        let close = |theta: Theta| (ANSWER * residence(&theta), Some(theta));
+        if let Some(theta) = near {
+            return vec![close(*theta)];
+        }
+        if rows <= FEW {
+            let longer = std::iter::successors(Some(FIRST_ANSWER), |answer| Some(LONGER * answer));
+            let answers = longer.take_while(|answer| rows as f64 > LEAST_ANSWERS * answer);
+            return answers.map(|answer| (answer, None)).collect();
+        }
+        // Of many samples means say where to look, or the first, where the rig is faster than that.
+        let every = rows.div_ceil(FEW);
+        let means = Question { every: every * self.every, ..*self };
+        let means = means.fit(None).map(|found| in_ticks_of(1.0 / every as f64, &found.theta));
+        let first = &self.samples[..(FEW * self.every).min(self.samples.len())];
+        let first = Question { samples: first, ..*self }.fit(None).map(|found| found.theta);
+        means.into_iter().chain(first).map(close).collect()
     }
 
     fn found(&self, search: &Search, point: &Point, base: f64) -> Found {
@@ -254,6 +243,17 @@ pub fn in_ticks_of(every: f64, theta: &Theta) -> Theta {
         theta[which as usize] /= every;
     }
     theta
+}
+
+/// A point without a wall, with the one that is to be expected.
+fn walled_from(walled: &Search, point: &Point) -> Point {
+    let mut theta = point.theta;
+    for which in [Wall1, Wall2, WallTime].map(|which| which as usize).into_iter().filter(|i| walled.moves(*i))
+    {
+        let (low, high) = walled.range[which];
+        theta[which] = walled.prior[which].0.clamp(low, high);
+    }
+    walled.judged(theta, point.starts.clone())
 }
 
 #[cfg(test)]

@@ -76,6 +76,23 @@ struct Reduced {
     score: State,
 }
 
+impl Reduced {
+    /// Takes what the parameters share with how the stretch began out of their equations.
+    fn take_out_of(&self, normal: &mut Normal) {
+        let Self { inverse, cross, score } = self;
+        for i in 0..STATES {
+            let part: [f64; PARAMETERS] =
+                std::array::from_fn(|p| (0..STATES).map(|j| inverse[i][j] * cross[j][p]).sum());
+            for p in 0..PARAMETERS {
+                normal.score[p] -= part[p] * score[i];
+                for q in 0..PARAMETERS {
+                    normal.matrix[p][q] -= cross[i][p] * part[q];
+                }
+            }
+        }
+    }
+}
+
 /// All of them at a point.
 struct Normal {
     matrix: Square<PARAMETERS>,
@@ -209,44 +226,10 @@ impl Search<'_> {
     ) -> Reduced {
         let simulated = self.plant.simulate(&point.theta, stretch, start);
         let moving: Vec<usize> = (0..PARAMETERS).filter(|i| self.moves(*i)).collect();
-        let mut columns: Vec<Vec<[f64; 2]>> = Vec::new();
-        for &i in &moving {
-            let (mut theta, sd) = (point.theta, self.prior[i].1);
-            theta[i] += DIFFERENCE * sd;
-            let mut column = self.plant.simulate(&theta, stretch, start);
-            for (moved, was) in column.iter_mut().zip(&simulated) {
-                *moved = [0, 1].map(|m| (moved[m] - was[m]) / DIFFERENCE);
-            }
-            columns.push(column);
-        }
         let states: Vec<usize> = (0..STATES).filter(|i| self.has_state(s, *i)).collect();
-        let mut by_state = self.plant.by_state(&point.theta, stretch);
-        for &i in &states {
-            by_state[i].iter_mut().flatten().for_each(|x| *x *= STATE_SDS[i]);
-            columns.push(std::mem::take(&mut by_state[i]));
-        }
+        let columns = self.columns(point, stretch, start, &simulated, (&moving, &states));
         let count = columns.len();
-        let (mut sums, mut scores) = (vec![0.0; count * count], vec![0.0; count]);
-        let mut row = vec![0.0; count];
-        for (k, sample) in stretch.iter().enumerate() {
-            for m in 0..2 {
-                let r = (sample.y[m] - simulated[k][m]) / self.sigma[m];
-                if !r.is_finite() {
-                    continue;
-                }
-                let weight = (HUBER / r.abs()).min(1.0) / self.kappa[m];
-                for (x, column) in row.iter_mut().zip(&columns) {
-                    *x = column[k][m] / self.sigma[m];
-                }
-                for i in 0..count {
-                    let x = weight * row[i];
-                    scores[i] += x * r;
-                    for (sum, other) in sums[i * count..].iter_mut().zip(&row[..=i]) {
-                        *sum += x * other;
-                    }
-                }
-            }
-        }
+        let (sums, scores) = self.sums(stretch, &simulated, &columns);
         let at = |i: usize, j: usize| sums[i.max(j) * count + i.min(j)];
         for (a, &i) in moving.iter().enumerate() {
             normal.score[i] += scores[a];
@@ -269,18 +252,68 @@ impl Search<'_> {
             }
         }
         let inverse = inverse(own);
-        // inverse * cross, taken out of what the parameters share.
-        for i in 0..STATES {
-            let part: [f64; PARAMETERS] =
-                std::array::from_fn(|p| (0..STATES).map(|j| inverse[i][j] * cross[j][p]).sum());
-            for p in 0..PARAMETERS {
-                normal.score[p] -= part[p] * score[i];
-                for q in 0..PARAMETERS {
-                    normal.matrix[p][q] -= cross[i][p] * part[q];
+        let reduced = Reduced { inverse, cross, score };
+        reduced.take_out_of(normal);
+        reduced
+    }
+
+    /// What the residuals of a stretch would change by for each parameter that moves, in its unit, and for each free state, in its standard deviation.
+    fn columns(
+        &self,
+        point: &Point,
+        stretch: &Stretch,
+        start: &State,
+        simulated: &[[f64; 2]],
+        (moving, states): (&[usize], &[usize]),
+    ) -> Vec<Vec<[f64; 2]>> {
+        let mut columns = Vec::new();
+        for &i in moving {
+            let (mut theta, sd) = (point.theta, self.prior[i].1);
+            theta[i] += DIFFERENCE * sd;
+            let mut column = self.plant.simulate(&theta, stretch, start);
+            for (moved, was) in column.iter_mut().zip(simulated) {
+                *moved = [0, 1].map(|m| (moved[m] - was[m]) / DIFFERENCE);
+            }
+            columns.push(column);
+        }
+        let mut by_state = self.plant.by_state(&point.theta, stretch);
+        for &i in states {
+            by_state[i].iter_mut().flatten().for_each(|x| *x *= STATE_SDS[i]);
+            columns.push(std::mem::take(&mut by_state[i]));
+        }
+        columns
+    }
+
+    /// Products of the columns with each other, of which those at and below the diagonal count, and with the residuals; each weighed by Huber's rule.
+    fn sums(
+        &self,
+        stretch: &Stretch,
+        simulated: &[[f64; 2]],
+        columns: &[Vec<[f64; 2]>],
+    ) -> (Vec<f64>, Vec<f64>) {
+        let count = columns.len();
+        let (mut sums, mut scores) = (vec![0.0; count * count], vec![0.0; count]);
+        let mut row = vec![0.0; count];
+        for (k, sample) in stretch.iter().enumerate() {
+            for m in 0..2 {
+                let r = (sample.y[m] - simulated[k][m]) / self.sigma[m];
+                if !r.is_finite() {
+                    continue;
+                }
+                let weight = (HUBER / r.abs()).min(1.0) / self.kappa[m];
+                for (x, column) in row.iter_mut().zip(columns) {
+                    *x = column[k][m] / self.sigma[m];
+                }
+                for i in 0..count {
+                    let x = weight * row[i];
+                    scores[i] += x * r;
+                    for (sum, other) in sums[i * count..].iter_mut().zip(&row[..=i]) {
+                        *sum += x * other;
+                    }
                 }
             }
         }
-        Reduced { inverse, cross, score }
+        (sums, scores)
     }
 
     /// Gets better until nothing does, or as often as that.

@@ -8,9 +8,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 use fdi_core::Config;
-use host_sim::experiment::run;
-use host_sim::experiment::scenario::Scenario;
-use host_sim::record::trace::write_trace;
+use pt326::experiment::run;
+use pt326::experiment::scenario::Scenario;
+use pt326::record::trace::write_trace;
 use pt326_lab::protocol;
 use pt326_lab::session::Session;
 

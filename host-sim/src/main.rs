@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use host_sim::commands::Cli;
+use pt326::commands::Cli;
 
 fn main() -> ExitCode {
     Cli::parse().carry_out()

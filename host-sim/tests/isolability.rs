@@ -2,9 +2,9 @@
 //! what can be told from another is not told from it.
 
 use fdi_core::{Config, FaultClass};
-use host_sim::experiment;
-use host_sim::experiment::scenario::{Action, Scenario};
-use host_sim::isolability::{From, Isolability, Question, Told};
+use pt326::experiment;
+use pt326::experiment::scenario::{Action, Scenario};
+use pt326::isolability::{From, Isolability, Question, Told};
 use indicatif::ProgressBar;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use rayon::prelude::*;

@@ -3,8 +3,8 @@
 
 use fdi_core::Config;
 use firmware_logic::self_test::{Ending, LEVELS, LONGEST, MAX_RISE};
-use host_sim::commands::console::Bench;
-use host_sim::experiment::scenario::Scenario;
+use pt326::commands::console::Bench;
+use pt326::experiment::scenario::Scenario;
 use pt326_rig::RigConfig;
 
 const SEEDS: u64 = 20;

@@ -1,7 +1,7 @@
 //! Settings of the instrument.
 
 use fdi_core::settings::Kind;
-use host_sim::settings;
+use pt326::settings;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use toml::{Table, Value};

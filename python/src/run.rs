@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use fdi_core::schema::{COLUMNS, Entry, FIELDS, Kind, Moment, Value};
-use host_sim::experiment::scenario::{Scenario, read_scenario};
-use host_sim::experiment::{FaultSize, Row, as_written, on_rig, tick_time};
-use host_sim::isolability::{Isolability, Question, output};
-use host_sim::record::summary::{Summary, sentence};
-use host_sim::record::trace::write_trace;
-use host_sim::record::{files, table};
-use host_sim::score::signature_class;
-use host_sim::{experiment, settings};
+use pt326::experiment::scenario::{Scenario, read_scenario};
+use pt326::experiment::{FaultSize, Row, as_written, on_rig, tick_time};
+use pt326::isolability::{Isolability, Question, output};
+use pt326::record::summary::{Summary, sentence};
+use pt326::record::trace::write_trace;
+use pt326::record::{files, table};
+use pt326::score::signature_class;
+use pt326::{experiment, settings};
 use numpy::IntoPyArray;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -104,7 +104,7 @@ pub(crate) fn scenario(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
 
 /// A run, whole.
 #[pyclass(frozen, module = "pt326")]
-pub(crate) struct Record(pub(crate) host_sim::experiment::Record);
+pub(crate) struct Record(pub(crate) pt326::experiment::Record);
 
 #[pymethods]
 impl Record {
@@ -241,7 +241,7 @@ impl Event {
 }
 
 /// Alarms and names of the likelihood diagnosis, names of the paper's, and trips; in the order of time.
-fn events(record: &host_sim::experiment::Record) -> Vec<Event> {
+fn events(record: &pt326::experiment::Record) -> Vec<Event> {
     let time = |row: &Row| record.time(row.tick.index);
     let mut events = Vec::new();
     let mut gather = |by: &'static str, what: &dyn Fn(&Row) -> Option<Option<String>>| {

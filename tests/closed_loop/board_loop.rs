@@ -10,9 +10,9 @@ use firmware_logic::diagnosis_loop::DiagnosisLoop;
 use firmware_logic::interlock::Interlock;
 use firmware_logic::settings::commissioning::Commissioning;
 use firmware_logic::settings::stored::Stored;
-use host_sim::commands::console::OutputStage;
-use host_sim::experiment::scenario::Scenario;
-use host_sim::experiment::{Backend, run, run_on};
+use pt326::commands::console::OutputStage;
+use pt326::experiment::scenario::Scenario;
+use pt326::experiment::{Backend, run, run_on};
 use pt326_rig::fault::{Fault, Verb};
 
 /// The two halves as the firmware runs them: orders wait for the next tick, what was learnt comes back one tick later.

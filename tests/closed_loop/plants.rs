@@ -4,11 +4,11 @@
 use fdi_core::likelihood::Readiness;
 use fdi_core::{Command, Config, Instrument, Mode, TripReason};
 use firmware_logic::self_test::Ending;
-use host_sim::commands::console::Bench;
-use host_sim::commands::experiment::ExperimentArgs;
-use host_sim::experiment::scenario::Scenario;
-use host_sim::experiment::{as_written, run, sample, with_prbs_phase};
-use host_sim::record::summary::Summary;
+use pt326::commands::console::Bench;
+use pt326::commands::experiment::ExperimentArgs;
+use pt326::experiment::scenario::Scenario;
+use pt326::experiment::{as_written, run, sample, with_prbs_phase};
+use pt326::record::summary::Summary;
 use pt326_rig::Rig;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 

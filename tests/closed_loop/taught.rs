@@ -3,9 +3,9 @@
 use fdi_core::diagnosis::Report;
 use fdi_core::diagnosis::config::DiagnosisConfig;
 use fdi_core::{Config, Instrument};
-use host_sim::experiment::scenario::Scenario;
-use host_sim::experiment::{as_written, drive, run, with_prbs_phase};
-use host_sim::teach::{Marks, Said, Taught, Watch};
+use pt326::experiment::scenario::Scenario;
+use pt326::experiment::{as_written, drive, run, with_prbs_phase};
+use pt326::teach::{Marks, Said, Taught, Watch};
 
 /// A fault: its name, and what is done to the rig.
 type Kind = (&'static str, &'static [&'static str]);

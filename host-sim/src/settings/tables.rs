@@ -164,7 +164,7 @@ fn the_tables_of_the_diagnosis_are_not_stale() {
     }
     assert!(
         committed == text,
-        "stale: UPDATE_DOCS=1 cargo test -p host-sim --lib the_tables_of_the_diagnosis"
+        "stale: UPDATE_DOCS=1 cargo test -p pt326 --lib the_tables_of_the_diagnosis"
     );
 }
 

@@ -1,11 +1,11 @@
 //! `pt326 diagnose`: what a model is learnt from, and when it is worth nothing.
 
 use fdi_core::Config;
-use host_sim::recording::intervals::Known;
-use host_sim::recording::report::{Said, Told, learnt};
-use host_sim::recording::run::{Diagnosed, Training, diagnose};
-use host_sim::recording::training::train;
-use host_sim::recording::{Reading, Recording};
+use pt326::recording::intervals::Known;
+use pt326::recording::report::{Said, Told, learnt};
+use pt326::recording::run::{Diagnosed, Training, diagnose};
+use pt326::recording::training::train;
+use pt326::recording::{Reading, Recording};
 use indicatif::ProgressBar;
 
 use crate::plant::Plant;

@@ -6,9 +6,9 @@ use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
 use board::Board;
-use host_sim::commands::run::carry_out as run_experiment;
-use host_sim::experiment::scenario::Scenario;
-use host_sim::settings::read as read_settings;
+use pt326::commands::run::carry_out as run_experiment;
+use pt326::experiment::scenario::Scenario;
+use pt326::settings::read as read_settings;
 use pt326_lab_browser::Browser;
 use serde_json::{Value, json};
 
@@ -39,7 +39,7 @@ impl Server {
             .args(more)
             .stdout(Stdio::piped())
             .spawn()
-            .expect("pt326, built with `cargo build -p host-sim --features live`");
+            .expect("pt326, built with `cargo build -p pt326 --features live`");
         let mut line = String::new();
         BufReader::new(process.stdout.take().expect("its output")).read_line(&mut line).expect("a line");
         let address = line.trim().strip_prefix("The lab is at ").expect(&line).to_owned();

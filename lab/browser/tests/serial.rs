@@ -4,7 +4,7 @@
 mod board;
 
 use board::Board;
-use host_sim::commands::replay::agreement;
+use pt326::commands::replay::agreement;
 use pt326_lab_browser::bridge::{SERIAL, serve};
 use pt326_lab_browser::{Browser, page};
 use serde_json::{Value, json};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use host_sim::experiment::scenario::{Action, Scenario};
+use pt326::experiment::scenario::{Action, Scenario};
 use pil::peers::{self, FullMatrix, Regressor, Textbook};
 use pil::recording::Row;
 

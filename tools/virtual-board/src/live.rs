@@ -5,8 +5,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
-use host_sim::commands::console::Defect;
-use host_sim::commands::console::play::Play;
+use pt326::commands::console::Defect;
+use pt326::commands::console::play::Play;
 
 use crate::clock::Cause;
 use crate::image::Image;

@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use anyhow::{Context, ensure};
 use fdi_core::Config;
-use host_sim::experiment::as_written;
-use host_sim::experiment::scenario::Scenario;
+use pt326::experiment::as_written;
+use pt326::experiment::scenario::Scenario;
 use pt326_rig::Rig;
 use pt326_rig::fault::Fault;
 

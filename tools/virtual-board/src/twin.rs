@@ -4,8 +4,8 @@
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{AdcCode, Command, Config, Instrument, Percent, RawSample, Report, Tick};
 use firmware_logic::duty;
-use host_sim::experiment::scenario::Scenario;
-use host_sim::experiment::{self, Backend, Record};
+use pt326::experiment::scenario::Scenario;
+use pt326::experiment::{self, Backend, Record};
 
 use crate::wiring::AT_REST;
 

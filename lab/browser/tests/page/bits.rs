@@ -1,6 +1,6 @@
 //! The page comes to the bits of this machine, and its traces are replayed to the same.
 
-use host_sim::commands::replay::{ReplayArgs, run as replay};
+use pt326::commands::replay::{ReplayArgs, run as replay};
 use pt326_lab::scene::Scene;
 use pt326_lab::session::Session;
 use pt326_lab_browser::Browser;

@@ -1,6 +1,6 @@
 //! The report of an experiment, which is the page with its run.
 
-use host_sim::commands::run::carry_out as run_experiment;
+use pt326::commands::run::carry_out as run_experiment;
 use pt326_lab_browser::Browser;
 use serde_json::json;
 

@@ -1,8 +1,8 @@
 //! Faults that were taught to the likelihood diagnosis, by their names.
 
-use host_sim::commands::run::carry_out as run_experiment;
-use host_sim::experiment::scenario::read_scenario;
-use host_sim::settings::read as read_settings;
+use pt326::commands::run::carry_out as run_experiment;
+use pt326::experiment::scenario::read_scenario;
+use pt326::settings::read as read_settings;
 use pt326_lab_browser::Browser;
 use serde_json::json;
 

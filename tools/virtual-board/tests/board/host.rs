@@ -6,7 +6,7 @@ use std::thread;
 
 use clap::Parser;
 use fdi_core::Config;
-use host_sim::commands::Cli;
+use pt326::commands::Cli;
 use virtual_board::recording::Recording;
 use virtual_board::rtt::Line;
 

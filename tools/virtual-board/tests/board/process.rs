@@ -9,7 +9,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use clap::Parser;
-use host_sim::commands::Cli;
+use pt326::commands::Cli;
 use serialport::{SerialPort, TTYPort};
 
 /// A machine that is busy needs its time; nothing here takes half of it.

@@ -4,7 +4,7 @@
 use super::{Mutant, mutant};
 
 const CORE: &[&str] = &["-p", "fdi-core", "--lib", "--test", "core"];
-const LOGIC: &[&str] = &["-p", "firmware-logic", "--lib", "--tests"];
+const LOGIC: &[&str] = &["-p", "pt326-firmware-logic", "--lib", "--tests"];
 
 const STORE: &str = "firmware-logic/src/settings/store.rs";
 

@@ -28,6 +28,16 @@ impl Phase {
     }
 }
 
+/// For how long the user wants to hear no more than advice of what is told (ANSI/ISA-18.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Shelving {
+    /// Until it ends, or is called another name: it is acknowledged.
+    UntilItEnds,
+    /// For so many ticks, however often it ends and comes back; 0 puts an end to that.
+    For(u32),
+}
+
 /// One tick. An instrument makes it of its own [`Tick`](crate::Tick), a [`Monitor`](crate::Monitor) of what somebody else has measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -48,6 +58,8 @@ pub struct Observation {
     pub learn: bool,
     /// What was learnt before is to be forgotten.
     pub forget: bool,
+    /// What is told now is to be advice.
+    pub shelve: Option<Shelving>,
 }
 
 impl Observation {

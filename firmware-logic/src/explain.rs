@@ -3,7 +3,7 @@
 
 use core::fmt;
 
-use fdi_core::supervisor::FASTEST_FAN;
+use fdi_core::supervisor::{FASTEST_FAN, LONGEST_SHELVING};
 use fdi_core::{ConfigError, Refusal};
 
 use crate::decimal::Short;
@@ -50,6 +50,10 @@ impl fmt::Display for Explained<'_, Refusal> {
                 let [wanted, min, max] = [wanted, min, max].map(Short);
                 write!(f, "set-point {wanted} degC refused, expected {min} to {max} degC")
             }
+            Refusal::Shelving(time) => {
+                let [time, max] = [time, LONGEST_SHELVING.0].map(Short);
+                write!(f, "shelving for {time} s refused, expected 0 to {max} s")
+            }
             Refusal::Fan(level) => {
                 let [level, max] = [level, FASTEST_FAN].map(Short);
                 write!(f, "fan level {level} % refused, expected 0 to {max} %")
@@ -80,7 +84,7 @@ mod tests {
             assert_eq!(Explained(&error).to_string(), error.to_string());
         }
         let set_point = Refusal::SetPoint { wanted: 99.5, min: 20.0, max: 65.0 };
-        for refusal in [Refusal::NotInMode("off"), set_point, Refusal::Fan(250.5)] {
+        for refusal in [Refusal::NotInMode("off"), set_point, Refusal::Shelving(1e6), Refusal::Fan(250.5)] {
             assert_eq!(Explained(&refusal).to_string(), refusal.to_string());
         }
     }

@@ -10,10 +10,10 @@ use fdi_core::likelihood::Channel;
 use fdi_core::likelihood::taught::{EFFECTS, Response};
 use fdi_core::name::Name;
 use fdi_core::tune::Standing;
-use fdi_core::{Celsius, Command, Config, Seconds};
+use fdi_core::{Celsius, Command, Config, FaultClass, Finding, Instrument, Mode, RawSample, Seconds};
 use firmware_logic::calibration::{Calibration, Still};
 use firmware_logic::console::{ANSWER, ApplyError, Board, BoardError, Console, line};
-use firmware_logic::control_loop::Denial;
+use firmware_logic::control_loop::{Denial, TickRecord};
 use firmware_logic::history::Entry;
 use firmware_logic::interlock::Lockout;
 use firmware_logic::reset_cause::Restart;
@@ -38,6 +38,7 @@ struct Mock {
     tuning: Option<Standing>,
     tuner: Tuner,
     teaching: Teaching,
+    status: Status,
 }
 
 impl Board for Mock {
@@ -65,7 +66,7 @@ impl Board for Mock {
         self.heating = false;
     }
     fn status(&self) -> Status {
-        Status::default()
+        self.status.clone()
     }
     fn sample_time(&self) -> Seconds {
         Config::default().sample_time
@@ -167,6 +168,43 @@ fn arms_stops_and_acknowledges() {
     assert_eq!(answer(&mut board, "ack"), "ok\n");
     assert_eq!(answer(&mut board, "stop"), "stopped\n");
     assert_eq!(board.asked, ["Arm", "Acknowledge", "stop"]);
+}
+
+/// The board monitors, and tells this class, or nothing.
+fn told(class: Option<FaultClass>) -> Mock {
+    let mut instrument = Instrument::new(&Config::default()).expect("the defaults are valid");
+    let mut tick = instrument.control(RawSample::default());
+    let mut report = instrument.diagnose(&tick, tick.drive);
+    tick.mode = Mode::Monitor;
+    report.likelihood.alarm = class.is_some();
+    report.likelihood.finding =
+        class.map(|class| Finding { class, confidence: 0.9, magnitude: None, onset: 0 });
+    let record = TickRecord::new(RawSample::default(), tick, tick.drive);
+    Mock { status: Status { last: Some((record, report)), ..Status::default() }, ..Mock::default() }
+}
+
+#[test]
+fn an_alarm_is_acknowledged_shelved_or_accepted() {
+    let mut board = told(Some(FaultClass::T2Offset));
+    assert_eq!(answer(&mut board, "ack"), "ok\n");
+    assert_eq!(answer(&mut board, "shelve 30"), "ok\n");
+    assert!(answer(&mut board, "accept").starts_with("ok, learning it as normal"));
+    assert!(
+        answer(&mut board, "shelve long").starts_with("error: shelve: \"long\" given, expected a number")
+    );
+    assert_eq!(board.asked, ["Acknowledge", "Shelve(Seconds(1800.0))", "Relearn"]);
+}
+
+#[test]
+fn what_may_trip_is_not_shelved_and_where_nothing_stands_nothing_is_done() {
+    let mut board = told(Some(FaultClass::T1Detached));
+    assert!(answer(&mut board, "shelve 30").starts_with("error: this may trip"));
+    let mut calm = told(None);
+    for line in ["ack", "accept", "shelve 30"] {
+        assert!(answer(&mut calm, line).starts_with("error: no"), "{line}");
+    }
+    assert_eq!((board.asked.len(), calm.asked.len()), (0, 0));
+    assert_eq!(answer(&mut calm, "shelve 0"), "ok\n", "it can always be taken off the shelf");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use fdi_core::schema::{self, Entry, Moment};
 use fdi_core::sense::plausibility::PlausibilityConfig;
 use fdi_core::sense::supply::{Supply, SupplyState};
 use fdi_core::sense::thermistor::Thermistor;
-use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample, Report, Tick};
+use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample, Report, Seconds, Tick};
 
 use crate::change;
 use crate::time::{as_written, tick_time};
@@ -141,6 +141,7 @@ struct Inputs {
     /// Columns that not every trace has.
     supply: Option<usize>,
     fan: Option<usize>,
+    shelve: Option<usize>,
     truth: Option<usize>,
     settings: Option<usize>,
 }
@@ -160,6 +161,7 @@ impl Inputs {
             mode: place("mode")?,
             supply: position(header, "supply"),
             fan: position(header, "fan_pct"),
+            shelve: position(header, "shelve"),
             truth: position(header, TRUTH),
             settings: position(header, SETTINGS),
         })
@@ -254,6 +256,7 @@ impl Reader {
         });
         let supply = AdcCode(supply.map_or(0.0, |share| supply_code(&self.senses.supply, share)));
         asked.extend(commands(self.before.as_ref(), &now).into_iter().map(Asked::Command));
+        asked.extend(known(at.shelve)?.map(|ticks| Asked::Command(shelving(ticks, self.config.sample_time))));
         let truth = at.truth.and_then(|i| cells[i].trim().parse().ok()).unwrap_or(0);
         self.before = Some(now);
         Ok(Recorded { asked, raw: RawSample { t0, t1, t2, supply }, truth, line })
@@ -294,6 +297,12 @@ fn supply_code(supply: &Supply, share: f32) -> f32 {
 fn exact(about: f32, reads: impl Fn(f32) -> bool) -> f32 {
     let near = |steps: f32| [0.0, -1.0, 1.0].map(|d| ((about * steps).round() + d) / steps);
     [near(1.0), near(16.0)].concat().into_iter().find(|&code| reads(code)).unwrap_or(about)
+}
+
+/// What was said of an alarm, from the number of ticks that a row has.
+fn shelving(ticks: f32, ts: Seconds) -> Command {
+    // In the middle of the last tick, so that rounding up gives as many again.
+    if ticks < 0.0 { Command::Acknowledge } else { Command::Shelve(Seconds((ticks - 0.5).max(0.0) * ts.0)) }
 }
 
 /// What must have been asked for between two rows.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use fdi_core::supervisor::FASTEST_FAN;
+use fdi_core::supervisor::{FASTEST_FAN, LONGEST_SHELVING};
 use fdi_core::{ConfigError, Refusal, RetuneError};
 use serde_json::{Value, json};
 
@@ -82,6 +82,9 @@ fn instrument(refusal: &Refusal) -> (&'static str, Value) {
         Refusal::WidensLimit(name) => ("widens", json!({ "name": name })),
         Refusal::SetPoint { wanted, min, max } => {
             ("setpoint", json!({ "value": wanted, "min": min, "max": max }))
+        }
+        Refusal::Shelving(time) => {
+            ("range", json!({ "name": "shelve", "value": time, "min": 0, "max": LONGEST_SHELVING.0 }))
         }
         Refusal::Fan(level) => ("fan", json!({ "value": level, "min": 0, "max": FASTEST_FAN })),
     }

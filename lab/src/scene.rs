@@ -44,8 +44,13 @@ pub enum Order {
     Tune,
     /// Heater off.
     Stop,
-    /// Leave a trip whose cause has gone.
+    /// Leave a trip whose cause has gone, or know of an alarm.
     Acknowledge,
+    /// What is named now is advice for a while.
+    Shelve {
+        /// How long, s; 0 ends it.
+        seconds: f32,
+    },
     /// Forget what is normal and learn it anew.
     Relearn,
     /// New set-point.

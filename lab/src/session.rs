@@ -3,7 +3,7 @@
 use anyhow::{Context, bail, ensure};
 use fdi_core::schema::{self, COLUMNS, Explained, Moment};
 use fdi_core::settings::Value;
-use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample, Report, Tick};
+use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample, Report, Seconds, Tick};
 use pt326_rig::Rig;
 use pt326_rig::fault::Fault;
 
@@ -116,6 +116,7 @@ impl Session {
             Order::Tune => self.instrument.command(Command::Tune)?,
             Order::Stop => self.instrument.command(Command::Stop)?,
             Order::Acknowledge => self.instrument.command(Command::Acknowledge)?,
+            Order::Shelve { seconds } => self.instrument.command(Command::Shelve(Seconds(*seconds)))?,
             Order::Relearn => self.instrument.command(Command::Relearn)?,
             Order::Setpoint { celsius } => self.instrument.command(Command::SetPoint(Celsius(*celsius)))?,
             Order::Excite { on } => self.instrument.command(Command::Excite(*on))?,

@@ -203,6 +203,7 @@ impl Controller {
             learn: decision.learn,
             blocked: decision.blocked,
             forget: decision.forget,
+            shelve: decision.shelve,
             known,
         };
         (state.asked, state.driven) = (pid, drive);

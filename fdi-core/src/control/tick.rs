@@ -2,7 +2,7 @@
 
 use crate::bounds::bounded;
 use crate::known::KnownInputs;
-use crate::observation::Observation;
+use crate::observation::{Observation, Shelving};
 use crate::sense::Sample;
 use crate::supervisor::{Blocker, Mode};
 use crate::tune::Standing;
@@ -36,6 +36,8 @@ pub struct Tick {
     pub blocked: Option<Blocker>,
     /// What was learnt before is to be forgotten: [`crate::Command::Relearn`] was carried out.
     pub forget: bool,
+    /// What the diagnosis tells now is to be advice: [`crate::Command::Acknowledge`] or [`crate::Command::Shelve`] was carried out.
+    pub shelve: Option<Shelving>,
     /// What is known of the rig's other inputs.
     pub known: KnownInputs,
 }
@@ -53,6 +55,7 @@ impl Tick {
             excited: self.prbs.0 != 0.0,
             learn: self.learn,
             forget: self.forget,
+            shelve: self.shelve,
         }
     }
 }

@@ -311,6 +311,11 @@ impl FaultClass {
         self.row().sensor
     }
 
+    /// Whether an alarm of it may be shelved: what has a size, while both thermistors are in the tube. What may trip may not.
+    pub const fn may_be_shelved(self) -> bool {
+        !matches!(self.quantity(), Quantity::Nothing) && !matches!(self, Self::T1Detached | Self::T2Detached)
+    }
+
     /// Whether T1 does not see what the heater does, so that a loop by it heats without end.
     pub(super) fn leaves_t1_blind(self) -> bool {
         matches!(self, Self::T1Detached | Self::Stuck(Channel::T1) | Self::Swapped(Pair::T0T1))

@@ -267,13 +267,14 @@ impl Likelihood {
         if seen.index.is_multiple_of(finite::EVERY) && !state.is_finite() {
             return state.begin_anew();
         }
-        let advice = state.standing.is_advice(&evidence, seen.index, self.stands);
+        let finding = decide(&evidence, self.tuning);
+        let advice = state.standing.is_advice(&evidence, finding, seen, self.stands);
         LikelihoodReport {
             readiness: state.readiness(),
             restarts: state.restarts,
             alarm: evidence.alarm(),
             advice,
-            finding: decide(&evidence, self.tuning),
+            finding,
             taught,
             t1_contradicted: contradiction.is_some_and(|found| found.class.leaves_t1_blind()),
             ..self.heat(state, seen, &now)

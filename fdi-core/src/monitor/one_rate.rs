@@ -261,6 +261,7 @@ impl OneRate {
             excited: false,
             learn,
             forget: false,
+            shelve: None,
             known: KnownInputs {
                 supply: observed.supply,
                 supply_lost: 0,

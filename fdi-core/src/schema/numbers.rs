@@ -7,6 +7,7 @@ use crate::diagnosis::signature::{Symptom, Symptoms};
 use crate::identify::observer::Identified;
 use crate::likelihood::{Channel, FaultClass, Finding, Magnitude, Pair, Readiness, RejectReason};
 use crate::numbered::numbered;
+use crate::observation::Shelving;
 use crate::sense::Validity;
 use crate::supervisor::{Blocker, Mode, TripReason};
 
@@ -171,6 +172,8 @@ numbers! {
     Named("", |on| on.report.likelihood.readiness.numbered()) field(14, "readiness") log(26, "readiness", 0, 4);
     Count("", |on| u32::from(on.report.likelihood.alarm)) column(40, "alarm") field(22, "alarm") log(26, "alarm", 4, 1) metric("pt326_alarm", "Whether the likelihood diagnosis is alarmed", "");
     Count("", |on| u32::from(on.report.likelihood.advice)) column(49, "advice") field(45, "advice") log(26, "advice", 5, 1) metric("pt326_advice", "Whether that alarm is advice: it creeps, or has stood for an hour", "");
+    // What the user has said of an alarm: for how many ticks it is to be advice, -1 until it ends.
+    Float("", |on| on.tick.shelve.map(shelved)) column(50, "shelve");
     Choice("", |on| on.finding().map(|f| (f.class.number(), f.class.name()))) column(41, "verdict") field(23, "class") log(26, "class", 8, 8);
     Float("", |on| on.finding().map(|f| f.confidence)) column(42, "confidence") field(24, "confidence") log(27, "confidence");
     // In the unit of its class, with half of its 95 % interval.
@@ -259,6 +262,14 @@ fn flags(o: &Identified) -> u32 {
         | u32::from(o.gain_held) << 1
         | u32::from(o.bandwidth_held) << 2
         | u32::from(o.diverged) << 3
+}
+
+/// Ticks for which what is told is to be advice; -1 until it ends.
+fn shelved(how: Shelving) -> f32 {
+    match how {
+        Shelving::UntilItEnds => -1.0,
+        Shelving::For(ticks) => ticks as f32,
+    }
 }
 
 /// Two bits a symptom: filtered from bit 0, raw from bit 16; 0 normal, 1 high, 2 low. Not defined where nothing is judged.

@@ -37,7 +37,7 @@ mod response;
 mod tests;
 mod unasked;
 
-pub use mode::{Blocker, Command, FASTEST_FAN, Mode, Refusal, Trip, TripReason};
+pub use mode::{Blocker, Command, FASTEST_FAN, LONGEST_SHELVING, Mode, Refusal, Trip, TripReason};
 
 use crate::bounds::smaller;
 use crate::diagnosis::baseline::Baseline;
@@ -45,6 +45,7 @@ use crate::error::ConfigError;
 use crate::feedback::Feedback;
 use crate::filter::LowPass;
 use crate::known::KnownInputs;
+use crate::observation::Shelving;
 use crate::sense::{RawSample, Sample};
 use crate::units::{Celsius, Percent, Seconds};
 use config::SupervisorConfig;
@@ -110,6 +111,8 @@ pub struct Decision {
     pub blocked: Option<Blocker>,
     /// What was learnt before is to be forgotten.
     pub forget: bool,
+    /// What the diagnosis tells is to be advice.
+    pub shelve: Option<Shelving>,
 }
 
 /// The validated supervisor.
@@ -146,6 +149,8 @@ pub struct SupervisorState {
     restored: bool,
     /// What was learnt is to be forgotten, from the next tick on.
     forget: bool,
+    /// What the diagnosis tells is to be advice, from the next tick on.
+    shelve: Option<Shelving>,
     /// Power asked for up to now, without the excitation, averaged, %.
     power: f32,
     operation: Operation,
@@ -238,7 +243,7 @@ impl Supervisor {
         };
         let learn = matches!(state.mode, Mode::Learn { .. }) && blocker.is_none();
         self.learn_operation(state, now, learn);
-        Decision { learn, blocked, forget: core::mem::take(&mut state.forget) }
+        Decision { learn, blocked, forget: core::mem::take(&mut state.forget), shelve: state.shelve.take() }
     }
 
     /// Learns what power and temperatures go together, beside the diagnosis and from the same samples.
@@ -365,10 +370,25 @@ impl Supervisor {
                 state.operation.forget();
                 if mode.is_heating() { Mode::Settle { steady: 0 } } else { mode }
             }
+            (Command::Acknowledge, Mode::Monitor, _) => {
+                state.shelve = Some(Shelving::UntilItEnds);
+                Mode::Monitor
+            }
+            (Command::Shelve(time), Mode::Monitor, _) => {
+                if !(0.0..=LONGEST_SHELVING.0).contains(&time.0) {
+                    return Err(Refusal::Shelving(time.0));
+                }
+                state.shelve = Some(Shelving::For(time.ticks(self.sample_time)));
+                Mode::Monitor
+            }
             (Command::Stop, Mode::Tripped(trip), _) => Mode::Tripped(trip),
             (Command::Stop, ..) => Mode::Off,
             (Command::SetPoint(_) | Command::Excite(_) | Command::Fan(_), mode, _) => mode,
-            (Command::Arm | Command::Tune | Command::Acknowledge | Command::Relearn, mode, _) => {
+            (
+                Command::Arm | Command::Tune | Command::Acknowledge | Command::Relearn | Command::Shelve(_),
+                mode,
+                _,
+            ) => {
                 return Err(Refusal::NotInMode(mode.name()));
             }
         };

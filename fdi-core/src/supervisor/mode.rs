@@ -5,7 +5,7 @@ use core::fmt;
 use crate::numbered::numbered;
 use crate::observation::Phase;
 use crate::sense::{RawSample, Sample};
-use crate::units::{Celsius, Percent};
+use crate::units::{Celsius, Percent, Seconds};
 
 /// Why the heater was switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -164,6 +164,9 @@ numbered! {
 /// Highest level of the fan that can be announced, %.
 pub const FASTEST_FAN: f32 = 200.0;
 
+/// Longest time for which an alarm can be shelved: a day.
+pub const LONGEST_SHELVING: Seconds = Seconds(86_400.0);
+
 /// A command of the user.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -174,8 +177,11 @@ pub enum Command {
     Tune,
     /// Heater off. Works in every mode.
     Stop,
-    /// Leave a trip whose cause has gone.
+    /// Leave a trip whose cause has gone. While monitoring: an alarm is known, and advice until it ends or is called another name.
     Acknowledge,
+    /// What the diagnosis has named is advice for so long, however often it ends and comes back; 0 puts an end to that. Only what may be shelved:
+    /// [`FaultClass::may_be_shelved`](crate::FaultClass::may_be_shelved).
+    Shelve(Seconds),
     /// Forget the baseline and learn it anew.
     Relearn,
     /// New set-point.
@@ -214,6 +220,8 @@ pub enum Refusal {
     },
     /// A level of the fan that none has, %.
     Fan(f32),
+    /// A time for which nothing is shelved, s.
+    Shelving(f32),
 }
 
 impl fmt::Display for Refusal {
@@ -228,6 +236,9 @@ impl fmt::Display for Refusal {
             }
             Self::SetPoint { wanted, min, max } => {
                 write!(f, "set-point {wanted} degC refused, expected {min} to {max} degC")
+            }
+            Self::Shelving(time) => {
+                write!(f, "shelving for {time} s refused, expected 0 to {} s", LONGEST_SHELVING.0)
             }
             Self::Fan(level) => write!(f, "fan level {level} % refused, expected 0 to {FASTEST_FAN} %"),
         }

@@ -38,8 +38,15 @@ pub enum Request<'a> {
     Arm,
     /// Heater off.
     Stop,
-    /// Leave a trip or a lockout.
+    /// Leave a trip or a lockout, or know of an alarm.
     Acknowledge,
+    /// Make what is named now advice for a while.
+    Shelve {
+        /// In minutes.
+        minutes: &'a str,
+    },
+    /// Take what is told now for normal.
+    Accept,
     /// Announce the level of the fan.
     Fan {
         /// In %.
@@ -78,7 +85,7 @@ pub enum Request<'a> {
 }
 
 /// All commands: name, what follows it, what it does.
-pub const COMMANDS: [(&str, &str, &str); 21] = [
+pub const COMMANDS: [(&str, &str, &str); 23] = [
     ("help", "", "this list"),
     ("status", "", "mode, temperatures, diagnosis, health"),
     ("get", "[NAME]", "settings, all or those that begin with NAME"),
@@ -88,7 +95,9 @@ pub const COMMANDS: [(&str, &str, &str); 21] = [
     ("check", "", "self-test of a minute on a fast rig, which heats a little; `arm` wants it passed"),
     ("arm", "", "begin to regulate"),
     ("stop", "", "heater off, in every state; so do the keys Ctrl-C, ESC and !"),
-    ("ack", "", "acknowledge a trip or a lockout"),
+    ("ack", "", "acknowledge a trip, a lockout or an alarm (which is advice then, until it ends)"),
+    ("shelve", "MINUTES", "what is named now is advice for so long, however often it comes; 0 ends that"),
+    ("accept", "", "what is told now is normal from now on: learn anew, the commissioning stays"),
     ("fan", "LEVEL", "announce the fan's level in %, 100 being the level at which it is learnt"),
     ("baseline", "[learn]", "what was learnt as normal; `learn` learns it anew"),
     (
@@ -174,6 +183,7 @@ impl<'a> Request<'a> {
             // Nobody in a hurry should be refused for what stands behind it.
             "stop" => Ok(Self::Stop),
             "ack" => alone(Self::Acknowledge),
+            "accept" => alone(Self::Accept),
             "faults" => alone(Self::Faults),
             "get" => match split_word(rest) {
                 (name, "") => Ok(Self::Get { name }),
@@ -183,9 +193,11 @@ impl<'a> Request<'a> {
                 ("", _) | (_, "") => Err(RequestError::Missing { command, expected: "NAME VALUE" }),
                 (name, value) => Ok(Self::Set { name, value }),
             },
-            "fan" => match split_word(rest) {
-                ("", _) => Err(RequestError::Missing { command, expected: "LEVEL" }),
-                (level, "") => Ok(Self::Fan { level }),
+            "fan" | "shelve" => match split_word(rest) {
+                ("", _) if command == "fan" => Err(RequestError::Missing { command, expected: "LEVEL" }),
+                ("", _) => Err(RequestError::Missing { command, expected: "MINUTES" }),
+                (level, "") if command == "fan" => Ok(Self::Fan { level }),
+                (minutes, "") => Ok(Self::Shelve { minutes }),
                 (_, more) => Err(RequestError::Extra { command, word: split_word(more).0 }),
             },
             "baseline" => match split_word(rest) {
@@ -261,7 +273,7 @@ mod tests {
                 "NAME VALUE" => format!("{name} pid.kp 2.4"),
                 "set" => format!("{name} set"),
                 "on|off" | "on" => format!("{name} on"),
-                "LEVEL" => format!("{name} 80"),
+                "LEVEL" | "MINUTES" => format!("{name} 80"),
                 "NAME|end|show|save|drop" => format!("{name} hand"),
                 "t0|t1|t2|all DEGC" => format!("{name} t1 25.0"),
                 _ => name.to_owned(),

@@ -245,7 +245,11 @@ impl ControlLoop {
                 return if released && nothing_tripped { Ok(()) } else { result.map_err(Denial::Refused) };
             }
             Command::Stop => self.stop(Ending::Stopped, heater),
-            Command::Relearn | Command::SetPoint(_) | Command::Excite(_) | Command::Fan(_) => {}
+            Command::Relearn
+            | Command::SetPoint(_)
+            | Command::Excite(_)
+            | Command::Fan(_)
+            | Command::Shelve(_) => {}
         }
         self.controller.command(&mut self.state, command).map_err(Denial::Refused)
     }

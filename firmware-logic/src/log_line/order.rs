@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use fdi_core::{Celsius, Command, Percent};
+use fdi_core::{Celsius, Command, Percent, Seconds};
 
 use super::{LogLineError, tick};
 use crate::control_loop::OrderKind;
@@ -27,6 +27,9 @@ pub(super) fn write(f: &mut fmt::Formatter<'_>, order: &OrderKind) -> fmt::Resul
         OrderKind::Command(Command::Fan(Percent(level))) => {
             return write!(f, "fan {:x} ({} %)", level.to_bits(), Short(*level));
         }
+        OrderKind::Command(Command::Shelve(Seconds(time))) => {
+            return write!(f, "shelve {:x} ({} s)", time.to_bits(), Short(*time));
+        }
     })
 }
 
@@ -47,6 +50,7 @@ pub(super) fn parse(text: &str) -> Result<OrderKind, LogLineError<'_>> {
         "relearn" => Command::Relearn,
         "setpoint" => Command::SetPoint(Celsius(given()?)),
         "fan" => Command::Fan(Percent(given()?)),
+        "shelve" => Command::Shelve(Seconds(given()?)),
         "excite" => Command::Excite(argument.parse().map_err(|_| expected("true or false"))?),
         _ => return Err(LogLineError::Order(verb)),
     }))

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail, ensure};
 use fdi_core::schema::Moment;
-use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample};
+use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample, Seconds};
 
 use crate::commands::terminal::Output;
 use crate::experiment::as_written;
@@ -130,6 +130,10 @@ fn command(line: &str) -> anyhow::Result<Option<Command>> {
         ["tune"] => Command::Tune,
         ["stop"] => Command::Stop,
         ["ack"] => Command::Acknowledge,
+        ["shelve", time] => match time.parse() {
+            Ok(time) => Command::Shelve(Seconds(time)),
+            Err(_) => bail!("shelve is \"{time}\", expected a time in s, such as shelve 1800"),
+        },
         ["relearn"] => Command::Relearn,
         ["excite", "on"] => Command::Excite(true),
         ["excite", "off"] => Command::Excite(false),
@@ -142,7 +146,7 @@ fn command(line: &str) -> anyhow::Result<Option<Command>> {
             Err(_) => bail!("fan is \"{level}\", expected a level in %, such as fan 80"),
         },
         [word, ..] if !line.contains(',') && word.starts_with(|c: char| c.is_alphabetic()) => bail!(
-            "\"{line}\" given, expected three codes, or setpoint CELSIUS, arm, stop, ack, relearn, excite on, excite off, fan LEVEL"
+            "\"{line}\" given, expected three codes, or setpoint CELSIUS, arm, stop, ack, shelve SECONDS, relearn, excite on, excite off, fan LEVEL"
         ),
         _ => return Ok(None),
     }))

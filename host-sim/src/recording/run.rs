@@ -308,6 +308,7 @@ pub fn as_tick(seen: &Observation) -> Tick {
         learn: seen.learn,
         blocked: None,
         forget: seen.forget,
+        shelve: seen.shelve,
         known: seen.known,
     }
 }

@@ -33,7 +33,7 @@ fn run_writes_everything_it_says() {
         lines[0],
         "t_s,t0_c,t1_c,t2_c,setpoint_c,u_pid_pct,prbs_pct,pa_pct,y1_c,y2_c,y1m_c,y2m_c,sg1,sg2,bw1,ry1,ry2,rap,ry12,\
          rsg1,rsg2,rbw1,ry1_f,ry2_f,rap_f,ry12_f,rsg1_f,rsg2_f,rbw1_f,s_rap,s_ry12,s_rsg1,s_rsg2,s_rbw1,fdv,fiv,fdv_raw,\
-         fiv_raw,mode,truth,alarm,verdict,confidence,magnitude,magnitude_unit,onset_s,supply,fan_pct,taught,advice"
+         fiv_raw,mode,truth,alarm,verdict,confidence,magnitude,magnitude_unit,onset_s,supply,fan_pct,taught,advice,shelve"
     );
     assert!(lines.iter().all(|line| line.split(',').count() == lines[0].split(',').count()));
     let summary: serde_json::Value =

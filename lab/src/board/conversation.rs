@@ -530,6 +530,7 @@ pub fn line(order: &Order) -> anyhow::Result<String> {
         Order::Tune => "tune start".into(),
         Order::Stop => "stop".into(),
         Order::Acknowledge => "ack".into(),
+        Order::Shelve { seconds } => format!("shelve {}", seconds / 60.0),
         Order::Relearn => "baseline learn".into(),
         Order::Setpoint { celsius } => format!("set setpoint {celsius}"),
         Order::Fan { percent } => format!("fan {percent}"),

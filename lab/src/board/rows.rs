@@ -113,6 +113,7 @@ fn carried_out(order: &OrderKind) -> Option<Order> {
         Command::Tune => Order::Tune,
         Command::Stop => Order::Stop,
         Command::Acknowledge => Order::Acknowledge,
+        Command::Shelve(time) => Order::Shelve { seconds: time.0 },
         Command::Relearn => Order::Relearn,
         Command::Excite(on) => Order::Excite { on: *on },
         Command::SetPoint(wanted) => Order::Setpoint { celsius: wanted.0 },

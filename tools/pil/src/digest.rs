@@ -69,6 +69,8 @@ impl Digest {
             blocked,
             virtual_t1,
             forget,
+            // It is said of an alarm, and shows in what is advice.
+            shelve: _,
             known,
         } = *tick;
         self.word(index);

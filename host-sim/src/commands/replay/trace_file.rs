@@ -143,6 +143,30 @@ mod tests {
         }
     }
 
+    /// What is said of an alarm makes it advice, and is found again from its own column.
+    #[test]
+    fn what_is_acknowledged_and_shelved_is_found_again() {
+        let mut session = Session::new(Scene::default()).unwrap();
+        (0..4000).for_each(|_| drop(session.step()));
+        let wrong = |size| Fault::new(Verb::Offset, Some(Sensor::T2), Some(size), 0.0, 200.0);
+        let advice = |session: &mut Session, order: Do| {
+            session.order(order).unwrap();
+            (0..100).for_each(|_| drop(session.step()));
+            let said = session.step().report.likelihood;
+            (said.alarm, said.advice)
+        };
+        assert_eq!(advice(&mut session, Do::Break { fault: wrong(2.0) }), (true, false));
+        assert_eq!(advice(&mut session, Do::Acknowledge), (true, true));
+        assert_eq!(advice(&mut session, Do::Mend), (false, false));
+        (0..2500).for_each(|_| drop(session.step())); // three within minutes would be a loose contact
+        assert_eq!(advice(&mut session, Do::Break { fault: wrong(2.0) }), (true, false), "it came again");
+        assert_eq!(advice(&mut session, Do::Shelve { seconds: 3600.0 }), (true, true));
+        assert_eq!(advice(&mut session, Do::Mend), (false, false));
+        assert_eq!(advice(&mut session, Do::Break { fault: wrong(2.0) }), (true, true), "still shelved");
+        assert_eq!(advice(&mut session, Do::Shelve { seconds: 0.0 }), (true, false));
+        assert_eq!(replayed(&session).1, None);
+    }
+
     /// A session in which the user stops, arms, acknowledges a trip: what was asked for is found again from its trace.
     #[test]
     fn what_the_user_did_is_found_again() {

@@ -84,7 +84,7 @@ mod tests {
     #[test]
     fn nothing_else_is_understood() {
         let orders =
-            ["arm", "tune", "acknowledge", "relearn", "excite", "fan", "set", "break", "mend", "console"];
+            ["arm", "tune", "acknowledge", "shelve", "relearn", "excite", "fan", "set", "break", "mend", "console"];
         let all = orders.iter().flat_map(|order| {
             [
                 format!(r#"{{"command":"{order}"}}"#),

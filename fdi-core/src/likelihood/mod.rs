@@ -168,6 +168,15 @@ enum Work {
     Watching(SinceOnsetState),
 }
 
+impl Work {
+    /// Out of line, for the stack: the new memory lies on it once, on its way to where it stays.
+    #[cold]
+    #[inline(never)]
+    fn begin_watching(&mut self) {
+        *self = Self::Watching(SinceOnsetState::default());
+    }
+}
+
 const _: () = assert!(size_of::<LikelihoodState>() <= 8192, "more than the board has for it");
 
 impl Likelihood {
@@ -294,7 +303,7 @@ impl Likelihood {
         if let Some(trained) = &mut state.trained {
             let second_power = known.beside.map_or(0.0, |power| power.0);
             self.watch.resume(trained, known.effective(power), known.fan_share(), second_power);
-            state.work = Work::Watching(SinceOnsetState::default());
+            state.work.begin_watching();
         }
     }
 
@@ -321,6 +330,8 @@ impl Likelihood {
         state.was_learning = learning;
     }
 
+    /// Not part of `step`, for the stack: training and model lie on it once, on their way to where they stay.
+    #[inline(never)]
     fn train(&self, state: &mut LikelihoodState, seen: &Observation, now: &Input, undisturbed: bool) {
         // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = seen.phase == Phase::Watched && seen.excited;
@@ -359,7 +370,7 @@ impl Likelihood {
         let Some(trained) = state.trained.as_mut() else { return Said::default() };
         if state.current && seen.phase == Phase::Watched {
             if !matches!(state.work, Work::Watching(_)) {
-                state.work = Work::Watching(SinceOnsetState::default());
+                state.work.begin_watching();
             }
             if let Work::Watching(onset) = &mut state.work {
                 state.said = self.watch.step(trained, onset, now);

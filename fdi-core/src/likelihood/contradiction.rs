@@ -175,7 +175,7 @@ impl Moments {
 
     fn comes_after(&self, t: &ContradictionTuning, other: &Self) -> bool {
         let (gap, sd) = (self.late - other.late, self.late_sd + other.late_sd);
-        gap > t.after && gap > t.after_sds * sd
+        gap > t.after && gap > t.answers * sd
     }
 }
 

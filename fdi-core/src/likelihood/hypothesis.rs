@@ -80,12 +80,12 @@ impl HypothesisTuning {
     }
 
     const fn clogged(&self, loss: Direction) -> Hypothesis {
-        within(row(FaultClass::T1Clogged, loss, 0.0, self.clogged_sd), -self.detached, 0.0)
+        within(row(FaultClass::T1Clogged, loss, 0.0, self.power_sd), -self.detached, 0.0)
     }
 
     /// A thermistor that was clogged when the model was trained, and is mended.
     const fn unclogged(&self) -> Hypothesis {
-        let row = row(FaultClass::T1Clogged, of(Regressor::Gain1), 0.0, self.clogged_sd);
+        let row = row(FaultClass::T1Clogged, of(Regressor::Gain1), 0.0, self.power_sd);
         rare(within(row, 0.0, self.mended), self.rare)
     }
 
@@ -298,12 +298,12 @@ pub(super) const fn nuisances_since_training(t: &NuisanceTuning) -> [Nuisance; 1
 /// By what the model may be wrong right after training, as its fast content shows.
 pub(super) const fn model_errors(t: &NuisanceTuning) -> [Nuisance; 7] {
     [
-        (of(Regressor::Power), t.error_power),
-        (of(Regressor::LessFlow), t.error_flow),
-        (of(Regressor::MoreFlow), t.error_flow),
+        (of(Regressor::Power), t.error),
+        (of(Regressor::LessFlow), t.error),
+        (of(Regressor::MoreFlow), t.error),
         (of(Regressor::Gain1), t.error_gain),
         (of(Regressor::Gain2), t.error_gain),
-        (of(Regressor::Wall), t.error_wall),
+        (of(Regressor::Wall), t.error),
         (of(Regressor::Shift), t.error_shift),
     ]
 }

@@ -26,7 +26,7 @@ pub(super) use sense::make_twin;
 /// Priors of the parameters, mean and standard deviation, where neither the answer time nor the usual gain says more.
 const fn prior(t: &PriorTuning) -> [(f32, f32); COUNT] {
     [
-        (0.0, t.gain_sd),   // by the usual one
+        (0.0, t.wide),      // by the usual one
         (0.0, t.heater_sd), // by the answer time
         (t.delay1, t.delay_sd),
         (t.lag1, t.lag_sd),
@@ -35,7 +35,7 @@ const fn prior(t: &PriorTuning) -> [(f32, f32); COUNT] {
         (t.delay2, t.delay_sd),
         (t.lag2, t.lag_sd),
         (t.wall2, t.wall_sd),
-        (0.0, t.wall_time_sd), // by the answer time
+        (0.0, t.wide), // by the answer time
         (0.0, t.offset_sd),
         (0.0, t.offset_sd),
         (0.0, t.curvature_sd),
@@ -136,8 +136,8 @@ impl Trainer {
         }
         if !inputs.t2 {
             let (heater, _) = self.prior[Parameter::Heater as usize];
-            self.prior[Parameter::Reaches2 as usize] = (t.second_heater, t.second_heater_sd);
-            self.prior[Parameter::Lag2 as usize] = (heater, t.second_heater_lag_sd);
+            self.prior[Parameter::Reaches2 as usize] = (t.second_heater, t.reaches_sd);
+            self.prior[Parameter::Lag2 as usize] = (heater, t.wide);
         }
         self
     }

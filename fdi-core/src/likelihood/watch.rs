@@ -292,7 +292,7 @@ impl Watch {
             }
             Outcome::SensorRecovered(change) => {
                 onset.end_recovered();
-                s.charts.hold_off(t.slow.holdoff as u32);
+                s.charts.hold_off(t.charts.first as u32);
                 change
             }
             // What the power did lately the rig still has: the model goes on from there.
@@ -300,7 +300,7 @@ impl Watch {
                 let (since, until) = onset.power_motions();
                 let change = s.simulation.take_over(theta, since, until);
                 onset.end_recovered();
-                s.charts.hold_off(t.slow.holdoff as u32);
+                s.charts.hold_off(t.charts.first as u32);
                 change
             }
         };
@@ -334,11 +334,12 @@ impl Watch {
     /// Follows an announced change of the fan. What is known of such a change is its kind, hardly its size: for a while nothing is judged, and the state
     /// since training is taken anew from there.
     fn follow_fan(&self, s: &mut WatchState, fan: f32) -> bool {
-        let t = &self.tuning.fan;
         let Some(left) = self.simulation.follow_fan(&mut s.simulation, &s.times, fan) else { return false };
-        s.tracker.widen([t.power_sd, t.flow_sd * left.abs(), 0.0, 0.0]);
+        // The kind of the change is known, hardly its size.
+        let t = self.tuning;
+        s.tracker.widen([t.nuisances.onset_power, t.hypotheses.flow_sd * left.abs(), 0.0, 0.0]);
         s.since_training.rebase();
-        s.charts.settle(s.times.ticks(t.settles, self.sample_time));
+        s.charts.settle(s.times.ticks(t.fan.settles, self.sample_time));
         true
     }
 

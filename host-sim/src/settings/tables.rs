@@ -22,7 +22,7 @@ fn priors() -> String {
     let ticks = |ln: f32| format!("{:.1}", ln.exp());
     let factor = |ln: f32| format!("factor e^{ln}");
     let rows = [
-        ["K gain", "°C per %", "usual gain", &factor(t.gain_sd)],
+        ["K gain", "°C per %", "usual gain", &factor(t.wide)],
         ["tau heater", "ticks", &format!("{} Ta", t.heater), &factor(t.heater_sd)],
         ["d1 dead time to T1", "ticks", &t.delay1.to_string(), &t.delay_sd.to_string()],
         ["t1 lag of T1", "ticks", &ticks(t.lag1), &factor(t.lag_sd)],
@@ -35,7 +35,7 @@ fn priors() -> String {
             "tw wall",
             "ticks",
             &format!("{} Ta, within {} and {} Ta", t.wall_time, r.least_wall_time, r.largest_wall_time),
-            &factor(t.wall_time_sd),
+            &factor(t.wide),
         ],
         [
             "c1, c2 offsets from T0",

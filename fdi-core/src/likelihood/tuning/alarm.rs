@@ -9,7 +9,7 @@ tuning! {
         ceiling = 2.5, "decision intervals", chosen "";
         /// An innovation is clipped here: a spike counts once.
         clip = 6.0, "standard deviations", measured "prototype 1, configuration J";
-        /// So long after its start a watch has no charts.
+        /// So long after its start, and after an end that was seen as such, a watch has no charts.
         first = 10.0, "ticks", chosen "";
         /// The share of a swing beyond this that the model may get wrong counts.
         swing = 1.5, "degC", chosen "";
@@ -63,7 +63,7 @@ tuning! {
         taken_after = 8.0, "s", chosen "";
         /// From this age on an alarm forgets.
         forgets_from = 3.0, "s", measured "a later sag is absorbed (prototype 2)";
-        /// Log odds by which an alarm is over.
+        /// Log odds by which an alarm is over, and in slow surroundings by which that is refuted.
         over = 5.0, "1", measured "prototype 2";
         /// It is asked from this age on.
         asked_from = 0.5, "s", chosen "";
@@ -71,7 +71,7 @@ tuning! {
         least_gain = 1.0, "1", chosen "";
         /// So long an alarm is ranked and asked for its end on every tick, later by turns.
         young = 2.0, "s", chosen "for the cost of a tick";
-        /// So long after an alarm there are no charts.
+        /// So long after an alarm there are no charts; in slow surroundings a tick on which it may have ended is held for so long.
         holdoff = 1.0, "s", chosen "about the residence time";
         /// Then the tracker is less sure of the power by this.
         power_after = 0.015, "1", chosen "";
@@ -93,16 +93,10 @@ tuning! {
         dc_gain = 0.15, "1", chosen "";
         /// Log odds by which a sensor's error is over at once.
         sensor_over = 10.0, "1", chosen "";
-        /// Log odds by which a change of the heater's power is over, and by which that is refuted.
-        power_over = 5.0, "1", chosen "as `tuning.alarm.over`";
-        /// A tick on which it may have ended is held for so long.
-        longest = 1.0, "s", chosen "about the residence time";
         /// The dead time is not known better than this there.
         shift = 0.7, "ticks", chosen "";
         /// A jump is no spike where the next tick is above this share of it, with the other sign of what goes back.
         back = 0.5, "1", chosen "";
-        /// So long after an end that was seen as such there are no charts.
-        holdoff = 10.0, "ticks", chosen "";
         /// Ticks from which the intercept is taken, where a recording is not the one that was trained on.
         anchored = 30.0, "ticks", chosen "";
         /// A rig that forgets how it began within these is waited for, in its residence times.
@@ -119,7 +113,7 @@ tuning! {
         certain = 0.98, "1", chosen "commit 4781ecf";
         /// Air flow or heater power is named by itself from this probability on.
         process = 0.97, "1", chosen "";
-        /// And only from this age of the alarm on; until then the pair is said, and no drift.
+        /// And only from this age of the alarm on; until then the pair is said, no drift, and nothing is unknown.
         process_time = 3.0, "s", measured "no assumed lag of the fan is safe (docs/diagnosis.md, section 16)";
         /// The best hypothesis does not fit where it leaves more than so much of each whitened residual's square: 1 is noise.
         strange = 4.0, "1", chosen "";
@@ -129,8 +123,6 @@ tuning! {
         fits = 1.5, "1", chosen "";
         /// Or below this share of what there was.
         fits_share = 0.02, "1", chosen "";
-        /// From this age of an alarm on what fits nothing is unknown.
-        unknown_after = 3.0, "s", chosen "";
         /// Share of a new judgement in how often nothing fits.
         misfit_share = 0.2, "1", chosen "";
         /// What has a name becomes unknown where nothing has fitted on more than this share of the judgements.

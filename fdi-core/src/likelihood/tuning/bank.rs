@@ -13,12 +13,10 @@ tuning! {
         most_flow_loss = 4.0, "1", chosen "a fifth of the air is left";
         /// Largest gain of air flow, 1/f - 1, without its sign.
         most_flow_gain = 0.7, "1", chosen "3.3 times the air";
-        /// Of a change of the heater's power.
+        /// Of a change of the heater's power, and of the share of the rise that a clogged T1 loses.
         power_sd = 0.25, "1", chosen "faults of the campaign are 10 to 100 %";
         /// Largest change of the heater's power, both signs.
         most_power = 1.1, "1", derived "all of it, and a tenth for the estimate's error";
-        /// Of the share of the rise that a clogged T1 loses.
-        clogged_sd = 0.25, "1", chosen "faults of the campaign are 5 to 30 %";
         /// A thermistor that loses more is not clogged, but out of the tube.
         detached = 0.4, "1", chosen "";
         /// One that was clogged when it was learnt sees no more on top when it is mended.
@@ -103,14 +101,10 @@ tuning! {
         trained_t0 = 0.3, "degC", chosen "the room";
         /// Gains of T1 and T2 since training.
         trained_gain = 0.01, "1", chosen "the model's gain away from where it was learnt";
-        /// By what the model's power may be wrong right after training.
-        error_power = 0.1, "1", chosen "";
-        /// By what the model's air flow may be wrong right after training, 1/f - 1.
-        error_flow = 0.1, "1", chosen "";
+        /// By what the model's power, its air flow (1/f - 1) and its wall may be wrong right after training.
+        error = 0.1, "1", chosen "";
         /// By what the model's gains may be wrong right after training.
         error_gain = 0.05, "1", chosen "";
-        /// By what the model's wall may be wrong right after training.
-        error_wall = 0.1, "1", chosen "";
         /// By what the model's dead time may be wrong right after training.
         error_shift = 0.5, "ticks", chosen "";
     }

@@ -48,8 +48,6 @@ tuning! {
         ambient = 0.3, "1", chosen "";
         /// One comes after the other by so much.
         after = 1.0, "ticks", derived "two to three ticks on rigs that are rightly wired (docs/diagnosis.md, section 8)";
-        /// And by so many standard deviations.
-        after_sds = 6.0, "standard deviations", derived "as `answers`";
         /// Readings that differ by more contradict each other.
         differ = 4.0, "degC", measured "the campaign's runaway and wiring cells";
         /// T2 above T1 also by this share of T2's rise.
@@ -102,7 +100,7 @@ tuning! {
         alike = 2.0, "degC", chosen "tolerance of thermistors";
         /// And without a trend: the difference of means over two memories.
         trend = 0.1, "degC", derived "0.3 degC a minute with an answer time of 2 s, slower than a hot tube cools without its fan";
-        /// The shorter memory.
+        /// The shorter memory; T0 reads wrong after so long.
         short_memory = 2.5, "answer times", chosen "";
         /// The longer memory.
         long_memory = 12.5, "answer times", chosen "";
@@ -112,8 +110,6 @@ tuning! {
         longest = 24.0, "s", chosen "";
         /// T0 reads wrong from this distance on.
         wrong = 5.0, "degC", chosen "";
-        /// For so long.
-        wrong_time = 2.5, "answer times", chosen "";
         /// And right again below this distance.
         right = 4.0, "degC", chosen "";
         /// Where a rig stands it is no colder.

@@ -49,9 +49,5 @@ tuning! {
         same = 1e-3, "1", chosen "";
         /// So long after a change nothing is judged.
         settles = 10.0, "s", chosen "";
-        /// The tracker is less sure of the power by this on each tick of a change.
-        power_sd = 0.02, "1", chosen "as the nuisance since an onset";
-        /// And of the air flow by this share of what is left of the change.
-        flow_sd = 0.3, "1", chosen "the kind of the change is known, hardly its size";
     }
 }

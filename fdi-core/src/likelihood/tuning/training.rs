@@ -5,8 +5,8 @@ use super::tuning;
 tuning! {
     /// What is known of a rig before it is trained: means and standard deviations of the parameters (docs/diagnosis.md, section 2).
     pub struct PriorTuning: prior {
-        /// Of ln of the gain, whose mean is that of the usual gain.
-        gain_sd = 0.7, "1", chosen "wide: a factor of 2";
+        /// Of ln of the gain, whose mean is that of the usual gain, of the wall's time constant and of the lag of a heater beside, whose mean is the heater's.
+        wide = 0.7, "1", chosen "wide: a factor of 2";
         /// The heater's time constant as a share of the answer time.
         heater = 0.22, "1", derived "0.45 s of 2 s on the reference rig";
         /// Of its ln.
@@ -19,7 +19,7 @@ tuning! {
         wall1 = 0.03, "1", chosen "";
         /// Share of T1's rise that reaches T2.
         reaches = 0.9, "1", derived "0.92 on the reference rig";
-        /// Of that share.
+        /// Of that share, and of that of a heater beside.
         reaches_sd = 0.2, "1", chosen "";
         /// Transport from T1 to T2.
         delay2 = 1.1, "ticks", chosen "0.1 s on the reference rig is 0.9";
@@ -35,8 +35,6 @@ tuning! {
         wall_sd = 0.06, "1", chosen "";
         /// The wall's time constant, answer times.
         wall_time = 15.0, "answer times", chosen "";
-        /// Of its ln.
-        wall_time_sd = 0.7, "1", chosen "wide: a factor of 2";
         /// Of what T1 and T2 read above T0 without power, where that was not read cold; its mean is 0.
         offset_sd = 1.5, "degC", chosen "tolerance of thermistors";
         /// The same without T0, where it is the ambient temperature.
@@ -45,10 +43,6 @@ tuning! {
         curvature_sd = 0.015, "1", chosen "";
         /// Static gain of a heater beside T1's own, as a share of that.
         second_heater = 0.15, "1", chosen "about the TCLab's";
-        /// Of that share.
-        second_heater_sd = 0.2, "1", chosen "";
-        /// Of ln of the lag of a heater beside, whose mean is the heater's.
-        second_heater_lag_sd = 0.7, "1", chosen "wide: a factor of 2";
     }
 }
 

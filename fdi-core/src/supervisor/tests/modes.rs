@@ -241,7 +241,8 @@ fn each_command_does_in_each_mode_what_the_diagram_says() {
     let table = [
         (Arm, ["settle", no, no, no, no, no], [persists, no, no, no, no, no]),
         (Command::Tune, ["tune", no, no, no, no, no], [persists, no, no, no, no, no]),
-        (Acknowledge, [no, no, no, no, no, "off"], [no, no, no, no, no, persists]),
+        (Acknowledge, [no, no, no, "monitor", no, "off"], [no, no, no, "monitor", no, persists]),
+        (Command::Shelve(Seconds(60.0)), [no, no, no, "monitor", no, no], [no, no, no, "monitor", no, no]),
         (
             Relearn,
             ["off", "settle", "settle", "settle", no, no],
@@ -271,5 +272,24 @@ fn each_command_does_in_each_mode_what_the_diagram_says() {
                 }
             }
         }
+    }
+}
+
+/// An alarm is shelved for a bounded time.
+#[test]
+fn what_is_shelved_is_handed_on_and_no_time_without_bounds_is_taken() {
+    let mut bench = Modes::new(Mode::Monitor);
+    for time in [f32::NAN, -1.0, 86_401.0, f32::INFINITY] {
+        let said = bench.supervisor.command(&mut bench.state, Command::Shelve(Seconds(time)));
+        assert!(matches!(said, Err(Refusal::Shelving(_))), "{time}: {said:?}");
+    }
+    assert_eq!(bench.state.shelve, None);
+    for (command, told) in [
+        (Command::Shelve(Seconds(11.0)), Shelving::For(100)),
+        (Command::Shelve(Seconds(0.0)), Shelving::For(0)),
+        (Acknowledge, Shelving::UntilItEnds),
+    ] {
+        bench.supervisor.command(&mut bench.state, command).expect("it monitors");
+        assert_eq!(bench.state.shelve, Some(told));
     }
 }

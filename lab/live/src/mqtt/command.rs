@@ -83,8 +83,19 @@ mod tests {
     /// Every order of the page, under the names by which it could be asked for.
     #[test]
     fn nothing_else_is_understood() {
-        let orders =
-            ["arm", "tune", "acknowledge", "shelve", "relearn", "excite", "fan", "set", "break", "mend", "console"];
+        let orders = [
+            "arm",
+            "tune",
+            "acknowledge",
+            "shelve",
+            "relearn",
+            "excite",
+            "fan",
+            "set",
+            "break",
+            "mend",
+            "console",
+        ];
         let all = orders.iter().flat_map(|order| {
             [
                 format!(r#"{{"command":"{order}"}}"#),

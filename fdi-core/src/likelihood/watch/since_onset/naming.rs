@@ -57,7 +57,7 @@ impl SinceOnset {
         // A named fault that has just ended fits nothing either.
         let named_before = alarm.finding.is_some_and(|was| was.class != FaultClass::Unknown);
         let least = if named_before { t.lasting_misfit } else { 0.0 };
-        alarm.strange = alarm.age > t.unknown_after && !fits && alarm.misfit > least;
+        alarm.strange = alarm.age > t.process_time && !fits && alarm.misfit > least;
         let magnitude = magnitude(t, h, class, &estimate[h]);
         let finding = Finding { class, confidence, magnitude, onset: alarm.onset };
         if alarm.strange {

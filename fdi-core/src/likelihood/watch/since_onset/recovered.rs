@@ -26,7 +26,7 @@ impl SinceOnset {
             return None;
         }
         let theta = alarm.values[0];
-        let longest = (self.tuning.slow.longest * seen.times.time_scale / self.sample_time) as u32;
+        let longest = (self.tuning.alarm.holdoff * seen.times.time_scale / self.sample_time) as u32;
         let gone = s.recovery.step(
             (seen.nominal.process, seen.filter),
             seen.nominal.heat,

@@ -40,8 +40,8 @@ fn priors() -> String {
         [
             "c1, c2 offsets from T0",
             "°C",
-            "0, or as read cold",
-            &format!("{}, or from {} on", t.offset_sd, Tuning::DEFAULT.cold.least_sd),
+            "0; on a cold rig as read",
+            &format!("{}; as read: {} or more", t.offset_sd, Tuning::DEFAULT.cold.least_sd),
         ],
         ["q curvature", &format!("per {} %", Tuning::DEFAULT.model.step), "0", &t.curvature_sd.to_string()],
     ];
@@ -162,10 +162,7 @@ fn the_tables_of_the_diagnosis_are_not_stale() {
     if std::env::var_os("UPDATE_DOCS").is_some() {
         std::fs::write(path, &text).unwrap();
     }
-    assert!(
-        committed == text,
-        "stale: UPDATE_DOCS=1 cargo test -p pt326 --lib the_tables_of_the_diagnosis"
-    );
+    assert!(committed == text, "stale: UPDATE_DOCS=1 cargo test -p pt326 --lib the_tables_of_the_diagnosis");
 }
 
 #[test]

@@ -14,7 +14,7 @@ settings! {
         sigma_factor: f32 = 3.0, 0.1..=100.0;
         /// Symptoms older than this at the detection do not date the fault's onset.
         onset_window: Seconds = 5.0, 0.0..=3600.0;
-        /// fdv must be zero for so long before a fault counts as ended; so long a row with a name must match before it is given.
+        /// A fault counts as ended when fdv has been zero for this time. A name is given when its row has matched for this time.
         clear_time: Seconds = 2.0, 0.0..=3600.0;
     } and {
         /// Fault detection table: fdv is the number of its last row that matches.

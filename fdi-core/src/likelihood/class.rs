@@ -178,7 +178,7 @@ const fn detached(sensor: Channel, number: u32, name: &'static str) -> Facts {
 }
 
 const READS_WRONG: &str = "{t} reads wrong: {measured} degC measured, {expected}";
-const WARM_T0: &str = "T0 reads {t0} degC and is no warmer place than T1 and T2: {t1} and {t2} measured, a colder room expected";
+const NOT_THE_ROOM: &str = "T0 reads {t0} degC, and that cannot be the room: {t1} measured at T1, {t2} at T2, a room's temperature expected";
 const STUCK: &str = "{t} stands still: {measured} degC measured, movement expected";
 /// A reading that jumps to and fro; its size is the last one's.
 const fn loose(sensor: Channel, number: u32, name: &'static str) -> Facts {
@@ -224,7 +224,7 @@ rows! {
     T0Fault => Facts {
         needs: BOTH,
         sized: "T0 reads {size} degC too {high|low}, or T1 and T2 too {low|high} alike: {measured} degC measured at T0, {corrected} expected",
-        ..offset(T0, 6, "t0_fault", WARM_T0)
+        ..offset(T0, 6, "t0_fault", NOT_THE_ROOM)
     };
     T1Clogged => Facts {
         quantity: Quantity::Rise,

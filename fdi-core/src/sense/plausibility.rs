@@ -20,11 +20,11 @@ settings! {
         min: Celsius = -20.0, -50.0..=50.0, limit below;
         /// Highest temperature that the rig can have.
         max: Celsius = 110.0, -50.0..=350.0, limit above;
-        /// A change in one tick larger than this, not foretold by the trend either, is a jump: withheld for one tick.
+        /// A change in one tick that is larger than this, and that the trend does not predict, is a jump. It is withheld for one tick.
         jump: Celsius = 4.0, 0.1..=200.0, limit above;
-        /// T1 or T2 without any change for so long, while the heater is excited, is stuck.
+        /// T1 or T2 is stuck if it does not change for this time while the heater is excited.
         stuck_time: Seconds = 3.0, 0.5..=600.0, limit above within 8 answers;
-        /// The same for the room sensor, which has every right to be quiet.
+        /// The same for T0, which may well be quiet in a calm room.
         ambient_stuck_time: Seconds = 600.0, 0.5..=86400.0, was "plausibility.room_stuck_time", limit above;
         /// Codes this close count as no change.
         stuck_band: AdcCode = 0.25, 0.0..=10.0, limit below;

@@ -16,7 +16,7 @@ settings! {
         learn_end: Seconds = 360.0, 0.0..=86400.0, limit above;
         /// "In regulation": the low-passed control error is within this share of the set-point.
         regulation_band: Percent = 5.0, 0.1..=100.0, limit below;
-        /// In regulation, unsaturated and excited for so long before learning begins.
+        /// Learning begins when the rig has been in regulation, unsaturated and excited for this time.
         regulation_time: Seconds = 20.0, 0.0..=3600.0, limit above;
         /// Smallest excitation, after saturation, that counts as one.
         min_excitation: Percent = 0.5, 0.01..=50.0, limit above;
@@ -24,25 +24,25 @@ settings! {
         over_temperature: Celsius = 75.0, 30.0..=349.0, limit above;
         /// T1 without a valid sample for longer than this switches the heater off, whatever the reason.
         signal_timeout: Seconds = 0.5, 0.0..=5.0, limit above within 1 answers;
-        /// Full power for so long, while T1 has not risen by `min_response` since arming, switches the heater off. Longer
+        /// Full power for this time switches the heater off, if T1 has not risen by `min_response` since arming. It must be longer
         /// than the dead time and the lag of the rig.
         response_time: Seconds = 8.0, 1.0..=600.0, limit above within 16 answers;
-        /// The least that full power must do to T1.
+        /// By how much T1 must rise at full power within `response_time`.
         min_response: Celsius = 3.0, 1.0..=50.0, limit below;
         /// Power above what was learnt for the set-point by more than this, while T1 does not rise, switches the heater off.
         max_excess_power: Percent = 75.0, 10.0..=200.0, limit above;
-        /// How long the power may stay above that.
+        /// How long the power may stay above `max_excess_power`.
         excess_power_time: Seconds = 3.5, 0.5..=600.0, limit above within 8 answers;
         /// T2 above T1 by more than this, beyond their learnt difference, switches the heater off.
         max_disagreement: Celsius = 5.5, 2.0..=100.0, limit above;
-        /// How long T2 may stay above that; longer than T2 lags behind T1.
+        /// How long T2 may stay above `max_disagreement`; longer than T2 lags behind T1.
         disagreement_time: Seconds = 1.2, 0.2..=600.0, limit above within 4 answers;
         /// Without power the rise of T1 and T2 must fall by a tenth in every such time, else the heater counts as stuck on.
         cooling_time: Seconds = 15.0, 2.0..=600.0, limit above within 32 answers;
-        /// Once T1 is named faulty, or breaks, go on with T2 through the models of the likelihood diagnosis; else what is broken
-        /// trips and what reads wrong is only told. Set-point limits and over-temperature hold all the same.
+        /// On: if T1 is named faulty or breaks, heating goes on by T2 and the models of the likelihood diagnosis (the virtual T1). Off: a broken
+        /// T1 trips, and one that reads wrong is only reported. Set-point limits and over-temperature hold in either case.
         go_on_without_t1: bool = false, limit on;
-        /// Air flow surely below this share of normal switches the heater off; 0 never does.
+        /// An air flow that is surely below this share of normal switches the heater off. With 0 it never does.
         min_air_flow: Percent = 50.0, 0.0..=95.0, limit below;
         /// The board refuses to arm until its self-test has passed since power-on. Only its control loop enforces it.
         check_before_arming: bool = true, limit off;

@@ -70,7 +70,7 @@ pub enum CampaignCommand {
     Merge(MergeArgs),
     /// Repeat one run of a cell, with its trace, figures and report.
     Show(ShowArgs),
-    /// Diagnose the recordings of a folder, and hold what is said against what is expected of each (docs/records.md).
+    /// Diagnose the recordings of a folder, and compare the findings with what is expected of each (docs/records.md).
     Records(RecordsArgs),
 }
 

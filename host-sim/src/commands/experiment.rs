@@ -13,16 +13,16 @@ use crate::settings;
 /// What describes an experiment.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ExperimentArgs {
-    /// How much the surroundings move: none, calm (room drift), lively (and air flow and mains). Default: the
+    /// How much the surroundings vary: none, calm (the room drifts), lively (room, air flow and mains vary). Default: the
     /// scenario's, calm.
     #[arg(long)]
     pub disturbance: Option<Disturbance>,
     /// Size of the faults: small, nominal, large, or a factor on the nominal departure (negative: the other way).
     #[arg(long, default_value = "nominal", allow_negative_numbers = true)]
     pub fault_size: FaultSize,
-    /// The rig of this name: paper (the reference rig), trainer (what a real rig has besides, moderate), harsh (strong),
-    /// recorded (fitted to a real PT-326); oven, hotend, tclab (other plants: with their settings, see `pt326 config --preset`, and an
-    /// experiment of as many samples). In a scenario, `preset` in the section of the rig does the same to the rig, and other
+    /// The rig of this name: paper (the reference rig); trainer and harsh (with the walls, mains and draughts of a real rig, moderate or strong);
+    /// recorded (fitted to a real PT-326); oven, hotend, tclab (other plants, with their settings, see `pt326 config --preset`; the
+    /// experiment has as many samples). In a scenario, the key `preset` in the section of the rig chooses the rig, and other
     /// keys change it.
     #[arg(long, value_name = "NAME", conflicts_with = "scenario")]
     pub preset: Option<String>,

@@ -29,7 +29,7 @@ pub struct FitRigArgs {
     #[command(flatten)]
     /// How to read it.
     pub reading: ReadingArgs,
-    /// Which heater, from 1, where the format has several.
+    /// Which heater, counted from 1, if the recording has several.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub heater: usize,
     /// The scenario to write.

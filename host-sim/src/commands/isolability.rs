@@ -13,20 +13,19 @@ use crate::isolability::{Isolability, Question, output};
 /// Arguments of `isolability`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
-The instrument learns the rig as in any run; the faults of the scenario are left out, what its user does is not. From then on each fault \
-is assumed to begin every 100 samples, and its signature is worked out from the model, the noise that was learnt, and the power that is really \
-applied. A cell says from which size on the fault of its row is told from that of its column, of whatever size, in \
-the middle case of all onsets. Told: at odds of 20 to 1 in the mean (a Kullback-Leibler distance of ln 20), if it was as likely \
-beforehand; what is rare takes as much more as the diagnosis asks of it. Mains, room, sensors and model are free to move as \
-the diagnosis lets them. docs/diagnosis.md has the equation.
+How small a fault can still be told apart? The instrument learns the rig as in any run, with what the scenario's user does and without its \
+faults. From then on each fault is assumed to begin every 100 samples. Its signature is computed from the model, the learnt \
+noise and the power that is really applied. A cell of the table is the size from which on the fault of its row is told from the fault of its column, of \
+whatever size; it is the median over all onsets. Told means: odds of 20 to 1 in the mean (a Kullback-Leibler distance of ln 20), if both were equally \
+likely beforehand; a rare fault needs more, as in the diagnosis. Mains, room, sensors and model may vary as much as \
+the diagnosis allows them. docs/diagnosis.md, section 14, has the equation.
 
   none      from no fault at all: it can be seen          any    at every size that it may have
   all       from all others and none: it can be named     -      at no size that it may have
   off, out  reads too high or too low; out of the tube
 
-Time counts from the first sample that shows anything. It is what the residuals hold, not what an alarm makes of them: that asks for more \
-before it is raised, and says \"air flow or heater power\" for the first 3 s. And the power is that of a rig without a fault: what \
-the controller does about one tells more.
+Time counts from the first sample that shows anything. A real alarm asks for more before it is raised, and says \"air flow or heater power\" for the \
+first 3 s. The power is that of a rig without a fault; how the controller reacts to a fault shows more.
 
 Examples:
   pt326 isolability
@@ -41,7 +40,7 @@ pub struct IsolabilityArgs {
     /// Times within which a fault is to be told, s.
     #[arg(long, value_name = "S,S,...", value_delimiter = ',', default_value = "1,10,60")]
     pub within: Vec<f64>,
-    /// Take what is rare (stuck, exchanged, out of the tube, drifting, mended) to be as likely beforehand as anything else.
+    /// Take rare faults (stuck, exchanged, out of the tube, drifting, mended) to be as likely beforehand as all others.
     #[arg(long)]
     pub equal_odds: bool,
     #[command(flatten)]

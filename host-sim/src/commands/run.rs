@@ -18,7 +18,7 @@ use crate::record::table;
 /// Arguments of `run`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
-The README explains the table that is printed; report.html has it again, with figures.
+docs/experiment.md explains the table that is printed; report.html has it again, with figures.
 
 Results of an earlier run in the folder are not lost: unless the new run has the same trace, they are moved to \
 earlier-1, earlier-2 and so on in the same folder.

@@ -12,14 +12,14 @@ Every setting of the instrument. The same names serve a file for `--config` (TOM
 (`get`, `set NAME VALUE`) and its log. `config` prints all of them as commented TOML. This file is written from their
 declarations in `fdi-core` by `cargo run -- config --markdown > docs/settings.md`.
 
-On top come the rows of the signature tables, `diagnosis.detection.1` and on, `diagnosis.isolation.1` and on
-([theory](theory.md), section 7): a number, five of -1 0 +1 x, and for a fault of one's own a name. `pt326 teach` makes such rows ([board](board.md)),
-and what the likelihood diagnosis knows such faults by: `likelihood.taught.1` and on, a name and eleven whole numbers ([diagnosis](diagnosis.md), section 8).
+Not in these tables: the rows of the signature tables, `diagnosis.detection.1` and on, `diagnosis.isolation.1` and on
+([theory](theory.md), section 7). Such a row is a number, five signs (-1, 0, +1 or x), and a name if the fault is one of your own. `pt326 teach` makes rows ([board](board.md)).
+It also makes what the likelihood diagnosis needs to know such a fault: `likelihood.taught.1` and on, a name and eleven whole numbers ([diagnosis](diagnosis.md), section 8).
 
-On a *limit* a protection rests ([safety](safety.md)). None is made wider while the heater is on; `status`, the log at each arming, the page and the
-report of a commissioning list those that are wider than their defaults. For a switch `above` is on. Limits are bounded by the plant's scale, too:
+A *limit* is a setting on which a protection rests ([safety](safety.md)). No limit can be made wider while the heater is on. `status`, the log at each arming, the page and the
+report of a commissioning list the limits that are wider than their defaults. For a switch, *above* means on. Limits are bounded by the plant's scale, too:
 times by `identification.answer_time`, `supervisor.over_temperature` by twice what `supervisor.setpoint_max` is above a room of 20 degC, and
-`supervisor.max_disagreement` by a quarter of what that allows. What was saved outside of its bounds by an older release is not taken over: the board starts
+`supervisor.max_disagreement` by a quarter of what that allows. If an older release has saved a value that is out of its bounds now, the board does not take it over: it starts
 with the defaults and says so, with the name of the setting.
 ";
 

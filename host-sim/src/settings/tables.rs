@@ -40,8 +40,8 @@ fn priors() -> String {
         [
             "c1, c2 offsets from T0",
             "°C",
-            "0, or as read cold",
-            &format!("{}, or from {} on", t.offset_sd, Tuning::DEFAULT.cold.least_sd),
+            "0; on a cold rig as read",
+            &format!("{}; as read: {} or more", t.offset_sd, Tuning::DEFAULT.cold.least_sd),
         ],
         ["q curvature", &format!("per {} %", Tuning::DEFAULT.model.step), "0", &t.curvature_sd.to_string()],
     ];

@@ -13,9 +13,9 @@ pub fn tuning() -> String {
         "\
 # Numbers of the likelihood diagnosis
 
-What decides in the [likelihood diagnosis](diagnosis.md) and is no setting: {} numbers, of which {} are *derived*, with a formula or a source, {} *measured*, with
-where, and {} *chosen*: no measurement of them is kept. A board has them as constants. On a host they stand in a file for `--config` as settings do (a dot begins a
-table), and a campaign varies them:
+The [likelihood diagnosis](diagnosis.md) uses {} numbers that are not settings. {} are *derived*, with a formula or a source; {} are *measured*, and the table says where; {} are *chosen*, and
+no measurement of them is kept. On a board they are constants. On a computer a file for `--config` can change them, as it changes settings (a dot begins a
+table), and a campaign can vary them:
 
 ```sh
 pt326 campaign --quick --vary tuning.alarm.raise=2.25,9 --vary tuning.charts.clip=3,12

@@ -45,6 +45,22 @@ fn a_trace_of_ours_is_diagnosed_as_a_recording() {
     assert!(!std::fs::read_to_string(out.join("report.html")).unwrap().contains("<h2>False alarms</h2>"));
 }
 
+/// "Your own CSV" of the documents shows what is printed for the file that it names.
+#[test]
+fn the_sample_of_the_documents_is_what_is_printed() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    let (heater, out) = (docs.join("heater.csv"), folder("diagnose-sample"));
+    let done = pt326(&["diagnose", arg(&heater), "--train", "0:3600", "--out", arg(&out)]);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    let said = text(&done.stdout);
+    let sample = said.split("Written to").next().unwrap().trim_end();
+    let page = std::fs::read_to_string(docs.join("records.md")).unwrap();
+    assert!(page.contains(sample), "docs/records.md should show:\n{sample}");
+    let begin: Vec<String> =
+        std::fs::read_to_string(&heater).unwrap().lines().take(5).map(str::to_owned).collect();
+    assert!(page.contains(&begin.join("\n")), "docs/records.md should show the first lines of heater.csv");
+}
+
 #[test]
 fn one_thermistor_and_a_truth_are_scored() {
     let dir = folder("diagnose-one");

@@ -5,17 +5,17 @@ use super::tuning;
 tuning! {
     /// Charts, and what widens them (docs/diagnosis.md, sections 4 and 5). Their allowances and decision intervals are settings.
     pub struct ChartTuning: charts {
-        /// A sum stops growing here, so that it comes back soon after a long fault.
+        /// A sum stops growing here, so that it falls back soon after a long fault.
         ceiling = 2.5, "decision intervals", chosen "";
-        /// An innovation is clipped here: a spike counts once.
+        /// An innovation is clipped here, so that a spike counts once.
         clip = 6.0, "standard deviations", measured "prototype 1, configuration J";
-        /// So long after its start, and after an end that was seen as such, a watch has no charts.
+        /// After a start, and in slow surroundings after an end, there are no charts for this time: the whitening filter must first forget what was.
         first = 10.0, "ticks", chosen "";
-        /// The share of a swing beyond this that the model may get wrong counts.
+        /// Only the part of a swing beyond this widens the charts.
         swing = 1.5, "degC", chosen "";
-        /// T0 is above its mean by so much without moving: its noise.
+        /// T0 may be this far from its mean by noise alone. Only what is beyond it widens the charts.
         inlet_noise = 0.15, "degC", chosen "";
-        /// A T1 and a T2 whose difference is so much other than learnt contradict each other: neither is regulated by.
+        /// If the difference of T1 and T2 is further than this from the expected one, they contradict each other, and there is no virtual T1.
         largest_contradiction = 6.0, "degC", chosen "";
     }
 }
@@ -23,65 +23,65 @@ tuning! {
 tuning! {
     /// An alarm's beginning and end (docs/diagnosis.md, sections 6 and 8).
     pub struct AlarmTuning: alarm {
-        /// Evidence since an onset is divided by so much: residuals are not as independent as the sums take them for.
+        /// The evidence since an onset is divided by this, because innovations are not quite independent.
         kappa = 1.5, "1", measured "prototype 2: confidence and coverage";
-        /// The regressors begin anew while the fast charts are below this.
+        /// The onset moves on as long as the sums of the fast charts are below this (and the slow one as below).
         near = 0.5, "standard deviations", chosen "";
-        /// And the slow chart below this share of its decision interval.
+        /// The onset moves on as long as the slow chart is below this share of its decision interval (and the fast ones as above).
         near_slow = 0.14, "1", chosen "";
-        /// Log Bayes factor that raises an alarm.
+        /// Evidence (log Bayes factor) from which on an alarm is raised.
         raise = 4.5, "1", chosen "prototype 2 had 6";
         /// Smallest change of the air flow that is a fault, 1/f - 1.
         least_flow = 0.06, "1", chosen "";
         /// Smallest drift that is a fault.
         least_drift = 1.0, "degC/min", chosen "";
-        /// A change is a fault only beyond so many standard deviations of what is usual here.
+        /// A change of power or flow is a fault only beyond this many standard deviations of the changes that are usual on this rig.
         unusual = 2.5, "standard deviations", chosen "";
-        /// Covariance inflation of what was learnt of the curvature: the filter takes slow surroundings for noise.
+        /// The filter's standard deviation of the curvature is multiplied by this, because the filter takes slow surroundings for noise.
         curvature_inflation = 2.5, "1", chosen "";
-        /// So many steps of the power around the trained one count as excited.
+        /// Within this many steps of the power around the trained one, the gain counts as known.
         excited = 0.5, "1", chosen "half of the step";
-        /// A tick counts for less the wider the charts are, by this times the square of by how many standard deviations.
+        /// If the charts are wider by w standard deviations, a tick counts 1/(1 + this w^2).
         widened = 0.25, "1", chosen "";
-        /// Share of a new innovation in its mean, from which jumps are counted.
+        /// Share of a new innovation in the mean from which jumps are measured.
         mean_share = 0.3, "1", chosen "";
-        /// A jump from that mean by more than this makes a tick count for less.
+        /// A tick counts for less if an innovation jumps from that mean by more than this.
         transient_from = 3.0, "standard deviations", chosen "";
-        /// By so much for each standard deviation more.
+        /// By how much less it counts, for each standard deviation beyond that.
         transient_slope = 0.1, "1", chosen "";
-        /// Least sum of both squares of what begins in one tick while something else is under way.
+        /// A jump of a sensor during an earlier change: least z1^2 + z2^2 on one tick.
         jump = 16.0, "1", derived "4 standard deviations";
-        /// Twice as much from this age of an onset on.
+        /// From this age of an onset on, such a jump needs twice that.
         outlasted = 4.0, "ticks", chosen "";
-        /// Such a jump is so many times what was before: its sum at first, its mean later.
+        /// Such a jump also exceeds this many times the sum of the squares since the onset; later, their mean.
         jump_ratio = 4.0, "1", chosen "";
-        /// What was under way for longer before an alarm may have been something else.
+        /// An onset that is older than this when the alarm is raised may belong to an earlier change.
         before = 0.4, "s", chosen "";
-        /// It was, where the hypothesis leaves more than so much of each whitened residual's square.
+        /// It does, if the hypothesis leaves more than this of the square of each innovation.
         inexplicable = 10.0, "1", chosen "";
-        /// What nuisances explain for so long the tracker takes over.
+        /// A change that only nuisances explain for this long is taken over by the tracker.
         taken_after = 8.0, "s", chosen "";
-        /// From this age on an alarm forgets.
+        /// From this age on, an alarm forgets old samples (with `tuning.times.forgetting`).
         forgets_from = 3.0, "s", measured "a later sag is absorbed (prototype 2)";
-        /// Log odds by which an alarm is over, and in slow surroundings by which that is refuted.
+        /// An alarm ends when the log odds of "it is over" exceed this. In slow surroundings the same odds against it refute that.
         over = 5.0, "1", measured "prototype 2";
-        /// It is asked from this age on.
+        /// From this age on, an alarm is asked whether its fault is over.
         asked_from = 0.5, "s", chosen "";
-        /// It is over, too, where no hypothesis gains more, once flow and power can be told apart.
+        /// An alarm also ends if no hypothesis has more evidence than this (from `tuning.naming.process_time` on).
         least_gain = 1.0, "1", chosen "";
-        /// So long an alarm is ranked and asked for its end on every tick, later by turns.
+        /// Up to this age, an alarm is named and tested for its end on every tick; later the two take turns.
         young = 2.0, "s", chosen "for the cost of a tick";
-        /// So long after an alarm there are no charts; in slow surroundings a tick on which it may have ended is held for so long.
+        /// After the end of an alarm there are no charts for this time. In slow surroundings a fault is assumed to have ended on some tick; this assumption is kept or dropped within the same time.
         holdoff = 1.0, "s", chosen "about the residence time";
-        /// Then the tracker is less sure of the power by this.
+        /// The standard deviation of the power that the tracker adds at the end of an alarm.
         power_after = 0.015, "1", chosen "";
-        /// And of both offsets by this.
+        /// The standard deviation of both offsets that it adds then.
         offset_after = 0.05, "degC", chosen "";
-        /// After so long an alarm is advice.
+        /// An alarm that has stood for this long becomes advice.
         stands = 3600.0, "s", chosen "who has not come within an hour needs no siren";
-        /// From this many alarms of one thermistor's error on its contact is loose.
+        /// From this many alarms for an offset of the same thermistor on, its contact is called loose.
         chatters = 3.0, "1", chosen "a fault that is made twice on purpose is two faults";
-        /// Where each came within this time of the one before.
+        /// A loose contact: its alarms come within this time of each other, and it is over after this time without one.
         returns = 270.0, "s", chosen "an alarm may outlive its fault by no more than five minutes";
     }
 }
@@ -89,17 +89,17 @@ tuning! {
 tuning! {
     /// Surroundings that move as slowly as the rig answers: recordings of other heaters (docs/records.md).
     pub struct SlowTuning: slow {
-        /// They do where the whitening filter's DC gain is below this.
+        /// The surroundings count as slow where the whitening filter's DC gain is below this.
         dc_gain = 0.15, "1", chosen "";
-        /// Log odds by which a sensor's error is over at once.
+        /// A sensor's error is over at once if the log odds for that exceed this.
         sensor_over = 10.0, "1", chosen "";
-        /// The dead time is not known better than this there.
+        /// The dead time is known no better than this where the surroundings are slow.
         shift = 0.7, "ticks", chosen "";
-        /// A jump is no spike where the next tick is above this share of it, with the other sign of what goes back.
+        /// A jump is no spike if it has not gone back by more than this share of itself on the next tick.
         back = 0.5, "1", chosen "";
-        /// Ticks from which the intercept is taken, where a recording is not the one that was trained on.
+        /// The intercept is taken from this many ticks, if the recording is not the one that was trained on.
         anchored = 30.0, "ticks", chosen "";
-        /// A rig that forgets how it began within these is waited for, in its residence times.
+        /// The diagnosis waits for this many residence times, until a rig has forgotten how it began.
         settles = 2.0, "residence times", chosen "";
     }
 }
@@ -107,27 +107,27 @@ tuning! {
 tuning! {
     /// Names (docs/diagnosis.md, section 8). The probability from which on a fault is named is a setting.
     pub struct NamingTuning: naming {
-        /// What is named loses its name below the probability that named it less this.
+        /// A class loses its name this much below the probability from which on it is named.
         unname = 0.05, "1", chosen "";
-        /// No name is surer: what is not among the hypotheses has its share.
+        /// No name has a higher confidence, because the fault may be none of the hypotheses.
         certain = 0.98, "1", chosen "commit 4781ecf";
-        /// Air flow or heater power is named by itself from this probability on.
+        /// Air flow, or heater power, is named by itself from this probability on. Until then the pair of both is named.
         process = 0.97, "1", chosen "";
-        /// And only from this age of the alarm on; until then the pair is said, no drift, and nothing is unknown.
+        /// Before this age of an alarm neither air flow nor heater power is named by itself, and no drift, and nothing is called unknown.
         process_time = 3.0, "s", measured "no assumed lag of the fan is safe (docs/diagnosis.md, section 16)";
-        /// The best hypothesis does not fit where it leaves more than so much of each whitened residual's square: 1 is noise.
+        /// The best hypothesis does not fit if it leaves more than this of the square of each innovation (noise leaves 1) ...
         strange = 4.0, "1", chosen "";
-        /// And more than this share of what there was.
+        /// ... and also more than this share of the sum of all squares.
         strange_share = 0.06, "1", chosen "";
-        /// It fits again below this of each square.
+        /// It fits again if it leaves less than this of the square of each innovation ...
         fits = 1.5, "1", chosen "";
-        /// Or below this share of what there was.
+        /// ... or less than this share of the sum of all squares.
         fits_share = 0.02, "1", chosen "";
-        /// Share of a new judgement in how often nothing fits.
+        /// Share of a new judgement in the mean of how often nothing fitted.
         misfit_share = 0.2, "1", chosen "";
-        /// What has a name becomes unknown where nothing has fitted on more than this share of the judgements.
+        /// A named fault becomes unknown if nothing fitted in more than this share of the judgements.
         lasting_misfit = 0.6, "1", measured "a named fault that ends was unknown for a moment (commit 58a822d)";
-        /// Error of the model in a size of the air flow, whose exponents are those of a book.
+        /// Error of the model in a size of the air flow, whose exponents come from a textbook.
         flow_error = 0.10, "1", measured "prototype 2: coverage of the intervals";
         /// Error of the model in any other size.
         size_error = 0.04, "1", measured "prototype 2: coverage of the intervals";

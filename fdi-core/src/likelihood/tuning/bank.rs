@@ -5,63 +5,63 @@ use super::tuning;
 tuning! {
     /// Hypotheses: means and standard deviations of what they free, and within which that is possible (docs/diagnosis.md, section 6).
     pub struct HypothesisTuning: hypotheses {
-        /// Of an offset of T1, T2, T0.
+        /// Standard deviation of an offset of T1, T2 or T0.
         offset_sd = 2.0, "degC", chosen "faults of the campaign are 0.5 to 3 degC";
-        /// Of a change of the air flow, 1/f - 1.
+        /// Standard deviation of a change of the air flow, 1/f - 1.
         flow_sd = 0.3, "1", chosen "faults of the campaign are 10 to 50 %";
         /// Largest loss of air flow, 1/f - 1.
         most_flow_loss = 4.0, "1", chosen "a fifth of the air is left";
         /// Largest gain of air flow, 1/f - 1, without its sign.
         most_flow_gain = 0.7, "1", chosen "3.3 times the air";
-        /// Of a change of the heater's power, and of the share of the rise that a clogged T1 loses.
+        /// Standard deviation of a change of the heater's power, and of the share of the rise that a clogged T1 loses.
         power_sd = 0.25, "1", chosen "faults of the campaign are 10 to 100 %";
         /// Largest change of the heater's power, both signs.
         most_power = 1.1, "1", derived "all of it, and a tenth for the estimate's error";
         /// A thermistor that loses more is not clogged, but out of the tube.
         detached = 0.4, "1", chosen "";
-        /// One that was clogged when it was learnt sees no more on top when it is mended.
+        /// A thermistor that was clogged when it was learnt sees at most this share more when it is mended.
         mended = 0.45, "1", chosen "";
         /// Mean share of the rise that a thermistor loses that is out of the tube.
         detached_mean = 0.7, "1", chosen "";
-        /// Of that share.
+        /// Standard deviation of that share.
         detached_sd = 0.2, "1", chosen "";
         /// Largest such share.
         detached_most = 1.3, "1", chosen "";
-        /// Of the lag of a clogged thermistor, as a share of its regressor's.
+        /// Standard deviation of the lag of a clogged thermistor, as a share of the regressor's lag.
         lag_sd = 0.15, "1", chosen "";
-        /// Of a drift.
+        /// Standard deviation of a drift.
         drift_sd = 3.0, "degC/min", chosen "";
-        /// Of the offset with which a drift begins.
+        /// Standard deviation of the offset with which a drift begins.
         drift_offset_sd = 0.2, "degC", chosen "";
-        /// Of what a stuck thermistor shows of its gain.
+        /// Standard deviation of the share of its gain that a stuck thermistor still shows.
         stuck_sd = 0.03, "1", chosen "";
-        /// Of what a stuck thermistor reads around what it read before.
+        /// Standard deviation of what a stuck thermistor reads, around what it read before.
         stuck_offset_sd = 0.3, "degC", chosen "";
         /// Largest share of its gain that a stuck thermistor shows, both signs.
         stuck_most = 0.1, "1", chosen "";
-        /// Of the mean power of a heater that gives the same whatever is asked for, and that mean.
+        /// Mean and standard deviation of the power of a heater that gives the same whatever is asked for.
         constant = 40.0, "%", chosen "";
         /// Least such power: below it all of the power is lost, which has a size.
         least_constant = 5.0, "%", chosen "commit c08f067";
-        /// Of what such a heater shows of what is asked for.
+        /// Standard deviation of the share of the asked-for power that such a heater still follows.
         constant_power_sd = 0.02, "1", chosen "";
-        /// Of a thermistor that is exchanged with another.
+        /// Standard deviation of how far two thermistors are exchanged; 1 is wholly.
         swapped_sd = 0.05, "1", chosen "";
-        /// Largest departure from a loss of the rise twice, of a thermistor that is exchanged with T0.
+        /// A thermistor that is exchanged with T0 loses its rise twice; this is the largest departure from that.
         swapped_most = 0.3, "1", chosen "";
-        /// Of the loss of the other thermistor, where one is exchanged with T0.
+        /// Standard deviation of the loss of the other thermistor, if one is exchanged with T0.
         half_swapped_sd = 0.15, "1", chosen "";
-        /// Of how late a change of the process begins, ticks times its share. With more, the time that tells air flow from power is lost.
+        /// Standard deviation of how late a change of the process begins, ticks times its share. With a larger value, the timing that tells air flow from power is lost.
         late_sd = 0.03, "ticks", chosen "";
-        /// A larger change of the process is judged once more, with more room for how late it begins.
+        /// A change of the process that is larger than this is judged a second time, with more room for how late it begins.
         large = 0.4, "1", chosen "";
-        /// Of how late such a change begins, for each of its share.
+        /// Standard deviation of how late such a change begins, ticks for a share of 1.
         large_late_sd = 0.3, "ticks", derived "anywhere within a tick: 1/sqrt(12)";
-        /// Log odds beforehand of drifts and of thermistors out of the tube.
+        /// Log odds beforehand of a drift, and of a thermistor out of the tube.
         uncommon = -3.0, "1", chosen "one of them for 20 of the common ones";
-        /// Log odds beforehand of what is rarer still.
+        /// Log odds beforehand of faults that are rarer still.
         rare = -5.0, "1", chosen "one of them for 150 of the common ones";
-        /// Where faults are told apart beforehand, none is further from the mean of what may come.
+        /// `pt326 isolability` assumes no fault that is further from its prior's mean than this.
         farthest = 5.0, "standard deviations", chosen "pt326 isolability alone";
     }
 }
@@ -77,7 +77,7 @@ impl HypothesisTuning {
 tuning! {
     /// Nuisances: standard deviations of what moves without being a fault (docs/diagnosis.md, section 6). What is learnt of a rig widens them.
     pub struct NuisanceTuning: nuisances {
-        /// Power since an onset, and the least that its steps are learnt to be.
+        /// Power since an onset; its learnt steps are never taken to be smaller.
         onset_power = 0.02, "1", chosen "mains";
         /// Air flow since an onset, 1/f - 1.
         onset_flow = 0.006, "1", chosen "fan, mains";
@@ -85,11 +85,11 @@ tuning! {
         onset_offset = 0.08, "degC", chosen "turbulence that is slower than the whitening filter remembers";
         /// T0 since an onset.
         onset_t0 = 0.12, "degC", chosen "the air that is drawn in is not what T0 reads";
-        /// Share of the wall, since an onset and since training.
+        /// Error in the share of the wall, since an onset and since training.
         wall = 0.03, "1", measured "prototype 2: errors of the fit";
-        /// Dead time, since an onset and since training.
+        /// Error of the dead time, since an onset and since training.
         shift = 0.07, "ticks", measured "prototype 2: errors of the fit, 8 ms";
-        /// T0's motion at T1 and at T2, as a share of T0's.
+        /// Motion of T0 that reaches T1 and T2 at another time, as a share of it.
         inlet = 1.0, "1", chosen "a draught reaches T0 later than T1";
         /// Power since training.
         trained_power = 0.025, "1", chosen "mains";
@@ -101,11 +101,11 @@ tuning! {
         trained_t0 = 0.3, "degC", chosen "the room";
         /// Gains of T1 and T2 since training.
         trained_gain = 0.01, "1", chosen "the model's gain away from where it was learnt";
-        /// By what the model's power, its air flow (1/f - 1) and its wall may be wrong right after training.
+        /// Error of the model's power, air flow (1/f - 1) and wall right after training.
         error = 0.1, "1", chosen "";
-        /// By what the model's gains may be wrong right after training.
+        /// Error of the model's gains right after training.
         error_gain = 0.05, "1", chosen "";
-        /// By what the model's dead time may be wrong right after training.
+        /// Error of the model's dead time right after training.
         error_shift = 0.5, "ticks", chosen "";
     }
 }
@@ -113,17 +113,17 @@ tuning! {
 tuning! {
     /// Faults of a user's own (docs/diagnosis.md, section 8). Standard deviations of what they change are those of the hypotheses.
     pub struct TaughtTuning: taught {
-        /// Of the lags that they change, as a share of their regressors'.
+        /// Standard deviation of the lags that such a fault changes, as a share of the regressors' lags.
         lag_sd = 0.5, "1", chosen "";
-        /// A fault comes as large as it was taught, give or take this share.
+        /// Standard deviation of the size of a taught fault, as a share of the size that was taught.
         size_sd = 0.2, "1", chosen "";
-        /// And at least this share of it.
+        /// Least size of a taught fault, as a share of the size that was taught.
         least_size = 0.3, "1", chosen "";
-        /// And at most this share of it.
+        /// Largest size of a taught fault, as a share of the size that was taught.
         most_size = 3.0, "1", chosen "";
-        /// Log odds beforehand: somebody has seen it on this rig.
+        /// Log odds beforehand of a taught fault: somebody has seen it on this rig.
         prior = 3.0, "1", measured "lessons and runs of tests/closed_loop/taught (docs/diagnosis.md, section 8)";
-        /// So much the data have to say without those odds: what changes hardly anything explains anything as well as nothing does.
+        /// Least evidence of a taught fault without those odds. A response that changes hardly anything would otherwise fit anything.
         least_gain = 3.0, "1", chosen "";
     }
 }

@@ -5,21 +5,21 @@ use super::tuning;
 tuning! {
     /// The model of the rig (docs/diagnosis.md, section 1).
     pub struct ModelTuning: model {
-        /// Film coefficients go with the air flow to this power.
+        /// The heat that passes from a surface to the air goes with the air flow to this power.
         film_exponent = 0.8, "1", derived "forced convection, docs/theory.md, section 1";
-        /// Share of the dead time of T1 that does not go with the air flow: sampling and conversion.
+        /// Share of T1's dead time that does not depend on the air flow: sampling and conversion.
         fixed_delay = 0.25, "1", measured "residuals of a prototype; without it the flow errs by a quarter (docs/diagnosis.md, section 16)";
         /// The power at which the gain is K.
         centre = 30.0, "%", chosen "about the power of the reference rig";
         /// The step of the power for which the curvature counts.
         step = 20.0, "%", chosen "a unit";
-        /// The air flow at which the regressor of less flow is a secant, and the inverse of that of more flow about.
+        /// The air flow with which the regressor of less flow is computed (a secant).
         less_flow = 0.77, "1", chosen "1/f - 1 is 0.3, the standard deviation of the hypothesis";
-        /// The air flow at which the regressor of more flow is a secant.
+        /// The air flow with which the regressor of more flow is computed (a secant).
         more_flow = 1.3, "1", chosen "1/0.77";
-        /// A change of the power shows so much later than the dead time says.
+        /// A change of the power shows this much later than the dead time says.
         shows_after = 1.5, "ticks", chosen "a tick until the next sample, and half a tick in the mean";
-        /// T0's slope is taken over so long where its motion reaches T1.
+        /// The slope of T0 is taken over this time, for the nuisance "inlet at T1".
         inlet_slope = 5.0, "ticks", chosen "";
     }
 }
@@ -33,9 +33,9 @@ impl ModelTuning {
 }
 
 tuning! {
-    /// How long everything takes on the reference rig; on others in proportion to their residence time (docs/diagnosis.md, section 12).
+    /// Times of the method on the reference rig; on other rigs they scale with the residence time (docs/diagnosis.md, section 12).
     pub struct TimeTuning: times {
-        /// Residence time of the reference rig.
+        /// Residence time of the reference rig: how long heat is on its way to T2.
         reference = 1.1, "s", measured "what training learns on the reference rig";
         /// Least time scale of a rig.
         least_scale = 0.5, "1", chosen "";
@@ -43,27 +43,27 @@ tuning! {
         largest_scale = 100.0, "1", chosen "";
         /// Memory of a swing of the temperature.
         swing = 2.0, "s", chosen "";
-        /// Memory of T0's mean: what the inlet moves has passed T1 and T2 by then.
+        /// Memory of T0's mean, for the nuisance "inlet at T2": air that enters has passed T1 and T2 after this time.
         inlet = 1.0, "s", chosen "";
-        /// Memory of how far power, flow and offsets walk.
+        /// Memory with which the usual walk of power, flow and offsets is learnt.
         walk = 7200.0, "s", chosen "";
-        /// Memory with which an alarm forgets.
+        /// Memory with which an alarm forgets old samples.
         forgetting = 10.0, "s", measured "without forgetting a sag gives wrong names (docs/diagnosis.md, section 16)";
-        /// Memory of the window in which an alarm's end is looked for.
+        /// Memory of the window that decides whether a fault is over.
         window = 0.7, "s", chosen "";
-        /// Lag of the regressors of a short lag of T1.
+        /// Lag of the regressors "short lag" and "short loss" of T1.
         short_lag = 0.35, "s", chosen "about that of the paper's MFS1, 0.4 s";
-        /// Lag of the regressors of a long lag of T1.
+        /// Lag of the regressors "long lag" and "long loss" of T1.
         long_lag = 1.0, "s", chosen "";
-        /// Lag of the fan.
+        /// Lag with which the air flow follows the fan.
         fan_lag = 0.2, "s", measured "prototype; no lag is safe, hence the pair of flow and power (docs/diagnosis.md, section 16)";
-        /// Memory of the fast band since training.
+        /// Memory of the fast band of the bank since training.
         minute = 60.0, "s", chosen "";
-        /// What is slower than this belongs to the slow band since training.
+        /// Changes that are slower than this belong to the slow band of the bank since training.
         split = 5.0, "s", measured "two bands, prototype (docs/diagnosis.md, section 9)";
-        /// Memory of the means that are the slow band.
+        /// Memory of the means that make up the slow band.
         mean = 25.0, "s", chosen "";
-        /// The fast band learns for so long where the model is wrong.
+        /// After training the fast band learns for this time by what the model is wrong.
         model_errors = 90.0, "s", measured "without it flow was named falsely in 3 of 25 runs on trainer, 14 on harsh (docs/diagnosis.md, section 9)";
     }
 }

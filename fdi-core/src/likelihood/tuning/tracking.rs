@@ -5,25 +5,25 @@ use super::tuning;
 tuning! {
     /// The tracker: a Kalman filter of power, air flow and both offsets (docs/diagnosis.md, section 7).
     pub struct TrackerTuning: tracker {
-        /// Standard deviation of the power at the start, and when it has taken over what nuisances explain.
+        /// Standard deviation of the power at the start, and after the tracker has taken over a step.
         first_power = 0.01, "1", chosen "";
-        /// The same of the air flow at the start, 1/f - 1.
+        /// Standard deviation of the air flow then, 1/f - 1.
         first_flow = 0.005, "1", chosen "";
-        /// The same of both offsets, as of the power.
+        /// Standard deviation of both offsets then.
         first_offset = 0.1, "degC", chosen "";
-        /// Process noise: random walk of the power in a tick, for a rig that answers within some ten ticks.
+        /// Process noise: random walk of the power in a tick, for a rig that answers within about ten ticks.
         walk_power = 0.0002, "1", measured "a faster tracker swallows drifts (docs/diagnosis.md, section 16)";
-        /// The same of the air flow, 1/f - 1.
+        /// Random walk of the air flow in a tick, 1/f - 1.
         walk_flow = 0.00008, "1", measured "the same";
-        /// The same of both offsets.
+        /// Random walk of both offsets in a tick.
         walk_offset = 0.0008, "degC", measured "the same";
-        /// Variance of a whitened residual, as the filter takes it: it is slower for it.
+        /// Variance of an innovation in this filter. More than 1 makes the filter slower.
         noise = 3.0, "1", chosen "";
-        /// It runs while all charts are below this share of their decision intervals.
+        /// The tracker runs while all charts are below this share of their decision intervals.
         below = 0.4, "1", measured "prototype 1, configuration J";
-        /// Share of a new step of the power in what is known of their size.
+        /// Share of a new step of the power in the mean square of the steps.
         step_share = 0.2, "1", chosen "";
-        /// What creeps in and goes by itself is usual here up to this share of power, and of air flow.
+        /// A slow change that goes away by itself counts as usual up to this share of power, and of air flow.
         passing = 0.06, "1", chosen "mains within 3 %";
     }
 }
@@ -45,9 +45,9 @@ impl TrackerTuning {
 tuning! {
     /// A change of the fan that is announced (docs/diagnosis.md, section 10).
     pub struct FanTuning: fan {
-        /// Levels that differ by less are one.
+        /// Levels of the fan that differ by less are the same.
         same = 1e-3, "1", chosen "";
-        /// So long after a change nothing is judged.
+        /// After an announced change of the fan nothing is judged for this time.
         settles = 10.0, "s", chosen "";
     }
 }

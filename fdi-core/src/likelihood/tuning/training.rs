@@ -5,11 +5,11 @@ use super::tuning;
 tuning! {
     /// What is known of a rig before it is trained: means and standard deviations of the parameters (docs/diagnosis.md, section 2).
     pub struct PriorTuning: prior {
-        /// Of ln of the gain, whose mean is that of the usual gain, of the wall's time constant and of the lag of a heater beside, whose mean is the heater's.
+        /// Standard deviation of ln of what is hardly known: the gain, whose mean is the usual gain, the wall's time constant, and the lag of a heater beside, whose mean is the heater's lag.
         wide = 0.7, "1", chosen "wide: a factor of 2";
         /// The heater's time constant as a share of the answer time.
         heater = 0.22, "1", derived "0.45 s of 2 s on the reference rig";
-        /// Of its ln.
+        /// Standard deviation of its ln.
         heater_sd = 0.8, "1", chosen "wide: a factor of 2.2";
         /// The dead time of T1.
         delay1 = 0.9, "ticks", derived "0.1 s on the reference rig";
@@ -19,27 +19,27 @@ tuning! {
         wall1 = 0.03, "1", chosen "";
         /// Share of T1's rise that reaches T2.
         reaches = 0.9, "1", derived "0.92 on the reference rig";
-        /// Of that share, and of that of a heater beside.
+        /// Standard deviation of that share, and of that of a heater beside.
         reaches_sd = 0.2, "1", chosen "";
         /// Transport from T1 to T2.
         delay2 = 1.1, "ticks", chosen "0.1 s on the reference rig is 0.9";
-        /// Of both dead times.
+        /// Standard deviation of both dead times.
         delay_sd = 1.4, "ticks", chosen "";
         /// T2's lag, ln.
         lag2 = 1.3, "ln ticks", derived "0.4 s on the reference rig";
-        /// Of ln of both lags.
+        /// Standard deviation of ln of both lags.
         lag_sd = 1.0, "1", chosen "wide: a factor of 2.7";
         /// Share of T2's rise that comes with the wall on top of T1's.
         wall2 = 0.02, "1", chosen "";
-        /// Of both shares of the wall.
+        /// Standard deviation of both shares of the wall.
         wall_sd = 0.06, "1", chosen "";
         /// The wall's time constant, answer times.
         wall_time = 15.0, "answer times", chosen "";
-        /// Of what T1 and T2 read above T0 without power, where that was not read cold; its mean is 0.
+        /// Standard deviation of what T1 and T2 read above T0 without power, if that was not read on a cold rig; its mean is 0.
         offset_sd = 1.5, "degC", chosen "tolerance of thermistors";
-        /// The same without T0, where it is the ambient temperature.
+        /// The same without T0: then the offset is the ambient temperature.
         intercept_sd = 30.0, "degC", chosen "wide: any room";
-        /// Of the curvature, whose mean is 0.
+        /// Standard deviation of the curvature, whose mean is 0.
         curvature_sd = 0.015, "1", chosen "";
         /// Static gain of a heater beside T1's own, as a share of that.
         second_heater = 0.15, "1", chosen "about the TCLab's";
@@ -79,11 +79,11 @@ tuning! {
         intercept = 10.0, "standard deviations", chosen "";
         /// Largest curvature, both signs.
         curvature = 0.2, "1", chosen "";
-        /// T1's own lag is no more than this share of it and the heater's, when learning begins.
+        /// When learning begins, T1's own lag is at most this share of the sum of its lag and the heater's.
         own_lag = 0.3, "1", chosen "the two can be exchanged for T1 alone";
-        /// T1's own lag is no less, when it is exchanged.
+        /// When the lags of T1 and the heater are exchanged, T1's is at least this.
         least_own_lag = 0.1, "ticks", chosen "";
-        /// T2's lag keeps this share, when T1's is exchanged.
+        /// When the lags of T1 and the heater are exchanged, T2's keeps at least this share of itself.
         least_lag2 = 0.2, "1", chosen "";
         /// Longest dead time of T1 and T2 together, as a share of what the transport remembers: less air takes longer.
         longest_delay = 0.7, "1", chosen "less flow by a quarter to a third stays within the memory";
@@ -93,13 +93,13 @@ tuning! {
 }
 
 tuning! {
-    /// The cold rig, which shows by what thermistors differ.
+    /// The cold rig, which shows by how much thermistors differ.
     pub struct ColdTuning: cold {
         /// A rig whose rises are below this is cold.
         below = 3.0, "degC", chosen "";
-        /// Standard deviation of a reading, by which the offset is known.
+        /// Standard deviation of one reading of an offset.
         sd = 0.15, "degC", chosen "";
-        /// Least standard deviation of an offset that was read.
+        /// Least standard deviation of an offset that was read on a cold rig.
         least_sd = 0.05, "degC", chosen "";
         /// Samples over which a trend is looked for.
         memory = 100.0, "ticks", chosen "";
@@ -111,35 +111,35 @@ tuning! {
 tuning! {
     /// The extended Kalman filter that trains.
     pub struct FilterTuning: filter {
-        /// T1 and T2 answer when their rise has grown by so much.
+        /// T1 and T2 count as answering when their rise has reached this.
         answers = 0.5, "degC", chosen "";
-        /// Share of the time since T1 answered by which the transport is at least as long, when T2 answers.
+        /// When T2 answers, the transport from T1 to T2 is at least this share of the time since T1 answered.
         later = 0.5, "1", chosen "";
-        /// Covariance inflation: the variance of a residual is taken for so much larger.
+        /// Covariance inflation: the variance of a residual is multiplied by this.
         inflation = 2.25, "1", chosen "";
-        /// At first the model errs by this share of the rise.
+        /// At first the model is taken to err by this share of the rise.
         first_error = 0.1, "1", chosen "";
-        /// That dies out with so many answer times.
+        /// This error decays with this time constant.
         first_answers = 6.0, "answer times", chosen "";
         /// No tick moves a parameter by more than this share of its prior's standard deviation.
         largest_step = 0.3, "1", chosen "";
-        /// An innovation counts for no more.
+        /// An innovation is clipped here.
         clip = 4.0, "standard deviations", chosen "";
-        /// Least variance with which learning begins, of its prior's: the first heat was fitted by a model that was wrong.
+        /// Least variance with which learning begins, as a share of the prior's: in the first heat the model was still wrong.
         reopened = 0.1, "1", chosen "";
-        /// From this power on a warm rig's gain is read from the first tick.
+        /// From this power on, the gain of a rig that is already warm is read from the first tick.
         warm_power = 1.0, "%", chosen "";
-        /// First order of a residual's noise until it is known.
+        /// Correlation of a residual with the one before, until it is known.
         rho = 0.6, "1", chosen "";
         /// Standard deviation of a residual until it is known.
         sigma = 0.1, "degC", chosen "";
-        /// Largest first order of the noise.
+        /// Largest correlation of a residual with the one before.
         largest_rho = 0.95, "1", chosen "";
         /// Memory of the residuals' mean and covariances.
         noise_memory = 200.0, "ticks", chosen "";
-        /// No residual is further from its mean where its noise is learnt.
+        /// Where the noise is learnt, a residual counts as no further from its mean than this.
         noise_clip = 1.0, "degC", chosen "";
-        /// Share of the residuals' mean that is taken for the model's.
+        /// Share of the residuals' mean that counts as a constant error of the model.
         mean_share = 0.7, "1", chosen "";
     }
 }
@@ -147,13 +147,13 @@ tuning! {
 tuning! {
     /// The noise model of the residuals, and the gate behind training (docs/diagnosis.md, section 3).
     pub struct WhiteningTuning: whitening {
-        /// White noise that is added to the autocovariance, as a factor on its variance.
+        /// Factor on the variance in the autocovariance: it adds a little white noise.
         ridge = 1.0001, "1", chosen "keeps the regression regular";
-        /// No innovation is taken for smaller.
+        /// Least standard deviation of the unpredictable part of a residual (sigma).
         least_sigma = 0.02, "degC", derived "steps of the converter, 0.025 degC at 35 degC, are not white";
         /// Largest share of a temperature's variance that the model may leave unexplained.
         largest_unexplained = 0.6, "1", chosen "";
-        /// A residual below this share of the rise is small enough in any case: what the excitation hardly moves has little variance.
+        /// A residual below this share of the rise is small enough in any case, because a temperature that the excitation hardly moves has little variance itself.
         small = 0.015, "1", chosen "";
     }
 }

@@ -14,16 +14,16 @@ pub(super) fn of(variations: &[Variation], campaign: &Campaign, hours: f64) -> O
         "\
 # What each value is worth
 
-Written by `pt326 campaign` with `--vary` or `--ablate` (vary.md). {} values, one at a time, each over the same {runs} runs, {hours:.0} h of the rig, seeds from {};
-what the likelihood diagnosis said.
+How much does each number of the likelihood diagnosis matter? `pt326 campaign` with `--vary` or `--ablate` wrote this page (vary.md). It changed {} values, one at a time, each over the same {runs} runs
+({hours:.0} h of the rig, seeds from {}).
 
-With everything as it is: {false_alarms} false alarms; of {faults} faults {missed} missed, {named_wrong} named wrong, {right_at_end} named right when they ended; median
+With all values as delivered: {false_alarms} false alarms; of {faults} faults {missed} missed, {named_wrong} named wrong, {right_at_end} named right when they ended; median
 delay {} s; {} % of the 95 % intervals hold the true size. The rows say what each value changes in that.
 
-* *differ*: runs of which anything that is kept (delays, names, confidences, sizes, ends of alarms, temperatures) is another to the last bit. None: the value
+* *differ*: the number of runs in which any recorded value (delays, names, confidences, sizes, ends of alarms, temperatures) differs, even by one bit. None: the value
   has no effect at all on these runs.
-* *later*: by how much the faults that are detected with and without it are detected later; geometric mean.
-* *wrong*: detected, and the class settled on is a wrong one. *Right at end*: on the last tick of the fault.
+* *later*: how much later faults are detected with this value than without it; the geometric mean over the faults that are detected in both cases.
+* *wrong*: the fault is detected, and its last name is wrong. *Right at end*: the name is right on the last tick of the fault.
 
 ",
         values.len(),

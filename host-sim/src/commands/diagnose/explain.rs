@@ -18,13 +18,14 @@ const WITHIN: [f64; 3] = [0.3, 1.0, 3.0];
 pub(super) fn missing(inputs: Inputs) -> String {
     let mut text = String::new();
     if !inputs.t0 {
-        text += "No T0: an intercept takes its place, and a room that warms looks like what else warms T1.\n";
+        text += "No T0: a constant is learnt in its place, so a room that warms looks like any other thing that warms T1.\n";
     }
     if !inputs.t2 {
-        text += "No T2: no fault has a place; what T1 reads, the heater and the air are told apart by how fast things go.\n";
+        text +=
+            "No T2: faults of T1, of the heater and of the air are told apart only by how fast T1 changes.\n";
     }
     if !inputs.fan {
-        text += "No fan: nothing is said of an air flow, or of dirt that it carries.\n";
+        text += "No fan: the air flow, and dirt that it carries, are not considered.\n";
     }
     text
 }

@@ -27,16 +27,16 @@ use crate::{recording, settings};
 /// Arguments of `diagnose`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
-Roles of --map: t1 (the heater's thermistor) and power are needed; time, t0 (the room), t2 (behind T1), known (the power of a second \
-heater beside), fan (its level, %), supply (share of the nominal voltage) and session (another number: the logger began anew) are used where they are \
-there. Known by their header: traces of this project, TCLab, TCLab's historian, Klipper's log; other columns are taken for what they are called, and \
-the first line says which. Several heaters are diagnosed one after the other.
+Roles of --map: t1 (the heater's thermistor) and power are needed. These are used if they are there: time, t0 (the room), t2 (behind T1), known (the \
+power of a second heater beside), fan (its level, %), supply (share of the nominal voltage), session (when this number changes, the logger began anew). \
+Traces of this project, TCLab, TCLab's historian and Klipper's log are known by their header. Other columns are recognized by their names; the first \
+printed line says how. Several heaters are diagnosed one after the other.
 
-Times are numbers (seconds, or what --time-unit says), clocks or dates, of which 5/1/2024 is in May. Times count from the first sample; where they fall \
+Times are numbers (seconds, or what --time-unit says), clocks or dates; 5/1/2024 is in May. Times count from the first sample. If they fall \
 back, stand still or leap, another session begins.
 
-Without T0 an intercept is learnt in its place, and nothing is said of T0. Without T2 no fault has a place: what T1 reads, the heater and the air \
-are told apart by how fast things go.
+Without T0 a constant is learnt in its place, and T0 is not diagnosed. Without T2, faults of T1, of the heater and of the air are told apart only by \
+how fast T1 changes. docs/records.md begins with an example.
 
 Examples:
   pt326 diagnose faults_0.csv --train-on prbs.csv
@@ -44,16 +44,16 @@ Examples:
   pt326 diagnose faults_0.csv --train-on prbs.csv --heater 1 --truth t1_offset=dout1_degC
   my-logger | pt326 diagnose - --live --train-on normal.csv")]
 pub struct DiagnoseArgs {
-    /// The recording, CSV or a log of a kind that is known; `-` is standard input.
+    /// The recording, CSV or a known kind of log; `-` is standard input.
     #[arg(value_name = "RECORD")]
     pub file: PathBuf,
     #[command(flatten)]
     /// How to read it.
     pub reading: ReadingArgs,
-    /// The only heater to diagnose, from 1, where the format has several.
+    /// The only heater to diagnose, counted from 1, if the recording has several.
     #[arg(long, value_name = "N")]
     pub heater: Option<usize>,
-    /// Learn from this part, s from the first sample on; left out: a part that seems normal is looked for.
+    /// Learn from this part, in s from the first sample on; left out: a part that seems normal is looked for.
     #[arg(long, value_name = "FROM:TO", conflicts_with = "train_on")]
     pub train: Option<String>,
     /// Learn from another recording of the same rig.
@@ -72,10 +72,10 @@ pub struct DiagnoseArgs {
     /// Say what was learnt, and what can be told apart with it.
     #[arg(long)]
     pub explain: bool,
-    /// Read standard input for ever, a line a sample, and say what is wrong when it is; where the lines have times, a sample stands where its time is.
+    /// Read standard input continuously, one line per sample, and report findings as they come. If the lines have times, each sample is placed by its time.
     #[arg(long, requires = "train_on")]
     pub live: bool,
-    /// Say it as JSON, an object a line.
+    /// With --live: report as JSON, one object per line.
     #[arg(long, requires = "live")]
     pub json: bool,
     /// Write the settings that a board would need.
@@ -101,16 +101,17 @@ pub struct ReadingArgs {
     /// Unit of times that are numbers: ns, us, ms, s, min, h or d; left out: as their column's name says, or the numbers themselves.
     #[arg(long, value_name = "UNIT")]
     pub time_unit: Option<String>,
-    /// Bring time stamps to an even grid even where they lie on one; uneven ones are anyway.
+    /// Resample time stamps even if they are nearly even; uneven ones are always resampled.
     #[arg(long)]
     pub resample: bool,
-    /// The power that is 100 %, in its unit; left out: 1, 100, 255, 1023 .., as the numbers are.
+    /// The power that is 100 %, in the unit of its column; left out: guessed from the numbers (1, 100, 255, 1023 ..).
     #[arg(long, value_name = "POWER")]
     pub full_power: Option<f64>,
-    /// How many degC one unit of a temperature counts for, where it is none.
+    /// For temperatures in another unit: how many degC one unit counts for.
     #[arg(long, value_name = "DEGC")]
     pub degc: Option<f64>,
-    /// Whether a fan moves the air: without one neither its flow nor dirt that it carries is to blame. Left out: as the format says, else yes.
+    /// Whether a fan moves the air. Without one, the air flow and dirt that it carries are not considered. Left out: as the known format says, or whether
+    /// a recognized column is called fan; with --map, yes.
     #[arg(long, value_name = "BOOL")]
     pub fan: Option<bool>,
 }

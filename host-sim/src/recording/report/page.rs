@@ -326,13 +326,13 @@ fn reading(told: &Told) -> String {
     let lacks = [
         (
             !inputs.t0,
-            "No T0: an intercept takes its place, and a room that warms looks like what else warms T1.",
+            "No T0: a constant is learnt in its place, so a room that warms looks like any other thing that warms T1.",
         ),
         (
             !inputs.t2,
-            "No T2: what T1 reads, the heater and the process are told apart by how fast things go.",
+            "No T2: faults of T1, of the heater and of the air are told apart only by how fast T1 changes.",
         ),
-        (!inputs.fan, "No fan: nothing is said of an air flow, or of dirt that it carries."),
+        (!inputs.fan, "No fan: the air flow, and dirt that it carries, are not considered."),
     ];
     items.extend(lacks.into_iter().filter(|(is, _)| *is).map(|(_, text)| text.to_owned()));
     let items: String = items.into_iter().map(|item| format!("<li>{item}</li>\n")).collect();

@@ -17,4 +17,5 @@ pub mod repeat;
 pub mod score;
 pub mod settings;
 pub mod teach;
+pub mod tune;
 pub mod words;

@@ -1,7 +1,8 @@
 """The PT-326 instrument in Python: the code of the board, with its simulated rig.
 
 ``run()`` is the paper's experiment; ``Rig`` and ``Instrument`` are the same tick by tick; ``diagnose()`` reads the recording of any heater;
-``campaign()`` and ``evaluate()`` score both diagnoses, and anybody's detector, over many runs. The project's docs/python.md has more.
+``fit_rig()`` makes a simulated rig of one; ``tune()`` finds PID settings for a rig; ``campaign()`` and ``evaluate()`` score both diagnoses, and
+anybody's detector, over many runs. The project's docs/python.md has more.
 """
 
 from . import tclab
@@ -9,9 +10,10 @@ from ._campaign import Campaign, Detector, Evaluation, campaign, evaluate
 from ._core import VERSION as __version__
 from ._core import Board, Codes, Config, Finding, Instrument, Monitor, Report, Setting, scenario
 from ._error import Error
-from ._recording import Diagnosis, Model, diagnose, identify
+from ._recording import Diagnosis, FittedRig, Model, diagnose, fit_rig, identify
 from ._rig import Rig
 from ._run import Run, isolability, repeat, run
+from ._tune import Tuning, tune
 
 __all__ = [
     "Board",
@@ -23,6 +25,7 @@ __all__ = [
     "Error",
     "Evaluation",
     "Finding",
+    "FittedRig",
     "Instrument",
     "Model",
     "Monitor",
@@ -30,14 +33,17 @@ __all__ = [
     "Rig",
     "Run",
     "Setting",
+    "Tuning",
     "__version__",
     "campaign",
     "diagnose",
     "evaluate",
+    "fit_rig",
     "identify",
     "isolability",
     "repeat",
     "run",
     "scenario",
     "tclab",
+    "tune",
 ]

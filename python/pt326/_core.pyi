@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 from typing_extensions import disjoint_base
 
-__all__ = ["VERSION", "Board", "Cells", "Codes", "Config", "Finding", "Instrument", "Monitor", "Observer", "Record", "Recording", "Report", "Rig", "Setting", "identify", "isolability", "repeat", "run", "scenario"]
+__all__ = ["VERSION", "Board", "Cells", "Codes", "Config", "Finding", "Instrument", "Monitor", "Observer", "Record", "Recording", "Report", "Rig", "Setting", "identify", "isolability", "repeat", "run", "scenario", "tune"]
 
 VERSION: Final[str]
 """
@@ -431,6 +431,10 @@ class Recording:
         Learns from the other recording if there is one, from a part (from, to in s), or from a part that seems normal; then watches. A model that explains less than
         30 % of T1 is refused, unless `force`.
         """
+    def fit_rig(self, /, heater: SupportsIndex = 1, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "dict[str, typing.Any]":
+        """
+        A simulated rig that answers as one of its heaters does: `pt326 fit-rig`. All of the recording is taken for normal.
+        """
     @property
     def heaters(self, /) -> list[str]:
         """
@@ -634,4 +638,9 @@ def run(scenario: "object" = None, config: Config | None = None, seed: SupportsI
 def scenario() -> "dict[str, typing.Any]":
     """
     The paper's experiment as a dict, to be changed and run: rig, faults, what its user does.
+    """
+
+def tune(scenario: "object" = None, config: Config | None = None, seed: SupportsIndex = 1, preset: str | None = None, disturbance: str | None = None) -> "dict[str, typing.Any]":
+    """
+    The experiment of the console's `tune start` on a simulated rig, and what each rule proposes.
     """

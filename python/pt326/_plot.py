@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from ._campaign import Evaluation
     from ._recording import Diagnosis
     from ._run import Run
+    from ._tune import Tuning
 
 # Okabe and Ito's colours, which the colour-blind can tell apart.
 BLUE, VERMILLION, INK = "#0072b2", "#d55e00", "#202830"
@@ -174,6 +175,20 @@ def diagnosis(found: Diagnosis) -> Any:
     for panel in (temperatures, power, said):
         panel.axvspan(found.t[0], found.watched_from, color="#b4bbc4", alpha=0.25, lw=0)
     _said(found, said)
+    return figure
+
+
+def tuning(of: Tuning) -> Any:
+    """T1 and the power of the experiment that tunes."""
+    figure = Picture(figsize=(10, 4), layout="constrained")
+    temperature, power = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
+    temperature.plot(of.t, of.t1, color=BLUE, lw=0.9)
+    power.plot(of.t, of.power, drawstyle="steps-post", **FILTERED)
+    for panel, title in ((temperature, "T1 (°C)"), (power, "Power (%)")):
+        panel.set_title(title, loc="left", fontsize=9)
+        panel.tick_params(labelsize=8)
+        panel.grid(alpha=0.3)
+    power.set_xlabel("time (s)")
     return figure
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from . import _core, _frames
 from ._core import Config, Monitor
+from ._rig import Rig
 from ._run import Run
 
 #: What a column may be, as in ``pt326 diagnose --map``.
@@ -86,17 +87,9 @@ def diagnose(
     header. It learns from the part ``train`` (from, to in s), from another recording ``train_on``, or from a part that seems normal.
     A model that explains less than 30 % of T1 is refused unless ``force``; below 60 % a warning tells why.
     """
-    roles = dict(zip(ROLES, (time, t0, t1, t2, power, known, fan, supply), strict=True))
-    reading: dict[str, object] = {
-        "map": [f"{role}={column}" for role, column in roles.items() if column is not None],
-        "ts": ts,
-        "resample": resample,
-        "full_power": full_power,
-        "degc": degc,
-        "fan": has_fan,
-    }
+    roles = (time, t0, t1, t2, power, known, fan, supply)
     other = {} if train_on is None else {f"other_{kind}": of for kind, of in _source(train_on).items()}
-    read = _core.Recording(**_source(recording), **other, reading=reading)
+    read = _read(recording, roles, ts, resample, full_power, degc, has_fan, **other)
     if from_rest:
         read.put_rest_before()
     with _frames.shown("samples", progress) as tell:
@@ -111,6 +104,88 @@ def diagnose(
     if warning := learnt.pop("warning"):
         warnings.warn(warning, stacklevel=2)
     return Diagnosis(record, learnt, read)
+
+
+class FittedRig:
+    """A simulated rig that answers as a recorded one does: ``run(fitted.scenario)``, or tick by tick ``fitted.rig()``."""
+
+    def __init__(self, fitted: dict[str, Any], sample_time: float) -> None:
+        #: The rig as a scenario without faults: add some, and give it to ``run``, ``repeat``, ``isolability`` or ``tune``.
+        self.scenario: dict[str, Any] = fitted["scenario"]
+        #: The same as ``pt326 fit-rig`` writes it.
+        self.toml: str = fitted["toml"]
+        #: How much of T1 its model explains, simulated, %.
+        self.fit: float = fitted["fit"]
+        #: What of the recorded rig no simulated one can have, with what stands in its place.
+        self.beyond: list[str] = fitted["beyond"].splitlines()
+        #: Ts of the recording, s.
+        self.sample_time = sample_time
+
+    def rig(self, seed: int = 1, disturbance: Literal["none", "calm", "lively"] = "none") -> Rig:
+        """It in motion, with the sample time of the recording."""
+        return Rig("paper", seed, disturbance, sample_time=self.sample_time, constants=self.scenario["rig"])
+
+    def __str__(self) -> str:
+        return self.toml
+
+    def __repr__(self) -> str:
+        return f"<pt326.FittedRig: {self.fit:.1f} % of T1>"
+
+
+def fit_rig(
+    recording: str | os.PathLike[str] | Mapping[str, Any] | Any,
+    *,
+    time: str | None = None,
+    t0: str | None = None,
+    t1: str | None = None,
+    t2: str | None = None,
+    power: str | None = None,
+    known: str | None = None,
+    fan: str | None = None,
+    supply: str | None = None,
+    heater: int = 1,
+    ts: float | None = None,
+    resample: bool = False,
+    full_power: float | None = None,
+    degc: float | None = None,
+    has_fan: bool | None = None,
+    progress: bool | _frames.Progress = True,
+) -> FittedRig:
+    """Fits a simulated rig to a recording without a fault, in which the power moves: ``pt326 fit-rig``.
+
+    ``recording`` and the columns are given as to ``diagnose``. Gain, lags, dead time and wall are those of the model that the diagnosis learns; what
+    that leaves unexplained becomes noise and wander. What one thermistor cannot tell is the reference rig's.
+    """
+    roles = (time, t0, t1, t2, power, known, fan, supply)
+    read = _read(recording, roles, ts, resample, full_power, degc, has_fan)
+    with _frames.shown("samples", progress) as tell:
+        fitted = read.fit_rig(heater, tell)
+    if warning := fitted["warning"]:
+        warnings.warn(warning, stacklevel=2)
+    return FittedRig(fitted, read.sample_time)
+
+
+def _read(
+    recording: Any,
+    roles: tuple[str | None, ...],
+    ts: float | None,
+    resample: bool,
+    full_power: float | None,
+    degc: float | None,
+    has_fan: bool | None,
+    **other: Any,
+) -> _core.Recording:
+    """A recording, and another of the same heater with it."""
+    columns = [f"{role}={column}" for role, column in zip(ROLES, roles, strict=True) if column is not None]
+    reading: dict[str, object] = {
+        "map": columns,
+        "ts": ts,
+        "resample": resample,
+        "full_power": full_power,
+        "degc": degc,
+        "fan": has_fan,
+    }
+    return _core.Recording(**_source(recording), **other, reading=reading)
 
 
 def _source(recording: Any) -> dict[str, Any]:

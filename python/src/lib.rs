@@ -10,6 +10,7 @@ mod instrument;
 mod monitor;
 mod rig;
 mod run;
+mod tune;
 mod wait;
 
 use pyo3::prelude::*;
@@ -33,6 +34,8 @@ mod core {
     use crate::rig::{Codes, Rig};
     #[pymodule_export]
     use crate::run::{Record, isolability, run, scenario};
+    #[pymodule_export]
+    use crate::tune::tune;
 
     /// The version of this package.
     #[pymodule_export]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use fdi_core::likelihood::inputs::Inputs;
 use fdi_core::likelihood::model::Model;
 use fdi_core::{Observed, Units};
+use pt326::recording::fit_rig::Fitted;
 use pt326::recording::intervals::{Known, numbers};
 use pt326::recording::run::{Training, as_tick, diagnose};
 use pt326::recording::text::text_of;
@@ -14,7 +15,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::config::{Config, or_default};
-use crate::convert::{error, from_table, python, refused, to_table};
+use crate::convert::{error, from_table, python, refused, to_python, to_table};
 use crate::instrument::Report;
 use crate::run::Record;
 use crate::wait::wait;
@@ -228,6 +229,26 @@ impl Recording {
         learnt.set_item("restarts", done.restarts)?;
         self.trained = Some(done.trained);
         Ok((Record(done.record), learnt))
+    }
+
+    /// A simulated rig that answers as one of its heaters does: `pt326 fit-rig`. All of the recording is taken for normal.
+    #[pyo3(signature = (heater = 1, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "dict[str, typing.Any]")]
+    fn fit_rig<'py>(
+        &self,
+        py: Python<'py>,
+        heater: usize,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let recording = self.recording.clone();
+        let fitted = wait(py, progress, move |shared| Fitted::new(&recording, heater, &shared.bar))?;
+        let scenario: toml::Table = fitted.scenario.parse().map_err(error)?;
+        let dict = PyDict::new(py);
+        dict.set_item("scenario", to_python(py, &scenario)?)?;
+        dict.set_item("toml", fitted.scenario)?;
+        dict.set_item("fit", fitted.fit)?;
+        dict.set_item("warning", fitted.warning)?;
+        dict.set_item("beyond", fitted.beyond)?;
+        Ok(dict)
     }
 
     /// A monitor that has learnt what `diagnose` learnt, for what comes next from the same rig.

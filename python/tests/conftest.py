@@ -18,7 +18,7 @@ def command() -> Command:
     if path is None:
         pytest.skip("PT326 names no command to compare with")
 
-    def run(*arguments: str | Path) -> "subprocess.CompletedProcess[str]":
-        return subprocess.run([path, *map(str, arguments)], capture_output=True, text=True, check=False)
+    def run(*arguments: str | Path, typed: str | None = None) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run([path, *map(str, arguments)], input=typed, capture_output=True, text=True, check=False)
 
     return run

@@ -135,3 +135,44 @@ def test_what_cannot_be_identified_is_refused(frame: Any) -> None:
         pt326.identify(frame, u="kettle", y="box", order=(1, 1, 1))
     with pytest.raises(pt326.Error, match="detrend"):
         pt326.identify(frame, u="heat", y="box", order=(1, 1, 1), detrend="never")  # type: ignore[arg-type]
+
+
+def test_a_fitted_rig_is_that_of_the_command_line_and_runs(frame: Any, command: Command, tmp_path: Path) -> None:
+    normal = frame[:3400]
+    file, written = tmp_path / "box.csv", tmp_path / "rig.toml"
+    normal.astype(np.float64).to_csv(file, index=False)
+    roles = [word for role, column in MAP.items() for word in ("--map", f"{role}={column}")]
+    done = command("fit-rig", file, *roles, "-o", written)
+    assert done.returncode == 0, done.stderr
+    told: list[tuple[int, int | None]] = []
+    fitted = pt326.fit_rig(file, **MAP, progress=lambda done, of: told.append((done, of)))
+    assert fitted.toml == str(fitted) == written.read_text()
+    assert told
+    assert f"Fit, simulated: {fitted.fit:.1f} % of T1" in done.stdout
+    assert fitted.beyond == []
+    assert pt326.fit_rig(normal, **MAP, progress=False).scenario == fitted.scenario
+    assert fitted.scenario["rig"]["gain"] == pytest.approx(0.3, abs=0.03)
+    clogged = [{"do": "air-flow", "size": 0.7, "at": 440.0, "for": 60.0}]
+    scenario = {**fitted.scenario, "duration": 500.0, "fault": clogged}
+    assert "air_flow" in {event["name"] for event in pt326.run(scenario).events}
+    rig = fitted.rig()
+    assert rig.sample_time == pytest.approx(0.11)
+    cold = rig.air[0]
+    for _ in range(200):
+        rig.step(40.0)
+    assert rig.air[0] - cold == pytest.approx(40.0 * fitted.scenario["rig"]["gain"], rel=0.1)
+
+
+def test_what_no_rig_can_be_fitted_to_is_refused_as_at_the_command_line(
+    frame: Any, command: Command, tmp_path: Path
+) -> None:
+    file = tmp_path / "noise.csv"
+    noise = np.random.default_rng(1).normal(30.0, 5.0, 2000)
+    frame[:2000].assign(box=noise, behind=noise, room=20.0).astype(np.float64).to_csv(file, index=False)
+    roles = [word for role, column in MAP.items() for word in ("--map", f"{role}={column}")]
+    done = command("fit-rig", file, *roles, "-o", tmp_path / "rig.toml")
+    with pytest.raises(pt326.Error) as refused:
+        pt326.fit_rig(file, **MAP, progress=False)
+    assert done.stderr.strip() == f"error: {refused.value}".strip()
+    with pytest.raises(pt326.Error, match="heater is 2, expected 1 to 1"):
+        pt326.fit_rig(frame[:3400], **MAP, heater=2, progress=False)

@@ -97,7 +97,10 @@ mod tests {
         let cells = campaign.expand(&config).unwrap();
         let header = Header::new(&campaign, &config, Shard::WHOLE).unwrap();
         let path = std::env::temp_dir().join(format!("pt326-runner-{}.jsonl", std::process::id()));
-        let open = |fresh| Remaining::new(&cells, Shard::WHOLE, Store::open(&path, &header, fresh).unwrap());
+        let open = |fresh| {
+            let store = Store::open(&path, &header, fresh, || panic!("nobody else has it")).unwrap();
+            Remaining::new(&cells, Shard::WHOLE, store)
+        };
         let run = |remaining: Remaining, stop_after: usize| {
             let (stop, done) = (AtomicBool::new(false), AtomicUsize::new(0));
             let advance = |_| {

@@ -2,8 +2,8 @@
 //! that was interrupted goes on where it stopped; the parts of a cluster are put together from it.
 
 use std::collections::HashSet;
-use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
@@ -122,33 +122,35 @@ pub struct Store {
 }
 
 impl Store {
-    /// Opens the file, or begins it. What an interruption has left of a last line is cut off.
+    /// Opens the file, or begins it. What an interruption has left of a last line is cut off. It is ours alone from then on: while another
+    /// program has it, such as the same part of a campaign on a node that was given up too early, this waits, and `waits` is told.
     ///
     /// # Errors
     /// Results of another campaign; a file that can't be read or written.
-    pub fn open(path: &Path, header: &Header, fresh: bool) -> anyhow::Result<Self> {
+    pub fn open(path: &Path, header: &Header, fresh: bool, waits: impl FnOnce()) -> anyhow::Result<Self> {
         let place = || format!("can't write {}", path.display());
+        let mut file =
+            OpenOptions::new().read(true).append(true).create(true).open(path).with_context(place)?;
+        lock(&file, waits).with_context(place)?;
+        let mut text = String::new();
+        if !fresh {
+            file.read_to_string(&mut text).with_context(|| format!("can't read {}", path.display()))?;
+        }
+        let whole = whole_lines(&text);
         let mut finished = HashSet::new();
-        let old = if fresh { None } else { std::fs::read_to_string(path).ok().filter(|t| t.contains('\n')) };
-        let keep = match &old {
-            None => 0,
-            Some(text) => {
-                let whole = whole_lines(text);
-                let (found, rows) = parse(whole).with_context(|| path.display().to_string())?;
-                header.must_equal(&found).with_context(|| {
-                    format!(
-                        "{} holds results that these can't join; --fresh deletes them, --out DIR goes elsewhere",
-                        path.display()
-                    )
-                })?;
-                finished.extend(rows.iter().map(|row| (row.cell, row.run)));
-                whole.len() as u64
-            }
-        };
-        let file = OpenOptions::new().create(true).append(true).open(path).with_context(place)?;
-        file.set_len(keep).with_context(place)?;
+        if !whole.is_empty() {
+            let (found, rows) = parse(whole).with_context(|| path.display().to_string())?;
+            header.must_equal(&found).with_context(|| {
+                format!(
+                    "{} holds results that these can't join; --fresh deletes them, --out DIR goes elsewhere",
+                    path.display()
+                )
+            })?;
+            finished.extend(rows.iter().map(|row| (row.cell, row.run)));
+        }
+        file.set_len(whole.len() as u64).with_context(place)?;
         let mut store = Self { file, path: path.to_owned(), finished };
-        if old.is_none() {
+        if whole.is_empty() {
             store.line(header)?;
         }
         Ok(store)
@@ -165,6 +167,17 @@ impl Store {
     fn line(&mut self, value: &impl Serialize) -> anyhow::Result<()> {
         let line = serde_json::to_string(value)? + "\n";
         self.file.write_all(line.as_bytes()).with_context(|| format!("can't write {}", self.path.display()))
+    }
+}
+
+/// Nobody else has the file until it is closed. Some file systems have no locks: then two programs may write it, as ever.
+fn lock(file: &File, waits: impl FnOnce()) -> std::io::Result<()> {
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            waits();
+            file.lock()
+        }
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(()),
     }
 }
 
@@ -252,4 +265,30 @@ fn parse(text: &str) -> anyhow::Result<(Header, Vec<RunRow>)> {
         .map(|(line, number)| serde_json::from_str(line).with_context(|| format!("line {number}")))
         .collect::<anyhow::Result<_>>()?;
     Ok((header, rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+
+    #[test]
+    fn whoever_comes_second_waits_and_then_sees_what_the_first_has_done() {
+        let campaign: Campaign =
+            toml::from_str("[[cell]]\nname = \"quiet\"\nruns = 2\nduration = 5.0\n").unwrap();
+        let header = Header::new(&campaign, &Config::default(), Shard::WHOLE).unwrap();
+        let path = std::env::temp_dir().join(format!("pt326-store-{}.jsonl", std::process::id()));
+        let mut first = Store::open(&path, &header, true, || panic!("nobody else has it")).unwrap();
+        let (tell, told) = channel();
+        let second = std::thread::spawn({
+            let path = path.clone();
+            move || Store::open(&path, &header, false, || tell.send(()).unwrap()).unwrap().finished
+        });
+        told.recv().expect("the second waits");
+        first.push(&RunRow { run: 1, ..RunRow::default() }).unwrap();
+        drop(first);
+        assert_eq!(second.join().unwrap(), HashSet::from([(0, 1)]));
+        std::fs::remove_file(&path).unwrap();
+    }
 }

@@ -3,6 +3,7 @@
 pub mod batch;
 pub mod believed;
 mod cell;
+pub mod fit_rig;
 pub mod format;
 pub mod grid;
 pub mod harness;

@@ -2,6 +2,7 @@
 
 mod definition;
 mod merge;
+mod parquet;
 mod same;
 mod show;
 mod tables;

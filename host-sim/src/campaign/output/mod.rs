@@ -1,6 +1,9 @@
 //! What a campaign writes: `campaign.json`, `cells.csv`, `runs.csv`, `tables.md`, `runaway.md`, `rigs.md`, `vary.md` and pictures.
 
+mod field;
 mod markdown;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 mod pictures;
 mod rigs;
 mod runaway;
@@ -22,10 +25,8 @@ use super::run::{Observation, RunRow};
 use super::statistics::heat::HeatStatistics;
 use super::statistics::quantiles::Quantiles;
 use crate::score::expectation::Expectation;
+use field::{Field, field};
 use text::counted;
-
-/// A cell of a table with the name of its column.
-type Field = (String, String);
 
 /// Writes them all, and the pictures; gives their names.
 ///
@@ -76,18 +77,9 @@ fn csv(rows: impl Iterator<Item = Vec<Field>>) -> anyhow::Result<Vec<u8>> {
         if i == 0 {
             writer.write_record(row.iter().map(|(name, _)| name))?;
         }
-        writer.write_record(row.iter().map(|(_, value)| value))?;
+        writer.write_record(row.iter().map(|(_, value)| value.to_string()))?;
     }
     Ok(writer.into_inner()?)
-}
-
-fn field(name: impl Into<String>, value: impl ToString) -> Field {
-    (name.into(), value.to_string())
-}
-
-/// Empty where there is nothing.
-fn maybe(name: impl Into<String>, value: Option<impl ToString>) -> Field {
-    (name.into(), value.map_or(String::new(), |x| x.to_string()))
 }
 
 fn run_fields(cell: &Cell, row: &RunRow) -> Vec<Field> {
@@ -97,9 +89,9 @@ fn run_fields(cell: &Cell, row: &RunRow) -> Vec<Field> {
         field("setting", &cell.setting),
         field("run", row.run),
         field("seed", row.seed),
-        maybe("class", expected.and_then(|e| e.class).map(|c| c.name())),
-        maybe("magnitude_true", expected.and_then(|e| e.magnitude)),
-        maybe("onset_s", row.onset_s),
+        field("class", expected.and_then(|e| e.class).map(|c| c.name())),
+        field("magnitude_true", expected.and_then(|e| e.magnitude)),
+        field("onset_s", row.onset_s),
     ];
     fields.extend(heat_fields(&row.heat));
     for by in By::BOTH {
@@ -113,12 +105,12 @@ fn heat_fields(heat: &Heat) -> [Field; 8] {
     [
         field("air_max_c", heat.air_max_c),
         field("overshoot_max_c", heat.overshoot_max_c),
-        maybe("trip", heat.trip.map(|reason| reason.name())),
-        maybe("tripped_s", heat.tripped_s),
-        maybe("off_delay_s", heat.off_delay_s),
-        maybe("off_after_visible_s", heat.off_after_visible_s),
+        field("trip", heat.trip.map(|reason| reason.name())),
+        field("tripped_s", heat.tripped_s),
+        field("off_delay_s", heat.off_delay_s),
+        field("off_after_visible_s", heat.off_after_visible_s),
         field("saturated_s", heat.saturated_s),
-        maybe("overpower_s", heat.overpower_s),
+        field("overpower_s", heat.overpower_s),
     ]
 }
 
@@ -128,35 +120,35 @@ fn heat_statistics(heat: &HeatStatistics) -> [Field; 9] {
         field("tripped_otherwise_pct", heat.tripped_otherwise_pct),
         field("tripped_early", heat.tripped_early),
         field("trips", counted(&heat.reasons)),
-        maybe("overshoot_max_c", heat.overshoot_max_c),
-        maybe("off_delay_max_s", heat.off_delay_max_s),
-        maybe("off_after_visible_max_s", heat.off_after_visible_max_s),
-        maybe("saturated_max_s", heat.saturated_max_s),
-        maybe("overpower_max_s", heat.overpower_max_s),
+        field("overshoot_max_c", heat.overshoot_max_c),
+        field("off_delay_max_s", heat.off_delay_max_s),
+        field("off_after_visible_max_s", heat.off_after_visible_max_s),
+        field("saturated_max_s", heat.saturated_max_s),
+        field("overpower_max_s", heat.overpower_max_s),
     ]
 }
 
 fn observation_fields(by: By, observed: &Observation) -> Vec<Field> {
     let fields = [
-        field("armed", u8::from(observed.armed)),
-        field("early", u8::from(observed.early)),
-        maybe("detection_delay_s", observed.detection_delay_s),
-        maybe("isolation_delay_s", observed.isolation_delay_s),
-        maybe("indicated_duration_s", observed.indicated_duration_s),
-        maybe("isolated_share", observed.isolated_share),
-        maybe("first", observed.first.as_ref()),
-        maybe("settled", observed.settled.as_ref()),
-        maybe("magnitude", observed.magnitude),
-        maybe("half_width", observed.half_width),
-        maybe("onset_error_s", observed.onset_error_s),
-        maybe("confidence", observed.confidence),
+        field("armed", observed.armed),
+        field("early", observed.early),
+        field("detection_delay_s", observed.detection_delay_s),
+        field("isolation_delay_s", observed.isolation_delay_s),
+        field("indicated_duration_s", observed.indicated_duration_s),
+        field("isolated_share", observed.isolated_share),
+        field("first", observed.first.as_ref()),
+        field("settled", observed.settled.as_ref()),
+        field("magnitude", observed.magnitude),
+        field("half_width", observed.half_width),
+        field("onset_error_s", observed.onset_error_s),
+        field("confidence", observed.confidence),
         field("alarms", observed.alarms),
         field("advices", observed.advices),
         field("watched_ticks", observed.watched_ticks),
         field("alarm_ticks", observed.alarm_ticks),
         field("advice_ticks", observed.advice_ticks),
-        maybe("first_alarm_s", observed.first_alarm_s),
-        maybe("first_alarm_as", observed.first_alarm_as.as_ref()),
+        field("first_alarm_s", observed.first_alarm_s),
+        field("first_alarm_as", observed.first_alarm_as.as_ref()),
     ];
     fields.into_iter().map(|(name, value)| (format!("{}_{name}", by.name()), value)).collect()
 }
@@ -166,9 +158,9 @@ fn cell_fields(cell: &CellResults) -> Vec<Field> {
         field("cell", &cell.name),
         field("plant", &cell.plant),
         field("setting", &cell.setting),
-        field("disturbance", cell.disturbance),
-        maybe("class", cell.class),
-        maybe("magnitude_true", cell.magnitude),
+        field("disturbance", cell.disturbance.to_string()),
+        field("class", cell.class),
+        field("magnitude_true", cell.magnitude),
         field("runs", cell.runs),
     ];
     fields.extend(heat_statistics(&cell.heat));
@@ -186,26 +178,26 @@ fn cell_fields(cell: &CellResults) -> Vec<Field> {
             let Quantiles { median, p95, p99 } = quantiles.unwrap_or_default();
             these.extend(
                 [("median", median), ("p95", p95), ("p99", p99)]
-                    .map(|(q, x)| maybe(format!("{name}_{q}"), x)),
+                    .map(|(q, x)| field(format!("{name}_{q}"), x)),
             );
         }
         let alarms = &statistics.alarms;
         these.extend([
-            maybe("missed", fault.map(|f| f.missed)),
-            maybe("early", fault.map(|f| f.early)),
-            maybe("not_isolated", fault.map(|f| f.not_isolated)),
-            maybe("first_right_pct", fault.map(|f| f.first_right_pct)),
-            maybe("settled_right_pct", fault.map(|f| f.settled_right_pct)),
-            maybe("magnitude_coverage_pct", fault.and_then(|f| f.magnitude_coverage_pct)),
+            field("missed", fault.map(|f| f.missed)),
+            field("early", fault.map(|f| f.early)),
+            field("not_isolated", fault.map(|f| f.not_isolated)),
+            field("first_right_pct", fault.map(|f| f.first_right_pct)),
+            field("settled_right_pct", fault.map(|f| f.settled_right_pct)),
+            field("magnitude_coverage_pct", fault.and_then(|f| f.magnitude_coverage_pct)),
             field("alarms", alarms.alarms),
             field("runs_with_alarm", alarms.runs_with),
             field("hours", alarms.hours),
-            maybe("alarms_per_hour", alarms.per_hour),
-            maybe("alarms_per_hour_low", alarms.per_hour_95.map(|i| i[0])),
-            maybe("alarms_per_hour_high", alarms.per_hour_95.map(|i| i[1])),
-            maybe("alarms_dispersion", alarms.dispersion),
-            maybe("alarm_share_of_time", alarms.share_of_time),
-            maybe("told_share_of_time", alarms.told_share_of_time),
+            field("alarms_per_hour", alarms.per_hour),
+            field("alarms_per_hour_low", alarms.per_hour_95.map(|i| i[0])),
+            field("alarms_per_hour_high", alarms.per_hour_95.map(|i| i[1])),
+            field("alarms_dispersion", alarms.dispersion),
+            field("alarm_share_of_time", alarms.share_of_time),
+            field("told_share_of_time", alarms.told_share_of_time),
         ]);
         fields.extend(these.into_iter().map(|(name, value)| (format!("{}_{name}", by.name()), value)));
     }

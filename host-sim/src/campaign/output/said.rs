@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use super::field::{Field, field};
 use super::text::{counted, delays, label, line, seconds};
-use super::{Field, field, maybe};
 use crate::campaign::results::{CellResults, Results};
 use crate::campaign::statistics::said::{Confidence, FaultSaid, SaidStatistics, Share, sum};
 use crate::score::said::{BINS, Said};
@@ -12,15 +12,15 @@ use crate::score::said::{BINS, Said};
 /// Columns of a run.
 pub(super) fn run_fields(said: &Said) -> Vec<Field> {
     let mut fields = vec![
-        maybe("right_delay_s", said.right_delay_s),
-        maybe("end_name", said.end_name.as_ref()),
-        maybe("end_right", said.end_right.map(u8::from)),
-        maybe("end_size", said.end_size),
-        maybe("end_half_width", said.end_half_width),
-        maybe("end_size_true", said.end_size_true),
-        maybe("alarm_share", said.alarm_share),
-        maybe("tail_s", said.tail_s),
-        field("tail_open", u8::from(said.tail_open)),
+        field("right_delay_s", said.right_delay_s),
+        field("end_name", said.end_name.as_ref()),
+        field("end_right", said.end_right),
+        field("end_size", said.end_size),
+        field("end_half_width", said.end_half_width),
+        field("end_size_true", said.end_size_true),
+        field("alarm_share", said.alarm_share),
+        field("tail_s", said.tail_s),
+        field("tail_open", said.tail_open),
         field("sure_wrong_s", said.sure_wrong_s),
         field("sure_wrong_late_s", said.sure_wrong_late_s),
         field("intervals", said.intervals),
@@ -42,21 +42,21 @@ pub(super) fn cell_fields(said: &SaidStatistics) -> Vec<Field> {
     {
         let q = quantiles.unwrap_or_default();
         let three = [("median", q.median), ("p95", q.p95), ("p99", q.p99)];
-        fields.extend(three.map(|(share, x)| maybe(format!("{name}_{share}"), x)));
+        fields.extend(three.map(|(share, x)| field(format!("{name}_{share}"), x)));
     }
     fields.extend([
-        maybe("end_right_pct", fault.map(|f| f.end_right_pct)),
-        maybe("end_names", fault.map(|f| counted(&f.end_names))),
-        maybe("lasted_pct", fault.map(|f| f.lasted_pct)),
-        maybe("alarm_share_pct", fault.and_then(|f| f.alarm_share_pct)),
-        maybe("sure_wrong_pct", fault.map(|f| f.sure_wrong_pct)),
+        field("end_right_pct", fault.map(|f| f.end_right_pct)),
+        field("end_names", fault.map(|f| counted(&f.end_names))),
+        field("lasted_pct", fault.map(|f| f.lasted_pct)),
+        field("alarm_share_pct", fault.and_then(|f| f.alarm_share_pct)),
+        field("sure_wrong_pct", fault.map(|f| f.sure_wrong_pct)),
     ]);
     fields.push(field("names", named(&said.names)));
     fields.extend(share_fields("end_coverage", fault.and_then(|f| f.end_coverage)));
     fields.extend(share_fields("coverage", fault.and_then(|f| f.coverage)));
     for from in std::iter::once(0.0).chain(BINS) {
         let bin = said.confidence.iter().find(|bin| bin.from == from);
-        fields.push(maybe(format!("confidence_{from}_mean_pct"), bin.map(|bin| bin.mean_pct)));
+        fields.push(field(format!("confidence_{from}_mean_pct"), bin.map(|bin| bin.mean_pct)));
         fields.extend(share_fields(&format!("confidence_{from}_right"), bin.map(|bin| bin.right)));
     }
     prefixed(fields)
@@ -73,10 +73,10 @@ fn named(names: &BTreeMap<String, [u64; 2]>) -> String {
 
 fn share_fields(name: &str, share: Option<Share>) -> [Field; 4] {
     [
-        maybe(format!("{name}_of"), share.map(|s| s.of)),
-        maybe(format!("{name}_pct"), share.map(|s| s.pct)),
-        maybe(format!("{name}_pct_low"), share.map(|s| s.pct_95[0])),
-        maybe(format!("{name}_pct_high"), share.map(|s| s.pct_95[1])),
+        field(format!("{name}_of"), share.map(|s| s.of)),
+        field(format!("{name}_pct"), share.map(|s| s.pct)),
+        field(format!("{name}_pct_low"), share.map(|s| s.pct_95[0])),
+        field(format!("{name}_pct_high"), share.map(|s| s.pct_95[1])),
     ]
 }
 

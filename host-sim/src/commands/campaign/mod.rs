@@ -1,5 +1,7 @@
 //! `pt326 campaign`: many runs of many kinds, both diagnoses side by side, in numbers with their uncertainty.
 
+mod definition;
+
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,14 +14,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::results::Folder;
 use super::terminal::{coloured, print};
-use crate::campaign::ablation;
 use crate::campaign::cell::Cell;
-use crate::campaign::definition::{ABLATION_TOML, CAMPAIGN_TOML, Campaign, PHYSICS_TOML, QUICK, USUAL};
 use crate::campaign::output;
 use crate::campaign::results::Results;
 use crate::campaign::runner::{Progress, Remaining};
 use crate::campaign::store::{self, Header, Shard, Store};
 use crate::recording::harness;
+pub use definition::DefinitionArgs;
+use definition::built_in;
 
 /// Arguments of `campaign`.
 #[derive(Clone, Debug, Args)]
@@ -88,49 +90,6 @@ pub struct RecordsArgs {
     pub out: PathBuf,
 }
 
-/// Names of the subcommands: a word near one of them is no file.
-const SUBCOMMANDS: [&str; 4] = ["define", "merge", "show", "records"];
-
-/// What describes a campaign.
-#[derive(Clone, Debug, Args)]
-pub struct DefinitionArgs {
-    /// The campaign, TOML; see `pt326 campaign define`. Left out: the default one.
-    #[arg(value_name = "FILE.toml")]
-    pub file: Option<PathBuf>,
-    /// The campaign on physics that no model has, in place of the default one.
-    #[arg(long, conflicts_with = "file")]
-    pub physics: bool,
-    /// Vary each number of the likelihood diagnosis (`pt326 config --tuning`), at half and at twice its value: vary.md says what each is worth. Without a
-    /// file, over a few runs of many kinds, all of them: more than an hour of one core.
-    #[arg(long, conflicts_with_all = ["physics", "quick"])]
-    pub ablate: bool,
-    /// Settings of the instrument, TOML; see `pt326 config`.
-    #[arg(long, value_name = "FILE.toml")]
-    pub config: Option<PathBuf>,
-    /// A twentieth of the runs: less than a minute. Without --quick, --full or --scale, a built-in campaign does a
-    /// quarter of its runs, and that of a file all.
-    #[arg(long, conflicts_with_all = ["full", "scale"])]
-    pub quick: bool,
-    /// All runs of the definition.
-    #[arg(long, conflicts_with = "scale")]
-    pub full: bool,
-    /// Multiply the numbers of runs by this.
-    #[arg(long)]
-    pub scale: Option<f64>,
-    /// Only the cells whose name contains this.
-    #[arg(long, value_name = "TEXT")]
-    pub only: Option<String>,
-    /// The first seed, in place of the definition's.
-    #[arg(long, value_name = "SEED")]
-    pub seeds_from: Option<u64>,
-    /// Repeat everything for each of some values of a setting; of several settings, for all combinations.
-    #[arg(long, value_name = "KEY=VALUE,VALUE")]
-    pub sweep: Vec<String>,
-    /// The same, but vary one setting at a time: what is each worth?
-    #[arg(long, value_name = "KEY=VALUE,VALUE")]
-    pub vary: Vec<String>,
-}
-
 /// Arguments of a campaign.
 #[derive(Clone, Debug, Args)]
 pub struct CampaignRunArgs {
@@ -149,6 +108,18 @@ pub struct CampaignRunArgs {
     /// Number of threads. Default: all cores.
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     pub threads: usize,
+    #[command(flatten)]
+    /// What else.
+    pub more: MoreArgs,
+}
+
+/// What is written that not everybody wants.
+#[derive(Clone, Debug, Args)]
+pub struct MoreArgs {
+    /// Write runs.parquet as well: the rows of runs.csv, with types and in a third of the bytes. It takes a program built
+    /// with `--features parquet`.
+    #[arg(long)]
+    pub parquet: bool,
 }
 
 /// Arguments of `campaign merge`.
@@ -160,6 +131,9 @@ pub struct MergeArgs {
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "out/campaign")]
     pub out: PathBuf,
+    #[command(flatten)]
+    /// What else.
+    pub more: MoreArgs,
 }
 
 /// Arguments of `campaign show`.
@@ -181,73 +155,22 @@ pub struct ShowArgs {
 /// Exit code of a program that Ctrl-C has stopped.
 const INTERRUPTED: i32 = 130;
 
-impl DefinitionArgs {
-    /// Reads and checks what the arguments name.
+impl MoreArgs {
+    /// Before hours of work are done.
     ///
     /// # Errors
-    /// The file, line, key or value that is wrong.
-    pub fn load(&self) -> anyhow::Result<(Campaign, fdi_core::Config)> {
-        let config = crate::settings::read(self.config.as_deref())?;
-        if let Some(file) = &self.file {
-            check_is_file(file)?;
-        }
-        let mut campaign = match &self.file {
-            Some(file) => Campaign::read(file)?,
-            None => toml::from_str(built_in(self.physics, self.ablate))?,
-        };
-        let preset = match (self.quick, self.full) {
-            (true, _) => QUICK,
-            (_, true) => 1.0,
-            _ if self.file.is_none() && !self.ablate => USUAL,
-            _ => 1.0,
-        };
-        campaign.scale *= self.scale.unwrap_or(preset);
-        if let Some(only) = &self.only {
-            campaign.only.clone_from(only);
-        }
-        campaign.seeds_from = self.seeds_from.unwrap_or(campaign.seeds_from);
-        for text in &self.sweep {
-            let (key, values) = parse_sweep(text)?;
-            campaign.sweep.insert(key, values);
-        }
-        if self.ablate {
-            campaign.vary.extend(ablation::vary());
-        }
-        for text in &self.vary {
-            let (key, values) = parse_sweep(text)?;
-            campaign.vary.insert(key, values);
-        }
-        Ok((campaign, config))
+    /// What is asked for cannot be written.
+    fn check(&self, shard: Shard) -> anyhow::Result<()> {
+        ensure!(
+            !self.parquet || cfg!(feature = "parquet"),
+            "--parquet: this pt326 was built without it; `cargo install --path host-sim --features parquet` builds it with"
+        );
+        ensure!(
+            !self.parquet || shard == Shard::WHOLE,
+            "--parquet: a part writes no tables; give it to `pt326 campaign merge`"
+        );
+        Ok(())
     }
-}
-
-/// The text of a built-in campaign.
-fn built_in(physics: bool, ablate: bool) -> &'static str {
-    match (physics, ablate) {
-        (true, _) => PHYSICS_TOML,
-        (_, true) => ABLATION_TOML,
-        _ => CAMPAIGN_TOML,
-    }
-}
-
-/// A mistyped subcommand looks like a file that is not there.
-fn check_is_file(file: &Path) -> anyhow::Result<()> {
-    let word = file.to_string_lossy();
-    let near = |name: &&&str| strsim::damerau_levenshtein(&word, name) <= 2;
-    if let (false, Some(name)) = (file.exists(), SUBCOMMANDS.iter().find(near)) {
-        anyhow::bail!("there is no file {word}; did you mean `pt326 campaign {name}`?");
-    }
-    Ok(())
-}
-
-/// `key=value,value` with values as in TOML.
-fn parse_sweep(text: &str) -> anyhow::Result<(String, Vec<toml::Value>)> {
-    let expected = || format!("{text}: expected key=value,value such as diagnosis.sigma_factor=2.5,3,4");
-    let (key, values) = text.split_once('=').with_context(expected)?;
-    let table: toml::Table = format!("values = [{values}]").parse().with_context(expected)?;
-    let values = table["values"].as_array().cloned().unwrap_or_default();
-    ensure!(!values.is_empty() && !key.is_empty(), expected());
-    Ok((key.trim().into(), values))
 }
 
 /// Runs the command.
@@ -265,12 +188,16 @@ pub fn run(args: &CampaignArgs) -> anyhow::Result<()> {
 }
 
 fn run_campaign(args: &CampaignRunArgs) -> anyhow::Result<()> {
+    args.more.check(args.shard)?;
     let (campaign, config) = args.definition.load()?;
     let cells = campaign.expand(&config)?;
     let header = Header::new(&campaign, &config, args.shard)?;
     Folder::open(&args.out)?;
     let path = args.out.join(args.shard.file_name());
-    let remaining = Remaining::new(&cells, args.shard, Store::open(&path, &header, args.fresh)?);
+    let waits =
+        || eprintln!("Another program is writing {}: this one waits until it has ended.", path.display());
+    let store = Store::open(&path, &header, args.fresh, waits)?;
+    let remaining = Remaining::new(&cells, args.shard, store);
     let Progress { finished, of } = run_until_interrupted(remaining, args.threads)?;
     if finished < of {
         eprintln!(
@@ -280,7 +207,7 @@ fn run_campaign(args: &CampaignRunArgs) -> anyhow::Result<()> {
         std::process::exit(INTERRUPTED);
     }
     if args.shard == Shard::WHOLE {
-        return conclude(&[path], &args.out);
+        return conclude(&[path], &args.out, &args.more);
     }
     print(&format!(
         "Part {} of {} is finished: {}\nWhen all are: pt326 campaign merge {}/runs.*.jsonl\n",
@@ -352,17 +279,23 @@ fn records(args: &RecordsArgs) -> anyhow::Result<()> {
 }
 
 fn merge(args: &MergeArgs) -> anyhow::Result<()> {
+    args.more.check(Shard::WHOLE)?;
     Folder::open(&args.out)?;
-    conclude(&args.files, &args.out)
+    conclude(&args.files, &args.out, &args.more)
 }
 
 /// Prints and writes what a whole campaign showed. It always goes by the files, so that it does not matter how the runs
 /// came into them.
-fn conclude(files: &[PathBuf], out: &Path) -> anyhow::Result<()> {
+fn conclude(files: &[PathBuf], out: &Path, more: &MoreArgs) -> anyhow::Result<()> {
     let store::Whole { campaign, cells, rows } = store::read(files)?;
     let results = Results::new(&campaign, &cells, &rows);
     print(&coloured(&output::table::of(&results)))?;
-    let written = output::write(&results, &cells, &rows, out)?;
+    let mut written = output::write(&results, &cells, &rows, out)?;
+    if more.parquet {
+        #[cfg(feature = "parquet")]
+        output::parquet::write_runs(&cells, &rows, &out.join("runs.parquet"))?;
+        written += ", runs.parquet";
+    }
     print(&format!("\nWritten to {}: {written}\n", out.display()))
 }
 

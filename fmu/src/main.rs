@@ -15,12 +15,12 @@ Makes pt326_rig.fmu and pt326_instrument.fmu, for simulators that read FMI 3.0 (
 
     cargo fmu [--out FOLDER] [TARGET ...]
 
-FOLDER is target/fmu unless it is given. Without a TARGET the files are for this machine. With some they are for those, each by its
-name for rustup:
+FOLDER is target/fmu unless it is given. The files are for this machine, and for each TARGET besides, by its name for rustup:
 
-    cargo fmu x86_64-unknown-linux-gnu x86_64-pc-windows-gnu
+    rustup target add x86_64-pc-windows-gnu
+    cargo fmu x86_64-pc-windows-gnu
 
-Each must be installed (rustup target add ..), with a linker: for Windows Debian's gcc-mingw-w64-x86-64.";
+It needs a linker for each: for this one Debian's gcc-mingw-w64-x86-64.";
 const LICENCES: [(&str, &str); 2] = [
     ("LICENSE-MIT", include_str!("../../LICENSE-MIT")),
     ("LICENSE-APACHE", include_str!("../../LICENSE-APACHE")),
@@ -58,10 +58,9 @@ fn run(mut arguments: impl Iterator<Item = String>) -> anyhow::Result<()> {
             triple => triples.push(triple.to_owned()),
         }
     }
-    let binaries = match triples.as_slice() {
-        [] => vec![binary(&target, None)?],
-        some => some.iter().map(|triple| binary(&target, Some(triple))).collect::<anyhow::Result<_>>()?,
-    };
+    let targets = std::iter::once(None).chain(triples.iter().map(|triple| Some(triple.as_str())));
+    let binaries: Vec<Binary> =
+        targets.map(|triple| binary(&target, triple)).collect::<anyhow::Result<_>>()?;
     std::fs::create_dir_all(&folder).with_context(|| format!("can't make {}", folder.display()))?;
     for model in models() {
         let file = folder.join(format!("{}.fmu", model.identifier));

@@ -164,7 +164,7 @@ impl Instance {
             let name = &self.values.variable(reference)?.name;
             match self.get(reference)? {
                 Value::Text(text) => texts.push(CString::new(text.as_str())?),
-                other => bail!("{name} is read as String, expected {}", other.type_name()),
+                other => bail!("{name} is read by fmi3GetString, expected fmi3Get{}", other.type_name()),
             }
         }
         self.texts = texts;

@@ -10,7 +10,7 @@ mod unsupported;
 
 use std::ffi::{CStr, c_char, c_void};
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 
 use crate::instance::Instance;
 use crate::model::Model;
@@ -197,8 +197,9 @@ macro_rules! numbers {
                 // SAFETY: the caller's promise.
                 for (i, &reference) in unsafe { given(references, count) }?.iter().enumerate() {
                     let name = instance.name(reference)?;
-                    let Value::$value(value) = instance.get(reference)? else {
-                        anyhow::bail!("{name} is read as {}, expected another type", stringify!($value));
+                    let value = match instance.get(reference)? {
+                        Value::$value(value) => value,
+                        other => bail!("{name} is read by {}, expected fmi3Get{}", stringify!($get), other.type_name()),
                     };
                     // SAFETY: not null, and the caller's promise; `i` is below the count.
                     unsafe { values.add(i).write(*value) };

@@ -95,7 +95,7 @@ impl Verb {
     }
 
     /// Smallest and largest `size` with the unit; `None` for a verb without.
-    fn size_bounds(self) -> Option<(f64, f64, &'static str)> {
+    pub fn size_bounds(self) -> Option<(f64, f64, &'static str)> {
         match self {
             Self::Offset | Self::Loose | Self::Spike | Self::Ambient => Some((-100.0, 100.0, "°C")),
             Self::Drift | Self::AmbientDrift => Some((-600.0, 600.0, "°C a minute")),

@@ -35,10 +35,8 @@ pub(super) struct HeatState {
     was_heating: bool,
     /// Low-passed rises of T1 and T2.
     rises: [Rise; 2],
-    /// T1's rise before; low-passed products of its expected motion from tick to tick with the measured and with itself.
-    before: Rise,
-    shared_motion: f32,
-    motion: f32,
+    /// Low-passed squares of how far T1's rise is from its mean: measured, and expected.
+    motion: Rise,
     /// T1 and T2 contradict each other: neither is regulated by.
     contradict: bool,
     tuning: Tuned,
@@ -62,10 +60,10 @@ impl Heat {
             }
         }
         if let [Some(t1), _] = now {
-            let before = core::mem::replace(&mut s.before, t1);
-            let moved = t1.expected - before.expected;
-            self.rises.follow(&mut s.shared_motion, moved * (t1.measured - before.measured));
-            self.rises.follow(&mut s.motion, moved * moved);
+            let mean = &s.rises[0];
+            let [seen, expected] = [t1.measured - mean.measured, t1.expected - mean.expected];
+            self.rises.follow(&mut s.motion.measured, seen * seen);
+            self.rises.follow(&mut s.motion.expected, expected * expected);
         }
         self.watch_heater(s, now, heating);
     }
@@ -95,11 +93,11 @@ impl Heat {
         s.stuck_on |= s.too_hot >= if heating { t.too_hot_time } else { t.too_hot_off };
     }
 
-    /// Whether T1 has moved as expected since an onset, for long enough to be told.
+    /// Whether T1 has moved since an onset, however late, for long enough to be told: what stands still is stuck, what follows slowly is not.
     pub(super) fn t1_moves(&self, s: &HeatState, onset: u32, tick: u32) -> bool {
         let t = &self.tuning.heat;
         let settled = tick.saturating_sub(onset) as f32 * self.rises.share() > t.stuck_time;
-        settled && s.shared_motion > t.stuck * s.motion
+        settled && s.motion.measured > t.stuck * t.stuck * s.motion.expected
     }
 
     /// `e2` is what T2 reads above what the power lets expect, degC; `gain` the share of T1's rise that reaches T2.
@@ -119,9 +117,7 @@ impl HeatState {
             stuck_on: false,
             was_heating: true,
             rises: [rise; 2],
-            before: rise,
-            shared_motion: 0.0,
-            motion: 0.0,
+            motion: Rise { measured: 0.0, expected: 0.0 },
             contradict: false,
             tuning,
         }
@@ -177,7 +173,7 @@ impl HeatState {
     pub(super) fn sum(&self) -> f32 {
         let [t1, t2] = self.rises;
         let rises = t1.measured + t1.expected + t2.measured + t2.expected;
-        rises + self.correction + self.too_hot + self.shared_motion + self.motion
+        rises + self.correction + self.too_hot + self.motion.measured + self.motion.expected
     }
 
     /// Whether the rig has been hot without power for too long.

@@ -28,7 +28,7 @@ tuning! {
         attached = 0.25, "1", chosen "";
         /// ... and at least this rise is expected.
         detached_rise = 4.0, "degC", chosen "";
-        /// A stuck T1 shows less than this share of the expected motion from tick to tick.
+        /// A stuck T1 shows less than this share of the expected motion around its mean.
         stuck = 0.2, "1", chosen "";
         /// This is asked from this time after the onset on, in memories of the low-passed rises.
         stuck_time = 2.5, "1", chosen "";

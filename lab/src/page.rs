@@ -7,6 +7,8 @@ const INDEX: &str = include_str!("../page/index.html");
 const STYLE: &str = include_str!("../page/lab.css");
 const WORKER: &str = include_str!("../page/worker.js");
 const REPORT: &str = "<!-- report -->";
+/// What the session in a page begins with.
+const WASM: &str = "<script type=\"text/plain\" id=\"wasm\">";
 const PLACE: &str = "<!-- bundle: style, modules, worker, data -->";
 
 /// What stands in the page's place for a browser that has not brought the token: it fetches the page with the token that this tab has kept,
@@ -94,11 +96,11 @@ pub fn html(source: Source) -> String {
             let worker = WORKER.replace("</script", "<\\/script");
             format!(
                 "<script type=\"text/plain\" id=\"worker\">{worker}</script>\n\
-                 <script type=\"text/plain\" id=\"wasm\">{}</script>",
+                 {WASM}{}</script>",
                 STANDARD.encode(wasm)
             )
         }
-        Source::Server(token) => format!("<script type=\"text/plain\" id=\"token\">{token}</script>"),
+        Source::Server(token) => token_in_page(token),
         Source::Recording { json, .. } => {
             format!(
                 "<script type=\"application/json\" id=\"recording\">{}</script>",
@@ -118,6 +120,17 @@ pub fn html(source: Source) -> String {
         _ => String::new(),
     };
     INDEX.replacen(REPORT, &report, 1).replacen(PLACE, &head, 1)
+}
+
+/// lab.html with a server's token in it: it begins at the server, and has all that lies in the file, such as a board at a port of its computer.
+/// `None` where `page` is no lab.html.
+pub fn with_token(page: &str, token: &str) -> Option<String> {
+    let (before, wasm) = page.split_once(WASM)?;
+    Some(format!("{before}{}{WASM}{wasm}", token_in_page(token)))
+}
+
+fn token_in_page(token: &str) -> String {
+    format!("<script type=\"text/plain\" id=\"token\">{token}</script>\n")
 }
 
 /// What stands for what in an address of `data:` within JSON within HTML, in this order. The last two keep names and references of a drawing

@@ -2,6 +2,7 @@
 //! (w3.org/TR/webdriver), to a program on this machine.
 
 pub mod bridge;
+pub mod port;
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;

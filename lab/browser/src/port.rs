@@ -4,6 +4,12 @@
 pub const PORT: &str = r##"
 const toast = async (pattern) => { await until(() => pattern.test($("#toast").textContent)); return $("#toast").textContent; };
 const bytes = (text) => Uint8Array.from(text, (c) => c.charCodeAt(0));
+// A line of the stream with its CRC-32.
+const framed = (line) => {
+  let sum = -1;
+  for (const byte of bytes(line)) { sum ^= byte; for (let k = 0; k < 8; k++) sum = (sum >>> 1) ^ (sum & 1 ? 0xedb88320 : 0); }
+  return `\x02${line}*${((sum ^ -1) >>> 0).toString(16).padStart(8, "0")}\r\n`;
+};
 class Port {
   constructor(answers) { Object.assign(this, { answers, heard: "" }); }
   getInfo() { return {}; }

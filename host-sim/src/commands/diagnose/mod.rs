@@ -29,7 +29,7 @@ use crate::{recording, settings};
 #[command(after_help = "\
 Roles of --map: t1 (the heater's thermistor) and power are needed; time, t0 (the room), t2 (behind T1), known (the power of a second \
 heater beside), fan (its level, %), supply (share of the nominal voltage) and session (another number: the logger began anew) are used where they are \
-there. Known by their header: traces of this project, TCLab, TCLab's historian, Klipper's log; other columns are taken for what they are called, and \
+there. Known by their header: traces of this project, logs of its boards (the page's *Save log*, or `pt326 board --record`), TCLab, TCLab's historian, Klipper's log; other columns are taken for what they are called, and \
 the first line says which. Several heaters are diagnosed one after the other.
 
 Times are numbers (seconds, or what --time-unit says), clocks or dates, of which 5/1/2024 is in May. Times count from the first sample; where they fall \
@@ -41,6 +41,7 @@ are told apart by how fast things go.
 Examples:
   pt326 diagnose faults_0.csv --train-on prbs.csv
   pt326 diagnose box.csv --map time=t --map t1=T_box --map power=PWM --full-power 255 --train 0:1800
+  pt326 diagnose board.log
   pt326 diagnose faults_0.csv --train-on prbs.csv --heater 1 --truth t1_offset=dout1_degC
   my-logger | pt326 diagnose - --live --train-on normal.csv")]
 pub struct DiagnoseArgs {

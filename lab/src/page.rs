@@ -89,11 +89,11 @@ pub enum Source<'a> {
 pub fn html(source: Source) -> String {
     let imports: Vec<String> = MODULES
         .iter()
-        .map(|(name, text)| format!("\"{name}\":\"data:text/javascript,{}\"", in_address(text)))
+        .map(|(name, text)| format!("\"{name}\":\"data:text/javascript,{}\"", in_address(&lean(text))))
         .collect();
     let data = match source {
         Source::InPage(wasm) => {
-            let worker = WORKER.replace("</script", "<\\/script");
+            let worker = lean(WORKER).replace("</script", "<\\/script");
             format!(
                 "<script type=\"text/plain\" id=\"worker\">{worker}</script>\n\
                  {WASM}{}</script>",
@@ -133,6 +133,12 @@ fn token_in_page(token: &str) -> String {
     format!("<script type=\"text/plain\" id=\"token\">{token}</script>\n")
 }
 
+/// Without lines that are only a comment, and without what stands before a line: for a browser, not for people.
+fn lean(text: &str) -> String {
+    let lines = text.lines().map(str::trim_start).filter(|line| !line.is_empty() && !line.starts_with("//"));
+    lines.map(|line| format!("{line}\n")).collect()
+}
+
 /// What stands for what in an address of `data:` within JSON within HTML, in this order. The last two keep names and references of a drawing
 /// from looking like addresses that the page asks for.
 const ESCAPES: [(&str, &str); 8] = [
@@ -170,6 +176,12 @@ mod tests {
             }
         }
         assert!(MODULES.iter().all(|(name, _)| imported.contains(name)));
+    }
+
+    #[test]
+    fn a_module_is_without_its_comments_and_indentation() {
+        let text = "// What it is.\nlet a = 1; // one\n\n  // More.\n  b(`x\n    y`);\n";
+        assert_eq!(lean(text), "let a = 1; // one\nb(`x\ny`);\n");
     }
 
     #[test]

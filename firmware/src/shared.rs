@@ -14,7 +14,7 @@ use firmware_logic::cadence;
 use firmware_logic::console::board::Chip;
 use firmware_logic::control_loop::{Denial, Order, Outcome, TickRecord};
 use firmware_logic::diagnosis_loop::DiagnosisLoop;
-use firmware_logic::log_line::{self, LogLine};
+use firmware_logic::log_line::{self, Image, LogLine};
 use firmware_logic::reset_cause::{ResetCause, Restart};
 use firmware_logic::retained::Retained;
 use firmware_logic::status::{Health, Status};
@@ -56,16 +56,19 @@ impl Shared {
     pub(crate) fn begin(&self, cause: ResetCause, clock: Source) {
         self.stream.borrow_mut().switch(matches!(cause, ResetCause::Restarted(_)));
         self.line(LogLine::Start { version: log_line::VERSION });
-        self.send(&format_args!(
-            "PT-326 FDI {} ({}) on {}, {} Hz from {}, {}",
-            env!("CARGO_PKG_VERSION"),
-            env!("GIT_DESCRIBE"),
-            board::NAME,
-            clock::core_hz(),
-            clock.name(),
-            cause.name(),
-        ));
+        self.image();
+        self.send(&format_args!("clock {} Hz from {}, {}", clock::core_hz(), clock.name(), cause.name()));
         log_line::settings(&self.diagnosis.borrow().settings().config, |line| self.line(line));
+    }
+
+    /// Which image this is, for whoever listens at the port.
+    fn image(&self) {
+        self.send(&LogLine::Image(Image {
+            release: env!("CARGO_PKG_VERSION"),
+            commit: env!("GIT_DESCRIBE"),
+            board: board::NAME,
+            format: log_line::VERSION,
+        }));
     }
 
     /// A line that a program reads.
@@ -208,6 +211,7 @@ impl Chip for &'static Shared {
 
     fn stream(&mut self, on: bool) -> bool {
         self.stream.borrow_mut().switch(on);
+        self.image();
         true
     }
 

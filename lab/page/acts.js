@@ -11,9 +11,7 @@ import { Tour } from "lab/tour.js";
 
 export const tour = new Tour($("tour"), {
   act, order,
-  now: () => lab.store.now,
   finish: () => setMode("explore"),
-  busy: () => lab.store.get(lab.store.last, "alarm") > 0 || lab.events.active(lab.store.now).length > 0,
 });
 
 const quick = (part, kind) => {

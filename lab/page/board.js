@@ -1,5 +1,5 @@
 // A real board: the steps of its commissioning, its console, all of its settings.
-import { $, isOff, lab } from "lab/state.js";
+import { $, isOff, lab, toast } from "lab/state.js";
 import { escape, num, say } from "lab/strings.js";
 import { order } from "lab/talk.js";
 
@@ -29,12 +29,24 @@ function print() {
 export function agrees(message) {
   lab.agrees = message;
 }
+// Which image the board runs, and whether it fits.
+export function image(message) {
+  lab.image = message;
+  if (message.format !== message.expected) toast(ofImage());
+}
+function ofImage() {
+  const { agrees: told, image, hello } = lab;
+  if (!image) return told && !told.format ? say("image_silent") : "";
+  const name = image.board.toLowerCase();
+  return say(image.format === image.expected ? "image_fits" : "image_update", { ...image, own: hello.version, file: `pt326-${name}.bin`, drive: name.replace("nucleo-", "node_").toUpperCase() });
+}
 export function kept(message) {
   lab.kept = message;
 }
 export function beside() {
-  const { agrees: told, kept: log } = lab;
-  const how = !told ? "" : told.format ? say("agrees_format", told) : told.why ? say("agrees_other", told) : !told.whole ? say("agrees_not") : "differs" in told ? say("agrees_differs", { ...told, tick: told.differs }) : say("agrees_same", told);
+  const { agrees: told, image, kept: log } = lab;
+  $("image").textContent = ofImage();
+  const how = !told || (told.format && image) ? "" : told.format ? say("agrees_format", told) : told.why ? say("agrees_other", told) : !told.whole ? say("agrees_not") : "differs" in told ? say("agrees_differs", { ...told, tick: told.differs }) : say("agrees_same", told);
   $("agrees").textContent = how;
   $("restart").hidden = !told || told.whole || !isOff();
   $("kept").textContent = log ? say(log.full ? "kept_full" : "kept", { mb: num(log.bytes / 1e6, 1) }) : "";

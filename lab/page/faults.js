@@ -13,6 +13,7 @@ const sensor = (t) => {
   return {
     wrong: { verb: "v_wrong", name: `${s}_offset`, size: degrees(3, 1.5), fault: (size) => ({ do: "offset", sensor: s, size }) },
     drifts: { verb: "v_drifts", name: "drift", last: 40, size: drift, fault: (size) => ({ do: "drift", sensor: s, size }) },
+    loose: { verb: "v_loose", name: `${s}_loose`, last: 600, size: degrees(3, 1.5), fault: (size) => ({ do: "loose", sensor: s, size }) },
     sticks: { verb: "v_sticks", name: `${s}_stuck`, fault: () => ({ do: "stuck", sensor: s }) },
     falls: { verb: "v_falls", name: `${s}_detached`, size: percent(50, 100, 80), fault: (x) => ({ do: "detach", sensor: s, size: x / 100, over: 1 }) },
     open: { verb: "v_open", name: `${s}_open`, fault: () => ({ do: "open", sensor: s }) },

@@ -3,13 +3,15 @@ import { readTrace } from "lab/csv.js";
 import { refusal } from "lab/say.js";
 import { toLink } from "lab/scene.js";
 import { connect } from "lab/serial.js";
-import { fromRecording, inWorker, replay } from "lab/sources.js";
+import { fromRecording, fromServer, inWorker, replay } from "lab/sources.js";
 import { $, embedded, lab, toast } from "lab/state.js";
 import { say } from "lab/strings.js";
 import { ask, use } from "lab/talk.js";
 
 // The worker of the page, and the session that runs in it.
 export const parts = () => ({ worker: embedded("worker"), wasm: embedded("wasm") });
+// Where the page begins: at the server that has sent it, or at its own session.
+export const home = (hear) => (embedded("token") ? fromServer(hear, embedded("token")) : inWorker(hear, parts()));
 
 $("download").addEventListener("click", async () => {
   const answer = await ask({ command: "trace" });
@@ -27,15 +29,19 @@ export function save(parts, file, type, told) {
   toast(told);
 }
 
-// Goes over to another source; a session's scene is kept for the way back.
+// Goes over to another source, from which there is a way back; a session's scene is kept for it.
 async function leave(make) {
   if (lab.hello.kind === "simulated") {
     const { type, scene, tick: at } = await ask({ command: "scene" });
     lab.left = type === "scene" ? { scene, at } : null;
   }
+  lab.away = true;
   use(make);
 }
-$("back").addEventListener("click", () => use((hear) => inWorker(hear, parts())));
+$("back").addEventListener("click", () => {
+  lab.away = false;
+  use(home);
+});
 for (const [id, any] of [["connect", false], ["connect-any", true]]) {
   $(id).addEventListener("click", () => {
     toast(say("connecting"));

@@ -1,6 +1,6 @@
 // What the source says.
 import { setMode, tour } from "lab/acts.js";
-import { agrees, kept, said } from "lab/board.js";
+import { agrees, image, kept, said } from "lab/board.js";
 import { beginReport, noted } from "lab/commissioning.js";
 import { Events } from "lab/events.js";
 import { fromExam } from "lab/exam_text.js";
@@ -44,7 +44,7 @@ export const HEAR = {
     lab.hello = message;
     lab.can = new Set(message.can);
     lab.lost = 0;
-    Object.assign(lab, { agrees: null, kept: null });
+    Object.assign(lab, { agrees: null, image: null, kept: null });
     if (!lab.store || lab.session !== message.session || message.session === undefined) {
       lab.store = new Store(message);
       lab.events = new Events(message);
@@ -121,7 +121,7 @@ export const HEAR = {
     lab.checking = false; // how it goes on is not heard
     lab.lost ||= performance.now();
   },
-  agrees, kept,
+  agrees, image, kept,
   said(message) {
     said(message);
     noted(message);

@@ -1,10 +1,10 @@
 // The page: brings a source, what it says, and what the user does together, and draws, frame by frame.
-import { parts } from "lab/files.js";
+import { home } from "lab/files.js";
 import "lab/hand.js";
 import { HEAR } from "lab/hear.js";
 import { charts, exam, hides, quiz } from "lab/parts.js";
 import { show } from "lab/show.js";
-import { floats, fromRecording, fromServer, inWorker } from "lab/sources.js";
+import { floats, fromRecording } from "lab/sources.js";
 import { $, embedded, keep, lab } from "lab/state.js";
 import { speak } from "lab/strings.js";
 import { ask, listen, send, use } from "lab/talk.js";
@@ -50,8 +50,7 @@ show();
 if ($("recording")) {
   const { hello, name, values, orders, first } = JSON.parse(embedded("recording"));
   use((hear) => fromRecording(hear, { hello, name, orders, first, values: floats(values) }));
-} else if ($("token")) use((hear) => fromServer(hear, embedded("token")));
-else use((hear) => inWorker(hear, parts()));
+} else use(home);
 requestAnimationFrame(frame);
 // For tests and the curious.
 window.lab = { lab, charts, quiz, exam, events: () => lab.events, ask, send, row: () => lab.store.row(lab.store.last) };

@@ -2,7 +2,7 @@
 import { FOREVER, PARTS, signed, sized } from "lab/faults.js";
 import { num, say } from "lab/strings.js";
 
-const DURATIONS = [5, 10, 15, 25, 40, 60, 120, FOREVER];
+const DURATIONS = [5, 10, 15, 25, 40, 60, 120, 600, FOREVER];
 
 export class Sheet {
   constructor(form, { order, slow, heat, closed }) {

@@ -61,9 +61,8 @@ function offered() {
   $("desk-recording").hidden = asked;
   $("desk-plan").hidden = kind !== "simulated" || asked;
   $("desk-board").hidden = kind !== "board";
-  const own = embedded("wasm"); // the page has a session of its own
-  $("desk-connect").hidden = !own || kind === "board" || asked;
-  $("back").hidden = !own || !kind || kind === "simulated";
+  $("desk-connect").hidden = !embedded("wasm") || kind === "board" || asked;
+  $("back").hidden = !lab.away;
   $("savelog").hidden = !can("log");
   $("kept").hidden = !can("log");
   $("download").hidden = !can("trace");

@@ -12,8 +12,8 @@ export const lab = {
   hello: null, store: null, events: null, can: new Set(), scene: structuredClone(DEFAULT), settings: null,
   mode: "explore", speed: 1, paused: false, lost: 0, checking: false, since: 0, stateOf: NaN, turned: 0, heard: 0,
   usual: null, // the settings of a board to which nothing was done, where they are known
-  left: null, // the scene of the session that was left for a recording or a board
-  agrees: null, kept: null, // of a board: does a core beside it come to the same bits; what its log takes
+  away: false, left: null, // gone over to a recording or a board; the scene of the session that was left for it
+  agrees: null, image: null, kept: null, // of a board: does a core beside it come to the same bits; what it runs; what its log takes
   dirty: true, // something else than time has changed: all is to be drawn
 };
 export const changed = () => (lab.dirty = true);

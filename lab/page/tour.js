@@ -2,12 +2,13 @@
 import { STEPS } from "lab/tour_steps.js";
 import { isTube, num, say, stepWords } from "lab/strings.js";
 
-const OVER = 9; // s: what was wrong before is mended, and then has this long to be over
+const SOON = 0.5; // s from the press to the fault
+const QUIET = 2; // s without an alarm, after which what was wrong before is over
 
 export class Tour {
   constructor(host, doing) {
-    Object.assign(this, { host, ...doing }); // act, order, now, busy, finish
-    [this.at, this.due] = [0, 0];
+    Object.assign(this, { host, ...doing }); // act, order, finish
+    [this.at, this.waits, this.loud] = [0, null, 0]; // the fault that waits until all is quiet; when it was not
     host.addEventListener("click", ({ target }) => {
       const { step, do: does } = target.closest("[data-step], [data-do]")?.dataset ?? {};
       if (step) this.go(this.at + Number(step));
@@ -17,14 +18,15 @@ export class Tour {
 
   show(on) {
     this.host.hidden = !on;
-    if (on) this.go(this.at);
-    else this.mark(null);
+    if (on) return this.go(this.at);
+    this.waits = null;
+    this.mark(null);
   }
 
   go(step) {
     if (step === STEPS.length) return this.end();
     this.at = Math.max(0, step);
-    this.due = 0;
+    this.waits = null;
     if (!isTube()) return this.elsewhere();
     const { id, look } = STEPS[this.at];
     const [title, text, button] = stepWords(id);
@@ -38,6 +40,7 @@ export class Tour {
 
   // Another scene began.
   opened() {
+    this.loud = 0;
     if (!this.host.hidden) this.go(this.at);
   }
 
@@ -54,24 +57,23 @@ export class Tour {
   }
 
   does() {
-    const busy = this.busy();
-    const wait = busy ? OVER : 0.5;
     for (const what of STEPS[this.at].does ?? []) {
       if (typeof what === "string") this.act(what);
-      else {
-        this.order({ ...what, fault: { ...what.fault, at: wait } });
-        this.due = busy ? this.now() + wait : 0;
-      }
+      else this.waits = what;
     }
   }
 
-  // Tells how long it still waits.
-  tell(now) {
+  // Puts in what waits once all has been quiet for a while, and tells what it waits for. `busy`: an alarm stands, or a fault is in.
+  follow({ t, mode }, busy) {
+    const monitors = mode === 3;
+    if (busy || !monitors) this.loud = t;
+    if (this.waits && t - this.loud >= QUIET) {
+      this.order({ ...this.waits, fault: { ...this.waits.fault, at: SOON } });
+      this.waits = null;
+    }
     const status = this.host.querySelector("[role=status]");
-    if (!status) return;
-    const left = Math.ceil(Math.min(OVER, this.due - now));
-    const text = left > 0 ? say("tour_wait", { s: num(left, 0) }) : "";
-    if (status.textContent !== text) status.textContent = text;
+    const text = this.waits ? say(monitors ? "tour_wait" : "tour_wait_monitor") : "";
+    if (status && status.textContent !== text) status.textContent = text;
   }
 
   // Frames what the step speaks of.

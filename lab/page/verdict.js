@@ -41,12 +41,17 @@ export function verdict({ row: now, hello, events, since, begun, ts, settings, c
     const off = say("heater_off_since", { s: num(since, 1) });
     return { state: "tripped", icon: "off", word: say("state_tripped"), aside: off, head: say(`trip_${shorted ? "t2_short" : reason}`), sub: say(mends && !broken ? "acknowledge_now" : "acknowledge_first"), more, parts };
   }
-  if (now.alarm > 0) return alarm(now, hello, events, ts);
+  // What leads on to monitoring, also while an alarm stands.
+  const on = !order ? "" : now.mode === 0 ? row(hello.kind === "board" ? heats("arm", "c_arm") : button("arm", "arm", true)) : now.mode < 3 && can.has("run") ? row(button("skip", "skip", true)) : "";
+  if (now.alarm > 0) {
+    const said = alarm(now, hello, events, ts);
+    return { ...said, more: said.more + on };
+  }
   if (checking && now.mode === 0) {
     return { state: "learn", icon: "learn", word: say("state_check"), aside: "", head: say("head_check"), sub: say("sub_check"), more: "" };
   }
   if (now.mode === 0) {
-    return { state: "off", icon: "off", word: say("state_off"), aside, head: say("head_off"), sub: say("sub_off"), more: order ? row(hello.kind === "board" ? heats("arm", "c_arm") : button("arm", "arm", true)) : "" };
+    return { state: "off", icon: "off", word: say("state_off"), aside, head: say("head_off"), sub: say("sub_off"), more: on };
   }
   if (now.mode === 5) {
     return { state: "learn", icon: "learn", word: say("state_tune"), aside, head: say("head_tune"), sub: say("sub_tune"), more: "" };
@@ -61,7 +66,7 @@ export function verdict({ row: now, hello, events, since, begun, ts, settings, c
     const head = now.mode === 2 ? say("head_learn") : say("head_settle", { setpoint: num(now.setpoint) });
     const word = say(now.mode === 2 ? "state_learn" : "state_settle");
     const sub = waits || say("sub_learn", { s: num(left, 0) });
-    return { state: "learn", icon: "learn", word, aside: "", head, sub, more: bar + (order && can.has("run") ? row(button("skip", "skip", true)) : "") };
+    return { state: "learn", icon: "learn", word, aside: "", head, sub, more: bar + on };
   }
   const why = hello.readiness[now.readiness]?.match(/^(refused|restarted)/)?.[0];
   if (why) {
@@ -88,6 +93,8 @@ function alarm(now, hello, events, ts) {
   const advice = now.advice > 0;
   const common = { state: advice ? "advice" : "alarm", icon: "alarm", word: say(advice ? "state_advice" : "state_alarm"), aside };
   const over = event?.truth && event.alarm !== undefined ? now.t - event.to : NaN;
+  const loose = /_loose$/.test(name); // its alarm stands until the contact has held for minutes
+  if (loose && over >= 0) return { ...common, name, parts: blamed(name), head: say("head_ending"), sub: say("sub_ending_loose", { s: num(over, 0), part: blamed(name)[0] }), more: "" };
   if (over < ENDING * events.slow) return { ...common, head: say("head_ending"), sub: say("sub_ending", { s: num(over, 0) }), more: "" };
   if (!name) return { ...common, head: say("head_unnamed"), sub: now.taught > 0 ? asTaught(now) : say("sub_unnamed"), more: "" };
   const more = [];

@@ -40,6 +40,7 @@ export default {
   sub_unnamed: "Too early to say what.",
   head_ending: "The fault is ending.",
   sub_ending: "It ended {s} s ago; the alarm clears once readings are normal.",
+  sub_ending_loose: "It ended {s} s ago. A loose contact counts as mended once {part} has read right for 270 s.",
   head_lost: "No word from the rig for {s} s.",
   sub_lost: "What you see is old. It tries again by itself; nothing that was recorded is lost.",
   sub_lost_board: "What you see is old. The board goes on regulating and trips by itself; its button stops it. The port is tried again.",
@@ -118,7 +119,7 @@ export default {
   lasting: "for",
   break_it: "Break it",
   close: "Close",
-  v_wrong: "Reads wrong", v_clogged: "Clogged", v_drifts: "Drifts", v_sticks: "Sticks", v_falls: "Falls out", v_open: "Wire breaks",
+  v_wrong: "Reads wrong", v_clogged: "Clogged", v_drifts: "Drifts", v_loose: "Loose contact", v_sticks: "Sticks", v_falls: "Falls out", v_open: "Wire breaks",
   v_short: "Wires touch", v_swap: "Swapped with T2", v_more: "More or less air", v_less_air: "Less air", v_more_air: "More air", v_weaker: "Weaker",
   v_stronger: "Stronger", v_weak: "Weak or strong", v_stuck_on: "Stuck on", v_sags: "Sags", v_opens: "Opens",
   // Charts
@@ -209,7 +210,7 @@ export default {
   connect_any: "Any port",
   connecting: "Looking for the board …",
   connected: "The board is there. Its heater is as it was; Stop stops it at once.",
-  no_serial: "This browser cannot open serial ports: open this page in Chrome or Edge on a computer, or use pt326 live --board.",
+  no_serial: "Serial ports cannot be opened here: open this page in Chrome or Edge on the computer with the board, as a file or at 127.0.0.1, or use pt326 live --board.",
   no_port: "No port was chosen: plug the board in by its ST-LINK's USB, then connect again; Any port lists the others, too.",
   port_busy: "The port is in use, or not for this user: close the other tab or program that has it (on Linux, join the group dialout), then connect again.",
   no_board: "No board to watch on this port: {why}",
@@ -221,11 +222,14 @@ export default {
   agrees_differs: "From tick {tick} on the board says another {name} than the core beside it.",
   agrees_format: "The board's image writes log format {format}, this page reads {expected}: drag the image that came with this page onto the board's drive, or open the page that came with the image.",
   agrees_other: "No core runs beside this board: {why}",
+  image_fits: "The board runs image {release} ({commit}). It fits this page, {own}: log format {format}.",
+  image_update: "The board runs image {release} ({commit}), log format {format}; this page, {own}, reads {expected}. Drag {file}, which came with this page, onto the drive {drive}, or open the page that came with the image.",
+  image_silent: "The board does not say which image it runs: it is older than this page.",
   c_restart: "Start the board anew",
   // Commissioning of a board
   commissioning: "Commissioning",
   c_thermistors: "Thermistors: at rest, all three at one known temperature", c_celsius: "True temperature, °C", c_take: "Take this point",
-  c_force: "Put in force", c_undo: "Take back", c_wiring: "Wiring: the self-test, fan on", c_check: "Self-test (heats a little)",
+  c_force: "Put in force", c_undo: "Take back", c_wiring: "Wiring: the self-test, fan on. Flashing locks the heater out until you acknowledge it", c_ack: "Acknowledge the start", c_check: "Self-test (heats a little)",
   c_controller: "Controller: an experiment tells its gains", c_tune: "Experiment (heats)", c_relay: "Gains by the relay",
   c_model: "Gains by the model", c_quick: "The quickest gains", c_show: "Show the result",
   c_normal: "What is normal: arm, and leave it alone until it monitors", c_arm: "Arm (heats)", c_keep: "Keep it, with the heater off",
@@ -266,7 +270,7 @@ export default {
   // Tour
   tour_back: "Back", tour_next: "Next",
   tour_finish: "Finish",
-  tour_wait: "The fault begins in {s} s, once the last one is over.",
+  tour_wait: "The fault begins once the last one is over.", tour_wait_monitor: "The fault begins once the rig monitors again.",
   tour_about: "The tour is about the PT-326, a tube with a fan and a heater.", tour_goto: "Go to the PT-326",
   tour_steps: {
     tube: [

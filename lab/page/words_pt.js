@@ -41,6 +41,7 @@ export default {
   sub_unnamed: "Ainda é cedo para dizer o quê.",
   head_ending: "O que estava errado está a acabar.",
   sub_ending: "Acabou há {s} s; o alarme termina quando as leituras forem normais.",
+  sub_ending_loose: "Acabou há {s} s. Um mau contacto conta como reparado depois de {part} ler bem durante 270 s.",
   head_lost: "Sem notícias da bancada há {s} s.",
   sub_lost: "O que vê é antigo. Tenta de novo por si; nada do que foi registado se perde.",
   sub_lost_board: "O que vê é antigo. A placa continua a regular e dispara por si; o botão dela pára-a. A porta volta a ser tentada.",
@@ -117,7 +118,7 @@ export default {
   lasting: "durante",
   break_it: "Avariar",
   close: "Fechar",
-  v_wrong: "Lê mal", v_clogged: "Entupido", v_drifts: "Deriva", v_sticks: "Prende", v_falls: "Sai do tubo", v_open: "Fio parte", v_short: "Curto",
+  v_wrong: "Lê mal", v_clogged: "Entupido", v_drifts: "Deriva", v_loose: "Mau contacto", v_sticks: "Prende", v_falls: "Sai do tubo", v_open: "Fio parte", v_short: "Curto",
   v_swap: "Trocado com T2", v_more: "Mais ou menos ar", v_less_air: "Menos ar", v_more_air: "Mais ar", v_weaker: "Mais fraco",
   v_stronger: "Mais forte", v_weak: "Fraco ou forte", v_stuck_on: "Preso ligado", v_sags: "Cai", v_opens: "Abre",
   // Charts
@@ -207,7 +208,7 @@ export default {
   connect_any: "Qualquer porta",
   connecting: "À procura da placa …",
   connected: "A placa responde. O aquecedor está como estava; Desligar desliga-o logo.",
-  no_serial: "Este navegador não abre portas série: abra esta página no Chrome ou no Edge num computador, ou use pt326 live --board.",
+  no_serial: "Aqui não se podem abrir portas série: abra esta página no Chrome ou no Edge no computador que tem a placa, como ficheiro ou em 127.0.0.1, ou use pt326 live --board.",
   no_port: "Nenhuma porta foi escolhida: ligue a placa pelo USB do ST-LINK e tente de novo; Qualquer porta mostra também as outras.",
   port_busy: "A porta está ocupada ou vedada a este utilizador: feche o separador ou programa que a tem (em Linux, entre no grupo dialout) e tente de novo.",
   no_board: "Não há placa que se possa vigiar nesta porta: {why}",
@@ -219,11 +220,14 @@ export default {
   agrees_differs: "Da amostra {tick} em diante a placa diz outro {name} que o núcleo ao lado.",
   agrees_format: "A imagem da placa escreve o formato de registo {format}, esta página lê o {expected}: arraste a imagem que veio com esta página para a unidade da placa, ou abra a página que veio com a imagem.",
   agrees_other: "Nenhum núcleo corre ao lado desta placa: {why}",
+  image_fits: "A placa tem a imagem {release} ({commit}). Serve para esta página, {own}: formato de registo {format}.",
+  image_update: "A placa tem a imagem {release} ({commit}), formato de registo {format}; esta página, {own}, lê o {expected}. Arraste {file}, que veio com esta página, para a unidade {drive}, ou abra a página que veio com a imagem.",
+  image_silent: "A placa não diz que imagem tem: é mais antiga do que esta página.",
   c_restart: "Arrancar a placa de novo",
   // Commissioning of a board
   commissioning: "Colocação em serviço",
   c_thermistors: "Termístores: em repouso, os três à mesma temperatura conhecida", c_celsius: "Temperatura verdadeira, °C",
-  c_take: "Tomar este ponto", c_force: "Pôr em vigor", c_undo: "Desfazer", c_wiring: "Ligações: o autoteste, com o ventilador ligado",
+  c_take: "Tomar este ponto", c_force: "Pôr em vigor", c_undo: "Desfazer", c_wiring: "Ligações: o autoteste, com o ventilador ligado. Gravar a imagem bloqueia o aquecedor até se confirmar", c_ack: "Confirmar o arranque",
   c_check: "Autoteste (aquece um pouco)", c_controller: "Controlador: uma experiência dá os ganhos", c_tune: "Experiência (aquece)",
   c_relay: "Ganhos pelo relé", c_model: "Ganhos pelo modelo", c_quick: "Os ganhos mais rápidos", c_show: "Mostrar o resultado",
   c_normal: "O que é normal: armar, e não lhe mexer até vigiar", c_arm: "Armar (aquece)", c_keep: "Guardar, com o aquecedor desligado",
@@ -264,7 +268,7 @@ export default {
   // Tour
   tour_back: "Anterior", tour_next: "Seguinte",
   tour_finish: "Terminar",
-  tour_wait: "A avaria começa dentro de {s} s, depois de acabar a anterior.",
+  tour_wait: "A avaria começa quando a anterior tiver acabado.", tour_wait_monitor: "A avaria começa quando a bancada voltar a vigiar.",
   tour_about: "A visita é sobre o PT-326, um tubo com ventilador e aquecedor.", tour_goto: "Ir para o PT-326",
   tour_steps: {
     tube: [

@@ -45,7 +45,7 @@ export function write(row, said, hide) {
   $("follow").hidden = charts.following;
   if (lab.can.has("seek")) $("seek").value = lab.store.end;
   if (lab.hello.kind === "board") besideBoard();
-  tour.tell(row.t);
+  tour.follow(row, row.alarm > 0 || lab.events.active(row.t).length > 0);
   hint(row, hide);
   beside(row, said, hide);
 }

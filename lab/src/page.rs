@@ -7,6 +7,8 @@ const INDEX: &str = include_str!("../page/index.html");
 const STYLE: &str = include_str!("../page/lab.css");
 const WORKER: &str = include_str!("../page/worker.js");
 const REPORT: &str = "<!-- report -->";
+/// What the session in a page begins with.
+const WASM: &str = "<script type=\"text/plain\" id=\"wasm\">";
 const PLACE: &str = "<!-- bundle: style, modules, worker, data -->";
 
 /// What stands in the page's place for a browser that has not brought the token: it fetches the page with the token that this tab has kept,
@@ -87,18 +89,18 @@ pub enum Source<'a> {
 pub fn html(source: Source) -> String {
     let imports: Vec<String> = MODULES
         .iter()
-        .map(|(name, text)| format!("\"{name}\":\"data:text/javascript,{}\"", in_address(text)))
+        .map(|(name, text)| format!("\"{name}\":\"data:text/javascript,{}\"", in_address(&lean(text))))
         .collect();
     let data = match source {
         Source::InPage(wasm) => {
-            let worker = WORKER.replace("</script", "<\\/script");
+            let worker = lean(WORKER).replace("</script", "<\\/script");
             format!(
                 "<script type=\"text/plain\" id=\"worker\">{worker}</script>\n\
-                 <script type=\"text/plain\" id=\"wasm\">{}</script>",
+                 {WASM}{}</script>",
                 STANDARD.encode(wasm)
             )
         }
-        Source::Server(token) => format!("<script type=\"text/plain\" id=\"token\">{token}</script>"),
+        Source::Server(token) => token_in_page(token),
         Source::Recording { json, .. } => {
             format!(
                 "<script type=\"application/json\" id=\"recording\">{}</script>",
@@ -118,6 +120,23 @@ pub fn html(source: Source) -> String {
         _ => String::new(),
     };
     INDEX.replacen(REPORT, &report, 1).replacen(PLACE, &head, 1)
+}
+
+/// lab.html with a server's token in it: it begins at the server, and has all that lies in the file, such as a board at a port of its computer.
+/// `None` where `page` is no lab.html.
+pub fn with_token(page: &str, token: &str) -> Option<String> {
+    let (before, wasm) = page.split_once(WASM)?;
+    Some(format!("{before}{}{WASM}{wasm}", token_in_page(token)))
+}
+
+fn token_in_page(token: &str) -> String {
+    format!("<script type=\"text/plain\" id=\"token\">{token}</script>\n")
+}
+
+/// Without lines that are only a comment, and without what stands before a line: for a browser, not for people.
+fn lean(text: &str) -> String {
+    let lines = text.lines().map(str::trim_start).filter(|line| !line.is_empty() && !line.starts_with("//"));
+    lines.map(|line| format!("{line}\n")).collect()
 }
 
 /// What stands for what in an address of `data:` within JSON within HTML, in this order. The last two keep names and references of a drawing
@@ -157,6 +176,12 @@ mod tests {
             }
         }
         assert!(MODULES.iter().all(|(name, _)| imported.contains(name)));
+    }
+
+    #[test]
+    fn a_module_is_without_its_comments_and_indentation() {
+        let text = "// What it is.\nlet a = 1; // one\n\n  // More.\n  b(`x\n    y`);\n";
+        assert_eq!(lean(text), "let a = 1; // one\nb(`x\ny`);\n");
     }
 
     #[test]

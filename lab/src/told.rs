@@ -1,7 +1,7 @@
 //! What whatever is watched tells, in the order in which it happens.
 
 use fdi_core::schema::Numbers;
-use firmware_logic::log_line::VERSION;
+use firmware_logic::log_line::{Image, VERSION};
 use serde_json::{Value, json};
 
 use crate::board::Agreement;
@@ -38,12 +38,29 @@ pub enum Told {
     Link(bool),
     /// How the core beside a board agrees with it.
     Agrees(Agreement),
+    /// Which image a board runs.
+    Image {
+        /// Its release.
+        release: String,
+        /// The state of its sources.
+        commit: String,
+        /// Name of its board.
+        board: String,
+        /// The format of its log.
+        format: u32,
+    },
 }
 
 impl Told {
     /// A refusal in the words of a board.
     pub fn refused(why: String) -> Self {
         Self::Refused { persists: persists(&why), why }
+    }
+
+    /// A board has said which image it runs.
+    pub fn image(Image { release, commit, board, format }: Image<'_>) -> Self {
+        let [release, commit, board] = [release, commit, board].map(str::to_owned);
+        Self::Image { release, commit, board, format }
     }
 
     /// The message that says so; `tick` is the next. A row goes with others, and times are not for pages.
@@ -60,6 +77,9 @@ impl Told {
             }
             Self::Said(text) => json!({ "type": "said", "text": text }),
             Self::Link(up) => json!({ "type": "link", "up": up }),
+            Self::Image { release, commit, board, format } => {
+                json!({ "type": "image", "release": release, "commit": commit, "board": board, "format": format, "expected": VERSION })
+            }
             Self::Agrees(Agreement::NotWhole) => json!({ "type": "agrees", "whole": false }),
             Self::Agrees(Agreement::Same(ticks)) => {
                 json!({ "type": "agrees", "whole": true, "ticks": ticks })

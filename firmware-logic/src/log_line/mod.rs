@@ -49,6 +49,8 @@ pub enum LogLine<'a> {
         /// See [`VERSION`].
         version: u32,
     },
+    /// Which image it is: at the start, and where somebody begins to listen.
+    Image(Image<'a>),
     /// A setting that is not at its default: at the start, or just before an order puts it in force.
     Setting {
         /// Its name.
@@ -102,10 +104,26 @@ pub enum LogLine<'a> {
     },
 }
 
+/// Which image a board runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Image<'a> {
+    /// Its release, such as 0.1.0.
+    pub release: &'a str,
+    /// The state of its sources.
+    pub commit: &'a str,
+    /// Name of the board that it is for.
+    pub board: &'a str,
+    /// See [`VERSION`].
+    pub format: u32,
+}
+
 impl fmt::Display for LogLine<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Start { version } => write!(f, "log format {version}"),
+            Self::Image(Image { release, commit, board, format }) => {
+                write!(f, "image {release} ({commit}) on {board}, format {format}")
+            }
             Self::Setting { name, value } => write!(f, "setting {name} = {value}"),
             Self::Wider { name, value } => write!(f, "{WIDER}{name} = {value}"),
             Self::Baseline(part) => part.fmt(f),
@@ -192,6 +210,9 @@ impl<'a> LogLine<'a> {
         if let Some(kept) = after(text, "commissioned ").map(commissioning::parse).transpose()?.flatten() {
             return Ok(Some(Self::Commissioned(kept)));
         }
+        if let Some(image) = after(text, "image ").and_then(image) {
+            return Ok(Some(Self::Image(image)));
+        }
         if let Some((name, value)) = after(text, "setting ").and_then(|rest| rest.split_once(" = ")) {
             return Ok(Some(Self::Setting { name: name.trim(), value: without_place(value).trim() }));
         }
@@ -228,6 +249,14 @@ fn without_place(text: &str) -> &str {
 fn number(text: &str) -> Option<(u32, &str)> {
     let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     Some((word.parse().ok()?, rest))
+}
+
+/// As it is printed.
+fn image(text: &str) -> Option<Image<'_>> {
+    let (release, text) = text.split_once(" (")?;
+    let (commit, text) = text.split_once(") on ")?;
+    let (board, text) = text.split_once(", format ")?;
+    Some(Image { release, commit, board, format: number(text)?.0 })
 }
 
 /// Three numbers.
@@ -322,6 +351,7 @@ mod tests {
             parameters in proptest::array::uniform16(bits()),
         ) {
             comes_back(LogLine::Start { version })?;
+            comes_back(LogLine::Image(Image { release: &value, commit: &name, board: &name, format: version }))?;
             comes_back(LogLine::Order { tick, order })?;
             comes_back(LogLine::Denied { tick })?;
             comes_back(LogLine::Lockout { tick })?;

@@ -27,6 +27,9 @@ All who open the page see the same rig; whoever has it may break it, arm it and 
 With --board, a real board: its page arms, stops and acknowledges. Stop, and the key !, go to the board at once. While \
 nothing is heard of the board the page says so; the board goes on regulating, and trips by itself.
 
+The page watches. With --page lab.html, which `cargo lab` writes, it has all that lies in that file as well: *Connect a board* opens a \
+board at a port of the computer that the browser runs on, and a trace is run again.
+
 With --board or --listen the page opens only by the link that is printed, which holds a token. No browser is opened then: other users of \
 the machine could read the link on its command line.
 
@@ -37,6 +40,7 @@ Examples:
   pt326 live                              the simulated rig, where it monitors
   pt326 live --preset trainer --seed 7
   pt326 live --recording out/trace.csv --speed 10
+  pt326 live --page lab.html              this page can also go over to a board
   pt326 live --board                      the ST-LINK that is plugged in; or: --board /dev/ttyACM0
   pt326 live --board --mqtt mqtt://broker.local/bench-1
   pt326 live --listen 192.168.1.7 --token $(openssl rand -hex 16)")]
@@ -59,6 +63,9 @@ pub struct LiveArgs {
     /// A real board in place of the rig, at this serial port; without PORT: the only ST-LINK that is plugged in.
     #[arg(long, value_name = "PORT", num_args = 0..=1, conflicts_with_all = ["preset", "seed", "disturbance", "recording", "speed"])]
     pub board: Option<Option<String>>,
+    /// The page to serve, lab.html as `cargo lab` writes it; left out: one that watches only.
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
     /// How many times as fast as time it goes, 0 to 100.
     #[arg(long, default_value_t = 1.0)]
     pub speed: f64,
@@ -157,10 +164,17 @@ fn serve(args: &LiveArgs, source: impl Source) -> anyhow::Result<()> {
     });
     let broker = broker.transpose()?;
     let clock = clock::start(source, args.speed)?;
+    let server = match &args.page {
+        None => Server::new(clock.clone(), access, None)?,
+        Some(file) => {
+            let lab =
+                std::fs::read_to_string(file).with_context(|| format!("can't read {}", file.display()))?;
+            Server::new(clock.clone(), access, Some(&lab)).with_context(|| file.display().to_string())?
+        }
+    };
     if let Some(broker) = broker {
-        mqtt::start(clock.clone(), broker, |said| drop(print(&format!("{said}\n"))))?;
+        mqtt::start(clock, broker, |said| drop(print(&format!("{said}\n"))))?;
     }
-    let server = Server { access, clock };
     let address = SocketAddr::new(args.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), args.port);
     listen(server, address, |address, query| {
         let page = format!("http://{address}/{query}");

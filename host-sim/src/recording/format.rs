@@ -16,7 +16,7 @@ struct Format {
 }
 
 /// The first whose columns are all there is taken.
-const FORMATS: [Format; 6] = [
+const FORMATS: [Format; 7] = [
     Format {
         name: "a trace of this project",
         heaters: &["time=t_s t0=t0_c t1=t1_c t2=t2_c power=pa_pct fan=fan_pct supply=supply"],
@@ -26,6 +26,12 @@ const FORMATS: [Format; 6] = [
     Format {
         name: "a trace of this project without known inputs",
         heaters: &["time=t_s t0=t0_c t1=t1_c t2=t2_c power=pa_pct"],
+        full_power: 100.0,
+        fan: true,
+    },
+    Format {
+        name: "a board's log",
+        heaters: &["time=board_s t0=t0_c t1=t1_c t2=t2_c power=pa_pct"],
         full_power: 100.0,
         fan: true,
     },

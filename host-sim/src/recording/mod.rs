@@ -2,6 +2,7 @@
 
 pub mod batch;
 pub mod believed;
+mod board_log;
 mod cell;
 pub mod fit_rig;
 pub mod format;
@@ -124,8 +125,12 @@ impl Recording {
     /// # Errors
     /// The same.
     pub fn parse(file: String, text: &str, how: &Reading) -> anyhow::Result<Self> {
+        let board = board_log::table(text).with_context(|| file.clone())?;
         let klipper = logs::klipper(text);
-        let text = klipper.as_deref().or_else(|| logs::artisan(text)).unwrap_or(text);
+        let text = match &board {
+            Some(log) => &log.table,
+            None => klipper.as_deref().or_else(|| logs::artisan(text)).unwrap_or(text),
+        };
         let table = Table::parse(file, text)?;
         // What columns are called says nothing where somebody says what they are; a layout that is known does.
         let guess = format::guess(&table).filter(|guess| how.map.is_empty() || guess.name.is_some());
@@ -141,6 +146,7 @@ impl Recording {
         let fan = how.fan.or(guess.as_ref().map(|guess| guess.fan)).unwrap_or(true);
         let mut grid = Grid::new(&table, &maps[0], how)?;
         let mut remarks = grid.remarks.clone();
+        remarks.extend(board.as_ref().and_then(|log| log.remark).map(str::to_owned));
         let mut heaters = maps
             .into_iter()
             .map(|map| heater(&table, map, &grid, fan))
@@ -157,7 +163,8 @@ impl Recording {
         for (k, row) in grid.rows.iter_mut().enumerate() {
             *row = row.filter(|_| !is_empty(k));
         }
-        let celsius = how.celsius.unwrap_or_else(|| celsius(&heaters));
+        let known = how.celsius.or(board.as_ref().map(|_| 1.0));
+        let celsius = known.unwrap_or_else(|| celsius(&heaters));
         if celsius != 1.0 {
             remarks.push(format!("One unit of T1 counts for {celsius} °C, since the diagnosis was made for rises of some 30; --degc says otherwise."));
         }

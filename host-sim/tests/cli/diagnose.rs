@@ -1,6 +1,15 @@
 //! `pt326 diagnose`, `pt326 fit-rig` and `pt326 campaign records`, on recordings of our own rig.
 
+use std::fmt::Write as _;
 use std::path::Path;
+
+use fdi_core::{Celsius, Command, Config, Instrument};
+use firmware_logic::control_loop::TickRecord;
+use firmware_logic::log_line::tick::TickLine;
+use firmware_logic::log_line::{LogLine, VERSION};
+use pt326::experiment::sample;
+use pt326_rig::fault::{Fault, Sensor, Verb};
+use pt326_rig::{Disturbance, Rig, RigConfig};
 
 use crate::{arg, folder, pt326, pt326_reading, text};
 
@@ -59,6 +68,60 @@ fn the_sample_of_the_documents_is_what_is_printed() {
     let begin: Vec<String> =
         std::fs::read_to_string(&heater).unwrap().lines().take(5).map(str::to_owned).collect();
     assert!(page.contains(&begin.join("\n")), "docs/records.md should show the first lines of heater.csv");
+}
+
+/// The log of a board that is armed before tick 3, as the page and `pt326 board --record` save it: T2 is calibrated, and 420 s after the start
+/// it reads 1.5 degC too high.
+fn log_of_a_board(seconds: f64) -> String {
+    let mut config = Config::default();
+    config.sensors.t2.offset = Celsius(-4.0);
+    let faults = [Fault::new(Verb::Offset, Some(Sensor::T2), Some(1.5), 420.0, 60.0)];
+    let mut rig = Rig::new(&RigConfig::default(), Disturbance::Calm, 0.11, 1, &faults);
+    let mut instrument = Instrument::new(&config).unwrap();
+    let mut log = format!("{}\n", LogLine::Start { version: VERSION });
+    firmware_logic::log_line::settings(&config, |line| writeln!(log, "{line}").unwrap());
+    for k in 0..(seconds / 0.11) as u32 {
+        if k == 3 {
+            instrument.command(Command::Arm).unwrap();
+        }
+        let raw = sample(&mut rig);
+        let tick = instrument.control(raw);
+        let report = instrument.diagnose(&tick, tick.drive);
+        rig.advance(f64::from(tick.drive.0));
+        writeln!(log, "{}", TickLine::new(&TickRecord::new(raw, tick, tick.drive), &report)).unwrap();
+    }
+    log
+}
+
+/// By the board's settings; of a part of it by the defaults, which is said.
+#[test]
+fn the_log_of_a_board_is_diagnosed_as_a_recording() {
+    let dir = folder("diagnose-board");
+    let [log, out] = ["board.log", "diagnosed"].map(|name| dir.join(name));
+    let text_of = log_of_a_board(500.0);
+    let said_of = |lines: &str| {
+        std::fs::write(&log, lines).unwrap();
+        let done = pt326(&["diagnose", arg(&log), "--out", arg(&out)]);
+        assert!(done.status.success(), "{}", text(&done.stderr));
+        text(&done.stdout)
+    };
+    let whole = said_of(&text_of);
+    assert!(whole.contains("Taken for a board's log") && whole.contains("T2 reads 1."), "{whole}");
+    assert!(!whole.contains("does not begin"), "{whole}");
+    // T2 as it is calibrated reads 4 °C less: 31 °C in place of 35.
+    let colder = |said: &str| ["30.", "31."].iter().any(|t2| said.contains(&format!("°C too high: {t2}")));
+    let part: String = text_of.lines().skip(400).map(|line| format!("{line}\n")).collect();
+    let late = said_of(&part);
+    assert!(
+        late.contains("does not begin with the start of the board") && late.contains("T2 reads 1."),
+        "{late}"
+    );
+    assert!(colder(&whole) && !colder(&late), "{whole}\n{late}");
+    let other = text_of.replace(&format!("log format {VERSION}"), "log format 4");
+    std::fs::write(&log, other).unwrap();
+    let refused = pt326(&["diagnose", arg(&log), "--out", arg(&out)]);
+    let why = text(&refused.stderr);
+    assert!(!refused.status.success() && why.contains("line 1: log format 4, expected 5"), "{why}");
 }
 
 #[test]

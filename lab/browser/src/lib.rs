@@ -2,6 +2,7 @@
 //! (w3.org/TR/webdriver), to a program on this machine.
 
 pub mod bridge;
+pub mod port;
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -159,6 +160,17 @@ impl Browser {
     pub fn complaints(&self) -> anyhow::Result<Vec<String>> {
         let log = self.order("/se/log", &json!({ "type": "browser" }))?;
         Ok(log.as_array().into_iter().flatten().map(|entry| entry["message"].to_string()).collect())
+    }
+
+    /// MB of the page's own thread that are in use, once nothing more can be collected.
+    ///
+    /// # Errors
+    /// Those of the driver.
+    pub fn memory(&self) -> anyhow::Result<f64> {
+        self.tools("HeapProfiler.collectGarbage", json!({}))?;
+        let used = self.tools("Runtime.getHeapUsage", json!({}))?;
+        let bytes = |of: &str| used[of].as_f64().unwrap_or(0.0);
+        Ok((bytes("usedSize") + bytes("backingStorageSize")) / 1e6)
     }
 
     fn tools(&self, command: &str, parameters: Value) -> anyhow::Result<Value> {

@@ -9,7 +9,8 @@ use board::Board;
 use pt326::commands::run::carry_out as run_experiment;
 use pt326::experiment::scenario::Scenario;
 use pt326::settings::read as read_settings;
-use pt326_lab_browser::Browser;
+use pt326_lab_browser::port::PORT;
+use pt326_lab_browser::{Browser, page};
 use serde_json::{Value, json};
 
 const HELPERS: &str = r##"
@@ -125,6 +126,26 @@ fn a_page_says_when_its_server_is_gone_and_goes_on_when_it_is_back() {
     // The page may load anew in the middle of a script: until then it is asked again.
     let back = (0..50).find_map(|_| browser.run(&format!("{HELPERS} await until(() => window.lab?.lab.store?.end > 3300 && document.body.dataset.state === 'monitor'); return 1"), &[]).ok());
     assert_eq!(back, Some(json!(1)));
+}
+
+/// With lab.html the page that is served can go over to a board at a port, and come back to the server.
+#[test]
+fn the_page_that_is_served_connects_a_board_and_comes_back() {
+    let lab = page();
+    let server = Server::with(0, &["--page", lab.to_str().expect("a path")]);
+    let browser = Browser::start().expect("a browser");
+    browser.open(&server.address).expect("the page");
+    let script = r##"await until(() => lab.lab.store?.end > 3300);
+        const before = [lab.lab.hello.kind, $("#desk-connect").hidden, $("#back").hidden, isSecureContext && "serial" in navigator];
+        const port = new Port(BOARD); offer(port); click("#connect");
+        await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
+        await until(() => !$("#back").hidden);
+        click("#stop"); await until(() => port.heard.includes("\x03"));
+        click("#back"); await until(() => lab.lab.hello.kind === "live" && lab.lab.store?.end > 3300);
+        return [before, $("#desk-connect").hidden, $("#back").hidden, $("#source").textContent.trim()]"##;
+    let seen = on(&browser, &format!("{PORT}{script}"));
+    assert_eq!(seen, json!([["live", false, true, true], false, true, "Live: paper, seed 1"]));
+    assert_eq!(browser.complaints().expect("the console"), Vec::<String>::new());
 }
 
 /// A page that is for whoever has its link: the tab keeps the token, the address does not, and nobody else comes in.

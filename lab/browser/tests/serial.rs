@@ -3,6 +3,8 @@
 
 mod board;
 
+use std::process::Command;
+
 use board::Board;
 use pt326::commands::replay::agreement;
 use pt326_lab_browser::bridge::{SERIAL, serve};
@@ -38,6 +40,21 @@ fn beside(board: &Board) -> Browser {
     browser
 }
 
+/// What `pt326 diagnose` says of a log that was saved. `LAB_LIVE` names the program; without it, that of the workspace's debug build.
+fn diagnosed(log: &str) -> String {
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/debug/pt326");
+    let program = std::env::var_os("LAB_LIVE").unwrap_or_else(|| default.into());
+    let folder = std::env::temp_dir().join(format!("pt326-saved-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join("board.log");
+    std::fs::write(&file, log).expect("a file");
+    let done = Command::new(program).arg("diagnose").arg(&file).arg("--out").arg(&folder).output();
+    let done = done.expect("pt326, built with `cargo build -p pt326`");
+    let _ = std::fs::remove_dir_all(folder);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    String::from_utf8_lossy(&done.stdout).into_owned()
+}
+
 /// Presses Connect, and waits for the board's ticks.
 fn connect(browser: &Browser) {
     on(
@@ -56,6 +73,10 @@ fn from_a_file_to_a_fault_that_is_named_with_the_same_bits() {
     let late = r##"await until(() => !$("#restart").hidden);
         return [wire.asked, $("#source").textContent.trim(), $("#agrees").textContent.includes("not heard from the board's start"), $("#savelog").hidden, $("#why").hidden]"##;
     let asked = json!([{ "filters": [{ "usbVendorId": 0x0483 }] }]);
+    // The image has said which it is, when the page began to listen.
+    let image = on(&browser, r##"return $("#image").textContent"##);
+    let image = image.as_str().expect("text");
+    assert!(image.contains("The board runs image") && image.contains("It fits this page"), "{image}");
     assert_eq!(on(&browser, late), json!([asked, "Real board: ST-LINK", true, false, false]));
     on(
         &browser,
@@ -91,6 +112,8 @@ fn from_a_file_to_a_fault_that_is_named_with_the_same_bits() {
     let (same, told) =
         agreement(log).unwrap_or_else(|error| panic!("{error:#}: {}", &log[..300.min(log.len())]));
     assert!(same, "{told}");
+    let told = diagnosed(log);
+    assert!(told.contains("Taken for a board's log") && told.contains("T2 reads 1."), "{told}");
     let ticks = on(&browser, "return lab.lab.agrees.ticks");
     assert!(ticks.as_u64().is_some_and(|ticks| ticks > 1500), "{ticks}");
     assert_eq!(browser.complaints().expect("the console"), Vec::<String>::new());

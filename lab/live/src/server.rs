@@ -37,18 +37,45 @@ const LONGEST: usize = 64 * 1024;
 /// A stream says that it lives, so often.
 const ALIVE: Duration = Duration::from_secs(10);
 
+/// What a browser may do with what is sent: a page as one text, and its own server.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; connect-src 'self'; base-uri 'none'; \
+    form-action 'none'; frame-ancestors 'none'; script-src 'unsafe-inline' data:";
+/// What ends it where the page has a session within it: WebAssembly in a worker.
+const OWN_SESSION: &str = " 'wasm-unsafe-eval'; worker-src blob:";
+
 /// What the server needs to know of its session.
 pub struct Server {
     /// The session.
     pub clock: Clock,
     /// Who may ask.
     pub access: Access,
+    /// The page with its token, made once.
+    page: Bytes,
+    /// What a browser may do with it.
+    policy: HeaderValue,
+}
+
+impl Server {
+    /// Of a session, for those who may ask. With the text of lab.html the page is that one, which can go over to a board at a port of the
+    /// browser's computer; else it watches only.
+    ///
+    /// # Errors
+    /// `lab` is no lab.html.
+    pub fn new(clock: Clock, access: Access, lab: Option<&str>) -> anyhow::Result<Self> {
+        let token = &access.token;
+        let (page, policy) = match lab {
+            None => (page::html(page::Source::Server(token)), HeaderValue::from_static(POLICY)),
+            Some(lab) => (
+                page::with_token(lab, token).context("no lab.html, expected what `cargo lab` has written")?,
+                HeaderValue::from_str(&format!("{POLICY}{OWN_SESSION}"))?,
+            ),
+        };
+        Ok(Self { clock, access, page: page.into(), policy })
+    }
 }
 
 struct Shared {
     server: Server,
-    /// The page with its token, made once.
-    page: Bytes,
     clients: AtomicUsize,
     /// For a body.
     patience: Duration,
@@ -89,8 +116,7 @@ fn listen_within(
 }
 
 fn app(server: Server, patience: Duration) -> Router {
-    let page = page::html(page::Source::Server(&server.access.token)).into();
-    let shared = Arc::new(Shared { server, page, clients: AtomicUsize::new(0), patience });
+    let shared = Arc::new(Shared { server, clients: AtomicUsize::new(0), patience });
     Router::new()
         .route("/", get(page_itself))
         .route("/events", get(events))
@@ -114,10 +140,7 @@ async fn guarded(State(app): App, request: Request, next: Next) -> Response {
         Ok(()) => next.run(request).await,
         Err(status) => status.into_response(),
     };
-    const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data:; \
-        connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-    let headers: [(HeaderName, &'static str); 5] = [
-        (header::CONTENT_SECURITY_POLICY, POLICY),
+    let headers: [(HeaderName, &'static str); 4] = [
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
         (header::REFERRER_POLICY, "no-referrer"),
         (header::CACHE_CONTROL, "no-store"),
@@ -126,6 +149,7 @@ async fn guarded(State(app): App, request: Request, next: Next) -> Response {
     for (name, value) in headers {
         response.headers_mut().insert(name, HeaderValue::from_static(value));
     }
+    response.headers_mut().insert(header::CONTENT_SECURITY_POLICY, app.server.policy.clone());
     response
 }
 
@@ -160,7 +184,7 @@ async fn page_itself(State(app): App, Query(asked): Query<Asked>) -> Response {
     if access.asks && !access.knows(asked.token.as_deref()) {
         return (StatusCode::FORBIDDEN, Html(page::DOOR)).into_response();
     }
-    Html(app.page.clone()).into_response()
+    Html(app.server.page.clone()).into_response()
 }
 
 /// One client fewer when it is dropped.

@@ -433,6 +433,9 @@ impl Conversation {
         }
         let _ = self.record.line(line); // into memory
         let Some(parsed) = parsed else { return };
+        if let LogLine::Image(image) = parsed {
+            self.told.push_back(Told::image(image));
+        }
         let ends = Twin::ends_tick(&parsed);
         let core = self.twin.line(parsed);
         if ends || !self.twin.runs() {

@@ -101,6 +101,7 @@ impl Start {
             LogLine::Commissioned(kept) => {
                 self.orders.push((self.heard, Change::Commission(kept.map(|kept| kept.models))));
             }
+            LogLine::Image(_) => {}      // for people
             LogLine::Wider { .. } => {}  // told as a setting, too
             LogLine::Cycles { .. } => {} // times of the board
             LogLine::Dropped { count } => self.dropped = self.dropped.saturating_add(count),

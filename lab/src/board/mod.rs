@@ -13,6 +13,7 @@ mod twin;
 mod visible;
 
 pub use conversation::{Conversation, Standing, line, stops};
+pub use rows::{readings, thermistors};
 pub use twin::Agreement;
 pub use visible::visible;
 

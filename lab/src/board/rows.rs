@@ -72,16 +72,12 @@ impl Rows {
 
 /// The numbers of a record, in its row.
 fn numbers(line: &TickLine, row: u32, thermistors: &[Thermistor; 3]) -> Numbers {
-    let (raw, [s0, s1, s2]) = (line.raw(), thermistors);
-    let read = |validity, thermistor: &Thermistor, code| {
-        let silent = Validity::READS_NOTHING.iter().any(|v| line.bits(validity) == Some(v.number()));
-        if silent { f32::NAN } else { thermistor.celsius(code).0 }
-    };
+    let [t0, t1, t2] = readings(line, thermistors);
     let number_of = |field: &Entry| match field.name {
         "tick" => row as f32,
-        "t0" => read("t0_validity", s0, raw.t0),
-        "t1" => read("t1_validity", s1, raw.t1),
-        "t2" => read("t2_validity", s2, raw.t2),
+        "t0" => t0,
+        "t1" => t1,
+        "t2" => t2,
         "truth" => 0.0,
         _ => match (field.number.kind, field.number.bits(&line.0)) {
             (_, None) => f32::NAN,
@@ -94,7 +90,21 @@ fn numbers(line: &TickLine, row: u32, thermistors: &[Thermistor; 3]) -> Numbers 
     std::array::from_fn(|i| number_of(&FIELDS[i]))
 }
 
-fn thermistors(config: &Config) -> anyhow::Result<[Thermistor; 3]> {
+/// What T0, T1 and T2 read on a tick, degC; NaN where one reads nothing.
+pub fn readings(line: &TickLine, [s0, s1, s2]: &[Thermistor; 3]) -> [f32; 3] {
+    let raw = line.raw();
+    let read = |validity, thermistor: &Thermistor, code| {
+        let silent = Validity::READS_NOTHING.iter().any(|v| line.bits(validity) == Some(v.number()));
+        if silent { f32::NAN } else { thermistor.celsius(code).0 }
+    };
+    [read("t0_validity", s0, raw.t0), read("t1_validity", s1, raw.t1), read("t2_validity", s2, raw.t2)]
+}
+
+/// The thermistors of these settings.
+///
+/// # Errors
+/// A setting is out of bounds.
+pub fn thermistors(config: &Config) -> anyhow::Result<[Thermistor; 3]> {
     let s = &config.sensors;
     Ok([Thermistor::new(&s.t0, 0)?, Thermistor::new(&s.t1, 1)?, Thermistor::new(&s.t2, 2)?])
 }

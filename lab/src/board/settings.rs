@@ -14,7 +14,7 @@ pub fn read(answer: &str) -> anyhow::Result<Config> {
         let Some((name, value)) = line.split_once(" = ") else { continue };
         let told = put(&mut config, name, value);
         told.with_context(|| {
-            format!("the board has {line}, which is not known here: use what is of its release")
+            format!("the board has {line}, which is not known here: its image and this page or program are of other releases; put the image that came with them on the board, or use what came with its image")
         })?;
     }
     Ok(config)

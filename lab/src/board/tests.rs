@@ -130,6 +130,21 @@ fn who_is_there_is_told_with_its_settings() {
     assert_eq!(board.conversation.config().setpoint.0, 36.0);
 }
 
+/// What the board says of itself comes with its stream, before or after the connection.
+#[test]
+fn which_image_a_board_runs_is_told_with_the_format_that_is_read_here() {
+    let mut board = Board::new();
+    board.streams("image 0.2.0 (1a2b3c4-dirty) on NUCLEO-F446RE, format 6");
+    let told = board.told();
+    let image = told.iter().find(|told| matches!(told, Told::Image { .. })).and_then(|told| told.message(0));
+    let expected = serde_json::json!({
+        "type": "image", "release": "0.2.0", "commit": "1a2b3c4-dirty", "board": "NUCLEO-F446RE", "format": 6, "expected": 5
+    });
+    assert_eq!(image, Some(expected), "{told:?}");
+    board.streams("image of a board");
+    assert_eq!(board.told(), []);
+}
+
 #[test]
 fn where_nobody_answers_or_no_board_that_is_said() {
     for answer in ["", "login: ", "\r\n> "] {

@@ -100,8 +100,11 @@ impl Run {
                 self.control.push(control);
                 self.diagnosis.push(diagnosis);
             }
-            _ if line.starts_with("PT-326 FDI ") => {
-                self.name = line.clone();
+            Ok(Some(LogLine::Image(image))) => {
+                self.name = format!("PT-326 FDI {} ({}) on {}", image.release, image.commit, image.board);
+            }
+            _ if line.starts_with("clock ") => {
+                self.name += &line.replacen("clock", ",", 1);
                 self.hz = line.split(' ').zip(line.split(' ').skip(1)).find_map(hertz).unwrap_or(0.0);
             }
             _ => {}

@@ -39,6 +39,8 @@ struct SimulatedChip {
     rig: Rig,
     heater: OutputStage,
     sample_time: f64,
+    /// What happens to the rig is the scenario's: the user has broken nothing yet.
+    is_scenario: bool,
     /// Lines of its log that nobody has read.
     log: String,
 }
@@ -57,6 +59,7 @@ impl Bench {
             rig: Rig::new(&scenario.rig, scenario.disturbance, sample_time, seed, &scenario.faults),
             heater: OutputStage::default(),
             sample_time,
+            is_scenario: true,
             log: String::new(),
         };
         let board = ConsoleBoard::new(chip, Store::new(Flash::default()), false);
@@ -88,6 +91,10 @@ impl Bench {
 
     fn play(&mut self, play: Play) {
         let chip = &mut self.board.chip;
+        // The user's faults stand in place of the scenario's, also of those to come.
+        if !matches!(play, Play::Wait(_)) && std::mem::take(&mut chip.is_scenario) {
+            chip.rig.clear();
+        }
         match play {
             Play::Wait(seconds) => {
                 (0..(seconds / chip.sample_time).round() as u64).for_each(|_| self.pass());

@@ -29,7 +29,8 @@ The command `help` lists the commands of the board. Only here, there are also:
   wait SECONDS                      let time pass
   wire swap t1 t2                   wire the rig wrongly; `help` lists what else can be wrong
   wire ok                           repair all wires and end all faults
-  fault NAME [tN] SIZE [SECONDS]    let something happen to the rig; `pt326 scenario` has the names
+  fault NAME [tN] SIZE [SECONDS]    let something happen to the rig; `pt326 scenario` has the names. From your first `fault` or `wire`
+                                    on nothing happens but what you do: until then the scenario's faults come, by default the paper's
   quit                              end
 
 Examples:
@@ -171,6 +172,15 @@ mod tests {
         assert!(said.contains("\nfault: T2 reads 1.") && said.contains(" degC measured, "), "{said}");
         assert!(said.contains("learnt from 1636 samples"), "{said}");
         assert!(said.contains("fdv 1") || said.contains("isolated"), "{said}");
+    }
+
+    #[test]
+    fn the_users_faults_stand_in_place_of_the_papers() {
+        let own = "set supervisor.check_before_arming false\narm\nwait 370\nfault offset t2 -1.5 8\nwait 430\nfaults\n";
+        let said = session(own);
+        let (_, listed) = said.split_once("> faults\n").unwrap();
+        let alarms: Vec<&str> = listed.lines().filter(|line| line.contains("alarm: ")).collect();
+        assert!(matches!(alarms[..], [one] if one.contains("t2_offset -1.")), "{said}");
     }
 
     #[test]

@@ -59,3 +59,18 @@ fn a_run_with_other_gains_is_drawn_beside_the_one_before() {
     let orders = ["set", "set", "set", "arm", "break"];
     assert_eq!(seen, json!([true, true, true, true, false, 1, orders, 1, null]));
 }
+
+/// The same scene anew, without the excitation, beside the run with it.
+#[test]
+fn a_run_without_excitation_is_drawn_beside_the_one_with_it() {
+    let script = r##"
+        const { store } = lab.lab;
+        const [end, first] = [store.end, Array.from({ length: store.end }, (_, tick) => store.get(tick, "drive"))];
+        click("#compare"); lab.send({ command: "open", scene: { ...SCENE, orders: [] }, at: 1 }); await step(1);
+        click("#excite"); lab.send({ command: "order", order: { order: "arm" } }); await step(end - 2); await said();
+        const drive = lab.charts.panels.flatMap(({ series }) => series).find(({ id }) => id === "drive");
+        const rough = (value) => { let sum = 0; for (let tick = 2500; tick < 3200; tick++) sum += Math.abs(value(tick) - value(tick - 1)); return sum / 700; };
+        return [first.every((value, tick) => drive.kept.value(tick) === value), rough(drive.kept.value) > 2 * rough((tick) => store.get(tick, "drive")), $("#excite").checked];"##;
+    let seen = on_page(&format!("{SAVED}{script}"), &[]);
+    assert_eq!(seen, json!([true, true, false]));
+}

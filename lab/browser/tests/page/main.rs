@@ -3,6 +3,7 @@
 mod access;
 mod bits;
 mod charts;
+mod day;
 mod exam;
 mod export;
 mod heater;

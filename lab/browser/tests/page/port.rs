@@ -1,38 +1,9 @@
 //! A port of the computer at whose other end is no board, or one that lies.
 
+use pt326_lab_browser::port::PORT;
 use serde_json::json;
 
 use crate::on_page;
-
-/// A port that answers as a board does, until `says` says something else for it.
-const PORT: &str = r##"
-const toast = async (pattern) => { await until(() => pattern.test($("#toast").textContent)); return $("#toast").textContent; };
-const bytes = (text) => Uint8Array.from(text, (c) => c.charCodeAt(0));
-class Port {
-  constructor(answers) { Object.assign(this, { answers, heard: "" }); }
-  getInfo() { return {}; }
-  async open() {
-    this.reads();
-    this.writable = new WritableStream({ write: (some) => {
-      this.heard += String.fromCharCode(...some);
-      const line = /(?:\x15|[^\r\x15]*\r)$/.exec(this.heard)?.[0].replace("\r", "");
-      if (line in this.answers) this.says(this.answers[line]);
-    } });
-  }
-  reads() { this.readable = new ReadableStream({ start: (to) => void (this.to = to) }); }
-  // A tab that slept for too long: a browser throws away what has no room, and there is another stream.
-  overruns() {
-    const { to } = this;
-    this.reads();
-    to.error(new DOMException("Buffer overrun.", "BufferOverrunError"));
-  }
-  says(text) { this.to.enqueue(bytes(text)); }
-  async close() {}
-}
-const serial = (value) => Object.defineProperty(navigator, "serial", { configurable: true, value });
-const BOARD = { "\x15": "\r\n> ", get: "get\r\nsetpoint = 36 degC\r\npid.kp = 2.5 %/degC\r\n> ", "stream on": "stream on\r\nok\r\n> " };
-const offer = (port) => serial({ requestPort: async () => port, getPorts: async () => [port] });
-"##;
 
 /// Each way in which there is no board is told in a sentence, and the rig goes on.
 #[test]
@@ -77,12 +48,7 @@ fn what_came_while_a_tab_slept_is_caught_up_with() {
     let script = r##"await monitoring();
         const port = new Port(BOARD); offer(port); click("#connect");
         await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
-        const crc = (text) => {
-          let sum = -1;
-          for (const byte of bytes(text)) { sum ^= byte; for (let k = 0; k < 8; k++) sum = (sum >>> 1) ^ (sum & 1 ? 0xedb88320 : 0); }
-          return ((sum ^ -1) >>> 0).toString(16).padStart(8, "0");
-        };
-        const tick = (n) => { const line = `tick ${n.toString(16)}${" 45000000".repeat(31)}`; return `\x02${line}*${crc(line)}\r\n`; };
+        const tick = (n) => framed(`tick ${n.toString(16)}${" 45000000".repeat(31)}`);
         const ticks = (from, to) => Array.from({ length: to - from }, (_, i) => tick(from + i)).join("");
         port.says(tick(500)); await until(() => lab.lab.store?.end === 1);
         port.says(ticks(501, 5500)); await until(() => lab.lab.store.end === 5000);
@@ -91,6 +57,23 @@ fn what_came_while_a_tab_slept_is_caught_up_with() {
         const { parts } = await lab.ask({ command: "log" }); const log = await new Blob(parts).text();
         return [all, Number.isFinite(lab.lab.store.get(5050, "t1")), Number.isFinite(lab.lab.store.get(5105, "t1")), /# ticks 5500 to 5599 are missing/.test(log), log.split("\n").length - 1]"##;
     assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!([2000, false, true, true, 5011]));
+}
+
+/// Which image a board runs, whether it fits this page, and what to do where it does not; what it says of itself is text.
+#[test]
+fn an_image_that_does_not_fit_is_told_with_what_to_do() {
+    let script = r##"await monitoring();
+        const port = new Port(BOARD); offer(port); click("#connect");
+        await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
+        const seen = async (line, pattern) => { port.says(framed(line)); await until(() => (tick(), pattern.test($("#image").textContent))); return $("#image").textContent; };
+        let n = 0; const tick = () => port.says(framed(`tick ${(n++).toString(16)}${" 45000000".repeat(31)}`));
+        const old = await seen("mode 1 off", /older than this page/);
+        const fits = await seen("image 0.1.0 (1a2b3c4) on NUCLEO-F411RE, format 5", /fits/);
+        const other = await seen("image 0.2.0 (<i>) on NUCLEO-F446RE, format 6", /Drag/);
+        return [fits.includes("image 0.1.0 (1a2b3c4)"), other.replace(lab.lab.hello.version, "RELEASE"), $("#toast").textContent === other, document.querySelectorAll("main i i, #image i").length]"##;
+    let update = "The board runs image 0.2.0 (<i>), log format 6; this page, RELEASE, reads 5. Drag pt326-nucleo-f446re.bin, which came \
+        with this page, onto the drive NODE_F446RE, or open the page that came with the image.";
+    assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!([true, update, true, 0]));
 }
 
 /// What was done and said becomes a page of its own: each step with how it ended, the board's own settings, and nothing of it as HTML.

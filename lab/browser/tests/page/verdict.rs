@@ -32,7 +32,7 @@ fn each_fault_that_can_be_put_in_is_named_by_its_own_name() {
             radio.checked = true;
             radio.dispatchEvent(new Event("input", { bubbles: true }));
             $("#sheet .primary").click();
-            await step(kind === "drifts" ? 220 : 90);
+            await step({ drifts: 220, loose: 5000 }[kind] ?? 90);
             found.push([part, kind, lab.events().last?.named ?? "", await said()]);
           }
         }
@@ -46,6 +46,7 @@ fn each_fault_that_can_be_put_in_is_named_by_its_own_name() {
         ("T1", "wrong", "t1_offset", "T1 reads"),
         ("T1", "clogged", "t1_clogged", "less of the rise than it should."),
         ("T1", "drifts", "drift", "drifts up"),
+        ("T1", "loose", "t1_loose", "too high again and again"),
         ("T1", "sticks", "t1_stuck", "T1 did not move"),
         ("T1", "falls", "t1_detached", "T2 is far hotter than T1."),
         ("T1", "open", "t1_open", "broken wire"),
@@ -53,6 +54,7 @@ fn each_fault_that_can_be_put_in_is_named_by_its_own_name() {
         ("T1", "swap", "t1_t2_swapped", "T1 and T2 swapped?"),
         ("T2", "wrong", "t2_offset", "T2 reads"),
         ("T2", "drifts", "drift", "drifts up"),
+        ("T2", "loose", "t2_loose", "too high again and again"),
         ("T2", "sticks", "t2_stuck", "T2 stands still."),
         ("T2", "falls", "t2_detached", "Is T2 out of the tube?"),
         ("T2", "open", "t2_open", "Wire of T2 broken."),

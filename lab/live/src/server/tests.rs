@@ -36,7 +36,8 @@ fn serve_to(access: Access, limits: Limits, clock: Clock) -> (SocketAddr, String
     let (tell, told) = channel();
     std::thread::spawn(move || {
         let tell = |address, query: &str| Ok(tell.send((address, query.to_owned()))?);
-        listen_within(limits, Server { clock, access }, "127.0.0.1:0".parse().unwrap(), tell)
+        let server = Server::new(clock, access, None).unwrap();
+        listen_within(limits, server, "127.0.0.1:0".parse().unwrap(), tell)
     });
     told.recv().unwrap()
 }

@@ -3,7 +3,10 @@
 use pt326_lab::scene::Scene;
 use pt326_lab::session::Session;
 
-use super::{JSON, LONGEST, TOKEN, for_all, get_text, post_text, serve, serve_to, stream, until, with_token};
+use super::{
+    JSON, LONGEST, Server, TOKEN, for_all, get_text, page, post_text, serve, serve_to, stream, until,
+    with_token,
+};
 use crate::clock;
 use crate::guard::Access;
 use crate::server::connections::Limits;
@@ -29,6 +32,26 @@ fn the_page_its_numbers_and_nothing_else_are_served() {
         assert_eq!(get_text(address, path, "").0, 404, "{path}");
     }
     assert_eq!(get_text(address, "/command", "").0, 405);
+}
+
+/// Only a page that has a session within it may run WebAssembly, in a worker; and nothing else is taken for one.
+#[test]
+fn lab_html_is_served_with_what_is_in_it() {
+    let clock = || clock::start(Session::new(Scene::default()).unwrap(), 0.0).unwrap();
+    let server = |lab| Server::new(clock(), for_all(), lab);
+    let lab = page::html(page::Source::InPage(b"\0asm"));
+    let [plain, whole] = [None, Some(&*lab)].map(|lab| server(lab).unwrap());
+    let text = |server: &Server| String::from_utf8(server.page.to_vec()).unwrap();
+    for part in [TOKEN, "id=\"worker\"", "AGFzbQ=="] {
+        assert!(text(&whole).contains(part), "{part}");
+    }
+    assert!(!text(&plain).contains("id=\"worker\""));
+    let allows = |server: &Server, what| server.policy.to_str().unwrap().contains(what);
+    for what in ["'wasm-unsafe-eval'", "worker-src blob:"] {
+        assert!(allows(&whole, what) && !allows(&plain, what), "{what}");
+    }
+    let other = server(Some("<!doctype html>")).err().unwrap().to_string();
+    assert!(other.contains("cargo lab"), "{other}");
 }
 
 #[test]

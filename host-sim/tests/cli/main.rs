@@ -15,6 +15,8 @@ mod score;
 mod shell;
 mod teach;
 mod training;
+#[cfg(all(unix, feature = "live"))]
+mod wall;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

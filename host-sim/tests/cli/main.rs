@@ -2,6 +2,7 @@
 
 mod core;
 mod diagnose;
+mod drive;
 mod forms;
 mod hostile;
 mod identify;

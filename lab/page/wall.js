@@ -55,15 +55,12 @@ function show() {
     const text = html(tile);
     if (shown.get(i) === text) return;
     shown.set(i, text);
-    const made = document.createElement("template");
-    made.innerHTML = text;
-    const before = tiles.children[i];
-    if (!before) tiles.append(made.content);
-    else {
-      const made_ = made.content.firstChild;
-      for (const { name, value } of made_.attributes) before.setAttribute(name, value);
-      before.replaceChildren(...made_.childNodes);
-    }
+    const template = document.createElement("template");
+    template.innerHTML = text;
+    const [before, made] = [tiles.children[i], template.content.firstChild];
+    if (!before) return tiles.append(made);
+    for (const { name, value } of made.attributes) before.setAttribute(name, value);
+    before.replaceChildren(...made.childNodes);
   });
   document.body.classList.toggle("gone", seen.gone);
   const counts = Map.groupBy([...tiles.children], ({ dataset }) => dataset.state);

@@ -33,7 +33,7 @@ fn a_fault_is_on_the_tile_of_its_rig_and_one_press_stops_all() {
     );
     assert_eq!(
         seen,
-        json!(["rig-3paper, seed 3", "monitor", "(1) PT-326: 3 rigs", true, true, "1 alarm, 2 in order"])
+        json!(["rig-3paper, seed 3", "monitor", "(1) PT-326: 3 rigs", true, true, "1 in alarm, 2 in order"])
     );
     let stopped = says(
         &browser,

@@ -56,8 +56,6 @@ export function calibrate() {
   if ($("celsius").value !== "") line(`calibrate all ${$("celsius").value}`);
 }
 
-// What heats wants a second press, at a button that says so meanwhile.
-export const heats = (what, label) => `<button class="primary" data-line="${what}" data-heats data-say="${label}">${say(label)}</button>`;
 let asks = null; // the line that was asked for, when, and its timer
 
 function pressed({ dataset }) {

@@ -80,6 +80,13 @@ export function fromServer(hear, token) {
       hear(message);
     };
   }
+  // A browser opens six connections to a server at most: a tab that nobody sees keeps none from those that are seen.
+  const seen = () => {
+    if (!document.hidden) return connect();
+    clearTimeout(again);
+    events?.close();
+  };
+  document.addEventListener("visibilitychange", seen);
   keep(token);
   connect();
   const alive = setInterval(() => fetch("metrics", { headers: { Authorization: `Bearer ${token}` } }).catch(() => {}), ALIVE);
@@ -95,7 +102,7 @@ export function fromServer(hear, token) {
       },
       () => hear({ type: "refused", command, code: "no_connection", id: command.id }),
     );
-  return { send, close: () => (clearTimeout(again), clearInterval(alive), events.close()) };
+  return { send, close: () => (document.removeEventListener("visibilitychange", seen), clearTimeout(again), clearInterval(alive), events.close()) };
 }
 
 // Why the server did not do it: its own words, or that it does not know this page.

@@ -1,5 +1,4 @@
 // The large sentence: the state, one claim, what it rests on, how much and how soon.
-import { heats } from "lab/board.js";
 import { namings } from "lab/events.js";
 import { recognise } from "lab/faults.js";
 import { asTaught, blamed, delays, headline, isOffset, papers, support, unitOf } from "lab/say.js";
@@ -14,6 +13,8 @@ const ICONS = {
 };
 const icon = (name) => `<svg viewBox="0 0 18 18" width="18" height="18" aria-hidden="true">${ICONS[name]}</svg>`;
 const button = (act, key, primary) => `<button class="${primary ? "primary" : "plain"}" data-act="${act}">${say(key)}</button>`;
+// What heats wants a second press, at a button that says so meanwhile (board.js).
+const heats = (what, label) => `<button class="primary" data-line="${what}" data-heats data-say="${label}">${say(label)}</button>`;
 const row = (...buttons) => `<div class="row">${buttons.join("")}</div>`;
 // The parts of which a trip speaks; those of the others begin with theirs.
 const TRIPPED = { air_flow_lost: ["fan", "heater"], heater_stuck_on: ["heater"], sensors_disagree: ["T1", "T2"], t1_contradicted: ["T1", "T2"], no_response: ["T1"], excess_power: [] };

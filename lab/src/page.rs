@@ -15,6 +15,17 @@ const PLACE: &str = "<!-- bundle: style, modules, worker, data -->";
 /// or says where the link is.
 pub const DOOR: &str = include_str!("../page/door.html");
 
+/// What stands in a rig's place that is not there yet; it looks again by itself.
+pub const ABSENT: &str = include_str!("../page/absent.html");
+
+/// The wall of several rigs: a page of its own, which reads a tile with the modules of the other.
+const WALL: &str = include_str!("../page/wall.html");
+const OF_WALL: [(&str, &str); 2] = [
+    ("lab/wall.js", include_str!("../page/wall.js")),
+    ("lab/wall_words.js", include_str!("../page/wall_words.js")),
+];
+const WALL_STYLE: &str = include_str!("../page/wall.css");
+
 macro_rules! modules {
     ($($name:literal),+ $(,)?) => {
         /// The modules, by the names under which they import each other.
@@ -87,10 +98,6 @@ pub enum Source<'a> {
 
 /// The page. Its modules go by an import map of data, since a file has no siblings that it may load.
 pub fn html(source: Source) -> String {
-    let imports: Vec<String> = MODULES
-        .iter()
-        .map(|(name, text)| format!("\"{name}\":\"data:text/javascript,{}\"", in_address(&lean(text))))
-        .collect();
     let data = match source {
         Source::InPage(wasm) => {
             let worker = lean(WORKER).replace("</script", "<\\/script");
@@ -100,19 +107,10 @@ pub fn html(source: Source) -> String {
                 STANDARD.encode(wasm)
             )
         }
-        Source::Server(token) => token_in_page(token),
-        Source::Recording { json, .. } => {
-            format!(
-                "<script type=\"application/json\" id=\"recording\">{}</script>",
-                json.replace('<', "\\u003c")
-            )
-        }
+        Source::Server(token) => of_token(token),
+        Source::Recording { json, .. } => of_json("recording", json),
     };
-    let head = format!(
-        "<style>{STYLE}</style>\n<script type=\"importmap\">{{\"imports\":{{{}}}}}</script>\n{data}\n\
-         <script type=\"module\">import \"lab/main.js\";</script>",
-        imports.join(",")
-    );
+    let head = head(STYLE, &MODULES, &data, "lab/main.js");
     let report = match source {
         Source::Recording { report, .. } if !report.is_empty() => {
             format!("<section class=\"report\">\n{report}</section>")
@@ -126,17 +124,41 @@ pub fn html(source: Source) -> String {
 /// `None` where `page` is no lab.html.
 pub fn with_token(page: &str, token: &str) -> Option<String> {
     let (before, wasm) = page.split_once(WASM)?;
-    Some(format!("{before}{}{WASM}{wasm}", token_in_page(token)))
-}
-
-fn token_in_page(token: &str) -> String {
-    format!("<script type=\"text/plain\" id=\"token\">{token}</script>\n")
+    Some(format!("{before}{}\n{WASM}{wasm}", of_token(token)))
 }
 
 /// Without lines that are only a comment, and without what stands before a line: for a browser, not for people.
 fn lean(text: &str) -> String {
     let lines = text.lines().map(str::trim_start).filter(|line| !line.is_empty() && !line.starts_with("//"));
     lines.map(|line| format!("{line}\n")).collect()
+}
+
+/// The page of several rigs, with the token for their stop, and what must be known to read a tile, as JSON.
+pub fn wall(token: &str, key: &str) -> String {
+    let modules: Vec<_> = MODULES.into_iter().chain(OF_WALL).collect();
+    let data = of_token(token) + &of_json("key", key);
+    WALL.replacen(PLACE, &head(&format!("{STYLE}{WALL_STYLE}"), &modules, &data, "lab/wall.js"), 1)
+}
+
+fn of_token(token: &str) -> String {
+    format!("<script type=\"text/plain\" id=\"token\">{token}</script>")
+}
+
+fn of_json(id: &str, json: &str) -> String {
+    format!("<script type=\"application/json\" id=\"{id}\">{}</script>", json.replace('<', "\\u003c"))
+}
+
+/// Style, modules and data; `main` is the module that begins.
+fn head(style: &str, modules: &[(&str, &str)], data: &str, main: &str) -> String {
+    let address = |(name, text): &(&str, &str)| {
+        format!("\"{name}\":\"data:text/javascript,{}\"", in_address(&lean(text)))
+    };
+    let imports: Vec<String> = modules.iter().map(address).collect();
+    format!(
+        "<style>{style}</style>\n<script type=\"importmap\">{{\"imports\":{{{}}}}}</script>\n{data}\n\
+         <script type=\"module\">import \"{main}\";</script>",
+        imports.join(",")
+    )
 }
 
 /// What stands for what in an address of `data:` within JSON within HTML, in this order. The last two keep names and references of a drawing
@@ -164,18 +186,19 @@ mod tests {
     /// What a module imports is in the page; none asks for anything else, and none is there for nothing.
     #[test]
     fn every_import_is_a_module_of_the_page() {
-        let mut imported = vec!["lab/main.js"];
-        for (name, text) in MODULES {
+        let mut imported = vec!["lab/main.js", "lab/wall.js"];
+        let all: Vec<_> = MODULES.into_iter().chain(OF_WALL).collect();
+        for (name, text) in &all {
             let from = text
                 .lines()
                 .filter_map(|line| line.strip_prefix("import ")?.strip_suffix("\";")?.rsplit_once('"'))
                 .map(|(_, of)| of);
             for of in from {
-                assert!(MODULES.iter().any(|(known, _)| *known == of), "{name} imports {of}");
+                assert!(all.iter().any(|(known, _)| *known == of), "{name} imports {of}");
                 imported.push(of);
             }
         }
-        assert!(MODULES.iter().all(|(name, _)| imported.contains(name)));
+        assert!(all.iter().all(|(name, _)| imported.contains(name)));
     }
 
     #[test]
@@ -187,7 +210,8 @@ mod tests {
     #[test]
     fn nothing_of_the_page_lies_elsewhere() {
         let page = html(Source::InPage(b"\0asm"));
-        let texts = MODULES.iter().map(|(_, text)| *text).chain([INDEX, STYLE, WORKER]);
+        let texts = MODULES.iter().chain(&OF_WALL).map(|(_, text)| *text);
+        let texts = texts.chain([INDEX, STYLE, WORKER, WALL, WALL_STYLE, ABSENT]);
         for text in texts {
             let links =
                 text.match_indices("http").map(|(i, _)| &text[i..]).filter(|link| link.contains("://"));

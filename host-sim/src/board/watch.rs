@@ -3,7 +3,8 @@
 //! A thread holds the conversation. Stop does not wait for it: it goes out by a second handle of the same port, and takes with it whatever
 //! was ordered before and not yet sent.
 
-use std::io::ErrorKind;
+use std::fs::File;
+use std::io::{ErrorKind, Write};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -62,10 +63,22 @@ impl Watch {
     /// # Errors
     /// No port, no board on it, or one of another release.
     pub fn open(name: &str) -> anyhow::Result<Self> {
+        Self::open_recorded(name, || Ok(None))
+    }
+
+    /// The same, and writes the lines of the board's log into a file, which `pt326 replay` reads. It is asked for once the board is known.
+    ///
+    /// # Errors
+    /// As [`Self::open`], or there is no such file.
+    pub fn open_recorded(
+        name: &str,
+        log: impl FnOnce() -> anyhow::Result<Option<File>>,
+    ) -> anyhow::Result<Self> {
         let (tell, told) = sync_channel(UNTAKEN);
         let (orders, given) = channel();
         let hand = Hand::default();
         let mut keeper = Keeper::open(name.to_owned(), tell, hand.clone())?;
+        keeper.log = log()?;
         let sample_time = keeper.conversation.sample_time();
         std::thread::spawn(move || keeper.run(&given));
         let name = name.to_owned();
@@ -138,6 +151,8 @@ struct Keeper {
     stops: u64,
     tell: SyncSender<Told>,
     hand: Hand,
+    /// Where its log is written to.
+    log: Option<File>,
 }
 
 /// Nobody watches any more.
@@ -147,7 +162,8 @@ impl Keeper {
     fn open(name: String, tell: SyncSender<Told>, hand: Hand) -> anyhow::Result<Self> {
         let port = open(&name, &hand)?;
         let conversation = Conversation::new(0.0);
-        let mut keeper = Self { name, port, conversation, begun: Instant::now(), stops: 0, tell, hand };
+        let mut keeper =
+            Self { name, port, conversation, begun: Instant::now(), stops: 0, tell, hand, log: None };
         loop {
             keeper.send().and_then(|()| keeper.hear()).with_context(|| format!("on {}", keeper.name))?;
             match keeper.conversation.standing() {
@@ -189,8 +205,26 @@ impl Keeper {
     }
 
     fn tell_all(&mut self) -> Result<(), Unwatched> {
+        self.log_all()?;
         while let Some(told) = self.conversation.take_told() {
             self.tell.send(told).map_err(|_| Unwatched)?;
+        }
+        Ok(())
+    }
+
+    /// Takes what the conversation has for the log, also where nobody keeps it: it would grow for ever.
+    fn log_all(&mut self) -> Result<(), Unwatched> {
+        let (_, lines) = self.conversation.take_log();
+        self.keep(&lines)
+    }
+
+    /// Writes to the log. A full disk ends the log, and nothing else.
+    fn keep(&mut self, lines: &[u8]) -> Result<(), Unwatched> {
+        let Some(log) = &mut self.log else { return Ok(()) };
+        if let Err(error) = log.write_all(lines) {
+            self.log = None;
+            let why = format!("its log is not written any more: {error}");
+            self.tell.send(Told::refused(why)).map_err(|_| Unwatched)?;
         }
         Ok(())
     }
@@ -225,6 +259,8 @@ impl Keeper {
     fn reopen(&mut self, given: &Receiver<Given>) -> Result<(), Unwatched> {
         self.hand.grip().port = None;
         self.conversation.lost();
+        self.log_all()?;
+        self.keep(b"# the port has gone\n")?;
         self.tell_all()?;
         loop {
             if Arc::strong_count(&self.hand.0) == 1 {

@@ -74,6 +74,10 @@ pub struct Cli {
     command: Option<Subcommand>,
 }
 
+#[cfg(not(feature = "live"))]
+const NO_LIVE: &str = "this build has no `live`, for its web server takes as long to build as all the rest. From the \
+    project's folder: cargo install --path host-sim --features live";
+
 /// The commands.
 #[derive(Debug, clap::Subcommand)]
 enum Subcommand {
@@ -100,6 +104,14 @@ enum Subcommand {
     /// Serve the lab to a browser: the simulated rig, or a recording, as it goes on.
     #[cfg(feature = "live")]
     Live(LiveArgs),
+    /// Serve the lab to a browser: not in this build.
+    ///
+    /// Its web server takes as long to build as all the rest. From the project's folder: `cargo install --path host-sim --features live`.
+    #[cfg(not(feature = "live"))]
+    Live {
+        #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
     /// Use the board's console, with the simulated rig in place of a board.
     Console(ConsoleArgs),
     /// Use a real board over its serial port: its console, a record of what it does, its settings.
@@ -146,6 +158,8 @@ impl Cli {
             Subcommand::Teach(args) => return teach::run(&args),
             #[cfg(feature = "live")]
             Subcommand::Live(args) => live::run(&args),
+            #[cfg(not(feature = "live"))]
+            Subcommand::Live { .. } => anyhow::bail!("{NO_LIVE}"),
             Subcommand::Console(args) => console::run(&args),
             Subcommand::Board(args) => return board::run(&args),
             Subcommand::Config(args) => config::run(&args),

@@ -10,6 +10,7 @@ pub mod grid;
 pub mod harness;
 pub mod inject;
 pub mod intervals;
+pub mod left_heat;
 mod logs;
 pub mod map;
 mod names;
@@ -57,6 +58,8 @@ pub struct Reading {
     pub celsius: Option<f64>,
     /// Whether a fan moves the air; none: as the format says, else yes.
     pub fan: Option<bool>,
+    /// The power of a row is what drove the heater up to it, not from it on.
+    pub power_before: bool,
     /// Each row is a sample, whatever its time says.
     #[serde(skip)]
     pub untimed: bool,
@@ -153,6 +156,9 @@ impl Recording {
             .collect::<anyhow::Result<Vec<_>>>()?;
         let known_power = how.full_power.or(guess.as_ref().and_then(|guess| guess.full_power));
         let full_power = known_power.unwrap_or_else(|| as_written(full_power(&heaters) as f32));
+        for heater in heaters.iter_mut().filter(|_| how.power_before) {
+            grid.sessions.iter().for_each(|session| drive_from_here(&mut heater.samples[session.clone()]));
+        }
         for heater in &mut heaters {
             remarks.extend(quirks::take_out(&mut heater.samples, &grid.sessions, full_power as f32));
         }
@@ -371,4 +377,13 @@ fn heater(table: &Table, map: Map, grid: &Grid, fan: bool) -> anyhow::Result<Hea
     let inputs =
         Inputs { t0: map.column(Role::T0).is_some(), t2: map.column(Role::T2).is_some(), fan, ..Inputs::ALL };
     Ok(Heater { map, inputs, samples })
+}
+
+/// Of samples whose power drove the heater up to each of them makes such whose power drives it from each of them on.
+pub fn drive_from_here(samples: &mut [Observed]) {
+    for k in 1..samples.len() {
+        let Observed { power, beside, .. } = samples[k];
+        let before = &mut samples[k - 1];
+        (before.power, before.beside) = (power.or(before.power), beside.or(before.beside));
+    }
 }

@@ -11,7 +11,7 @@ use fdi_core::{Celsius, Config, Monitor, Observed, Seconds};
 
 use super::batch::{self, Found, Question};
 use super::intervals::{self, Interval, UNKNOWN};
-use super::{Heater, Recording, span};
+use super::{Heater, Recording, drive_from_here, span};
 
 /// Fewer samples are no answer.
 const LEAST_ANSWER: f64 = 10.0;
@@ -42,6 +42,8 @@ pub struct Trained {
     pub model: Model,
     /// How much of the training the model explains when it is simulated, %.
     pub fit: f64,
+    /// The same if the power of each sample had driven the heater up to it, where that explains much more.
+    pub fit_with_power_before: Option<f64>,
     /// How well what was learnt is known.
     pub intervals: Vec<Interval>,
     /// What the samples do not tell, in words; the priors stand for it.
@@ -78,6 +80,7 @@ pub fn train(
         )
     };
     let found = ask(1).fit(None).ok_or_else(nothing)?;
+    let fit_with_power_before = fit_with_power_before(&ask(1), &found);
     let settings = |every: usize, theta: &batch::Theta| {
         let count = samples.len() / every;
         let answer = (batch::ANSWER * batch::residence(theta)).max(LEAST_ANSWER);
@@ -103,7 +106,32 @@ pub fn train(
     ensure!(found.fit.is_finite(), "the model explains nothing");
     let (looked_at, tick) = (means.as_ref().unwrap_or(&found), every as f64 * recording.sample_time);
     let intervals = intervals::intervals(&model, looked_at, heater.inputs.t2, tick);
-    Ok(Trained { monitor, config: fast, every: every as u32, model, fit: found.fit, intervals, unknown })
+    Ok(Trained {
+        monitor,
+        config: fast,
+        every: every as u32,
+        model,
+        fit: found.fit,
+        fit_with_power_before,
+        intervals,
+        unknown,
+    })
+}
+
+/// A dead time of fewer samples is none: there the power of the sample itself may act.
+const AT_ONCE: f64 = 0.1;
+/// What is left then is less than this share of what is left otherwise.
+const EXPLAINS_MORE: f64 = 0.8;
+
+/// How much of T1 is explained where the power of each sample has driven the heater up to it, %. No dead time says that: it would be below zero.
+fn fit_with_power_before(question: &Question, found: &Found) -> Option<f64> {
+    if found.theta[Parameter::Delay1 as usize] > AT_ONCE {
+        return None;
+    }
+    let mut samples = question.samples.to_vec();
+    drive_from_here(&mut samples);
+    let fit = Question { samples: &samples, ..*question }.fit(Some(&found.theta))?.fit;
+    (100.0 - fit < EXPLAINS_MORE * (100.0 - found.fit)).then_some(fit)
 }
 
 /// A model that explains less, %, is warned about, and one that explains still less is none.

@@ -1,6 +1,8 @@
 //! `pt326 campaign --parquet`: the rows of runs.csv with their types, where the program was built for it.
 
-use crate::{SMALL, campaign, fails, folder};
+#[cfg(feature = "parquet")]
+use crate::campaign;
+use crate::{SMALL, fails, folder};
 
 #[test]
 fn a_part_writes_no_tables_and_a_program_without_the_feature_says_how_to_get_it() {

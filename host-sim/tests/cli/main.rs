@@ -2,6 +2,7 @@
 
 mod core;
 mod diagnose;
+mod drive;
 mod forms;
 mod hostile;
 mod identify;
@@ -15,6 +16,8 @@ mod score;
 mod shell;
 mod teach;
 mod training;
+#[cfg(all(unix, feature = "live"))]
+mod wall;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

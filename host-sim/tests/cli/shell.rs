@@ -29,6 +29,18 @@ fn a_mistyped_command_is_answered_with_the_right_one() {
     assert!(error.contains("'replay'"), "{error}");
 }
 
+/// Whoever has not got it is told how to get it.
+#[cfg(not(feature = "live"))]
+#[test]
+fn live_says_which_build_has_it() {
+    for arguments in [&["live"][..], &["live", "--board", "--mqtt", "mqtt://broker.local"]] {
+        let out = pt326(arguments);
+        let error = text(&out.stderr);
+        assert_eq!(out.status.code(), Some(2), "{error}");
+        assert!(error.contains("cargo install --path host-sim --features live"), "{error}");
+    }
+}
+
 #[test]
 fn completions_and_manual_pages_know_the_commands() {
     let commands = commands();

@@ -1,9 +1,7 @@
 //! The page as `pt326 live` serves it: faults, two pages at once, and a server that is killed and comes back.
 
 mod board;
-
-use std::io::{BufRead, BufReader};
-use std::process::{Child, Command, Stdio};
+mod served;
 
 use board::Board;
 use pt326::commands::run::carry_out as run_experiment;
@@ -11,62 +9,8 @@ use pt326::experiment::scenario::Scenario;
 use pt326::settings::read as read_settings;
 use pt326_lab_browser::port::PORT;
 use pt326_lab_browser::{Browser, page};
-use serde_json::{Value, json};
-
-const HELPERS: &str = r##"
-const $ = (selector) => document.querySelector(selector);
-const frame = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-const until = async (what) => { while (!(await what())) await frame(); };
-const click = (selector) => $(selector).dispatchEvent(new MouseEvent("click", { bubbles: true }));
-"##;
-
-/// `pt326 live`; it ends with the value.
-struct Server {
-    process: Child,
-    address: String,
-}
-
-impl Server {
-    /// `LAB_LIVE` names the program, built with the feature `live`; without it, that of the workspace's debug build.
-    fn start(port: u16) -> Self {
-        Self::with(port, &[])
-    }
-
-    fn with(port: u16, more: &[&str]) -> Self {
-        let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/debug/pt326");
-        let program = std::env::var_os("LAB_LIVE").unwrap_or_else(|| default.into());
-        let mut process = Command::new(program)
-            .args(["live", "--no-open", "--port", &port.to_string()])
-            .args(more)
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("pt326, built with `cargo build -p pt326 --features live`");
-        let mut line = String::new();
-        BufReader::new(process.stdout.take().expect("its output")).read_line(&mut line).expect("a line");
-        let address = line.trim().strip_prefix("The lab is at ").expect(&line).to_owned();
-        Self { process, address }
-    }
-
-    fn port(&self) -> u16 {
-        self.address
-            .trim_end_matches('/')
-            .rsplit(':')
-            .next()
-            .and_then(|port| port.parse().ok())
-            .expect("a port")
-    }
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
-    }
-}
-
-fn on(browser: &Browser, script: &str) -> Value {
-    browser.run(&format!("{HELPERS}{script}"), &[]).unwrap_or_else(|error| panic!("{error:#}"))
-}
+use serde_json::json;
+use served::{HELPERS, Server, on};
 
 #[test]
 fn a_fault_put_in_on_one_page_is_named_on_another() {

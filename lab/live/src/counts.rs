@@ -27,12 +27,16 @@ pub(crate) struct Counts {
     pub(crate) lost: bool,
     /// When the last tick was heard.
     pub(crate) heard: Option<SystemTime>,
+    /// Ticks since the mode is as it is, and since the alarm began or ended.
+    pub(crate) mode_for: u64,
+    pub(crate) alarm_for: u64,
     before: Before,
 }
 
 /// What was on the last tick that was heard.
 #[derive(Default)]
 struct Before {
+    mode: Option<f32>,
     alarm: bool,
     trip: Option<usize>,
     gap: bool,
@@ -64,8 +68,11 @@ impl Counts {
 
     fn row(&mut self, row: &Numbers) {
         self.ticks += 1;
+        self.mode_for += 1;
+        self.alarm_for += 1;
+        let mode = number(row, "mode");
         // Of a tick that was heard there always is a mode.
-        if number(row, "mode").is_none() {
+        if mode.is_none() {
             self.unheard += 1;
             self.gaps += u64::from(!std::mem::replace(&mut self.before.gap, true));
             return;
@@ -74,13 +81,19 @@ impl Counts {
         let trip = number(row, "trip").map(|trip| trip as usize);
         let alarm = number(row, "alarm") == Some(1.0);
         self.alarms += u64::from(alarm && !self.before.alarm);
+        if mode != self.before.mode {
+            self.mode_for = 0;
+        }
+        if alarm != self.before.alarm {
+            self.alarm_for = 0;
+        }
         if let Some(trip) = trip
             && self.before.trip != Some(trip)
             && let Some(count) = self.trips.get_mut(trip.wrapping_sub(1))
         {
             *count += 1;
         }
-        self.before = Before { alarm, trip, gap: false };
+        self.before = Before { mode, alarm, trip, gap: false };
     }
 }
 
@@ -120,6 +133,21 @@ mod tests {
         all.into_iter().for_each(|told| counts.take(told));
         assert_eq!((counts.ticks, counts.alarms, counts.unheard, counts.gaps), (13, 2, 3, 2));
         assert_eq!((counts.trips[0], counts.trips[1], counts.trips.iter().sum::<u64>()), (1, 2, 3));
+    }
+
+    /// Ticks that were not heard count: the mode was, as far as anybody knows, the same.
+    #[test]
+    fn it_is_known_for_how_long_mode_and_alarm_are_as_they_are() {
+        let mut counts = Counts::default();
+        let mut after = |mode, alarm| {
+            counts.take(&row(&[("mode", mode), ("alarm", alarm)]));
+            (counts.mode_for, counts.alarm_for)
+        };
+        assert_eq!(after(3.0, 0.0), (0, 1));
+        assert_eq!(after(3.0, 0.0), (1, 2));
+        assert_eq!(after(3.0, 1.0), (2, 0));
+        assert_eq!(after(f32::NAN, f32::NAN), (3, 1));
+        assert_eq!(after(4.0, 1.0), (0, 2));
     }
 
     #[test]

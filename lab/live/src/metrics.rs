@@ -24,8 +24,13 @@ struct Family {
     samples: Vec<(String, f64)>,
 }
 
+/// All there is to say, of one rig or of several.
 #[derive(Default)]
-struct Families(Vec<Family>);
+pub(crate) struct Families {
+    all: Vec<Family>,
+    /// Label that tells the rig from others.
+    board: Option<String>,
+}
 
 impl Families {
     /// Adds a sample; the first of its name says what it is.
@@ -36,17 +41,39 @@ impl Families {
     }
 
     fn put_labelled(&mut self, name: &str, help: &str, labels: String, value: f64) {
-        let place = self.0.iter().position(|family| family.name == name).unwrap_or_else(|| {
+        let place = self.all.iter().position(|family| family.name == name).unwrap_or_else(|| {
             let kind = if name.ends_with("_total") { "counter" } else { "gauge" };
-            self.0.push(Family { name: name.into(), help: help.into(), kind, samples: Vec::new() });
-            self.0.len() - 1
+            self.all.push(Family { name: name.into(), help: help.into(), kind, samples: Vec::new() });
+            self.all.len() - 1
         });
-        self.0[place].samples.push((labels, value));
+        let labels: Vec<_> = self.board.clone().into_iter().chain(Some(labels)).collect();
+        self.all[place].samples.push((labels.join(",").trim_end_matches(',').into(), value));
     }
 
-    fn text(&self) -> String {
+    /// What follows is of this rig.
+    pub(crate) fn of_board(&mut self, board: &str) {
+        self.board = Some(format!("board=\"{}\"", escaped(board)));
+    }
+
+    /// What there is to say of a rig now, which so many pages watch.
+    pub(crate) fn add(&mut self, history: &History, clients: usize) {
+        of_server(self, history, clients);
+        of_counts(self, &history.counts);
+        if let Some(row) = history.last() {
+            let sample_time = history.about()["ts"].as_f64().unwrap_or(f64::NAN);
+            let fields = FIELDS.iter().zip(row);
+            fields.for_each(|(field, value)| of_field(self, field, *value, row, sample_time));
+        }
+    }
+
+    /// Of a rig that has not been there yet.
+    pub(crate) fn add_missing(&mut self) {
+        connected(self, false);
+    }
+
+    pub(crate) fn text(&self) -> String {
         let mut text = String::new();
-        for Family { name, help, kind, samples } in &self.0 {
+        for Family { name, help, kind, samples } in &self.all {
             let _ = writeln!(text, "# HELP {name} {help}\n# TYPE {name} {kind}");
             for (labels, value) in samples {
                 let labels = if labels.is_empty() { String::new() } else { format!("{{{labels}}}") };
@@ -62,16 +89,9 @@ fn escaped(value: &str) -> String {
     value.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n")
 }
 
-/// All there is to say now, to so many pages that watch.
-pub(crate) fn text(history: &History, clients: usize) -> String {
-    let mut all = Families::default();
-    of_server(&mut all, history, clients);
-    of_counts(&mut all, &history.counts);
-    if let Some(row) = history.last() {
-        let sample_time = history.about()["ts"].as_f64().unwrap_or(f64::NAN);
-        FIELDS.iter().zip(row).for_each(|(field, value)| of_field(&mut all, field, *value, row, sample_time));
-    }
-    all.text()
+fn connected(all: &mut Families, is_heard: bool) {
+    let help = "Whether the board is heard; a simulated rig always is";
+    all.put("pt326_connected", help, &[], f64::from(u8::from(is_heard)));
 }
 
 fn of_server(all: &mut Families, history: &History, clients: usize) {
@@ -88,8 +108,7 @@ fn of_server(all: &mut Families, history: &History, clients: usize) {
 
 fn of_counts(all: &mut Families, counts: &Counts) {
     let Counts { ticks, unheard, gaps, late, missed, alarms, trips, lost, heard, .. } = counts;
-    let linked = f64::from(u8::from(!lost));
-    all.put("pt326_connected", "Whether the board is heard; a simulated rig always is", &[], linked);
+    connected(all, !lost);
     let since = heard.and_then(|at| at.duration_since(SystemTime::UNIX_EPOCH).ok());
     if let Some(since) = since {
         let help = "When the last tick was heard, since 1970";
@@ -205,6 +224,13 @@ pub(crate) fn name_of(field: &Entry, value: f32) -> Option<&'static str> {
     };
     let first = usize::from(field.number.kind == Kind::Choice);
     names.get((value as usize).checked_sub(first)?).copied()
+}
+
+/// All there is to say now of one rig, to so many pages that watch.
+pub(crate) fn text(history: &History, clients: usize) -> String {
+    let mut all = Families::default();
+    all.add(history, clients);
+    all.text()
 }
 
 #[cfg(test)]

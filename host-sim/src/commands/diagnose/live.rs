@@ -16,6 +16,7 @@ use crate::experiment::{Origin, Record, Row, tick_time};
 use crate::record::summary::sentence;
 use crate::recording::believed::Believed;
 use crate::recording::grid::OFF;
+use crate::recording::left_heat::LeftHeat;
 use crate::recording::map::Role;
 use crate::recording::report::plain;
 use crate::recording::run::as_tick;
@@ -32,6 +33,10 @@ const LEAST_SILENCE: Duration = Duration::from_secs(2);
 
 /// Learns from the other recording, then reads standard input until it ends.
 pub(super) fn run(args: &DiagnoseArgs, how: &Reading, config: &Config) -> anyhow::Result<()> {
+    ensure!(
+        !how.power_before,
+        "--power-before: not with --live, where the power that drives from here on is not known yet"
+    );
     let path = args.train_on.as_deref().context("--live asks for --train-on")?;
     let other = Recording::read(path, how)?;
     let heater = &other.heaters[0];
@@ -91,6 +96,7 @@ struct Live<'a> {
     header: String,
     trained: &'a Monitor,
     monitor: Monitor,
+    left_heat: LeftHeat,
     /// How the lines tell their times, and that of the last sample, s.
     stamps: Option<Stamps>,
     at: Option<f64>,
@@ -137,6 +143,7 @@ impl<'a> Live<'a> {
             trained,
             implausible: [0; OBSERVED.len()],
             monitor,
+            left_heat: LeftHeat::default(),
             stamps: other.stamps,
             at: None,
             passed: 0,
@@ -246,6 +253,9 @@ impl<'a> Live<'a> {
 
     fn watch(&mut self, sample: &Observed, say: Say) -> anyhow::Result<()> {
         let (mut seen, mut report) = self.monitor.step(sample);
+        if self.left_heat.ends(&report.likelihood) {
+            self.monitor.resume();
+        }
         // The monitor counts from its training on.
         let before = seen.index.saturating_sub(self.passed);
         seen.index = self.passed;

@@ -108,6 +108,10 @@ pub struct ReadingArgs {
     /// The power that is 100 %, in the unit of its column; left out: guessed from the numbers (1, 100, 255, 1023 ..).
     #[arg(long, value_name = "POWER")]
     pub full_power: Option<f64>,
+    /// The power of a row is what drove the heater up to it, such as a mean over the time since the row before. Left out: it drives the heater from
+    /// that row on.
+    #[arg(long)]
+    pub power_before: bool,
     /// For temperatures in another unit: how many degC one unit counts for.
     #[arg(long, value_name = "DEGC")]
     pub degc: Option<f64>,
@@ -135,6 +139,7 @@ impl ReadingArgs {
             full_power: self.full_power,
             celsius: self.degc,
             fan: self.fan,
+            power_before: self.power_before,
             untimed: false,
         })
     }
@@ -288,6 +293,14 @@ fn remarks(done: &Diagnosed) -> String {
             text,
             "Not judged, since it was learnt from or how the rig began was not known yet: {}{more}.",
             parts.join(", ")
+        );
+    }
+    if let Some(fit) = done.trained.fit_with_power_before {
+        let _ = writeln!(
+            text,
+            "T1 answers to the power of its own row, which seems to be what drove the heater up to that row. With --power-before the model explains \
+             {fit:.1} % of T1 instead of {:.1} %.",
+            done.trained.fit
         );
     }
     if let Some(odd) = odd(&done.implausible) {

@@ -33,6 +33,9 @@ const EVERY: Duration = Duration::from_secs(1);
 /// Requests to the client that wait: one message, one state, a subscription and an answer, twice.
 const REQUESTS: usize = 8;
 
+/// What a rig is called that has no name.
+const UNNAMED: &str = "rig";
+
 /// A broker, and what the rig is called there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broker {
@@ -64,12 +67,19 @@ impl Broker {
         );
         let login = user.map(|user| (user.to_owned(), password.unwrap_or_default()));
         let name = uri.path().trim_matches('/');
-        let name = if name.is_empty() { "rig" } else { name }.to_owned();
+        let name = if name.is_empty() { UNNAMED } else { name }.to_owned();
         let plain = name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'-' || b == b'_');
         ensure!(plain, "rig \"{name}\", expected letters, digits, - and _");
         let host = uri.host().unwrap_or_default().trim_matches(['[', ']']).to_owned();
         ensure!(!host.is_empty(), "broker \"{url}\", {expected}");
         Ok(Self { host, port: uri.port_u16().unwrap_or(1883), login, name, commands, pause: EVERY })
+    }
+
+    /// The same broker for one board of several: its topics begin with `pt326/NAME-BOARD`, or `pt326/BOARD` where no name was given.
+    #[must_use]
+    pub fn of(&self, board: &str) -> Self {
+        let name = if self.name == UNNAMED { board.to_owned() } else { format!("{}-{board}", self.name) };
+        Self { name, ..self.clone() }
     }
 
     fn topic(&self, end: &str) -> String {

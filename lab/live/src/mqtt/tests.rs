@@ -280,6 +280,10 @@ fn an_address_says_what_it_lacks() {
     assert_eq!((&*broker.host, broker.port, &*broker.name), ("::1", 1884, "bench-1"));
     assert_eq!(broker.login, Some(("anna".into(), "secret".into())));
     let plain = Broker::new("mqtt://broker.local", None, true).unwrap();
+    assert_eq!(
+        (plain.of("lab-2").name, broker.of("lab-2").topic("state")),
+        ("lab-2".into(), "pt326/bench-1-lab-2/state".into())
+    );
     assert_eq!((plain.port, &*plain.name, plain.login), (1883, "rig", None));
     for (url, why) in [
         ("broker.local", "expected mqtt://"),

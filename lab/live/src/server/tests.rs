@@ -5,6 +5,7 @@ mod clients;
 mod half_sent;
 mod malformed;
 mod sources;
+mod wall;
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -33,10 +34,14 @@ fn serve_source(source: impl Source, speed: f64) -> SocketAddr {
 
 /// A server of its own in a thread, and the query that it wants; it ends with the tests.
 fn serve_to(access: Access, limits: Limits, clock: Clock) -> (SocketAddr, String) {
+    serve_rigs(access, limits, vec![Arc::new(Rig::of("rig", clock))])
+}
+
+fn serve_rigs(access: Access, limits: Limits, rigs: Vec<Arc<Rig>>) -> (SocketAddr, String) {
     let (tell, told) = channel();
     std::thread::spawn(move || {
         let tell = |address, query: &str| Ok(tell.send((address, query.to_owned()))?);
-        let server = Server::new(clock, access, None).unwrap();
+        let server = Server::new(rigs, access, None).unwrap();
         listen_within(limits, server, "127.0.0.1:0".parse().unwrap(), tell)
     });
     told.recv().unwrap()
@@ -65,10 +70,15 @@ fn get_text(address: SocketAddr, path: &str, headers: &str) -> (u16, String) {
 }
 
 fn post_text(address: SocketAddr, headers: &str, body: &str) -> (u16, String) {
+    post_at(address, "", headers, body)
+}
+
+/// To a rig at `base`.
+fn post_at(address: SocketAddr, base: &str, headers: &str, body: &str) -> (u16, String) {
     let length = body.len();
     let host = if headers.contains("Host:") { String::new() } else { format!("Host: {address}\r\n") };
     let head = format!(
-        "POST /command HTTP/1.1\r\n{host}{headers}Content-Length: {length}\r\nConnection: close\r\n\r\n"
+        "POST {base}/command HTTP/1.1\r\n{host}{headers}Content-Length: {length}\r\nConnection: close\r\n\r\n"
     );
     answer(address, (head + body).as_bytes())
 }
@@ -80,8 +90,14 @@ fn with_token() -> String {
 }
 
 /// The messages of a stream, as long as `wanted` says.
-fn stream(
+fn stream(address: SocketAddr, from: usize, session: &str, wanted: impl FnMut(&Value) -> bool) -> Vec<Value> {
+    stream_at(address, "", from, session, wanted)
+}
+
+/// Those of a rig at `base`.
+fn stream_at(
     address: SocketAddr,
+    base: &str,
     from: usize,
     session: &str,
     mut wanted: impl FnMut(&Value) -> bool,
@@ -89,7 +105,7 @@ fn stream(
     let mut stream = TcpStream::connect(address).unwrap();
     write!(
         stream,
-        "GET /events?token={TOKEN}&from={from}&session={session} HTTP/1.1\r\nHost: {address}\r\n\r\n"
+        "GET {base}/events?token={TOKEN}&from={from}&session={session} HTTP/1.1\r\nHost: {address}\r\n\r\n"
     )
     .unwrap();
     let mut all = Vec::new();

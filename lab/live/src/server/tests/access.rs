@@ -3,6 +3,10 @@
 use pt326_lab::scene::Scene;
 use pt326_lab::session::Session;
 
+use std::sync::Arc;
+
+use crate::wall::Rig;
+
 use super::{
     JSON, LONGEST, Server, TOKEN, for_all, get_text, page, post_text, serve, serve_to, stream, until,
     with_token,
@@ -38,10 +42,10 @@ fn the_page_its_numbers_and_nothing_else_are_served() {
 #[test]
 fn lab_html_is_served_with_what_is_in_it() {
     let clock = || clock::start(Session::new(Scene::default()).unwrap(), 0.0).unwrap();
-    let server = |lab| Server::new(clock(), for_all(), lab);
+    let server = |lab| Server::new(vec![Arc::new(Rig::of("rig", clock()))], for_all(), lab);
     let lab = page::html(page::Source::InPage(b"\0asm"));
     let [plain, whole] = [None, Some(&*lab)].map(|lab| server(lab).unwrap());
-    let text = |server: &Server| String::from_utf8(server.page.to_vec()).unwrap();
+    let text = |server: &Server| String::from_utf8(server.page.html.to_vec()).unwrap();
     for part in [TOKEN, "id=\"worker\"", "AGFzbQ=="] {
         assert!(text(&whole).contains(part), "{part}");
     }

@@ -1,22 +1,19 @@
 //! `pt326 live`: the lab served to browsers on this machine.
 
+mod rigs;
+
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use std::sync::Arc;
 
 use anyhow::Context;
-use pt326_lab::scene::{Order, Scene};
-use pt326_lab::session::Session;
 use pt326_live::mqtt::Broker;
-use pt326_live::source::{Recording, Source, Told};
-use pt326_live::{Access, Server, clock, listen, mqtt};
+use pt326_live::{Access, Rig, Server, listen};
 use pt326_rig::Disturbance;
 
-use super::replay::{self, ReplayArgs};
 use super::terminal::print;
-use crate::board::find;
-use crate::board::watch::Watch;
-use crate::record::numbers;
+use rigs::BoardAt;
 
 /// Arguments of `live`.
 #[derive(Clone, Debug, clap::Args)]
@@ -29,6 +26,10 @@ nothing is heard of the board the page says so; the board goes on regulating, an
 
 The page watches. With --page lab.html, which `cargo lab` writes, it has all that lies in that file as well: *Connect a board* opens a \
 board at a port of the computer that the browser runs on, and a trace is run again.
+
+With several boards the page is a wall: a tile each, and \"Stop all\", which needs no second press. A click on a tile opens the board's own \
+page; nothing on the wall arms. A board that is not plugged in, or is lost, says so on its tile and keeps none of the others. With --rigs the \
+same with simulated rigs.
 
 With --board or --listen the page opens only by the link that is printed, which holds a token. No browser is opened then: other users of \
 the machine could read the link on its command line.
@@ -43,26 +44,41 @@ Examples:
   pt326 live --page lab.html              this page can also go over to a board
   pt326 live --board                      the ST-LINK that is plugged in; or: --board /dev/ttyACM0
   pt326 live --board --mqtt mqtt://broker.local/bench-1
+  pt326 live --board lab1=/dev/ttyACM0 --board lab2=/dev/ttyACM1 --record logs    a wall of two
+  pt326 live --rigs 12 --preset trainer   a wall of twelve simulated rigs
   pt326 live --listen 192.168.1.7 --token $(openssl rand -hex 16)")]
 pub struct LiveArgs {
-    /// Which rig: paper, trainer, harsh, recorded; oven, hotend or tclab, with the settings that belong to it.
+    /// Which rig: paper, trainer, harsh, recorded; oven, hotend or tclab, with the settings that belong to it. Several: a wall with one of each.
     #[arg(long, default_value = "paper")]
-    pub preset: String,
-    /// Seed of the rig's noise and of the phase of the excitation.
+    pub preset: Vec<String>,
+    /// How many simulated rigs, 1 to 64: from 2 on a wall. Each has the next seed, and the next of the presets.
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
+    pub rigs: u16,
+    /// Seed of the rig's noise and of the phase of the excitation; of several rigs, that of the first.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// How much the surroundings move: none, calm or lively.
     #[arg(long, default_value_t = Disturbance::default())]
     pub disturbance: Disturbance,
     /// A recording in place of the rig: a board's log as text, or a trace.csv.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["preset", "seed", "disturbance"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["preset", "rigs", "seed", "disturbance"])]
     pub recording: Option<PathBuf>,
     /// Settings that the recording was made with, TOML, as for `replay`.
     #[arg(long, value_name = "FILE.toml", requires = "recording")]
     pub config: Option<PathBuf>,
-    /// A real board in place of the rig, at this serial port; without PORT: the only ST-LINK that is plugged in.
-    #[arg(long, value_name = "PORT", num_args = 0..=1, conflicts_with_all = ["preset", "seed", "disturbance", "recording", "speed"])]
-    pub board: Option<Option<String>>,
+    /// A real board in place of the rig, at this serial port; without PORT: the only ST-LINK that is plugged in. Several: a wall, on which each
+    /// has its NAME, or the end of its port's.
+    #[arg(
+        long,
+        value_name = "[NAME=]PORT",
+        num_args = 0..=1,
+        default_missing_value = "",
+        conflicts_with_all = ["preset", "rigs", "seed", "disturbance", "recording", "speed"]
+    )]
+    pub board: Vec<BoardAt>,
+    /// Folder in which the log of each board is kept, in a new file NAME-TIME.log; `pt326 replay` reads it.
+    #[arg(long, value_name = "FOLDER", requires = "board")]
+    pub record: Option<PathBuf>,
     /// The page to serve, lab.html as `cargo lab` writes it; left out: one that watches only.
     #[arg(long, value_name = "FILE")]
     pub page: Option<PathBuf>,
@@ -78,8 +94,8 @@ pub struct LiveArgs {
     /// What everybody must know who opens the page: 16 letters and digits or more.
     #[arg(long, requires = "listen")]
     pub token: Option<String>,
-    /// An MQTT broker that is told of the rig: mqtt://[USER@]HOST[:PORT][/NAME]; topics begin with pt326/NAME. The password of USER is taken
-    /// from PT326_MQTT_PASSWORD.
+    /// An MQTT broker that is told of the rig: mqtt://[USER@]HOST[:PORT][/NAME]; topics begin with pt326/NAME, of a board of several with
+    /// pt326/NAME-BOARD. The password of USER is taken from PT326_MQTT_PASSWORD.
     #[arg(long, value_name = "URL")]
     pub mqtt: Option<String>,
     /// Take commands from the broker: stop, and a set-point within its bounds. Whoever may publish there may do that; nobody can arm.
@@ -95,90 +111,34 @@ pub struct LiveArgs {
 /// # Errors
 /// A bad file or value; no port that is free.
 pub fn run(args: &LiveArgs) -> anyhow::Result<()> {
-    match (&args.board, &args.recording) {
-        (Some(port), _) => serve(args, Watch::open(&find(port.as_deref())?)?),
-        (None, Some(file)) => {
-            let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let (file, config) = (file.clone(), args.config.clone());
-            let replayed = ReplayArgs { file, config, seed: None, out: PathBuf::new() };
-            let record = replay::again(&replayed, None, |_, _, _| ())?.record;
-            let rows = numbers::of(&record);
-            serve(args, Recording::new(name, record.sample_time, record.names, rows))
-        }
-        (None, None) => {
-            let scene = Scene {
-                seed: args.seed,
-                preset: args.preset.clone(),
-                disturbance: args.disturbance,
-                ..Scene::default()
-            };
-            serve(args, Session::new(scene)?)
-        }
-    }
-}
-
-/// A board at a serial port.
-impl Source for Watch {
-    fn name(&self) -> String {
-        Self::name(self).to_owned()
-    }
-
-    fn kind(&self) -> &'static str {
-        "board"
-    }
-
-    fn can(&self) -> &'static [&'static str] {
-        &["order"]
-    }
-
-    fn sample_time(&self) -> f64 {
-        Self::sample_time(self)
-    }
-
-    fn has_own_time(&self) -> bool {
-        true
-    }
-
-    fn next(&mut self) -> Option<Told> {
-        self.take()
-    }
-
-    fn order(&mut self, order: Order) -> anyhow::Result<()> {
-        Self::order(self, &order)
-    }
-
-    fn setpoint_limits(&self) -> Option<[f32; 2]> {
-        Some(Self::setpoint_limits(self))
-    }
-}
-
-fn serve(args: &LiveArgs, source: impl Source) -> anyhow::Result<()> {
-    let access = match (&args.listen, &args.token) {
-        (Some(_), Some(token)) => Access::open(token)?,
-        // A board heats: its page is for the user who has started this, not for every user of the machine.
-        _ => Access::local(args.board.is_some())?,
-    };
     let broker = args.mqtt.as_deref().map(|url| {
         let password = std::env::var("PT326_MQTT_PASSWORD").ok();
         Broker::new(url, password, args.mqtt_commands)
     });
-    let broker = broker.transpose()?;
-    let clock = clock::start(source, args.speed)?;
+    let rigs = rigs::all(args, broker.transpose()?.as_ref())?;
+    serve(args, rigs)
+}
+
+/// Listens, and says where.
+fn serve(args: &LiveArgs, rigs: Vec<Arc<Rig>>) -> anyhow::Result<()> {
+    let access = match (&args.listen, &args.token) {
+        (Some(_), Some(token)) => Access::open(token)?,
+        // A board heats: its page is for the user who has started this, not for every user of the machine.
+        _ => Access::local(!args.board.is_empty())?,
+    };
+    let what = if rigs.len() > 1 { "wall" } else { "lab" };
+    let address = SocketAddr::new(args.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), args.port);
     let server = match &args.page {
-        None => Server::new(clock.clone(), access, None)?,
+        None => Server::new(rigs, access, None)?,
         Some(file) => {
             let lab =
                 std::fs::read_to_string(file).with_context(|| format!("can't read {}", file.display()))?;
-            Server::new(clock.clone(), access, Some(&lab)).with_context(|| file.display().to_string())?
+            Server::new(rigs, access, Some(&lab)).with_context(|| file.display().to_string())?
         }
     };
-    if let Some(broker) = broker {
-        mqtt::start(clock, broker, |said| drop(print(&format!("{said}\n"))))?;
-    }
-    let address = SocketAddr::new(args.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), args.port);
     listen(server, address, |address, query| {
         let page = format!("http://{address}/{query}");
-        print(&format!("The lab is at {page}\nCtrl-C ends it.\n"))?;
+        print(&format!("The {what} is at {page}\nCtrl-C ends it.\n"))?;
         // What a browser is started with, every user can read.
         if !args.no_open && query.is_empty() {
             open(&page);

@@ -1,0 +1,178 @@
+//! `pt326 live` with several boards, behind pseudo-terminals.
+
+use std::collections::HashMap;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::os::unix::fs::symlink;
+use std::process::Child;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+use fdi_core::schema::WORDS;
+use firmware_logic::log_line::tick::TickLine;
+use firmware_logic::stream::frame;
+use serde_json::Value;
+use serialport::{SerialPort, TTYPort};
+
+use crate::{arg, command, folder, pt326, text};
+
+/// Ctrl-C: what stops a board.
+const STOP: u8 = 3;
+
+/// The board's end of a pseudo-terminal, and the name of the other.
+fn port() -> (TTYPort, TTYPort, String) {
+    let (mut board, port) = TTYPort::pair().unwrap();
+    board.set_timeout(Duration::from_secs(120)).unwrap();
+    let name = port.name().unwrap();
+    (board, port, name)
+}
+
+/// The record of tick 7.
+fn tick() -> TickLine {
+    let mut words = [0; WORDS];
+    words[0] = 7;
+    TickLine(words)
+}
+
+/// A board that answers and streams one tick; it tells of a stop, and is pulled out then.
+fn answers() -> (TTYPort, String, Receiver<u8>) {
+    let (mut board, port, name) = port();
+    let (tell, told) = channel();
+    std::thread::spawn(move || {
+        let mut byte = [0];
+        let mut line = Vec::new();
+        while board.read_exact(&mut byte).is_ok() {
+            board.write_all(&byte).unwrap();
+            line.extend(byte);
+            match byte {
+                [STOP] => return tell.send(STOP).unwrap(),
+                [0x15] => {}
+                [b'\r'] if line.ends_with(b"stream on\r") => {
+                    let mut framed = String::from("\nok\r\n> ");
+                    frame::write(&tick(), &mut framed).unwrap();
+                    board.write_all(framed.as_bytes()).unwrap();
+                    continue;
+                }
+                [b'\r'] => {}
+                _ => continue,
+            }
+            board.write_all(b"\nsetpoint = 36 degC\r\n> ").unwrap();
+        }
+    });
+    (port, name, told)
+}
+
+/// Something that is no board, and never falls silent.
+fn babbles() -> (TTYPort, String) {
+    let (mut board, port, name) = port();
+    std::thread::spawn(move || while board.write_all(b"\x02\xffrubbish\n\x00> ok = ?\r").is_ok() {});
+    (port, name)
+}
+
+/// `pt326 live`, its address and token; it ends with the value.
+struct Served {
+    child: Child,
+    address: String,
+    token: String,
+}
+
+impl Served {
+    fn start(args: &[&str]) -> Self {
+        let mut child = command(&[&["live", "--port", "0"], args].concat()).spawn().unwrap();
+        let mut said = BufReader::new(child.stdout.take().unwrap());
+        let mut line = String::new();
+        while !line.contains(" is at http://") {
+            line.clear();
+            assert!(said.read_line(&mut line).unwrap() > 0, "no address");
+        }
+        // What it says later is read, too, so that it can say it.
+        std::thread::spawn(move || said.lines().map_while(Result::ok).for_each(drop));
+        let link = line.trim().split_once("http://").unwrap().1;
+        let (address, token) = link.split_once("/?token=").expect("a link with a token");
+        Self { child, address: address.into(), token: token.into() }
+    }
+
+    fn ask(&self, what: &str) -> Value {
+        let mut stream = TcpStream::connect(&self.address).unwrap();
+        let (address, token) = (&self.address, &self.token);
+        let head =
+            format!("{what} HTTP/1.1\r\nHost: {address}\r\nX-Lab-Token: {token}\r\nContent-Length: 0\r\n");
+        write!(stream, "{head}Connection: close\r\n\r\n").unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        serde_json::from_str(answer.split_once("\r\n\r\n").unwrap().1).expect(&answer)
+    }
+
+    /// By the names of the boards, one key of each.
+    fn of_each(&self, what: &str, key: &str) -> HashMap<String, Value> {
+        let all = self.ask(what);
+        let each = all.as_array().unwrap().iter();
+        each.map(|one| (one["board"].as_str().unwrap().into(), one[key].clone())).collect()
+    }
+
+    /// Waits until a tile is as it should be.
+    fn until(&self, wanted: impl Fn(&Value) -> bool) {
+        while !self.ask("GET /tiles").as_array().unwrap().iter().any(&wanted) {}
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// One that is well, one that is no board, one that is not plugged in: a stop for all reaches the first at once, and is said of the others not
+/// to have reached them. Pulled out, the first says so. There is a log of it alone. Each is plugged in after the start: a program that is
+/// started inherits what is open.
+#[test]
+fn each_board_of_a_wall_keeps_to_its_own_tile() {
+    let dir = folder("wall");
+    let [well, rubbish, missing, logs] = ["well", "rubbish", "missing", "logs"].map(|name| dir.join(name));
+    let boards = [&well, &rubbish, &missing].map(|link| ["--board", arg(link)]).concat();
+    let served = Served::start(&[&boards[..], &["--record", arg(&logs)]].concat());
+    let (_well, name, stopped) = answers();
+    symlink(name, &well).unwrap();
+    let (_rubbish, name) = babbles();
+    symlink(name, &rubbish).unwrap();
+    let says = |board: &str, why: &str| {
+        served.until(|tile| {
+            tile["board"] == board && tile["why"].as_str().is_some_and(|said| said.contains(why))
+        });
+    };
+    says("missing", "cannot be opened");
+    says("rubbish", "no answer");
+    served.until(|tile| tile["board"] == "well" && tile["row"].is_array());
+    let why = served.of_each("POST /stop", "why");
+    assert_eq!(stopped.recv().unwrap(), STOP);
+    assert_eq!(why["well"], Value::Null);
+    for name in ["rubbish", "missing"] {
+        assert!(why[name].as_str().unwrap().starts_with("the stop has NOT reached it"), "{why:?}");
+    }
+    let gone = |why: &Value| why.as_str().is_some_and(|why| why.contains("has NOT reached the board"));
+    while !gone(&served.of_each("POST /stop", "why")["well"]) {}
+    served.until(|tile| tile["board"] == "well" && tile["lost"].is_number());
+    let files: Vec<_> = std::fs::read_dir(&logs).unwrap().map(|file| file.unwrap().path()).collect();
+    let [log] = &files[..] else { panic!("{files:?}") };
+    assert!(log.file_name().unwrap().to_str().unwrap().starts_with("well-"), "{log:?}");
+    assert_eq!(std::fs::read_to_string(log).unwrap(), format!("{}\n# the port has gone\n", tick()));
+}
+
+#[test]
+fn boards_of_a_wall_are_told_apart() {
+    for (boards, why) in [
+        (&["--board", "a=/dev/x", "--board", "a=/dev/y"][..], "two boards are called a"),
+        (&["--board", "a=/dev/x", "--board", "b=/dev/x"], "/dev/x is given twice"),
+        (&["--board", "a=/dev/x", "--board"], "several boards need their ports"),
+        (&["--board", "a/b=/dev/x"], "expected letters, digits, - and _"),
+        (&["--board", "a="], "names no port, expected such as a=/dev/ttyACM0"),
+        (&["--board", "a=/dev/x", "--rigs", "2"], "cannot be used with"),
+        (&["--rigs", "65"], "1..=64"),
+        (&["--record", "x"], "--board"),
+    ] {
+        let out = pt326(&[&["live", "--port", "0"], boards].concat());
+        let error = text(&out.stderr);
+        assert!(out.status.code() == Some(2) && error.contains(why), "{boards:?}: {error}");
+    }
+}

@@ -2,10 +2,10 @@
 //! what can be told from another is not told from it.
 
 use fdi_core::{Config, FaultClass};
+use indicatif::ProgressBar;
 use pt326::experiment;
 use pt326::experiment::scenario::{Action, Scenario};
 use pt326::isolability::{From, Isolability, Question, Told};
-use indicatif::ProgressBar;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use rayon::prelude::*;
 

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use fdi_core::FaultClass;
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pt326::campaign::cell::Cell;
 use pt326::campaign::definition::{ABLATION_TOML, CAMPAIGN_TOML, Campaign, PHYSICS_TOML, QUICK, USUAL};
 use pt326::campaign::output;
 use pt326::campaign::results::Results;
 use pt326::campaign::run::{self, Observation, Output, RunRow};
 use pt326::campaign::store::Shard;
-use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 

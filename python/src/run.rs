@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use fdi_core::schema::{COLUMNS, Entry, FIELDS, Kind, Moment, Value};
+use numpy::IntoPyArray;
 use pt326::experiment::scenario::{Scenario, read_scenario};
 use pt326::experiment::{FaultSize, Row, as_written, on_rig, tick_time};
 use pt326::isolability::{Isolability, Question, output};
@@ -11,7 +12,6 @@ use pt326::record::trace::write_trace;
 use pt326::record::{files, table};
 use pt326::score::signature_class;
 use pt326::{experiment, settings};
-use numpy::IntoPyArray;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -6,11 +6,11 @@ use fdi_core::control::{Controller, ControllerState};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::identify::Adaptation;
 use fdi_core::{Command, Config, Feedback, Instrument, Mode, RawSample, Report, Tick, TripReason};
+use indicatif::ProgressBar;
 use pt326::experiment::scenario::{Action, Scenario};
 use pt326::experiment::{Backend, Record, run, run_on};
 use pt326::record::summary::Summary;
 use pt326::repeat::repeat;
-use indicatif::ProgressBar;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 
 fn fault(verb: Verb, sensor: Option<Sensor>, size: Option<f64>, at: f64, duration: f64) -> Fault {

@@ -162,10 +162,7 @@ fn the_tables_of_the_diagnosis_are_not_stale() {
     if std::env::var_os("UPDATE_DOCS").is_some() {
         std::fs::write(path, &text).unwrap();
     }
-    assert!(
-        committed == text,
-        "stale: UPDATE_DOCS=1 cargo test -p pt326 --lib the_tables_of_the_diagnosis"
-    );
+    assert!(committed == text, "stale: UPDATE_DOCS=1 cargo test -p pt326 --lib the_tables_of_the_diagnosis");
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! Recordings of heaters that nobody has: whatever is in them, nothing panics, and no sentence is absurd.
 
 use fdi_core::Config;
+use indicatif::ProgressBar;
 use pt326::experiment::Origin;
 use pt326::recording::report::Told;
 use pt326::recording::run::{Training, diagnose};
 use pt326::recording::{Heater, Reading, Recording};
-use indicatif::ProgressBar;
 
 use crate::on_a_large_stack;
 use crate::plant::Dice;

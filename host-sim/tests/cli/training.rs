@@ -1,12 +1,12 @@
 //! `pt326 diagnose`: what a model is learnt from, and when it is worth nothing.
 
 use fdi_core::Config;
+use indicatif::ProgressBar;
 use pt326::recording::intervals::Known;
 use pt326::recording::report::{Said, Told, learnt};
 use pt326::recording::run::{Diagnosed, Training, diagnose};
 use pt326::recording::training::train;
 use pt326::recording::{Reading, Recording};
-use indicatif::ProgressBar;
 
 use crate::plant::Plant;
 use crate::{arg, folder, on_a_large_stack, pt326, pt326_reading, text};

@@ -11,6 +11,7 @@ mod plant;
 mod porting;
 mod replay;
 mod run;
+mod samples;
 mod score;
 mod shell;
 mod teach;

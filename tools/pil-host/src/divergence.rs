@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use pt326::experiment::scenario::{Action, Scenario};
 use pil::peers::{self, FullMatrix, Regressor, Textbook};
 use pil::recording::Row;
+use pt326::experiment::scenario::{Action, Scenario};
 
 use crate::recording::simulate;
 

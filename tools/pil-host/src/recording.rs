@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use anyhow::Context;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Command, Config, Instrument, RawSample, Report, Tick};
+use pil::recording::{Recording, Row};
 use pt326::experiment::scenario::Scenario;
 use pt326::experiment::{Backend, run_on, with_prbs_phase};
-use pil::recording::{Recording, Row};
 
 use crate::image;
 

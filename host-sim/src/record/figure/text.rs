@@ -13,6 +13,8 @@ use super::plot::INK;
 
 /// A size in px is that of a line; letters are smaller. The backend for SVG divides by it, too.
 const LINE: f64 = 1.24;
+/// Height of a small letter of the font, in sizes of its letters; the font itself does not tell it.
+const SMALL: f32 = 0.547;
 
 /// How a text is set.
 #[derive(Clone, Copy)]
@@ -130,7 +132,7 @@ impl BackendTextStyle for Look {
     ) -> io::Result<Result<(), E>> {
         let (font, em) = (self.of.font()?, self.of.em());
         let (glyphs, letters) = (font.charmap(), font.glyph_metrics(&[]).scale(em));
-        let line = top + (0.5 * (em + font.metrics(&[]).scale(em).x_height)).round() as i32;
+        let line = top + (0.5 * em * (1.0 + SMALL)).round() as i32;
         let mut context = ScaleContext::new();
         let mut scaler = context.builder(font).size(em).build();
         let mut pen = left as f32;

@@ -152,6 +152,25 @@ fn every_class_of_fault_has_its_entry() {
     }
 }
 
+/// deny.toml without cargo-deny: what must not come back is not in Cargo.lock, and what is excused still is.
+#[test]
+fn what_nobody_maintains_is_gone_or_excused() {
+    let lock = std::fs::read_to_string(root().join("Cargo.lock")).unwrap();
+    let deny: toml::Table = std::fs::read_to_string(root().join("deny.toml")).unwrap().parse().unwrap();
+    let is_locked = |name: &str| lock.contains(&format!("\nname = \"{name}\"\n"));
+    let listed = |table: &str, list: &str, key: &str| -> Vec<String> {
+        let entries = deny[table][list].as_array().unwrap().iter();
+        entries.map(|entry| entry[key].as_str().unwrap().to_owned()).collect()
+    };
+    for name in listed("bans", "deny", "crate") {
+        assert!(!is_locked(&name), "{name} is back: cargo tree --workspace --target all -i {name}");
+    }
+    for reason in listed("advisories", "ignore", "reason") {
+        let name = reason.split(':').next().unwrap();
+        assert!(is_locked(name), "deny.toml excuses {name}, which has gone from Cargo.lock");
+    }
+}
+
 /// All sources of the folders with tests, one after the other.
 fn sources() -> String {
     let folders = ["fdi-core", "firmware-logic", "host-sim", "lab", "tests", "tools/virtual-board"];

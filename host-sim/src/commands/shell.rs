@@ -1,5 +1,7 @@
 //! `pt326 completions` and `pt326 man`: what a shell and `man` want to know of the command line.
 
+use std::path::PathBuf;
+
 use anyhow::Context;
 use clap::Command;
 use clap_complete::Shell;
@@ -21,10 +23,14 @@ pub struct CompletionsArgs {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   pt326 man | man -l -
-  pt326 man identify > ~/.local/share/man/man1/pt326-identify.1")]
+  pt326 man identify > ~/.local/share/man/man1/pt326-identify.1
+  pt326 man --out ~/.local/share/man/man1           (all pages)")]
 pub struct ManArgs {
     /// The command to describe; left out: pt326 itself.
     pub command: Option<String>,
+    /// Write the pages of all commands into this folder, which is made if it is missing.
+    #[arg(long, value_name = "FOLDER", conflicts_with = "command")]
+    pub out: Option<PathBuf>,
 }
 
 /// Prints the completions of `command` for a shell.
@@ -37,11 +43,16 @@ pub fn completions(args: &CompletionsArgs, mut command: Command) -> anyhow::Resu
     print(&String::from_utf8(script)?)
 }
 
-/// Prints the manual page of `command` or of one below it.
+/// Prints the manual page of `command` or of one below it, or writes all of them.
 ///
 /// # Errors
-/// No such command; those of standard output.
+/// No such command; a folder that can't be written; those of standard output.
 pub fn man(args: &ManArgs, mut command: Command) -> anyhow::Result<()> {
+    if let Some(folder) = &args.out {
+        let write =
+            || std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(command, folder));
+        return write().with_context(|| format!("can't write {}", folder.display()));
+    }
     command.build();
     if let Some(name) = &args.command {
         let found = command.find_subcommand(name).cloned();

@@ -12,6 +12,7 @@ mod plant;
 mod porting;
 mod replay;
 mod run;
+mod samples;
 mod score;
 mod shell;
 mod teach;

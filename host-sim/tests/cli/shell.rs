@@ -1,6 +1,6 @@
 //! Help, completions and manual pages.
 
-use crate::{pt326, text};
+use crate::{arg, folder, pt326, text};
 
 /// The commands, as the help lists them; clap knows no others.
 fn commands() -> Vec<String> {
@@ -57,4 +57,15 @@ fn completions_and_manual_pages_know_the_commands() {
     let page = text(&pt326(&["man", "identify"]).stdout);
     assert!(page.contains("pt326\\-identify") && page.contains("\\-\\-detrend"), "{page}");
     assert!(text(&pt326(&["man", "nothing"]).stderr).contains("no command is named nothing"));
+}
+
+#[test]
+fn all_manual_pages_are_written_into_a_folder() {
+    let folder = folder("man").join("man1");
+    let output = pt326(&["man", "--out", arg(&folder)]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    for page in commands().into_iter().chain(["campaign-define".into()]) {
+        assert!(folder.join(format!("pt326-{page}.1")).exists(), "{page}");
+    }
+    assert!(folder.join("pt326.1").exists());
 }

@@ -21,14 +21,36 @@ const FLASH: u32 = 0x0800_0000;
 const BLANK: u8 = 0xFF;
 /// Longest image: where the settings begin, in memory.x.
 const LONGEST: usize = 256 * 1024;
-const PAGE: &str = "lab.html";
+/// The lab's page.
+pub(crate) const PAGE: &str = "lab.html";
+/// Checksums of all other files of a folder.
+pub(crate) const SUMS: &str = "SHA256SUMS";
 const GUIDE: &str = "wiring-and-first-day.html";
 const README: &str = include_str!("README.txt");
 
-/// Builds both images and the page, and fills `folder`, or dist/.
+/// Fills `folder`, or dist/, and writes its zip.
 pub(crate) fn write(folder: Option<&OsStr>) -> Result<(), String> {
     let folder = Path::new(folder.unwrap_or(OsStr::new("dist")));
+    let name = folder.file_name().and_then(OsStr::to_str).ok_or("a folder with a name is needed")?;
+    let files = files()?;
     std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let zipped = folder.with_extension("zip");
+    std::fs::write(&zipped, zip::of(name, &files, "")?)
+        .map_err(|error| format!("{}: {error}", zipped.display()))?;
+    for (name, bytes) in files {
+        println!("{:8} {name}", bytes.len());
+        let file = folder.join(name);
+        std::fs::write(&file, bytes).map_err(|error| format!("{}: {error}", file.display()))?;
+    }
+    println!("in {} and {}; there: sha256sum -c {SUMS}", folder.display(), zipped.display());
+    Ok(())
+}
+
+/// Builds both images and the page: the files of the folder, with their sums.
+///
+/// # Errors
+/// What cargo could not build; a file that cannot be read.
+pub(crate) fn files() -> Result<Vec<(String, Vec<u8>)>, String> {
     let mut files = Vec::new();
     // The board that is built by default last, so that target/ holds its image, as after `cargo fw`.
     for board in BOARDS.iter().rev() {
@@ -38,7 +60,7 @@ pub(crate) fn write(folder: Option<&OsStr>) -> Result<(), String> {
         let bin = flash(&elf).map_err(|why| format!("{board}: {why}"))?;
         files.extend([(format!("pt326-{board}.elf"), elf), (format!("pt326-{board}.bin"), bin)]);
     }
-    let page = folder.join(PAGE);
+    let page = image::target().join(PAGE);
     lab(&page)?;
     let guide = guide::page(&image::root().join("docs"))?;
     files.extend([
@@ -47,22 +69,13 @@ pub(crate) fn write(folder: Option<&OsStr>) -> Result<(), String> {
         ("README.txt".into(), README.into()),
     ]);
     files.sort();
-    let mut sums = String::new();
-    for (name, bytes) in &files {
-        let _ = writeln!(sums, "{}  {name}", sum(bytes));
-        println!("{:8} {name}", bytes.len());
-    }
-    files.push(("SHA256SUMS".into(), sums.into_bytes()));
-    let zipped = folder.with_extension("zip");
-    let name = folder.file_name().and_then(OsStr::to_str).ok_or("a folder with a name is needed")?;
-    std::fs::write(&zipped, zip::of(name, &files))
-        .map_err(|error| format!("{}: {error}", zipped.display()))?;
-    for (name, bytes) in files {
-        let file = folder.join(name);
-        std::fs::write(&file, bytes).map_err(|error| format!("{}: {error}", file.display()))?;
-    }
-    println!("in {} and {}; there: sha256sum -c SHA256SUMS", folder.display(), zipped.display());
-    Ok(())
+    files.push((SUMS.into(), sums(&files).into_bytes()));
+    Ok(files)
+}
+
+/// What `sha256sum -c` reads.
+pub(crate) fn sums(files: &[(String, Vec<u8>)]) -> String {
+    files.iter().map(|(name, bytes)| format!("{}  {name}\n", sum(bytes))).collect()
 }
 
 /// Writes the lab's page.
@@ -76,7 +89,8 @@ fn lab(page: &Path) -> Result<(), String> {
     }
 }
 
-fn read(file: &Path) -> Result<Vec<u8>, String> {
+/// The bytes of a file; an error names it.
+pub(crate) fn read(file: &Path) -> Result<Vec<u8>, String> {
     std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))
 }
 

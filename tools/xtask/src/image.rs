@@ -29,7 +29,8 @@ pub(crate) fn root() -> PathBuf {
     own.ancestors().nth(2).map_or_else(PathBuf::new, Path::to_path_buf)
 }
 
-fn target() -> PathBuf {
+/// Where cargo builds.
+pub(crate) fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
 }
 
@@ -38,8 +39,8 @@ pub(crate) fn built() -> PathBuf {
     target().join(TARGET).join("firmware").join("firmware")
 }
 
-/// Folders of this machine, and what the image calls them. Of two that fit the compiler takes the later.
-fn remaps() -> Vec<String> {
+/// Options for rustc, as strings of TOML: folders of this machine, and what the image calls them. Of two that fit the compiler takes the later.
+pub(crate) fn remaps() -> Vec<String> {
     let home = std::env::var_os("CARGO_HOME")
         .map(PathBuf::from)
         .or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));

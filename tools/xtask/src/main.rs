@@ -1,9 +1,11 @@
-//! What cargo cannot do by its settings alone: the board's image without the paths of this machine, a folder of it to hand on, and the bound
-//! of its stack.
+//! What cargo cannot do by its settings alone: the board's image without the paths of this machine, a folder of it to hand on, the bound
+//! of its stack, a release, and the tables and pictures of the book.
 
 mod dist;
 mod guide;
 mod image;
+mod release;
+mod results;
 mod stack;
 mod zip;
 
@@ -16,7 +18,11 @@ fn main() -> ExitCode {
         Some(verb @ ("build" | "run" | "attach")) => image::cargo(verb, arguments),
         Some("dist") => dist::write(arguments.next().as_deref()),
         Some("stack") => stack::check(arguments.next().as_deref()),
-        _ => Err(format!("{verb:?}, expected build, run, attach, dist [FOLDER] or stack IMAGE")),
+        Some("release") => release::run(arguments),
+        Some("results") => results::run(arguments),
+        _ => Err(format!(
+            "{verb:?}, expected build, run, attach, dist [FOLDER], stack IMAGE, release or results (see --help of these two)"
+        )),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

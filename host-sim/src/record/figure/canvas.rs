@@ -1,14 +1,11 @@
 //! Lines, rectangles and texts in pixels, on any backend of plotters.
 
-use anyhow::Context;
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{
-    Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle, register_font,
-};
+use plotters::style::{Color, RGBColor, ShapeStyle};
 
-use super::plot::{INK, Pen};
+use super::plot::Pen;
 use super::polyline::Point;
+use super::text::{Look, Type};
 
 /// Backends work on whole units; a pixel is so many of them, which makes lines smooth.
 pub(super) const UNITS: u32 = 2;
@@ -20,77 +17,14 @@ pub(crate) trait Medium: DrawingBackend<ErrorType: 'static> {
     /// Whether a wide line is drawn well as one path. The bitmap fills it as a polygon, which breaks where the path
     /// comes near itself.
     const WHOLE_PATHS: bool;
-    /// By how much of its size a text is to be lowered to be centred.
-    const TEXT_DROP: f64;
 }
 
 impl Medium for SVGBackend<'_> {
     const WHOLE_PATHS: bool = true;
-    const TEXT_DROP: f64 = 0.0;
 }
 
 impl Medium for BitMapBackend<'_> {
     const WHOLE_PATHS: bool = false;
-    const TEXT_DROP: f64 = 0.13;
-}
-
-/// How a text is set.
-#[derive(Clone, Copy)]
-pub(super) struct Type {
-    size: f64,
-    style: FontStyle,
-    colour: RGBColor,
-    align: HPos,
-}
-
-/// Text of labels.
-pub(super) const PLAIN: Type = Type { size: 15.0, style: FontStyle::Normal, colour: INK, align: HPos::Left };
-/// Text of titles.
-pub(super) const BOLD: Type = Type { style: FontStyle::Bold, ..PLAIN };
-
-impl Type {
-    /// The same, centred about its place.
-    pub(super) const fn centred(self) -> Self {
-        Self { align: HPos::Center, ..self }
-    }
-
-    /// The same, ending at its place.
-    pub(super) const fn right(self) -> Self {
-        Self { align: HPos::Right, ..self }
-    }
-
-    /// The same in another size, px.
-    pub(super) const fn sized(self, size: f64) -> Self {
-        Self { size, ..self }
-    }
-
-    /// The same in another colour.
-    pub(super) const fn coloured(self, colour: RGBColor) -> Self {
-        Self { colour, ..self }
-    }
-
-    /// Width of a text, px.
-    ///
-    /// # Errors
-    /// A font that is not registered.
-    pub(super) fn width(self, text: &str) -> anyhow::Result<f64> {
-        Ok(f64::from(self.font().box_size(text)?.0) / f64::from(UNITS))
-    }
-
-    fn font(self) -> FontDesc<'static> {
-        FontDesc::new(FontFamily::SansSerif, self.size * f64::from(UNITS), self.style)
-    }
-}
-
-/// Gives plotters its fonts, which a fresh machine does not have.
-pub(super) fn register_fonts() -> anyhow::Result<()> {
-    let fonts = [(FontStyle::Normal, dejavu::sans::regular()), (FontStyle::Bold, dejavu::sans::bold())];
-    for (style, bytes) in fonts {
-        register_font(FontFamily::SansSerif.as_str(), style, bytes)
-            .ok()
-            .context("the built-in font is damaged")?;
-    }
-    Ok(())
 }
 
 /// A backend that is drawn on in pixels.
@@ -104,15 +38,12 @@ impl<M: Medium> Canvas<'_, M> {
 
     /// A text about the height of its place.
     pub(super) fn text(&mut self, text: &str, at: Point, look: Type) -> anyhow::Result<()> {
-        let style = TextStyle::from(look.font()).color(&look.colour).pos(Pos::new(look.align, VPos::Center));
-        Ok(self.0.draw_text(text, &style, units((at.0, at.1 + M::TEXT_DROP * look.size)))?)
+        Ok(self.0.draw_text(text, &Look { of: look, is_upright: false }, units(at))?)
     }
 
     /// A text that runs upwards from its place, about the vertical through it.
     pub(super) fn upright(&mut self, text: &str, at: Point, look: Type) -> anyhow::Result<()> {
-        let font = look.font().transform(FontTransform::Rotate270);
-        let style = TextStyle::from(font).color(&look.colour).pos(Pos::new(HPos::Left, VPos::Center));
-        Ok(self.0.draw_text(text, &style, units((at.0 + M::TEXT_DROP * look.size, at.1)))?)
+        Ok(self.0.draw_text(text, &Look { of: look.left(), is_upright: true }, units(at))?)
     }
 
     /// A dot.

@@ -2,8 +2,9 @@
 
 use plotters::style::{RGBColor, WHITE};
 
-use super::canvas::{BOLD, Canvas, Medium, PLAIN, Type};
+use super::canvas::{Canvas, Medium};
 use super::plot::{INK, Pen};
+use super::text::{BOLD, PLAIN, Type};
 use super::{Picture, place};
 
 /// A figure of small charts.

@@ -3,8 +3,9 @@
 use plotters::style::{Color, RGBColor, WHITE};
 
 use super::Picture;
-use super::canvas::{BOLD, Canvas, Medium, PLAIN, Type};
+use super::canvas::{Canvas, Medium};
 use super::plot::{BLUE, INK, Pen, VERMILLION};
+use super::text::{BOLD, PLAIN, Type};
 
 /// The table.
 pub(crate) struct Matrix {

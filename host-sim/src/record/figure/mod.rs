@@ -9,6 +9,7 @@ pub(crate) mod matrix;
 mod paint;
 mod plot;
 pub(crate) mod polyline;
+mod text;
 
 use std::path::Path;
 
@@ -58,7 +59,6 @@ pub(crate) trait Picture: Sync {
 /// # Errors
 /// The file that can't be written.
 pub fn draw_all(record: &Record, folder: &Path) -> anyhow::Result<()> {
-    canvas::register_fonts()?;
     let draw_one = |number| {
         let figure = content::figure(number, record);
         draw(&Layout::new(&figure)?, &label(number), folder, &format!("figure{number}")).map(drop)
@@ -71,7 +71,6 @@ pub fn draw_all(record: &Record, folder: &Path) -> anyhow::Result<()> {
 /// # Errors
 /// The file that can't be written.
 pub(crate) fn draw(picture: &impl Picture, label: &str, folder: &Path, name: &str) -> anyhow::Result<String> {
-    canvas::register_fonts()?;
     let path = |extension| folder.join(format!("{name}.{extension}"));
     let write_svg = || {
         let (path, svg) = (path("svg"), draw_svg(picture, label)?);
@@ -92,7 +91,6 @@ pub(crate) fn draw(picture: &impl Picture, label: &str, folder: &Path, name: &st
 /// Those of the drawing library.
 #[cfg(test)]
 pub(crate) fn svg(number: Number, record: &Record) -> anyhow::Result<String> {
-    canvas::register_fonts()?;
     draw_svg(&Layout::new(&content::figure(number, record))?, &label(number))
 }
 

@@ -3,9 +3,10 @@
 use plotters::style::{Color, RGBColor, WHITE};
 
 use super::axis;
-use super::canvas::{BOLD, Canvas, Medium, PLAIN};
+use super::canvas::{Canvas, Medium};
 use super::plot::{Band, Figure, Panel, Pen, Scale, THRESHOLD, THRESHOLD_LABEL};
 use super::polyline::{Point, polylines};
+use super::text::{BOLD, PLAIN};
 use super::{Picture, place};
 
 /// Width of a figure, px.

@@ -30,8 +30,8 @@ The command `help` lists the commands of the board. Only here, there are also:
   wire swap t1 t2                   wire the rig wrongly; `help` lists what else can be wrong
   wire ok                           repair all wires and end all faults
   fault NAME [tN] SIZE [SECONDS]    let something happen to the rig; `pt326 scenario` has the names.
-                                    Until your first `fault` or `wire` the scenario's faults come, by
-                                    default the paper's; from then on only what you do happens
+                                    Until your first `fault` or `wire` the scenario's faults come
+                                    (by default the paper's), from then on only what you do
   quit                              end
 
 Examples:

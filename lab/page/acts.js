@@ -22,6 +22,7 @@ const ACTS = {
   arm: () => order({ order: "arm" }),
   stop: () => order({ order: "stop" }),
   ack: () => order({ order: "acknowledge" }),
+  shelve: () => order({ order: "shelve", seconds: 8 * 3600 }),
   mend: () => order({ order: "mend" }),
   relearn: () => order({ order: "relearn" }),
   skip: () => send({ command: "skip" }),

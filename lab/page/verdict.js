@@ -46,7 +46,7 @@ export function verdict({ row: now, hello, events, since, begun, ts, settings, c
   const on = !order ? "" : now.mode === 0 ? row(hello.kind === "board" ? heats("arm", "c_arm") : button("arm", "arm", true)) : now.mode < 3 && can.has("run") ? row(button("skip", "skip", true)) : "";
   if (now.alarm > 0) {
     const said = alarm(now, hello, events, ts);
-    return { ...said, more: said.more + on };
+    return { ...said, more: said.more + (order && now.mode === 3 ? answers(now, said.name) : on) };
   }
   if (checking && now.mode === 0) {
     return { state: "learn", icon: "learn", word: say("state_check"), aside: "", head: say("head_check"), sub: say("sub_check"), more: "" };
@@ -79,6 +79,13 @@ export function verdict({ row: now, hello, events, since, begun, ts, settings, c
     : "";
   const more = mends ? row(button("surprise", "surprise", true), ...QUICK.map(([act, key]) => button(act, key))) : "";
   return { state: "monitor", icon: "ok", word: say("state_monitor"), aside, head: say("head_monitor"), sub, more };
+}
+
+// What a user can say of an alarm: only what has a size may be shelved, with both thermistors in the tube.
+function answers(now, name) {
+  const shelvable = Number.isFinite(now.magnitude) && !/_detached$/.test(name);
+  const ways = now.advice > 0 ? [] : [button("ack", "acknowledge"), ...(shelvable ? [button("shelve", "shelve")] : [])];
+  return row(...ways, button("relearn", "accept"));
 }
 
 // Two faults that are one click away.

@@ -51,7 +51,7 @@ export default {
   skip: "Skip to monitoring",
   quick_t2: "T2 reads too high", quick_air: "More air",
   surprise: "Surprise me",
-  acknowledge: "Acknowledge",
+  acknowledge: "Acknowledge", shelve: "Shelve for 8 h", accept: "Accept as normal",
   mend: "Mend",
   mend_all: "Mend everything",
   acknowledge_first: "Heating is not safe. Repair the cause, then acknowledge and arm.",

@@ -52,7 +52,7 @@ export default {
   skip: "Saltar para a vigilância",
   quick_t2: "T2 lê a mais", quick_air: "Mais ar",
   surprise: "Surpreenda-me",
-  acknowledge: "Confirmar",
+  acknowledge: "Confirmar", shelve: "Suspender 8 h", accept: "Aceitar como normal",
   mend: "Reparar",
   mend_all: "Reparar tudo",
   acknowledge_first: "Não pode aquecer com segurança. Repare a causa, confirme e arme.",

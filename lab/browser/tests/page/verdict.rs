@@ -73,6 +73,29 @@ fn each_fault_that_can_be_put_in_is_named_by_its_own_name() {
     }
 }
 
+/// An alarm offers what can be said of it; once it is acknowledged or shelved it is advice.
+#[test]
+fn an_alarm_can_be_acknowledged_shelved_and_accepted() {
+    let found = on_page(
+        r##"
+        const offered = () => [...document.querySelectorAll("[data-act]")].map((b) => b.dataset.act).filter((act) => ["ack", "shelve"].includes(act));
+        const press = async (act) => { click(`[data-act=${act}]`); await step(5); return [lab.row().alarm, lab.row().advice]; };
+        const found = [];
+        for (const act of ["ack", "shelve"]) {
+          await monitoring();
+          click("[data-act=quick-t2]");
+          await step(90);
+          found.push(offered(), await press(act), offered());
+          await press("relearn");
+          found.push(lab.row().mode < 3);
+        }
+        return found;"##,
+        &[],
+    );
+    let once = [json!(["ack", "shelve"]), json!([1, 1]), json!([]), json!(true)];
+    assert_eq!(found, json!([once.clone(), once].concat()));
+}
+
 /// What the diagnosis can call a fault, the page can say, in each language.
 #[test]
 fn every_class_has_a_name_and_a_sentence() {

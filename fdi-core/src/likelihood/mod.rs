@@ -88,6 +88,7 @@ mod usual;
 pub mod verdict;
 mod watch;
 mod whitening;
+mod work;
 
 use crate::error::ConfigError;
 use crate::identify::config::IdentificationConfig;
@@ -111,10 +112,11 @@ pub use model::Model;
 use priority::Standing;
 pub use process::{Parameter, Parameters};
 use sensors::Sensors;
-use training::{Cold, Trainer, Training};
+use training::{Cold, Trainer};
 pub use tuning::{Tuned, Tuning};
 pub use verdict::{Finding, LikelihoodReport, Magnitude, Readiness, RejectReason, TaughtFinding};
-use watch::{Input, SinceOnsetState, Watch, WatchState};
+use watch::{Input, Watch, WatchState};
+use work::Work;
 
 /// The validated likelihood diagnosis.
 #[derive(Clone, Debug)]
@@ -156,25 +158,6 @@ pub struct LikelihoodState {
     restarts: u32,
     was_learning: bool,
     cold: Cold,
-}
-
-/// What is under way: a model is trained, or watched by; never both.
-#[derive(Clone, Copy, Debug, Default)]
-#[expect(clippy::large_enum_variant, reason = "there is one, and nowhere to box it")]
-enum Work {
-    #[default]
-    Nothing,
-    Training(Training),
-    Watching(SinceOnsetState),
-}
-
-impl Work {
-    /// Out of line, for the stack: the new memory lies on it once, on its way to where it stays.
-    #[cold]
-    #[inline(never)]
-    fn begin_watching(&mut self) {
-        *self = Self::Watching(SinceOnsetState::default());
-    }
 }
 
 const _: () = assert!(size_of::<LikelihoodState>() <= 8192, "more than the board has for it");

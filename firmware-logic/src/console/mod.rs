@@ -1,6 +1,7 @@
 //! The line console: bytes in, text out. The firmware runs it on its serial port, the host on a terminal; what they have
 //! in common is [`Board`]. The text of one answer is at most [`ANSWER`] bytes; line feeds end its lines.
 
+mod alarm;
 pub mod board;
 mod calibrate;
 pub mod follow;
@@ -14,7 +15,7 @@ use core::fmt::{self, Display, Write};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::ALL;
 use fdi_core::tune::Standing;
-use fdi_core::{Command, Config, ConfigError, Mode, Percent, Seconds};
+use fdi_core::{Command, Config, ConfigError, Percent, Seconds};
 
 use crate::calibration::{Calibration, Still};
 use crate::control_loop::Denial;
@@ -242,14 +243,9 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
             board.stop();
             say(out, "stopped\n");
         }
-        Request::Acknowledge if calm(board) => say(out, NOTHING),
-        Request::Acknowledge => done(out, board.command(Command::Acknowledge).await),
-        Request::Shelve { minutes } => shelve(minutes, board, out).await,
-        Request::Accept if calm(board) => say(out, NOTHING),
-        Request::Accept => match board.command(Command::Relearn).await {
-            Ok(()) => say(out, "ok, learning it as normal; `save` keeps it, the commissioning stays\n"),
-            Err(denial) => fail(out, &denial),
-        },
+        Request::Acknowledge => alarm::acknowledge(board, out).await,
+        Request::Shelve { minutes } => alarm::shelve(minutes, board, out).await,
+        Request::Accept => alarm::accept(board, out).await,
         Request::Fan { level } => match number("fan", level) {
             Ok(percent) => done(out, board.command(Command::Fan(Percent(percent))).await),
             Err(error) => fail(out, &error),
@@ -272,35 +268,9 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
     }
 }
 
-const NOTHING: &str = "error: no alarm and no advice stands, see `status`\n";
-
-/// It monitors, and nothing is told.
-fn calm(board: &impl Board) -> bool {
-    let last = board.status().last;
-    last.is_some_and(|(record, report)| record.tick.mode == Mode::Monitor && !report.likelihood.alarm)
-}
-
 fn number<'a>(name: &'a str, given: &'a str) -> Result<f32, SetError<'a>> {
     let expected = Expected::Words(decimal::EXPECTED);
     decimal::parse(given).ok_or(SetError::Value { name, given, expected })
-}
-
-/// What is named now is advice for a while.
-async fn shelve(minutes: &str, board: &mut impl Board, out: &mut dyn Write) {
-    let time = match number("shelve", minutes) {
-        Ok(minutes) => Seconds(60.0 * minutes),
-        Err(error) => return fail(out, &error),
-    };
-    let named = board.status().last.and_then(|(_, report)| report.likelihood.finding);
-    match named {
-        _ if time.0 == 0.0 => {}
-        None => return say(out, "error: nothing is named that could be shelved, see `status`\n"),
-        Some(found) if !found.class.may_be_shelved() => {
-            return say(out, "error: this may trip, it is not shelved; `ack` acknowledges it\n");
-        }
-        Some(_) => {}
-    }
-    done(out, board.command(Command::Shelve(time)).await);
 }
 
 /// How long a self-test takes, about.

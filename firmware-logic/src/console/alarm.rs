@@ -1,0 +1,52 @@
+//! What a user says of an alarm: that it is known, that it may wait, that it is normal.
+
+use core::fmt::Write;
+
+use fdi_core::{Command, Mode, Seconds};
+
+use super::{Board, done, fail, number, say};
+
+const NOTHING: &str = "error: no alarm and no advice stands, see `status`\n";
+
+/// It monitors, and nothing is told.
+fn calm(board: &impl Board) -> bool {
+    let last = board.status().last;
+    last.is_some_and(|(record, report)| record.tick.mode == Mode::Monitor && !report.likelihood.alarm)
+}
+
+/// A trip, a lockout or an alarm is known.
+pub(super) async fn acknowledge(board: &mut impl Board, out: &mut dyn Write) {
+    if calm(board) {
+        return say(out, NOTHING);
+    }
+    done(out, board.command(Command::Acknowledge).await);
+}
+
+/// What is told now is normal: it is learnt.
+pub(super) async fn accept(board: &mut impl Board, out: &mut dyn Write) {
+    if calm(board) {
+        return say(out, NOTHING);
+    }
+    match board.command(Command::Relearn).await {
+        Ok(()) => say(out, "ok, learning it as normal; `save` keeps it, the commissioning stays\n"),
+        Err(denial) => fail(out, &denial),
+    }
+}
+
+/// What is named now is advice for a while.
+pub(super) async fn shelve(minutes: &str, board: &mut impl Board, out: &mut dyn Write) {
+    let time = match number("shelve", minutes) {
+        Ok(minutes) => Seconds(60.0 * minutes),
+        Err(error) => return fail(out, &error),
+    };
+    let named = board.status().last.and_then(|(_, report)| report.likelihood.finding);
+    match named {
+        _ if time.0 == 0.0 => {}
+        None => return say(out, "error: nothing is named that could be shelved, see `status`\n"),
+        Some(found) if !found.class.may_be_shelved() => {
+            return say(out, "error: this may trip, it is not shelved; `ack` acknowledges it\n");
+        }
+        Some(_) => {}
+    }
+    done(out, board.command(Command::Shelve(time)).await);
+}

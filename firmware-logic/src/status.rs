@@ -138,11 +138,11 @@ impl fmt::Display for StatusLine<'_> {
 
 impl fmt::Display for Status {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some((record, report)) = &self.last else { return f.write_str("no tick yet") };
-        let tick = &record.tick;
         if self.simulated {
             writeln!(f, "SIMULATED: codes come from the port, both outputs are locked off until a reset")?;
         }
+        let Some((record, report)) = &self.last else { return f.write_str("no tick yet") };
+        let tick = &record.tick;
         write!(f, "mode {}", tick.mode.name())?;
         if let Mode::Tripped(trip) = tick.mode {
             write!(f, " ({}), `ack` when its cause has gone", trip.reason.words())?;
@@ -274,6 +274,14 @@ mod tests {
     use fdi_core::{Config, Instrument, RawSample};
 
     use super::*;
+
+    /// A board that has just been told to simulate says so from its first word on.
+    #[test]
+    fn a_simulation_is_told_before_its_first_tick() {
+        let status = Status { simulated: true, ..Status::default() };
+        let said = status.to_string();
+        assert!(said.starts_with("SIMULATED: ") && said.ends_with("no tick yet"), "{said}");
+    }
 
     #[test]
     fn one_line_says_how_it_is() {

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use quick_xml::Writer;
 use quick_xml::writer::ElementWriter;
 
-use crate::model::Model;
+use crate::model::{Model, TERMINALS};
 use crate::variable::{Role, Value, Variable};
 
 /// An XML text in the making.
@@ -65,12 +65,12 @@ pub fn model_description(model: &Model) -> std::io::Result<String> {
 ///
 /// # Errors
 /// None: it is written to memory.
-pub fn terminals(model: &Model) -> std::io::Result<String> {
+pub fn terminals() -> std::io::Result<String> {
     let mut xml = begun();
     let root = xml.create_element("fmiTerminalsAndIcons").with_attribute(("fmiVersion", "3.0"));
     root.write_inner_content(|xml| {
         xml.create_element("Terminals").write_inner_content(|xml| {
-            for terminal in model.terminals {
+            for terminal in &TERMINALS {
                 let about =
                     [("name", terminal.name), ("matchingRule", "plug"), ("description", terminal.about)];
                 xml.create_element("Terminal").with_attributes(about).write_inner_content(|xml| {

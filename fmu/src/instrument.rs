@@ -12,7 +12,7 @@ use pt326::record::summary::with_degree_sign;
 use pt326::settings;
 use toml::Table;
 
-use crate::model::{Model, Running, Terminal, text_or_file};
+use crate::model::{Model, Running, text_or_file};
 use crate::variable::Value::{Flag, Real, Text, Whole};
 use crate::variable::{Role, Value, Values, Variable};
 
@@ -22,14 +22,6 @@ pub static MODEL: LazyLock<Model> = LazyLock::new(|| Model {
     title: "PT-326 instrument",
     about: "Controller and both diagnoses: the codes of three thermistors go in; the heater's power comes out, and what is wrong with the rig",
     variables: variables(),
-    terminals: &[
-        Terminal {
-            name: "codes",
-            about: "What the converter reads",
-            members: &["code_t0", "code_t1", "code_t2", "code_supply"],
-        },
-        Terminal { name: "heater", about: "What drives the heater", members: &["power"] },
-    ],
     begin,
 });
 
@@ -57,7 +49,7 @@ const SOURCES: [Source; 31] = [
     ("trip", "trip", WORD, "Why it has tripped; empty where it has not"),
     ("readiness", "readiness", WORD, "Whether the likelihood diagnosis watches: untrained, training, armed and so on"),
     ("alarm", "alarm", SWITCH, "The likelihood diagnosis says that something is wrong"),
-    ("advice", "advice", SWITCH, "That alarm is no urgent one: it creeps, or has stood for an hour"),
+    ("advice", "advice", SWITCH, "That alarm is no urgent one: it creeps, has stood for an hour, or is known to the user"),
     ("finding", "verdict", WORD, "What is wrong; empty where nothing is, or that cannot be told yet"),
     ("finding_number", "class", COUNT, "What is wrong, as a number of the log; 0 for nothing"),
     ("confidence", "confidence", NUMBER, "Probability of the finding, 0 to 1; NaN without one"),

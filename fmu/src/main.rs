@@ -122,7 +122,7 @@ fn packed(model: &Model, binaries: &[Binary]) -> anyhow::Result<Vec<u8>> {
         Ok(zip.write_all(bytes)?)
     };
     add("modelDescription.xml", description::model_description(model)?.as_bytes())?;
-    add("terminalsAndIcons/terminalsAndIcons.xml", description::terminals(model)?.as_bytes())?;
+    add("terminalsAndIcons/terminalsAndIcons.xml", description::terminals()?.as_bytes())?;
     for (name, text) in LICENCES {
         add(&format!("documentation/licenses/{name}"), text.as_bytes())?;
     }

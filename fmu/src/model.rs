@@ -16,8 +16,6 @@ pub struct Model {
     pub about: &'static str,
     /// Its variables, in the order of their value references.
     pub variables: Vec<Variable>,
-    /// Variables that are connected together.
-    pub terminals: &'static [Terminal],
     /// Begins by the parameters, and tells what is known before the first step.
     pub begin: fn(&mut Values) -> anyhow::Result<Box<dyn Running>>,
 }
@@ -31,6 +29,16 @@ pub struct Terminal {
     /// The variables.
     pub members: &'static [&'static str],
 }
+
+/// What both models are connected by: codes from the rig to the instrument, power back.
+pub static TERMINALS: [Terminal; 2] = [
+    Terminal {
+        name: "codes",
+        about: "What the converter reads",
+        members: &["code_t0", "code_t1", "code_t2", "code_supply"],
+    },
+    Terminal { name: "heater", about: "What drives the heater", members: &["power"] },
+];
 
 /// A model that has begun.
 pub trait Running: Send {

@@ -11,7 +11,7 @@ use pt326_rig::Rig;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use toml::Value as Toml;
 
-use crate::model::{Model, Running, Terminal, text_or_file};
+use crate::model::{Model, Running, text_or_file};
 use crate::variable::Value::{Real, Text, Whole};
 use crate::variable::{Role, Values, Variable};
 
@@ -27,14 +27,6 @@ pub static MODEL: LazyLock<Model> = LazyLock::new(|| Model {
     title: "PT-326 rig",
     about: "A simulated PT-326 process trainer: the heater's power goes in; the codes of three thermistors come out, and the truth",
     variables: variables(),
-    terminals: &[
-        Terminal {
-            name: "codes",
-            about: "What the converter reads",
-            members: &["code_t0", "code_t1", "code_t2", "code_supply"],
-        },
-        Terminal { name: "heater", about: "What drives the heater", members: &["power"] },
-    ],
     begin,
 });
 

@@ -1,5 +1,8 @@
 //! What can be served: something that gives a row of numbers for each tick.
 
+#[cfg(test)]
+pub(crate) mod scripted;
+
 pub use fdi_core::schema::Numbers;
 use pt326_lab::names::Names;
 use pt326_lab::protocol;

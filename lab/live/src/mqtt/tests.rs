@@ -2,7 +2,6 @@
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::sync::mpsc::{Receiver, Sender, channel};
 
 use bytes::BytesMut;
 use fdi_core::schema;
@@ -14,45 +13,10 @@ use serde_json::json;
 
 use super::*;
 use crate::clock;
+use crate::source::scripted::Scripted;
 use crate::source::{Numbers, Source, Told};
 
 const MOST: usize = 1 << 20;
-
-/// A rig whose rows come when a test says so, and which notes what it is ordered.
-struct Rig {
-    rows: Receiver<Told>,
-    ordered: Sender<Order>,
-}
-
-impl Source for Rig {
-    fn name(&self) -> String {
-        "a rig".into()
-    }
-
-    fn can(&self) -> &'static [&'static str] {
-        &["order"]
-    }
-
-    fn sample_time(&self) -> f64 {
-        0.11
-    }
-
-    fn has_own_time(&self) -> bool {
-        true
-    }
-
-    fn next(&mut self) -> Option<Told> {
-        self.rows.try_recv().ok()
-    }
-
-    fn order(&mut self, order: Order) -> anyhow::Result<()> {
-        Ok(self.ordered.send(order)?)
-    }
-
-    fn setpoint_limits(&self) -> Option<[f32; 2]> {
-        Some([20.0, 60.0])
-    }
-}
 
 fn row(mode: f32, trip: f32) -> Told {
     let mut row: Numbers = [f32::NAN; _];
@@ -158,16 +122,10 @@ fn bridged(source: impl Source, commands: bool) -> TcpListener {
     listener
 }
 
-fn rig() -> (Rig, Sender<Told>, Receiver<Order>) {
-    let (tell, rows) = channel();
-    let (ordered, orders) = channel();
-    (Rig { rows, ordered }, tell, orders)
-}
-
 /// The broker goes, with a message that it has not acknowledged, and comes back, twice: each trip is told, and none twice.
 #[test]
 fn a_broker_that_comes_back_hears_what_it_has_missed_once() {
-    let (rig, tell, _orders) = rig();
+    let (rig, tell, _orders) = Scripted::new(0.11);
     let listener = bridged(rig, false);
     let mut told = Vec::new();
     let number = |message: &Value| message["number"].as_u64().unwrap();
@@ -201,7 +159,7 @@ fn a_broker_that_comes_back_hears_what_it_has_missed_once() {
 /// Whatever comes: nothing but a stop or a set-point within bounds reaches the rig.
 #[test]
 fn no_message_reaches_the_rig_but_stop_and_a_set_point_within_bounds() {
-    let (rig, _tell, orders) = rig();
+    let (rig, _tell, orders) = Scripted::new(0.11);
     let mut peer = Peer::accept(&bridged(rig, true), false);
     let elsewhere = Publish::new("pt326/other/command", QoS::AtMostOnce, r#"{"command":"stop"}"#);
     peer.send(&Packet::Publish(elsewhere));
@@ -254,7 +212,7 @@ fn a_rig_that_is_off_heats_for_no_message() {
 /// A session that the broker remembers may have asked for commands once.
 #[test]
 fn by_default_no_commands_are_asked_for_nor_taken() {
-    let (rig, _tell, orders) = rig();
+    let (rig, _tell, orders) = Scripted::new(0.11);
     let mut peer = Peer::accept(&bridged(rig, false), true);
     let asked = loop {
         match peer.said() {
@@ -266,7 +224,7 @@ fn by_default_no_commands_are_asked_for_nor_taken() {
         matches!(&asked, Packet::Unsubscribe(topics) if topics.topics == ["pt326/bench/command"]),
         "{asked:?}"
     );
-    let (other, _tell, others) = self::rig();
+    let (other, _tell, others) = Scripted::new(0.11);
     let bridge = Bridge::new(clock::start(other, 1.0).unwrap(), broker(1, false), Box::new(|_| ()));
     let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
     let answer = runtime.block_on(bridge.answer(br#"{"command":"stop"}"#, false));

@@ -1,6 +1,6 @@
 //! What is not simulated here: a recording and a board.
 
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Sender, channel};
 
 use fdi_core::schema::FIELDS;
 use pt326_lab::names::Names;
@@ -8,6 +8,7 @@ use pt326_lab::scene::Order;
 use serde_json::{Value, json};
 
 use super::{post_text, rows_in, serve_source, stream, until, with_token};
+use crate::source::scripted::Scripted;
 use crate::source::{Recording, Source, Told};
 
 /// A recording goes by with its own sample time, and takes no orders.
@@ -34,39 +35,6 @@ fn a_recording_is_served_to_its_end() {
         r#"{"command":"trace"}"#,
     ] {
         assert_eq!(post_text(address, &with_token(), body).0, 409, "{body}");
-    }
-}
-
-/// A board: its rows come when they come, and word of orders from itself.
-struct Board(Receiver<Told>);
-
-impl Source for Board {
-    fn name(&self) -> String {
-        "a port".into()
-    }
-
-    fn kind(&self) -> &'static str {
-        "board"
-    }
-
-    fn can(&self) -> &'static [&'static str] {
-        &["order"]
-    }
-
-    fn sample_time(&self) -> f64 {
-        3600.0
-    }
-
-    fn has_own_time(&self) -> bool {
-        true
-    }
-
-    fn next(&mut self) -> Option<Told> {
-        self.0.try_recv().ok()
-    }
-
-    fn order(&mut self, _: Order) -> anyhow::Result<()> {
-        Ok(())
     }
 }
 
@@ -117,8 +85,8 @@ fn a_board_that_floods_is_stopped() {
 
 #[test]
 fn what_a_board_tells_comes_in_its_own_time_and_order() {
-    let (tell, told) = channel();
-    let address = serve_source(Board(told), 1.0);
+    let (board, tell, _orders) = Scripted::new(3600.0);
+    let address = serve_source(board, 1.0);
     for body in [r#"{"command":"run","speed":0}"#, r#"{"command":"skip"}"#] {
         assert_eq!(post_text(address, &with_token(), body).0, 409, "{body}");
     }

@@ -1,7 +1,7 @@
 //! Several rigs on one page.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::Receiver;
 
 use fdi_core::schema;
 use pt326_lab::scene::{Order, Scene};
@@ -11,53 +11,16 @@ use serde_json::{Value, json};
 use super::{Limits, TOKEN, answer, for_all, get_text, post_text, rows_in, serve_rigs, until, with_token};
 use crate::clock;
 use crate::guard::Access;
-use crate::source::{Numbers, Source, Told};
+use crate::source::scripted::Scripted;
+use crate::source::{Numbers, Told};
 use crate::wall::Rig;
-
-/// A board that tells what it is made to tell, and says which orders it was given; or refuses them, with its reason.
-struct Board {
-    told: Receiver<Told>,
-    refuses: Option<&'static str>,
-    given: std::sync::mpsc::Sender<Order>,
-}
-
-impl Source for Board {
-    fn name(&self) -> String {
-        "/dev/some-port".into()
-    }
-
-    fn kind(&self) -> &'static str {
-        "board"
-    }
-
-    fn can(&self) -> &'static [&'static str] {
-        &["order"]
-    }
-
-    fn sample_time(&self) -> f64 {
-        0.5
-    }
-
-    fn has_own_time(&self) -> bool {
-        true
-    }
-
-    fn next(&mut self) -> Option<Told> {
-        self.told.try_recv().ok()
-    }
-
-    fn order(&mut self, order: Order) -> anyhow::Result<()> {
-        let _ = self.given.send(order);
-        self.refuses.map_or(Ok(()), |why| Err(anyhow::anyhow!(why)))
-    }
-}
 
 /// A board that is there, has told all of `told`, and the orders that it is given.
 fn board(name: &str, told: Vec<Told>, refuses: Option<&'static str>) -> (Arc<Rig>, Receiver<Order>) {
-    let (tell, hears) = channel();
-    let (given, orders) = channel();
+    let (mut board, tell, orders) = Scripted::new(0.5);
+    board.refuses = refuses;
     told.into_iter().for_each(|told| tell.send(told).unwrap());
-    let clock = clock::start(Board { told: hears, refuses, given }, 1.0).unwrap();
+    let clock = clock::start(board, 1.0).unwrap();
     (Arc::new(Rig::of(name, clock)), orders)
 }
 

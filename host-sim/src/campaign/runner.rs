@@ -32,7 +32,7 @@ impl<'a> Remaining<'a> {
     pub fn new(cells: &'a [Cell], shard: Shard, store: Store) -> Self {
         let mut runs = shard.runs(cells);
         runs.retain(|run| !store.finished.contains(run));
-        runs.sort_by(|a, b| length(cells, b).total_cmp(&length(cells, a)));
+        runs.sort_by(|a, b| ticks(cells, b).total_cmp(&ticks(cells, a)));
         Self { cells, runs, store }
     }
 
@@ -48,11 +48,16 @@ impl<'a> Remaining<'a> {
 
     /// Simulated time that is left, s.
     pub fn seconds(&self) -> f64 {
-        self.runs.iter().map(|run| length(self.cells, run)).sum()
+        self.runs.iter().map(|run| self.cells[run.0].scenario.duration).sum()
+    }
+
+    /// Simulated ticks that are left: a tick takes about as long on any rig, a second does not.
+    pub fn ticks(&self) -> f64 {
+        self.runs.iter().map(|run| ticks(self.cells, run)).sum()
     }
 
     /// Runs them on the threads of the current pool; begins none any more once `stop` is set. `advance` is given the
-    /// length of each that is finished, s.
+    /// ticks of each that is finished.
     ///
     /// # Errors
     /// A run that is not possible; a store that can't be written.
@@ -70,15 +75,16 @@ impl<'a> Remaining<'a> {
                 .with_context(|| format!("cell {:?}, run {}", cell.name, one.1))?;
             store.lock().map_err(|_| anyhow::anyhow!("another thread has failed"))?.push(&row)?;
             done.fetch_add(1, Ordering::Relaxed);
-            advance(length(cells, one));
+            advance(ticks(cells, one));
             anyhow::Ok(())
         })?;
         Ok(Progress { finished: before + done.into_inner(), of })
     }
 }
 
-fn length(cells: &[Cell], run: &(usize, u64)) -> f64 {
-    cells[run.0].scenario.duration
+fn ticks(cells: &[Cell], run: &(usize, u64)) -> f64 {
+    let cell = &cells[run.0];
+    cell.scenario.duration / cell.sample_time()
 }
 
 #[cfg(test)]
@@ -88,6 +94,28 @@ mod tests {
     use super::*;
     use crate::campaign::definition::Campaign;
     use crate::campaign::store::Header;
+
+    /// A run of an oven, which has a tick every ten seconds, takes no longer for all its hours.
+    #[test]
+    fn the_run_with_the_most_ticks_is_first() {
+        let campaign: Campaign = toml::from_str(
+            "[[plant]]\nname = \"oven\"\nrig = { preset = \"oven\" }\ninstrument = \"oven\"\n[[plant]]\nname = \"paper\"\n\
+             [[cell]]\nname = \"quiet\"\nruns = 1\nduration = 850.0\nplants = [\"oven\"]\n\
+             [[cell]]\nname = \"longer\"\nruns = 1\nduration = 900.0\nplants = [\"paper\"]\n",
+        )
+        .unwrap();
+        let config = Config::default();
+        let cells = campaign.expand(&config).unwrap();
+        let header = Header::new(&campaign, &config, Shard::WHOLE).unwrap();
+        let path = std::env::temp_dir().join(format!("pt326-ticks-{}.jsonl", std::process::id()));
+        let store = Store::open(&path, &header, true, || panic!("nobody else has it")).unwrap();
+        let remaining = Remaining::new(&cells, Shard::WHOLE, store);
+        let names: Vec<_> = remaining.runs.iter().map(|run| cells[run.0].name.as_str()).collect();
+        assert_eq!(names, ["longer @ paper", "quiet @ oven"]);
+        let expected = 900.0 / 0.11 + cells[0].scenario.duration / cells[0].sample_time();
+        assert!((remaining.ticks() - expected).abs() < 1.0, "{} {expected}", remaining.ticks());
+        std::fs::remove_file(path).unwrap();
+    }
 
     #[test]
     fn what_was_stopped_goes_on_where_it_stopped() {

@@ -231,8 +231,8 @@ fn run_until_interrupted(remaining: Remaining, threads: usize) -> anyhow::Result
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let (began, hours) = (Instant::now(), remaining.seconds() / 3600.0);
     let (tenths, is_seen) = (AtomicU64::new(0), std::io::stderr().is_terminal());
-    let advance = |seconds: f64| {
-        bar.inc(seconds as u64);
+    let advance = |ticks: f64| {
+        bar.inc(ticks as u64);
         let now = 10 * bar.position() / bar.length().unwrap_or(1).max(1);
         if tenths.fetch_max(now, Ordering::Relaxed) < now && !is_seen {
             eprintln!("{now}0 % after {:.0} s", began.elapsed().as_secs_f64());
@@ -247,9 +247,9 @@ fn run_until_interrupted(remaining: Remaining, threads: usize) -> anyhow::Result
     Ok(progress)
 }
 
-/// A bar that counts simulated seconds, since runs differ in length. Where it can't be seen, each tenth is told.
+/// A bar that counts simulated ticks, since runs differ in length. Where it can't be seen, each tenth is told.
 fn progress(remaining: &Remaining) -> anyhow::Result<ProgressBar> {
-    let bar = ProgressBar::new(remaining.seconds() as u64);
+    let bar = ProgressBar::new(remaining.ticks() as u64);
     bar.set_style(
         ProgressStyle::with_template("{bar:40} {percent} % of {msg}, {eta} left").context("progress bar")?,
     );

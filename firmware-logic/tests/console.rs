@@ -196,15 +196,28 @@ fn an_alarm_is_acknowledged_shelved_or_accepted() {
 }
 
 #[test]
-fn what_may_trip_is_not_shelved_and_where_nothing_stands_nothing_is_done() {
+fn what_may_trip_is_neither_shelved_nor_accepted_and_where_nothing_stands_nothing_is_done() {
     let mut board = told(Some(FaultClass::T1Detached));
-    assert!(answer(&mut board, "shelve 30").starts_with("error: this may trip"));
     let mut calm = told(None);
+    for line in ["accept", "shelve 30"] {
+        assert!(answer(&mut board, line).starts_with("error: what is named may trip"), "{line}");
+    }
     for line in ["ack", "accept", "shelve 30"] {
         assert!(answer(&mut calm, line).starts_with("error: no"), "{line}");
     }
     assert_eq!((board.asked.len(), calm.asked.len()), (0, 0));
     assert_eq!(answer(&mut calm, "shelve 0"), "ok\n", "it can always be taken off the shelf");
+}
+
+/// While it is off or still learns, nothing stands, whatever was named last.
+#[test]
+fn nothing_is_accepted_but_while_it_monitors() {
+    for mode in [Mode::Off, Mode::Settle { steady: 3 }, Mode::Learn { accepted: 40 }] {
+        let mut board = told(Some(FaultClass::T2Offset));
+        board.status.last.as_mut().expect("a tick").0.tick.mode = mode;
+        assert!(answer(&mut board, "accept").starts_with("error: nothing is named"), "{mode:?}");
+        assert!(board.asked.is_empty(), "{mode:?}");
+    }
 }
 
 #[test]

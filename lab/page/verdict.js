@@ -81,11 +81,11 @@ export function verdict({ row: now, hello, events, since, begun, ts, settings, c
   return { state: "monitor", icon: "ok", word: say("state_monitor"), aside, head: say("head_monitor"), sub, more };
 }
 
-// What a user can say of an alarm: only what has a size may be shelved, with both thermistors in the tube.
+// What a user can say of an alarm: only what has a size may be shelved or accepted, with both thermistors in the tube.
 function answers(now, name) {
-  const shelvable = Number.isFinite(now.magnitude) && !/_detached$/.test(name);
-  const ways = now.advice > 0 ? [] : [button("ack", "acknowledge"), ...(shelvable ? [button("shelve", "shelve")] : [])];
-  return row(...ways, button("relearn", "accept"));
+  const mayWait = Number.isFinite(now.magnitude) && !/_detached$/.test(name);
+  const ways = now.advice > 0 ? [] : [button("ack", "acknowledge"), ...(mayWait ? [button("shelve", "shelve")] : [])];
+  return row(...ways, ...(mayWait ? [button("relearn", "accept")] : []));
 }
 
 // Two faults that are one click away.

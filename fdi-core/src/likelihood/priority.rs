@@ -32,6 +32,10 @@ impl Standing {
         seen: &Observation,
         long: u32,
     ) -> bool {
+        if seen.forget {
+            // What was said belongs to the rig as it was.
+            *self = Self::default();
+        }
         let (tick, alarm) = (seen.index, evidence.alarm());
         let named = finding.map(|finding| finding.class);
         self.hear(seen.shelve, alarm, named, tick);
@@ -90,18 +94,17 @@ mod tests {
         }
 
         fn told(&mut self, tick: u32, stands: Stands, shelve: Option<Shelving>) -> bool {
+            self.seen(&Observation { index: tick, shelve, ..Observation::default() }, stands)
+        }
+
+        fn seen(&mut self, seen: &Observation, stands: Stands) -> bool {
             let Stands(since_onset, since_training, class) = stands;
             let found = class.map(|class| Finding { class, confidence: 0.9, magnitude: None, onset: 0 });
             let by = |says: bool| says.then_some(found);
             let said =
                 Said { since_onset: by(since_onset), since_training: by(since_training), ..Said::default() };
             let evidence = Evidence { said, ..Evidence::default() };
-            self.is_advice(
-                &evidence,
-                found,
-                &Observation { index: tick, shelve, ..Observation::default() },
-                LONG,
-            )
+            self.is_advice(&evidence, found, seen, LONG)
         }
     }
 
@@ -152,6 +155,16 @@ mod tests {
             "another thermistor"
         );
         assert!(!standing.told(102, t2, Some(Shelving::For(0))), "taken off the shelf");
+    }
+
+    #[test]
+    fn what_is_learnt_anew_is_on_no_shelf() {
+        let mut standing = Standing::default();
+        let t2 = offset(FaultClass::T2Offset);
+        assert!(standing.told(0, t2, Some(Shelving::For(50))));
+        assert!(standing.on(1, t2));
+        standing.seen(&Observation { index: 2, forget: true, ..Observation::default() }, NOTHING);
+        assert!(!standing.on(3, t2), "a new fault of the class");
     }
 
     /// What may trip, and what has no name, stays an alarm.

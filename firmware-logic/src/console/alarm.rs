@@ -22,10 +22,10 @@ pub(super) async fn acknowledge(board: &mut impl Board, out: &mut dyn Write) {
     done(out, board.command(Command::Acknowledge).await);
 }
 
-/// What is told now is normal: it is learnt.
+/// What is named now is normal: it is learnt.
 pub(super) async fn accept(board: &mut impl Board, out: &mut dyn Write) {
-    if calm(board) {
-        return say(out, NOTHING);
+    if let Err(why) = may_wait(board) {
+        return fail(out, &format_args!("{why}; `baseline learn` learns the rig anew whatever is told"));
     }
     match board.command(Command::Relearn).await {
         Ok(()) => say(out, "ok, learning it as normal; `save` keeps it, the commissioning stays\n"),
@@ -39,14 +39,23 @@ pub(super) async fn shelve(minutes: &str, board: &mut impl Board, out: &mut dyn 
         Ok(minutes) => Seconds(60.0 * minutes),
         Err(error) => return fail(out, &error),
     };
-    let named = board.status().last.and_then(|(_, report)| report.likelihood.finding);
-    match named {
-        _ if time.0 == 0.0 => {}
-        None => return say(out, "error: nothing is named that could be shelved, see `status`\n"),
-        Some(found) if !found.class.may_be_shelved() => {
-            return say(out, "error: this may trip, it is not shelved; `ack` acknowledges it\n");
-        }
-        Some(_) => {}
+    if time.0 != 0.0
+        && let Err(why) = may_wait(board)
+    {
+        return fail(out, &format_args!("{why}; `ack` acknowledges an alarm"));
     }
     done(out, board.command(Command::Shelve(time)).await);
+}
+
+/// It monitors, and what it names may not trip.
+///
+/// # Errors
+/// Why it can be neither shelved nor accepted.
+fn may_wait(board: &impl Board) -> Result<(), &'static str> {
+    let monitored = board.status().last.filter(|(record, _)| record.tick.mode == Mode::Monitor);
+    match monitored.and_then(|(_, report)| report.likelihood.finding) {
+        None => Err("nothing is named, see `status`"),
+        Some(found) if !found.class.may_be_shelved() => Err("what is named may trip, or has no size"),
+        Some(_) => Ok(()),
+    }
 }

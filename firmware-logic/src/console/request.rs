@@ -97,7 +97,7 @@ pub const COMMANDS: [(&str, &str, &str); 23] = [
     ("stop", "", "heater off, in every state; so do the keys Ctrl-C, ESC and !"),
     ("ack", "", "acknowledge a trip, a lockout or an alarm (which is advice then, until it ends)"),
     ("shelve", "MINUTES", "what is named now is advice for so long, however often it comes; 0 ends that"),
-    ("accept", "", "what is told now is normal from now on: learn anew, the commissioning stays"),
+    ("accept", "", "what is named now is normal from now on: learn anew, the commissioning stays"),
     ("fan", "LEVEL", "announce the fan's level in %, 100 being the level at which it is learnt"),
     ("baseline", "[learn]", "what was learnt as normal; `learn` learns it anew"),
     (

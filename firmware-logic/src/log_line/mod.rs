@@ -20,6 +20,7 @@
 
 mod baseline;
 mod commissioning;
+mod image;
 mod order;
 pub mod tick;
 
@@ -30,6 +31,7 @@ use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::likelihood::PARAMETERS;
 
 pub use self::baseline::BaselineLine;
+pub use self::image::Image;
 use self::tick::{TickLine, TickLineError};
 use crate::control_loop::OrderKind;
 use crate::settings::commissioning::Commissioning;
@@ -104,26 +106,11 @@ pub enum LogLine<'a> {
     },
 }
 
-/// Which image a board runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Image<'a> {
-    /// Its release, such as 0.1.0.
-    pub release: &'a str,
-    /// The state of its sources.
-    pub commit: &'a str,
-    /// Name of the board that it is for.
-    pub board: &'a str,
-    /// See [`VERSION`].
-    pub format: u32,
-}
-
 impl fmt::Display for LogLine<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Start { version } => write!(f, "log format {version}"),
-            Self::Image(Image { release, commit, board, format }) => {
-                write!(f, "image {release} ({commit}) on {board}, format {format}")
-            }
+            Self::Image(image) => image.fmt(f),
             Self::Setting { name, value } => write!(f, "setting {name} = {value}"),
             Self::Wider { name, value } => write!(f, "{WIDER}{name} = {value}"),
             Self::Baseline(part) => part.fmt(f),
@@ -177,7 +164,7 @@ impl fmt::Display for LogLineError<'_> {
             Self::Tick(error) => error.fmt(f),
             Self::Order(word) => write!(
                 f,
-                "unknown order \"{word}\", expected settings, check, arm, tune, stop, ack, relearn, setpoint, fan or excite"
+                "unknown order \"{word}\", expected settings, check, arm, tune, stop, ack, relearn, shelve, setpoint, fan or excite"
             ),
             Self::Argument { order, expected } => write!(f, "order {order}: expected {expected} behind it"),
             Self::Part(word) => write!(f, "unknown part of a baseline: \"{word}\""),
@@ -210,7 +197,7 @@ impl<'a> LogLine<'a> {
         if let Some(kept) = after(text, "commissioned ").map(commissioning::parse).transpose()?.flatten() {
             return Ok(Some(Self::Commissioned(kept)));
         }
-        if let Some(image) = after(text, "image ").and_then(image) {
+        if let Some(image) = after(text, "image ").and_then(image::parse) {
             return Ok(Some(Self::Image(image)));
         }
         if let Some((name, value)) = after(text, "setting ").and_then(|rest| rest.split_once(" = ")) {
@@ -249,14 +236,6 @@ fn without_place(text: &str) -> &str {
 fn number(text: &str) -> Option<(u32, &str)> {
     let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     Some((word.parse().ok()?, rest))
-}
-
-/// As it is printed.
-fn image(text: &str) -> Option<Image<'_>> {
-    let (release, text) = text.split_once(" (")?;
-    let (commit, text) = text.split_once(") on ")?;
-    let (board, text) = text.split_once(", format ")?;
-    Some(Image { release, commit, board, format: number(text)?.0 })
 }
 
 /// Three numbers.
@@ -298,7 +277,7 @@ mod tests {
 
     use fdi_core::likelihood::Commissioned;
     use fdi_core::schema::WORDS;
-    use fdi_core::{Celsius, Command, Percent};
+    use fdi_core::{Celsius, Command, Percent, Seconds};
 
     use super::*;
 
@@ -314,6 +293,7 @@ mod tests {
             Just(OrderKind::Check),
             proptest::sample::select(commands.to_vec()).prop_map(OrderKind::Command),
             any::<bool>().prop_map(|on| OrderKind::Command(Command::Excite(on))),
+            bits().prop_map(|x| OrderKind::Command(Command::Shelve(Seconds(x)))),
             bits().prop_map(|x| OrderKind::Command(Command::SetPoint(Celsius(x)))),
             bits().prop_map(|x| OrderKind::Command(Command::Fan(Percent(x)))),
         ]

@@ -179,6 +179,19 @@ impl Diagnosis {
         self.likelihood.settle(&mut state.likelihood, start);
     }
 
+    /// What the alarm leaves of this tick's innovations; the start that is looked for meanwhile; and that it is over, by a start.
+    pub(crate) fn left_by_alarm(&self, state: &DiagnosisState) -> Option<f32> {
+        self.likelihood.left_by_alarm(&state.likelihood)
+    }
+
+    pub(crate) fn start_anew(&self, state: &DiagnosisState) -> Option<Start> {
+        self.likelihood.start_anew(&state.likelihood)
+    }
+
+    pub(crate) fn end_by(&self, state: &mut DiagnosisState, start: &Start) {
+        self.likelihood.end_by(&mut state.likelihood, start);
+    }
+
     /// The model in force; none before one was learnt.
     pub fn model(&self, state: &DiagnosisState) -> Option<Model> {
         self.likelihood.model(&state.likelihood)

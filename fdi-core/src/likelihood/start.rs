@@ -15,19 +15,33 @@ use super::inputs::Inputs;
 use super::process::{Motion, Process};
 use super::second_heater::SecondHeater;
 use super::whitening::{Past, WhiteningFilter};
+use super::work::Work;
+use crate::bounds::{larger, smaller};
 use crate::vector::dot;
 
 /// Heat; by how much m and w of T1 are above that, and its room; the same of T2 or, without it, the heat of the heater beside, and by how much its
 /// lag is above that.
 const COUNT: usize = 7;
-/// Standard deviations of what is unknown, % of power and degC. Heat and wall of a rig that was about at rest, and of one that was anyhow: what is
-/// likelier by what was seen is believed. The room's, which T0 says where there is one.
-const RESTED: [f32; 2] = [3.0, 3.0];
-const ANYHOW: [f32; 2] = [50.0, 15.0];
+/// Standard deviations of what is unknown, % of power and degC: heat and wall of a rig that is as the model has it, of one that was about at rest, and of
+/// one that was anyhow. What is likeliest by what was seen is believed. The room's, which T0 says where there is one.
+const KINDS: [[f32; 2]; 3] = [[0.0, 0.0], [3.0, 3.0], [50.0, 15.0]];
 const ROOM_SD: f32 = 2.0;
 const KNOWN_ROOM_SD: f32 = 0.3;
+/// Twice as many samples as unknowns: fewer are explained by almost any state.
+const SURE: usize = 2 * COUNT;
 /// So many residuals say what those that follow are expected to be, and nothing else.
 const UNHEARD: u32 = 3;
+
+/// Is all as trained, from another state than that of the model?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Answer {
+    /// Nothing yet.
+    Open,
+    /// Something is wrong still, or was when this began.
+    No,
+    /// All is as trained.
+    Yes,
+}
 
 /// What is known so far of how the rig began.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +50,8 @@ pub(crate) struct Start {
     whitening: WhiteningFilter,
     inputs: Inputs,
     room_sd: f32,
+    /// The rig may be as the model has it.
+    may_be_known: bool,
     /// What is left of a unit of heat everywhere; of one in m, as m and w; of one in w; and of one in the heater beside, and in its lag.
     heat: Motion,
     lag: [f32; 2],
@@ -50,6 +66,8 @@ pub(crate) struct Start {
     heard: u32,
     wanted: u32,
     begun: bool,
+    /// Sum of the squares of the innovations that were heard.
+    energy: f32,
 }
 
 /// What it was, as found.
@@ -76,6 +94,7 @@ impl Start {
             whitening,
             inputs,
             room_sd: ROOM_SD,
+            may_be_known: false,
             heat,
             lag: [1.0; 2],
             lag_wall: [0.0; 2],
@@ -88,6 +107,7 @@ impl Start {
             heard: 0,
             wanted,
             begun: false,
+            energy: 0.0,
         }
     }
 
@@ -127,6 +147,7 @@ impl Start {
         }
         self.heard = self.heard.saturating_add(1);
         if self.heard > UNHEARD {
+            self.energy += z[0] * z[0] + z[1] * z[1];
             for (row, (score, a)) in self.information.iter_mut().zip(self.score.iter_mut().zip(whitened)) {
                 *score += a[0] * z[0] + a[1] * z[1];
                 row.iter_mut().zip(whitened).for_each(|(sum, b)| *sum += a[0] * b[0] + a[1] * b[1]);
@@ -135,9 +156,14 @@ impl Start {
         self.heard >= self.wanted
     }
 
+    /// How many samples count.
+    pub(crate) fn counted(&self) -> u32 {
+        self.heard.saturating_sub(UNHEARD)
+    }
+
     /// The unknowns, where heat and wall are unknown by so much, and the logarithm of how likely what was seen is then.
-    fn solved(&self, [heat, wall]: [f32; 2]) -> ([f32; COUNT], f32) {
-        let sd = [heat, heat, wall, self.room_sd, heat, wall, self.room_sd];
+    fn solved(&self, [heat, wall]: [f32; 2], room: f32) -> ([f32; COUNT], f32) {
+        let sd = [heat, heat, wall, room, heat, wall, room];
         let mut matrix = self.information;
         for (i, row) in matrix.iter_mut().enumerate() {
             for (j, x) in row.iter_mut().enumerate() {
@@ -153,11 +179,42 @@ impl Start {
         (core::array::from_fn(|i| theta[i] * sd[i]), evidence)
     }
 
+    /// The unknowns of the likeliest kind of rig, and its evidence.
+    fn likeliest(&self) -> ([f32; COUNT], f32) {
+        let [known, rested, anyhow] = KINDS.map(|sd| self.solved(sd, self.room_sd));
+        let likelier = if anyhow.1 > rested.1 { anyhow } else { rested };
+        if self.may_be_known && known.1 > likelier.1 { known } else { likelier }
+    }
+
+    /// Whether all is as trained from some state on; an alarm leaves `left` of the squares of the innovations that count.
+    pub(crate) fn answer(&self, left: f32) -> Answer {
+        let t = &self.process.tuning;
+        let (theta, evidence) = self.likeliest();
+        // What the unknowns at their best leave of each innovation's square.
+        let mut leaves = self.energy - 2.0 * dot(&theta, &self.score);
+        for (row, a) in self.information.iter().zip(theta) {
+            leaves += a * dot(row, &theta);
+        }
+        let channels = if self.inputs.t2 { 2.0 } else { 1.0 };
+        leaves /= channels * larger(1.0, self.counted() as f32);
+        // What else it may be: what the alarm says or, whatever that is, a thermistor that reads wrong all the time.
+        let goes_on = (evidence - 0.5 * (self.energy - left)) / t.alarm.kappa;
+        let (_, offset) = self.solved(KINDS[0], t.hypotheses.offset_sd);
+        let no_offset = (evidence - offset) / t.alarm.kappa;
+        let sure = self.counted() as usize >= SURE;
+        let refuted = sure && smaller(goes_on, no_offset) < -t.alarm.over;
+        if refuted || leaves > t.naming.strange || self.heard > self.wanted {
+            Answer::No
+        } else if sure && goes_on > t.alarm.over && no_offset > 0.0 && leaves < t.naming.fits {
+            Answer::Yes
+        } else {
+            Answer::Open
+        }
+    }
+
     /// What the rig has of it now that the model has not.
     pub(super) fn begun(&self) -> Begun {
-        let (rested, anyhow) = (self.solved(RESTED), self.solved(ANYHOW));
-        let (theta, _) = if anyhow.1 > rested.1 { anyhow } else { rested };
-        let [heat, m1, w1, c1, m2, w2, c2] = theta;
+        let ([heat, m1, w1, c1, m2, w2, c2], _) = self.likeliest();
         let mut motion = Motion::default();
         motion.add(&self.heat, heat);
         let of_t2 = if self.inputs.t2 { [m2, w2, c2] } else { [m1, w1, c1] };
@@ -180,6 +237,28 @@ impl Likelihood {
     pub(crate) fn start(&self, state: &LikelihoodState, same_room: bool) -> Option<Start> {
         let start = self.watch.begins(state.trained.as_ref()?);
         Some(Start { room_sd: if same_room || self.inputs.t0 { KNOWN_ROOM_SD } else { ROOM_SD }, ..start })
+    }
+
+    /// The same while an alarm stands: the rig may be as the model has it, and the room is as far from that of the learning as a nuisance may be.
+    pub(crate) fn start_anew(&self, state: &LikelihoodState) -> Option<Start> {
+        let start = self.watch.begins(state.trained.as_ref()?);
+        Some(Start { room_sd: self.tuning.nuisances.onset_offset, may_be_known: true, ..start })
+    }
+
+    /// What the alarm of the models leaves of the squares of this tick's innovations; none without one.
+    pub(crate) fn left_by_alarm(&self, state: &LikelihoodState) -> Option<f32> {
+        match &state.work {
+            Work::Watching(onset) => onset.left_by_alarm(),
+            _ => None,
+        }
+    }
+
+    /// All is as trained since the `start`, from another state: what alarm stands is over.
+    pub(crate) fn end_by(&self, state: &mut LikelihoodState, start: &Start) {
+        self.settle(state, start);
+        if matches!(state.work, Work::Watching(_)) {
+            state.work.begin_watching();
+        }
     }
 
     /// Takes over how the rig began: it is watched from now on.
@@ -234,5 +313,42 @@ mod tests {
             }
             assert!(model.is_some());
         }
+    }
+
+    /// What T1 reads beyond a model of 30 and 5 ticks with noise of 0.05 degC, and what an alarm leaves of each sample: what is answered in the end.
+    fn answered(beyond: impl Fn(f32) -> f32, left: f32) -> Answer {
+        let parameters = Parameters([-0.7, 3.4, 2.3, 1.6, 0.0, 0.9, 1.3, 2.0, 0.0, 6.0, 0.0, 0.0, 0.0]);
+        let process = Process::new(Default::default(), &parameters, 1.0);
+        let mut whitening = WhiteningFilter::default();
+        whitening.inv_sigma = [20.0, 0.0];
+        let (beside, inputs) = (SecondHeater::default(), Inputs { t0: false, t2: false, ..Inputs::ALL });
+        let mut start = Start::new(process, whitening, beside, inputs, 60);
+        (start.room_sd, start.may_be_known) = (0.08, true);
+        let mut seen = 0.0;
+        for k in 0..60_u16 {
+            let noise = 0.05 * (f32::from(k * 37 % 64) / 32.0 - 1.0);
+            start.step([Some(beyond(f32::from(k)) + noise), None]);
+            seen += if start.counted() > 0 { left } else { 0.0 };
+            let answer = start.answer(seen);
+            if answer != Answer::Open {
+                return answer;
+            }
+        }
+        Answer::Open
+    }
+
+    /// Heat that is left goes as the rig forgets it. What T1 reads wrong stays, and an alarm that expects all that is seen has nothing against it.
+    #[test]
+    fn what_is_left_of_something_is_no_fault() {
+        let forgotten = |k: f32| -4.0 * libm::expf(-k / 30.0);
+        assert_eq!(answered(forgotten, 1000.0), Answer::Yes, "heat was lost");
+        assert_eq!(answered(|_| 0.0, 1000.0), Answer::Yes, "nothing is left");
+        assert_ne!(answered(forgotten, 1.0), Answer::Yes, "the alarm expects just that");
+        assert_ne!(answered(|_| -0.7, 1000.0), Answer::Yes, "T1 reads wrong");
+        assert_ne!(
+            answered(|k| -4.0 * (1.0 - libm::expf(-k / 30.0)), 1.0),
+            Answer::Yes,
+            "heat is being lost"
+        );
     }
 }

@@ -4,6 +4,7 @@
 //! thermistors do, and by means of several, for what the process does. The second is fed with what the first says of the thermistors taken
 //! away, so that each fault is told once.
 
+mod anew;
 mod gate;
 mod one_rate;
 

@@ -1,5 +1,6 @@
 //! The instrument's second half at one sample time, for a rig under another control.
 
+use super::anew::Anew;
 use super::{Observed, Units};
 use crate::bounds::{larger, smaller};
 use crate::config::Config;
@@ -89,6 +90,8 @@ pub(super) struct OneRate {
     same_room: bool,
     /// How the rig began, while it is being found.
     start: Option<Start>,
+    /// Whether an alarm is over, from whatever state.
+    anew: Option<Anew>,
     /// Samples since the last with a power or a T1.
     gap: u32,
     /// The T1 with which learning began: it stands for a T0 that is missing.
@@ -130,6 +133,7 @@ impl OneRate {
             resuming,
             same_room: false,
             start,
+            anew: None,
             gap,
             base,
             last,
@@ -152,6 +156,7 @@ impl OneRate {
         }
         let mut report = self.diagnosis.step(&mut self.state, &seen);
         self.armed = report.likelihood.readiness == Readiness::Armed;
+        Anew::look(&mut self.anew, &self.diagnosis, &mut self.state, beyond(&seen, &report));
         self.find_start(&seen, &mut report);
         let [_, t1, t2] = report.likelihood.expected;
         self.expected = [None, t1, t2];
@@ -200,9 +205,7 @@ impl OneRate {
     /// What is seen of how the rig began; until it is known nobody knows what to expect.
     fn find_start(&mut self, seen: &Observation, report: &mut Report) {
         let Some(start) = &mut self.start else { return };
-        let [_, t1, t2] = report.likelihood.expected;
-        let beyond = |reading: Reading, expected: Option<f32>| Some(reading.good()? - expected?);
-        if start.step([beyond(seen.sample.t1, t1), beyond(seen.sample.t2, t2)]) {
+        if start.step(beyond(seen, report)) {
             self.diagnosis.settle(&mut self.state, start);
             self.start = None;
         }
@@ -309,6 +312,13 @@ impl OneRate {
             magnitude.half_width *= inverse;
         }
     }
+}
+
+/// What T1 and T2 read beyond the model, degC.
+fn beyond(seen: &Observation, report: &Report) -> [Option<f32>; 2] {
+    let [_, t1, t2] = report.likelihood.expected;
+    let beyond = |reading: Reading, expected: Option<f32>| Some(reading.good()? - expected?);
+    [beyond(seen.sample.t1, t1), beyond(seen.sample.t2, t2)]
 }
 
 #[cfg(test)]

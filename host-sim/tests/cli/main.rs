@@ -7,6 +7,7 @@ mod forms;
 mod hostile;
 mod identify;
 mod isolability;
+mod lid;
 mod made;
 mod plant;
 mod porting;

@@ -73,7 +73,7 @@ impl Ambient {
         if s.wrong == 0.0 {
             s.since = tick;
         }
-        s.wrong = if wrong { smaller(t.short_memory, s.wrong + self.sample_time) } else { 0.0 };
+        s.wrong = if wrong { smaller(t.wrong_time, s.wrong + self.sample_time) } else { 0.0 };
     }
 
     /// The mean of T1 and T2, where they are at rest.
@@ -118,7 +118,7 @@ impl AmbientState {
     }
 
     fn is_wrong(&self, t: &AmbientTuning) -> bool {
-        self.wrong >= t.short_memory
+        self.wrong >= t.wrong_time
     }
 
     /// The ambient temperature that is believed, degC.

@@ -1,7 +1,6 @@
 //! Page's cumulative sum test, two-sided: quick on a lasting shift of a whitened residual, blind to less than its allowance.
 
-use super::tuning::Tuned;
-use crate::bounds::{bounded, larger};
+use crate::bounds::larger;
 
 /// A validated chart: `g <- max(0, g +- z - k)` on either side, alarm above h.
 ///
@@ -13,7 +12,6 @@ pub(super) struct Chart {
     pub(super) allowance: f32,
     /// Decision interval h, standard deviations.
     pub(super) interval: f32,
-    pub(super) tuning: Tuned,
 }
 
 /// Both sums.
@@ -28,9 +26,8 @@ impl Chart {
     #[inline(never)]
     pub(super) fn step(&self, sums: &mut Sums, z: f32, extra: f32) -> f32 {
         let allowance = self.allowance + extra;
-        let ceiling = self.tuning.charts.ceiling * self.interval;
-        sums.up = bounded(sums.up + z - allowance, 0.0, ceiling);
-        sums.down = bounded(sums.down - z - allowance, 0.0, ceiling);
+        sums.up = larger(0.0, sums.up + z - allowance);
+        sums.down = larger(0.0, sums.down - z - allowance);
         larger(sums.up, sums.down)
     }
 }
@@ -52,7 +49,7 @@ mod tests {
     /// One side with k = 0.5 and h = 4: 335 samples in the mean (Siegmund's formula 337, tables 336); both: half.
     #[test]
     fn false_alarms_are_as_rare_as_the_formula_says() {
-        let chart = Chart { allowance: 0.5, interval: 4.0, tuning: Tuned::default() };
+        let chart = Chart { allowance: 0.5, interval: 4.0 };
         let (mut seed, runs, mut samples) = (7, 4000, 0u32);
         for _ in 0..runs {
             let mut sums = Sums::default();
@@ -67,7 +64,7 @@ mod tests {
     /// Page's own definition: either sum is how far the random walk of z - k has risen above its lowest point so far.
     #[test]
     fn a_sum_is_the_rise_above_the_lowest_point() {
-        let chart = Chart { allowance: 0.5, interval: 100.0, tuning: Tuned::default() };
+        let chart = Chart { allowance: 0.5, interval: 100.0 };
         let (mut seed, mut sums) = (3, Sums::default());
         let mut walks = [[0.0f64; 2]; 2]; // where it is, and its lowest
         for k in 0..2000 {
@@ -85,7 +82,7 @@ mod tests {
 
     #[test]
     fn extra_allowance_ignores_what_it_covers() {
-        let chart = Chart { allowance: 1.5, interval: 7.0, tuning: Tuned::default() };
+        let chart = Chart { allowance: 1.5, interval: 7.0 };
         let mut sums = Sums::default();
         assert!((0..1000).all(|_| chart.step(&mut sums, 3.0, 2.0) == 0.0));
         assert!((0..10).map(|_| chart.step(&mut sums, 3.0, 0.0)).any(|sum| sum > chart.interval));

@@ -12,9 +12,25 @@ pub(super) struct Cholesky<const N: usize> {
 }
 
 impl<const N: usize> Cholesky<N> {
-    /// Factors the lower half. Pivots that are lost in rounding are held at the least that is none.
+    /// Of nothing yet; factored as it is, the unit matrix.
+    pub(super) const NOTHING: Self = Self { l: [[0.0; N]; N] };
+
+    /// Factors the lower half.
+    pub(super) fn new(l: [[f32; N]; N]) -> Self {
+        let mut factor = Self { l };
+        factor.factor();
+        factor
+    }
+
+    /// The lower half, to be filled before it is factored: where it stays, since a copy would cost as much as filling it.
+    pub(super) fn rows(&mut self) -> &mut [[f32; N]; N] {
+        &mut self.l
+    }
+
+    /// Factors the lower half in its place. Pivots that are lost in rounding are held at the least that is none.
     #[inline(never)]
-    pub(super) fn new(mut l: [[f32; N]; N]) -> Self {
+    pub(super) fn factor(&mut self) {
+        let l = &mut self.l;
         for i in 0..N {
             for j in 0..i {
                 let mut sum = l[i][j];
@@ -34,7 +50,6 @@ impl<const N: usize> Cholesky<N> {
             }
             l[i][i] = 1.0 / sqrt(pivot);
         }
-        Self { l }
     }
 
     /// Logarithm of the determinant of what was factored.
@@ -55,19 +70,27 @@ impl<const N: usize> Cholesky<N> {
         }
     }
 
-    /// The same of several at once: each element of the factor is loaded once for all of them.
+    /// The same of the first columns that stand side by side in rows, so many at once that each element of the factor is loaded once for all of
+    /// them: at least of so many `columns`.
     #[inline(never)]
-    pub(super) fn forward_all<const M: usize>(&self, columns: &mut [[f32; N]; M]) {
-        for i in 0..N {
-            let mut sums: [f32; M] = core::array::from_fn(|m| columns[m][i]);
-            for k in 0..i {
-                let l = self.l[i][k];
-                for m in 0..M {
-                    sums[m] -= l * columns[m][k];
+    pub(super) fn forward_all<const AT_ONCE: usize, const C: usize>(
+        &self,
+        rows: &mut [[f32; C]; N],
+        columns: usize,
+    ) {
+        const { assert!(C.is_multiple_of(AT_ONCE)) };
+        for from in (0..C).step_by(AT_ONCE).take_while(|from| *from < columns) {
+            for i in 0..N {
+                let mut sums: [f32; AT_ONCE] = core::array::from_fn(|m| rows[i][from + m]);
+                for k in 0..i {
+                    let l = self.l[i][k];
+                    for m in 0..AT_ONCE {
+                        sums[m] -= l * rows[k][from + m];
+                    }
                 }
-            }
-            for m in 0..M {
-                columns[m][i] = sums[m] * self.l[i][i];
+                for m in 0..AT_ONCE {
+                    rows[i][from + m] = sums[m] * self.l[i][i];
+                }
             }
         }
     }
@@ -107,13 +130,16 @@ mod tests {
     #[test]
     fn several_are_solved_as_one_is() {
         let factor = Cholesky::new([[4.0, 0.0, 0.0], [2.0, 5.0, 0.0], [1.0, 3.0, 6.0]]);
-        let mut all = [[1.0, -2.0, 3.0], [0.5, 4.0, -1.0]];
-        let one = all.map(|mut x| {
-            factor.forward(&mut x);
-            x
-        });
-        factor.forward_all(&mut all);
-        assert_eq!(all, one);
+        let columns = [[1.0, -2.0, 3.0], [0.5, 4.0, -1.0], [7.0; 3], [9.0; 3]];
+        let mut rows = [[0.0; 4]; 3];
+        (0..3).for_each(|i| rows[i] = columns.map(|column| column[i]));
+        factor.forward_all::<2, 4>(&mut rows, 2);
+        for (c, mut column) in columns.into_iter().enumerate() {
+            if c < 2 {
+                factor.forward(&mut column);
+            }
+            assert_eq!(rows.map(|row| row[c]), column, "{c}");
+        }
     }
 
     #[test]

@@ -14,32 +14,37 @@
 //! r^2 / 2 (s + 1/v) - log(1 + v s) / 2
 //! ```
 //!
+//! D is diagonal but for the offsets, which T0's error ties (units.rs).
+//!
 //! It is a bank of Kalman filters with Schmidt's nuisances in information form (S. F. Schmidt 1966; Bayesian linear regression). kappa is
 //! above one, since residuals are never as independent as the sums take them for.
 
 mod beyond;
+mod units;
 
 use super::cholesky::Cholesky;
 use super::hypothesis::{Pairs, model_errors, nuisances_since_onset, nuisances_since_training};
-use super::normal::Normal;
-use super::regressor::Direction;
+use super::normal::{Normal, Sums};
+use super::regressor::{Direction, FIRST_FREED, FREED};
 use super::tuning::NuisanceTuning;
 use crate::bounds::larger;
 use crate::vector::dot;
 pub(super) use beyond::Beyond;
+use units::{Tie, Unit, untied};
 
-/// At most so many nuisances: their cost grows with the square of this.
-pub(super) const MOST: usize = 10;
+/// At most so many nuisances besides T0's: their cost grows with the square of this.
+pub(super) const MOST: usize = 9;
 
 /// Regressors that are solved for at once: as many sums as there are registers for.
-const AT_ONCE: usize = 4;
+const AT_ONCE: usize = 8;
+const _: () = assert!(FREED.is_multiple_of(AT_ONCE), "those of the last block would not be solved for");
 
 // What is beyond would be left out.
 const _: () = {
     let t = &NuisanceTuning::DEFAULT;
     let longest = [nuisances_since_onset(t).len(), nuisances_since_training(t).len(), model_errors(t).len()];
     assert!(
-        longest[0] <= MOST && longest[1] <= MOST && longest[2] <= MOST,
+        longest[0] <= MOST + 1 && longest[1] <= MOST + 1 && longest[2] <= MOST + 1,
         "more nuisances than there is room for: raise `MOST`"
     );
 };
@@ -48,12 +53,13 @@ const _: () = {
 pub(super) type Nuisance = (Direction, f32);
 
 /// The residuals as the nuisances explain them.
-pub(super) struct Nuisances<'a, const N: usize, const H: usize> {
-    normal: &'a Normal<N, H>,
+pub(super) struct Nuisances<'a> {
+    sums: Sums<'a>,
     list: &'a [Nuisance],
     inv_kappa: f32,
-    /// What each regressor shares with each nuisance, scaled by that one's standard deviation.
-    shared: [[f32; MOST]; N],
+    units: [Unit; MOST],
+    tie: Tie,
+    /// Of I + D A D.
     factor: Cholesky<MOST>,
     /// `L^-1` times the scaled b.
     score: [f32; MOST],
@@ -80,48 +86,85 @@ pub(super) struct Estimate {
     pub(super) second: f32,
 }
 
-impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
-    pub(super) fn new(normal: &'a Normal<N, H>, list: &'a [Nuisance], kappa: f32) -> Self {
-        let inv_kappa = 1.0 / kappa;
-        let mut shared = [[0.0; MOST]; N];
-        let mut score = [0.0; MOST];
-        for (k, (&(p, sd), score)) in list.iter().zip(&mut score).enumerate() {
-            *score = sd * inv_kappa * along(&normal.b, p);
-            for (regressor, weight) in p.regressors().into_iter().zip(p.weights()) {
-                normal.add_regressor(regressor, sd * inv_kappa * weight, |i, a| shared[i][k] += a);
-            }
-        }
-        // I + D A D by its lower half.
-        let mut rows = [[0.0; MOST]; MOST];
-        rows.iter_mut().enumerate().for_each(|(k, row)| row[k] = 1.0);
-        for (k, (&(q, sd), row)) in list.iter().zip(&mut rows).enumerate() {
-            for (regressor, weight) in q.regressors().into_iter().zip(q.weights()) {
-                if weight != 0.0 {
-                    let ours = shared[regressor % N].iter().take(k + 1);
-                    row.iter_mut().zip(ours).for_each(|(element, a)| *element += sd * weight * a);
-                }
-            }
-        }
-        let factor = Cholesky::new(rows);
-        factor.forward(&mut score);
-        Self { normal, list, inv_kappa, shared, factor, score, explained: kappa * dot(&score, &score) }
-    }
-
-    /// What regressors hold beyond the nuisances, of these pairs: [`Pairs`](super::hypothesis::Pairs).
+impl<'a> Nuisances<'a> {
+    /// Inlined, so that it is built where it stays: a copy would cost as much as to work it out.
     #[inline(always)]
-    pub(super) fn beyond(mut self, pairs: &Pairs) -> Beyond<N, H> {
-        let mut narrow = [0.0; Direction::COUNT];
-        self.list.iter().for_each(|(direction, sd)| narrow[direction.place()] = *sd);
-        Beyond { narrow, left: self.left(pairs) }
+    pub(super) fn new(sums: Sums<'a>, list: &'a [Nuisance], kappa: f32) -> Self {
+        let mut new = Self {
+            sums,
+            list,
+            inv_kappa: 1.0 / kappa,
+            units: [Unit { regressor: 0, by: 0.0 }; MOST],
+            tie: Tie::default(),
+            factor: Cholesky::NOTHING,
+            score: [0.0; MOST],
+            explained: 0.0,
+        };
+        new.tie = untied(list, &mut new.units);
+        new.solve(kappa);
+        new
     }
 
-    /// The sums less what the nuisances share with them. It uses up what they share.
     #[inline(never)]
-    fn left(&mut self, pairs: &Pairs) -> Normal<N, H> {
-        let (blocks, rest) = self.shared.as_chunks_mut::<AT_ONCE>();
-        blocks.iter_mut().for_each(|block| self.factor.forward_all(block));
-        rest.iter_mut().for_each(|shared| self.factor.forward(shared));
-        self.normal.less(self.inv_kappa, &self.shared, &self.score, pairs)
+    fn solve(&mut self, kappa: f32) {
+        let (sums, rows) = (self.sums, self.factor.rows());
+        for (k, (p, row)) in self.units.iter().zip(rows.iter_mut()).enumerate() {
+            let (scale, own) = (p.by * self.inv_kappa, sums.row(p.regressor));
+            for (q, element) in self.units.iter().zip(row.iter_mut()).take(k + 1) {
+                // What stands before it in the list stands before it in its row.
+                let a = own.get(q.regressor).copied();
+                *element = scale * q.by * a.unwrap_or_else(|| sums.a(p.regressor, q.regressor));
+            }
+            self.score[k] = scale * sums.b(p.regressor);
+        }
+        self.tie.tie_half(rows);
+        self.tie.tie(&mut self.score);
+        rows.iter_mut().enumerate().for_each(|(k, row)| row[k] += 1.0);
+        self.factor.factor();
+        self.factor.forward(&mut self.score);
+        self.explained = kappa * dot(&self.score, &self.score);
+    }
+
+    /// What regressors hold beyond the nuisances, of these pairs: [`Pairs`](super::hypothesis::Pairs). Inlined for the same reason.
+    #[inline(always)]
+    pub(super) fn beyond(&self, pairs: &Pairs) -> Beyond {
+        let mut beyond = Beyond { narrow: [0.0; Direction::COUNT], left: Normal::NOTHING };
+        self.leave(pairs, &mut beyond);
+        beyond
+    }
+
+    #[inline(never)]
+    fn leave(&self, pairs: &Pairs, beyond: &mut Beyond) {
+        self.list.iter().for_each(|(direction, sd)| beyond.narrow[direction.place()] = *sd);
+        // What each nuisance shares with each regressor that can be freed.
+        let mut shared = [[0.0; FREED]; MOST];
+        for (unit, shared) in self.units.iter().zip(&mut shared) {
+            self.sums.add_freed(unit.regressor, unit.by * self.inv_kappa, shared);
+        }
+        self.tie.tie_rows(&mut shared);
+        let of_freed = self.sums.regressors().saturating_sub(FIRST_FREED);
+        self.factor.forward_all::<AT_ONCE, FREED>(&mut shared, of_freed);
+        self.subtract(&shared, pairs, &mut beyond.left);
+    }
+
+    /// The sums less what the nuisances share with them: of these pairs only, row by row the bits of the columns.
+    #[inline(never)]
+    fn subtract(&self, shared: &[[f32; FREED]; MOST], pairs: &Pairs, left: &mut Normal) {
+        let column = |i: usize| -> [f32; MOST] { core::array::from_fn(|k| shared[k][i.min(FREED - 1)]) };
+        for (i, &pairs) in pairs.iter().skip(FIRST_FREED).take(FREED).enumerate() {
+            if pairs == 0 {
+                continue;
+            }
+            let (own, regressor) = (column(i), FIRST_FREED + i);
+            left.b[regressor] = self.inv_kappa * self.sums.b(regressor) - dot(&own, &self.score);
+            let mut asked = (pairs & ((2 << regressor) - 1)) >> FIRST_FREED;
+            while asked != 0 {
+                let j = asked.trailing_zeros() as usize;
+                asked &= asked - 1;
+                let all = self.sums.a(regressor, FIRST_FREED + j);
+                left.put(regressor, FIRST_FREED + j, self.inv_kappa * all - dot(&own, &column(j)));
+            }
+        }
     }
 
     /// The gain in log evidence if parameters have just these values: of one direction that moves all of them.
@@ -129,51 +172,52 @@ impl<'a, const N: usize, const H: usize> Nuisances<'a, N, H> {
     pub(super) fn fixed(&self, at: &[(Direction, f32)]) -> f32 {
         let (mut shared, mut score, mut information) = ([0.0; MOST], 0.0, 0.0);
         for &(p, value) in at {
-            score += value * along(&self.normal.b, p);
+            score += value * along(self.sums, p);
             for &(q, other) in at {
-                information += value * other * between(self.normal, p, q);
+                information += value * other * between(self.sums, p, q);
             }
-            for (regressor, weight) in p.regressors().into_iter().zip(p.weights()) {
-                let theirs = &self.shared[regressor % N];
-                shared.iter_mut().zip(theirs).for_each(|(sum, a)| *sum += value * weight * a);
+            for (regressor, weight) in p.moves() {
+                let by = value * self.inv_kappa * weight;
+                let units = shared.iter_mut().zip(&self.units);
+                units.for_each(|(sum, unit)| *sum += by * unit.by * self.sums.a(regressor, unit.regressor));
             }
         }
+        self.tie.tie(&mut shared);
         self.factor.forward(&mut shared);
         let information = larger(0.0, self.inv_kappa * information - dot(&shared, &shared));
         self.inv_kappa * score - dot(&shared, &self.score) - 0.5 * information
     }
 
-    /// What the nuisances are thought to be.
+    /// What the nuisances are thought to be, but for T0's, with which the offsets are thought to be.
     pub(super) fn values(&self) -> [f32; MOST] {
-        let mut values = self.score;
-        self.factor.backward(&mut values);
-        for (value, (_, sd)) in values.iter_mut().zip(self.list) {
-            *value *= sd;
-        }
-        values
+        let mut units = self.score;
+        self.factor.backward(&mut units);
+        self.tie.untie(&mut units);
+        core::array::from_fn(|k| self.units[k].by * units[k])
     }
 }
 
 /// phi_p' phi_q, summed.
+#[inline]
+fn between(sums: Sums, p: Direction, q: Direction) -> f32 {
+    match (p, q) {
+        (Direction::Of(p), Direction::Of(q)) => sums.a(p as usize, q as usize),
+        _ => between_several(sums, p, q),
+    }
+}
+
 #[inline(never)]
-fn between<const N: usize, const H: usize>(normal: &Normal<N, H>, p: Direction, q: Direction) -> f32 {
-    if let (Direction::Of(p), Direction::Of(q)) = (p, q) {
-        return normal.a(p as usize, q as usize);
-    }
-    let mut sum = 0.0;
-    for (i, weight) in p.regressors().into_iter().zip(p.weights()) {
-        for (j, other) in q.regressors().into_iter().zip(q.weights()) {
-            sum += weight * other * normal.a(i, j);
-        }
-    }
-    sum
+fn between_several(sums: Sums, p: Direction, q: Direction) -> f32 {
+    let ([i, j], [u, v]) = (p.regressors(), p.weights());
+    let along = |regressor| u * sums.a(i, regressor) + v * sums.a(j, regressor);
+    q.moves().map(|(regressor, weight)| weight * along(regressor)).sum()
 }
 
 /// b along a direction.
 #[inline]
-fn along<const N: usize>(b: &[f32; N], p: Direction) -> f32 {
-    let ([i, j], [first, second]) = (p.regressors(), p.weights());
-    first * b[i % N] + second * b[j % N]
+fn along(sums: Sums, p: Direction) -> f32 {
+    let ([i, j], [u, v]) = (p.regressors(), p.weights());
+    u * sums.b(i) + v * sums.b(j)
 }
 
 #[cfg(test)]

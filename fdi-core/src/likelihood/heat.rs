@@ -258,6 +258,27 @@ mod tests {
         assert_eq!(found(19.0, 20.0), None);
     }
 
+    /// A rise that swings by 2 degC: a T1 behind a lag of 3 s moves by a third of it, a frozen one by its noise alone.
+    #[test]
+    fn a_late_t1_moves_and_a_frozen_one_does_not() {
+        let moves = |lag: Option<f32>| {
+            let (heat, mut s) =
+                (Heat::new(Tuned::default(), TS, 2.0), HeatState::new(Tuned::default(), 20.0));
+            let mut measured = 20.0;
+            for tick in 0..400_u16 {
+                let expected = 20.0 + 2.0 * (f32::from(tick) * TS).sin();
+                measured += lag.map_or(0.0, |lag| (expected - measured) * TS / lag);
+                let noise = if tick % 2 == 0 { 0.1 } else { -0.1 };
+                let t1 = Rise { measured: measured + noise, expected };
+                heat.step(&mut s, [Some(t1), Some(Rise { measured: expected, expected })], true);
+            }
+            assert!(!heat.t1_moves(&s, 390, 400), "too early to tell");
+            heat.t1_moves(&s, 0, 400)
+        };
+        assert!(moves(Some(3.0)));
+        assert!(!moves(None));
+    }
+
     #[test]
     fn heat_that_stays_without_power_is_a_heater_stuck_on() {
         assert!(stuck_after(true, 0.0).is_some_and(|time| time < 2.2));

@@ -2,7 +2,7 @@
 
 use super::class::{Channel, FaultClass, Pair, Quantity};
 use super::evidence::{Estimate, Nuisance, Prior};
-use super::regressor::{self, Direction, Regressor};
+use super::regressor::{self, Direction, FIRST_FREED, FREED, Regressor};
 use super::taught;
 use super::tuning::{HypothesisTuning, NuisanceTuning, Tuning};
 use crate::bounds::larger;
@@ -79,19 +79,26 @@ impl HypothesisTuning {
         with(row, of(Regressor::Late), 0.0, self.late_sd)
     }
 
+    /// What is still near the mean of what a hypothesis frees first.
+    const fn near(&self, row: &Hypothesis) -> (f32, f32) {
+        let (mean, away) = (row.first.mean, self.farthest * row.first.sd);
+        (mean - away, mean + away)
+    }
+
     const fn clogged(&self, loss: Direction) -> Hypothesis {
-        within(row(FaultClass::T1Clogged, loss, 0.0, self.power_sd), -self.detached, 0.0)
+        within(row(FaultClass::T1Clogged, loss, 0.0, self.share_sd), -self.detached, 0.0)
     }
 
     /// A thermistor that was clogged when the model was trained, and is mended.
     const fn unclogged(&self) -> Hypothesis {
-        let row = row(FaultClass::T1Clogged, of(Regressor::Gain1), 0.0, self.power_sd);
+        let row = row(FaultClass::T1Clogged, of(Regressor::Gain1), 0.0, self.share_sd);
         rare(within(row, 0.0, self.mended), self.rare)
     }
 
     const fn detached(&self, class: FaultClass, loss: Direction) -> Hypothesis {
         let row = row(class, loss, -self.detached_mean, self.detached_sd);
-        brief(rare(within(row, -self.detached_most, -self.detached), self.uncommon))
+        let (least, _) = self.near(&row);
+        brief(rare(within(row, least, -self.detached), self.uncommon))
     }
 
     const fn t1_detached(&self, loss: Direction) -> Hypothesis {
@@ -104,13 +111,14 @@ impl HypothesisTuning {
 
     const fn drift(&self, ramp: Direction, offset: Direction) -> Hypothesis {
         let row = rare(row(FaultClass::Drift, ramp, 0.0, self.drift_sd), self.uncommon);
-        brief(with(row, offset, 0.0, self.drift_offset_sd))
+        brief(with(row, offset, 0.0, self.jump_sd))
     }
 
     const fn stuck(&self, which: Channel, gain: Regressor, offset: Regressor, channel: usize) -> Hypothesis {
         let row = row(FaultClass::Stuck(which), of(gain), -1.0, self.stuck_sd);
-        let row = with(row, of(offset), 0.0, self.stuck_offset_sd);
-        let row = within(row, -1.0 - self.stuck_most, -1.0 + self.stuck_most);
+        let row = with(row, of(offset), 0.0, self.jump_sd);
+        let (least, most) = self.near(&row);
+        let row = within(row, least, most);
         brief(rare(Hypothesis { stuck_at: Some(channel), ..row }, self.rare))
     }
 
@@ -125,8 +133,9 @@ impl HypothesisTuning {
     /// A thermistor exchanged with T0 loses its rise twice; the other one loses as much as the exchanged one rises.
     const fn swapped_with_t0(&self, pair: Pair, gain: Regressor, other: Regressor) -> Hypothesis {
         let row = row(FaultClass::Swapped(pair), of(gain), -2.0, self.swapped_sd);
-        let row = within(row, -2.0 - self.swapped_most, -2.0 + self.swapped_most);
-        with(brief(rare(row, self.rare)), of(other), -1.0, self.half_swapped_sd)
+        let (least, most) = self.near(&row);
+        let row = within(row, least, most);
+        with(brief(rare(row, self.rare)), of(other), -1.0, self.swapped_sd)
     }
 
     const fn rows(&self) -> [Hypothesis; COUNT] {
@@ -145,7 +154,7 @@ impl HypothesisTuning {
                 0.0,
             )),
             self.late(within(
-                row(FaultClass::HeaterPower, of(Regressor::Power), 0.0, self.power_sd),
+                row(FaultClass::HeaterPower, of(Regressor::Power), 0.0, self.share_sd),
                 -self.most_power,
                 self.most_power,
             )),
@@ -189,38 +198,61 @@ pub(super) type Pairs = [u32; regressor::COUNT];
 #[cfg(test)]
 pub(super) static ALL_PAIRS: Pairs = [u32::MAX; regressor::COUNT];
 
-/// Those that the hypotheses ask for, and with those of faults that were taught.
-pub(super) static PAIRS: Pairs = pairs(&ROWS, &[]);
-pub(super) static TAUGHT_PAIRS: Pairs = pairs(&ROWS, &taught::REGRESSORS);
+/// Those that the hypotheses ask for, and with those of faults that were taught; those of the magnitudes that are asked over a minute.
+pub(super) static PAIRS: Pairs = pairs(&[]);
+pub(super) static TAUGHT_PAIRS: Pairs = pairs(&taught::REGRESSORS);
+pub(super) static LASTING_PAIRS: Pairs = lasting_pairs();
 
-/// Those of some hypotheses, and all among some regressors.
-const fn pairs(rows: &[Hypothesis], among: &[Regressor]) -> Pairs {
+/// All among some regressors, and those of the hypotheses.
+const fn pairs(among: &[Regressor]) -> Pairs {
     let mut pairs = [0; regressor::COUNT];
     let mut i = 0;
-    while i < among.len() * among.len() {
-        let (a, b) = (among[i / among.len()] as usize, among[i % among.len()] as usize);
-        if a >= b {
-            pairs[a] |= 1 << b;
+    while i < among.len() {
+        let mut j = 0;
+        while j < among.len() {
+            pairs = with_pairs(pairs, [among[i] as usize; 2], [among[j] as usize; 2]);
+            j += 1;
         }
         i += 1;
     }
     let mut h = 0;
-    while h < rows.len() {
-        let [p, q] = rows[h].first.direction.regressors();
-        let [r, s] = match rows[h].second {
-            Some(second) => second.direction.regressors(),
-            None => [p, q],
-        };
-        let all = [p, q, r, s];
-        let mut i = 0;
-        while i < 16 {
-            let (a, b) = (all[i / 4], all[i % 4]);
-            if a >= b {
-                pairs[a] |= 1 << b;
-            }
-            i += 1;
+    while h < COUNT {
+        let first = ROWS[h].first.direction.regressors();
+        pairs = with_pairs(pairs, first, first);
+        if let Some(second) = ROWS[h].second {
+            let second = second.direction.regressors();
+            pairs = with_pairs(with_pairs(pairs, first, second), second, second);
         }
         h += 1;
+    }
+    pairs
+}
+
+const fn lasting_pairs() -> Pairs {
+    let mut pairs = [0; regressor::COUNT];
+    let mut h = 0;
+    while h < COUNT {
+        let first = ROWS[h].first.direction.regressors();
+        if ROWS[h].lasting {
+            pairs = with_pairs(pairs, first, first);
+        }
+        h += 1;
+    }
+    pairs
+}
+
+/// The same with those of one direction and another.
+const fn with_pairs(mut pairs: Pairs, one: [usize; 2], another: [usize; 2]) -> Pairs {
+    let mut i = 0;
+    while i < 4 {
+        let (a, b) = (one[i / 2], another[i % 2]);
+        let (low, high) = if a < b { (a, b) } else { (b, a) };
+        assert!(
+            low >= FIRST_FREED && high < FIRST_FREED + FREED,
+            "a hypothesis that frees what is only a nuisance"
+        );
+        pairs[high] |= 1 << low;
+        i += 1;
     }
     pairs
 }
@@ -263,48 +295,49 @@ pub(super) fn in_unit(class: FaultClass, value: f32) -> f32 {
 /// Gain of what cannot be.
 pub(super) const IMPOSSIBLE: f32 = -50.0;
 
-/// What may move since an onset without being a fault: mains, sensors, inlet, what the model does not know of wall and time.
+/// What may move since an onset without being a fault: mains, sensors, inlet, what the model does not know of wall and time. Each list is in the order of
+/// the regressors, and T0 last: so their products are read off quickest.
 pub(super) const fn nuisances_since_onset(t: &NuisanceTuning) -> [Nuisance; 10] {
     [
+        (of(Regressor::Wall), t.wall),
+        (of(Regressor::Shift), t.shift),
         (of(Regressor::Power), t.onset_power),
         (of(Regressor::LessFlow), t.onset_flow),
         (of(Regressor::MoreFlow), t.onset_flow),
         (of(Regressor::Offset1), t.onset_offset),
         (of(Regressor::Offset2), t.onset_offset),
-        (Direction::Offset0, t.onset_t0),
-        (of(Regressor::Wall), t.wall),
-        (of(Regressor::Shift), t.shift),
         (of(Regressor::Inlet1), t.inlet),
         (of(Regressor::Inlet2), t.inlet),
+        (Direction::Offset0, t.onset_t0),
     ]
 }
 
 /// The same since training.
 pub(super) const fn nuisances_since_training(t: &NuisanceTuning) -> [Nuisance; 10] {
     [
+        (of(Regressor::Wall), t.wall),
+        (of(Regressor::Shift), t.shift),
         (of(Regressor::Power), t.trained_power),
         (of(Regressor::LessFlow), t.trained_flow),
         (of(Regressor::MoreFlow), t.trained_flow),
         (of(Regressor::Offset1), t.trained_offset),
         (of(Regressor::Offset2), t.trained_offset),
-        (Direction::Offset0, t.trained_t0),
         (of(Regressor::Gain1), t.trained_gain),
         (of(Regressor::Gain2), t.trained_gain),
-        (of(Regressor::Wall), t.wall),
-        (of(Regressor::Shift), t.shift),
+        (Direction::Offset0, t.trained_t0),
     ]
 }
 
 /// By what the model may be wrong right after training, as its fast content shows.
 pub(super) const fn model_errors(t: &NuisanceTuning) -> [Nuisance; 7] {
     [
+        (of(Regressor::Wall), t.error),
+        (of(Regressor::Shift), t.error_shift),
         (of(Regressor::Power), t.error),
         (of(Regressor::LessFlow), t.error),
         (of(Regressor::MoreFlow), t.error),
-        (of(Regressor::Gain1), t.error_gain),
-        (of(Regressor::Gain2), t.error_gain),
-        (of(Regressor::Wall), t.error),
-        (of(Regressor::Shift), t.error_shift),
+        (of(Regressor::Gain1), t.error),
+        (of(Regressor::Gain2), t.error),
     ]
 }
 

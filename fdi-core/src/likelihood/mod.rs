@@ -210,6 +210,11 @@ impl Likelihood {
         self.trainer.priors()
     }
 
+    /// Within which training keeps each parameter, times in ticks.
+    pub fn ranges(&self) -> [(f32, f32); Parameters::COUNT] {
+        self.trainer.ranges()
+    }
+
     /// Diagnoses one tick. `undisturbed` says that the paper's signatures see no fault.
     pub fn step(
         &self,
@@ -219,18 +224,9 @@ impl Likelihood {
     ) -> LikelihoodReport {
         let (sample, known) = (&seen.sample, &seen.known);
         let power = known.effective(seen.power.0);
-        let readings = [sample.t0, sample.t1, sample.t2].map(|reading| reading.good());
-        let [t0, t1, t2] = readings;
-        let heating = seen.phase.is_heated();
+        let [t0, t1, t2] = [sample.t0, sample.t1, sample.t2].map(|reading| reading.good());
         self.follow_phase(state, seen);
-        let contradiction = if self.inputs == Inputs::ALL {
-            self.ambient.step(&mut state.ambient, seen.index, readings, power);
-            let read = [sample.t0, sample.t1, sample.t2].map(|reading| reading.read());
-            state.contradiction.step(&self.response, seen.index, heating, read, power)
-        } else {
-            state.ambient.assume(t0);
-            None
-        };
+        let contradiction = self.surroundings(state, seen, power);
         let now = Input {
             tick: seen.index,
             y: seen.rises(),
@@ -271,6 +267,19 @@ impl Likelihood {
             t1_contradicted: contradiction.is_some_and(|found| found.class.leaves_t1_blind()),
             ..self.heat(state, seen, &now)
         }
+    }
+
+    /// Follows the room, and says which thermistors contradict each other; without T0 or T2 there is nothing to hold against each other.
+    fn surroundings(&self, state: &mut LikelihoodState, seen: &Observation, power: f32) -> Option<Finding> {
+        let readings = [seen.sample.t0, seen.sample.t1, seen.sample.t2];
+        let good = readings.map(|reading| reading.good());
+        if self.inputs != Inputs::ALL {
+            state.ambient.assume(good[0]);
+            return None;
+        }
+        self.ambient.step(&mut state.ambient, seen.index, good, power);
+        let read = readings.map(|reading| reading.read());
+        state.contradiction.step(&self.response, seen.index, seen.phase.is_heated(), read, power)
     }
 
     /// The fault of the user's own that an alarm is.

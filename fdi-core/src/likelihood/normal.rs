@@ -1,11 +1,18 @@
 //! Sums of a linear regression: whitened residuals on whitened signatures, `A = sum phi phi'`, `b = sum phi z`.
 
-use super::regressor::{COUNT, LASTING, Regressor, Regressors};
-use crate::vector::dot;
+use super::regressor::{COUNT, FIRST_FREED, FREED, LASTING, Regressor, Regressors};
 
 /// Elements of the lower half of a symmetric matrix of `n` rows.
 const fn half(n: usize) -> usize {
     n * (n + 1) / 2
+}
+
+/// Row `i` of a lower half whose rows before it have been taken.
+#[inline]
+fn next_row<'a>(rows: &mut &'a mut [f32], i: usize) -> &'a mut [f32] {
+    let (row, rest) = core::mem::take(rows).split_at_mut_checked(i + 1).unwrap_or_default();
+    *rows = rest;
+    row
 }
 
 /// The sums over `N` regressors, A by its lower half of `H` elements.
@@ -23,20 +30,25 @@ pub(super) type LastingNormal = Normal<LASTING, { half(LASTING) }>;
 
 impl<const N: usize, const H: usize> Default for Normal<N, H> {
     fn default() -> Self {
-        const { assert!(H == half(N)) };
-        Self { a: [0.0; H], b: [0.0; N], energy: 0.0, count: 0.0 }
+        Self::NOTHING
     }
 }
 
 impl<const N: usize, const H: usize> Normal<N, H> {
+    /// Those of no tick.
+    pub(super) const NOTHING: Self = {
+        assert!(H == half(N));
+        Self { a: [0.0; H], b: [0.0; N], energy: 0.0, count: 0.0 }
+    };
+
     /// A tick: residuals and signatures, whitened, with a weight.
     #[inline(never)]
     pub(super) fn add(&mut self, regressors: &Regressors<N>, z: [f32; 2], weight: f32) {
-        let mut place = self.a.iter_mut();
+        let mut rows = &mut self.a[..];
         for (i, phi) in regressors.iter().enumerate() {
             let weighted = [weight * phi[0], weight * phi[1]];
             self.b[i] += weighted[0] * z[0] + weighted[1] * z[1];
-            for (other, a) in regressors[..=i].iter().zip(&mut place) {
+            for (other, a) in regressors.iter().zip(next_row(&mut rows, i)) {
                 *a += weighted[0] * other[0] + weighted[1] * other[1];
             }
         }
@@ -54,13 +66,14 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         weight: f32,
     ) {
         let [first, second] = both;
-        let mut places = first.a.iter_mut().zip(&mut second.a);
+        let mut rows = [&mut first.a[..], &mut second.a[..]];
         for (i, phi) in regressors.iter().enumerate() {
             let weighted = [weight * phi[0], weight * phi[1]];
             let b = weighted[0] * z[0] + weighted[1] * z[1];
             first.b[i] = first.b[i] * keep[0] + b;
             second.b[i] = second.b[i] * keep[1] + b;
-            for (other, (first, second)) in regressors[..=i].iter().zip(&mut places) {
+            let places = next_row(&mut rows[0], i).iter_mut().zip(next_row(&mut rows[1], i));
+            for (other, (first, second)) in regressors.iter().zip(places) {
                 let product = weighted[0] * other[0] + weighted[1] * other[1];
                 *first = *first * keep[0] + product;
                 *second = *second * keep[1] + product;
@@ -80,9 +93,15 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         self.count *= factor;
     }
 
-    /// Finite as long as all of them are.
+    /// Finite as long as all of them are. Summed side by side, for the cost: it is asked on every tick.
     pub(super) fn sum(&self) -> f32 {
-        self.a.iter().chain(&self.b).sum::<f32>() + self.energy + self.count
+        let (side_by_side, rest) = self.a.as_chunks::<8>();
+        let mut sums = [0.0; 8];
+        for eight in side_by_side {
+            sums.iter_mut().zip(eight).for_each(|(sum, a)| *sum += a);
+        }
+        let all: f32 = [&sums[..], rest, &self.b].map(|part| part.iter().sum::<f32>()).iter().sum();
+        all + self.energy + self.count
     }
 
     /// Takes away what these values of all regressors explain.
@@ -90,47 +109,6 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         for i in 0..N {
             let explained: f32 = (0..N).map(|j| self.a(i, j) * values[j]).sum();
             self.b[i] -= explained;
-        }
-    }
-
-    /// The sums `factor` times as much, less the products of what regressors share with others and of their score: of those `pairs` only, row by row the bits
-    /// of the columns.
-    pub(super) fn less<const M: usize>(
-        &self,
-        factor: f32,
-        shared: &[[f32; M]; N],
-        score: &[f32; M],
-        pairs: &[u32],
-    ) -> Self {
-        let mut left = Self { energy: self.energy, count: self.count, ..Self::default() };
-        let mut row = 0;
-        for (i, ((of_regressor, b), pairs)) in shared.iter().zip(&mut left.b).zip(pairs).enumerate() {
-            if *pairs != 0 {
-                *b = factor * self.b[i] - dot(of_regressor, score);
-                let sums = self.a.get(row..).unwrap_or_default();
-                let places = left.a.get_mut(row..).unwrap_or_default().iter_mut().zip(sums);
-                for (j, (other, (a, all))) in shared.iter().take(i + 1).zip(places).enumerate() {
-                    if pairs >> j & 1 != 0 {
-                        *a = factor * *all - dot(of_regressor, other);
-                    }
-                }
-            }
-            row += i + 1;
-        }
-        left
-    }
-
-    /// Hands on `factor` times each element of a regressor of A, with its row.
-    #[inline(always)]
-    pub(super) fn add_regressor(&self, regressor: usize, factor: f32, mut to: impl FnMut(usize, f32)) {
-        if factor == 0.0 {
-            return;
-        }
-        // Left of the diagonal they stand in a row, below it each in a row of its own.
-        let mut place = half(regressor);
-        for i in 0..N {
-            to(i, factor * self.a.get(place).copied().unwrap_or(0.0));
-            place += if i < regressor { 1 } else { i + 1 };
         }
     }
 
@@ -150,11 +128,73 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         }
     }
 
+    /// Puts sum phi_i phi_j, where j is not above i.
+    #[inline]
+    pub(super) fn put(&mut self, i: usize, j: usize, sum: f32) {
+        if let Some(a) = self.a.get_mut(half(i) + j) {
+            *a = sum;
+        }
+    }
+
     /// sum phi_i phi_j
     #[inline]
     pub(super) fn a(&self, i: usize, j: usize) -> f32 {
+        self.sums().a(i, j)
+    }
+
+    /// The sums as they are read.
+    #[inline]
+    pub(super) fn sums(&self) -> Sums<'_> {
+        Sums { a: &self.a, b: &self.b }
+    }
+}
+
+/// The sums over however many regressors: one code reads all of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sums<'a> {
+    a: &'a [f32],
+    b: &'a [f32],
+}
+
+impl Sums<'_> {
+    /// sum phi_i phi_j; 0 where there is no such regressor.
+    #[inline]
+    pub(super) fn a(&self, i: usize, j: usize) -> f32 {
         let (i, j) = if i > j { (i, j) } else { (j, i) };
-        self.a.get(i * (i + 1) / 2 + j).copied().unwrap_or(0.0)
+        self.a.get(half(i) + j).copied().unwrap_or(0.0)
+    }
+
+    /// How many regressors.
+    #[inline]
+    pub(super) fn regressors(&self) -> usize {
+        self.b.len()
+    }
+
+    /// sum phi_i z
+    #[inline]
+    pub(super) fn b(&self, i: usize) -> f32 {
+        self.b.get(i).copied().unwrap_or(0.0)
+    }
+
+    /// The sums of a regressor with those up to itself.
+    #[inline]
+    pub(super) fn row(&self, i: usize) -> &[f32] {
+        self.a.get(half(i)..).and_then(|from| from.get(..i + 1)).unwrap_or_default()
+    }
+
+    /// Adds `factor` times the sums of a regressor with each that can be freed.
+    #[inline(never)]
+    pub(super) fn add_freed(&self, regressor: usize, factor: f32, to: &mut [f32; FREED]) {
+        // Up to itself they stand in its row, from there on each in a row of its own.
+        let row = self.row(regressor).get(FIRST_FREED..).unwrap_or_default();
+        to.iter_mut().zip(row).for_each(|(to, a)| *to += factor * a);
+        let mut i = FIRST_FREED + row.len();
+        let mut place = half(i) + regressor;
+        for to in to.iter_mut().skip(row.len()) {
+            *to += factor * self.a.get(place).copied().unwrap_or(0.0);
+            i += 1;
+            place += i;
+        }
     }
 }
 

@@ -1,8 +1,13 @@
 //! The regressors of the regression: what y1 and y2 would do if one thing changed by one unit.
 
-/// What may change. The first [`LASTING`] are asked over a minute, too.
+/// What may change. The first [`LASTING`] are asked over a minute, too; what is only a nuisance stands at both ends, so that what hypotheses free
+/// stands together: [`FREED`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Regressor {
+    /// Share of the wall.
+    Wall,
+    /// Delay of the whole answer, ticks.
+    Shift,
     /// Heater power, by its whole.
     Power,
     /// `1/f - 1` with f the air flow: secants at `tuning.model.less_flow` and `more_flow`.
@@ -14,13 +19,6 @@ pub(super) enum Regressor {
     /// Share of the rise that T1 and T2 see on top.
     Gain1,
     Gain2,
-    /// Share of the wall.
-    Wall,
-    /// Delay of the whole answer, ticks.
-    Shift,
-    /// How much T0 is above its mean of some time: the inlet's way to T1 and to T2 is not T0's, degC.
-    Inlet1,
-    Inlet2,
     /// What T1 would read behind an extra lag, less what it should; and the share of the rise that is lost behind that lag.
     ShortLag,
     LongLag,
@@ -35,6 +33,9 @@ pub(super) enum Regressor {
     Exchanged,
     /// A constant power, %.
     Constant,
+    /// How much T0 is above its mean of some time: the inlet's way to T1 and to T2 is not T0's, degC.
+    Inlet1,
+    Inlet2,
 }
 
 impl Regressor {
@@ -66,8 +67,11 @@ impl Regressor {
 }
 
 /// How many there are, and how many of them are asked over a minute.
-pub(super) const COUNT: usize = Regressor::Constant as usize + 1;
-pub(super) const LASTING: usize = Regressor::Shift as usize + 1;
+pub(super) const COUNT: usize = Regressor::Inlet2 as usize + 1;
+pub(super) const LASTING: usize = Regressor::Gain2 as usize + 1;
+/// Those that a hypothesis frees: from the first on, so many.
+pub(super) const FIRST_FREED: usize = Regressor::Power as usize;
+pub(super) const FREED: usize = Regressor::Constant as usize + 1 - FIRST_FREED;
 
 /// Values of regressors in both channels.
 pub(super) type Regressors<const N: usize = COUNT> = [[f32; 2]; N];
@@ -141,6 +145,12 @@ impl Direction {
             Self::MidLag => [Regressor::ShortLag as usize, Regressor::LongLag as usize],
             Self::MidLoss => [Regressor::ShortLoss as usize, Regressor::LongLoss as usize],
         }
+    }
+
+    /// The regressors that it moves, with by how much.
+    #[inline]
+    pub(super) fn moves(self) -> impl Iterator<Item = (usize, f32)> {
+        self.regressors().into_iter().zip(self.weights()).filter(|(_, weight)| *weight != 0.0)
     }
 
     /// By how much it moves each of them.

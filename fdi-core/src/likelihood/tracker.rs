@@ -75,18 +75,13 @@ impl Tracker {
         *square = larger(*square, size * size);
     }
 
-    /// Takes over what the nuisances since an onset are thought to be: power, less and more air, offsets of T1, T2 and T0. Gives by how much it expects more
-    /// of the residuals for it, degC.
-    pub(super) fn take_over(
-        &mut self,
-        [power, less, more, offset1, offset2, offset0]: [f32; 6],
-        regressors: &Regressors<LASTING>,
-    ) -> [f32; 2] {
+    /// Takes over what the nuisances since an onset are thought to be: power, air flow, offsets of T1 and T2. Gives by how much it expects more of the
+    /// residuals for it, degC.
+    pub(super) fn take_over(&mut self, by: [f32; N], regressors: &Regressors<LASTING>) -> [f32; 2] {
         let before = self.expected(regressors);
-        let t = self.tuning;
+        let (t, power) = (self.tuning, by[0]);
         self.steps += t.tracker.step_share * (power * power - self.steps);
         self.steps = larger(t.nuisances.onset_power * t.nuisances.onset_power, self.steps);
-        let by = [power, less + more, offset1 - offset0, offset2 - offset0];
         for (x, by) in self.x.iter_mut().zip(by) {
             *x += by;
         }

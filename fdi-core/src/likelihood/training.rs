@@ -142,7 +142,7 @@ impl Trainer {
         self
     }
 
-    /// Mean and standard deviation of each parameter.
+    /// Mean and standard deviation of what each parameter may be.
     pub(super) fn priors(&self) -> [(f32, f32); COUNT] {
         self.prior
     }
@@ -198,7 +198,7 @@ impl Trainer {
             }
             s.ticks = s.ticks.saturating_add(1);
             if fit_to_learn && s.count == 0 {
-                filter.reopen(&mut s.parameters, self.inputs);
+                filter.reopen();
             }
             let e = filter.step(
                 self,
@@ -246,7 +246,7 @@ impl Trainer {
             parameters: s.parameters,
             motion: s.motion,
             whitening: s.statistics.finish(&self.tuning.whitening, self.inputs.channels())?,
-            mean: s.statistics.mean().map(|mean| self.tuning.filter.mean_share * mean),
+            mean: s.statistics.mean(),
             beside: s.beside,
             power: u,
             rise: s.statistics.level(0),

@@ -24,15 +24,17 @@ pub(super) struct Usual {
 /// Nuisances of either bank.
 pub(super) type Nuisances = [Nuisance; 10];
 
-/// Places of the flow in both lists, and of the dead time's error in that since an onset.
-const FLOW: core::ops::Range<usize> = 1..3;
-const SHIFT: usize = 7;
+/// Places in both lists: of the dead time's error, and of the power, the flow and the offsets.
+const SHIFT: usize = 1;
+const POWER: usize = 2;
+const FLOW: core::ops::Range<usize> = 3..5;
+const T0: usize = 9;
 
 impl Usual {
     /// Nuisances since an onset. What was learnt wrong with the gain looks like flow, too.
     pub(super) fn since_onset(&self) -> Nuisances {
         let mut nuisances = nuisances_since_onset(&self.tuning.nuisances);
-        nuisances[0].1 = sqrt(self.steps + self.curvature);
+        nuisances[POWER].1 = sqrt(self.steps + self.curvature);
         for (_, sd) in &mut nuisances[FLOW] {
             *sd = sqrt(*sd * *sd + self.curvature);
         }
@@ -47,17 +49,11 @@ impl Usual {
     pub(super) fn since_training(&self, rise: f32) -> Nuisances {
         let mut nuisances = nuisances_since_training(&self.tuning.nuisances);
         let [power, flow, offset1, offset2] = self.walk;
-        let more = [
-            power + self.curvature,
-            flow + self.curvature,
-            flow + self.curvature,
-            offset1,
-            offset2,
-            self.curvature * rise * rise,
-        ];
-        for ((_, sd), more) in nuisances.iter_mut().zip(more) {
-            *sd = sqrt(*sd * *sd + more);
-        }
+        let flow = flow + self.curvature;
+        let more = [power + self.curvature, flow, flow, offset1, offset2];
+        let widen = |(_, sd): &mut Nuisance, more: f32| *sd = sqrt(*sd * *sd + more);
+        nuisances[POWER..].iter_mut().zip(more).for_each(|(nuisance, more)| widen(nuisance, more));
+        widen(&mut nuisances[T0], self.curvature * rise * rise);
         nuisances
     }
 

@@ -80,7 +80,7 @@ pub struct LikelihoodReport {
     pub readiness: Readiness,
     /// Something is wrong.
     pub alarm: bool,
-    /// It is no urgent one: it came little by little since training, or has stood for an hour.
+    /// It is no urgent one: it came little by little since training, has stood for an hour, or the user has acknowledged or shelved it.
     pub advice: bool,
     /// What it is, once that can be told.
     pub finding: Option<Finding>,

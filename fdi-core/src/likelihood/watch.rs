@@ -97,8 +97,8 @@ impl Watch {
         Self {
             simulation: Simulation { inputs, tuning },
             charts: Charts {
-                fast: Chart { allowance: c.fast_allowance, interval: c.fast_interval, tuning },
-                slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval, tuning },
+                fast: Chart { allowance: c.fast_allowance, interval: c.fast_interval },
+                slow: Chart { allowance: c.slow_allowance, interval: c.slow_interval },
                 model_uncertainty: c.model_uncertainty,
                 tuning,
             },
@@ -283,7 +283,6 @@ impl Watch {
             Outcome::Nothing => return,
             Outcome::Over => {
                 s.charts.hold_off(s.times.ticks(t.alarm.holdoff, self.sample_time));
-                s.tracker.widen([t.alarm.power_after, 0.0, t.alarm.offset_after, t.alarm.offset_after]);
                 return;
             }
             Outcome::Usual(values) => {

@@ -171,7 +171,7 @@ numbers! {
     // The likelihood diagnosis.
     Named("", |on| on.report.likelihood.readiness.numbered()) field(14, "readiness") log(26, "readiness", 0, 4);
     Count("", |on| u32::from(on.report.likelihood.alarm)) column(40, "alarm") field(22, "alarm") log(26, "alarm", 4, 1) metric("pt326_alarm", "Whether the likelihood diagnosis is alarmed", "");
-    Count("", |on| u32::from(on.report.likelihood.advice)) column(49, "advice") field(45, "advice") log(26, "advice", 5, 1) metric("pt326_advice", "Whether that alarm is advice: it creeps, or has stood for an hour", "");
+    Count("", |on| u32::from(on.report.likelihood.advice)) column(49, "advice") field(45, "advice") log(26, "advice", 5, 1) metric("pt326_advice", "Whether that alarm is advice: it creeps, has stood for an hour, or is known to the user", "");
     // What the user has said of an alarm: for how many ticks it is to be advice, -1 until it ends.
     Float("", |on| on.tick.shelve.map(shelved)) column(50, "shelve");
     Choice("", |on| on.finding().map(|f| (f.class.number(), f.class.name()))) column(41, "verdict") field(23, "class") log(26, "class", 8, 8);

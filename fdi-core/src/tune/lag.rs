@@ -3,6 +3,7 @@
 use core::f32::consts::{PI, TAU};
 
 use crate::bounds::smaller;
+use crate::root::sqrt;
 use crate::turn::cos_sin;
 use crate::units::Seconds;
 
@@ -62,7 +63,7 @@ impl Lag {
     /// The lag of a static gain that answers with `(size, lag)` (degC per %, rad) at a frequency in rad/s; `None` where there is none.
     pub(super) fn through(gain: f32, frequency: f32, (size, behind): (f32, f32)) -> Option<Self> {
         let ratio = gain / size;
-        let time = libm::sqrtf((ratio * ratio - 1.0).max(0.0)) / frequency;
+        let time = sqrt((ratio * ratio - 1.0).max(0.0)) / frequency;
         let dead = (behind - libm::atanf(frequency * time)) / frequency;
         let lag = Self { gain, time, dead };
         (ratio > 1.0 && dead > 0.0 && time.is_finite() && dead.is_finite()).then_some(lag)
@@ -148,8 +149,7 @@ impl Lag {
         let weight = ts / tuned.ti.0 / (dr * dr + di * di);
         let derivative = tuned.td.0 / ts;
         let (re, im) = (1.0 + weight * dr + derivative * dr, derivative * di - weight * di);
-        let size = tuned.kp * libm::sqrtf(re * re + im * im) * self.gain
-            / libm::sqrtf(1.0 + w * w * self.time * self.time);
+        let size = tuned.kp * sqrt(re * re + im * im) * self.gain / sqrt(1.0 + w * w * self.time * self.time);
         (size, w * self.dead + libm::atanf(w * self.time) - libm::atan2f(im, re))
     }
 }

@@ -1,5 +1,6 @@
 //! What the experiment measures with: the mean of a block, the relay, first harmonics.
 
+use crate::root::sqrt;
 use crate::turn::cos_sin;
 
 /// Periods of the relay that are measured.
@@ -31,7 +32,7 @@ impl Block {
 
     pub(super) fn deviation(&self) -> f32 {
         let n = self.ticks.max(1) as f32;
-        libm::sqrtf((self.squares / n - self.sum * self.sum / (n * n)).max(0.0))
+        sqrt((self.squares / n - self.sum * self.sum / (n * n)).max(0.0))
     }
 }
 
@@ -115,7 +116,7 @@ impl Harmonics {
     pub(super) fn is_kept(&self, swing: f32) -> bool {
         let [re, im] = self.power;
         let whole = self.ticks as f32 * swing * core::f32::consts::FRAC_2_PI;
-        libm::sqrtf(re * re + im * im) > KEPT * whole
+        sqrt(re * re + im * im) > KEPT * whole
     }
 
     /// The period that it had in the mean, ticks.
@@ -128,7 +129,7 @@ impl Harmonics {
     pub(super) fn answer(&self) -> (f32, f32) {
         let [[yr, yi], [ur, ui]] = [self.answer, self.power];
         let (re, im) = (yr * ur + yi * ui, yi * ur - yr * ui);
-        let size = libm::sqrtf((yr * yr + yi * yi) / (ur * ur + ui * ui));
+        let size = sqrt((yr * yr + yi * yi) / (ur * ur + ui * ui));
         let ahead = libm::atan2f(im, re);
         (size, if ahead > 0.0 { core::f32::consts::TAU - ahead } else { -ahead })
     }

@@ -4,29 +4,29 @@ use super::{Estimate, Prior, along, between};
 use crate::bounds::larger;
 use crate::likelihood::cholesky::Cholesky;
 use crate::likelihood::normal::Normal;
-use crate::likelihood::regressor::{Direction, Regressor};
+use crate::likelihood::regressor::{COUNT, Direction, Regressor};
 use crate::vector::dot;
 
 /// The sums of the regression, divided by kappa, less what the nuisances share with them.
-pub(in crate::likelihood) struct Beyond<const N: usize, const H: usize> {
+pub(in crate::likelihood) struct Beyond {
     /// Standard deviation of the nuisance of each direction; 0 where there is none.
     pub(super) narrow: [f32; Direction::COUNT],
-    pub(super) left: Normal<N, H>,
+    pub(super) left: Normal,
 }
 
-impl<const N: usize, const H: usize> Beyond<N, H> {
+impl Beyond {
     /// Frees one parameter, or two.
     #[inline(never)]
     pub(in crate::likelihood) fn estimate(&self, first: Prior, second: Option<Prior>) -> Estimate {
-        let (p, b) = (first.direction, &self.left.b);
+        let (p, left) = (first.direction, self.left.sums());
         let (mut s12, mut s22, mut r2, mut prior2) = (0.0, 0.0, 0.0, (0.0, 0.0));
         if let Some(second) = second {
             let q = second.direction;
-            (s12, s22, r2) = (between(&self.left, p, q), between(&self.left, q, q), along(b, q));
+            (s12, s22, r2) = (between(left, p, q), between(left, q, q), along(left, q));
             prior2 = (second.mean, second.sd);
         }
-        let information = [larger(0.0, between(&self.left, p, p)), s12, larger(0.0, s22)];
-        let estimate = estimate(information, [along(b, p), r2], [(first.mean, first.sd), prior2]);
+        let information = [larger(0.0, between(left, p, p)), s12, larger(0.0, s22)];
+        let estimate = estimate(information, [along(left, p), r2], [(first.mean, first.sd), prior2]);
         let (value, variance) = self.with_nuisance(first, estimate.value, estimate.variance);
         Estimate { value, variance: larger(0.0, variance), ..estimate }
     }
@@ -51,7 +51,7 @@ impl<const N: usize, const H: usize> Beyond<N, H> {
         let mut among = Among { information: [[0.0; M]; M], score: [0.0; M] };
         for (i, &regressor) in regressors.iter().enumerate() {
             let regressor = regressor as usize;
-            among.score[i] = self.left.b[regressor % N];
+            among.score[i] = self.left.b[regressor % COUNT];
             // Both halves in the lower one: a product of two regressors counts twice.
             for (j, &other) in regressors.iter().enumerate().take(i) {
                 among.information[i][j] = 2.0 * self.left.a(regressor, other as usize);
@@ -71,7 +71,7 @@ impl<const N: usize, const H: usize> Beyond<N, H> {
         let mut rows = [[0.0; M]; M];
         let mut changes = [0.0; M];
         for (i, &(regressor, sd)) in regressors.iter().enumerate() {
-            changes[i] = sd * self.left.b[regressor as usize % N];
+            changes[i] = sd * self.left.b[regressor as usize % COUNT];
             for (j, &(other, by)) in regressors.iter().enumerate().take(i + 1) {
                 let unit = if i == j { 1.0 } else { 0.0 };
                 rows[i][j] = unit + sd * by * self.left.a(regressor as usize, other as usize);
@@ -109,6 +109,7 @@ impl<const M: usize> Among<M> {
 }
 
 /// Frees two parameters that have this information and these scores beyond the nuisances, with mean and standard deviation of their priors.
+#[inline]
 fn estimate([s11, s12, s22]: [f32; 3], [r1, r2]: [f32; 2], priors: [(f32, f32); 2]) -> Estimate {
     let [(mean1, sd1), (mean2, sd2)] = priors;
     // What the prior means explain by themselves, and what is left to the departure from them.

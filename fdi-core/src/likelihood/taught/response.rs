@@ -92,8 +92,8 @@ pub(in crate::likelihood) const REGRESSORS: [Regressor; EFFECTS] = {
 /// The regressors with their spreads: those of the hypotheses of one regressor each.
 pub(in crate::likelihood) fn spreads(tuning: Tuned) -> [(Regressor, f32); EFFECTS] {
     let (t, lag) = (&tuning.hypotheses, tuning.taught.lag_sd);
-    let (flow, offset, share) = (t.flow_sd, t.offset_sd, t.power_sd);
-    let spreads = [t.power_sd, flow, flow, offset, offset, share, share, lag, lag, share, share];
+    let (flow, offset, share) = (t.flow_sd, t.offset_sd, t.share_sd);
+    let spreads = [t.share_sd, flow, flow, offset, offset, share, share, lag, lag, share, share];
     core::array::from_fn(|i| (ALL[i].regressor, spreads[i]))
 }
 

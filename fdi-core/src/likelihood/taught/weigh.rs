@@ -3,22 +3,21 @@
 use super::response::{MAX_TAUGHT, REGRESSORS, Responses};
 use crate::bounds::{larger, smaller};
 use crate::likelihood::evidence::{Beyond, Estimate};
-use crate::likelihood::hypothesis::IMPOSSIBLE;
 use crate::likelihood::tuning::TaughtTuning;
 
 /// What each response gains over the nuisances.
 pub(in crate::likelihood) type Weighed = [Estimate; MAX_TAUGHT];
 
-/// Weighs all of them.
+/// Weighs all of them; what is not possible stays as it is.
 #[inline(never)]
-pub(in crate::likelihood) fn weigh<const N: usize, const H: usize>(
+pub(in crate::likelihood) fn weigh(
     t: &TaughtTuning,
     responses: &Responses,
-    beyond: &Beyond<N, H>,
-) -> Weighed {
-    let mut weighed = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; MAX_TAUGHT];
+    beyond: &Beyond,
+    weighed: &mut Weighed,
+) {
     if responses.is_empty() {
-        return weighed;
+        return;
     }
     let among = beyond.among(&REGRESSORS);
     for (weighed, response) in weighed.iter_mut().zip(responses) {
@@ -27,7 +26,6 @@ pub(in crate::likelihood) fn weigh<const N: usize, const H: usize>(
             *weighed = Estimate { gain: estimate.gain + t.prior, ..estimate };
         }
     }
-    weighed
 }
 
 /// The place of the likeliest, and the probability of its name beside all classes, whose evidence together has the logarithm `classes`. Two responses of
@@ -60,7 +58,7 @@ mod tests {
     use super::super::response::{EFFECTS, Response};
     use super::*;
     use crate::likelihood::evidence::Nuisances;
-    use crate::likelihood::hypothesis::{ALL_PAIRS, SINCE_ONSET};
+    use crate::likelihood::hypothesis::{ALL_PAIRS, IMPOSSIBLE, SINCE_ONSET};
     use crate::likelihood::normal::Normal;
     use crate::likelihood::regressor::{COUNT, Regressor};
 
@@ -102,13 +100,15 @@ mod tests {
         let mut row = [[0.0; 2]; COUNT];
         row[Regressor::Offset2 as usize] = [0.0, 20.0];
         (0..50).for_each(|_| normal.add(&row, [0.0, 30.0], 1.0));
-        let nuisances = Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond(&ALL_PAIRS);
+        let nuisances = Nuisances::new(normal.sums(), &SINCE_ONSET, 1.5).beyond(&ALL_PAIRS);
         let mut responses = named(&["low", "none", "tiny", "high"]);
         for (response, offset) in responses.iter_mut().zip([-150, 0, 1, 150]) {
             response.effects = [0; EFFECTS];
             response.effects[4] = offset;
         }
-        let gains = weigh(&TaughtTuning::DEFAULT, &responses, &nuisances).map(|estimate| estimate.gain);
+        let mut weighed = weighed(&[]);
+        weigh(&TaughtTuning::DEFAULT, &responses, &nuisances, &mut weighed);
+        let gains = weighed.map(|estimate| estimate.gain);
         assert_eq!(gains[..3], [IMPOSSIBLE; 3]);
         assert!(gains[3] > 50.0, "{gains:?}");
     }

@@ -8,7 +8,7 @@ use super::super::tuning::Tuned;
 use super::Trainer;
 use super::cold::Cold;
 use super::noise::ResidualNoise;
-use super::sense::{bound, exchange_lags};
+use super::sense::bound;
 use crate::bounds::{bounded, larger};
 use crate::identify::rls::RlsState;
 use crate::root::sqrt;
@@ -95,10 +95,7 @@ impl Filter {
     }
 
     /// The first heat has shown about how the rig answers, from a model that was wrong: what moves is learnt anew from there.
-    pub(super) fn reopen(&mut self, p: &mut Parameters, inputs: Inputs) {
-        if inputs.t2 {
-            exchange_lags(&self.tuning.range, p);
-        }
+    pub(super) fn reopen(&mut self) {
         let variances = self.rls.variances();
         self.rls.forget_correlations();
         for (i, (d, was)) in self.rls.d_mut().iter_mut().zip(variances).enumerate() {
@@ -170,7 +167,7 @@ impl Filter {
         }
         self.gradient = gradient;
         self.residual = e;
-        bound(&tuning, p, self.answer, inputs);
+        bound(trainer, p);
         *process = Process::new(tuning, p, 1.0);
         if !inputs.t2 {
             beside.follow(p);

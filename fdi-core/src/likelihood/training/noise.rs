@@ -23,9 +23,9 @@ impl ResidualNoise {
     }
 
     pub(super) fn follow(&mut self, e: f32, before: f32) {
-        let (memory, clip) = (LowPass::over(self.tuning.filter.noise_memory), self.tuning.filter.noise_clip);
+        let memory = LowPass::over(self.tuning.filter.noise_memory);
         memory.follow(&mut self.mean, e);
-        let (now, then) = (bounded(e - self.mean, -clip, clip), bounded(before - self.mean, -clip, clip));
+        let (now, then) = (e - self.mean, before - self.mean);
         memory.follow(&mut self.variance, now * now);
         memory.follow(&mut self.covariance, now * then);
     }

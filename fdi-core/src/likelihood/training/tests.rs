@@ -3,7 +3,6 @@ extern crate std;
 use std::vec::Vec;
 
 use super::super::reference::{Random, Rig};
-use super::sense::exchange_lags;
 use super::*;
 use crate::likelihood::Tuning;
 
@@ -333,21 +332,4 @@ fn thermistors_are_compared_while_it_is_cold() {
         "{:?}",
         cooling.offset(&Tuning::DEFAULT.cold, 0)
     );
-}
-
-/// T1's lag and the heater's can be exchanged: the longer is the heater's, and what T1 and T2 are delayed by in all stays.
-#[test]
-fn exchanged_lags_are_put_right() {
-    let mut p = Plant::reference(1).p;
-    let (heater, lag1) = (p.get(Parameter::Heater), p.get(Parameter::Lag1));
-    let before = p;
-    exchange_lags(&Tuning::DEFAULT.range, &mut p);
-    assert_eq!(p, before, "as they should be");
-    p.set(Parameter::Heater, lag1);
-    p.set(Parameter::Lag1, heater);
-    let at = |p: &Parameters, which: Parameter| libm::expf(p.get(which));
-    let second = at(&p, Parameter::Heater) + at(&p, Parameter::Lag2);
-    exchange_lags(&Tuning::DEFAULT.range, &mut p);
-    assert!((p.get(Parameter::Heater) - heater).abs() < 1e-4 && (p.get(Parameter::Lag1) - lag1).abs() < 1e-3);
-    assert!((at(&p, Parameter::Heater) + at(&p, Parameter::Lag2) - second).abs() < 0.5 * second);
 }

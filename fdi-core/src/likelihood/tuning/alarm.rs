@@ -5,8 +5,6 @@ use super::tuning;
 tuning! {
     /// Charts, and what widens them (docs/diagnosis.md, sections 4 and 5). Their allowances and decision intervals are settings.
     pub struct ChartTuning: charts {
-        /// A sum stops growing here, so that it falls back soon after a long fault.
-        ceiling = 2.5, "decision intervals", chosen "";
         /// An innovation is clipped here, so that a spike counts once.
         clip = 6.0, "standard deviations", measured "prototype 1, configuration J";
         /// After a start, and in slow surroundings after an end, there are no charts for this time: the whitening filter must first forget what was.
@@ -37,12 +35,8 @@ tuning! {
         least_drift = 1.0, "degC/min", chosen "";
         /// A change of power or flow is a fault only beyond this many standard deviations of the changes that are usual on this rig.
         unusual = 2.5, "standard deviations", chosen "";
-        /// The filter's standard deviation of the curvature is multiplied by this, because the filter takes slow surroundings for noise.
-        curvature_inflation = 2.5, "1", chosen "";
         /// Within this many steps of the power around the trained one, the gain counts as known.
         excited = 0.5, "1", chosen "half of the step";
-        /// If the charts are wider by w standard deviations, a tick counts 1/(1 + this w^2).
-        widened = 0.25, "1", chosen "";
         /// Share of a new innovation in the mean from which jumps are measured.
         mean_share = 0.3, "1", chosen "";
         /// A tick counts for less if an innovation jumps from that mean by more than this.
@@ -58,25 +52,19 @@ tuning! {
         /// An onset that is older than this when the alarm is raised may belong to an earlier change.
         before = 0.4, "s", chosen "";
         /// It does, if the hypothesis leaves more than this of the square of each innovation.
-        inexplicable = 10.0, "1", chosen "";
+        inexplicable = 10.0, "1", chosen "without it a heater that fails wholly has no size (tests/closed_loop)";
         /// A change that only nuisances explain for this long is taken over by the tracker.
         taken_after = 8.0, "s", chosen "";
         /// From this age on, an alarm forgets old samples (with `tuning.times.forgetting`).
-        forgets_from = 3.0, "s", measured "a later sag is absorbed (prototype 2)";
+        forgets_from = 3.0, "s", measured "a later sag is absorbed (prototype 2); without it a clogged T1 loses its name in 5 runs of 100";
         /// An alarm ends when the log odds of "it is over" exceed this. In slow surroundings the same odds against it refute that.
         over = 5.0, "1", measured "prototype 2";
-        /// From this age on, an alarm is asked whether its fault is over.
-        asked_from = 0.5, "s", chosen "";
         /// An alarm also ends if no hypothesis has more evidence than this (from `tuning.naming.process_time` on).
         least_gain = 1.0, "1", chosen "";
         /// Up to this age, an alarm is named and tested for its end on every tick; later the two take turns.
         young = 2.0, "s", chosen "for the cost of a tick";
         /// After the end of an alarm there are no charts for this time. In slow surroundings a fault is assumed to have ended on some tick; this assumption is kept or dropped within the same time.
         holdoff = 1.0, "s", chosen "about the residence time";
-        /// The standard deviation of the power that the tracker adds at the end of an alarm.
-        power_after = 0.015, "1", chosen "";
-        /// The standard deviation of both offsets that it adds then.
-        offset_after = 0.05, "degC", chosen "";
         /// An alarm that has stood for this long becomes advice.
         stands = 3600.0, "s", chosen "who has not come within an hour needs no siren";
         /// From this many alarms for an offset of the same thermistor on, its contact is called loose.

@@ -6,8 +6,8 @@
 /// tuning! {
 ///     /// Charts on the whitened residuals.
 ///     pub struct ChartTuning: charts {
-///         /// A sum stops growing here, so that it comes back soon after a long fault.
-///         ceiling = 2.5, "decision intervals", chosen "";
+///         /// An innovation is clipped here, so that a spike counts once.
+///         clip = 6.0, "standard deviations", chosen "";
 ///     }
 /// }
 /// ```

@@ -100,7 +100,7 @@ tuning! {
         alike = 2.0, "degC", chosen "tolerance of thermistors";
         /// At rest, they have no trend: the difference of their means over a short and a long memory is below this.
         trend = 0.1, "degC", derived "0.3 degC a minute with an answer time of 2 s, slower than a hot tube cools without its fan";
-        /// The short memory. T0 reads wrong only after this time, too.
+        /// The short memory.
         short_memory = 2.5, "answer times", chosen "";
         /// The long memory.
         long_memory = 12.5, "answer times", chosen "";
@@ -108,8 +108,10 @@ tuning! {
         rest = 10.0, "answer times", chosen "";
         /// An answer time longer than this counts as this; else the drift of a room would look like a trend.
         longest = 24.0, "s", chosen "";
-        /// T0 reads wrong from this distance from the believed temperature on.
+        /// T0 reads wrong from this distance from the believed temperature on ...
         wrong = 5.0, "degC", chosen "";
+        /// ... for this long.
+        wrong_time = 2.5, "answer times", chosen "";
         /// T0 reads right again below this distance.
         right = 4.0, "degC", chosen "";
         /// No room with a rig is colder than this.

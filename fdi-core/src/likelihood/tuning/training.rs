@@ -49,42 +49,14 @@ tuning! {
 tuning! {
     /// Bounds of what is learnt: what must not run away.
     pub struct RangeTuning: range {
-        /// Least ln of the heater's time constant.
-        least_heater = -1.0, "ln ticks", chosen "";
-        /// Largest ln of the heater's time constant.
-        largest_heater = 7.0, "ln ticks", chosen "";
-        /// Least ln of a thermistor's lag.
-        least_lag = -3.0, "ln ticks", chosen "";
-        /// Largest ln of a thermistor's lag.
-        largest_lag = 6.0, "ln ticks", chosen "";
-        /// Least ln of the gain, degC per %.
-        least_gain = -6.0, "1", chosen "";
-        /// Largest ln of the gain, degC per %.
-        largest_gain = 3.0, "1", chosen "";
+        /// Nothing that is learnt is further than this from the mean of its prior.
+        sds = 10.0, "standard deviations", chosen "a guard: nothing that was seen came near";
         /// Least share of T1's rise that reaches T2.
         least_reaches = 0.05, "1", chosen "";
-        /// Largest share of it, and of the gain of a heater beside.
-        largest_reaches = 1.2, "1", chosen "";
-        /// Least share of the wall.
-        least_wall = -0.2, "1", chosen "";
-        /// Largest share of the wall.
-        largest_wall = 0.6, "1", chosen "";
         /// Least time constant of the wall.
         least_wall_time = 2.0, "answer times", measured "a step of the mains in training was fitted as a wall of 1600 s, bounded to 4 to 120 s (prototype 2)";
         /// Largest time constant of the wall.
         largest_wall_time = 60.0, "answer times", measured "the same";
-        /// Largest offset of T1 and T2, both signs.
-        offset = 20.0, "degC", chosen "";
-        /// Largest intercept without T0, in its standard deviations.
-        intercept = 10.0, "standard deviations", chosen "";
-        /// Largest curvature, both signs.
-        curvature = 0.2, "1", chosen "";
-        /// When learning begins, T1's own lag is at most this share of the sum of its lag and the heater's.
-        own_lag = 0.3, "1", chosen "the two can be exchanged for T1 alone";
-        /// When the lags of T1 and the heater are exchanged, T1's is at least this.
-        least_own_lag = 0.1, "ticks", chosen "";
-        /// When the lags of T1 and the heater are exchanged, T2's keeps at least this share of itself.
-        least_lag2 = 0.2, "1", chosen "";
         /// Longest dead time of T1 and T2 together, as a share of what the transport remembers: less air takes longer.
         longest_delay = 0.7, "1", chosen "less flow by a quarter to a third stays within the memory";
         /// Nothing is trained while the fan is announced to be further from its usual level than this share.
@@ -137,10 +109,6 @@ tuning! {
         largest_rho = 0.95, "1", chosen "";
         /// Memory of the residuals' mean and covariances.
         noise_memory = 200.0, "ticks", chosen "";
-        /// Where the noise is learnt, a residual counts as no further from its mean than this.
-        noise_clip = 1.0, "degC", chosen "";
-        /// Share of the residuals' mean that counts as a constant error of the model.
-        mean_share = 0.7, "1", chosen "";
     }
 }
 

@@ -41,8 +41,6 @@ pub(super) struct Charted {
     pub(super) slow: f32,
     /// The largest of the fast sums, standard deviations.
     pub(super) fast_sum: f32,
-    /// By how many standard deviations the residuals may be off because the temperature moves.
-    pub(super) widened: [f32; 2],
 }
 
 impl Charts {
@@ -71,7 +69,7 @@ impl Charts {
             fast = larger(fast, self.fast.step(&mut s.fast[m], z[m], allowed[m]));
         }
         let slow = self.slow.step(&mut s.slow, z[1], allowed[1]);
-        Charted { fast: fast / self.fast.interval, slow: slow / self.slow.interval, fast_sum: fast, widened }
+        Charted { fast: fast / self.fast.interval, slow: slow / self.slow.interval, fast_sum: fast }
     }
 
     /// By how many standard deviations the residuals may be off because the temperature moves: where T1 should have risen by `rise`, degC.

@@ -25,9 +25,8 @@ impl WatchState {
         let away = smaller(from_trained(self.charts.mean_rise()), from_trained(self.measured[0]))
             / self.simulation.gain();
         let t = &self.tuning.alarm;
-        // Where it was excited the gain is known. Surroundings that are slower still are learnt as such, in the noise model.
-        let inflation = if self.times.slow_surroundings { 1.0 } else { t.curvature_inflation };
-        let error = inflation * self.curvature_error * larger(0.0, away / self.tuning.model.step - t.excited);
+        // Where it was excited the gain is known.
+        let error = self.curvature_error * larger(0.0, away / self.tuning.model.step - t.excited);
         error * error
     }
 

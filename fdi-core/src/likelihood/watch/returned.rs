@@ -8,7 +8,7 @@ use super::innovations::Innovations;
 use super::times::Times;
 use crate::bounds::larger;
 use crate::likelihood::evidence::Nuisances;
-use crate::likelihood::hypothesis::{COUNT, PAIRS};
+use crate::likelihood::hypothesis::{COUNT, LASTING_PAIRS};
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::normal::LastingNormal;
 use crate::likelihood::tuning::Tuned;
@@ -46,12 +46,12 @@ impl Returned {
     pub(super) fn is_as_trained(&self, s: &ReturnedState, usual: &Usual, h: usize, expected: f32) -> bool {
         let (t, normal) = (&self.tuning.since_training, &s.normal);
         let list = usual.since_training(expected);
-        let nuisances = Nuisances::new(normal, &list, t.kappa);
+        let nuisances = Nuisances::new(normal.sums(), &list, t.kappa);
         let left = normal.energy - nuisances.explained;
         if !(left < self.tuning.naming.fits * larger(1.0, normal.count)) {
             return false;
         }
-        let beyond = nuisances.beyond(&PAIRS);
+        let beyond = nuisances.beyond(&LASTING_PAIRS);
         let ours = &self.tuning.hypotheses()[h % COUNT];
         let least = t.lasting_size * usual.least_since_training(ours.class, self.least_power);
         if ours.lasting && beyond.estimate(ours.first, None).value.abs() > least {

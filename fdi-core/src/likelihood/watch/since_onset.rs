@@ -21,8 +21,8 @@ use crate::likelihood::onset::{Nominal, Onset};
 use crate::likelihood::posterior::Posterior;
 use crate::likelihood::process::Motion;
 use crate::likelihood::recovery::Recovery;
-use crate::likelihood::regressor::{Direction, PROCESS, Regressor, SENSORS};
-use crate::likelihood::taught::{Responses, Weighed, weigh};
+use crate::likelihood::regressor::{COUNT as REGRESSORS, Direction, PROCESS, Regressor, Regressors, SENSORS};
+use crate::likelihood::taught::{MAX_TAUGHT, Responses, Weighed, weigh};
 use crate::likelihood::tuning::Tuned;
 use crate::likelihood::usual::Usual;
 use crate::likelihood::verdict::{Finding, TaughtFinding};
@@ -59,6 +59,8 @@ pub(in crate::likelihood) struct SinceOnsetState {
     candidate: f32,
     /// The whitened answer to the power since the onset, on the last tick.
     power_response: [f32; 2],
+    /// What the alarm, as it was estimated before, leaves of this tick's squares.
+    left_by_alarm: f32,
 }
 
 /// What the bank sees of a tick.
@@ -83,13 +85,21 @@ struct Judged {
     left: f32,
 }
 
+impl Judged {
+    /// Before anything is asked.
+    fn nothing() -> Self {
+        let impossible = Estimate { gain: IMPOSSIBLE, ..Estimate::default() };
+        Self { estimate: [impossible; COUNT], taught: [impossible; MAX_TAUGHT], left: 0.0 }
+    }
+}
+
 /// What others have to know of a tick.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Outcome {
     /// Nothing.
     Nothing,
-    /// The nuisances explain all that the charts say, and have for long: power, less and more air, offsets of T1, T2 and T0.
-    Usual([f32; 6]),
+    /// The nuisances explain all that the charts say, and have for long: power, air flow, offsets of T1 and T2.
+    Usual([f32; 4]),
     /// The alarm is over.
     Over,
     /// A thermistor reads right again: residuals change by so much, degC.
@@ -129,7 +139,6 @@ impl SinceOnset {
         if s.onset.age == 0 {
             s.at_onset = seen.measured;
         }
-        let mut weight = 1.0 / (1.0 + t.widened * charted.widened[0] * charted.widened[0]);
         let mut jump: f32 = 0.0;
         for m in 0..2 {
             s.z_mean[m] += t.mean_share * (z[m] - s.z_mean[m]);
@@ -137,7 +146,7 @@ impl SinceOnset {
         }
         let slope = if seen.times.slow_surroundings { 0.0 } else { t.transient_slope };
         let transient = 1.0 + slope * larger(0.0, jump - t.transient_from);
-        weight /= transient * transient;
+        let weight = 1.0 / (transient * transient);
         // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
         if s.alarm.is_none() && s.onset.age > 0 && self.jumps(s, z) {
             s.since.forget(&SENSORS);
@@ -148,6 +157,8 @@ impl SinceOnset {
         s.power_response = row[Regressor::Power as usize];
         match &s.alarm {
             Some(alarm) => {
+                let expected = expected_by(alarm, &row);
+                s.left_by_alarm = (0..2).map(|m| (z[m] - expected[m]) * (z[m] - expected[m])).sum();
                 let forgets = if alarm.age > t.forgets_from { seen.times.forgets } else { 1.0 };
                 let keep = [forgets, seen.times.window];
                 Normal::add_to_both([&mut s.since, &mut s.window], keep, &row, z, weight);
@@ -174,7 +185,8 @@ impl SinceOnset {
             return Outcome::Nothing;
         }
         s.candidate += self.sample_time / seen.times.time_scale;
-        let mut judged = self.judge(s, seen);
+        let mut judged = Judged::nothing();
+        self.judge(s, seen, &mut judged);
         let posterior = Posterior::new(&judged.estimate);
         let t = &self.tuning.alarm;
         let best = posterior.best % COUNT;
@@ -194,10 +206,10 @@ impl SinceOnset {
             }
         } else if s.candidate > t.taken_after {
             let nuisances = seen.usual.since_onset();
-            let [power, less, more, offset1, offset2, offset0, ..] =
-                Nuisances::new(&s.since, &nuisances, t.kappa).values();
+            let [_, _, power, less, more, offset1, offset2, ..] =
+                Nuisances::new(s.since.sums(), &nuisances, t.kappa).values();
             s.begin_anew();
-            return Outcome::Usual([power, less, more, offset1, offset2, offset0]);
+            return Outcome::Usual([power, less + more, offset1, offset2]);
         }
         Outcome::Nothing
     }
@@ -211,7 +223,9 @@ impl SinceOnset {
         alarm.turn = !alarm.turn;
         let young = alarm.age < t.young;
         if young || alarm.turn {
-            self.name(s, &mut alarm, &mut self.judge(s, seen));
+            let mut judged = Judged::nothing();
+            self.judge(s, seen, &mut judged);
+            self.name(s, &mut alarm, &mut judged);
         }
         let over = (young || !alarm.turn) && self.is_over(s, &alarm, seen.usual);
         s.alarm = Some(alarm);
@@ -227,28 +241,20 @@ impl SinceOnset {
 
     /// Gains of all hypotheses since the onset, and of what was taught.
     #[inline(never)]
-    fn judge(&self, s: &SinceOnsetState, seen: &Seen) -> Judged {
+    fn judge(&self, s: &SinceOnsetState, seen: &Seen, judged: &mut Judged) {
         let nuisances = seen.usual.since_onset();
-        let nuisances = Nuisances::new(&s.since, &nuisances, self.tuning.alarm.kappa);
-        let left = s.since.energy - nuisances.explained;
+        let nuisances = Nuisances::new(s.since.sums(), &nuisances, self.tuning.alarm.kappa);
+        judged.left = s.since.energy - nuisances.explained;
         let beyond = nuisances.beyond(if self.taught.is_empty() { &PAIRS } else { &TAUGHT_PAIRS });
-        let mut judged = Judged {
-            estimate: [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; COUNT],
-            taught: weigh(&self.tuning.taught, &self.taught, &beyond),
-            left,
-        };
-        for (estimate, row) in judged
-            .estimate
-            .iter_mut()
-            .zip(self.tuning.hypotheses())
-            .filter(|(_, row)| self.asks(seen.times, row))
-        {
-            *estimate = row.judged(beyond.estimate(row.first, row.second_at(s.at_onset)));
-            if let Some(second) = row.later(&self.tuning.hypotheses, estimate.value) {
-                *estimate = row.judged(beyond.estimate(row.first, Some(second)));
+        weigh(&self.tuning.taught, &self.taught, &beyond, &mut judged.taught);
+        for (estimate, row) in judged.estimate.iter_mut().zip(self.tuning.hypotheses()) {
+            if self.asks(seen.times, row) {
+                *estimate = row.judged(beyond.estimate(row.first, row.second_at(s.at_onset)));
+                if let Some(second) = row.later(&self.tuning.hypotheses, estimate.value) {
+                    *estimate = row.judged(beyond.estimate(row.first, Some(second)));
+                }
             }
         }
-        judged
     }
 
     /// Whether a fault can be told here. What a controller holds looks stuck, or as if the heater gave always the same, where only slow answers
@@ -268,8 +274,24 @@ impl SinceOnset {
         let both = [first, row.second.map_or(first, |free| (free.direction, second))];
         let at = if row.second.is_some() { &both[..] } else { &both[..1] };
         let (list, t) = (usual.since_onset(), &self.tuning.alarm);
-        alarm.age > t.asked_from && Nuisances::new(&s.window, &list, t.kappa).fixed(at) < -t.over
+        Nuisances::new(s.window.sums(), &list, t.kappa).fixed(at) < -t.over
     }
+}
+
+/// What the likeliest hypothesis of an alarm lets expect of the innovations.
+fn expected_by(alarm: &Alarm, row: &Regressors) -> [f32; 2] {
+    let hypothesis = &HYPOTHESES[alarm.hypothesis % COUNT];
+    let frees = [Some(hypothesis.first.direction), hypothesis.second.map(|free| free.direction)];
+    let mut expected = [0.0; 2];
+    for (direction, value) in frees.into_iter().zip(alarm.values) {
+        let Some(direction) = direction else { continue };
+        for (regressor, weight) in direction.regressors().into_iter().zip(direction.weights()) {
+            for (expected, x) in expected.iter_mut().zip(row[regressor % REGRESSORS]) {
+                *expected += weight * value * x;
+            }
+        }
+    }
+    expected
 }
 
 impl SinceOnsetState {
@@ -286,6 +308,11 @@ impl SinceOnsetState {
     /// Whether there is an alarm, and what it is called.
     pub(super) fn said(&self) -> Option<Option<Finding>> {
         self.alarm.map(|alarm| alarm.finding)
+    }
+
+    /// What the alarm leaves of this tick's squares; none without one.
+    pub(in crate::likelihood) fn left_by_alarm(&self) -> Option<f32> {
+        self.alarm.map(|_| self.left_by_alarm)
     }
 
     /// The likeliest hypothesis of the alarm.
@@ -307,7 +334,7 @@ impl SinceOnsetState {
     pub(in crate::likelihood) fn explained(&self, tuning: Tuned) -> Option<[(FaultClass, f32); COUNT]> {
         self.alarm.as_ref()?;
         let kappa = tuning.alarm.kappa;
-        let alone = Nuisances::new(&self.since, &[], kappa).beyond(&PAIRS);
+        let alone = Nuisances::new(self.since.sums(), &[], kappa).beyond(&PAIRS);
         let energy = larger(1.0, self.since.energy - self.since.count);
         Some(core::array::from_fn(|h| {
             let row = &tuning.hypotheses()[h];

@@ -74,8 +74,6 @@ impl SinceTraining {
         let posterior = Posterior::new(&estimate);
         let h = posterior.likeliest % COUNT;
         let row = &self.tuning.hypotheses()[h];
-        let sized = s.steady.size(&nuisances, h, self.inputs);
-        let sized = if row.judged(sized).gain == IMPOSSIBLE { estimate[h] } else { sized };
         let least = seen.usual.least_since_training(row.class, self.least_power);
         let (factor, share) =
             if s.changed.is_some() { (t.lasting_raise, t.lasting_size) } else { (1.0, 1.0) };
@@ -89,6 +87,11 @@ impl SinceTraining {
             let h = was.hypothesis % COUNT;
             (HYPOTHESES[h].class.quantity(), was.largest - estimate[h].value.abs())
         });
+        // Its size from the means above all, where these say that it can be.
+        let sized = || {
+            let sized = s.steady.size(&nuisances, h, self.inputs);
+            if row.judged(sized).gain == IMPOSSIBLE { estimate[h] } else { sized }
+        };
         s.changed = there.then(|| Change {
             largest,
             onset,
@@ -96,7 +99,7 @@ impl SinceTraining {
             finding: (confidence > t.naming).then(|| Finding {
                 class,
                 confidence,
-                magnitude: magnitude(&self.tuning.naming, h, class, &sized),
+                magnitude: magnitude(&self.tuning.naming, h, class, &sized()),
                 onset,
             }),
         });

@@ -7,7 +7,7 @@
 use crate::bounds::{bounded, smaller};
 use crate::filter::LowPass;
 use crate::likelihood::evidence::{Estimate, Nuisance, Nuisances};
-use crate::likelihood::hypothesis::{self, IMPOSSIBLE, PAIRS};
+use crate::likelihood::hypothesis::{self, IMPOSSIBLE, LASTING_PAIRS};
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::normal::LastingNormal;
 use crate::likelihood::regressor::{LASTING, Regressor, Regressors};
@@ -115,7 +115,7 @@ impl Steady {
             self.rebasing = false;
         }
         let errors = hypothesis::model_errors(&self.tuning.nuisances);
-        let nuisances = Nuisances::new(&self.normal, &errors, self.tuning.since_training.kappa);
+        let nuisances = Nuisances::new(self.normal.sums(), &errors, self.tuning.since_training.kappa);
         let values = nuisances.values();
         for ((direction, _), value) in errors.iter().zip(values) {
             self.reference[direction.regressors()[0] % LASTING] = value;
@@ -162,7 +162,8 @@ impl Steady {
         inputs: Inputs,
     ) {
         let both = self.with_means(1.0, inputs);
-        let beyond = Nuisances::new(&both, nuisances, self.tuning.since_training.kappa).beyond(&PAIRS);
+        let beyond =
+            Nuisances::new(both.sums(), nuisances, self.tuning.since_training.kappa).beyond(&LASTING_PAIRS);
         for (estimate, hypothesis) in estimate.iter_mut().zip(self.tuning.hypotheses()) {
             *estimate = Estimate { gain: IMPOSSIBLE, ..Estimate::default() };
             if hypothesis.lasting && inputs.tell(hypothesis.class) {
@@ -176,8 +177,8 @@ impl Steady {
     pub(super) fn size(&self, nuisances: &[Nuisance], h: usize, inputs: Inputs) -> Estimate {
         let mostly_means = self.with_means(self.tuning.since_training.fast_in_size, inputs);
         let hypothesis = &self.tuning.hypotheses()[h % hypothesis::COUNT];
-        Nuisances::new(&mostly_means, nuisances, self.tuning.since_training.kappa)
-            .beyond(&PAIRS)
+        Nuisances::new(mostly_means.sums(), nuisances, self.tuning.since_training.kappa)
+            .beyond(&LASTING_PAIRS)
             .estimate(hypothesis.first, None)
     }
 

@@ -193,36 +193,34 @@ impl Question<'_> {
         config.identification.y_scale =
             Celsius((self.usual * f64::from(config.identification.u_scale.0)) as f32);
         let likelihood =
-            Likelihood::new(&config.likelihood, config.tuning, &config.identification, Seconds(1.0));
-        let priors = likelihood.map(|likelihood| likelihood.with(self.inputs).priors());
-        let prior =
-            priors.unwrap_or([(0.0, 1.0); PARAMETERS]).map(|(mean, sd)| (f64::from(mean), f64::from(sd)));
-        let t = &self.config.tuning.range;
-        let wide = |low: f32, high: f32| (f64::from(low), f64::from(high));
+            Likelihood::new(&config.likelihood, config.tuning, &config.identification, Seconds(1.0))
+                .map(|likelihood| likelihood.with(self.inputs));
+        let pairs = |pairs: [(f32, f32); PARAMETERS]| pairs.map(|(a, b)| (f64::from(a), f64::from(b)));
+        let (prior, usual) = match &likelihood {
+            Ok(likelihood) => (pairs(likelihood.priors()), pairs(likelihood.ranges())),
+            Err(_) => ([(0.0, 1.0); PARAMETERS], [(0.0, 0.0); PARAMETERS]),
+        };
         let mut range = [(0.0, 0.0); PARAMETERS];
         let mut put = |which: Parameter, within: (f64, f64)| range[which as usize] = within;
+        let usual = |which: Parameter| usual[which as usize];
         let longest = (4.0 * rows as f64).ln();
         let delay = if self.inputs.t2 { LONGEST_DELAY / 2.0 } else { LONGEST_DELAY };
-        let offset =
-            if self.inputs.t0 { t.offset } else { t.intercept * self.config.tuning.prior.intercept_sd };
-        put(Gain, wide(t.least_gain, t.largest_gain));
-        put(Heater, (t.least_heater.into(), longest));
+        for which in [Gain, Wall1, Offset1, Curvature] {
+            put(which, usual(which));
+        }
+        put(Heater, (usual(Heater).0, longest));
         put(Delay1, (0.0, delay));
-        put(Lag1, (t.least_lag.into(), longest));
-        put(Wall1, wide(t.least_wall, t.largest_wall));
+        put(Lag1, (usual(Lag1).0, longest));
         let wall = (60.0 * answer).min(LONGEST_WALL * rows as f64).max(2.0 * answer);
         put(WallTime, (answer.ln(), wall.ln()));
-        put(Offset1, wide(-offset, offset));
-        put(Curvature, wide(-t.curvature, t.curvature));
         if self.inputs.t2 || beside {
-            let least = if self.inputs.t2 { t.least_reaches } else { 0.0 };
-            put(Reaches2, wide(least, t.largest_reaches));
-            put(Lag2, (t.least_lag.into(), longest));
+            put(Reaches2, usual(Reaches2));
+            put(Lag2, (usual(Lag2).0, longest));
         }
         if self.inputs.t2 {
             put(Delay2, (0.0, delay));
-            put(Wall2, wide(t.least_wall, t.largest_wall));
-            put(Offset2, wide(-offset, offset));
+            put(Wall2, usual(Wall2));
+            put(Offset2, usual(Offset2));
         }
         (prior, range)
     }

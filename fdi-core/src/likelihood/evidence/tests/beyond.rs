@@ -20,7 +20,7 @@ fn several_columns_are_freed_as_their_weighted_sum_is() {
         let wanted = problem.log_evidence(&with(&SINCE_ONSET, first, None))
             - problem.log_evidence(&narrow(&SINCE_ONSET));
         let normal = problem.normal();
-        let estimate = Nuisances::new(&normal, &SINCE_ONSET, 1.5)
+        let estimate = Nuisances::new(normal.sums(), &SINCE_ONSET, 1.5)
             .beyond(&ALL_PAIRS)
             .among(&weights.map(|(regressor, _)| regressor))
             .estimate(&weights.map(|(_, weight)| weight), (mean, sd));
@@ -47,14 +47,17 @@ fn changes_are_those_of_the_posterior() {
         let (_, mean, sd) = problem.posterior(&priors);
         let normal = problem.normal();
         let (changes, gain) =
-            Nuisances::new(&normal, &SINCE_ONSET, 1.5).beyond(&ALL_PAIRS).changes(&regressors);
+            Nuisances::new(normal.sums(), &SINCE_ONSET, 1.5).beyond(&ALL_PAIRS).changes(&regressors);
         let wanted = problem.posterior(&priors).0 - problem.posterior(&narrow(&SINCE_ONSET)).0;
         close("gain", gain, wanted, 1e-3 * (10.0 + wanted.abs()));
         for (i, change) in (SINCE_ONSET.len()..).zip(changes) {
             close("change", change, mean[i], 0.02 * sd[i] + 1e-3 * mean[i].abs());
         }
         assert_eq!(
-            Nuisances::new(&<Normal>::default(), &SINCE_ONSET, 1.5).beyond(&ALL_PAIRS).changes(&regressors).0,
+            Nuisances::new(<Normal>::default().sums(), &SINCE_ONSET, 1.5)
+                .beyond(&ALL_PAIRS)
+                .changes(&regressors)
+                .0,
             [0.0; 4]
         );
     }

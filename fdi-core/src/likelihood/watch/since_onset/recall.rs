@@ -48,7 +48,7 @@ impl SinceOnsetState {
     pub(in crate::likelihood) fn changed(&self, usual: &Usual) -> Option<Changed> {
         let t = usual.tuning;
         let alarm = self.alarm.as_ref().filter(|alarm| alarm.age >= t.naming.process_time)?;
-        let (all, gain) = Nuisances::new(&self.since, &usual.since_onset(), t.alarm.kappa)
+        let (all, gain) = Nuisances::new(self.since.sums(), &usual.since_onset(), t.alarm.kappa)
             .beyond(&TAUGHT_PAIRS)
             .changes(&spreads(t));
         let likeliest = of_hypothesis(&HYPOTHESES[alarm.hypothesis % COUNT], alarm.values);

@@ -136,12 +136,12 @@ fn variations_come_each_by_itself_and_their_trade_is_told() {
     assert!(!tables.contains("Settings of the likelihood diagnosis"), "they do not touch it: {tables}");
 }
 
-/// A number of the method is varied as a setting is: with sums that stop below their decision interval no chart fires.
+/// A number of the method is varied as a setting is: no chart fires on innovations that are clipped below their allowance.
 #[test]
 fn numbers_of_the_method_are_varied_by_their_names() {
     let (dir, file) = folder("tuning", TRADE);
     let out = dir.to_str().unwrap();
-    let args = [file.as_str(), "--out", out, "--only", "nominal", "--vary", "tuning.charts.ceiling=0.5"];
+    let args = [file.as_str(), "--out", out, "--only", "nominal", "--vary", "tuning.charts.clip=0.1"];
     succeeds(&args);
     let results: serde_json::Value = serde_json::from_slice(&results_json(&dir)).unwrap();
     let trade = results["trade"].as_array().unwrap();
@@ -149,7 +149,7 @@ fn numbers_of_the_method_are_varied_by_their_names() {
         let of = trade.iter().find(|t| t["setting"] == setting && t["by"] == "likelihood");
         of.expect(setting)["missed_pct"].as_f64().unwrap()
     };
-    assert_eq!((missed(""), missed("tuning.charts.ceiling=0.5")), (0.0, 100.0));
+    assert_eq!((missed(""), missed("tuning.charts.clip=0.1")), (0.0, 100.0));
 }
 
 /// Half and twice of each number; one that matters shows in its rows, one that these runs never use does not.
@@ -162,11 +162,11 @@ fn an_ablation_tells_what_matters_from_what_does_not() {
         succeeds(&[&[file.as_str(), "--out", dir.to_str().unwrap()], args].concat());
         std::fs::read_to_string(dir.join("vary.md")).unwrap()
     };
-    let args = ["--vary", "tuning.charts.ceiling=0.5", "--vary", "tuning.taught.size_sd=0.4"];
+    let args = ["--vary", "tuning.charts.clip=0.1", "--vary", "tuning.taught.size_sd=0.4"];
     let text = vary("worth", definition, &args);
     let row = |text: &str, start: &str| text.lines().find(|line| line.starts_with(start)).map(str::to_owned);
-    let ceiling = row(&text, "| `tuning.charts.ceiling` | 0.5 | 1 |  | +1 |");
-    assert!(ceiling.is_some_and(|row| row.contains("| -1 |")), "no chart reaches its limit: {text}");
+    let clip = row(&text, "| `tuning.charts.clip` | 0.1 | 1 |  | +1 |");
+    assert!(clip.is_some_and(|row| row.contains("| -1 |")), "no chart reaches its limit: {text}");
     assert!(row(&text, "| `tuning.taught.size_sd` | 0.4 | none |").is_some(), "nothing is taught: {text}");
     assert!(text.contains("**1 of 2: no value has any effect.** `tuning.taught.size_sd`"), "{text}");
 

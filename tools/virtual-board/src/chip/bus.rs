@@ -26,6 +26,7 @@ impl Chip {
     /// # Errors
     /// It is not modelled.
     pub fn read(&mut self, address: u32, size: usize, now: Ps) -> Result<u32, Refusal> {
+        self.follow_pwm(now);
         let (block, offset) = self.find(address & !3)?;
         let word = match block {
             Block::Tim1 => self.tim1.read(offset, now),
@@ -58,6 +59,7 @@ impl Chip {
     /// # Errors
     /// It is not modelled.
     pub fn write(&mut self, address: u32, size: usize, value: u32, now: Ps) -> Result<(), Refusal> {
+        self.follow_pwm(now);
         let (block, offset) = self.find(address)?;
         if size != 4 {
             self.write_part(block, offset, size, value, now)

@@ -201,6 +201,7 @@ impl Chip {
 
     /// Lets happen what happens until `now`.
     pub fn advance(&mut self, now: Ps) {
+        self.follow_pwm(now);
         self.tim5.set_slow_oscillator(self.watchdog.slow_period(), now);
         for timer in [&mut self.tim1, &mut self.tim2, &mut self.tim5] {
             timer.advance(now);
@@ -213,6 +214,15 @@ impl Chip {
         self.follow_supply(now);
         self.flash.advance(now);
         self.settle(now);
+    }
+
+    /// What the timer of the PWM does by itself until `now` reaches the pins when it does it, and not when the core is next looked at.
+    fn follow_pwm(&mut self, now: Ps) {
+        while self.tim1.next_event() <= now {
+            let at = self.tim1.next_event();
+            self.tim1.advance(at);
+            self.settle(at);
+        }
     }
 
     fn follow_supply(&mut self, now: Ps) {

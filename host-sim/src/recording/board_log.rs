@@ -2,6 +2,7 @@
 //! is missing is a gap, and a start of the board is another session.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use anyhow::Context;
 use fdi_core::Config;
@@ -20,6 +21,8 @@ pub(super) const HEADER: &str = "board_s,t0_c,t1_c,t2_c,pa_pct";
 pub(super) struct Log {
     /// Lines of [`HEADER`] and one for each tick.
     pub(super) table: String,
+    /// Rows from which the board learnt what is normal; none where it did not, or not to the end.
+    pub(super) learnt: Option<Range<usize>>,
     /// What must be known of it.
     pub(super) remark: Option<&'static str>,
 }
@@ -36,6 +39,7 @@ pub(super) fn table(text: &str) -> anyhow::Result<Option<Log>> {
     let mut table = format!("{HEADER}\n");
     let mut start = Start::new(Config::default());
     let mut measures = thermistors(&start.config)?;
+    let (mut learnt, mut learning, mut rows) = (None, None, 0);
     let mut remark = Some(
         "The log does not begin with the start of the board: where that has other settings than the default, such as a calibration, they are not known.",
     );
@@ -63,6 +67,12 @@ pub(super) fn table(text: &str) -> anyhow::Result<Option<Log>> {
             let _ = if celsius.is_finite() { write!(table, ",{celsius}") } else { write!(table, ",") };
         }
         table.push('\n');
+        match record.readiness() {
+            Some("training") => learning = learning.or(Some(rows)),
+            Some("armed") => learnt = learnt.or(learning.take().map(|from| from..rows)),
+            _ => learning = None,
+        }
+        rows += 1;
     }
-    Ok(Some(Log { table, remark }))
+    Ok(Some(Log { table, learnt, remark }))
 }

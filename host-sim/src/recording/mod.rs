@@ -101,6 +101,8 @@ pub struct Recording {
     pub remarks: Vec<String>,
     /// How its times are told; none where each row is a sample.
     pub stamps: Option<Stamps>,
+    /// Samples from which a board has learnt what is normal, where its log says so.
+    pub learnt: Option<Range<usize>>,
     /// The row of the file at each sample; none where it is missing.
     rows: Vec<Option<usize>>,
 }
@@ -169,6 +171,11 @@ impl Recording {
         for (k, row) in grid.rows.iter_mut().enumerate() {
             *row = row.filter(|_| !is_empty(k));
         }
+        let learnt = board.as_ref().and_then(|log| log.learnt.clone()).and_then(|rows| {
+            let mut within =
+                (0..grid.rows.len()).filter(|&k| grid.rows[k].is_some_and(|row| rows.contains(&row)));
+            within.next().map(|first| first..within.last().unwrap_or(first) + 1)
+        });
         let known = how.celsius.or(board.as_ref().map(|_| 1.0));
         let celsius = known.unwrap_or_else(|| celsius(&heaters));
         if celsius != 1.0 {
@@ -195,6 +202,7 @@ impl Recording {
             heaters,
             remarks,
             stamps: grid.stamps,
+            learnt,
             rows: grid.rows,
         })
     }
@@ -251,6 +259,7 @@ impl Recording {
         }
         let first = self.rows.iter().copied().flatten().next();
         self.rows.splice(0..0, std::iter::repeat_n(first, REST));
+        self.learnt = self.learnt.take().map(|learnt| learnt.start + REST..learnt.end + REST);
         for (i, session) in self.sessions.iter_mut().enumerate() {
             *session = if i == 0 { 0 } else { session.start + REST }..session.end + REST;
         }

@@ -53,7 +53,7 @@ pub const MOST_ROWS: usize = 250_000;
 
 /// A part is taken for normal where the model explains so much of it, %, and raises no alarm when it goes over it again.
 const EXPLAINED: f64 = 60.0;
-/// What is tried when nobody says what is normal: shares of the recording.
+/// What is tried when nobody says what is normal, after what a board has learnt from: shares of the recording.
 const TRIED: [Range<f64>; 6] = [0.0..0.25, 0.0..0.34, 0.0..0.5, 0.33..0.67, 0.5..1.0, 0.0..1.0];
 
 impl Training {
@@ -63,9 +63,9 @@ impl Training {
     /// Nothing can be learnt from any, with the reason of the last.
     pub fn find(recording: &Recording, heater: &Heater, config: &Config) -> anyhow::Result<Self> {
         let (mut refusal, mut best) = (None, None::<(f64, Range<usize>, String)>);
-        for share in TRIED {
-            let at = |share: f64| (share * recording.len() as f64) as usize;
-            let part = at(share.start)..at(share.end);
+        let at = |share: f64| (share * recording.len() as f64) as usize;
+        let shares = TRIED.map(|share| at(share.start)..at(share.end));
+        for part in recording.learnt.iter().chain(&shares) {
             let span = |k: usize| k as f64 * recording.sample_time;
             let place = format!("{:.0} to {:.0} s", span(part.start), span(part.end));
             let samples = &heater.samples[part.clone()];
@@ -80,7 +80,7 @@ impl Training {
             let explains = format!("{place}: the model learnt there explains {fit:.1} % of T1");
             if fit >= EXPLAINED && alarms == 0.0 {
                 let why = format!("{explains} and raises no alarm on going over it again");
-                return Ok(Self::Found(part, why));
+                return Ok(Self::Found(part.clone(), why));
             }
             let score = fit - 100.0 * alarms;
             if best.as_ref().is_none_or(|(least, ..)| score > *least) {
@@ -88,7 +88,7 @@ impl Training {
                 let why = format!(
                     "{explains}, and is in alarm for {alarmed:.1} % of it; no part is better, say with --train which is normal"
                 );
-                best = Some((score, part, why));
+                best = Some((score, part.clone(), why));
             }
         }
         match (best, refusal) {

@@ -70,18 +70,20 @@ fn the_sample_of_the_documents_is_what_is_printed() {
     assert!(page.contains(&begin.join("\n")), "docs/records.md should show the first lines of heater.csv");
 }
 
-/// The log of a board that is armed before tick 3, as the page and `pt326 board --record` save it: T2 is calibrated, and 420 s after the start
-/// it reads 1.5 degC too high.
-fn log_of_a_board(seconds: f64) -> String {
+/// The log of a board that is armed before tick `armed`, as the page and `pt326 board --record` save it: T2 is calibrated, and 420 s later
+/// it reads 1.5 degC too high. Until the board is armed T1 reads 3 degC too high.
+fn log_of_a_board(seconds: f64, armed: u32) -> String {
     let mut config = Config::default();
     config.sensors.t2.offset = Celsius(-4.0);
-    let faults = [Fault::new(Verb::Offset, Some(Sensor::T2), Some(1.5), 420.0, 60.0)];
+    let offset = |sensor, size, at, time| Fault::new(Verb::Offset, Some(sensor), Some(size), at, time);
+    let begin = f64::from(armed) * 0.11;
+    let faults = [offset(Sensor::T1, 3.0, 0.0, begin), offset(Sensor::T2, 1.5, begin + 420.0, 60.0)];
     let mut rig = Rig::new(&RigConfig::default(), Disturbance::Calm, 0.11, 1, &faults);
     let mut instrument = Instrument::new(&config).unwrap();
     let mut log = format!("{}\n", LogLine::Start { version: VERSION });
     firmware_logic::log_line::settings(&config, |line| writeln!(log, "{line}").unwrap());
     for k in 0..(seconds / 0.11) as u32 {
-        if k == 3 {
+        if k == armed {
             instrument.command(Command::Arm).unwrap();
         }
         let raw = sample(&mut rig);
@@ -93,12 +95,24 @@ fn log_of_a_board(seconds: f64) -> String {
     log
 }
 
+/// What was before a board learnt may be anything, such as a thermistor that is about to be mended.
+#[test]
+fn what_a_board_has_learnt_from_is_learnt_from() {
+    let dir = folder("diagnose-armed-late");
+    let [log, out] = ["board.log", "diagnosed"].map(|name| dir.join(name));
+    std::fs::write(&log, log_of_a_board(600.0, 800)).unwrap();
+    let done = pt326(&["diagnose", arg(&log), "--out", arg(&out)]);
+    let said = text(&done.stdout);
+    let learnt = said.contains("Learnt: 88 to 4") || said.contains("Learnt: 89 to 4");
+    assert!(learnt && said.contains("T2 reads 1."), "{said}{}", text(&done.stderr));
+}
+
 /// By the board's settings; of a part of it by the defaults, which is said.
 #[test]
 fn the_log_of_a_board_is_diagnosed_as_a_recording() {
     let dir = folder("diagnose-board");
     let [log, out] = ["board.log", "diagnosed"].map(|name| dir.join(name));
-    let text_of = log_of_a_board(500.0);
+    let text_of = log_of_a_board(500.0, 3);
     let said_of = |lines: &str| {
         std::fs::write(&log, lines).unwrap();
         let done = pt326(&["diagnose", arg(&log), "--out", arg(&out)]);

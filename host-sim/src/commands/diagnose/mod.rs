@@ -54,7 +54,7 @@ pub struct DiagnoseArgs {
     /// The only heater to diagnose, counted from 1, if the recording has several.
     #[arg(long, value_name = "N")]
     pub heater: Option<usize>,
-    /// Learn from this part, in s from the first sample on; left out: a part that seems normal is looked for.
+    /// Learn from this part, in s from the first sample on; left out: a part that seems normal is looked for; of a board's log what the board learnt from is tried first.
     #[arg(long, value_name = "FROM:TO", conflicts_with = "train_on")]
     pub train: Option<String>,
     /// Learn from another recording of the same rig.

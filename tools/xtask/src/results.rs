@@ -16,6 +16,7 @@ Makes the tables and pictures of the book anew: hours. What was interrupted goes
     --seeds 3000000                        first seed of what is reported, in place of 2000000 and 7000000
     --scale 0.01                           so many of the runs, to try it
     --docs FOLDER                          another folder than docs/, with pages that have the markers
+    --fresh                                not on from what another build of pt326 has begun: that is deleted
 
 Jobs: run, full, physics, settings, trade, ablate, records (recordings in the folder that PT326_RECORDS names), mutants.
 Pages take their blocks between <!-- NAME --> and <!-- end NAME -->. The pictures of the page: cargo lab, then cargo run -p pt326-lab-browser.
@@ -112,15 +113,21 @@ struct Asked {
     seeds: Option<String>,
     scale: f64,
     docs: PathBuf,
+    fresh: bool,
 }
 
 impl Asked {
     fn new(arguments: impl Iterator<Item = OsString>) -> Result<Option<Self>, String> {
-        let mut asked = Self { only: None, seeds: None, scale: 1.0, docs: image::root().join("docs") };
+        let docs = image::root().join("docs");
+        let mut asked = Self { only: None, seeds: None, scale: 1.0, docs, fresh: false };
         let mut arguments = arguments.map(|word| word.to_string_lossy().into_owned());
         while let Some(option) = arguments.next() {
             if ["--help", "-h"].contains(&option.as_str()) {
                 return Ok(None);
+            }
+            if option == "--fresh" {
+                asked.fresh = true;
+                continue;
             }
             let value =
                 arguments.next().ok_or_else(|| format!("{option} without a value, expected:\n{USAGE}"))?;
@@ -196,7 +203,9 @@ fn make(asked: &Asked, job: &Job, commit: &str) -> Result<(), String> {
     std::fs::create_dir_all(&out).map_err(|error| format!("{}: {error}", out.display()))?;
     let began = Instant::now();
     let arguments = asked.arguments(job);
-    execute(job, &arguments, &out)?;
+    // Not in `arguments`: a page tells those, and they make the same without it.
+    let fresh = (asked.fresh && job.runs.is_some()).then(|| "--fresh".to_owned());
+    execute(job, &[&arguments[..], fresh.as_slice()].concat(), &out)?;
     let told = match job.command.first() {
         Some(&"cargo") => arguments.join(" "),
         _ => format!("pt326 {}", arguments.join(" ")),
@@ -348,5 +357,6 @@ mod tests {
         for words in [&["--only", "nothing"][..], &["--scale", "0"], &["--docs"], &["x", "y"]] {
             assert!(asked(words).is_err(), "{words:?}");
         }
+        assert!(asked(&["--fresh", "--only", "run"]).unwrap().unwrap().fresh);
     }
 }

@@ -239,11 +239,6 @@ impl Likelihood {
         state.cold.step(&self.tuning.cold, now.y, seen.power.0 <= 0.0);
         let said = self.watch(state, seen, &now);
         self.train(state, seen, &now, undisturbed && contradiction.is_none());
-        let taught = Self::taught(state, seen.phase);
-        if taught.is_some() {
-            // What the user has a name for is no loose contact, however often it comes.
-            state.contact = Contact::default();
-        }
         let evidence = Evidence {
             sensors: state.sensors.step(self.tuning, sample, seen.index),
             said,
@@ -263,7 +258,7 @@ impl Likelihood {
             alarm: evidence.alarm(),
             advice,
             finding,
-            taught,
+            taught: Self::taught(state, seen.phase),
             t1_contradicted: contradiction.is_some_and(|found| found.class.leaves_t1_blind()),
             ..self.heat(state, seen, &now)
         }

@@ -7,6 +7,7 @@ use core::task::{Context, Poll, Waker};
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::signature::Signature;
 use fdi_core::likelihood::Channel;
+use fdi_core::likelihood::Magnitude;
 use fdi_core::likelihood::taught::{EFFECTS, Response};
 use fdi_core::name::Name;
 use fdi_core::tune::Standing;
@@ -172,13 +173,16 @@ fn arms_stops_and_acknowledges() {
 
 /// The board monitors, and tells this class, or nothing.
 fn told(class: Option<FaultClass>) -> Mock {
+    sized(class, Some(Magnitude { value: 1.5, half_width: 0.2 }))
+}
+
+fn sized(class: Option<FaultClass>, magnitude: Option<Magnitude>) -> Mock {
     let mut instrument = Instrument::new(&Config::default()).expect("the defaults are valid");
     let mut tick = instrument.control(RawSample::default());
     let mut report = instrument.diagnose(&tick, tick.drive);
     tick.mode = Mode::Monitor;
     report.likelihood.alarm = class.is_some();
-    report.likelihood.finding =
-        class.map(|class| Finding { class, confidence: 0.9, magnitude: None, onset: 0 });
+    report.likelihood.finding = class.map(|class| Finding { class, confidence: 0.9, magnitude, onset: 0 });
     let record = TickRecord::new(RawSample::default(), tick, tick.drive);
     Mock { status: Status { last: Some((record, report)), ..Status::default() }, ..Mock::default() }
 }
@@ -199,13 +203,20 @@ fn an_alarm_is_acknowledged_shelved_or_accepted() {
 fn what_may_trip_is_neither_shelved_nor_accepted_and_where_nothing_stands_nothing_is_done() {
     let mut board = told(Some(FaultClass::T1Detached));
     let mut calm = told(None);
+    // A heater that gives always the same has no size.
+    let mut constant = sized(Some(FaultClass::HeaterPower), None);
     for line in ["accept", "shelve 30"] {
         assert!(answer(&mut board, line).starts_with("error: what is named may trip"), "{line}");
+        assert!(answer(&mut constant, line).starts_with("error: what is named may trip"), "{line}");
     }
+    // Whether the air is lost, a trip, is held against what was learnt.
+    let mut air = told(Some(FaultClass::AirFlow));
+    assert!(answer(&mut air, "accept").starts_with("error: what is named may trip"));
+    assert_eq!(answer(&mut air, "shelve 30"), "ok\n");
     for line in ["ack", "accept", "shelve 30"] {
         assert!(answer(&mut calm, line).starts_with("error: no"), "{line}");
     }
-    assert_eq!((board.asked.len(), calm.asked.len()), (0, 0));
+    assert_eq!([&board, &constant, &calm].map(|board| board.asked.len()), [0; 3]);
     assert_eq!(answer(&mut calm, "shelve 0"), "ok\n", "it can always be taken off the shelf");
 }
 

@@ -25,6 +25,7 @@ const ACTS = {
   shelve: () => order({ order: "shelve", seconds: 8 * 3600 }),
   mend: () => order({ order: "mend" }),
   relearn: () => order({ order: "relearn" }),
+  accept: () => order({ order: "accept" }),
   skip: () => send({ command: "skip" }),
   anew: () => begins(lab.scene),
   paper: () => begins({ ...lab.scene, preset: "paper" }),

@@ -46,7 +46,7 @@ export function verdict({ row: now, hello, events, since, begun, ts, settings, c
   const on = !order ? "" : now.mode === 0 ? row(hello.kind === "board" ? heats("arm", "c_arm") : button("arm", "arm", true)) : now.mode < 3 && can.has("run") ? row(button("skip", "skip", true)) : "";
   if (now.alarm > 0) {
     const said = alarm(now, hello, events, ts);
-    return { ...said, more: said.more + (order && now.mode === 3 ? answers(now, said.name) : on) };
+    return { ...said, more: said.more + (order && now.mode === 3 ? answers(now, named(now, hello)) : on) };
   }
   if (checking && now.mode === 0) {
     return { state: "learn", icon: "learn", word: say("state_check"), aside: "", head: say("head_check"), sub: say("sub_check"), more: "" };
@@ -81,11 +81,13 @@ export function verdict({ row: now, hello, events, since, begun, ts, settings, c
   return { state: "monitor", icon: "ok", word: say("state_monitor"), aside, head: say("head_monitor"), sub, more };
 }
 
-// What a user can say of an alarm: only what has a size may be shelved or accepted, with both thermistors in the tube.
-function answers(now, name) {
-  const mayWait = Number.isFinite(now.magnitude) && !/_detached$/.test(name);
-  const ways = now.advice > 0 ? [] : [button("ack", "acknowledge"), ...(mayWait ? [button("shelve", "shelve")] : [])];
-  return row(...ways, ...(mayWait ? [button("relearn", "accept")] : []));
+const named = (now, hello) => hello.classes.find((c) => c.number === now.class);
+
+// What a user can say of an alarm: only what has a size may be shelved or accepted.
+function answers(now, found) {
+  const may = (what) => Number.isFinite(now.magnitude) && found?.[what];
+  const ways = now.advice > 0 ? [] : [button("ack", "acknowledge"), ...(may("shelved") ? [button("shelve", "shelve")] : [])];
+  return row(...ways, ...(may("accepted") ? [button("accept", "accept")] : []));
 }
 
 // Two faults that are one click away.
@@ -95,7 +97,7 @@ const QUICK = [
 ];
 
 function alarm(now, hello, events, ts) {
-  const name = hello.classes.find((c) => c.number === now.class)?.name;
+  const name = named(now, hello)?.name;
   const event = events.last;
   const aside = event?.alarm === undefined ? "" : say("for_s", { s: num(now.t - event.alarm, 0) });
   const advice = now.advice > 0;

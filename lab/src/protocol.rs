@@ -28,7 +28,11 @@ pub fn read<T: DeserializeOwned>(json: &[u8]) -> serde_json::Result<T> {
 
 /// What a client is told first: what the numbers mean, and what it may ask for.
 pub fn hello(kind: &str, can: &[&str]) -> serde_json::Value {
-    let class = |class: &FaultClass| json!({ "number": class.number(), "name": class.name(), "unit": class.unit().replace("degC", "°C") });
+    let class = |class: &FaultClass| {
+        let unit = class.unit().replace("degC", "°C");
+        let may_be = [class.may_be_shelved(), class.may_be_accepted()];
+        json!({ "number": class.number(), "name": class.name(), "unit": unit, "shelved": may_be[0], "accepted": may_be[1] })
+    };
     json!({
         "type": "hello",
         "protocol": VERSION,

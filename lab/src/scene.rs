@@ -53,6 +53,8 @@ pub enum Order {
     },
     /// Forget what is normal and learn it anew.
     Relearn,
+    /// What is named now is normal: the same, but a board refuses it where nothing is named that may be normal.
+    Accept,
     /// New set-point.
     Setpoint {
         /// degC.

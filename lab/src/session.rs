@@ -117,7 +117,7 @@ impl Session {
             Order::Stop => self.instrument.command(Command::Stop)?,
             Order::Acknowledge => self.instrument.command(Command::Acknowledge)?,
             Order::Shelve { seconds } => self.instrument.command(Command::Shelve(Seconds(*seconds)))?,
-            Order::Relearn => self.instrument.command(Command::Relearn)?,
+            Order::Relearn | Order::Accept => self.instrument.command(Command::Relearn)?,
             Order::Setpoint { celsius } => self.instrument.command(Command::SetPoint(Celsius(*celsius)))?,
             Order::Excite { on } => self.instrument.command(Command::Excite(*on))?,
             Order::Fan { percent } => {

@@ -179,15 +179,17 @@ impl Diagnosis {
         self.likelihood.settle(&mut state.likelihood, start);
     }
 
-    /// What the alarm leaves of this tick's innovations; the start that is looked for meanwhile; and that it is over, by a start.
-    pub(crate) fn left_by_alarm(&self, state: &DiagnosisState) -> Option<f32> {
+    /// See [`Likelihood::left_by_alarm`].
+    pub(crate) fn left_by_alarm(&self, state: &DiagnosisState) -> Option<Option<f32>> {
         self.likelihood.left_by_alarm(&state.likelihood)
     }
 
+    /// See [`Likelihood::start_anew`].
     pub(crate) fn start_anew(&self, state: &DiagnosisState) -> Option<Start> {
         self.likelihood.start_anew(&state.likelihood)
     }
 
+    /// See [`Likelihood::end_by`].
     pub(crate) fn end_by(&self, state: &mut DiagnosisState, start: &Start) {
         self.likelihood.end_by(&mut state.likelihood, start);
     }

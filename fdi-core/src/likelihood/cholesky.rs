@@ -70,8 +70,8 @@ impl<const N: usize> Cholesky<N> {
         }
     }
 
-    /// The same of the first columns that stand side by side in rows, so many at once that each element of the factor is loaded once for all of
-    /// them: at least of so many `columns`.
+    /// The same of the first `columns` of those that stand side by side in rows, `AT_ONCE` at a time: each element of the factor is loaded once for
+    /// all of these. The rest of the last block is solved for as well.
     #[inline(never)]
     pub(super) fn forward_all<const AT_ONCE: usize, const C: usize>(
         &self,

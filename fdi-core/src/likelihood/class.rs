@@ -316,6 +316,12 @@ impl FaultClass {
         !matches!(self.quantity(), Quantity::Nothing) && !matches!(self, Self::T1Detached | Self::T2Detached)
     }
 
+    /// Whether it may be taken for normal: what may be shelved may, but the air flow, since whether it is lost (a trip) is held against what was
+    /// learnt as normal.
+    pub const fn may_be_accepted(self) -> bool {
+        self.may_be_shelved() && !matches!(self, Self::AirFlow | Self::AirFlowOrHeaterPower)
+    }
+
     /// Whether T1 does not see what the heater does, so that a loop by it heats without end.
     pub(super) fn leaves_t1_blind(self) -> bool {
         matches!(self, Self::T1Detached | Self::Stuck(Channel::T1) | Self::Swapped(Pair::T0T1))

@@ -38,7 +38,7 @@ impl Standing {
         }
         let (tick, alarm) = (seen.index, evidence.alarm());
         let named = finding.map(|finding| finding.class);
-        self.hear(seen.shelve, alarm, named, tick);
+        self.hear(seen.shelve, alarm, finding, tick);
         self.shelf = self.shelf.filter(|shelf| tick.wrapping_sub(shelf.since) < shelf.ticks);
         if !alarm {
             (self.since, self.acknowledged) = (None, None);
@@ -55,13 +55,16 @@ impl Standing {
     }
 
     /// What the user has said on this tick.
-    fn hear(&mut self, said: Option<Shelving>, alarm: bool, named: Option<FaultClass>, tick: u32) {
+    fn hear(&mut self, said: Option<Shelving>, alarm: bool, finding: Option<Finding>, tick: u32) {
         match said {
-            Some(Shelving::UntilItEnds) if alarm => self.acknowledged = Some(named),
+            Some(Shelving::UntilItEnds) if alarm => {
+                self.acknowledged = Some(finding.map(|finding| finding.class));
+            }
             Some(Shelving::For(0)) => self.shelf = None,
             Some(Shelving::For(ticks)) => {
-                let class = named.filter(|class| class.may_be_shelved());
-                self.shelf = class.map(|class| Shelf { class, since: tick, ticks }).or(self.shelf);
+                let found = finding.filter(Finding::may_be_shelved);
+                self.shelf =
+                    found.map(|found| Shelf { class: found.class, since: tick, ticks }).or(self.shelf);
             }
             _ => {}
         }
@@ -71,6 +74,7 @@ impl Standing {
 #[cfg(test)]
 mod tests {
     use super::super::alarm::Said;
+    use super::super::verdict::Magnitude;
     use super::*;
 
     const LONG: u32 = 100;
@@ -78,6 +82,8 @@ mod tests {
     /// What stands, since an onset and since training, by the name of the first.
     #[derive(Clone, Copy)]
     struct Stands(bool, bool, Option<FaultClass>);
+
+    const SIZE: Option<Magnitude> = Some(Magnitude { value: 1.5, half_width: 0.2 });
 
     const NOTHING: Stands = Stands(false, false, None);
     const SUDDEN: Stands = Stands(true, false, None);
@@ -98,8 +104,13 @@ mod tests {
         }
 
         fn seen(&mut self, seen: &Observation, stands: Stands) -> bool {
-            let Stands(since_onset, since_training, class) = stands;
-            let found = class.map(|class| Finding { class, confidence: 0.9, magnitude: None, onset: 0 });
+            let Stands(.., class) = stands;
+            let found = class.map(|class| Finding { class, confidence: 0.9, magnitude: SIZE, onset: 0 });
+            self.finds(seen, stands, found)
+        }
+
+        fn finds(&mut self, seen: &Observation, stands: Stands, found: Option<Finding>) -> bool {
+            let Stands(since_onset, since_training, _) = stands;
             let by = |says: bool| says.then_some(found);
             let said =
                 Said { since_onset: by(since_onset), since_training: by(since_training), ..Said::default() };
@@ -176,5 +187,12 @@ mod tests {
             assert!(!standing.told(0, offset(class), Some(Shelving::For(50))), "{class:?}");
         }
         assert!(!Standing::default().told(0, SUDDEN, Some(Shelving::For(50))));
+        // A heater that gives always the same has no size.
+        let found = Finding { class: FaultClass::HeaterPower, confidence: 0.9, magnitude: None, onset: 0 };
+        for (magnitude, shelved) in [(None, false), (SIZE, true)] {
+            let seen = Observation { shelve: Some(Shelving::For(50)), ..Observation::default() };
+            let found = Some(Finding { magnitude, ..found });
+            assert_eq!(Standing::default().finds(&seen, SUDDEN, found), shelved);
+        }
     }
 }

@@ -11,6 +11,7 @@
 use super::Likelihood;
 use super::LikelihoodState;
 use super::cholesky::Cholesky;
+use super::contact::Contact;
 use super::inputs::Inputs;
 use super::process::{Motion, Process};
 use super::second_heater::SecondHeater;
@@ -245,8 +246,8 @@ impl Likelihood {
         Some(Start { room_sd: self.tuning.nuisances.onset_offset, may_be_known: true, ..start })
     }
 
-    /// What the alarm of the models leaves of the squares of this tick's innovations; none without one.
-    pub(crate) fn left_by_alarm(&self, state: &LikelihoodState) -> Option<f32> {
+    /// What the alarm of the models leaves of the squares of this tick's innovations, if it has any; none without an alarm that is asked.
+    pub(crate) fn left_by_alarm(&self, state: &LikelihoodState) -> Option<Option<f32>> {
         match &state.work {
             Work::Watching(onset) => onset.left_by_alarm(),
             _ => None,
@@ -255,9 +256,11 @@ impl Likelihood {
 
     /// All is as trained since the `start`, from another state: what alarm stands is over.
     pub(crate) fn end_by(&self, state: &mut LikelihoodState, start: &Start) {
-        self.settle(state, start);
-        if matches!(state.work, Work::Watching(_)) {
+        if let (Some(trained), Work::Watching(_)) = (&mut state.trained, &state.work) {
+            self.watch.return_to(trained, &start.begun());
             state.work.begin_watching();
+            // What is left of heat is no error of a thermistor that comes and goes.
+            state.contact = Contact::default();
         }
     }
 

@@ -27,6 +27,18 @@ pub struct Finding {
     pub onset: u32,
 }
 
+impl Finding {
+    /// Whether it may be shelved: its class may ([`FaultClass::may_be_shelved`]), and it has a size.
+    pub fn may_be_shelved(&self) -> bool {
+        self.magnitude.is_some() && self.class.may_be_shelved()
+    }
+
+    /// Whether it may be taken for normal: its class may ([`FaultClass::may_be_accepted`]), and it has a size.
+    pub fn may_be_accepted(&self) -> bool {
+        self.magnitude.is_some() && self.class.may_be_accepted()
+    }
+}
+
 /// A fault of the user's own ([`taught`](super::taught)), told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -163,12 +163,23 @@ impl Watch {
         self.begin_anew(s);
     }
 
+    /// All is as trained from another state on, which has been found.
+    pub(super) fn return_to(&self, s: &mut WatchState, state: &Begun) {
+        self.simulation.settle(&mut s.simulation, state);
+        self.begin_residuals_anew(s);
+        s.since_training.forget([0.0; 2]);
+    }
+
     /// Nothing of what has been seen so far counts for what is seen from now on.
     fn begin_anew(&self, s: &mut WatchState) {
+        self.begin_residuals_anew(s);
+        s.since_training.resume();
+    }
+
+    fn begin_residuals_anew(&self, s: &mut WatchState) {
         s.tracker.resume();
         s.innovations.resume();
         s.charts.resume(s.simulation.rise_of_t1());
-        s.since_training.resume();
     }
 
     /// One tick while the instrument watches.

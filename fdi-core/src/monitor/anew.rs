@@ -37,7 +37,8 @@ impl Anew {
             *asked = diagnosis.start_anew(state).map(|start| Self { start, left: 0.0 });
         }
         let Some(anew) = asked else { return };
-        let answer = anew.step(e, left);
+        // A tick without samples says nothing.
+        let answer = left.map_or(Answer::Open, |left| anew.step(e, left));
         if answer == Answer::Yes {
             diagnosis.end_by(state, &anew.start);
         }

@@ -180,7 +180,7 @@ pub enum Command {
     /// Leave a trip whose cause has gone. While monitoring: an alarm is known, and advice until it ends or is called another name.
     Acknowledge,
     /// What the diagnosis has named is advice for so long, however often it ends and comes back; 0 puts an end to that. Only what may be shelved:
-    /// [`FaultClass::may_be_shelved`](crate::FaultClass::may_be_shelved).
+    /// [`Finding::may_be_shelved`](crate::Finding::may_be_shelved).
     Shelve(Seconds),
     /// Forget the baseline and learn it anew.
     Relearn,

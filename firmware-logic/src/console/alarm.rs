@@ -2,7 +2,7 @@
 
 use core::fmt::Write;
 
-use fdi_core::{Command, Mode, Seconds};
+use fdi_core::{Command, Finding, Mode, Seconds};
 
 use super::{Board, done, fail, number, say};
 
@@ -24,8 +24,8 @@ pub(super) async fn acknowledge(board: &mut impl Board, out: &mut dyn Write) {
 
 /// What is named now is normal: it is learnt.
 pub(super) async fn accept(board: &mut impl Board, out: &mut dyn Write) {
-    if let Err(why) = may_wait(board) {
-        return fail(out, &format_args!("{why}; `baseline learn` learns the rig anew whatever is told"));
+    if let Err(why) = named(board, Finding::may_be_accepted) {
+        return fail(out, &why);
     }
     match board.command(Command::Relearn).await {
         Ok(()) => say(out, "ok, learning it as normal; `save` keeps it, the commissioning stays\n"),
@@ -40,22 +40,22 @@ pub(super) async fn shelve(minutes: &str, board: &mut impl Board, out: &mut dyn 
         Err(error) => return fail(out, &error),
     };
     if time.0 != 0.0
-        && let Err(why) = may_wait(board)
+        && let Err(why) = named(board, Finding::may_be_shelved)
     {
         return fail(out, &format_args!("{why}; `ack` acknowledges an alarm"));
     }
     done(out, board.command(Command::Shelve(time)).await);
 }
 
-/// It monitors, and what it names may not trip.
+/// It monitors, and names something of which `may` holds.
 ///
 /// # Errors
-/// Why it can be neither shelved nor accepted.
-fn may_wait(board: &impl Board) -> Result<(), &'static str> {
+/// Why it does not.
+fn named(board: &impl Board, may: fn(&Finding) -> bool) -> Result<(), &'static str> {
     let monitored = board.status().last.filter(|(record, _)| record.tick.mode == Mode::Monitor);
     match monitored.and_then(|(_, report)| report.likelihood.finding) {
         None => Err("nothing is named, see `status`"),
-        Some(found) if !found.class.may_be_shelved() => Err("what is named may trip, or has no size"),
-        Some(_) => Ok(()),
+        Some(found) if may(&found) => Ok(()),
+        Some(_) => Err("what is named may trip, or has no size"),
     }
 }

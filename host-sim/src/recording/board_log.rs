@@ -21,7 +21,7 @@ pub(super) const HEADER: &str = "board_s,t0_c,t1_c,t2_c,pa_pct";
 pub(super) struct Log {
     /// Lines of [`HEADER`] and one for each tick.
     pub(super) table: String,
-    /// Rows from which the board learnt what is normal; none where it did not, or not to the end.
+    /// Rows from which the board learnt last what is normal; none where it did not, or not to the end.
     pub(super) learnt: Option<Range<usize>>,
     /// What must be known of it.
     pub(super) remark: Option<&'static str>,
@@ -69,10 +69,43 @@ pub(super) fn table(text: &str) -> anyhow::Result<Option<Log>> {
         table.push('\n');
         match record.readiness() {
             Some("training") => learning = learning.or(Some(rows)),
-            Some("armed") => learnt = learnt.or(learning.take().map(|from| from..rows)),
+            Some("armed") => learnt = learning.take().map(|from| from..rows).or(learnt),
             _ => learning = None,
         }
         rows += 1;
     }
     Ok(Some(Log { table, learnt, remark }))
+}
+
+#[cfg(test)]
+mod tests {
+    use fdi_core::likelihood::Readiness::{self, Armed, Training, Untrained};
+    use fdi_core::{Instrument, RawSample};
+    use firmware_logic::control_loop::TickRecord;
+    use firmware_logic::log_line::VERSION;
+    use firmware_logic::log_line::tick::TickLine;
+
+    use super::*;
+
+    /// The rows that a board has learnt from by its log, with its readiness on each.
+    fn learnt(readiness: &[Readiness]) -> Option<Range<usize>> {
+        let mut instrument = Instrument::new(&Config::default()).unwrap();
+        let mut log = format!("{}\n", LogLine::Start { version: VERSION });
+        for readiness in readiness {
+            let raw = RawSample::default();
+            let tick = instrument.control(raw);
+            let mut report = instrument.diagnose(&tick, tick.drive);
+            report.likelihood.readiness = *readiness;
+            let _ = writeln!(log, "{}", TickLine::new(&TickRecord::new(raw, tick, tick.drive), &report));
+        }
+        table(&log).unwrap().unwrap().learnt
+    }
+
+    #[test]
+    fn what_a_board_has_learnt_last_and_to_the_end_counts() {
+        assert_eq!(learnt(&[Untrained, Training, Training, Armed, Armed]), Some(1..3));
+        assert_eq!(learnt(&[Training, Armed, Training, Training, Armed]), Some(2..4));
+        assert_eq!(learnt(&[Training, Armed, Training, Untrained, Armed]), Some(0..1));
+        assert_eq!(learnt(&[Untrained, Training, Training]), None);
+    }
 }

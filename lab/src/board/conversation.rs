@@ -535,6 +535,7 @@ pub fn line(order: &Order) -> anyhow::Result<String> {
         Order::Acknowledge => "ack".into(),
         Order::Shelve { seconds } => format!("shelve {}", seconds / 60.0),
         Order::Relearn => "baseline learn".into(),
+        Order::Accept => "accept".into(),
         Order::Setpoint { celsius } => format!("set setpoint {celsius}"),
         Order::Fan { percent } => format!("fan {percent}"),
         Order::Set { name, value } => format!("set {name} {value}"),

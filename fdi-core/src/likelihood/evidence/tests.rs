@@ -176,10 +176,10 @@ const fn free(direction: Direction, mean: f32, sd: f32) -> Prior {
     Prior { direction, mean, sd }
 }
 
-/// What hypotheses free, one or two, with and without prior means.
 /// T0's place among the nuisances.
 const T0: usize = SINCE_ONSET.len() - 1;
 
+/// What hypotheses free, one or two, with and without prior means.
 const FREED: [(Prior, Option<Prior>); 8] = [
     (free(Direction::Of(Regressor::Gain1), 0.0, 0.25), None),
     (free(Direction::Of(Regressor::Gain1), -0.7, 0.2), None),

@@ -59,8 +59,8 @@ pub(in crate::likelihood) struct SinceOnsetState {
     candidate: f32,
     /// The whitened answer to the power since the onset, on the last tick.
     power_response: [f32; 2],
-    /// What the alarm, as it was estimated before, leaves of this tick's squares.
-    left_by_alarm: f32,
+    /// What the alarm, as it was estimated before, leaves of this tick's squares; none of a tick without samples.
+    left_by_alarm: Option<f32>,
 }
 
 /// What the bank sees of a tick.
@@ -123,6 +123,7 @@ impl SinceOnset {
         filter: &WhiteningFilter,
         now: &Nominal,
     ) {
+        s.left_by_alarm = None;
         if s.onset.age > 0 {
             s.onset.pass(&times.onset, filter, now);
         }
@@ -162,7 +163,7 @@ impl SinceOnset {
         match &s.alarm {
             Some(alarm) => {
                 let expected = expected_by(alarm, &row);
-                s.left_by_alarm = (0..2).map(|m| (z[m] - expected[m]) * (z[m] - expected[m])).sum();
+                s.left_by_alarm = Some((0..2).map(|m| (z[m] - expected[m]) * (z[m] - expected[m])).sum());
                 let forgets = if alarm.age > t.forgets_from { seen.times.forgets } else { 1.0 };
                 let keep = [forgets, seen.times.window];
                 Normal::add_to_both([&mut s.since, &mut s.window], keep, &row, z, weight);
@@ -288,8 +289,7 @@ fn expected_by(alarm: &Alarm, row: &Regressors) -> [f32; 2] {
     let frees = [Some(hypothesis.first.direction), hypothesis.second.map(|free| free.direction)];
     let mut expected = [0.0; 2];
     for (direction, value) in frees.into_iter().zip(alarm.values) {
-        let Some(direction) = direction else { continue };
-        for (regressor, weight) in direction.regressors().into_iter().zip(direction.weights()) {
+        for (regressor, weight) in direction.into_iter().flat_map(Direction::moves) {
             for (expected, x) in expected.iter_mut().zip(row[regressor % REGRESSORS]) {
                 *expected += weight * value * x;
             }
@@ -314,9 +314,9 @@ impl SinceOnsetState {
         self.alarm.map(|alarm| alarm.finding)
     }
 
-    /// What the alarm leaves of this tick's squares; none without one.
-    pub(in crate::likelihood) fn left_by_alarm(&self) -> Option<f32> {
-        self.alarm.map(|_| self.left_by_alarm)
+    /// What the alarm leaves of this tick's squares, if the tick has samples; none without an alarm, or where what a user has taught explains it.
+    pub(in crate::likelihood) fn left_by_alarm(&self) -> Option<Option<f32>> {
+        self.alarm.filter(|alarm| alarm.taught.is_none()).map(|_| self.left_by_alarm)
     }
 
     /// The likeliest hypothesis of the alarm.

@@ -89,6 +89,7 @@ mod tests {
             "acknowledge",
             "shelve",
             "relearn",
+            "accept",
             "excite",
             "fan",
             "set",

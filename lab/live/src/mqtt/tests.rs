@@ -163,7 +163,9 @@ fn no_message_reaches_the_rig_but_stop_and_a_set_point_within_bounds() {
     let mut peer = Peer::accept(&bridged(rig, true), false);
     let elsewhere = Publish::new("pt326/other/command", QoS::AtMostOnce, r#"{"command":"stop"}"#);
     peer.send(&Packet::Publish(elsewhere));
-    for order in ["arm", "tune", "acknowledge", "shelve", "relearn", "excite", "fan", "set", "console"] {
+    for order in
+        ["arm", "tune", "acknowledge", "shelve", "relearn", "accept", "excite", "fan", "set", "console"]
+    {
         for payload in [
             format!(r#"{{"command":"{order}"}}"#),
             format!(r#"{{"command":"order","order":{{"order":"{order}"}}}}"#),

@@ -15,6 +15,8 @@ pub(super) struct Contact {
     alarms: u32,
     /// It has been counted in the alarm that stands.
     counted: bool,
+    /// How many faults were taught then.
+    taught: usize,
 }
 
 /// What makes a contact a loose one.
@@ -24,6 +26,8 @@ pub(super) struct Chatter {
     pub(super) alarms: u32,
     /// Ticks after which an error that has not come back is over.
     pub(super) window: u32,
+    /// How many faults are taught: when one more is, the errors so far were made on purpose, to show it.
+    pub(super) taught: usize,
 }
 
 impl Contact {
@@ -35,8 +39,8 @@ impl Contact {
         tick: u32,
     ) -> Option<Finding> {
         self.counted &= alarm.is_some();
-        if tick.wrapping_sub(self.last) > chatter.window {
-            *self = Self::default();
+        if tick.wrapping_sub(self.last) > chatter.window || self.taught != chatter.taught {
+            *self = Self { taught: chatter.taught, ..Self::default() };
         }
         match alarm {
             Some(Some(named)) if loose(named.class).is_some() => self.follow(named, tick),
@@ -50,7 +54,7 @@ impl Contact {
 
     fn follow(&mut self, named: Finding, tick: u32) {
         if self.named.is_none_or(|was| was.class != named.class) {
-            *self = Self { first: named.onset, ..Self::default() };
+            *self = Self { first: named.onset, taught: self.taught, ..Self::default() };
         }
         if !self.counted {
             self.alarms += 1;
@@ -79,7 +83,7 @@ mod tests {
     use super::*;
     use FaultClass::{AirFlow, T1Loose, T1Offset, T2Offset};
 
-    const CHATTER: Chatter = Chatter { alarms: 3, window: 600 };
+    const CHATTER: Chatter = Chatter { alarms: 3, window: 600, taught: 0 };
 
     /// Alarms of these classes, 100 ticks each and 100 ticks apart from tick 50 on; what is said on the last tick of each, and of the pause after it.
     fn said(classes: &[FaultClass]) -> Vec<[Option<Finding>; 2]> {
@@ -119,6 +123,20 @@ mod tests {
             said(&[T1Offset, T2Offset, T1Offset, T1Offset]).iter().all(|said| is_loose(said) == [false; 2])
         );
         assert!(said(&[AirFlow; 5]).iter().flatten().all(Option::is_none));
+    }
+
+    /// The repetitions by which a fault is taught come as a loose contact's errors do; it is none when the fault comes then.
+    #[test]
+    fn what_was_shown_to_teach_a_fault_counts_for_none() {
+        let mut contact = Contact::default();
+        let named = |tick| Some(Finding { class: T1Offset, confidence: 0.9, magnitude: None, onset: tick });
+        let mut alarm = |tick, taught| {
+            let chatter = Chatter { taught, ..CHATTER };
+            contact.step(chatter, None, tick - 1);
+            contact.step(chatter, Some(named(tick)), tick).is_some()
+        };
+        assert_eq!([(100, 0), (200, 0)].map(|(tick, taught)| alarm(tick, taught)), [false; 2]);
+        assert_eq!([(300, 1), (400, 1), (500, 1)].map(|(t, taught)| alarm(t, taught)), [false, false, true]);
     }
 
     /// Too short for a name, it counts for none and keeps what stands.

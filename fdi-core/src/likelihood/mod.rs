@@ -190,6 +190,7 @@ impl Likelihood {
             inputs: Inputs::ALL,
             stands: Seconds(tuning.alarm.stands).ticks(ts),
             chatter: Chatter {
+                taught: c.taught.len(),
                 alarms: tuning.alarm.chatters as u32,
                 window: Seconds(tuning.alarm.returns).ticks(ts),
             },

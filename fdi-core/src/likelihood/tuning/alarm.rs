@@ -56,7 +56,7 @@ tuning! {
         /// A change that only nuisances explain for this long is taken over by the tracker.
         taken_after = 8.0, "s", chosen "";
         /// From this age on, an alarm forgets old samples (with `tuning.times.forgetting`).
-        forgets_from = 3.0, "s", measured "a later sag is absorbed (prototype 2); without it a clogged T1 loses its name in 5 runs of 100";
+        forgets_from = 3.0, "s", measured "a later sag is absorbed (prototype 2); without it a clogged T1 loses its name in 9 runs of 200";
         /// An alarm ends when the log odds of "it is over" exceed this. In slow surroundings the same odds against it refute that.
         over = 5.0, "1", measured "prototype 2";
         /// An alarm also ends if no hypothesis has more evidence than this (from `tuning.naming.process_time` on).

@@ -274,7 +274,7 @@ impl core::str::FromStr for Pattern {
 
     fn from_str(text: &str) -> Result<Self, PatternError> {
         let mut cells = [X; WIDTH];
-        let mut words = text.split_whitespace();
+        let mut words = text.split_ascii_whitespace();
         for cell in &mut cells {
             *cell = match words.next().ok_or(PatternError)? {
                 "-1" => LOW,

@@ -19,22 +19,6 @@ pub(crate) fn dot<const N: usize>(a: &[f32; N], b: &[f32; N]) -> f32 {
     sum
 }
 
-/// The sum of all that is in these lists. A function of its own, since flash is short, and side by side, since it is asked often; so the order
-/// in which it sums is nobody's to rely on.
-#[inline(never)]
-pub(crate) fn sum(lists: &[&[f32]]) -> f32 {
-    let (mut sums, mut all) = ([0.0; 8], 0.0);
-    for list in lists {
-        let (side_by_side, rest) = list.as_chunks::<8>();
-        for eight in side_by_side {
-            sums.iter_mut().zip(eight).for_each(|(sum, x)| *sum += x);
-        }
-        rest.iter().for_each(|x| all += x);
-    }
-    sums.iter().for_each(|sum| all += sum);
-    all
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,7 +5,6 @@ use super::regressor::{LASTING, Regressor, Regressors};
 use super::tuning::Tuned;
 use crate::bounds::{bounded, larger};
 use crate::filter::LowPass;
-use crate::vector::sum;
 
 const N: usize = 4;
 
@@ -133,7 +132,8 @@ impl Tracker {
 
     /// Finite as long as all of it is.
     pub(super) fn sum(&self) -> f32 {
-        sum(&[&self.x, self.p.as_flattened(), &self.level, &self.walk, &[self.steps]])
+        self.x.iter().chain(self.p.iter().flatten()).chain(&self.level).chain(&self.walk).sum::<f32>()
+            + self.steps
     }
 
     /// Adds process noise with these standard deviations.

@@ -5,7 +5,6 @@ use crate::bounds::{larger, smaller};
 use crate::likelihood::onset::Onset;
 use crate::likelihood::regressor::Regressors;
 use crate::likelihood::usual::Usual;
-use crate::vector::sum;
 
 impl WatchState {
     /// What is usual on this rig, as far as is known now.
@@ -80,6 +79,6 @@ impl WatchState {
             self.returned.sum(),
             self.heat.sum(),
         ];
-        sum(&[&stages, &self.measured, &[self.curvature_error]])
+        stages.iter().chain(&self.measured).sum::<f32>() + self.curvature_error
     }
 }

@@ -12,7 +12,6 @@ use crate::likelihood::start::{Begun, Start};
 use crate::likelihood::training::Trained;
 use crate::likelihood::tuning::Tuned;
 use crate::likelihood::whitening::WhiteningFilter;
-use crate::vector::sum;
 
 /// The simulation of a rig that has these inputs.
 #[derive(Clone, Debug)]
@@ -334,10 +333,10 @@ impl SimulationState {
 
     /// Finite as long as all of it is that stays.
     pub(super) fn sum(&self) -> f32 {
+        let lists: f32 = self.expected.iter().chain(&self.mean).chain(&self.parameters.0).sum();
         let inlet = self.inlet.map_or(0.0, |inlet| inlet.t0 + inlet.mean);
-        let motions = [&self.rig, &self.less, &self.more].map(|rig| rig.motion.sum());
-        let rest = [self.fan, self.gain, inlet, self.second_heater.added()];
-        sum(&[&self.expected, &self.mean, &self.parameters.0, &motions, &rest])
+        let motions: f32 = [&self.rig, &self.less, &self.more].map(|rig| rig.motion.sum()).iter().sum();
+        lists + self.fan + self.gain + inlet + self.second_heater.added() + motions
     }
 }
 

@@ -12,7 +12,6 @@ use crate::likelihood::inputs::Inputs;
 use crate::likelihood::normal::LastingNormal;
 use crate::likelihood::regressor::{LASTING, Regressor, Regressors};
 use crate::likelihood::tuning::Tuned;
-use crate::vector::sum;
 
 /// Its memories.
 #[derive(Clone, Copy, Debug)]
@@ -142,10 +141,9 @@ impl Steady {
 
     /// Finite as long as all of it is that stays.
     pub(super) fn sum(&self) -> f32 {
-        let [slow, mean] = [&self.slow, &self.mean].map(|pairs| pairs.as_flattened());
-        sum(&[slow, mean, &self.slow_z, &self.mean_e, &self.base, &self.reference])
-            + self.trained
-            + self.normal.sum()
+        let pairs = self.slow.iter().chain(&self.mean).chain([&self.slow_z, &self.mean_e, &self.base]);
+        let all: f32 = pairs.flatten().chain(&self.reference).sum();
+        all + self.trained + self.normal.sum()
     }
 
     /// Whether there is anything to judge by.

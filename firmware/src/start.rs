@@ -141,10 +141,9 @@ fn in_force<T>(half: Result<T, ConfigError>) -> T {
 #[inline(never)]
 fn share(settings: Stored, orders: Producer<'static, Order>) -> &'static Shared {
     static SHARED: StaticCell<Shared> = StaticCell::new();
-    SHARED.init_with(|| {
-        let diagnosis = in_force(Diagnosis::new(&settings.config));
-        Shared::new(DiagnosisLoop::new(diagnosis, settings), orders)
-    })
+    let place = SHARED.uninit(); // not `init_with`, whose closure takes both along once more
+    let diagnosis = in_force(Diagnosis::new(&settings.config));
+    place.write(Shared::new(DiagnosisLoop::new(diagnosis, settings), orders))
 }
 
 /// Each task is spawned once, and there is room for one of each.

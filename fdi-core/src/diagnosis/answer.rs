@@ -13,13 +13,12 @@
 //! assert_eq!([(); 4].map(|()| answers.step(&mut standing, &low_t2)), [0, 0, 4, 4]);
 //! ```
 
-use super::signature::{Rows, Signature, Symptoms, Table};
+use super::signature::{Signature, Symptoms, Table};
 
 /// The answers of one table.
 #[derive(Clone, Debug)]
 pub struct Answers {
-    at_once: Table,
-    own: Table,
+    table: Table,
     /// Ticks that a row of the user's own must have matched, less those since on which it did not.
     needed: u32,
 }
@@ -35,17 +34,13 @@ pub struct Standing {
 impl Answers {
     /// Those of these rows, if one with a name must match for `needed` ticks.
     pub fn new(rows: &[Signature], needed: u32) -> Self {
-        let of = |own: bool| {
-            let some: Rows = rows.iter().filter(|row| row.name.is_empty() != own).copied().collect();
-            Table::new(&some)
-        };
-        Self { at_once: of(false), own: of(true), needed }
+        Self { table: Table::new(rows), needed }
     }
 
     /// The number of a row that has matched for long enough, else of one that needs not; 0 where there is none.
     #[inline]
     pub fn step(&self, standing: &mut Standing, symptoms: &Symptoms) -> u8 {
-        let own = self.own.look_up(symptoms);
+        let [at_once, own] = self.table.look_up(symptoms);
         if own == standing.number {
             standing.ticks = standing.ticks.saturating_add(1).min(self.needed);
         } else if standing.number != 0 && standing.ticks > 0 {
@@ -54,6 +49,6 @@ impl Answers {
             *standing = Standing { number: own, ticks: 1 };
         }
         let stands = own != 0 && own == standing.number && standing.ticks >= self.needed;
-        if stands { own } else { self.at_once.look_up(symptoms) }
+        if stands { own } else { at_once }
     }
 }

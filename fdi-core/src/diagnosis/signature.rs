@@ -12,7 +12,7 @@
 //! let features = [0.0, 0.0, 40.5, -0.5, 0.3, 0.35, 2.1];
 //! let symptoms = symptoms(&features, &normal, 3.0);
 //! assert_eq!(symptoms.map(|symptom| symptom.sign()), [0, -1, 0, 1, 0]);
-//! assert_eq!(Table::new(&PAPER_ISOLATION).look_up(&symptoms), 1); // AFS2
+//! assert_eq!(Table::new(&PAPER_ISOLATION).look_up(&symptoms), [1, 0]); // AFS2, and none of a user's own
 //! ```
 
 use core::fmt;
@@ -185,34 +185,47 @@ fn place(symptoms: &Symptoms) -> usize {
     symptoms.iter().rev().fold(0, |place, &symptom| 3 * place + symptom as usize)
 }
 
-/// A table ready to be looked up in: the answer to every vector of symptoms, whatever the rows ask for.
+const _: () = assert!(MAX_ROWS < 16, "a row takes half a byte");
+
+/// A table ready to be looked up in: the answers to every vector of symptoms, whatever the rows ask for.
 #[derive(Clone, Debug)]
 pub struct Table {
-    numbers: [u8; VECTORS],
+    /// Of each row, counted from 1.
+    numbers: [u8; MAX_ROWS + 1],
+    /// The last row that matches and has no name, and in the upper half of the byte the last that has one.
+    rows: [u8; VECTORS],
 }
 
 impl Table {
-    /// Works out every answer.
+    /// Works out every answer; of more rows than there is room for, the first count.
     pub fn new(rows: &[Signature]) -> Self {
         const ALL: [Symptom; 3] = [Symptom::Low, Symptom::Normal, Symptom::High];
-        let mut numbers = [0; VECTORS];
-        for (place, number) in numbers.iter_mut().enumerate() {
+        let mut table = Self { numbers: [0; MAX_ROWS + 1], rows: [0; VECTORS] };
+        let rows = || (1..=MAX_ROWS).zip(rows);
+        rows().for_each(|(i, row)| table.numbers[i] = row.number);
+        for (place, found) in table.rows.iter_mut().enumerate() {
             let mut rest = place;
             let symptoms = core::array::from_fn(|_| {
                 let symptom = ALL[rest % ALL.len()];
                 rest /= ALL.len();
                 symptom
             });
-            let last = rows.iter().rev().find(|row| row.pattern.matches(&symptoms));
-            *number = last.map_or(0, |row| row.number);
+            for (i, row) in rows().filter(|(_, row)| row.pattern.matches(&symptoms)) {
+                *found = if row.name.is_empty() {
+                    *found & 0xF0 | i as u8
+                } else {
+                    *found & 0x0F | (i as u8) << 4
+                };
+            }
         }
-        Self { numbers }
+        table
     }
 
-    /// The number of the last row that matches, 0 where none does.
+    /// The numbers of the last row that matches and has no name, and of the last that has one; 0 where there is none.
     #[inline]
-    pub fn look_up(&self, symptoms: &Symptoms) -> u8 {
-        self.numbers.get(place(symptoms)).copied().unwrap_or(0)
+    pub fn look_up(&self, symptoms: &Symptoms) -> [u8; 2] {
+        let found = self.rows.get(place(symptoms)).copied().unwrap_or(0);
+        [found & 0x0F, found >> 4].map(|row| self.numbers.get(usize::from(row)).copied().unwrap_or(0))
     }
 }
 
@@ -261,7 +274,7 @@ impl core::str::FromStr for Pattern {
 
     fn from_str(text: &str) -> Result<Self, PatternError> {
         let mut cells = [X; WIDTH];
-        let mut words = text.split_whitespace();
+        let mut words = text.split_ascii_whitespace();
         for cell in &mut cells {
             *cell = match words.next().ok_or(PatternError)? {
                 "-1" => LOW,

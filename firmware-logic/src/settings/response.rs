@@ -28,7 +28,7 @@ pub(super) fn set<'a>(
 }
 
 fn parse(text: &str) -> Option<Response> {
-    let mut words = text.split_whitespace();
+    let mut words = text.split_ascii_whitespace();
     let name = words.next()?.parse().ok()?;
     let mut effects = [0; EFFECTS];
     for effect in &mut effects {

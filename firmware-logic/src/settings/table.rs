@@ -81,7 +81,7 @@ pub(super) fn put<'a, T, const N: usize>(
 /// The pattern and the name behind it; `None` where the last of more words than a pattern has is no name.
 fn named(text: &str) -> Option<(&str, Name)> {
     let (pattern, name) = text.rsplit_once(' ')?;
-    if pattern.split_whitespace().count() < WIDTH {
+    if pattern.split_ascii_whitespace().count() < WIDTH {
         return None;
     }
     Some((pattern, name.parse().ok()?))

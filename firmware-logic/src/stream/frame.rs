@@ -35,7 +35,7 @@ pub fn write(line: &impl Display, out: &mut impl Write) -> fmt::Result {
 
 /// The line in what stood between [`START`] and [`END`]; `None` where it is not whole.
 pub fn read(frame: &[u8]) -> Option<&str> {
-    let (line, sum) = core::str::from_utf8(frame).ok()?.trim_end().rsplit_once('*')?;
+    let (line, sum) = core::str::from_utf8(frame).ok()?.trim_ascii_end().rsplit_once('*')?;
     let is_hex = sum.len() == 8 && sum.bytes().all(|byte| byte.is_ascii_hexdigit());
     let told = u32::from_str_radix(sum, 16).ok().filter(|_| is_hex)?;
     (CRC32.checksum(line.as_bytes()) == told).then_some(line)

@@ -174,7 +174,7 @@ impl Recording {
         let learnt = board.as_ref().and_then(|log| log.learnt.clone()).and_then(|rows| {
             let mut within =
                 (0..grid.rows.len()).filter(|&k| grid.rows[k].is_some_and(|row| rows.contains(&row)));
-            within.next().map(|first| first..within.last().unwrap_or(first) + 1)
+            within.next().map(|first| first..within.next_back().unwrap_or(first) + 1)
         });
         let known = how.celsius.or(board.as_ref().map(|_| 1.0));
         let celsius = known.unwrap_or_else(|| celsius(&heaters));

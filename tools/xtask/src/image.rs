@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TARGET: &str = "thumbv7em-none-eabihf";
+/// Where cargo unpacks what it gets from crates.io. Its folders name themselves, and forty of them stand in the image.
+const PACKAGES: &str = "registry/src/index.crates.io-1949cf8c6b5b557f";
 const ATTACH: &str =
     "['probe-rs', 'attach', '--chip', 'STM32F411RETx', '--no-catch-hardfault', '--no-catch-reset']";
 
@@ -44,7 +46,8 @@ pub(crate) fn remaps() -> Vec<String> {
     let home = std::env::var_os("CARGO_HOME")
         .map(PathBuf::from)
         .or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));
-    [(Some(root()), "pt326"), (Some(target()), "target"), (home, "cargo")]
+    let packages = home.as_ref().map(|home| home.join(PACKAGES));
+    [(Some(root()), "pt326"), (Some(target()), "target"), (home, "cargo"), (packages, "")]
         .into_iter()
         .filter_map(|(folder, name)| Some((folder.filter(|folder| folder.is_absolute())?, name)))
         .map(|(folder, name)| quoted(&format!("--remap-path-prefix={}={name}", folder.display())))

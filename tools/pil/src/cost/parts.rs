@@ -161,6 +161,6 @@ fn compare(features: &[f32; 7], recording: &Recording, factor: f32) -> Symptoms 
 }
 
 #[inline(never)]
-fn look(detection: &Table, isolation: &Table, symptoms: &Symptoms) -> (u8, u8) {
-    (detection.look_up(symptoms), isolation.look_up(symptoms))
+fn look(detection: &Table, isolation: &Table, symptoms: &Symptoms) -> [[u8; 2]; 2] {
+    [detection, isolation].map(|table| table.look_up(symptoms))
 }

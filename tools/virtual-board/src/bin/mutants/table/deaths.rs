@@ -91,8 +91,8 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "a stack overflow corrupts the controller",
         "memory.x",
         [
-            "  STACK : ORIGIN = 0x20000000, LENGTH = 34K\n  RAM   : ORIGIN = 0x20008800, LENGTH = 94K\n",
-            "  STACK : ORIGIN = 0x20010000, LENGTH = 34K\n  RAM   : ORIGIN = 0x20000000, LENGTH = 64K\n",
+            "  STACK : ORIGIN = 0x20000000, LENGTH = 30K\n  RAM   : ORIGIN = 0x20007800, LENGTH = 98K\n",
+            "  STACK : ORIGIN = 0x20010000, LENGTH = 30K\n  RAM   : ORIGIN = 0x20000000, LENGTH = 64K\n",
         ],
         &["last_gasp::a_stack_overflow"],
     ),

@@ -117,8 +117,7 @@ impl HypothesisTuning {
     const fn stuck(&self, which: Channel, gain: Regressor, offset: Regressor, channel: usize) -> Hypothesis {
         let row = row(FaultClass::Stuck(which), of(gain), -1.0, self.stuck_sd);
         let row = with(row, of(offset), 0.0, self.jump_sd);
-        let (least, most) = self.near(&row);
-        let row = within(row, least, most);
+        let row = within(row, -1.0 - self.stuck_most, -1.0 + self.stuck_most);
         brief(rare(Hypothesis { stuck_at: Some(channel), ..row }, self.rare))
     }
 

@@ -31,6 +31,8 @@ tuning! {
         drift_sd = 3.0, "degC/min", chosen "";
         /// Standard deviation of the share of its gain that a stuck thermistor still shows.
         stuck_sd = 0.03, "1", chosen "";
+        /// Largest share of its gain that a stuck thermistor shows, both signs.
+        stuck_most = 0.1, "1", chosen "with 0.15 a large error of T2 on the hot end is called stuck (page tests)";
         /// Standard deviation of the jump with which a drift begins, and of what a stuck thermistor reads around what it read before.
         jump_sd = 0.2, "degC", chosen "";
         /// Mean and standard deviation of the power of a heater that gives the same whatever is asked for.
@@ -51,7 +53,7 @@ tuning! {
         uncommon = -3.0, "1", chosen "one of them for 20 of the common ones";
         /// Log odds beforehand of faults that are rarer still.
         rare = -5.0, "1", measured "with -4 MFS1 has its name 0.08 s later (95 % of 200 runs)";
-        /// A thermistor that is further from what it means to be out of the tube, to stand still or to be exchanged is none of these. `pt326 isolability` assumes no fault further from its prior's mean.
+        /// A thermistor that is further from what it means to be out of the tube or to be exchanged is neither. `pt326 isolability` assumes no fault further from its prior's mean.
         farthest = 5.0, "standard deviations", chosen "";
     }
 }

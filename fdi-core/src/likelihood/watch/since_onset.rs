@@ -148,14 +148,10 @@ impl SinceOnset {
         let slope = if seen.times.slow_surroundings { 0.0 } else { t.transient_slope };
         let transient = 1.0 + slope * larger(0.0, jump - t.transient_from);
         let weight = 1.0 / (transient * transient);
-        // A jump: what sensors do begins here. What the process does goes on, if a sag or the like stirred before; of mere noise nothing does.
+        // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
         if s.alarm.is_none() && s.onset.age > 0 && self.jumps(s, z) {
-            if s.since.energy < self.tuning.naming.strange * s.since.count {
-                s.begin_anew();
-            } else {
-                s.since.forget(&SENSORS);
-                s.onset.restart_sensors(seen.simulated.before[0]);
-            }
+            s.since.forget(&SENSORS);
+            s.onset.restart_sensors(seen.simulated.before[0]);
             s.at_onset = seen.measured;
         }
         let row = s.onset.step(&seen.times.onset, seen.filter, seen.nominal);

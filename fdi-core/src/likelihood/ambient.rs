@@ -35,8 +35,7 @@ impl Ambient {
         let t = &tuning.ambient;
         let answer_time = smaller(t.longest, answer_time);
         Self {
-            trend: [t.short_memory, t.long_memory]
-                .map(|times| LowPass::euler(times * answer_time, sample_time)),
+            trend: [t.short_memory, t.rest].map(|times| LowPass::euler(times * answer_time, sample_time)),
             fastest: t.fastest / 60.0 * sample_time,
             sample_time: sample_time / answer_time,
             tuning,
@@ -51,7 +50,7 @@ impl Ambient {
         s.rest = if outlet.is_some() { smaller(t.rest, s.rest + self.sample_time) } else { 0.0 };
         match (outlet, t0, s.believed) {
             (Some(outlet), ..) if s.rest >= t.rest => {
-                let close = t0.filter(|t0| (t0 - outlet).abs() < t.alike);
+                let close = t0.filter(|t0| (t0 - outlet).abs() < self.tuning.sensors.alike);
                 s.believed = Some(close.unwrap_or(outlet));
             }
             (_, Some(t0), Some(ambient)) if (t0 - ambient).abs() < t.followed => {
@@ -68,12 +67,12 @@ impl Ambient {
     fn doubt(&self, s: &mut AmbientState, tick: u32, t0: f32) {
         s.off = s.believed.map(|ambient| t0 - ambient);
         let t = &self.tuning.ambient;
-        let limit = if s.is_wrong(t) { t.right } else { t.wrong };
+        let limit = if s.is_wrong(t) { t.followed } else { self.tuning.sensors.gross };
         let wrong = s.off.map_or(!is_possible(t, &t0), |off| off.abs() > limit);
         if s.wrong == 0.0 {
             s.since = tick;
         }
-        s.wrong = if wrong { smaller(t.wrong_time, s.wrong + self.sample_time) } else { 0.0 };
+        s.wrong = if wrong { smaller(t.short_memory, s.wrong + self.sample_time) } else { 0.0 };
     }
 
     /// The mean of T1 and T2, where they are at rest.
@@ -87,7 +86,7 @@ impl Ambient {
             still &= (means[0] - means[1]).abs() < self.tuning.ambient.trend;
         }
         let [near, far] = [means[0][0], means[1][0]];
-        (still && (near - far).abs() < self.tuning.ambient.alike).then_some(0.5 * (near + far))
+        (still && (near - far).abs() < self.tuning.sensors.alike).then_some(0.5 * (near + far))
     }
 
     /// Whether T0 may be what the room is.
@@ -99,7 +98,7 @@ impl Ambient {
     /// A T0 that reads wrong.
     pub(super) fn finding(&self, s: &AmbientState) -> Option<Finding> {
         let t = &self.tuning.ambient;
-        let magnitude = s.off.map(|value| Magnitude { value, half_width: t.alike });
+        let magnitude = s.off.map(|value| Magnitude { value, half_width: self.tuning.sensors.alike });
         let finding = Finding { class: FaultClass::T0Fault, confidence: 1.0, magnitude, onset: s.since };
         s.is_wrong(t).then_some(finding)
     }
@@ -118,7 +117,7 @@ impl AmbientState {
     }
 
     fn is_wrong(&self, t: &AmbientTuning) -> bool {
-        self.wrong >= t.wrong_time
+        self.wrong >= t.short_memory
     }
 
     /// The ambient temperature that is believed, degC.

@@ -13,7 +13,7 @@
 
 use super::class::{Channel, FaultClass, Pair};
 use super::impulse::{ImpulseResponse, ImpulseResponseState, Moments};
-use super::tuning::ContradictionTuning;
+use super::tuning::Tuning;
 use super::verdict::Finding;
 use crate::bounds::{larger, smaller};
 use crate::filter::LowPass;
@@ -62,10 +62,11 @@ impl Contradiction {
         self.cold = if heating { 0 } else { self.cold.saturating_add(1) };
         response.step(&mut self.response, readings, power);
         let ticks = response.ticks();
-        let t = &response.tuning.contradiction;
+        let t: &Tuning = &response.tuning;
+        let (every, over) = (t.contradiction.every as u32, t.contradiction.over as u32);
         self.compare(t, readings, ticks as f32);
-        if tick.is_multiple_of(t.every as u32 * ticks) && self.cold < t.after_heating as u32 * ticks {
-            let t2_warmer = self.warmer >= t.steps;
+        if tick.is_multiple_of(every * ticks) && self.cold < over * ticks {
+            let t2_warmer = self.warmer >= t.impulse.steps;
             let judgement = judge(t, &self.response.moments(response), readings, t2_warmer);
             let before = core::mem::replace(&mut self.judgement, judgement);
             if judgement == before {
@@ -76,15 +77,14 @@ impl Contradiction {
     }
 
     /// Is T2 warmer than T1, and not only because it cools later?
-    fn compare(&mut self, t: &ContradictionTuning, [t0, t1, t2]: [Option<f32>; 3], ticks: f32) {
+    fn compare(&mut self, t: &Tuning, [t0, t1, t2]: [Option<f32>; 3], ticks: f32) {
         let (Some(t0), Some(t1), Some(t2)) = (t0, t1, t2) else { return };
         let mean = self.t2_mean.get_or_insert(t2);
-        LowPass::over(t.mean * ticks).follow(mean, t2);
-        let much = larger(t.differ, t.differ_share * (t2 - t0));
+        LowPass::over(t.impulse.steps * ticks).follow(mean, t2);
+        let much = larger(t.sensors.gross, t.sensors.share * (t2 - t0));
         self.since_warmer = self.since_warmer.saturating_add(1);
-        if t2 - t1 > much && t2 > *mean - t.falling {
-            let weight = smaller(t.weight, (t2 - t1) / much);
-            self.warmer = smaller(t.steps, self.warmer + weight / ticks);
+        if t2 - t1 > much && t2 > *mean - t.heat.cooling {
+            self.warmer = smaller(t.impulse.steps, self.warmer + (t2 - t1) / (much * ticks));
             self.since_warmer = 0;
         } else {
             self.warmer = 0.0;
@@ -97,24 +97,21 @@ impl Contradiction {
     }
 
     /// Once found it stands until thermistors that are heated are seen to agree.
-    fn conclude(&mut self, t: &ContradictionTuning, tick: u32, heating: bool, ticks: u32) {
+    fn conclude(&mut self, t: &Tuning, tick: u32, heating: bool, ticks: u32) {
         match self.judgement {
             Judgement::Contradict(class) if self.found.is_none_or(|found| found.class != class) => {
-                let onset = tick.saturating_sub(t.every as u32 * ticks);
+                let onset = tick.saturating_sub(t.contradiction.every as u32 * ticks);
                 self.found = Some(Finding { class, confidence: 1.0, magnitude: None, onset });
             }
-            Judgement::Agree if heating && self.since_warmer > t.over as u32 * ticks => self.found = None,
+            Judgement::Agree if heating && self.since_warmer > t.contradiction.over as u32 * ticks => {
+                self.found = None
+            }
             _ => {}
         }
     }
 }
 
-fn judge(
-    t: &ContradictionTuning,
-    answers: &[Moments; 3],
-    readings: [Option<f32>; 3],
-    t2_warmer: bool,
-) -> Judgement {
+fn judge(t: &Tuning, answers: &[Moments; 3], readings: [Option<f32>; 3], t2_warmer: bool) -> Judgement {
     let [_, a1, a2] = answers;
     match contradiction(t, answers, readings, t2_warmer) {
         Some(class) => Judgement::Contradict(class),
@@ -124,7 +121,7 @@ fn judge(
 }
 
 fn contradiction(
-    t: &ContradictionTuning,
+    t: &Tuning,
     answers: &[Moments; 3],
     readings: [Option<f32>; 3],
     t2_warmer: bool,
@@ -134,9 +131,9 @@ fn contradiction(
     let [t0, t1, t2] = readings;
     let cold = |reading: Option<f32>, other: Option<f32>| {
         let (reading, t0, other) = (reading?, t0?, other?);
-        Some(reading - t0 < t.cold_share * (other - t0) + t.cold)
+        Some(reading - t0 < t.sensors.share * (other - t0) + t.sensors.alike)
     };
-    if a0.responds(t) && a0.area > t.ambient * strongest.area {
+    if a0.responds(t) && a0.area > t.sensors.share * strongest.area {
         return match (a1.is_silent_beside(t, a0), a2.is_silent_beside(t, a0)) {
             (true, _) => Some(FaultClass::Swapped(Pair::T0T1)),
             (false, true) => Some(FaultClass::Swapped(Pair::T0T2)),
@@ -160,22 +157,22 @@ fn contradiction(
         return Some(FaultClass::T1Detached);
     }
     let (t0, t1, t2) = (t0?, t1?, t2?);
-    let warmest = t0 - t1 > t.differ && t0 - t2 > t.differ;
+    let warmest = t0 - t1 > t.sensors.gross && t0 - t2 > t.sensors.gross;
     (warmest && strongest.responds(t)).then_some(FaultClass::T0Fault)
 }
 
 impl Moments {
-    fn responds(&self, t: &ContradictionTuning) -> bool {
-        self.area > t.answers * self.area_sd
+    fn responds(&self, t: &Tuning) -> bool {
+        self.area > t.contradiction.answers * self.area_sd
     }
 
-    fn is_silent_beside(&self, t: &ContradictionTuning, other: &Self) -> bool {
-        self.area.abs() + t.silent_sds * self.area_sd < t.silent * other.area
+    fn is_silent_beside(&self, t: &Tuning, other: &Self) -> bool {
+        self.area.abs() + t.contradiction.answers * self.area_sd < t.sensors.share * other.area
     }
 
-    fn comes_after(&self, t: &ContradictionTuning, other: &Self) -> bool {
+    fn comes_after(&self, t: &Tuning, other: &Self) -> bool {
         let (gap, sd) = (self.late - other.late, self.late_sd + other.late_sd);
-        gap > t.after && gap > t.answers * sd
+        gap > t.contradiction.after && gap > t.contradiction.answers * sd
     }
 }
 
@@ -196,10 +193,10 @@ mod tests {
         let warm = [Some(22.0), Some(42.0), Some(41.0)];
         let at = |t0: f32, t1: f32, t2: f32| [Some(t0), Some(t1), Some(t2)];
         let said = |answers: [Moments; 3], readings, t2_warmer| {
-            contradiction(&ContradictionTuning::DEFAULT, &answers, readings, t2_warmer)
+            contradiction(&Tuning::DEFAULT, &answers, readings, t2_warmer)
         };
         assert_eq!(said([silent(), t1, t2], warm, false), None);
-        assert_eq!(judge(&ContradictionTuning::DEFAULT, &[silent(), t1, t2], warm, false), Judgement::Agree);
+        assert_eq!(judge(&Tuning::DEFAULT, &[silent(), t1, t2], warm, false), Judgement::Agree);
         assert_eq!(said([silent(), silent(), t2], at(22.0, 22.5, 41.0), false), Some(FaultClass::T1Detached));
         assert_eq!(said([silent(), silent(), t2], warm, false), Some(FaultClass::Stuck(Channel::T1)));
         assert_eq!(said([silent(), t1, silent()], at(22.0, 42.0, 22.5), false), Some(FaultClass::T2Detached));
@@ -215,7 +212,7 @@ mod tests {
     fn too_little_seen_concludes_nothing() {
         let unknown = Moments { area: 0.3, area_sd: 0.1, late: 5.0, late_sd: 2.0 };
         assert_eq!(
-            judge(&ContradictionTuning::DEFAULT, &[unknown; 3], [Some(22.0), Some(42.0), Some(41.0)], false),
+            judge(&Tuning::DEFAULT, &[unknown; 3], [Some(22.0), Some(42.0), Some(41.0)], false),
             Judgement::Open
         );
     }

@@ -67,7 +67,7 @@ pub fn since_onset(tuning: Tuned) -> [Term; 10] {
 }
 
 /// The nuisances since training.
-pub fn since_training(tuning: Tuned) -> [Term; 10] {
+pub fn since_training(tuning: Tuned) -> [Term; 8] {
     hypothesis::nuisances_since_training(&tuning.nuisances).map(Term::nuisance)
 }
 

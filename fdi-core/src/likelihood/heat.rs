@@ -74,8 +74,8 @@ impl Heat {
             s.too_hot = 0.0; // the fan has just come on
         }
         s.was_heating = heating;
-        let t = &self.tuning.heat;
-        let unasked = |rise: &Rise| rise.expected < t.no_rise && rise.measured - rise.expected > t.too_hot;
+        let (t, of) = (&self.tuning.heat, &self.tuning.sensors);
+        let unasked = |rise: &Rise| rise.expected < of.alike && rise.measured - rise.expected > of.gross;
         // All that read anything: a T1 that stands still while the rig cools is no heater.
         let known = || now.iter().flatten();
         if known().count() == 0 || !known().all(unasked) {
@@ -89,15 +89,16 @@ impl Heat {
                 (s.too_hot, s.stuck_on) = (0.0, false);
             }
         }
-        s.too_hot = smaller(t.too_hot_off, s.too_hot + self.sample_time);
-        s.stuck_on |= s.too_hot >= if heating { t.too_hot_time } else { t.too_hot_off };
+        let longest = self.tuning.ambient.rest;
+        s.too_hot = smaller(longest, s.too_hot + self.sample_time);
+        s.stuck_on |= s.too_hot >= if heating { t.too_hot_time } else { longest };
     }
 
     /// Whether T1 has moved since an onset, however late, for long enough to be told: what stands still is stuck, what follows slowly is not.
     pub(super) fn t1_moves(&self, s: &HeatState, onset: u32, tick: u32) -> bool {
-        let t = &self.tuning.heat;
-        let settled = tick.saturating_sub(onset) as f32 * self.rises.share() > t.stuck_time;
-        settled && s.motion.measured > t.stuck * t.stuck * s.motion.expected
+        let still = self.tuning.sensors.share;
+        let settled = tick.saturating_sub(onset) as f32 * self.rises.share() > self.tuning.heat.stuck_time;
+        settled && s.motion.measured > still * still * s.motion.expected
     }
 
     /// `e2` is what T2 reads above what the power lets expect, degC; `gain` the share of T1's rise that reaches T2.
@@ -125,14 +126,14 @@ impl HeatState {
 
     /// T1's rise by T2 and the models, where the models alone expect `expected`, degC; None where these disagree, or T1 and T2 do.
     pub(super) fn virtual_t1(&self, expected: f32) -> Option<f32> {
-        let t = &self.tuning.heat;
-        let limit = t.correction + t.correction_share * expected.abs();
+        let t = &self.tuning.sensors;
+        let limit = t.alike + t.share * expected.abs();
         (!self.contradict && self.correction.abs() <= limit).then_some(expected + self.correction)
     }
 
     /// Air flow by the static gain, % of normal, the larger of what T1 and T2 say; None where it is too cold to tell.
     pub(super) fn air_flow(&self) -> Option<f32> {
-        let least = self.tuning.heat.flow_rise;
+        let least = self.tuning.sensors.alike;
         let flow = |rise: &Rise| {
             let warm = rise.expected > least && rise.measured > least;
             warm.then(|| 100.0 * rise.expected / rise.measured)
@@ -144,7 +145,7 @@ impl HeatState {
     pub(super) fn detached(&self, onset: u32) -> Option<Finding> {
         let share = self.tuning.heat.unexplained;
         let [t1, t2] = &self.rises;
-        let (least, attached) = (self.tuning.heat.detached_rise, self.tuning.heat.attached);
+        let (least, attached) = (self.tuning.sensors.gross, self.tuning.sensors.share);
         if !(t1.expected > least && t2.expected > least) {
             return None;
         }
@@ -166,7 +167,7 @@ impl HeatState {
     pub(super) fn compare(&mut self, both: bool) {
         let [t1, t2] = &self.rises;
         let off = ((t2.measured - t1.measured) - (t2.expected - t1.expected)).abs();
-        self.contradict = both && off > self.tuning.charts.largest_contradiction;
+        self.contradict = both && off > self.tuning.sensors.gross;
     }
 
     /// Finite as long as all of it is that stays.
@@ -236,7 +237,7 @@ mod tests {
         for _ in 0..400 {
             heat.correct(&mut s, 7.2, 0.9);
         }
-        assert_eq!(s.virtual_t1(20.0), None, "8 degC, and 3 and a fifth of 20 are 7");
+        assert_eq!(s.virtual_t1(20.0), None, "8 degC, and 2 and a quarter of 20 are 7");
     }
 
     /// Whoever sees only a part of a rise that the other sees is out of the tube; a loss that both see is none of a thermistor.

@@ -27,6 +27,9 @@ pub(super) struct Hypothesis {
     pub(super) sized: bool,
 }
 
+/// Standard deviation of what may be anywhere within 1.
+const ANYWHERE: f32 = 0.288_675;
+
 /// A magnitude that may be anything.
 pub(super) const UNBOUNDED: (f32, f32) = (-1e9, 1e9);
 
@@ -86,19 +89,19 @@ impl HypothesisTuning {
     }
 
     const fn clogged(&self, loss: Direction) -> Hypothesis {
-        within(row(FaultClass::T1Clogged, loss, 0.0, self.share_sd), -self.detached, 0.0)
+        within(row(FaultClass::T1Clogged, loss, 0.0, self.share_sd), -self.large, 0.0)
     }
 
     /// A thermistor that was clogged when the model was trained, and is mended.
     const fn unclogged(&self) -> Hypothesis {
         let row = row(FaultClass::T1Clogged, of(Regressor::Gain1), 0.0, self.share_sd);
-        rare(within(row, 0.0, self.mended), self.rare)
+        rare(within(row, 0.0, self.large), self.rare)
     }
 
     const fn detached(&self, class: FaultClass, loss: Direction) -> Hypothesis {
-        let row = row(class, loss, -self.detached_mean, self.detached_sd);
+        let row = row(class, loss, -0.5 * (1.0 + self.large), ANYWHERE * (1.0 - self.large));
         let (least, _) = self.near(&row);
-        brief(rare(within(row, least, -self.detached), self.uncommon))
+        brief(rare(within(row, least, -self.large), self.uncommon))
     }
 
     const fn t1_detached(&self, loss: Direction) -> Hypothesis {
@@ -115,7 +118,7 @@ impl HypothesisTuning {
     }
 
     const fn stuck(&self, which: Channel, gain: Regressor, offset: Regressor, channel: usize) -> Hypothesis {
-        let row = row(FaultClass::Stuck(which), of(gain), -1.0, self.stuck_sd);
+        let row = row(FaultClass::Stuck(which), of(gain), -1.0, self.wholly_sd);
         let row = with(row, of(offset), 0.0, self.jump_sd);
         let row = within(row, -1.0 - self.stuck_most, -1.0 + self.stuck_most);
         brief(rare(Hypothesis { stuck_at: Some(channel), ..row }, self.rare))
@@ -124,17 +127,17 @@ impl HypothesisTuning {
     /// The heater gives the same whatever is asked for.
     const fn constant(&self) -> Hypothesis {
         let row = row(FaultClass::HeaterPower, of(Regressor::Constant), self.constant, self.constant);
-        let row = with(row, of(Regressor::Power), -1.0, self.constant_power_sd);
+        let row = with(row, of(Regressor::Power), -1.0, self.wholly_sd);
         let row = within(row, self.least_constant, 100.0 * self.most_power);
         Hypothesis { sized: false, ..brief(rare(row, self.rare)) }
     }
 
     /// A thermistor exchanged with T0 loses its rise twice; the other one loses as much as the exchanged one rises.
     const fn swapped_with_t0(&self, pair: Pair, gain: Regressor, other: Regressor) -> Hypothesis {
-        let row = row(FaultClass::Swapped(pair), of(gain), -2.0, self.swapped_sd);
+        let row = row(FaultClass::Swapped(pair), of(gain), -2.0, self.wholly_sd);
         let (least, most) = self.near(&row);
         let row = within(row, least, most);
-        with(brief(rare(row, self.rare)), of(other), -1.0, self.swapped_sd)
+        with(brief(rare(row, self.rare)), of(other), -1.0, self.wholly_sd)
     }
 
     const fn rows(&self) -> [Hypothesis; COUNT] {
@@ -173,7 +176,7 @@ impl HypothesisTuning {
             self.lagging(self.t1_detached(Direction::MidLoss), Direction::MidLag),
             self.lagging(self.t1_detached(of(Regressor::LongLoss)), of(Regressor::LongLag)),
             brief(rare(
-                row(FaultClass::Swapped(Pair::T1T2), of(Regressor::Exchanged), 1.0, self.swapped_sd),
+                row(FaultClass::Swapped(Pair::T1T2), of(Regressor::Exchanged), 1.0, self.wholly_sd),
                 self.rare,
             )),
             self.detached(FaultClass::T2Detached, of(Regressor::Gain2)),
@@ -267,7 +270,7 @@ impl Hypothesis {
     pub(super) fn later(&self, t: &HypothesisTuning, value: f32) -> Option<Prior> {
         let second =
             self.second.filter(|second| matches!(second.direction, Direction::Of(Regressor::Late)))?;
-        (value.abs() > t.large).then(|| Prior { sd: t.large_late_sd * value.abs(), ..second })
+        (value.abs() > t.large).then(|| Prior { sd: ANYWHERE * value.abs(), ..second })
     }
 
     /// The gain of a hypothesis that was estimated, with its prior; none where the magnitude is not one that it can have.
@@ -312,18 +315,16 @@ pub(super) const fn nuisances_since_onset(t: &NuisanceTuning) -> [Nuisance; 10] 
 }
 
 /// The same since training.
-pub(super) const fn nuisances_since_training(t: &NuisanceTuning) -> [Nuisance; 10] {
+pub(super) const fn nuisances_since_training(t: &NuisanceTuning) -> [Nuisance; 8] {
     [
         (of(Regressor::Wall), t.wall),
         (of(Regressor::Shift), t.shift),
         (of(Regressor::Power), t.trained_power),
-        (of(Regressor::LessFlow), t.trained_flow),
-        (of(Regressor::MoreFlow), t.trained_flow),
-        (of(Regressor::Offset1), t.trained_offset),
-        (of(Regressor::Offset2), t.trained_offset),
-        (of(Regressor::Gain1), t.trained_gain),
-        (of(Regressor::Gain2), t.trained_gain),
-        (Direction::Offset0, t.trained_t0),
+        (of(Regressor::LessFlow), 2.0 * t.onset_flow),
+        (of(Regressor::MoreFlow), 2.0 * t.onset_flow),
+        (of(Regressor::Offset1), 2.0 * t.onset_offset),
+        (of(Regressor::Offset2), 2.0 * t.onset_offset),
+        (Direction::Offset0, 2.0 * t.onset_t0),
     ]
 }
 
@@ -344,7 +345,7 @@ pub(super) const fn model_errors(t: &NuisanceTuning) -> [Nuisance; 7] {
 #[cfg(test)]
 pub(super) const SINCE_ONSET: [Nuisance; 10] = nuisances_since_onset(&NuisanceTuning::DEFAULT);
 #[cfg(test)]
-pub(super) const SINCE_TRAINING: [Nuisance; 10] = nuisances_since_training(&NuisanceTuning::DEFAULT);
+pub(super) const SINCE_TRAINING: [Nuisance; 8] = nuisances_since_training(&NuisanceTuning::DEFAULT);
 #[cfg(test)]
 pub(super) const MODEL_ERRORS: [Nuisance; 7] = model_errors(&NuisanceTuning::DEFAULT);
 

@@ -237,7 +237,7 @@ impl Likelihood {
             second_power: known.beside.map_or(0.0, |power| power.0),
             fan: known.fan_share(),
         };
-        state.cold.step(&self.tuning.cold, now.y, seen.power.0 <= 0.0);
+        state.cold.step(&self.tuning, now.y, seen.power.0 <= 0.0);
         let said = self.watch(state, seen, &now);
         self.train(state, seen, &now, undisturbed && contradiction.is_none());
         let evidence = Evidence {
@@ -323,7 +323,7 @@ impl Likelihood {
     fn train(&self, state: &mut LikelihoodState, seen: &Observation, now: &Input, undisturbed: bool) {
         // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = seen.phase == Phase::Watched && seen.excited;
-        let usual_fan = (now.fan - 1.0).abs() <= self.tuning.range.fan;
+        let usual_fan = (now.fan - 1.0).abs() <= self.tuning.fan.same;
         let fit_to_learn = undisturbed && usual_fan && (seen.learn || quiet);
         if state.current || !seen.phase.is_heated() || (seen.phase == Phase::Watched && !fit_to_learn) {
             return;

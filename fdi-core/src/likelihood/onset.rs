@@ -123,9 +123,10 @@ impl Onset {
         // The fan's lag: the coefficients follow while the flow still moves.
         let approach = 1.0 - libm::expf(-(self.flow_age + 0.5) * c.fan);
         if self.flow_age * c.fan < 8.0 {
-            let model = now.process.tuning.model;
-            self.less.process.blow(now.parameters, now.fan * (1.0 + (model.less_flow - 1.0) * approach));
-            self.more.process.blow(now.parameters, now.fan * (1.0 + (model.more_flow - 1.0) * approach));
+            let flows = now.process.tuning.hypotheses.flows();
+            for (model, flow) in [&mut self.less, &mut self.more].into_iter().zip(flows) {
+                model.process.blow(now.parameters, now.fan * (1.0 + (flow - 1.0) * approach));
+            }
             self.flow_age += 1.0;
         }
         [
@@ -162,7 +163,7 @@ impl Onset {
         self.sensors_age = self.sensors_age.saturating_add(1);
         let mut regressors = [[0.0; 2]; COUNT];
         let mut put = |regressor: Regressor, value: [f32; 2]| regressors[regressor as usize] = value;
-        let [less_by, more_by] = now.process.tuning.model.secants();
+        let [less_by, more_by] = now.process.tuning.hypotheses.secants();
         let change = |to: Rises, by: f32| [(to.y[0] - y[0]) / by, (to.y[1] - y[1]) / by];
         put(Regressor::Power, power.y);
         let before = core::mem::replace(&mut self.power_before, power.y);

@@ -10,7 +10,7 @@ pub(super) enum Regressor {
     Shift,
     /// Heater power, by its whole.
     Power,
-    /// `1/f - 1` with f the air flow: secants at `tuning.model.less_flow` and `more_flow`.
+    /// `1/f - 1` with f the air flow: secants over `HypothesisTuning::secants`.
     LessFlow,
     MoreFlow,
     /// Offsets of T1 and T2, degC.

@@ -24,7 +24,7 @@ pub(super) struct Tracker {
 impl Tracker {
     /// Of what has not moved yet.
     pub(super) fn new(tuning: Tuned) -> Self {
-        let first = tuning.tracker.first();
+        let first = tuning.nuisances.tracked();
         let mut p = [[0.0; N]; N];
         for i in 0..N {
             p[i][i] = first[i] * first[i];
@@ -71,7 +71,7 @@ impl Tracker {
             Quantity::Flow => &mut self.walk[1],
             Quantity::Nothing | Quantity::Offset | Quantity::Ramp | Quantity::Rise => return,
         };
-        let size = bounded(size, 0.0, self.tuning.tracker.passing);
+        let size = bounded(size, 0.0, self.tuning.alarm.least_flow);
         *square = larger(*square, size * size);
     }
 
@@ -80,12 +80,12 @@ impl Tracker {
     pub(super) fn take_over(&mut self, by: [f32; N], regressors: &Regressors<LASTING>) -> [f32; 2] {
         let before = self.expected(regressors);
         let (t, power) = (self.tuning, by[0]);
-        self.steps += t.tracker.step_share * (power * power - self.steps);
+        self.steps += t.alarm.mean_share * (power * power - self.steps);
         self.steps = larger(t.nuisances.onset_power * t.nuisances.onset_power, self.steps);
         for (x, by) in self.x.iter_mut().zip(by) {
             *x += by;
         }
-        let (power, offset) = (t.tracker.first_power, t.tracker.first_offset);
+        let [power, _, offset, _] = t.nuisances.tracked();
         self.widen([power, 0.0, offset, offset]);
         let after = self.expected(regressors);
         [after[0] - before[0], after[1] - before[1]]
@@ -111,9 +111,8 @@ impl Tracker {
     #[inline(never)]
     pub(super) fn step(&mut self, whitened: &Regressors<LASTING>, z: [f32; 2]) {
         let t = &self.tuning.tracker;
-        let walk = t.walk();
-        for i in 0..N {
-            self.p[i][i] += walk[i] * walk[i];
+        for (i, size) in self.tuning.nuisances.tracked().into_iter().enumerate() {
+            self.p[i][i] += t.walk * size * (t.walk * size);
         }
         let regressors = self.regressors();
         for m in 0..2 {

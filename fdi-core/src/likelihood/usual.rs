@@ -21,14 +21,15 @@ pub(super) struct Usual {
     pub(super) tuning: Tuned,
 }
 
-/// Nuisances of either bank.
+/// Nuisances since an onset, and since training.
 pub(super) type Nuisances = [Nuisance; 10];
+pub(super) type LastingNuisances = [Nuisance; 8];
 
-/// Places in both lists: of the dead time's error, and of the power, the flow and the offsets.
+/// Places in both lists: of the dead time's error, and of the power, the flow and the offsets. Place of T0 in the second.
 const SHIFT: usize = 1;
 const POWER: usize = 2;
 const FLOW: core::ops::Range<usize> = 3..5;
-const T0: usize = 9;
+const LASTING_T0: usize = 7;
 
 impl Usual {
     /// Nuisances since an onset. What was learnt wrong with the gain looks like flow, too.
@@ -46,14 +47,14 @@ impl Usual {
 
     /// Nuisances since training where T1 rises by `rise`, degC: the gain's error at the mean power is another than that of its moves, so that an
     /// offset of both is left.
-    pub(super) fn since_training(&self, rise: f32) -> Nuisances {
+    pub(super) fn since_training(&self, rise: f32) -> LastingNuisances {
         let mut nuisances = nuisances_since_training(&self.tuning.nuisances);
         let [power, flow, offset1, offset2] = self.walk;
         let flow = flow + self.curvature;
         let more = [power + self.curvature, flow, flow, offset1, offset2];
         let widen = |(_, sd): &mut Nuisance, more: f32| *sd = sqrt(*sd * *sd + more);
         nuisances[POWER..].iter_mut().zip(more).for_each(|(nuisance, more)| widen(nuisance, more));
-        widen(&mut nuisances[T0], self.curvature * rise * rise);
+        widen(&mut nuisances[LASTING_T0], self.curvature * rise * rise);
         nuisances
     }
 
@@ -107,7 +108,7 @@ mod tests {
         let restless = Usual { walk: [0.04, 0.0, 0.0, 0.0], steps: 0.04, ..calm };
         let power = FaultClass::HeaterPower;
         assert_eq!([calm.least_since_onset(power, 0.2), calm.least_since_training(power, 0.2)], [0.2; 2]);
-        assert!((restless.least_since_onset(power, 0.2) - 0.5).abs() < 1e-6);
-        assert!((restless.least_since_training(power, 0.2) - 0.5 * SQRT_2).abs() < 1e-6);
+        assert!((restless.least_since_onset(power, 0.2) - 0.6).abs() < 1e-6);
+        assert!((restless.least_since_training(power, 0.2) - 0.6 * SQRT_2).abs() < 1e-6);
     }
 }

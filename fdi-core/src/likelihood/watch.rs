@@ -137,7 +137,7 @@ impl Watch {
             tracker: Tracker::new(t),
             innovations: InnovationsState::new(t, trained.whitening),
             charts: ChartsState::new(trained.rise),
-            since_training: SinceTrainingState::new(t, trained.rise),
+            since_training: SinceTrainingState::new(t),
             returned: ReturnedState::default(),
             heat: HeatState::new(t, trained.rise),
             curvature_error: trained.curvature_error,
@@ -293,7 +293,7 @@ impl Watch {
         let change = match outcome {
             Outcome::Nothing => return,
             Outcome::Over => {
-                s.charts.hold_off(s.times.ticks(t.alarm.holdoff, self.sample_time));
+                s.charts.hold_off(s.times.ticks(t.times.reference, self.sample_time));
                 return;
             }
             Outcome::Usual(values) => {
@@ -337,7 +337,7 @@ impl Watch {
             s.since_training.forget(e);
             let change = s.tracker.forget(&now.regressors);
             s.innovations.lower(change);
-            s.charts.hold_off(s.times.ticks(self.tuning.alarm.holdoff, self.sample_time));
+            s.charts.hold_off(s.times.ticks(self.tuning.times.reference, self.sample_time));
         }
     }
 
@@ -349,7 +349,7 @@ impl Watch {
         let t = self.tuning;
         s.tracker.widen([t.nuisances.onset_power, t.hypotheses.flow_sd * left.abs(), 0.0, 0.0]);
         s.since_training.rebase();
-        s.charts.settle(s.times.ticks(t.fan.settles, self.sample_time));
+        s.charts.settle(s.times.ticks(t.times.forgetting, self.sample_time));
         true
     }
 

@@ -27,7 +27,7 @@ mod tests {
         let all: Vec<(String, Vec<Value>)> = vary().collect();
         let of = |name: &str| &all.iter().find(|(key, _)| key == name).unwrap().1[..];
         assert_eq!(of("tuning.charts.clip"), [Value::Float(3.0), Value::Float(12.0)]);
-        assert_eq!(of("tuning.whitening.small"), [Value::Float(0.0075), Value::Float(0.03)]);
+        assert_eq!(of("tuning.whitening.least_sigma"), [Value::Float(0.01), Value::Float(0.04)]);
         assert_eq!(of("tuning.model.inlet_slope"), [Value::Float(3.0), Value::Float(10.0)], "5 ticks");
         assert_eq!(of("tuning.contradiction.after"), [Value::Float(2.0)], "1 tick");
         assert_eq!(all.len(), Tuning::PARTS.iter().map(|part| part.entries.len()).sum::<usize>());

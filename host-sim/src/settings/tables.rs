@@ -34,14 +34,14 @@ fn priors() -> String {
         [
             "tw wall",
             "ticks",
-            &format!("{} Ta, within {} and {} Ta", t.wall_time, r.least_wall_time, r.largest_wall_time),
+            &format!("{} Ta, within {} standard deviations", t.wall_time, r.wall_sds),
             &factor(t.wide),
         ],
         [
             "c1, c2 offsets from T0",
             "°C",
             "0; on a cold rig as read",
-            &format!("{}; as read: {} or more", t.offset_sd, Tuning::DEFAULT.cold.least_sd),
+            &format!("{}; of a reading: {}", t.offset_sd, Tuning::DEFAULT.cold.sd),
         ],
         ["q curvature", &format!("per {} %", Tuning::DEFAULT.model.step), "0", &t.curvature_sd.to_string()],
     ];

@@ -223,7 +223,8 @@ fn the_evidence_is_that_of_the_joint_distribution() {
         let mut random = Random::new(seed);
         let problem = Problem::new(&mut random, 25, 1.0, 1.5);
         let normal = problem.normal();
-        let list: &[Nuisance] = [&SINCE_ONSET, &SINCE_TRAINING, &SINCE_ONSET[..3], &[]][seed as usize % 4];
+        let list: &[Nuisance] =
+            [&SINCE_ONSET[..], &SINCE_TRAINING[..], &SINCE_ONSET[..3], &[]][seed as usize % 4];
         let nuisances = Nuisances::new(normal.sums(), list, 1.5);
         let alone = problem.log_evidence(&narrow(list));
         let explained = problem.explained(&narrow(list));

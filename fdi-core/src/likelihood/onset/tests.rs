@@ -113,10 +113,9 @@ fn power_and_a_constant_power_are_differences_of_two_simulations() {
 /// The fan follows with its lag: the flow of each tick is that in its middle.
 #[test]
 fn air_flows_are_differences_of_two_simulations() {
-    let (model, [less_by, more_by]) = (Tuning::DEFAULT.model, Tuning::DEFAULT.model.secants());
-    for (regressor, flow, unit) in
-        [(Regressor::LessFlow, model.less_flow, less_by), (Regressor::MoreFlow, model.more_flow, more_by)]
-    {
+    let t = Tuning::DEFAULT.hypotheses;
+    let regressors = [Regressor::LessFlow, Regressor::MoreFlow];
+    for (regressor, (flow, unit)) in regressors.into_iter().zip(t.flows().into_iter().zip(t.secants())) {
         let at = |k: usize| {
             let age = k as f32 + 0.5 - BEGINS as f32;
             let approach = if age > 0.0 { 1.0 - (-0.4 * age).exp() } else { 0.0 };

@@ -1,9 +1,14 @@
 use super::super::reference::{Matrix, Random};
 use super::super::regressor::LASTING;
 use super::*;
-use crate::likelihood::tuning::TrackerTuning;
+use crate::likelihood::tuning::{NuisanceTuning, TrackerTuning, Tuning};
 
 const TUNING: TrackerTuning = TrackerTuning::DEFAULT;
+
+/// Standard deviations at the start.
+fn first() -> [f32; N] {
+    NuisanceTuning::DEFAULT.tracked()
+}
 
 /// Whitened regressors as on the reference rig, some of them moving: power, both secants of the air flow, offsets.
 fn row(random: &mut Random) -> Regressors<LASTING> {
@@ -26,7 +31,7 @@ struct Kalman {
 
 impl Kalman {
     fn new() -> Self {
-        let diagonal = |i: usize, j: usize| if i == j { f64::from(TUNING.first()[i]).powi(2) } else { 0.0 };
+        let diagonal = |i: usize, j: usize| if i == j { f64::from(first()[i]).powi(2) } else { 0.0 };
         Self { x: [0.0; N], p: (0..N).map(|i| (0..N).map(|j| diagonal(i, j)).collect()).collect() }
     }
 
@@ -34,7 +39,7 @@ impl Kalman {
         let flow = if self.x[1] < 0.0 { Regressor::MoreFlow } else { Regressor::LessFlow };
         let regressors = [Regressor::Power, flow, Regressor::Offset1, Regressor::Offset2];
         for i in 0..N {
-            self.p[i][i] += f64::from(TUNING.walk()[i]).powi(2);
+            self.p[i][i] += f64::from(TUNING.walk * first()[i]).powi(2);
         }
         for m in 0..2 {
             let phi = regressors.map(|regressor| f64::from(whitened[regressor as usize][m]));
@@ -135,7 +140,7 @@ fn a_million_quiet_ticks_leave_it_positive_definite() {
     }
     assert!(tracker.x.iter().all(|x| x.is_finite()));
     for i in 0..N {
-        assert!(tracker.p[i][i] <= TUNING.first()[i] * TUNING.first()[i] * 4.0, "{:?}", tracker.p);
+        assert!(tracker.p[i][i] <= first()[i] * first()[i] * 4.0, "{:?}", tracker.p);
         for j in 0..i {
             let scale = (tracker.p[i][i] * tracker.p[j][j]).sqrt();
             assert!((tracker.p[i][j] - tracker.p[j][i]).abs() < 1e-3 * scale, "symmetric");
@@ -148,7 +153,7 @@ fn widening_adds_variances_and_nothing_else() {
     let mut tracker = Tracker::new(Default::default());
     tracker.widen([0.1, 0.0, 0.3, 0.0]);
     for (i, by) in [0.1, 0.0, 0.3, 0.0].into_iter().enumerate() {
-        let wanted = TUNING.first()[i] * TUNING.first()[i] + by * by;
+        let wanted = first()[i] * first()[i] + by * by;
         assert!((tracker.p[i][i] - wanted).abs() < 1e-7);
     }
     assert_eq!(tracker.x, [0.0; N]);
@@ -178,7 +183,7 @@ fn what_has_passed_is_usual_within_bounds() {
     for (quantity, size, place, usual) in [
         (Quantity::Power, 0.05, 0, 0.05),
         (Quantity::Power, 0.02, 0, 0.05),
-        (Quantity::Power, 0.5, 0, TUNING.passing),
+        (Quantity::Power, 0.5, 0, Tuning::DEFAULT.alarm.least_flow),
         (Quantity::Flow, 0.03, 1, 0.03),
         (Quantity::Offset, 0.03, 2, 0.0),
     ] {

@@ -71,8 +71,8 @@ impl Filter {
             p.set(Parameter::Offset1, y[0] - libm::expf(p.get(Parameter::Gain)) * u);
             return;
         }
-        let t = &self.tuning.cold;
-        if y.iter().all(|y| y.abs() < t.below) {
+        let t = &*self.tuning;
+        if y.iter().all(|y| y.abs() < t.cold.below) {
             let mut cold = *cold;
             cold.step(t, y.map(Some), true);
             for (m, which) in [Parameter::Offset1, Parameter::Offset2].into_iter().enumerate() {
@@ -83,7 +83,7 @@ impl Filter {
             return;
         }
         self.answered = [Some(0); 2];
-        if u > self.tuning.filter.warm_power && y[0] > 0.0 {
+        if u > self.tuning.impulse.least_power && y[0] > 0.0 {
             p.set(Parameter::Gain, libm::logf(y[0] / u));
             *motion = Motion::steady(u);
         }

@@ -32,8 +32,9 @@ impl Trainer {
         for delay in [Parameter::Delay1, Parameter::Delay2] {
             ranges[delay as usize] = (0.0, longest_delay(&self.tuning));
         }
-        let wall = |answers: f32| libm::logf(answers * self.answer);
-        ranges[Parameter::WallTime as usize] = (wall(t.least_wall_time), wall(t.largest_wall_time));
+        let wall = Parameter::WallTime as usize;
+        let (mean, sd) = self.prior[wall];
+        ranges[wall] = (mean - t.wall_sds * sd, mean + t.wall_sds * sd);
         ranges
     }
 }

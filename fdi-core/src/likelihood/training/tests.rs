@@ -114,7 +114,7 @@ impl Plant {
         let (mut cold, mut training) = (Cold::default(), trainer.start());
         for _ in 0..50 {
             let (y, _) = self.tick(true);
-            cold.step(&Tuning::DEFAULT.cold, y, true);
+            cold.step(&Tuning::DEFAULT, y, true);
         }
         for k in 0.. {
             let (y, u) = self.tick(false);
@@ -281,7 +281,7 @@ fn wild_samples_leave_numbers() {
             let mut reading = || (random.uniform() > 0.1).then_some(random.between(-130.0, 130.0) as f32);
             let y = [reading(), reading()];
             let u = if random.uniform() > 0.5 { 100.0 } else { 0.0 };
-            cold.step(&Tuning::DEFAULT.cold, y, k < 10);
+            cold.step(&Tuning::DEFAULT, y, k < 10);
             match trainer.step(&mut training, &cold, y, [u, 0.0], k > 500) {
                 Ok(None) => {}
                 Ok(Some(trained)) => {
@@ -306,30 +306,24 @@ fn thermistors_are_compared_while_it_is_cold() {
     let mut random = Random::new(1);
     let mut noisy = |level: f32| Some(level + 0.05 * random.gaussian() as f32);
     let mut cold = Cold::default();
-    (0..200).for_each(|_| cold.step(&Tuning::DEFAULT.cold, [noisy(0.5), noisy(-0.8)], true));
-    let [(c1, sd1), (c2, sd2)] =
-        [cold.offset(&Tuning::DEFAULT.cold, 0), cold.offset(&Tuning::DEFAULT.cold, 1)];
+    (0..200).for_each(|_| cold.step(&Tuning::DEFAULT, [noisy(0.5), noisy(-0.8)], true));
+    let [(c1, sd1), (c2, sd2)] = [cold.offset(&Tuning::DEFAULT, 0), cold.offset(&Tuning::DEFAULT, 1)];
     assert!((c1 - 0.5).abs() < 0.05 && (c2 + 0.8).abs() < 0.05, "{c1} {c2}");
     assert!(sd1 < 0.1 && sd2 < 0.1, "{sd1} {sd2}");
     let known = cold;
-    cold.step(&Tuning::DEFAULT.cold, [None, noisy(0.0)], true);
+    cold.step(&Tuning::DEFAULT, [None, noisy(0.0)], true);
     assert_eq!(
-        cold.offset(&Tuning::DEFAULT.cold, 0),
-        known.offset(&Tuning::DEFAULT.cold, 0),
+        cold.offset(&Tuning::DEFAULT, 0),
+        known.offset(&Tuning::DEFAULT, 0),
         "half a sample says nothing"
     );
     for (y, resting) in [(0.5, false), (8.0, true)] {
         let mut spoilt = known;
-        spoilt.step(&Tuning::DEFAULT.cold, [Some(y), Some(y)], resting);
+        spoilt.step(&Tuning::DEFAULT, [Some(y), Some(y)], resting);
         assert_eq!(spoilt.samples, 0.0);
     }
     let mut cooling = Cold::default();
-    (0..100u16).for_each(|k| {
-        cooling.step(&Tuning::DEFAULT.cold, [Some(2.5 - 0.02 * f32::from(k)), Some(0.0)], true)
-    });
-    assert!(
-        cooling.offset(&Tuning::DEFAULT.cold, 0).1 > 0.3,
-        "{:?}",
-        cooling.offset(&Tuning::DEFAULT.cold, 0)
-    );
+    (0..100u16)
+        .for_each(|k| cooling.step(&Tuning::DEFAULT, [Some(2.5 - 0.02 * f32::from(k)), Some(0.0)], true));
+    assert!(cooling.offset(&Tuning::DEFAULT, 0).1 > 0.3, "{:?}", cooling.offset(&Tuning::DEFAULT, 0));
 }

@@ -17,20 +17,14 @@ tuning! {
         share_sd = 0.25, "1", chosen "faults of the campaign are 10 to 100 %";
         /// Largest change of the heater's power, both signs.
         most_power = 1.1, "1", derived "all of it, and a tenth for the estimate's error";
-        /// A thermistor that loses more is not clogged, but out of the tube.
-        detached = 0.4, "1", chosen "";
-        /// A thermistor that was clogged when it was learnt sees at most this share more when it is mended.
-        mended = 0.45, "1", chosen "";
-        /// Mean share of the rise that a thermistor loses that is out of the tube.
-        detached_mean = 0.7, "1", chosen "";
-        /// Standard deviation of that share.
-        detached_sd = 0.2, "1", chosen "";
+        /// A thermistor that loses more of its rise is not clogged, but out of the tube; one that was clogged when it was learnt sees at most as much more when it is mended. A change of the process that is larger is judged a second time, with more room for how late it begins.
+        large = 0.4, "1", chosen "a heater that fails wholly has no size without the second judgement (tests/closed_loop)";
         /// Standard deviation of the lag of a clogged thermistor, as a share of the regressor's lag.
         lag_sd = 0.15, "1", chosen "";
         /// Standard deviation of a drift.
         drift_sd = 3.0, "degC/min", chosen "";
-        /// Standard deviation of the share of its gain that a stuck thermistor still shows.
-        stuck_sd = 0.03, "1", chosen "";
+        /// Standard deviation of what a fault does wholly, as a share: the gain that a stuck thermistor loses, two thermistors that are exchanged, a heater that follows nothing of what is asked for.
+        wholly_sd = 0.03, "1", chosen "";
         /// Largest share of its gain that a stuck thermistor shows, both signs.
         stuck_most = 0.1, "1", chosen "with 0.15 a large error of T2 on the hot end is called stuck (page tests)";
         /// Standard deviation of the jump with which a drift begins, and of what a stuck thermistor reads around what it read before.
@@ -39,16 +33,8 @@ tuning! {
         constant = 40.0, "%", chosen "";
         /// Least such power: below it all of the power is lost, which has a size.
         least_constant = 5.0, "%", chosen "commit c08f067";
-        /// Standard deviation of the share of the asked-for power that such a heater still follows.
-        constant_power_sd = 0.02, "1", chosen "";
-        /// Standard deviation of how far two thermistors are exchanged; 1 is wholly.
-        swapped_sd = 0.05, "1", chosen "";
         /// Standard deviation of how late a change of the process begins, ticks times its share. With a larger value, the timing that tells air flow from power is lost.
         late_sd = 0.03, "ticks", chosen "";
-        /// A change of the process that is larger than this is judged a second time, with more room for how late it begins.
-        large = 0.4, "1", chosen "a heater that fails wholly has no size without it (tests/closed_loop)";
-        /// Standard deviation of how late such a change begins, ticks for a share of 1.
-        large_late_sd = 0.3, "ticks", derived "anywhere within a tick: 1/sqrt(12)";
         /// Log odds beforehand of a drift, and of a thermistor out of the tube.
         uncommon = -3.0, "1", chosen "one of them for 20 of the common ones";
         /// Log odds beforehand of faults that are rarer still.
@@ -62,7 +48,19 @@ impl HypothesisTuning {
     /// A thermistor that sees less of the rise is out of the tube.
     #[inline(always)]
     pub(in crate::likelihood) fn seen(&self) -> f32 {
-        1.0 - self.detached
+        1.0 - self.large
+    }
+
+    /// The air flows with which the regressors of less and of more flow are computed: less by the hypothesis' standard deviation, and more by as much.
+    #[inline(always)]
+    pub(in crate::likelihood) fn flows(&self) -> [f32; 2] {
+        [1.0 / (1.0 + self.flow_sd), 1.0 + self.flow_sd]
+    }
+
+    /// The changes of `1/f - 1` of these, over which both regressors are secants.
+    #[inline(always)]
+    pub(in crate::likelihood) fn secants(&self) -> [f32; 2] {
+        self.flows().map(|flow| 1.0 / flow - 1.0)
     }
 }
 
@@ -83,20 +81,20 @@ tuning! {
         shift = 0.07, "ticks", measured "prototype 2: errors of the fit, 8 ms";
         /// Motion of T0 that reaches T1 and T2 at another time, as a share of it.
         inlet = 1.0, "1", chosen "a draught reaches T0 later than T1";
-        /// Power since training.
+        /// Power since training. Of air flow, offsets and T0 twice as much has moved since training as since an onset.
         trained_power = 0.025, "1", chosen "mains";
-        /// Air flow since training, 1/f - 1.
-        trained_flow = 0.012, "1", chosen "fan, mains";
-        /// Offsets of T1 and T2 since training.
-        trained_offset = 0.15, "degC", chosen "drift of sensors";
-        /// T0 since training.
-        trained_t0 = 0.3, "degC", chosen "the room";
-        /// Gains of T1 and T2 since training.
-        trained_gain = 0.01, "1", chosen "the model's gain away from where it was learnt";
         /// Error of the model's power, air flow (1/f - 1) and wall right after training.
         error = 0.1, "1", chosen "";
         /// Error of the model's dead time right after training.
         error_shift = 0.5, "ticks", chosen "";
+    }
+}
+
+impl NuisanceTuning {
+    /// What the tracker follows: power, air flow and both offsets. It begins with these standard deviations.
+    #[inline(always)]
+    pub(in crate::likelihood) fn tracked(&self) -> [f32; 4] {
+        [self.onset_power, self.onset_flow, self.onset_offset, self.onset_offset]
     }
 }
 

@@ -9,8 +9,6 @@ tuning! {
         kappa = 3.0, "1", measured "prototype 2: confidence and coverage";
         /// Standard deviation of the mean of a residual.
         mean_sd = 0.1, "degC", measured "prototype 2";
-        /// On top of that, this share of the distance between the present rise and the one at training.
-        away = 0.02, "1", chosen "as `likelihood.model_uncertainty`";
         /// Weight of the fast band where a size is estimated: it rests on the dynamics, which the model knows least.
         fast_in_size = 0.1, "1", chosen "";
         /// Innovations are clipped at this, here and where a jump is looked for.
@@ -19,8 +17,6 @@ tuning! {
         jump = 1.0, "degC", measured "an alarm for a minute after a swap was put right (commit e55b598)";
         /// The bank since training is asked once in this many ticks.
         every = 30.0, "ticks", chosen "for the cost of a tick";
-        /// The bank since training is first asked this long after its reference was learnt.
-        first = 20.0, "s", chosen "";
         /// Evidence (log Bayes factor) from which on a change is found.
         raise = 0.8, "1", chosen "commit 338b44e; prototype 2 had 4";
         /// A finding lasts while its evidence is above this share of that.

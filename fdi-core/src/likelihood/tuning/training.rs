@@ -53,14 +53,10 @@ tuning! {
         sds = 10.0, "standard deviations", chosen "a guard: nothing that was seen came near";
         /// Least share of T1's rise that reaches T2.
         least_reaches = 0.05, "1", chosen "";
-        /// Least time constant of the wall.
-        least_wall_time = 2.0, "answer times", measured "a step of the mains in training was fitted as a wall of 1600 s, bounded to 4 to 120 s (prototype 2)";
-        /// Largest time constant of the wall.
-        largest_wall_time = 60.0, "answer times", measured "the same";
+        /// The wall's time constant is no further than this from the mean of its prior: within a factor of 4.
+        wall_sds = 2.0, "standard deviations", measured "a step of the mains in training was fitted as a wall of 1600 s, bounded to 4 to 120 s (prototype 2)";
         /// Longest dead time of T1 and T2 together, as a share of what the transport remembers: less air takes longer.
         longest_delay = 0.7, "1", chosen "less flow by a quarter to a third stays within the memory";
-        /// Nothing is trained while the fan is announced to be further from its usual level than this share.
-        fan = 0.05, "1", chosen "";
     }
 }
 
@@ -69,10 +65,6 @@ tuning! {
     pub struct ColdTuning: cold {
         /// A rig whose rises are below this is cold.
         below = 3.0, "degC", chosen "";
-        /// Standard deviation of one reading of an offset.
-        sd = 0.15, "degC", chosen "";
-        /// Least standard deviation of an offset that was read on a cold rig.
-        least_sd = 0.05, "degC", chosen "";
         /// Samples over which a trend is looked for.
         memory = 100.0, "ticks", chosen "";
         /// Samples over which the offset is read.
@@ -99,8 +91,6 @@ tuning! {
         clip = 4.0, "standard deviations", chosen "";
         /// Least variance with which learning begins, as a share of the prior's: in the first heat the model was still wrong.
         reopened = 0.1, "1", chosen "";
-        /// From this power on, the gain of a rig that is already warm is read from the first tick.
-        warm_power = 1.0, "%", chosen "";
         /// Correlation of a residual with the one before, until it is known.
         rho = 0.6, "1", chosen "";
         /// Standard deviation of a residual until it is known.
@@ -121,7 +111,5 @@ tuning! {
         least_sigma = 0.02, "degC", derived "steps of the converter, 0.025 degC at 35 degC, are not white";
         /// Largest share of a temperature's variance that the model may leave unexplained.
         largest_unexplained = 0.6, "1", chosen "";
-        /// A residual below this share of the rise is small enough in any case, because a temperature that the excitation hardly moves has little variance itself.
-        small = 0.015, "1", chosen "";
     }
 }

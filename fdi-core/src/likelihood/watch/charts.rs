@@ -59,7 +59,7 @@ impl Charts {
             self.confirm(s, innovations.z, &mut z);
         }
         // T1 answers to the inlet sooner than T0 does: it is not charted by what the inlet does, but the bank sees all of it.
-        let inlet = larger(0.0, inlet.abs() - self.tuning.charts.inlet_noise);
+        let inlet = larger(0.0, inlet.abs() - self.tuning.sensors.noise);
         let allowed = [widened[0] + inlet * filter.inv_sigma[0], widened[1]];
         if !innovations.charted {
             z = [0.0; 2];

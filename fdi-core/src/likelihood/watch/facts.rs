@@ -1,7 +1,7 @@
 //! What is asked of a rig that is watched: what is usual on it, what it should read, its virtual T1 and its air flow.
 
 use super::WatchState;
-use crate::bounds::{larger, smaller};
+use crate::bounds::smaller;
 use crate::likelihood::onset::Onset;
 use crate::likelihood::regressor::Regressors;
 use crate::likelihood::usual::Usual;
@@ -24,9 +24,7 @@ impl WatchState {
         let from_trained = |rise: f32| (rise - self.charts.trained()).abs();
         let away = smaller(from_trained(self.charts.mean_rise()), from_trained(self.measured[0]))
             / self.simulation.gain();
-        let t = &self.tuning.alarm;
-        // Where it was excited the gain is known.
-        let error = self.curvature_error * larger(0.0, away / self.tuning.model.step - t.excited);
+        let error = self.curvature_error * away / self.tuning.model.step;
         error * error
     }
 

@@ -80,14 +80,15 @@ impl Simulation {
         let (t, p) = (self.tuning, trained.parameters);
         let rig = |flow| Rig { process: Process::new(t, &p, flow), motion: trained.motion };
         let rig_as_learnt = rig(1.0);
+        let [less, more] = t.hypotheses.flows().map(rig);
         SimulationState {
             parameters: p,
             gain: libm::expf(p.get(Parameter::Gain)),
             second_heater: trained.beside,
             fan: 1.0,
             rig: rig_as_learnt,
-            less: rig(t.model.less_flow),
-            more: rig(t.model.more_flow),
+            less,
+            more,
             power: trained.power,
             heat: rig_as_learnt.process.heat(trained.power),
             rises: [trained.rise; 2],
@@ -142,8 +143,9 @@ impl Simulation {
             s.fan = fan;
         }
         s.rig.process = Process::new(t, &s.parameters, s.fan);
-        s.less.process = Process::new(t, &s.parameters, t.model.less_flow * s.fan);
-        s.more.process = Process::new(t, &s.parameters, t.model.more_flow * s.fan);
+        for (rig, flow) in [&mut s.less, &mut s.more].into_iter().zip(t.hypotheses.flows()) {
+            rig.process = Process::new(t, &s.parameters, flow * s.fan);
+        }
         Some(left)
     }
 
@@ -182,7 +184,7 @@ impl Simulation {
     ) -> Regressors<LASTING> {
         let (less, more) = (s.less.step(heat), s.more.step(heat));
         let y = rises.y;
-        let [less_by, more_by] = self.tuning.model.secants();
+        let [less_by, more_by] = self.tuning.hypotheses.secants();
         let mut regressors = [[0.0; 2]; LASTING];
         let mut put = |regressor: Regressor, value: [f32; 2]| regressors[regressor as usize] = value;
         put(Regressor::Power, y);

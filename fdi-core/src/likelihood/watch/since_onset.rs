@@ -146,10 +146,10 @@ impl SinceOnset {
             jump = larger(jump, (z[m] - s.z_mean[m]).abs());
         }
         let slope = if seen.times.slow_surroundings { 0.0 } else { t.transient_slope };
-        let transient = 1.0 + slope * larger(0.0, jump - t.transient_from);
+        let transient = 1.0 + slope * larger(0.0, jump - t.unusual);
         let weight = 1.0 / (transient * transient);
         // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
-        if s.alarm.is_none() && s.onset.age > 0 && self.jumps(s, z) {
+        if s.alarm.is_none() && s.onset.age > 0 && self.jumps(s, seen) {
             s.since.forget(&SENSORS);
             s.onset.restart_sensors(seen.simulated.before[0]);
             s.at_onset = seen.measured;
@@ -160,7 +160,7 @@ impl SinceOnset {
             Some(alarm) => {
                 let expected = expected_by(alarm, &row);
                 s.left_by_alarm = Some((0..2).map(|m| (z[m] - expected[m]) * (z[m] - expected[m])).sum());
-                let forgets = if alarm.age > t.forgets_from { seen.times.forgets } else { 1.0 };
+                let forgets = if alarm.age > t.young { seen.times.forgets } else { 1.0 };
                 let keep = [forgets, seen.times.window];
                 Normal::add_to_both([&mut s.since, &mut s.window], keep, &row, z, weight);
             }
@@ -169,14 +169,14 @@ impl SinceOnset {
     }
 
     /// Whether this tick's innovations are out of all proportion to those since the onset.
-    fn jumps(&self, s: &SinceOnsetState, z: [f32; 2]) -> bool {
-        let t = &self.tuning.alarm;
+    fn jumps(&self, s: &SinceOnsetState, seen: &Seen) -> bool {
+        let (t, z, ratio) = (&self.tuning.alarm, seen.innovations.z, self.tuning.naming.strange);
         let most = self.tuning.since_training.clip * self.tuning.since_training.clip;
         let evidence = smaller(z[0] * z[0], most) + smaller(z[1] * z[1], most);
         if s.onset.age < t.outlasted as u32 {
-            evidence > t.jump && evidence > t.jump_ratio * s.since.energy
+            evidence > t.jump && evidence > ratio * s.since.energy
         } else {
-            evidence > 2.0 * t.jump && evidence * s.onset.age as f32 > t.jump_ratio * s.since.energy
+            evidence > 2.0 * t.jump && evidence * s.onset.age as f32 > ratio * s.since.energy
         }
     }
 
@@ -205,7 +205,7 @@ impl SinceOnset {
                 s.window.forget(&PROCESS);
                 s.onset.process_again = true;
             }
-        } else if s.candidate > t.taken_after {
+        } else if s.candidate > self.tuning.times.forgetting {
             let nuisances = seen.usual.since_onset();
             let [_, _, power, less, more, offset1, offset2, ..] =
                 Nuisances::new(s.since.sums(), &nuisances, t.kappa).values();
@@ -233,7 +233,7 @@ impl SinceOnset {
         if let Some(recovered) = self.recovered(s, &alarm, seen) {
             return recovered;
         }
-        if over || (alarm.age > self.tuning.naming.process_time && alarm.gain < t.least_gain) {
+        if over || (!young && alarm.gain < 0.0) {
             s.begin_anew();
             return Outcome::Over;
         }
@@ -275,7 +275,7 @@ impl SinceOnset {
         let both = [first, row.second.map_or(first, |free| (free.direction, second))];
         let at = if row.second.is_some() { &both[..] } else { &both[..1] };
         let (list, t) = (usual.since_onset(), &self.tuning.alarm);
-        Nuisances::new(s.window.sums(), &list, t.kappa).fixed(at) < -t.over
+        Nuisances::new(s.window.sums(), &list, t.kappa).fixed(at) < -t.raise
     }
 }
 

@@ -64,7 +64,7 @@ impl SinceTraining {
 
     fn judge(&self, s: &mut SinceTrainingState, seen: &Seen) -> Option<(Quantity, f32)> {
         let t = &self.tuning.since_training;
-        let first = t.first * seen.times.time_scale / self.sample_time;
+        let first = self.tuning.times.mean * seen.times.time_scale / self.sample_time;
         if !s.steady.is_ready(first) {
             return None;
         }
@@ -108,9 +108,8 @@ impl SinceTraining {
 }
 
 impl SinceTrainingState {
-    /// Right after training at the rise `trained` of T1, degC.
-    pub(super) fn new(tuning: Tuned, trained: f32) -> Self {
-        Self { steady: Steady::new(tuning, trained), changed: None }
+    pub(super) fn new(tuning: Tuned) -> Self {
+        Self { steady: Steady::new(tuning), changed: None }
     }
 
     /// Another recording begins.

@@ -10,7 +10,7 @@ use crate::likelihood::evidence::{Estimate, Nuisance, Nuisances};
 use crate::likelihood::hypothesis::{self, IMPOSSIBLE, LASTING_PAIRS};
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::normal::LastingNormal;
-use crate::likelihood::regressor::{LASTING, Regressor, Regressors};
+use crate::likelihood::regressor::{LASTING, Regressors};
 use crate::likelihood::tuning::Tuned;
 
 /// Its memories.
@@ -38,14 +38,12 @@ pub(super) struct Steady {
     /// Means of the residuals that count as trained, degC, and whether they are to be taken anew.
     base: [f32; 2],
     rebasing: bool,
-    /// Rise of T1 at which training took place, degC.
-    trained: f32,
     ticks: u32,
     tuning: Tuned,
 }
 
 impl Steady {
-    pub(super) fn new(tuning: Tuned, rise: f32) -> Self {
+    pub(super) fn new(tuning: Tuned) -> Self {
         Self {
             slow: [[0.0; 2]; LASTING],
             slow_z: [0.0; 2],
@@ -56,7 +54,6 @@ impl Steady {
             referred: false,
             base: [0.0; 2],
             rebasing: false,
-            trained: rise,
             ticks: 0,
             tuning,
         }
@@ -64,7 +61,7 @@ impl Steady {
 
     /// Begins anew.
     pub(super) fn resume(&mut self) {
-        *self = Self { base: self.base, ..Self::new(self.tuning, self.trained) };
+        *self = Self { base: self.base, ..Self::new(self.tuning) };
     }
 
     /// Gathers a tick: regressors and residuals, plain and whitened.
@@ -143,7 +140,7 @@ impl Steady {
     pub(super) fn sum(&self) -> f32 {
         let pairs = self.slow.iter().chain(&self.mean).chain([&self.slow_z, &self.mean_e, &self.base]);
         let all: f32 = pairs.flatten().chain(&self.reference).sum();
-        all + self.trained + self.normal.sum()
+        all + self.normal.sum()
     }
 
     /// Whether there is anything to judge by.
@@ -189,12 +186,11 @@ impl Steady {
         normal.scale(fast);
         let e = [self.mean_e[0] - self.base[0], self.mean_e[1] - self.base[1]];
         let t = &self.tuning.since_training;
-        let away = t.away * (self.mean[Regressor::Power as usize][0] - self.trained);
         let mut mean = self.mean;
         if !inputs.t2 {
             mean.iter_mut().for_each(|regressor| regressor[1] = 0.0);
         }
-        normal.add(&mean, e, t.kappa / (t.mean_sd * t.mean_sd + away * away));
+        normal.add(&mean, e, t.kappa / (t.mean_sd * t.mean_sd));
         normal
     }
 }

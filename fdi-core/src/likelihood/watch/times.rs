@@ -37,9 +37,9 @@ impl Times {
     pub(super) fn new(tuning: Tuned, trained: &Trained, inputs: Inputs, ts: f32) -> Self {
         let p = &trained.parameters;
         let t = &tuning.times;
-        let time_scale = bounded(p.residence() * ts / t.reference, t.least_scale, t.largest_scale);
+        let time_scale = bounded(p.residence() * ts / t.reference, 1.0 / t.largest_scale, t.largest_scale);
         let share = |time: f32| 1.0 - libm::expf(-ts / (time * time_scale));
-        let lags = [t.short_lag, t.long_lag].map(share);
+        let lags = [t.short_lag, t.reference].map(share);
         Self {
             time_scale,
             onset: OnsetConstants {
@@ -50,12 +50,12 @@ impl Times {
             },
             steady: SteadyConstants {
                 keep: 1.0 - share(t.minute),
-                reference: (t.model_errors * time_scale / ts) as u32,
+                reference: (t.minute * time_scale / ts) as u32,
                 split: LowPass::over(1.0 / share(t.split)),
                 mean: LowPass::over(1.0 / share(t.mean)),
             },
             swing: LowPass::over(1.0 / share(t.swing)),
-            inlet: LowPass::over(1.0 / share(t.inlet)),
+            inlet: LowPass::over(1.0 / share(t.reference)),
             walk: LowPass::over(1.0 / share(t.walk)),
             forgets: 1.0 - share(t.forgetting),
             window: 1.0 - share(t.window),

@@ -29,8 +29,8 @@ impl SinceOnset {
     #[inline(never)]
     pub(super) fn name(&self, s: &SinceOnsetState, alarm: &mut Alarm, judged: &mut Judged) {
         let Judged { estimate, taught, left } = judged;
-        let t = &self.tuning.naming;
-        if alarm.age < t.process_time {
+        let (t, young) = (&self.tuning.naming, alarm.age < self.tuning.alarm.young);
+        if young {
             for (estimate, row) in estimate.iter_mut().zip(&HYPOTHESES) {
                 if row.class == FaultClass::Drift {
                     estimate.gain = smaller(estimate.gain, 0.0);
@@ -46,18 +46,18 @@ impl SinceOnset {
         let told_apart = matches!(was, Some(FaultClass::AirFlow | FaultClass::HeaterPower));
         let least = match told_apart {
             _ if !self.inputs.fan => 0.0,
-            _ if alarm.age < t.process_time => ALWAYS_BOTH,
+            _ if young => ALWAYS_BOTH,
             true => t.process - t.unname,
             false => t.process,
         };
         let (class, confidence) = named(t, &posterior, least);
         let unexplained = *left - 2.0 * self.tuning.alarm.kappa * gain;
-        let fits = fits(s, unexplained, if alarm.strange { [t.fits, t.fits_share] } else { t.strange() });
-        alarm.misfit += t.misfit_share * (if fits { 0.0 } else { 1.0 } - alarm.misfit);
+        let fits = fits(s, unexplained, if alarm.strange { [t.fits, 0.0] } else { t.strange() });
+        alarm.misfit += self.tuning.alarm.mean_share * (if fits { 0.0 } else { 1.0 } - alarm.misfit);
         // A named fault that has just ended fits nothing either.
         let named_before = alarm.finding.is_some_and(|was| was.class != FaultClass::Unknown);
         let least = if named_before { t.lasting_misfit } else { 0.0 };
-        alarm.strange = alarm.age > t.process_time && !fits && alarm.misfit > least;
+        alarm.strange = !young && !fits && alarm.misfit > least;
         let magnitude = magnitude(t, h, class, &estimate[h]);
         let finding = Finding { class, confidence, magnitude, onset: alarm.onset };
         if alarm.strange {

@@ -33,12 +33,13 @@ impl SinceOnset {
         let least = if was { self.naming - t.unname } else { self.naming };
         let fits = fits(s, left - 2.0 * kappa * gain, t.strange());
         let half_width = HALF_OF_95 * sqrt(variance + t.flow_error * t.flow_error * value * value);
-        alarm.taught = (alarm.age >= t.process_time && confidence > least && fits).then(|| TaughtFinding {
-            name: response.name,
-            place: place as u8,
-            confidence: smaller(t.certain, confidence),
-            magnitude: Magnitude { value: 100.0 * value, half_width: 100.0 * half_width },
-        });
+        alarm.taught =
+            (alarm.age >= self.tuning.alarm.young && confidence > least && fits).then(|| TaughtFinding {
+                name: response.name,
+                place: place as u8,
+                confidence: smaller(t.certain, confidence),
+                magnitude: Magnitude { value: 100.0 * value, half_width: 100.0 * half_width },
+            });
     }
 }
 
@@ -47,7 +48,7 @@ impl SinceOnsetState {
     /// whose noise it does not have.
     pub(in crate::likelihood) fn changed(&self, usual: &Usual) -> Option<Changed> {
         let t = usual.tuning;
-        let alarm = self.alarm.as_ref().filter(|alarm| alarm.age >= t.naming.process_time)?;
+        let alarm = self.alarm.as_ref().filter(|alarm| alarm.age >= t.alarm.young)?;
         let (all, gain) = Nuisances::new(self.since.sums(), &usual.since_onset(), t.alarm.kappa)
             .beyond(&TAUGHT_PAIRS)
             .changes(&spreads(t));

@@ -26,7 +26,7 @@ impl SinceOnset {
             return None;
         }
         let theta = alarm.values[0];
-        let longest = (self.tuning.alarm.holdoff * seen.times.time_scale / self.sample_time) as u32;
+        let longest = (self.tuning.times.reference * seen.times.time_scale / self.sample_time) as u32;
         let gone = s.recovery.step(
             (seen.nominal.process, seen.filter),
             seen.nominal.heat,
@@ -55,7 +55,7 @@ impl SinceOnset {
             let left = z[m] + change[m] * seen.filter.inv_sigma[m];
             (z[m] * z[m] - left * left) / (2.0 * self.tuning.alarm.kappa)
         };
-        (explained(0) + explained(1) > self.tuning.slow.sensor_over).then_some(change)
+        (explained(0) + explained(1) > 2.0 * self.tuning.alarm.raise).then_some(change)
     }
 }
 

@@ -13,6 +13,7 @@ use crate::likelihood::posterior::Posterior;
 use crate::likelihood::process::Motion;
 use crate::likelihood::process::Parameters;
 use crate::likelihood::reference::Random;
+use crate::likelihood::regressor::Regressor;
 use crate::likelihood::second_heater::SecondHeater;
 use crate::likelihood::training::Trained;
 use crate::likelihood::whitening::WhiteningFilter;
@@ -65,7 +66,7 @@ impl Run {
             simulation,
             times: Times::new(tuning, &trained, Inputs::ALL, TS),
             innovations: InnovationsState::new(tuning, whitening),
-            steady: Steady::new(tuning, rise),
+            steady: Steady::new(tuning),
             random: Random::new(seed),
             bit: 5.0,
             ticks: 0,

@@ -185,9 +185,7 @@ impl Onset {
         put(Regressor::Exchanged, [y[1] - y[0], y[0] - y[1]]);
         put(Regressor::Wall, now.rises.wall);
         put(Regressor::Shift, [now.before[0] - y[0], now.before[1] - y[1]]);
-        for (value, past) in regressors.iter_mut().zip(&mut self.past) {
-            *value = whitening.step(past, *value);
-        }
+        whitening.step_all(&mut self.past, &mut regressors);
         regressors
     }
 

@@ -55,9 +55,20 @@ impl WhiteningFilter {
         finite.then_some(whitening).ok_or(RejectReason::PoorFit)
     }
 
+    /// Innovations of several signals in their places: the filter is loaded once for all of them.
+    #[inline(never)]
+    pub(super) fn step_all(&self, past: &mut [Past], signals: &mut [[f32; 2]]) {
+        signals.iter_mut().zip(past).for_each(|(e, past)| *e = self.innovations(past, *e));
+    }
+
     /// Innovations of a tick, in standard deviations.
     #[inline(never)]
     pub(super) fn step(&self, past: &mut Past, e: [f32; 2]) -> [f32; 2] {
+        self.innovations(past, e)
+    }
+
+    #[inline(always)]
+    fn innovations(&self, past: &mut Past, e: [f32; 2]) -> [f32; 2] {
         let expected = self.expected(past, e[0]);
         shift(&mut past.e1, e[0]);
         shift(&mut past.e2, e[1]);

@@ -22,6 +22,7 @@ use crate::identify::rls::Rls;
 pub(super) use cold::Cold;
 use filter::Filter;
 pub(super) use sense::make_twin;
+use sense::ranges;
 
 /// Priors of the parameters, mean and standard deviation, where neither the answer time nor the usual gain says more.
 const fn prior(t: &PriorTuning) -> [(f32, f32); COUNT] {
@@ -92,6 +93,8 @@ pub(super) struct Trained {
 pub(super) struct Trainer {
     rls: Rls<COUNT>,
     prior: [(f32, f32); COUNT],
+    /// Within which each parameter stays.
+    ranges: [(f32, f32); COUNT],
     /// Dead time and four time constants, ticks.
     answer: f32,
     inputs: Inputs,
@@ -123,7 +126,8 @@ impl Trainer {
         prior[Parameter::WallTime as usize].0 = libm::logf(t.wall_time * answer);
         let adaptation = Adaptation::RandomWalk { r1: 0.0, r2: 1.0 };
         let rls = Rls::new(&RlsConfig { adaptation, d_initial: 1.0, d_max: 1.0 })?;
-        Ok(Self { rls, prior, answer, inputs: Inputs::ALL, tuning, fit_samples, check_samples })
+        let ranges = ranges(&tuning, &prior, answer, Inputs::ALL);
+        Ok(Self { rls, prior, ranges, answer, inputs: Inputs::ALL, tuning, fit_samples, check_samples })
     }
 
     /// The same of a rig that lacks some inputs.
@@ -139,12 +143,18 @@ impl Trainer {
             self.prior[Parameter::Reaches2 as usize] = (t.second_heater, t.reaches_sd);
             self.prior[Parameter::Lag2 as usize] = (heater, t.wide);
         }
+        self.ranges = ranges(&self.tuning, &self.prior, self.answer, inputs);
         self
     }
 
     /// Mean and standard deviation of what each parameter may be.
     pub(super) fn priors(&self) -> [(f32, f32); COUNT] {
         self.prior
+    }
+
+    /// Within which each parameter stays, in the order of [`Parameter`].
+    pub(super) fn ranges(&self) -> [(f32, f32); COUNT] {
+        self.ranges
     }
 
     pub(super) fn start(&self) -> Training {

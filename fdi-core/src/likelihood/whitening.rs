@@ -55,10 +55,14 @@ impl WhiteningFilter {
         finite.then_some(whitening).ok_or(RejectReason::PoorFit)
     }
 
-    /// Innovations of several signals in their places: the filter is loaded once for all of them.
+    /// Innovations of several signals: the filter is loaded once for all of them.
     #[inline(never)]
-    pub(super) fn step_all(&self, past: &mut [Past], signals: &mut [[f32; 2]]) {
-        signals.iter_mut().zip(past).for_each(|(e, past)| *e = self.innovations(past, *e));
+    pub(super) fn step_all<const N: usize>(
+        &self,
+        past: &mut [Past; N],
+        signals: &[[f32; 2]; N],
+    ) -> [[f32; 2]; N] {
+        core::array::from_fn(|i| self.innovations(&mut past[i], signals[i]))
     }
 
     /// Innovations of a tick, in standard deviations.

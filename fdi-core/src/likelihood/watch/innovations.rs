@@ -68,11 +68,10 @@ impl InnovationsState {
             z: filter.step(&mut self.past, left),
             clipped: filter.step_clipped(&mut self.past_clipped, left, widened.map(|by| t.clip + by)),
             z_trained: filter.step(&mut self.past_trained, e),
-            regressors: *regressors,
+            regressors: filter.step_all(&mut self.past_regressors, regressors),
             charted: self.ticks >= t.first as u32,
             gathered: self.ticks > t.first as u32,
         };
-        filter.step_all(&mut self.past_regressors, &mut innovations.regressors);
         if !innovations.charted {
             (innovations.z, innovations.z_trained) = ([0.0; 2], [0.0; 2]);
         }

@@ -23,7 +23,6 @@ use crate::vector::sum;
 pub(super) use cold::Cold;
 use filter::Filter;
 pub(super) use sense::make_twin;
-use sense::ranges;
 
 /// Priors of the parameters, mean and standard deviation, where neither the answer time nor the usual gain says more.
 const fn prior(t: &PriorTuning) -> [(f32, f32); COUNT] {
@@ -94,8 +93,8 @@ pub(super) struct Trained {
 pub(super) struct Trainer {
     rls: Rls<COUNT>,
     prior: [(f32, f32); COUNT],
-    /// Within which each parameter stays.
-    ranges: [(f32, f32); COUNT],
+    /// Within which training keeps [`Parameter::WallTime`].
+    wall_time: (f32, f32),
     /// Dead time and four time constants, ticks.
     answer: f32,
     inputs: Inputs,
@@ -127,8 +126,9 @@ impl Trainer {
         prior[Parameter::WallTime as usize].0 = libm::logf(t.wall_time * answer);
         let adaptation = Adaptation::RandomWalk { r1: 0.0, r2: 1.0 };
         let rls = Rls::new(&RlsConfig { adaptation, d_initial: 1.0, d_max: 1.0 })?;
-        let ranges = ranges(&tuning, &prior, answer, Inputs::ALL);
-        Ok(Self { rls, prior, ranges, answer, inputs: Inputs::ALL, tuning, fit_samples, check_samples })
+        let wall = |answers: f32| libm::logf(answers * answer);
+        let wall_time = (wall(tuning.range.least_wall_time), wall(tuning.range.largest_wall_time));
+        Ok(Self { rls, prior, wall_time, answer, inputs: Inputs::ALL, tuning, fit_samples, check_samples })
     }
 
     /// The same of a rig that lacks some inputs.
@@ -144,18 +144,12 @@ impl Trainer {
             self.prior[Parameter::Reaches2 as usize] = (t.second_heater, t.reaches_sd);
             self.prior[Parameter::Lag2 as usize] = (heater, t.wide);
         }
-        self.ranges = ranges(&self.tuning, &self.prior, self.answer, inputs);
         self
     }
 
     /// Mean and standard deviation of what each parameter may be.
     pub(super) fn priors(&self) -> [(f32, f32); COUNT] {
         self.prior
-    }
-
-    /// Within which each parameter stays, in the order of [`Parameter`].
-    pub(super) fn ranges(&self) -> [(f32, f32); COUNT] {
-        self.ranges
     }
 
     pub(super) fn start(&self) -> Training {

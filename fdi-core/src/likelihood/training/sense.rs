@@ -1,8 +1,6 @@
 //! Where the parameters mean something: a thermistor that is missing, bounds.
 
-use super::super::inputs::Inputs;
 use super::super::process::{COUNT, Motion, Parameter, Parameters};
-use super::super::tuning::Tuned;
 use super::{Trainer, longest_delay};
 use crate::bounds::bounded;
 
@@ -18,28 +16,23 @@ pub(in super::super) fn make_twin(p: &mut Parameters, motion: &mut Motion) {
     motion.w[1] = motion.w[0];
 }
 
-/// Within which each parameter stays, in the order of [`Parameter`]: on a rig that answers within `answer` ticks.
-#[inline(never)]
-pub(super) fn ranges(
-    tuning: &Tuned,
-    prior: &[(f32, f32); COUNT],
-    answer: f32,
-    inputs: Inputs,
-) -> [(f32, f32); COUNT] {
-    let t = &tuning.range;
-    let mut ranges = prior.map(|(mean, sd)| (mean - t.sds * sd, mean + t.sds * sd));
-    ranges[Parameter::Reaches2 as usize].0 = if inputs.t2 { t.least_reaches } else { 0.0 };
-    for delay in [Parameter::Delay1, Parameter::Delay2] {
-        ranges[delay as usize] = (0.0, longest_delay(tuning));
-    }
-    let wall = |answers: f32| libm::logf(answers * answer);
-    ranges[Parameter::WallTime as usize] = (wall(t.least_wall_time), wall(t.largest_wall_time));
-    ranges
-}
-
 /// Holds the parameters where the model means something.
 pub(super) fn bound(trainer: &Trainer, p: &mut Parameters) {
-    for (value, (low, high)) in p.0.iter_mut().zip(&trainer.ranges) {
-        *value = bounded(*value, *low, *high);
+    for (value, (low, high)) in p.0.iter_mut().zip(trainer.ranges()) {
+        *value = bounded(*value, low, high);
+    }
+}
+
+impl Trainer {
+    /// Within which each parameter stays, in the order of [`Parameter`].
+    pub(in super::super) fn ranges(&self) -> [(f32, f32); COUNT] {
+        let t = &self.tuning.range;
+        let mut ranges = self.prior.map(|(mean, sd)| (mean - t.sds * sd, mean + t.sds * sd));
+        ranges[Parameter::Reaches2 as usize].0 = if self.inputs.t2 { t.least_reaches } else { 0.0 };
+        for delay in [Parameter::Delay1, Parameter::Delay2] {
+            ranges[delay as usize] = (0.0, longest_delay(&self.tuning));
+        }
+        ranges[Parameter::WallTime as usize] = self.wall_time;
+        ranges
     }
 }

@@ -19,6 +19,12 @@ pub(crate) fn dot<const N: usize>(a: &[f32; N], b: &[f32; N]) -> f32 {
     sum
 }
 
+/// The sum of a list. One function for lists of every length: unrolled for each of them it would take 2.5 kB of flash.
+#[inline(never)]
+pub(crate) fn sum(list: &[f32]) -> f32 {
+    list.iter().sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,6 +6,7 @@ use super::tuning::{AmbientTuning, Tuned};
 use super::verdict::{Finding, Magnitude};
 use crate::bounds::{bounded, smaller};
 use crate::filter::LowPass;
+use crate::vector::sum;
 
 /// The memories of the trend, the step of a tick in degC, and Ts in answer times.
 #[derive(Clone, Copy, Debug)]
@@ -107,7 +108,7 @@ impl Ambient {
 impl AmbientState {
     /// Finite as long as all of it is that stays.
     pub(super) fn sum(&self) -> f32 {
-        let means: f32 = self.means.iter().flatten().flatten().sum();
+        let means = sum(self.means.as_slice().as_flattened().as_flattened());
         means + self.believed.unwrap_or(0.0) + self.rest + self.wrong
     }
 

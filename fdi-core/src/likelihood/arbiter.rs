@@ -75,10 +75,10 @@ static RULES: [Rule; 12] = [
     rule(Commissioning, |e, _| !e.said.alarm()),
 ];
 
-/// What is reported.
+/// What is reported. On most ticks nothing is wrong, and no rule is asked.
 pub(super) fn decide(evidence: &Evidence, tuning: Tuned) -> Option<Finding> {
     let found = |rule: &Rule| evidence.of(rule.source).filter(|_| (rule.holds)(evidence, tuning));
-    RULES.iter().find_map(found)
+    evidence.alarm().then(|| RULES.iter().find_map(found)).flatten()
 }
 
 impl Evidence {

@@ -14,7 +14,7 @@
 use super::tuning::Tuned;
 use crate::bounds::larger;
 use crate::root::sqrt;
-use crate::vector::{dot, shift};
+use crate::vector::{dot, shift, sum};
 
 /// Bands of lags: 1, 2 and 3, 4 to 6, 7 to 12 steps. The first lag is that of the power that acted until now.
 const BANDS: usize = 4;
@@ -127,8 +127,9 @@ impl ImpulseResponse {
 impl ImpulseResponseState {
     /// Finite as long as all of it is that stays.
     pub(super) fn sum(&self) -> f32 {
-        let sums = self.r.iter().chain(&self.p).flatten().chain(&self.energy).chain(&self.swing);
-        sums.chain(&self.power).sum::<f32>() + self.power_before + self.power_sum + self.samples
+        let matrices = sum(self.r.as_flattened()) + sum(self.p.as_flattened());
+        let lists = sum(&self.energy) + sum(&self.swing) + sum(&self.power);
+        matrices + lists + self.power_before + self.power_sum + self.samples
     }
 
     /// How T0, T1 and T2 answer.

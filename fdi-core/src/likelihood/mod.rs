@@ -248,7 +248,7 @@ impl Likelihood {
             room: self.ambient.finding(&state.ambient),
             commissioning: self.worn(state, seen.phase),
         };
-        if seen.index.is_multiple_of(finite::EVERY) && !state.is_finite() {
+        if !state.is_finite(seen.index) {
             return state.begin_anew();
         }
         let finding = decide(&evidence, self.tuning);

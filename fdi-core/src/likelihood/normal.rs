@@ -1,6 +1,7 @@
 //! Sums of a linear regression: whitened residuals on whitened signatures, `A = sum phi phi'`, `b = sum phi z`.
 
 use super::regressor::{COUNT, FIRST_FREED, FREED, LASTING, Regressor, Regressors};
+use crate::vector::sum;
 
 /// Elements of the lower half of a symmetric matrix of `n` rows.
 const fn half(n: usize) -> usize {
@@ -93,15 +94,9 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         self.count *= factor;
     }
 
-    /// Finite as long as all of them are. Summed side by side, for the cost: it is asked on every tick.
+    /// Finite as long as all of them are.
     pub(super) fn sum(&self) -> f32 {
-        let (side_by_side, rest) = self.a.as_chunks::<8>();
-        let mut sums = [0.0; 8];
-        for eight in side_by_side {
-            sums.iter_mut().zip(eight).for_each(|(sum, a)| *sum += a);
-        }
-        let all: f32 = [&sums[..], rest, &self.b].map(|part| part.iter().sum::<f32>()).iter().sum();
-        all + self.energy + self.count
+        sum(&self.a) + sum(&self.b) + self.energy + self.count
     }
 
     /// Takes away what these values of all regressors explain.

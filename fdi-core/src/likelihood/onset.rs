@@ -186,10 +186,7 @@ impl Onset {
         put(Regressor::Exchanged, [y[1] - y[0], y[0] - y[1]]);
         put(Regressor::Wall, now.rises.wall);
         put(Regressor::Shift, [now.before[0] - y[0], now.before[1] - y[1]]);
-        for (value, past) in regressors.iter_mut().zip(&mut self.past) {
-            *value = whitening.step(past, *value);
-        }
-        regressors
+        whitening.step_all(&mut self.past, &regressors)
     }
 
     /// A tick without samples: the models go on, and no regressor is whitened, as no residual is.

@@ -29,7 +29,7 @@ fn share_slope(ln_ticks: f32) -> f32 {
 
 impl Way {
     /// One tick: `air` is the change of what arrives, `lag` and `wall` what changes the states besides.
-    #[inline(always)]
+    #[inline(never)]
     fn step(&mut self, p: &Process, air: [f32; 2], lag: [f32; 2], wall: [f32; 2]) -> [f32; 2] {
         core::array::from_fn(|i| {
             self.m[i] += p.lag[i] * (air[i] - self.m[i]) + lag[i];

@@ -5,6 +5,7 @@ use super::regressor::{LASTING, Regressor, Regressors};
 use super::tuning::Tuned;
 use crate::bounds::{bounded, larger};
 use crate::filter::LowPass;
+use crate::vector::sum;
 
 const N: usize = 4;
 
@@ -131,8 +132,7 @@ impl Tracker {
 
     /// Finite as long as all of it is.
     pub(super) fn sum(&self) -> f32 {
-        self.x.iter().chain(self.p.iter().flatten()).chain(&self.level).chain(&self.walk).sum::<f32>()
-            + self.steps
+        sum(&self.x) + sum(self.p.as_flattened()) + sum(&self.level) + sum(&self.walk) + self.steps
     }
 
     /// Adds process noise with these standard deviations.

@@ -19,6 +19,7 @@ use super::whitening::{ResidualStatistics, WhiteningFilter};
 use crate::error::ConfigError;
 use crate::identify::config::{Adaptation, RlsConfig};
 use crate::identify::rls::Rls;
+use crate::vector::sum;
 pub(super) use cold::Cold;
 use filter::Filter;
 pub(super) use sense::make_twin;
@@ -103,7 +104,7 @@ pub(super) struct Trainer {
 impl Training {
     /// Finite as long as all of it is that what follows would not refuse.
     pub(super) fn sum(&self) -> f32 {
-        self.parameters.0.iter().sum::<f32>() + self.motion.sum() + self.beside.added() + self.power
+        sum(&self.parameters.0) + self.motion.sum() + self.beside.added() + self.power
     }
 }
 

@@ -55,9 +55,24 @@ impl WhiteningFilter {
         finite.then_some(whitening).ok_or(RejectReason::PoorFit)
     }
 
+    /// Innovations of several signals: the filter is loaded once for all of them.
+    #[inline(never)]
+    pub(super) fn step_all<const N: usize>(
+        &self,
+        past: &mut [Past; N],
+        signals: &[[f32; 2]; N],
+    ) -> [[f32; 2]; N] {
+        core::array::from_fn(|i| self.innovations(&mut past[i], signals[i]))
+    }
+
     /// Innovations of a tick, in standard deviations.
     #[inline(never)]
     pub(super) fn step(&self, past: &mut Past, e: [f32; 2]) -> [f32; 2] {
+        self.innovations(past, e)
+    }
+
+    #[inline(always)]
+    fn innovations(&self, past: &mut Past, e: [f32; 2]) -> [f32; 2] {
         let expected = self.expected(past, e[0]);
         shift(&mut past.e1, e[0]);
         shift(&mut past.e2, e[1]);
@@ -171,10 +186,11 @@ impl ResidualStatistics {
                 return Err(RejectReason::PoorFit);
             }
         }
-        let mut rows = [[0.0; OWN]; OWN];
+        let mut rows = [[0.0; ALL]; ALL];
         fill(&mut rows, 0, OWN, &own1);
-        (0..OWN).for_each(|i| rows[i][i] *= t.ridge);
-        let (c1, variance1) = regression(rows, [own1[1], own1[2], own1[3]], own1[0]);
+        let ([c1, c2, c3, ..], variance1) =
+            regression(t, rows, [own1[1], own1[2], own1[3], 0.0, 0.0, 0.0, 0.0, 0.0], own1[0]);
+        let c1 = [c1, c2, c3];
         if channels < 2 {
             return WhiteningFilter::of_t1(t, c1, variance1);
         }
@@ -187,9 +203,8 @@ impl ResidualStatistics {
                 rows[OWN + j][i] = if j > i { ahead[j - i - 1] } else { behind[i - j] };
             }
         }
-        (0..ALL).for_each(|i| rows[i][i] *= t.ridge);
         let [a0, a1, a2, a3, a4] = ahead;
-        let (c2, variance2) = regression(rows, [own2[1], own2[2], own2[3], a0, a1, a2, a3, a4], own2[0]);
+        let (c2, variance2) = regression(t, rows, [own2[1], own2[2], own2[3], a0, a1, a2, a3, a4], own2[0]);
         let sigma = [variance1, variance2].map(|variance| larger(t.least_sigma, sqrt(variance)));
         if !sigma.iter().chain(&c1).chain(&c2).all(|x| x.is_finite()) {
             return Err(RejectReason::PoorFit);
@@ -206,15 +221,22 @@ impl ResidualStatistics {
 
 /// Writes covariances by their lag into the lower half of a block on the diagonal. With iterators, since an optimiser for size
 /// can't tell that these indices are within bounds.
-fn fill<const N: usize>(rows: &mut [[f32; N]; N], from: usize, size: usize, by_lag: &[f32]) {
+fn fill(rows: &mut [[f32; ALL]; ALL], from: usize, size: usize, by_lag: &[f32]) {
     for (i, row) in rows.iter_mut().skip(from).take(size).enumerate() {
         let block = row.iter_mut().skip(from).take(i + 1).rev();
         block.zip(by_lag).for_each(|(element, covariance)| *element = *covariance);
     }
 }
 
-/// Coefficients of a linear regression from covariances, and the variance that it leaves.
-fn regression<const N: usize>(rows: [[f32; N]; N], cross: [f32; N], variance: f32) -> ([f32; N], f32) {
+/// Coefficients of a linear regression from covariances, and the variance that it leaves. Where there are none, the coefficient is 0.
+#[inline(never)]
+fn regression(
+    t: &WhiteningTuning,
+    mut rows: [[f32; ALL]; ALL],
+    cross: [f32; ALL],
+    variance: f32,
+) -> ([f32; ALL], f32) {
+    (0..ALL).for_each(|i| rows[i][i] *= t.ridge);
     let factor = Cholesky::new(rows);
     let mut c = cross;
     factor.forward(&mut c);

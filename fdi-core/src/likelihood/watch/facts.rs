@@ -5,6 +5,7 @@ use crate::bounds::smaller;
 use crate::likelihood::onset::Onset;
 use crate::likelihood::regressor::Regressors;
 use crate::likelihood::usual::Usual;
+use crate::vector::sum;
 
 impl WatchState {
     /// What is usual on this rig, as far as is known now.
@@ -77,6 +78,6 @@ impl WatchState {
             self.returned.sum(),
             self.heat.sum(),
         ];
-        stages.iter().chain(&self.measured).sum::<f32>() + self.curvature_error
+        sum(&stages) + sum(&self.measured) + self.curvature_error
     }
 }

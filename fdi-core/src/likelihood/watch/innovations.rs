@@ -64,23 +64,18 @@ impl InnovationsState {
         let t = &self.tuning.charts;
         self.ticks = self.ticks.saturating_add(1);
         let filter = &self.filter;
-        let mut whitened = *regressors;
-        for (value, past) in whitened.iter_mut().zip(&mut self.past_regressors) {
-            *value = filter.step(past, *value);
-        }
-        let innovations = Innovations {
+        let mut innovations = Innovations {
             z: filter.step(&mut self.past, left),
             clipped: filter.step_clipped(&mut self.past_clipped, left, widened.map(|by| t.clip + by)),
             z_trained: filter.step(&mut self.past_trained, e),
-            regressors: whitened,
+            regressors: filter.step_all(&mut self.past_regressors, regressors),
             charted: self.ticks >= t.first as u32,
             gathered: self.ticks > t.first as u32,
         };
-        if innovations.charted {
-            innovations
-        } else {
-            Innovations { z: [0.0; 2], z_trained: [0.0; 2], ..innovations }
+        if !innovations.charted {
+            (innovations.z, innovations.z_trained) = ([0.0; 2], [0.0; 2]);
         }
+        innovations
     }
 
     /// Both residuals turn out to have been lower by `change`, degC.

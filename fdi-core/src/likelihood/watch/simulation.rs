@@ -12,6 +12,7 @@ use crate::likelihood::start::{Begun, Start};
 use crate::likelihood::training::Trained;
 use crate::likelihood::tuning::Tuned;
 use crate::likelihood::whitening::WhiteningFilter;
+use crate::vector::sum;
 
 /// The simulation of a rig that has these inputs.
 #[derive(Clone, Debug)]
@@ -335,9 +336,9 @@ impl SimulationState {
 
     /// Finite as long as all of it is that stays.
     pub(super) fn sum(&self) -> f32 {
-        let lists: f32 = self.expected.iter().chain(&self.mean).chain(&self.parameters.0).sum();
         let inlet = self.inlet.map_or(0.0, |inlet| inlet.t0 + inlet.mean);
-        let motions: f32 = [&self.rig, &self.less, &self.more].map(|rig| rig.motion.sum()).iter().sum();
+        let lists = sum(&self.expected) + sum(&self.mean) + sum(&self.parameters.0);
+        let motions = self.rig.motion.sum() + self.less.motion.sum() + self.more.motion.sum();
         lists + self.fan + self.gain + inlet + self.second_heater.added() + motions
     }
 }

@@ -27,6 +27,7 @@ use crate::likelihood::tuning::Tuned;
 use crate::likelihood::usual::Usual;
 use crate::likelihood::verdict::{Finding, TaughtFinding};
 use crate::likelihood::whitening::WhiteningFilter;
+use crate::vector::sum;
 pub(super) use naming::{magnitude, named};
 
 /// The bank.
@@ -345,6 +346,6 @@ impl SinceOnsetState {
 
     /// Finite as long as all of it is.
     pub(in crate::likelihood) fn sum(&self) -> f32 {
-        self.since.sum() + self.z_mean.iter().chain(&self.at_onset).sum::<f32>()
+        self.since.sum() + sum(&self.z_mean) + sum(&self.at_onset)
     }
 }

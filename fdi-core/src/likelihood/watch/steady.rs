@@ -12,6 +12,7 @@ use crate::likelihood::inputs::Inputs;
 use crate::likelihood::normal::LastingNormal;
 use crate::likelihood::regressor::{LASTING, Regressors};
 use crate::likelihood::tuning::Tuned;
+use crate::vector::sum;
 
 /// Its memories.
 #[derive(Clone, Copy, Debug)]
@@ -138,9 +139,9 @@ impl Steady {
 
     /// Finite as long as all of it is that stays.
     pub(super) fn sum(&self) -> f32 {
-        let pairs = self.slow.iter().chain(&self.mean).chain([&self.slow_z, &self.mean_e, &self.base]);
-        let all: f32 = pairs.flatten().chain(&self.reference).sum();
-        all + self.normal.sum()
+        let regressors = sum(self.slow.as_flattened()) + sum(self.mean.as_flattened()) + sum(&self.reference);
+        let residuals = sum(&self.slow_z) + sum(&self.mean_e) + sum(&self.base);
+        regressors + residuals + self.normal.sum()
     }
 
     /// Whether there is anything to judge by.

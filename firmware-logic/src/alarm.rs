@@ -27,6 +27,12 @@ impl AlarmRecord {
     pub(crate) fn name(&self) -> (Option<FaultClass>, Name) {
         (self.finding.map(|finding| finding.class), self.taught)
     }
+
+    /// It is said to come again and again, and that one was one of the times.
+    pub(crate) fn comes_again(&self, one: &Self) -> bool {
+        let again = one.finding.and_then(|finding| finding.class.again());
+        self.finding.is_some_and(|found| again == Some(found.class) && one.raised >= found.onset)
+    }
 }
 
 /// Follows what the diagnosis says.

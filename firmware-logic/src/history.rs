@@ -77,7 +77,8 @@ impl History {
         }
     }
 
-    /// Adds an alarm, or replaces its entry. Once it has ended it takes the place of those before it that had the same name, and counts them.
+    /// Adds an alarm, or replaces its entry. Once it has ended it takes the place of those before it that had the same name, and counts them; one that
+    /// is said to come again and again takes that of the times before as soon as it is.
     pub fn alarm(&mut self, alarm: AlarmRecord) {
         let is_same = |entry: &Entry| matches!(entry, Entry::Alarm { alarm: known, .. } if known.raised == alarm.raised);
         let (mut count, mut first) = (1, alarm.raised);
@@ -89,7 +90,7 @@ impl History {
         self.entries.retain(|entry| match entry {
             entry if is_same(entry) => false,
             Entry::Alarm { alarm: known, count: before, first: since }
-                if alarm.ended.is_some() && known.name() == alarm.name() =>
+                if alarm.ended.is_some() && known.name() == alarm.name() || alarm.comes_again(known) =>
             {
                 (count, first) = (count + before, *since);
                 false
@@ -260,6 +261,29 @@ mod tests {
                 "56.0 s alarm: air_flow, confidence 0.90, since 56.0 s, ended 57.0 s, 3 times since 16.0 s"
             ]
         );
+    }
+
+    /// A loose contact is told once, and how often it has come; an error of before it began is another one.
+    #[test]
+    fn a_loose_contact_takes_the_place_of_the_errors_by_which_it_was_seen() {
+        let mut history = History::default();
+        for (raised, class) in [(50, FaultClass::T1Offset), (70, FaultClass::T2Offset)] {
+            history.alarm(alarm(raised, Some(class), Some(raised + 10)));
+        }
+        history.alarm(alarm(200, Some(FaultClass::T2Offset), Some(250)));
+        history.alarm(alarm(300, Some(FaultClass::T2Offset), None));
+        let loose = |raised, ended| {
+            let mut alarm = alarm(raised, Some(FaultClass::T2Loose), ended);
+            alarm.finding.as_mut().expect("it has one").onset = 65;
+            alarm
+        };
+        history.alarm(loose(300, None));
+        let told = "30.0 s alarm: t2_loose, confidence 0.90, since 6.5 s, lasting, 3 times since 7.0 s";
+        assert_eq!(texts(&history)[1..], [told]);
+        history.alarm(loose(300, Some(900)));
+        assert_eq!(texts(&history)[1..], [told.replace("lasting", "ended 90.0 s")]);
+        history.alarm(alarm(1000, Some(FaultClass::T2Offset), Some(1010)));
+        assert_eq!(texts(&history).len(), 3, "what comes later is another one");
     }
 
     #[test]

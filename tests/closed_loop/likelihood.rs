@@ -84,6 +84,39 @@ fn every_class_is_named_with_its_size() {
     }
 }
 
+/// Whether it is all as trained again is asked of each alarm: an error below the smallest that counts since training is none the less there.
+#[test]
+fn the_alarm_of_a_small_error_stands_as_long_as_the_error() {
+    for seed in [11, 12] {
+        let small = fault(Verb::Offset, Some(Sensor::T1), 0.5, None, 60.0);
+        let record = run(&Config::default(), &scenario(vec![small], 480.0), seed).unwrap();
+        let on = |from: f64, to: f64| {
+            let within = since_onset(&record).filter(move |(t, _)| (from..to).contains(t));
+            let alarm: Vec<bool> = within.map(|(_, row)| row.report.likelihood.alarm).collect();
+            alarm
+        };
+        assert!(on(15.0, 60.0).iter().all(|alarm| *alarm), "seed {seed}: {:?}", alarms(&record));
+        assert!(!on(70.0, 79.0).contains(&true), "seed {seed}: {:?}", alarms(&record));
+    }
+}
+
+/// What came and went twice is a loose contact, and its alarm stands until it has held for the window; what came once is an error that was mended.
+#[test]
+fn an_error_that_came_and_went_twice_is_one_alarm_of_a_loose_contact() {
+    for (sensor, class) in [(Sensor::T1, FaultClass::T1Loose), (Sensor::T2, FaultClass::T2Loose)] {
+        let at = |since| Fault { at: ONSET + since, ..fault(Verb::Offset, Some(sensor), 1.0, None, 20.0) };
+        let record =
+            run(&Config::default(), &scenario([0.0, 60.0, 120.0].map(at).to_vec(), 850.0), 11).unwrap();
+        assert_eq!(alarms(&record).len(), 2, "{sensor:?}: {:?}", alarms(&record));
+        let (since, row) = since_onset(&record).find(|(_, row)| is(row, class)).expect("it is named");
+        assert!((80.0..83.0).contains(&since), "{sensor:?}: {since} s");
+        let onset = row.report.likelihood.finding.map(|finding| record.time(finding.onset) - ONSET);
+        assert!(onset.is_some_and(|onset| onset < 2.0), "{sensor:?}: since the first, {onset:?}");
+        let stands = since_onset(&record).filter(|(_, row)| row.report.likelihood.alarm).last();
+        assert!(stands.is_some_and(|(t, _)| (400.0..415.0).contains(&t)), "{sensor:?}: {stands:?}");
+    }
+}
+
 #[test]
 fn two_faults_at_once_are_unknown() {
     let both = vec![

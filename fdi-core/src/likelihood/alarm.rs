@@ -1,6 +1,18 @@
 //! What the models say on a tick, and an alarm under way.
 
+use super::class::FaultClass;
 use super::verdict::{Finding, TaughtFinding};
+
+/// What an alarm since an onset is held for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Held {
+    /// Class of the likeliest hypothesis, and the value of what that frees first.
+    pub(super) class: FaultClass,
+    pub(super) value: f32,
+    pub(super) onset: u32,
+    /// Its name, once it has one.
+    pub(super) named: Option<Finding>,
+}
 
 /// What the models say on a tick: None where a bank has no alarm, an alarm without a finding where it has no name.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -311,6 +311,15 @@ impl FaultClass {
         self.row().sensor
     }
 
+    /// What it is called where it comes again and again. T0's error has no such name: what moves T1 and T2 alike has its name as well.
+    pub const fn again(self) -> Option<Self> {
+        match self {
+            Self::T1Offset => Some(Self::T1Loose),
+            Self::T2Offset => Some(Self::T2Loose),
+            _ => None,
+        }
+    }
+
     /// Whether an alarm of it may be shelved: what has a size, while both thermistors are in the tube. What may trip may not.
     pub const fn may_be_shelved(self) -> bool {
         !matches!(self.quantity(), Quantity::Nothing) && !matches!(self, Self::T1Detached | Self::T2Detached)

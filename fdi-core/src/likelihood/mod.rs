@@ -191,7 +191,7 @@ impl Likelihood {
             stands: Seconds(tuning.alarm.stands).ticks(ts),
             chatter: Chatter {
                 taught: c.taught.len(),
-                alarms: tuning.alarm.chatters as u32,
+                times: tuning.alarm.chatters as u32,
                 window: Seconds(tuning.alarm.returns).ticks(ts),
             },
             tuning,
@@ -243,7 +243,7 @@ impl Likelihood {
         let evidence = Evidence {
             sensors: state.sensors.step(self.tuning, sample, seen.index),
             said,
-            contact: state.contact.step(self.chatter, said.since_onset, seen.index),
+            contact: state.contact.step(self.chatter, state.work.held(), seen.index),
             response: contradiction,
             room: self.ambient.finding(&state.ambient),
             commissioning: self.worn(state, seen.phase),

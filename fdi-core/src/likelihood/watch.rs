@@ -326,12 +326,13 @@ impl Watch {
         e: [f32; 2],
         now: &Simulated,
     ) {
-        let Some(h) = onset.hypothesis().or(s.since_training.hypothesis()) else {
+        let lasting = || s.since_training.hypothesis().map(|h| (h, 0.0));
+        let Some(of_alarm) = onset.hypothesis().or_else(lasting) else {
             s.returned.reset();
             return;
         };
         let asked = self.returned.gather(&mut s.returned, &s.times, innovations);
-        if asked && self.returned.is_as_trained(&s.returned, &s.usual(), h, now.expected[0]) {
+        if asked && self.returned.is_as_trained(&s.returned, &s.usual(), of_alarm, now.expected[0]) {
             s.returned.reset();
             onset.begin_anew();
             s.since_training.forget(e);

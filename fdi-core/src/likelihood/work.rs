@@ -1,5 +1,6 @@
 //! What the diagnosis does with a tick.
 
+use super::alarm::Held;
 use super::training::Training;
 use super::watch::SinceOnsetState;
 
@@ -19,5 +20,13 @@ impl Work {
     #[inline(never)]
     pub(super) fn begin_watching(&mut self) {
         *self = Self::Watching(SinceOnsetState::default());
+    }
+
+    /// What the alarm since an onset is held for; none without one.
+    pub(super) fn held(&self) -> Option<Held> {
+        match self {
+            Self::Watching(onset) => onset.held(),
+            _ => None,
+        }
     }
 }

@@ -47,8 +47,8 @@ tuning! {
         young = 3.0, "s", measured "no assumed lag of the fan is safe (docs/diagnosis.md, section 16); forgetting from the start, a clogged T1 loses its name in 9 runs of 200";
         /// An alarm that has stood for this long becomes advice.
         stands = 3600.0, "s", chosen "who has not come within an hour needs no siren";
-        /// From this many alarms for an offset of the same thermistor on, its contact is called loose.
-        chatters = 3.0, "1", chosen "a fault that is made twice on purpose is two faults";
+        /// A thermistor's error that has come and gone this often is a loose contact.
+        chatters = 2.0, "1", chosen "once may be a fault that is mended";
         /// A loose contact: its alarms come within this time of each other, and it is over after this time without one.
         returns = 270.0, "s", chosen "an alarm may outlive its fault by no more than five minutes";
     }

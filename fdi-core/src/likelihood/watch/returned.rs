@@ -2,7 +2,8 @@
 //!
 //! What the tracker has taken in of a fault that came slowly is missing when that fault is mended: an alarm since the onset of the mending then explains
 //! just that, and goes on for ever. So the residuals without the tracker are asked, too, by the hypotheses and the nuisances of the bank since
-//! training: where the nuisances leave noise, no fault explains more, and the one of the alarm is too small for one, all is as it was trained.
+//! training: where the nuisances leave noise, no fault explains more, and the one of the alarm is too small for one and not what the alarm says, all is
+//! as it was trained.
 
 use super::innovations::Innovations;
 use super::times::Times;
@@ -41,9 +42,15 @@ impl Returned {
         s.ticks >= asked_from && s.ticks.is_multiple_of(self.tuning.since_training.every as u32)
     }
 
-    /// Whether all is as it was trained, during an alarm of hypothesis `h`; `expected` is what T1 should read above T0, degC.
+    /// Whether all is as it was trained, during an alarm of hypothesis `h`, which says that there is so much of it; `expected` is what T1 should read above T0, degC.
     #[inline(never)]
-    pub(super) fn is_as_trained(&self, s: &ReturnedState, usual: &Usual, h: usize, expected: f32) -> bool {
+    pub(super) fn is_as_trained(
+        &self,
+        s: &ReturnedState,
+        usual: &Usual,
+        (h, value): (usize, f32),
+        expected: f32,
+    ) -> bool {
         let (t, normal) = (&self.tuning.since_training, &s.normal);
         let list = usual.since_training(expected);
         let nuisances = Nuisances::new(normal.sums(), &list, t.kappa);
@@ -54,7 +61,9 @@ impl Returned {
         let beyond = nuisances.beyond(&LASTING_PAIRS);
         let ours = &self.tuning.hypotheses()[h % COUNT];
         let least = t.lasting_size * usual.least_since_training(ours.class, self.least_power);
-        if ours.lasting && beyond.estimate(ours.first, None).value.abs() > least {
+        let ours_left = if ours.lasting { beyond.estimate(ours.first, None).value } else { 0.0 };
+        // What is nearer to the alarm's size than to nothing stands, however small it is.
+        if ours_left.abs() > least || (value - ours_left).abs() < ours_left.abs() {
             return false;
         }
         let mut asked =

@@ -11,7 +11,7 @@ use super::innovations::Innovations;
 use super::simulation::Simulated;
 use super::times::Times;
 use crate::bounds::{bounded, larger, smaller};
-use crate::likelihood::alarm::Alarm;
+use crate::likelihood::alarm::{Alarm, Held};
 use crate::likelihood::class::FaultClass;
 use crate::likelihood::evidence::{Estimate, Nuisances};
 use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, Hypothesis, IMPOSSIBLE, PAIRS, TAUGHT_PAIRS};
@@ -311,14 +311,20 @@ impl SinceOnsetState {
         self.alarm.map(|alarm| alarm.finding)
     }
 
+    /// What the alarm is held for; none without one.
+    pub(in crate::likelihood) fn held(&self) -> Option<Held> {
+        let Alarm { onset, finding: named, hypothesis, values: [value, _], .. } = self.alarm?;
+        Some(Held { class: HYPOTHESES[hypothesis % COUNT].class, value, onset, named })
+    }
+
     /// What the alarm leaves of this tick's squares, if the tick has samples; none without an alarm, or where what a user has taught explains it.
     pub(in crate::likelihood) fn left_by_alarm(&self) -> Option<Option<f32>> {
         self.alarm.filter(|alarm| alarm.taught.is_none()).map(|_| self.left_by_alarm)
     }
 
-    /// The likeliest hypothesis of the alarm.
-    pub(super) fn hypothesis(&self) -> Option<usize> {
-        self.alarm.as_ref().map(|alarm| alarm.hypothesis)
+    /// The likeliest hypothesis of the alarm, and the value of what it frees first.
+    pub(super) fn hypothesis(&self) -> Option<(usize, f32)> {
+        self.alarm.as_ref().map(|alarm| (alarm.hypothesis, alarm.values[0]))
     }
 
     /// The fault of the user's own that the alarm is.

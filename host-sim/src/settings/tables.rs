@@ -41,7 +41,7 @@ fn priors() -> String {
             "c1, c2 offsets from T0",
             "°C",
             "0; on a cold rig as read",
-            &format!("{}; of a reading: {}", t.offset_sd, Tuning::DEFAULT.cold.sd),
+            &format!("{}; of a reading: {}", t.offset_sd, Tuning::DEFAULT.sensors.noise),
         ],
         ["q curvature", &format!("per {} %", Tuning::DEFAULT.model.step), "0", &t.curvature_sd.to_string()],
     ];

@@ -36,7 +36,7 @@ impl Recovery {
             self.odds += (stays * stays - goes * goes) / (2.0 * kappa);
         }
         self.age = self.age.saturating_add(1);
-        let decides = process.tuning.alarm.raise;
+        let decides = process.tuning.alarm.over;
         let gone = self.odds > decides;
         if !gone && (self.odds < -decides || self.age > longest) {
             *self = Self::default();

@@ -203,10 +203,10 @@ impl Start {
         let (_, offset) = self.solved(KINDS[0], t.hypotheses.offset_sd);
         let no_offset = (evidence - offset) / t.alarm.kappa;
         let sure = self.counted() as usize >= SURE;
-        let refuted = sure && smaller(goes_on, no_offset) < -t.alarm.raise;
+        let refuted = sure && smaller(goes_on, no_offset) < -t.alarm.over;
         if refuted || leaves > t.naming.strange || self.heard > self.wanted {
             Answer::No
-        } else if sure && goes_on > t.alarm.raise && no_offset > 0.0 && leaves < t.naming.fits {
+        } else if sure && goes_on > t.alarm.over && no_offset > 0.0 && leaves < t.naming.fits {
             Answer::Yes
         } else {
             Answer::Open
@@ -318,9 +318,6 @@ mod tests {
         }
     }
 
-    /// What noise leaves of each sample below: its variance, in those of the whitening filter.
-    const NOISE: f32 = 1.0 / 3.0;
-
     /// What T1 reads beyond a model of 30 and 5 ticks with noise of 0.05 degC, and what an alarm leaves of each sample: what is answered in the end.
     fn answered(beyond: impl Fn(f32) -> f32, left: f32) -> Answer {
         let parameters = Parameters([-0.7, 3.4, 2.3, 1.6, 0.0, 0.9, 1.3, 2.0, 0.0, 6.0, 0.0, 0.0, 0.0]);
@@ -349,10 +346,10 @@ mod tests {
         let forgotten = |k: f32| -4.0 * libm::expf(-k / 30.0);
         assert_eq!(answered(forgotten, 1000.0), Answer::Yes, "heat was lost");
         assert_eq!(answered(|_| 0.0, 1000.0), Answer::Yes, "nothing is left");
-        assert_ne!(answered(forgotten, NOISE), Answer::Yes, "the alarm expects just that");
+        assert_ne!(answered(forgotten, 1.0), Answer::Yes, "the alarm expects just that");
         assert_ne!(answered(|_| -0.7, 1000.0), Answer::Yes, "T1 reads wrong");
         assert_ne!(
-            answered(|k| -4.0 * (1.0 - libm::expf(-k / 30.0)), NOISE),
+            answered(|k| -4.0 * (1.0 - libm::expf(-k / 30.0)), 1.0),
             Answer::Yes,
             "heat is being lost"
         );

@@ -23,8 +23,10 @@ tuning! {
         near = 0.5, "standard deviations", chosen "";
         /// The onset moves on as long as the slow chart is below this share of its decision interval (and the fast ones as above).
         near_slow = 0.14, "1", chosen "";
-        /// Evidence (log Bayes factor) from which on an alarm is raised, and log odds of "it is over" from which on it ends; in slow surroundings the same odds against it refute that, and one tick alone must have twice as much.
-        raise = 4.5, "1", chosen "prototype 2 had 6, and 5 for the end";
+        /// Evidence (log Bayes factor) from which on an alarm is raised.
+        raise = 4.5, "1", chosen "prototype 2 had 6";
+        /// An alarm ends when the log odds of "it is over" exceed this. In slow surroundings the same odds against it refute that, and one tick alone must have twice as much.
+        over = 5.0, "1", measured "prototype 2";
         /// Smallest change of the air flow that is a fault, 1/f - 1. A slow change of power or air flow that goes away by itself counts as usual up to this.
         least_flow = 0.06, "1", chosen "";
         /// Smallest drift that is a fault.

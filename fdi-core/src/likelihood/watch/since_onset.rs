@@ -276,7 +276,7 @@ impl SinceOnset {
         let both = [first, row.second.map_or(first, |free| (free.direction, second))];
         let at = if row.second.is_some() { &both[..] } else { &both[..1] };
         let (list, t) = (usual.since_onset(), &self.tuning.alarm);
-        Nuisances::new(s.window.sums(), &list, t.kappa).fixed(at) < -t.raise
+        Nuisances::new(s.window.sums(), &list, t.kappa).fixed(at) < -t.over
     }
 }
 

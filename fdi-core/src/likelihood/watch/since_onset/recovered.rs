@@ -55,7 +55,7 @@ impl SinceOnset {
             let left = z[m] + change[m] * seen.filter.inv_sigma[m];
             (z[m] * z[m] - left * left) / (2.0 * self.tuning.alarm.kappa)
         };
-        (explained(0) + explained(1) > 2.0 * self.tuning.alarm.raise).then_some(change)
+        (explained(0) + explained(1) > 2.0 * self.tuning.alarm.over).then_some(change)
     }
 }
 

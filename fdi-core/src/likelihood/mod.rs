@@ -323,7 +323,7 @@ impl Likelihood {
     fn train(&self, state: &mut LikelihoodState, seen: &Observation, now: &Input, undisturbed: bool) {
         // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = seen.phase == Phase::Watched && seen.excited;
-        let usual_fan = (now.fan - 1.0).abs() <= self.tuning.fan.same;
+        let usual_fan = (now.fan - 1.0).abs() <= self.tuning.range.fan;
         let fit_to_learn = undisturbed && usual_fan && (seen.learn || quiet);
         if state.current || !seen.phase.is_heated() || (seen.phase == Phase::Watched && !fit_to_learn) {
             return;

@@ -182,7 +182,8 @@ impl ResidualStatistics {
         for (m, variance) in [own1[0], own2[0]].into_iter().take(channels).enumerate() {
             let departure = self.departure[m] / n;
             let output = self.departure_squares[m] / n - departure * departure;
-            if !(variance < t.largest_unexplained * output) {
+            let small = t.small * self.level(m);
+            if !(variance < larger(t.largest_unexplained * output, small * small)) {
                 return Err(RejectReason::PoorFit);
             }
         }

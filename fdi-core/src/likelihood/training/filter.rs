@@ -83,7 +83,7 @@ impl Filter {
             return;
         }
         self.answered = [Some(0); 2];
-        if u > self.tuning.impulse.least_power && y[0] > 0.0 {
+        if u > self.tuning.filter.warm_power && y[0] > 0.0 {
             p.set(Parameter::Gain, libm::logf(y[0] / u));
             *motion = Motion::steady(u);
         }

@@ -39,7 +39,7 @@ tuning! {
         high_pass = 0.25, "answer times", chosen "";
         /// Memory of the sums.
         memory = 6.0, "answer times", chosen "";
-        /// Nothing is learnt or forgotten while the power has moved by less than this in all bands; above it, the gain of a rig that is already warm is read from the first tick of training.
+        /// Nothing is learnt or forgotten while the power has moved by less than this in all bands.
         least_power = 0.2, "%", chosen "";
         /// Ridge of the regression: it keeps the sums regular where little has been seen.
         ridge = 100.0, "%^2", derived "2 % of what the default excitation gathers";

@@ -17,7 +17,7 @@ tuning! {
 tuning! {
     /// A change of the fan that is announced (docs/diagnosis.md, section 10).
     pub struct FanTuning: fan {
-        /// Levels of the fan that differ by less are the same. Nothing is trained while another one is announced.
+        /// Levels of the fan that differ by less are the same.
         same = 1e-3, "1", chosen "";
     }
 }

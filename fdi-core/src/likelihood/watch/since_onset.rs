@@ -150,7 +150,7 @@ impl SinceOnset {
         let transient = 1.0 + slope * larger(0.0, jump - t.unusual);
         let weight = 1.0 / (transient * transient);
         // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
-        if s.alarm.is_none() && s.onset.age > 0 && self.jumps(s, seen) {
+        if s.alarm.is_none() && s.onset.age > 0 && self.jumps(s, z) {
             s.since.forget(&SENSORS);
             s.onset.restart_sensors(seen.simulated.before[0]);
             s.at_onset = seen.measured;
@@ -170,8 +170,8 @@ impl SinceOnset {
     }
 
     /// Whether this tick's innovations are out of all proportion to those since the onset.
-    fn jumps(&self, s: &SinceOnsetState, seen: &Seen) -> bool {
-        let (t, z, ratio) = (&self.tuning.alarm, seen.innovations.z, self.tuning.naming.strange);
+    fn jumps(&self, s: &SinceOnsetState, z: [f32; 2]) -> bool {
+        let (t, ratio) = (&self.tuning.alarm, self.tuning.naming.strange);
         let most = self.tuning.since_training.clip * self.tuning.since_training.clip;
         let evidence = smaller(z[0] * z[0], most) + smaller(z[1] * z[1], most);
         if s.onset.age < t.outlasted as u32 {

@@ -17,7 +17,8 @@ pub(super) fn table(text: &str) -> Option<String> {
     let is_row = |record: &&str| columns.iter().all(|name| of(&pairs(record), name).is_some());
     let has_clock = records().filter(is_row).take(LOOKED_AT).all(|record| clock(record).is_some());
     let headings = columns.iter().map(|name| heading(name));
-    let mut out = has_clock.then_some("time").into_iter().chain(headings).collect::<Vec<_>>().join(";") + "\n";
+    let mut out =
+        has_clock.then_some("time").into_iter().chain(headings).collect::<Vec<_>>().join(";") + "\n";
     // A row stands on the line that it is from, below the header.
     let (mut line, mut written) = (0, 1);
     for record in records() {
@@ -93,7 +94,7 @@ fn value_behind(text: &str) -> Option<&str> {
 
 /// The last time of day in front of the values, with the date before it: `2019-01-21 06:25:40,390`.
 fn clock(record: &str) -> Option<String> {
-    let front = record.split('=').next()?;
+    let front = record.split('=').next()?.replace(',', ".");
     let words: Vec<&str> = front.split_whitespace().collect();
     let is_clock = |word: &&str| word.matches(':').count() == 2 && stamp::is_time(word);
     let at = words.iter().rposition(is_clock)?;
@@ -114,27 +115,29 @@ mod tests {
             )
         };
         let marlin = |s: u32| {
-            format!("2024-05-01 10:00:{s},123 - Recv: T:2{s}.10 /200.00 B:60.05 /60.00 @:64 B@:32\n2024-05-01 10:00:{s},200 - Recv: ok\n")
+            format!(
+                "2024-05-01 10:00:{s},123 - Recv: T:2{s}.10 /200.00 B:60.05 /60.00 @:64 B@:32\n2024-05-01 10:00:{s},200 - Recv: ok\n"
+            )
         };
-        let object = |s: u32| format!("{{\"Time\": {s}.5, \"Temperature\": 3{s}.5, \"Humidity\": null, \"Heater\": \"ON\"}}");
+        let object = |s: u32| {
+            format!("{{\"Time\": {s}.5, \"Temperature\": 3{s}.5, \"Humidity\": null, \"Heater\": \"ON\"}}")
+        };
         for (text, map) in [
             ([10, 12, 14].map(kiln).concat(), "time=time t1=temp power=heat_on"),
             ([10, 12, 14].map(marlin).concat(), "time=time t1=hotend_temp power=hotend_power"),
-            (
-                [10, 12, 14].map(|s| object(s) + "\n").concat(),
-                "time=Time t1=Temperature power=Heater",
-            ),
+            ([10, 12, 14].map(|s| object(s) + "\n").concat(), "time=Time t1=Temperature power=Heater"),
             (
                 format!("[\n  {}\n]", [10, 12, 14].map(object).join(",\n  ")),
                 "time=Time t1=Temperature power=Heater",
             ),
-            (
-                [10, 12, 14].map(|s| format!("boot\ntemp:{s}.5 power:40\n")).concat(),
-                "t1=temp power=power",
-            ),
+            ([10, 12, 14].map(|s| format!("boot\ntemp:{s}.5 power:40\n")).concat(), "t1=temp power=power"),
         ] {
             let table = Table::parse("f".into(), &table(&text).unwrap()).unwrap();
-            assert_eq!((table.rows(), guess(&table).unwrap().heaters[0].to_string()), (3, map.into()), "{text}");
+            assert_eq!(
+                (table.rows(), guess(&table).unwrap().heaters[0].to_string()),
+                (3, map.into()),
+                "{text}"
+            );
         }
     }
 

@@ -23,7 +23,8 @@ pub fn text_of(path: &Path) -> anyhow::Result<(String, String)> {
 
 /// UTF-8, or UTF-16 with its mark, as PowerShell's `>` and Excel write it. Lossy: a degree sign in an old encoding must not keep anyone from the numbers.
 fn decoded(bytes: &[u8]) -> String {
-    let units = |unit: fn([u8; 2]) -> u16| bytes.as_chunks().0.iter().map(|pair| unit(*pair)).collect::<Vec<_>>();
+    let units =
+        |unit: fn([u8; 2]) -> u16| bytes.as_chunks().0.iter().map(|pair| unit(*pair)).collect::<Vec<_>>();
     match bytes {
         [0xff, 0xfe, ..] => String::from_utf16_lossy(&units(u16::from_le_bytes)),
         [0xfe, 0xff, ..] => String::from_utf16_lossy(&units(u16::from_be_bytes)),

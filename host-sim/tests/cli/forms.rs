@@ -99,7 +99,9 @@ fn times_and_numbers_of_all_kinds_are_the_same_samples() {
         ),
         (
             "JSON, a line each",
-            table("", 900, |k, t, p| format!("{{\"time\": {}, \"temp\": {t}, \"duty\": {p}}}", TS * k as f64)),
+            table("", 900, |k, t, p| {
+                format!("{{\"time\": {}, \"temp\": {t}, \"duty\": {p}}}", TS * k as f64)
+            }),
         ),
         (
             "seconds only",

@@ -14,6 +14,7 @@ pub mod left_heat;
 mod logs;
 pub mod map;
 mod names;
+mod pairs;
 mod quirks;
 pub mod report;
 pub mod run;
@@ -131,10 +132,10 @@ impl Recording {
     /// The same.
     pub fn parse(file: String, text: &str, how: &Reading) -> anyhow::Result<Self> {
         let board = board_log::table(text).with_context(|| file.clone())?;
-        let klipper = logs::klipper(text);
+        let made = logs::klipper(text).or_else(|| pairs::table(text));
         let text = match &board {
             Some(log) => &log.table,
-            None => klipper.as_deref().or_else(|| logs::artisan(text)).unwrap_or(text),
+            None => made.as_deref().or_else(|| logs::artisan(text)).unwrap_or(text),
         };
         let table = Table::parse(file, text)?;
         // What columns are called says nothing where somebody says what they are; a layout that is known does.
@@ -143,7 +144,7 @@ impl Recording {
             _ if !how.map.is_empty() => vec![Map::parse(how.map.iter().map(String::as_str))?],
             Some(guess) => guess.heaters.clone(),
             None => bail!(
-                "{}: its columns are none of a known recording's: say which is what with --map t1=COLUMN --map power=COLUMN; {}",
+                "{}: its columns are none of a known recording's: say which is what by name or number, such as --map time=1 --map t1=2 --map power=3; {}",
                 table.file(),
                 table.columns()
             ),

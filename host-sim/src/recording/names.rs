@@ -5,7 +5,8 @@ use super::map::{Map, Role};
 use super::stamp;
 use super::table::Table;
 
-const TIME: [&str; 14] = [
+/// English, German, Portuguese and Spanish.
+const TIME: [&str; 17] = [
     "timestamp",
     "datetime",
     "time",
@@ -20,14 +21,27 @@ const TIME: [&str; 14] = [
     "ms",
     "s",
     "t",
+    "zeit",
+    "tempo",
+    "tiempo",
 ];
-const TEMPERATURE: [&str; 8] =
-    ["temperature", "temp", "temps", "t", "thermistor", "thermocouple", "pv", "celsius"];
+const TEMPERATURE: [&str; 10] = [
+    "temperature",
+    "temp",
+    "temps",
+    "t",
+    "thermistor",
+    "thermocouple",
+    "pv",
+    "celsius",
+    "temperatur",
+    "temperatura",
+];
 /// What is hot, and nothing else is said of it.
 const THINGS: [&str; 11] =
     ["hotend", "nozzle", "extruder", "bed", "chamber", "oven", "boiler", "tank", "plate", "block", "outlet"];
 /// What is nearer to the heat comes first.
-const POWER: [&str; 17] = [
+const POWER: [&str; 20] = [
     "power",
     "watt",
     "watts",
@@ -45,11 +59,39 @@ const POWER: [&str; 17] = [
     "control",
     "u",
     "out",
+    "leistung",
+    "potência",
+    "potencia",
 ];
-const WANTED: [&str; 9] =
-    ["setpoint", "set", "target", "sp", "desired", "reference", "ref", "goal", "wanted"];
-const ROOM: [&str; 8] =
-    ["ambient", "amb", "room", "outside", "outdoor", "environment", "env", "surroundings"];
+const WANTED: [&str; 14] = [
+    "setpoint",
+    "set",
+    "target",
+    "sp",
+    "desired",
+    "reference",
+    "ref",
+    "goal",
+    "wanted",
+    "soll",
+    "sollwert",
+    "referência",
+    "referencia",
+    "consigna",
+];
+const ROOM: [&str; 11] = [
+    "ambient",
+    "amb",
+    "room",
+    "outside",
+    "outdoor",
+    "environment",
+    "env",
+    "surroundings",
+    "raum",
+    "umgebung",
+    "ambiente",
+];
 /// Of something else: electronics, moisture, what cools, what a controller works with.
 const OTHER: [&str; 22] = [
     "cpu", "mcu", "board", "chip", "pi", "humidity", "dew", "fan", "cool", "cooling", "pump", "error", "err",
@@ -263,6 +305,11 @@ mod tests {
             (
                 "Time,Q1,Q2,T1 meas,T2 meas",
                 &["time=Time t1=T1 meas power=Q1 known=Q2", "time=Time t1=T2 meas power=Q2 known=Q1"],
+            ),
+            ("Zeit,Sollwert,Raumtemperatur,Temperatur,Leistung", &["time=Zeit t1=Temperatur power=Leistung"]),
+            (
+                "tempo_s,temperatura ambiente,temperatura,referência,potência",
+                &["time=tempo_s t0=temperatura ambiente t1=temperatura power=potência"],
             ),
             ("time,humidity room,room,temp,relay heater", &["time=time t0=room t1=temp power=relay heater"]),
         ] {

@@ -18,8 +18,18 @@ pub fn text_of(path: &Path) -> anyhow::Result<(String, String)> {
         _ => (path.display().to_string(), std::fs::read(path)),
     };
     let bytes = bytes.with_context(|| format!("cannot read {file}"))?;
-    // Lossy: a degree sign in an old encoding must not keep anyone from the numbers.
-    Ok((file, String::from_utf8_lossy(&bytes).into_owned()))
+    Ok((file, decoded(&bytes)))
+}
+
+/// UTF-8, or UTF-16 with its mark, as PowerShell's `>` and Excel write it. Lossy: a degree sign in an old encoding must not keep anyone from the numbers.
+fn decoded(bytes: &[u8]) -> String {
+    let units =
+        |unit: fn([u8; 2]) -> u16| bytes.as_chunks().0.iter().map(|pair| unit(*pair)).collect::<Vec<_>>();
+    match bytes {
+        [0xff, 0xfe, ..] => String::from_utf16_lossy(&units(u16::from_le_bytes)),
+        [0xfe, 0xff, ..] => String::from_utf16_lossy(&units(u16::from_be_bytes)),
+        _ => String::from_utf8_lossy(bytes).into_owned(),
+    }
 }
 
 /// What stands between cells: the first of semicolon, tab, comma that the first line contains; none: blanks.
@@ -42,4 +52,17 @@ pub fn as_numbers(header: &str) -> String {
 /// The same lines with each run of blanks made one.
 pub(super) fn single_blanks(text: &str) -> String {
     text.lines().map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ") + "\n").collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_orders_of_utf_16_are_read() {
+        let text = "\u{feff}t,°C\n";
+        let le: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let be: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        assert_eq!([decoded(&le), decoded(&be), decoded(text.as_bytes())], [text; 3]);
+    }
 }

@@ -91,6 +91,19 @@ fn times_and_numbers_of_all_kinds_are_the_same_samples() {
         ),
         ("CRLF", table("time,temp,pwm", 900, |k, t, p| format!("{},{t},{p}\r", TS * k as f64))),
         (
+            "kiln",
+            table("INFO oven: start", 900, |k, t, p| {
+                let time = format!("2024-05-01 {}", stamp(k, 0.0).replace('.', ","));
+                format!("{time} INFO oven: temp ={t}, target=180, pid={p}, heat_on={p}, run_id={k}")
+            }),
+        ),
+        (
+            "JSON, a line each",
+            table("", 900, |k, t, p| {
+                format!("{{\"time\": {}, \"temp\": {t}, \"duty\": {p}}}", TS * k as f64)
+            }),
+        ),
+        (
             "seconds only",
             table("time,temp,pwm", 900, |k, t, p| format!("2024-05-01 {},{t},{p}", &stamp(k, 0.0)[..8])),
         ),

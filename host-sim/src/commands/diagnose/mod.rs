@@ -29,7 +29,7 @@ use crate::{recording, settings};
 #[command(after_help = "\
 Roles of --map: t1 (the heater's thermistor) and power are needed. These are used if they are there: time, t0 (the room), t2 (behind T1), known (the \
 power of a second heater beside), fan (its level, %), supply (share of the nominal voltage), session (when this number changes, the logger began anew). \
-Traces of this project, logs of its boards (the page's *Save log*, or `pt326 board --record`), TCLab, TCLab's historian and Klipper's log are known by their header. Other columns are recognized by their names; the first \
+Traces of this project, logs of its boards (the page's *Save log*, or `pt326 board --record`), TCLab, TCLab's historian and Klipper's log are known by their header. In logs that name each value (temp=93.1, JSON, Marlin's answers) each name is a column. Other columns are recognized by their names; the first \
 printed line says how. Several heaters are diagnosed one after the other.
 
 Times are numbers (seconds, or what --time-unit says), clocks or dates; 5/1/2024 is in May. Times count from the first sample. If they fall \

@@ -48,11 +48,14 @@ impl Table {
         self.width
     }
 
-    /// All columns, for messages.
+    /// All columns, for messages: each by its name, or by its first value.
     pub fn columns(&self) -> String {
         let describe = |i: usize| match self.header.as_ref().map(|h| &h[i]) {
             Some(name) if !name.is_empty() => format!("{} `{name}`", i + 1),
-            _ => format!("{} (no name)", i + 1),
+            _ => {
+                let first = self.first_of(i).ok().flatten().unwrap_or_default();
+                format!("{} (no name, begins with `{first}`)", i + 1)
+            }
         };
         (0..self.width()).map(describe).collect::<Vec<_>>().join(", ")
     }
@@ -78,7 +81,7 @@ mod tests {
     fn an_unknown_or_ambiguous_column_lists_the_columns() {
         let t = table(",T,T\n1,2,3\n");
         let unknown = t.column("Q").unwrap_err().to_string();
-        assert_eq!(unknown, "f: no column `Q`; the columns are 1 (no name), 2 `T`, 3 `T`");
+        assert_eq!(unknown, "f: no column `Q`; the columns are 1 (no name, begins with `1`), 2 `T`, 3 `T`");
         assert!(t.column("T").unwrap_err().to_string().contains("several columns are called `T`"));
     }
 }

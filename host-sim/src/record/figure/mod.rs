@@ -132,24 +132,36 @@ fn place(x: f64, from: (f64, f64), to: (f64, f64)) -> f64 {
 /// An RGB picture reduced by [`UNITS`] to a width in px: each pixel is the mean of the units that it covers.
 fn reduce(pixels: &[u8], width: usize) -> Vec<u8> {
     const CHANNELS: usize = 3;
+    /// So many pixels of a row are looked at together: most of a picture is its white ground, of which nothing need be computed.
+    const SPAN: usize = 16;
     let units = UNITS as usize;
     let row = CHANNELS * width * units;
-    let mean = |sum: u32| ((sum + UNITS * UNITS / 2) / (UNITS * UNITS)) as u8;
-    let mut reduced = vec![[0; CHANNELS]; pixels.len() / (CHANNELS * units * units)];
-    let mut columns = vec![0; row];
-    for (rows, reduced) in pixels.chunks_exact(row * units).zip(reduced.chunks_exact_mut(width)) {
-        columns.fill(0);
-        for row in rows.chunks_exact(row) {
-            columns.iter_mut().zip(row).for_each(|(sum, &x)| *sum += u32::from(x));
-        }
-        let columns = columns.as_chunks::<CHANNELS>().0.chunks_exact(units);
-        for (pixel, covered) in reduced.iter_mut().zip(columns) {
-            let sum =
-                covered.iter().fold([0; CHANNELS], |[r, g, b], unit| [r + unit[0], g + unit[1], b + unit[2]]);
-            *pixel = sum.map(mean);
+    let ground = [u8::MAX; CHANNELS * SPAN * UNITS as usize];
+    let mut reduced = vec![u8::MAX; pixels.len() / (units * units)];
+    for (rows, reduced) in pixels.chunks_exact(row * units).zip(reduced.chunks_exact_mut(CHANNELS * width)) {
+        for (span, reduced) in reduced.chunks_mut(CHANNELS * SPAN).enumerate() {
+            let (from, length) = (span * ground.len(), units * reduced.len());
+            let covered: [&[u8]; UNITS as usize] =
+                core::array::from_fn(|y| &rows[y * row + from..y * row + from + length]);
+            if covered.iter().all(|units| *units == &ground[..length]) {
+                continue;
+            }
+            let mut columns = [0; CHANNELS * SPAN * UNITS as usize];
+            for row in covered {
+                for at in 0..length {
+                    columns[at] += u32::from(row[at]);
+                }
+            }
+            let columns = columns.as_chunks::<CHANNELS>().0.chunks_exact(units);
+            for (pixel, covered) in reduced.as_chunks_mut::<CHANNELS>().0.iter_mut().zip(columns) {
+                for channel in 0..CHANNELS {
+                    let sum: u32 = covered.iter().map(|unit| unit[channel]).sum();
+                    pixel[channel] = ((sum + UNITS * UNITS / 2) / (UNITS * UNITS)) as u8;
+                }
+            }
         }
     }
-    reduced.into_flattened()
+    reduced
 }
 
 #[cfg(test)]
@@ -248,5 +260,19 @@ mod tests {
     fn a_pixel_is_the_mean_of_its_units() {
         let unit_rows = [[0, 0, 0, 100, 0, 8], [100, 0, 0, 200, 4, 8]].concat();
         assert_eq!(reduce(&unit_rows, 1), [100, 1, 4]);
+    }
+
+    /// Spans of the white ground are passed over, whole ones and the last of a row.
+    #[test]
+    fn each_pixel_among_white_ones_is_the_mean_of_its_units() {
+        let width = 37;
+        for pixel in 0..2 * width {
+            let mut unit_rows = vec![255; 3 * 4 * 2 * width];
+            let (x, y) = (pixel % width, pixel / width);
+            unit_rows[3 * (2 * width * (2 * y + 1) + 2 * x) + 1] = 55; // the green of the unit at the lower left
+            let mut wanted = vec![255; 3 * 2 * width];
+            wanted[3 * pixel + 1] = 205;
+            assert_eq!(reduce(&unit_rows, width), wanted, "pixel {pixel}");
+        }
     }
 }

@@ -1,4 +1,5 @@
 // What a row says, in words.
+import { CLASSES } from "lab/classes.js";
 import { EITHER, meant } from "lab/events.js";
 import { escape, num, say } from "lab/strings.js";
 
@@ -15,14 +16,7 @@ export function blamed(name) {
 }
 
 // The short name of a class.
-export function short(name) {
-  if (!name) return say("c_alarm");
-  const [, t, kind] = /^(t\d)_(stuck|open|short|lost|loose)$/.exec(name) ?? [];
-  if (kind) return say("c_" + kind, { t: PART[t] });
-  const pair = /^(t\d)_(t\d)_swapped$/.exec(name);
-  if (pair) return say("c_swapped", { t: `${PART[pair[1]]}, ${PART[pair[2]]}` });
-  return say("c_" + name);
-}
+export const short = (name) => say("c_" + (name || "alarm"));
 
 const part = (label, css) => `<span class="part-${css}">${label}</span>`;
 
@@ -49,7 +43,16 @@ export function headline(name, magnitude) {
   if (kind) return say("f_" + kind, { part: T });
   const pair = /^(t\d)_(t\d)_swapped$/.exec(name);
   if (pair) return say("f_swapped", { a: part(PART[pair[1]], pair[1]), b: part(PART[pair[2]], pair[2]) });
-  return say("f_unknown");
+  const known = name !== "unknown" && CLASSES.find((one) => one.name === name);
+  return known ? ofCore(known, magnitude) : say("f_unknown");
+}
+
+// The core's sentence of a class for which the page has none, with its blanks filled in.
+function ofCore({ t, says }, magnitude) {
+  const sized = Number.isFinite(magnitude);
+  const values = { t, other: t === "T1" ? "T2" : "T1", size: num(Math.abs(magnitude), 2), share: num(100 + magnitude, 0), seen: num(Math.max(0, 100 + magnitude), 0) };
+  const text = says[sized ? 1 : 0].replace(/\{(\w+)\|(\w+)\}/g, (_, plus, minus) => (magnitude >= 0 ? plus : minus));
+  return say(text[0].toUpperCase() + text.slice(1) + ".", values);
 }
 
 // Measured against expected, since when, how surely.

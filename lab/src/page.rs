@@ -2,6 +2,9 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use fdi_core::likelihood::{Channel, FaultClass};
+use fdi_core::schema::FIELDS;
+use serde_json::json;
 
 const INDEX: &str = include_str!("../page/index.html");
 const STYLE: &str = include_str!("../page/lab.css");
@@ -9,6 +12,8 @@ const WORKER: &str = include_str!("../page/worker.js");
 const REPORT: &str = "<!-- report -->";
 /// What the session in a page begins with.
 const WASM: &str = "<script type=\"text/plain\" id=\"wasm\">";
+/// The module that [`classes`] makes.
+const CLASSES: &str = "lab/classes.js";
 const PLACE: &str = "<!-- bundle: style, modules, worker, data -->";
 
 /// What stands in the page's place for a browser that has not brought the token: it fetches the page with the token that this tab has kept,
@@ -79,6 +84,24 @@ modules!(
     "words_pt",
     "write",
 );
+
+/// The module of the classes of fault, from their rows: a class needs no line in the page. One that the page has no sentence for is told by its own.
+fn classes() -> String {
+    let class = |class: &FaultClass| {
+        let t = class.sensor().map(Channel::name);
+        let short = class.short().replace("{t}", t.unwrap_or_default());
+        let says = [false, true].map(|sized| of_page(class.sentence(sized)));
+        json!({ "name": class.name(), "t": t, "short": short, "says": says })
+    };
+    let shares: Vec<_> = FIELDS.iter().filter_map(|field| field.name.strip_prefix("x_")).collect();
+    let classes: Vec<_> = FaultClass::ALL.iter().map(class).collect();
+    format!("export const CLASSES = {};\nexport const SHARES = {};\n", json!(classes), json!(shares))
+}
+
+/// A sentence without what the page says behind it in a line of its own.
+fn of_page(sentence: &str) -> String {
+    sentence.split_once(": {").map_or(sentence, |(said, _)| said).replace("degC", "°C")
+}
 
 /// What the page gets its numbers from.
 #[derive(Clone, Copy, Debug)]
@@ -153,7 +176,8 @@ fn head(style: &str, modules: &[(&str, &str)], data: &str, main: &str) -> String
     let address = |(name, text): &(&str, &str)| {
         format!("\"{name}\":\"data:text/javascript,{}\"", in_address(&lean(text)))
     };
-    let imports: Vec<String> = modules.iter().map(address).collect();
+    let classes = classes();
+    let imports: Vec<String> = modules.iter().chain(&[(CLASSES, classes.as_str())]).map(address).collect();
     format!(
         "<style>{style}</style>\n<script type=\"importmap\">{{\"imports\":{{{}}}}}</script>\n{data}\n\
          <script type=\"module\">import \"{main}\";</script>",
@@ -194,7 +218,7 @@ mod tests {
                 .filter_map(|line| line.strip_prefix("import ")?.strip_suffix("\";")?.rsplit_once('"'))
                 .map(|(_, of)| of);
             for of in from {
-                assert!(all.iter().any(|(known, _)| *known == of), "{name} imports {of}");
+                assert!(of == CLASSES || all.iter().any(|(known, _)| *known == of), "{name} imports {of}");
                 imported.push(of);
             }
         }
@@ -205,6 +229,25 @@ mod tests {
     fn a_module_is_without_its_comments_and_indentation() {
         let text = "// What it is.\nlet a = 1; // one\n\n  // More.\n  b(`x\n    y`);\n";
         assert_eq!(lean(text), "let a = 1; // one\nb(`x\ny`);\n");
+    }
+
+    /// The page has a short name and a sentence for each class that it has no words for.
+    #[test]
+    fn every_class_has_words_for_the_page() {
+        let module = classes();
+        let json = module
+            .lines()
+            .next()
+            .unwrap()
+            .trim_start_matches("export const CLASSES = ")
+            .trim_end_matches(';');
+        let all: Vec<serde_json::Value> = serde_json::from_str(json).unwrap();
+        assert_eq!(all.len(), FaultClass::ALL.len());
+        let stuck = all.iter().find(|class| class["name"] == "t2_stuck").unwrap();
+        assert_eq!((&stuck["short"], &stuck["says"][0]), (&json!("T2 stuck"), &json!("{t} stands still")));
+        assert!(!module.contains("degC"));
+        assert!(module.contains(r#"export const SHARES = ["t1_offset","t2_offset""#), "{module}");
+        assert!(all.iter().all(|class| !class["short"].as_str().unwrap().contains('{')));
     }
 
     #[test]

@@ -124,8 +124,8 @@ impl Record {
     #[pyo3(signature = (name: "str") -> "numpy.ndarray | list[str | None]")]
     fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let entry = entry(name)?;
-        let (record, value) = (&self.0, entry.number.value);
-        let values = record.rows.iter().map(|row| value(&moment(row)));
+        let record = &self.0;
+        let values = record.rows.iter().map(|row| entry.number.value(&moment(row)));
         match entry.number.kind {
             Kind::Named | Kind::Choice => {
                 let words = values.map(|value| match value {

@@ -61,23 +61,26 @@ fn unit(asked: &Asked) -> &'static str {
     if asked.fault.sized { asked.fault.class.unit() } else { "" }
 }
 
-/// The head of a column, in two lines.
+/// Words of the names of classes that are too long for a column.
+const ABBREVIATED: [(&str, &str); 6] = [
+    ("nothing", "none"),
+    ("offset", "off"),
+    ("clogged", "clog"),
+    ("detached", "out"),
+    ("heater", "heat"),
+    ("swapped", "swap"),
+];
+
+/// The head of a column, in two lines. All pairs that may be exchanged share one.
 fn head(rival: From) -> [&'static str; 2] {
     let name = match rival {
-        From::Nothing => return ["", "none"],
-        From::All => return ["", "all"],
-        From::Class(class) => class.name(),
+        From::Class(FaultClass::Swapped(_)) => "swapped",
+        other => rival_name(other),
     };
-    match rival {
-        From::Class(FaultClass::T1Offset) => ["t1", "off"],
-        From::Class(FaultClass::T2Offset) => ["t2", "off"],
-        From::Class(FaultClass::T1Clogged) => ["t1", "clog"],
-        From::Class(FaultClass::T1Detached) => ["t1", "out"],
-        From::Class(FaultClass::T2Detached) => ["t2", "out"],
-        From::Class(FaultClass::HeaterPower) => ["heat", "power"],
-        From::Class(FaultClass::Swapped(_)) => ["", "swap"],
-        _ => name.split_once('_').map_or(["", name], |(first, second)| [first, second]),
-    }
+    let fit = |word: &'static str| {
+        ABBREVIATED.iter().find(|(long, _)| *long == word).map_or(word, |(_, short)| short)
+    };
+    name.split_once('_').map_or(["", fit(name)], |(first, second)| [fit(first), fit(second)])
 }
 
 /// A size without its sign.

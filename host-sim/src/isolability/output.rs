@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::Context;
 use fdi_core::FaultClass;
 
-use super::{Asked, From, Isolability, Told};
+use super::{Asked, From, Isolability, Isolable};
 use crate::record::figure;
 use crate::record::figure::matrix::{Cell, Group, Matrix};
 
@@ -17,7 +17,7 @@ const WIDTH: usize = 100;
 /// A table for each horizon. What is told from each fault at any size, all the time, needs no column.
 pub fn tables(found: &Isolability) -> String {
     let is_open =
-        |j: &usize| found.told.iter().flatten().any(|row| !matches!(row[*j], Told::Any | Told::Same));
+        |j: &usize| found.told.iter().flatten().any(|row| !matches!(row[*j], Isolable::Any | Isolable::Same));
     let (open, told): (Vec<usize>, Vec<usize>) = (0..found.rivals.len()).partition(is_open);
     let tables = found.horizons.iter().enumerate().map(|(h, horizon)| table(found, h, *horizon, &open));
     let mut text: String = tables.collect();
@@ -38,7 +38,7 @@ fn table(found: &Isolability, h: usize, horizon: f64, columns: &[usize]) -> Stri
     }
     let mut any = Vec::new();
     for (asked, row) in found.faults.iter().zip(&found.told[h]) {
-        if row.iter().all(|told| matches!(told, Told::Any | Told::Same)) {
+        if row.iter().all(|told| matches!(told, Isolable::Any | Isolable::Same)) {
             any.push(asked.name());
             continue;
         }
@@ -84,12 +84,12 @@ fn head(rival: From) -> [&'static str; 2] {
 }
 
 /// A size without its sign.
-fn cell(told: Told) -> String {
+fn cell(told: Isolable) -> String {
     match told {
-        Told::Same => String::new(),
-        Told::Never => "-".into(),
-        Told::Any => "any".into(),
-        Told::Above(size) => {
+        Isolable::Same => String::new(),
+        Isolable::Never => "-".into(),
+        Isolable::Any => "any".into(),
+        Isolable::Above(size) => {
             let size = size.abs();
             let decimals = if size < 1.0 { 2 } else { usize::from(size < 10.0) };
             format!("{size:.decimals$}")
@@ -120,10 +120,10 @@ pub fn csv(found: &Isolability) -> String {
         for (asked, row) in found.faults.iter().zip(&found.told[h]) {
             for (rival, told) in found.rivals.iter().zip(row) {
                 let (word, size) = match told {
-                    Told::Same => continue,
-                    Told::Never => ("never", String::new()),
-                    Told::Any => ("any", String::new()),
-                    Told::Above(size) => ("above", size.to_string()),
+                    Isolable::Same => continue,
+                    Isolable::Never => ("never", String::new()),
+                    Isolable::Any => ("any", String::new()),
+                    Isolable::Above(size) => ("above", size.to_string()),
                 };
                 let (class, which) = (asked.fault.class.name(), asked.fault.which);
                 let (sign, unit, from) = (asked.sign_in_unit(), unit(asked), rival_name(*rival));
@@ -174,19 +174,19 @@ fn matrix(found: &Isolability, h: usize, title: String) -> Matrix {
     }
 }
 
-fn painted(asked: &Asked, told: Told) -> Cell {
+fn painted(asked: &Asked, told: Isolable) -> Cell {
     let text = match told {
-        Told::Never => "\u{2013}".into(),
+        Isolable::Never => "\u{2013}".into(),
         told => cell(told),
     };
     let shade = match told {
-        Told::Same => 0.0,
-        Told::Never => 0.2,
-        Told::Any => 1.0,
-        Told::Above(size) => {
+        Isolable::Same => 0.0,
+        Isolable::Never => 0.2,
+        Isolable::Any => 1.0,
+        Isolable::Above(size) => {
             let spread = f64::from(asked.fault.in_unit(asked.fault.first.sd)).abs();
             1.0 / (1.0 + size.abs() / spread)
         }
     };
-    Cell { shade, is_right: told != Told::Never, text }
+    Cell { shade, is_right: told != Isolable::Never, text }
 }

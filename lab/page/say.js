@@ -1,5 +1,4 @@
 // What a row says, in words.
-import { CLASSES } from "lab/classes.js";
 import { EITHER, meant } from "lab/events.js";
 import { escape, num, say } from "lab/strings.js";
 
@@ -43,16 +42,7 @@ export function headline(name, magnitude) {
   if (kind) return say("f_" + kind, { part: T });
   const pair = /^(t\d)_(t\d)_swapped$/.exec(name);
   if (pair) return say("f_swapped", { a: part(PART[pair[1]], pair[1]), b: part(PART[pair[2]], pair[2]) });
-  const known = name !== "unknown" && CLASSES.find((one) => one.name === name);
-  return known ? ofCore(known, magnitude) : say("f_unknown");
-}
-
-// The core's sentence of a class for which the page has none, with its blanks filled in.
-function ofCore({ t, says }, magnitude) {
-  const sized = Number.isFinite(magnitude);
-  const values = { t, other: t === "T1" ? "T2" : "T1", size: num(Math.abs(magnitude), 2), share: num(100 + magnitude, 0), seen: num(Math.max(0, 100 + magnitude), 0) };
-  const text = says[sized ? 1 : 0].replace(/\{(\w+)\|(\w+)\}/g, (_, plus, minus) => (magnitude >= 0 ? plus : minus));
-  return say(text[0].toUpperCase() + text.slice(1) + ".", values);
+  return name === "unknown" ? say("f_unknown") : short(name) + ".";
 }
 
 // Measured against expected, since when, how surely.

@@ -1,10 +1,9 @@
 // The words of the page in its language, with their blanks filled in. A language is a file words_*.js and its line here.
-import { CLASSES } from "lab/classes.js";
+import { SHORT } from "lab/classes.js";
 import en from "lab/words_en.js";
 import pt from "lab/words_pt.js";
 
-// Short names of the classes, where a language has none of its own.
-const SHORT = Object.fromEntries(CLASSES.map(({ name, short }) => ["c_" + name, short]));
+// The classes have short names in English, and where a language has them in it.
 const WORDS = { en: { ...SHORT, ...en }, pt: { ...SHORT, ...pt } };
 const LANGUAGES = Object.keys(WORDS);
 let language = LANGUAGES[0];

@@ -1,4 +1,7 @@
 // Every word of the page in Portuguese. {x} is filled in; [t1] ... [/] is coloured as that part. Of the tour: title, text, button.
+// The short names of what each thermistor may have.
+const each = (kind, name) => Object.fromEntries(["T0", "T1", "T2"].map((t) => [`c_${t.toLowerCase()}_${kind}`, name.replace("{t}", t)]));
+
 export default {
   // Bar
   title: "Laboratório PT-326",
@@ -99,9 +102,8 @@ export default {
   c_t1_offset: "T1 lê mal", c_t2_offset: "T2 lê mal", c_t0_fault: "T0 lê mal", c_t1_clogged: "T1 entupido", c_t1_detached: "T1 fora do tubo",
   c_t2_detached: "T2 fora do tubo", c_air_flow: "Caudal de ar", c_heater_power: "Potência", c_air_flow_or_heater_power: "Caudal ou potência",
   c_drift: "Deriva", c_since_commissioning: "Mudou desde a colocação",
-  c_t0_stuck: "T0 preso", c_t1_stuck: "T1 preso", c_t2_stuck: "T2 preso", c_t0_lost: "T0 perdido", c_t1_lost: "T1 perdido", c_t2_lost: "T2 perdido",
-  c_t0_open: "T0: fio partido", c_t1_open: "T1: fio partido", c_t2_open: "T2: fio partido",
-  c_t0_short: "T0 em curto", c_t1_short: "T1 em curto", c_t2_short: "T2 em curto", c_t1_loose: "T1: mau contacto", c_t2_loose: "T2: mau contacto",
+  ...each("stuck", "{t} preso"), ...each("lost", "{t} perdido"), ...each("open", "{t}: fio partido"), ...each("short", "{t} em curto"),
+  c_t1_loose: "T1: mau contacto", c_t2_loose: "T2: mau contacto",
   c_t1_t2_swapped: "T1, T2 trocados", c_t0_t1_swapped: "T0, T1 trocados", c_t0_t2_swapped: "T0, T2 trocados",
   fault_put_in: "Uma avaria que foi posta",
   c_unknown: "Desconhecida", c_alarm: "alarme",
@@ -148,7 +150,6 @@ export default {
   alarm_s: "alarme {s} s",
   paper_s: "artigo {s} s",
   whole_run: "tudo",
-  settle: "estabilizar",
   learn: "aprender",
   monitor: "vigiar",
   // Beside

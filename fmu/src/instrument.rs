@@ -206,7 +206,7 @@ impl Running for Begun {
         let report = self.instrument.diagnose(&tick, tick.drive);
         let on = Moment::new(&tick, &report);
         for (name, source, like, _) in &SOURCES {
-            let value = (entry(source).number.value)(&on);
+            let value = entry(source).number.value(&on);
             values.tell(name, converted(value, like, self.sample_time));
         }
         let sentence = report.likelihood.finding.map(|finding| {

@@ -5,7 +5,7 @@ use fdi_core::{Config, FaultClass};
 use indicatif::ProgressBar;
 use pt326::experiment;
 use pt326::experiment::scenario::{Action, Scenario};
-use pt326::isolability::{From, Isolability, Question, Told};
+use pt326::isolability::{From, Isolability, Isolable, Question};
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use rayon::prelude::*;
 
@@ -60,7 +60,7 @@ fn size(found: &Isolability, row: &str, from: From) -> f64 {
     let i = found.faults.iter().position(|asked| asked.name() == row).expect(row);
     let j = found.rivals.iter().position(|rival| *rival == from).expect("a rival");
     match found.told[0][i][j] {
-        Told::Above(size) => size,
+        Isolable::Above(size) => size,
         told => panic!("{row} from {from:?}: {told:?}"),
     }
 }

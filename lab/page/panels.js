@@ -1,14 +1,14 @@
 // What the charts show: each panel's curves, and between which values it shows them.
+import { SHARES } from "lab/classes.js";
 import { say } from "lab/strings.js";
 import { short } from "lab/say.js";
 
-const EXPLAINED = [
-  ["x_t2_offset", "--t2"], ["x_t1_offset", "--t1"], ["x_t1_clogged", "--t1"], ["x_air_flow", "--flow"],
-  ["x_heater_power", "--power"], ["x_t0_fault", "--t0"], ["x_drift", "--soft"], ["x_t1_stuck", "--soft"],
-  ["x_t2_stuck", "--soft"], ["x_t1_detached", "--soft"], ["x_t2_detached", "--soft"], ["x_t1_t2_swapped", "--soft"],
-  ["x_t0_t1_swapped", "--soft"], ["x_t0_t2_swapped", "--soft"],
-];
-export const CLASSES = EXPLAINED.map(([field, css]) => ({ field, name: field.slice(2), css }));
+// What explains an alarm, the parts that have a colour first.
+const COLOURS = {
+  t2_offset: "--t2", t1_offset: "--t1", t1_clogged: "--t1", air_flow: "--flow", heater_power: "--power", t0_fault: "--t0",
+};
+const shares = [...Object.keys(COLOURS), ...SHARES.filter((name) => !COLOURS[name])];
+export const CLASSES = shares.map((name) => ({ field: "x_" + name, name, css: COLOURS[name] ?? "--soft" }));
 
 const one = (id, css, more = {}) => ({ id, css, field: id, ...more });
 // `least` is the smallest range that it shows.

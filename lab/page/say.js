@@ -15,14 +15,7 @@ export function blamed(name) {
 }
 
 // The short name of a class.
-export function short(name) {
-  if (!name) return say("c_alarm");
-  const [, t, kind] = /^(t\d)_(stuck|open|short|lost|loose)$/.exec(name) ?? [];
-  if (kind) return say("c_" + kind, { t: PART[t] });
-  const pair = /^(t\d)_(t\d)_swapped$/.exec(name);
-  if (pair) return say("c_swapped", { t: `${PART[pair[1]]}, ${PART[pair[2]]}` });
-  return say("c_" + name);
-}
+export const short = (name) => say("c_" + (name || "alarm"));
 
 const part = (label, css) => `<span class="part-${css}">${label}</span>`;
 
@@ -49,7 +42,7 @@ export function headline(name, magnitude) {
   if (kind) return say("f_" + kind, { part: T });
   const pair = /^(t\d)_(t\d)_swapped$/.exec(name);
   if (pair) return say("f_swapped", { a: part(PART[pair[1]], pair[1]), b: part(PART[pair[2]], pair[2]) });
-  return say("f_unknown");
+  return name === "unknown" ? say("f_unknown") : short(name) + ".";
 }
 
 // Measured against expected, since when, how surely.

@@ -1,8 +1,10 @@
 // The words of the page in its language, with their blanks filled in. A language is a file words_*.js and its line here.
+import { SHORT } from "lab/classes.js";
 import en from "lab/words_en.js";
 import pt from "lab/words_pt.js";
 
-const WORDS = { en, pt };
+// The classes have short names in English, and where a language has them in it.
+const WORDS = { en: { ...SHORT, ...en }, pt: { ...SHORT, ...pt } };
 const LANGUAGES = Object.keys(WORDS);
 let language = LANGUAGES[0];
 

@@ -1,4 +1,8 @@
 // Every word of the page in English. {x} is filled in; [t1] ... [/] is coloured as that part. Of the tour: title, text, button.
+// Of a plant to which the thermistors are clipped.
+const loose = "T1 sits loose";
+const clipped = { f_detached: "Has {part} come off? It sees {seen} % of the rise.", c_t1_clogged: loose, v_clogged: "Sits loose", a_t1_clogged: loose, paper_says_2: loose };
+
 export default {
   // Bar
   title: "PT-326 lab",
@@ -95,13 +99,9 @@ export default {
   delay: "{who} {s} s",
   paper_says: "The paper's scheme: {what}.", paper_says_nothing: "nothing wrong", paper_unnamed: "detected, no name", paper_says_1: "T2 reads wrong",
   paper_says_2: "T1 is clogged", paper_says_3: "the process has changed", paper_says_0: "something is wrong, unnamed",
-  // Short names of classes
-  c_t1_offset: "T1 reads wrong", c_t2_offset: "T2 reads wrong", c_t0_fault: "T0 reads wrong", c_t1_clogged: "T1 clogged",
-  c_t1_detached: "T1 out of the tube", c_t2_detached: "T2 out of the tube", c_air_flow: "Air flow", c_heater_power: "Heater power",
-  c_air_flow_or_heater_power: "Air or power", c_drift: "Drift", c_stuck: "{t} stuck", c_open: "{t} wire broken", c_short: "{t} wires touch",
-  c_since_commissioning: "Other than commissioned", c_loose: "{t}: loose contact", c_lost: "{t} lost", c_swapped: "{t} swapped",
+  // Short names of classes are those of the core (lab/classes.js)
   fault_put_in: "A fault that was put in",
-  c_unknown: "Unknown", c_alarm: "alarm",
+  c_alarm: "alarm",
   // Parts and faults
   part_T0: "T0, room", part_T1: "T1, in the loop", part_T2: "T2, downstream", part_fan: "Fan", part_heater: "Heater", part_mains: "Mains",
   part_door: "Door",
@@ -145,7 +145,6 @@ export default {
   alarm_s: "alarm {s} s",
   paper_s: "paper {s} s",
   whole_run: "whole run",
-  settle: "settle",
   learn: "learn",
   monitor: "monitor",
   // Beside
@@ -356,15 +355,13 @@ export default {
     },
     hotend: {
       region_rig: "The hot end", part_T1: "T1, in the block", part_T2: "T2, at the nozzle", part_fan: "Part fan", part_heater: "Cartridge",
-      c_t1_detached: "T1 out of the block", c_t2_detached: "T2 off the nozzle", f_detached: "Has {part} come off? It sees {seen} % of the rise.",
-      c_t1_clogged: "T1 sits loose", v_clogged: "Sits loose", a_t1_clogged: "T1 sits loose", paper_says_2: "T1 sits loose",
+      c_t1_detached: "T1 out of the block", c_t2_detached: "T2 off the nozzle", ...clipped,
       air_flow: "part fan's air", Air_flow: "Part fan's air", c_air_flow: "Part fan's air",
       trip_air_flow_lost: "Much heat at little power: too little air, or a heater that gives more than it is asked for.",
     },
     tclab: {
       region_rig: "The two heaters", part_T1: "T1, at the heater", part_T2: "T2, at the other one", part_fan: "Draught", part_heater: "Heater 1",
-      c_t1_detached: "T1 off the heater", c_t2_detached: "T2 off the heater", f_detached: "Has {part} come off? It sees {seen} % of the rise.",
-      c_t1_clogged: "T1 sits loose", v_clogged: "Sits loose", a_t1_clogged: "T1 sits loose", paper_says_2: "T1 sits loose",
+      c_t1_detached: "T1 off the heater", c_t2_detached: "T2 off the heater", ...clipped,
       air_flow: "draught", Air_flow: "The draught", c_air_flow: "Draught", c_air_flow_or_heater_power: "Draught or power", a_air_flow: "Draught",
       v_more: "More or less draught", v_less_air: "Less draught", v_more_air: "More draught", quick_air: "More draught",
       trip_air_flow_lost: "Much heat at little power: the draught has ended, or the heater gives more than it is asked for.",

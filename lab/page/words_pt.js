@@ -1,4 +1,7 @@
 // Every word of the page in Portuguese. {x} is filled in; [t1] ... [/] is coloured as that part. Of the tour: title, text, button.
+// The short names of what each thermistor may have.
+const each = (kind, name) => Object.fromEntries(["T0", "T1", "T2"].map((t) => [`c_${t.toLowerCase()}_${kind}`, name.replace("{t}", t)]));
+
 export default {
   // Bar
   title: "Laboratório PT-326",
@@ -98,7 +101,10 @@ export default {
   // Short names of classes
   c_t1_offset: "T1 lê mal", c_t2_offset: "T2 lê mal", c_t0_fault: "T0 lê mal", c_t1_clogged: "T1 entupido", c_t1_detached: "T1 fora do tubo",
   c_t2_detached: "T2 fora do tubo", c_air_flow: "Caudal de ar", c_heater_power: "Potência", c_air_flow_or_heater_power: "Caudal ou potência",
-  c_drift: "Deriva", c_stuck: "{t} preso", c_open: "{t}: fio partido", c_short: "{t} em curto", c_since_commissioning: "Mudou desde a colocação", c_loose: "{t}: mau contacto", c_lost: "{t} perdido", c_swapped: "{t} trocados",
+  c_drift: "Deriva", c_since_commissioning: "Mudou desde a colocação",
+  ...each("stuck", "{t} preso"), ...each("lost", "{t} perdido"), ...each("open", "{t}: fio partido"), ...each("short", "{t} em curto"),
+  c_t1_loose: "T1: mau contacto", c_t2_loose: "T2: mau contacto",
+  c_t1_t2_swapped: "T1, T2 trocados", c_t0_t1_swapped: "T0, T1 trocados", c_t0_t2_swapped: "T0, T2 trocados",
   fault_put_in: "Uma avaria que foi posta",
   c_unknown: "Desconhecida", c_alarm: "alarme",
   // Parts and faults
@@ -144,7 +150,6 @@ export default {
   alarm_s: "alarme {s} s",
   paper_s: "artigo {s} s",
   whole_run: "tudo",
-  settle: "estabilizar",
   learn: "aprender",
   monitor: "vigiar",
   // Beside

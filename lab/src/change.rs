@@ -1,12 +1,16 @@
 //! Settings in a trace: in what one configuration differs from another, as text that leads to the same bits again.
 //!
-//! `pid.kp=3;identification.adaptation=forgetting 0.99`; rows of tables by their places.
+//! `pid.kp=3;identification.adaptation=forgetting 0.99`, each as the console takes it. Rows of tables stand by their places, `none` for one that has gone:
+//! `diagnosis.isolation.4=4 0 +1 0 -1 0 hand;likelihood.taught.1=cap 0 0 0 0 150 -150 0 0 0 0 0`.
 
-mod rows;
+use std::cmp::Reverse;
+use std::fmt;
 
 use anyhow::Context;
-use fdi_core::settings::{Form, Kind, Value};
-use fdi_core::{Config, Setting};
+use fdi_core::Config;
+use firmware_logic::settings::SetError;
+use firmware_logic::settings::schema::Name;
+use firmware_logic::settings::text::{parse, write};
 
 /// The settings in force, and what a trace has yet to tell of them: on its first row those that are not the defaults, on another what has
 /// changed before it; a `|` stands before each change that follows something on its row, and before each that comes with the first.
@@ -49,11 +53,23 @@ impl Settings {
     }
 }
 
-/// In what `to` differs from `from`; empty where in nothing.
+/// In what `to` differs from `from`, rows of tables that have gone last: of a table the last row first, since those behind a row move up.
+pub fn differing(from: &Config, to: &Config) -> impl Iterator<Item = Name> {
+    let mut gone: Vec<(usize, Name)> = Name::all(from)
+        .filter_map(|name| match name {
+            Name::Row(table, place) => (place >= table.rows(to).len()).then_some((place, name)),
+            Name::Response(place) => (place >= to.likelihood.taught.len()).then_some((place, name)),
+            Name::Entry(_) => None,
+        })
+        .collect();
+    gone.sort_by_key(|(place, _)| Reverse(*place));
+    Name::all(to).filter(|name| !name.same(from, to)).chain(gone.into_iter().map(|(_, name)| name))
+}
+
+/// In what `to` differs from `from`, as text; empty where in nothing.
 pub fn between(from: &Config, to: &Config) -> String {
-    let changed = Config::settings().filter(|setting| from.get(setting) != to.get(setting));
-    let texts = changed.map(|setting| format!("{}={}", setting.name, text(setting, to.get(setting))));
-    texts.chain(rows::between(from, to)).collect::<Vec<_>>().join(";")
+    let texts = differing(from, to).map(|name| format!("{name}={}", text(name, to)));
+    texts.collect::<Vec<_>>().join(";")
 }
 
 /// Puts what such a text says into a configuration; whether it is in bounds is for the core to judge.
@@ -63,53 +79,32 @@ pub fn between(from: &Config, to: &Config) -> String {
 pub fn apply(config: &mut Config, text: &str) -> anyhow::Result<()> {
     for change in text.split(';').filter(|change| !change.is_empty()) {
         let (name, words) = change.split_once('=').with_context(|| format!("{change:?} is no setting"))?;
-        match rows::set(config, name, words) {
-            Some(done) => done?,
-            None => set(config, setting(name)?, words)?,
-        }
+        set(config, name, words)?;
     }
     Ok(())
 }
 
-/// Sets what is written as a number, true or false, or a form's word with its numbers.
-pub(crate) fn set(config: &mut Config, setting: &Setting, words: &str) -> anyhow::Result<()> {
-    let value = value(setting.kind, words).filter(|value| config.set(setting, *value));
-    value.map(drop).with_context(|| format!("{} can't be {words:?}", setting.name))
-}
-
-pub(crate) fn setting(name: &str) -> anyhow::Result<&'static Setting> {
-    Config::settings().find(|setting| setting.name == name).with_context(|| format!("no setting {name:?}"))
-}
-
-fn text(setting: &Setting, value: Value) -> String {
-    match (value, setting.kind) {
-        (Value::Number(x), _) => x.to_string(),
-        (Value::Whole(x), _) => x.to_string(),
-        (Value::Switch(on), _) => on.to_string(),
-        (Value::Choice { form, numbers }, Kind::Choice(forms)) => {
-            let Some(Form { word, numbers: wanted }) = forms.get(form) else { return String::new() };
-            let numbers = numbers.iter().take(wanted.len()).map(|x| format!(" {x}"));
-            format!("{word}{}", numbers.collect::<String>())
+/// Sets what is written as on the console, a number with any count of digits. A row that is to go may have gone before.
+pub(crate) fn set(config: &mut Config, name: &str, words: &str) -> anyhow::Result<()> {
+    let unfit = || format!("{name} can't be {words:?}");
+    let told = |error: SetError<'_>| anyhow::anyhow!("{error}");
+    match Name::find(name).map_err(told).with_context(unfit)? {
+        Name::Entry(setting) => {
+            let value = parse(setting.kind, words, |number| number.parse().ok()).ok();
+            value.filter(|value| config.set(setting, *value)).map(drop).with_context(unfit)
         }
-        (Value::Choice { .. }, _) => String::new(),
+        row if words == "none" && row.value(config).to_string() == "none" => Ok(()),
+        row => row.set(config, name, words).map_err(told).with_context(unfit),
     }
 }
 
-fn value(kind: Kind, text: &str) -> Option<Value> {
-    match kind {
-        Kind::Number { .. } => text.parse().ok().map(Value::Number),
-        Kind::Whole { .. } => text.parse().ok().map(Value::Whole),
-        Kind::Switch => text.parse().ok().map(Value::Switch),
-        Kind::Choice(forms) => {
-            let mut words = text.split(' ');
-            let word = words.next()?;
-            let form = forms.iter().position(|form| form.word == word)?;
-            let mut numbers = [0.0; 2];
-            for number in numbers.iter_mut().take(forms[form].numbers.len()) {
-                *number = words.next()?.parse().ok()?;
-            }
-            words.next().is_none().then_some(Value::Choice { form, numbers })
+/// The text that [`set`] reads back to the same bits.
+fn text(name: Name, config: &Config) -> String {
+    match name {
+        Name::Entry(setting) => {
+            fmt::from_fn(|f| write(f, setting.kind, config.get(setting), |x| x)).to_string()
         }
+        row => row.value(config).to_string(),
     }
 }
 
@@ -117,6 +112,15 @@ fn value(kind: Kind, text: &str) -> Option<Value> {
 mod tests {
     use super::*;
     use crate::preset;
+
+    const CAP: &str = "likelihood.taught.1=cap 0 0 0 0 150 -150 0 0 0 0 -32768";
+    const HAND: &str = "diagnosis.isolation.4=4 0 +1 0 -1 x hand";
+
+    fn with(text: &str) -> Config {
+        let mut config = Config::default();
+        apply(&mut config, text).unwrap();
+        config
+    }
 
     #[test]
     fn what_is_told_leads_to_the_same_settings() {
@@ -130,6 +134,56 @@ mod tests {
         for (text, words) in [("kp", "no setting"), ("pid.kq=1", "pid.kq"), ("pid.kp=much", "much")] {
             let error = apply(&mut Config::default(), text).unwrap_err().to_string();
             assert!(error.contains(words), "{error}");
+        }
+    }
+
+    #[test]
+    fn rows_are_told_as_the_console_has_them() {
+        let taught = with(&format!("{HAND};{CAP}"));
+        assert_eq!(
+            (taught.diagnosis.isolation.len(), taught.likelihood.taught[0].effects[10]),
+            (4, i16::MIN)
+        );
+        assert_eq!(between(&Config::default(), &taught), format!("{HAND};{CAP}"));
+        assert_eq!(
+            between(&taught, &Config::default()),
+            "diagnosis.isolation.4=none;likelihood.taught.1=none"
+        );
+    }
+
+    /// Rows that go, change and come lead to the same tables again, in force already or not.
+    #[test]
+    fn what_is_told_leads_to_the_same_rows() {
+        let all = [
+            Config::default(),
+            with(CAP),
+            with(&format!("{HAND};{CAP};likelihood.taught.2=low 1 2 3 4 5 6 7 8 9 10 11;pid.kp=3")),
+            with("diagnosis.detection.2=none;diagnosis.detection.1=none;diagnosis.isolation.1=none"),
+        ];
+        for (from, to) in all.iter().flat_map(|from| all.iter().map(move |to| (from, to))) {
+            let (mut config, told) = (from.clone(), between(from, to));
+            for _ in 0..2 {
+                apply(&mut config, &told).unwrap();
+                assert_eq!(&config, to, "{told}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_row_is_refused() {
+        let cap = CAP.split_once('=').unwrap().1;
+        let eleven: Vec<String> = (1..=11).map(|place| format!("likelihood.taught.{place}={cap}")).collect();
+        for wrong in [
+            &eleven.join(";"),
+            &format!("likelihood.taught.2={cap}"),
+            &format!("likelihood.taught.0={cap}"),
+            &format!("{CAP} 1"),
+            "likelihood.taught.1=cap 1 2",
+            "diagnosis.isolation.4=4 0 +1 0 -1",
+            "diagnosis.isolation.4=4 0 +1 0 -1 x two words",
+        ] {
+            let error = apply(&mut Config::default(), wrong).unwrap_err().to_string();
+            assert!(error.contains("can't be"), "{error}");
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use fdi_core::likelihood::{Channel, FaultClass};
+use fdi_core::schema::FIELDS;
 
 const INDEX: &str = include_str!("../page/index.html");
 const STYLE: &str = include_str!("../page/lab.css");
@@ -9,6 +11,8 @@ const WORKER: &str = include_str!("../page/worker.js");
 const REPORT: &str = "<!-- report -->";
 /// What the session in a page begins with.
 const WASM: &str = "<script type=\"text/plain\" id=\"wasm\">";
+/// The module that [`classes`] makes.
+const CLASSES: &str = "lab/classes.js";
 const PLACE: &str = "<!-- bundle: style, modules, worker, data -->";
 
 /// What stands in the page's place for a browser that has not brought the token: it fetches the page with the token that this tab has kept,
@@ -79,6 +83,18 @@ modules!(
     "words_pt",
     "write",
 );
+
+/// The module of the classes of fault, from their rows: their short names in English as words of the page, and which explain a share of an alarm. It is as
+/// short as it can be, since quotation marks count twice in the page.
+fn classes() -> String {
+    let word = |class: &FaultClass| {
+        let t = class.sensor().map_or("", Channel::name);
+        format!("c_{}:'{}',", class.name(), class.short().replace("{t}", t))
+    };
+    let shares: Vec<&str> = FIELDS.iter().filter_map(|field| field.name.strip_prefix("x_")).collect();
+    let words: String = FaultClass::ALL.iter().map(word).collect();
+    format!("export const SHORT={{{words}}};\nexport const SHARES='{}'.split(' ');\n", shares.join(" "))
+}
 
 /// What the page gets its numbers from.
 #[derive(Clone, Copy, Debug)]
@@ -153,7 +169,8 @@ fn head(style: &str, modules: &[(&str, &str)], data: &str, main: &str) -> String
     let address = |(name, text): &(&str, &str)| {
         format!("\"{name}\":\"data:text/javascript,{}\"", in_address(&lean(text)))
     };
-    let imports: Vec<String> = modules.iter().map(address).collect();
+    let classes = classes();
+    let imports: Vec<String> = modules.iter().chain(&[(CLASSES, classes.as_str())]).map(address).collect();
     format!(
         "<style>{style}</style>\n<script type=\"importmap\">{{\"imports\":{{{}}}}}</script>\n{data}\n\
          <script type=\"module\">import \"{main}\";</script>",
@@ -194,7 +211,7 @@ mod tests {
                 .filter_map(|line| line.strip_prefix("import ")?.strip_suffix("\";")?.rsplit_once('"'))
                 .map(|(_, of)| of);
             for of in from {
-                assert!(all.iter().any(|(known, _)| *known == of), "{name} imports {of}");
+                assert!(of == CLASSES || all.iter().any(|(known, _)| *known == of), "{name} imports {of}");
                 imported.push(of);
             }
         }
@@ -205,6 +222,18 @@ mod tests {
     fn a_module_is_without_its_comments_and_indentation() {
         let text = "// What it is.\nlet a = 1; // one\n\n  // More.\n  b(`x\n    y`);\n";
         assert_eq!(lean(text), "let a = 1; // one\nb(`x\ny`);\n");
+    }
+
+    #[test]
+    fn every_class_has_a_short_name_for_the_page() {
+        let module = classes();
+        assert!(
+            module.contains("c_t1_offset:'T1 reads wrong',") && module.contains("c_t2_stuck:'T2 stuck',")
+        );
+        assert!(module.contains("SHARES='t1_offset t2_offset t0_fault "), "{module}");
+        assert!(
+            FaultClass::ALL.iter().all(|class| !class.short().is_empty() && !class.short().contains('\''))
+        );
     }
 
     #[test]

@@ -45,7 +45,7 @@ fn set(config: &mut Config, line: &str) -> anyhow::Result<()> {
     let words = value.split([' ', '{', '}', '=', '"', ',']).filter(|word| !word.is_empty());
     let no_key = |(i, word): &(usize, &str)| *i == 0 || word.parse::<f32>().is_ok();
     let words: Vec<_> = words.enumerate().filter(no_key).map(|(_, word)| word).collect();
-    change::set(config, change::setting(name)?, &words.join(" "))
+    change::set(config, name, &words.join(" "))
 }
 
 #[cfg(test)]

@@ -56,7 +56,7 @@ impl<'a> Recording<'a> {
         let lacks =
             instrument_columns().map(|c| c.name).filter(|name| position(&header, name).is_none()).collect();
         let mut config = config.clone();
-        let inputs = Inputs::find(&header).context("line 1")?;
+        let inputs = InputColumns::find(&header).context("line 1")?;
         let first = text.lines().nth(1).unwrap_or_default();
         let told = inputs.settings.and_then(|i| first.split(',').nth(i)).unwrap_or_default();
         let start = told.split('|').next().unwrap_or_default();
@@ -131,7 +131,7 @@ fn position(header: &[&str], name: &str) -> Option<usize> {
 }
 
 /// Where the columns stand from which codes and commands are found again.
-struct Inputs {
+struct InputColumns {
     celsius: [usize; 3],
     setpoint: usize,
     prbs: usize,
@@ -146,7 +146,7 @@ struct Inputs {
     settings: Option<usize>,
 }
 
-impl Inputs {
+impl InputColumns {
     fn find(header: &[&str]) -> anyhow::Result<Self> {
         let place = |name: &str| {
             position(header, name)
@@ -202,7 +202,7 @@ struct Reader {
     /// Settings in force.
     config: Config,
     senses: Senses,
-    inputs: Inputs,
+    inputs: InputColumns,
     /// Number of columns.
     width: usize,
     before: Option<Before>,

@@ -17,7 +17,7 @@ pub const TRUTH: &str = "truth";
 
 /// What stands in the cell of a column on a tick, of so many s each.
 pub fn cell(column: &Entry, on: &Moment, sample_time: f64) -> impl fmt::Display {
-    Cell { value: (column.number.value)(on), sample_time }
+    Cell { value: column.number.value(on), sample_time }
 }
 
 struct Cell {

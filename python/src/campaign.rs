@@ -36,8 +36,6 @@ pub(crate) fn repeat<'py>(
     if !(1..=1_000_000).contains(&runs) {
         return Err(refused(format!("runs is {runs}, expected 1 to 1000000")));
     }
-    let nominal = "nominal".into_pyobject(py)?.into_any();
-    let fault_size = fault_size.unwrap_or(&nominal);
     let (config, scenario) = crate::run::experiment(scenario, config, preset, disturbance, fault_size)?;
     let repeated = wait(py, progress, move |shared| {
         shared.bar.set_length(runs);

@@ -227,7 +227,7 @@ impl Report {
         let entry = COLUMNS.iter().chain(&FIELDS).find(|entry| entry.name == name);
         let entry = entry.ok_or_else(|| PyKeyError::new_err(name.to_owned()))?;
         let on = Moment { applied: self.applied, ..Moment::new(&self.tick, &self.report) };
-        Ok(match (entry.number.value)(&on) {
+        Ok(match entry.number.value(&on) {
             Value::Named((_, name)) | Value::Choice(Some((_, name))) => name.into_pyobject(py)?.into_any(),
             Value::Tick(Some(tick)) => tick_time(tick, self.sample_time).into_pyobject(py)?.into_any(),
             other => Some(other.number()).filter(|x| !x.is_nan()).into_pyobject(py)?.into_any(),

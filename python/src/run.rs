@@ -21,13 +21,13 @@ use crate::convert::{from_table, python, refused, to_python, to_table};
 use crate::rig::disturbance;
 use crate::wait::wait;
 
-/// What describes an experiment, put together as the command line does.
+/// What describes an experiment, put together as the command line does; faults are of their nominal sizes where none is given.
 pub(crate) fn experiment(
     scenario: Option<&Bound<'_, PyAny>>,
     config: Option<&Bound<'_, Config>>,
     preset: Option<&str>,
     surroundings: Option<&str>,
-    fault_size: &Bound<'_, PyAny>,
+    fault_size: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(fdi_core::Config, Scenario)> {
     let config = match config {
         Some(config) => config.borrow().0.clone(),
@@ -40,8 +40,10 @@ pub(crate) fn experiment(
             Err(_) => from_table(to_table(given)?)?,
         },
     };
-    let size: FaultSize =
-        fault_size.str()?.to_str()?.parse().map_err(|why| refused(format!("fault_size: {why}")))?;
+    let size = match fault_size {
+        Some(size) => size.str()?.to_str()?.parse().map_err(|why| refused(format!("fault_size: {why}")))?,
+        None => FaultSize::default(),
+    };
     let surroundings = surroundings.map(disturbance).transpose()?;
     let scenario = python(on_rig(scenario, &config, preset, surroundings, size))?;
     Ok((config, scenario))
@@ -59,9 +61,7 @@ pub(crate) fn run(
     disturbance: Option<&str>,
     fault_size: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Record> {
-    let nominal = "nominal".into_pyobject(py)?.into_any();
-    let (config, scenario) =
-        experiment(scenario, config, preset, disturbance, fault_size.unwrap_or(&nominal))?;
+    let (config, scenario) = experiment(scenario, config, preset, disturbance, fault_size)?;
     let record = wait(py, None, move |_| experiment::run(&config, &scenario, seed))?;
     Ok(Record(record))
 }
@@ -86,8 +86,7 @@ pub(crate) fn isolability(
         return Err(refused(format!("within has {s}, expected 0.01 to 100000 s")));
     }
     horizons.sort_by(f64::total_cmp);
-    let nominal = "nominal".into_pyobject(py)?.into_any();
-    let (config, scenario) = experiment(scenario, config, preset, disturbance, &nominal)?;
+    let (config, scenario) = experiment(scenario, config, preset, disturbance, None)?;
     wait(py, progress, move |shared| {
         shared.bar.set_length((scenario.duration / as_written(config.sample_time.0)) as u64);
         let question = Question { seed, horizons, equal_odds };
@@ -124,8 +123,8 @@ impl Record {
     #[pyo3(signature = (name: "str") -> "numpy.ndarray | list[str | None]")]
     fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let entry = entry(name)?;
-        let (record, value) = (&self.0, entry.number.value);
-        let values = record.rows.iter().map(|row| value(&moment(row)));
+        let record = &self.0;
+        let values = record.rows.iter().map(|row| entry.number.value(&moment(row)));
         match entry.number.kind {
             Kind::Named | Kind::Choice => {
                 let words = values.map(|value| match value {

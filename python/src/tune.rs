@@ -20,8 +20,7 @@ pub(crate) fn tune<'py>(
     preset: Option<&str>,
     disturbance: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let nominal = "nominal".into_pyobject(py)?.into_any();
-    let (config, scenario) = experiment(scenario, config, preset, disturbance, &nominal)?;
+    let (config, scenario) = experiment(scenario, config, preset, disturbance, None)?;
     let settings = Config(config.clone());
     let tuning = wait(py, None, move |_| tuned(&config, &scenario, seed))?;
     let rules = PyDict::new(py);

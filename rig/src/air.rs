@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
-/// One stretch of constant power: the rise of the air behind the heater is `target + distance e^(-(t - start) / time)`.
+/// One segment of constant power: the rise of the air behind the heater is `target + distance e^(-(t - start) / time)`.
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
+struct Segment {
     start: f64,
     end: f64,
     target: f64,
@@ -12,7 +12,7 @@ struct Stretch {
     rate: f64,
 }
 
-impl Stretch {
+impl Segment {
     fn distance_at(&self, t: f64) -> f64 {
         self.distance * libm::exp(-(t - self.start) * self.rate)
     }
@@ -20,20 +20,20 @@ impl Stretch {
 
 /// The rise of the air at the heater, remembered for as long as it is under way to a sensor.
 pub(crate) struct HeaterHistory {
-    stretches: VecDeque<Stretch>,
+    segments: VecDeque<Segment>,
 }
 
 impl HeaterHistory {
     /// A heater that has been off for ever.
     pub(crate) fn cold() -> Self {
-        let always = Stretch { start: 0.0, end: 0.0, target: 0.0, distance: 0.0, rate: 0.0 };
-        Self { stretches: VecDeque::from([Stretch { start: f64::NEG_INFINITY, ..always }]) }
+        let always = Segment { start: 0.0, end: 0.0, target: 0.0, distance: 0.0, rate: 0.0 };
+        Self { segments: VecDeque::from([Segment { start: f64::NEG_INFINITY, ..always }]) }
     }
 
-    /// Adds a stretch towards the rise `target` with the time constant `time`.
+    /// Adds a segment towards the rise `target` with the time constant `time`.
     pub(crate) fn drive(&mut self, from: f64, to: f64, target: f64, time: f64) {
         let before = self.rise_at(from);
-        self.stretches.push_back(Stretch {
+        self.segments.push_back(Segment {
             start: from,
             end: to,
             target,
@@ -44,36 +44,36 @@ impl HeaterHistory {
 
     /// The rise at a time; before what is remembered, the oldest that is.
     pub(crate) fn rise_at(&self, t: f64) -> f64 {
-        let stretch = self.stretches.iter().rev().find(|s| s.start <= t).or(self.stretches.front());
-        stretch
+        let segment = self.segments.iter().rev().find(|s| s.start <= t).or(self.segments.front());
+        segment
             .map_or(0.0, |s| if s.rate > 0.0 { s.target + s.distance_at(t.max(s.start)) } else { s.target })
     }
 
     /// Drops what no sensor will see any more.
     pub(crate) fn forget_before(&mut self, t: f64) {
-        while self.stretches.len() > 1 && self.stretches[0].end < t {
-            self.stretches.pop_front();
+        while self.segments.len() > 1 && self.segments[0].end < t {
+            self.segments.pop_front();
         }
     }
 
     /// A first-order lag, at `value` at first, whose input is `base + gain rise(t)` for t from `from` to `to`.
     pub(crate) fn through(&self, from: f64, to: f64, lag: f64, base: f64, gain: f64, value: f64) -> f64 {
         let mut value = value;
-        for stretch in self.stretches.iter().filter(|s| s.end > from && s.start < to) {
-            let (a, b) = (from.max(stretch.start), to.min(stretch.end));
+        for segment in self.segments.iter().filter(|s| s.end > from && s.start < to) {
+            let (a, b) = (from.max(segment.start), to.min(segment.end));
             let span = b - a;
             let keep = libm::exp(-span / lag);
-            value = value * keep + (base + gain * stretch.target) * (1.0 - keep);
-            if stretch.distance != 0.0 {
-                let z = span * (1.0 / lag - stretch.rate);
-                value += gain * stretch.distance_at(a) * (span / lag) * keep * phi1(z);
+            value = value * keep + (base + gain * segment.target) * (1.0 - keep);
+            if segment.distance != 0.0 {
+                let z = span * (1.0 / lag - segment.rate);
+                value += gain * segment.distance_at(a) * (span / lag) * keep * phi1(z);
             }
         }
         value
     }
 }
 
-/// The air that flows past the three thermistors, over a stretch of time in which it does not change. Arrays are for T0,
+/// The air that flows past the three thermistors, over a time in which it does not change. Arrays are for T0,
 /// T1, T2.
 pub(crate) struct AirStream {
     /// Flow, relative.
@@ -89,7 +89,7 @@ pub(crate) struct AirStream {
 }
 
 impl AirStream {
-    /// The element of thermistor `i` at the end of the stretch, which sees `gain` times the rise with a `lag`.
+    /// The element of thermistor `i` at the end of that time, which sees `gain` times the rise with a `lag`.
     pub(crate) fn through(
         &self,
         heater: &HeaterHistory,
@@ -115,7 +115,7 @@ pub(crate) fn phi1(z: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The closed form against 20 microsecond Euler steps, over several stretches, a dead time that is no multiple of
+    /// The closed form against 20 microsecond Euler steps, over several segments, a dead time that is no multiple of
     /// anything, and a lag equal to the heater's time constant.
     #[test]
     fn closed_form_agrees_with_small_steps() {

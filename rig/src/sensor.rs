@@ -1,7 +1,7 @@
 //! Thermistor, divider and converter: from a temperature to what the ADC says, with what can go wrong on the wire.
 
 use crate::config::RigConfig;
-use crate::fault::Reading;
+use crate::fault::ConverterOutput;
 use crate::noise::Noise;
 use crate::thermistor::{KELVIN, T25};
 
@@ -33,15 +33,19 @@ impl Digitizer {
         i: usize,
         celsius: f64,
         hum: f64,
-        reading: &Reading,
+        reading: &ConverterOutput,
         noise: &mut Noise,
     ) -> f64 {
         let code = match *reading {
-            Reading::Open => FULL_SCALE,
-            Reading::Short => 0.0,
-            Reading::Stuck { noise: sd } => return self.stuck(i, self.convert(celsius, hum), sd, noise),
-            Reading::Missing { probability } if noise.uniform(0.0, 1.0) < probability => return f64::NAN,
-            Reading::Missing { .. } | Reading::True => self.convert(celsius, hum),
+            ConverterOutput::Open => FULL_SCALE,
+            ConverterOutput::Short => 0.0,
+            ConverterOutput::Stuck { noise: sd } => {
+                return self.stuck(i, self.convert(celsius, hum), sd, noise);
+            }
+            ConverterOutput::Missing { probability } if noise.uniform(0.0, 1.0) < probability => {
+                return f64::NAN;
+            }
+            ConverterOutput::Missing { .. } | ConverterOutput::True => self.convert(celsius, hum),
         };
         self.last[i] = Some(code);
         code

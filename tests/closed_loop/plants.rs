@@ -9,6 +9,7 @@ use pt326::commands::experiment::ExperimentArgs;
 use pt326::experiment::scenario::Scenario;
 use pt326::experiment::{as_written, run, sample, with_prbs_phase};
 use pt326::record::summary::Summary;
+use pt326_lab::preset::TEXTS;
 use pt326_rig::Rig;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 
@@ -16,6 +17,11 @@ const PLANTS: [&str; 3] = ["oven", "hotend", "tclab"];
 
 fn plant(name: &str) -> (Config, Scenario) {
     ExperimentArgs { preset: Some(name.into()), ..ExperimentArgs::default() }.load().unwrap()
+}
+
+#[test]
+fn every_preset_with_settings_is_tried() {
+    assert_eq!(PLANTS, TEXTS.map(|(name, _)| name));
 }
 
 #[test]

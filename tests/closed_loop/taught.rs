@@ -5,7 +5,7 @@ use fdi_core::diagnosis::config::DiagnosisConfig;
 use fdi_core::{Config, Instrument};
 use pt326::experiment::scenario::Scenario;
 use pt326::experiment::{as_written, drive, run, with_prbs_phase};
-use pt326::teach::{Marks, Said, Taught, Watch};
+use pt326::teach::{Diagnoses, Marks, Said, Taught};
 
 /// A fault: its name, and what is done to the rig.
 type Kind = (&'static str, &'static [&'static str]);
@@ -74,7 +74,7 @@ fn lesson(rig: &str, kinds: &[Kind], seed: u64) -> Taught {
     drive(&mut instrument, &config, &scenario(rig, end, &faults), seed, |row, _, instrument| {
         said.push(Said::of(instrument, &row.report));
     });
-    let watch = Watch { sample_time: as_written(config.sample_time.0), said };
+    let watch = Diagnoses { sample_time: as_written(config.sample_time.0), said };
     let taught = Taught::of(&watch, &Config::default(), &Marks::by_name(&marks), &[]).expect("monitored");
     taught.lessons.iter().for_each(|lesson| println!("{lesson}"));
     taught

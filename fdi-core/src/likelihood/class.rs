@@ -2,6 +2,10 @@
 //!
 //! To add a class: a variant, its row below, and where residuals tell it its hypothesis (`hypothesis.rs`, `regressor.rs`).
 
+mod channel;
+
+pub use channel::{Channel, Pair};
+
 /// What is faulty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -44,41 +48,6 @@ pub enum FaultClass {
     Swapped(Pair),
     /// None of these explains what is seen, or several at once would be needed.
     Unknown,
-}
-
-/// A thermistor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Channel {
-    /// Room.
-    T0,
-    /// Outlet, in the loop.
-    T1,
-    /// Outlet, downstream.
-    T2,
-}
-
-impl Channel {
-    /// Its name for people.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::T0 => "T0",
-            Self::T1 => "T1",
-            Self::T2 => "T2",
-        }
-    }
-}
-
-/// Two thermistors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Pair {
-    /// Outlet and outlet downstream.
-    T1T2,
-    /// Room and outlet.
-    T0T1,
-    /// Room and outlet downstream.
-    T0T2,
 }
 
 /// What the magnitude of a class is: its unit, its scale and the smallest one that is a fault follow from that.
@@ -128,15 +97,31 @@ struct Facts {
     number: u32,
     sized: &'static str,
     plain: &'static str,
+    short: &'static str,
     axis: &'static str,
+    share: Option<Share>,
+}
+
+/// Where a page finds which share of an alarm a class explains by itself.
+#[derive(Clone, Copy)]
+pub(crate) struct Share {
+    /// Place among the fields of a row, which is never given twice.
+    pub(crate) place: usize,
+    /// Name of the field: `x_` and the name of the class.
+    pub(crate) field: &'static str,
 }
 
 const NOTHING: Needs = Needs { t0: false, t2: false, fan: false };
 const BOTH: Needs = Needs { t0: true, t2: true, fan: false };
 const FAN: Needs = Needs { fan: true, ..NOTHING };
 
+/// A class whose hypothesis says which share of an alarm it explains.
+const fn explains(place: usize, field: &'static str, facts: Facts) -> Facts {
+    Facts { share: Some(Share { place, field }), ..facts }
+}
+
 /// The class of `number` that belongs to no thermistor and has no magnitude.
-const fn plain(number: u32, name: &'static str, plain: &'static str) -> Facts {
+const fn plain(number: u32, name: &'static str, [short, plain]: [&'static str; 2]) -> Facts {
     Facts {
         name,
         quantity: Quantity::Nothing,
@@ -145,14 +130,16 @@ const fn plain(number: u32, name: &'static str, plain: &'static str) -> Facts {
         number,
         sized: "",
         plain,
+        short,
         axis: name,
+        share: None,
     }
 }
 
 /// The same of a thermistor.
-const fn of(sensor: Channel, number: u32, name: &'static str, sentence: &'static str) -> Facts {
+const fn of(sensor: Channel, number: u32, name: &'static str, said: [&'static str; 2]) -> Facts {
     let needs = Needs { t2: matches!(sensor, Channel::T2), ..NOTHING };
-    Facts { sensor: Some(sensor), needs, ..plain(number, name, sentence) }
+    Facts { sensor: Some(sensor), needs, ..plain(number, name, said) }
 }
 
 const fn offset(sensor: Channel, number: u32, name: &'static str, sentence: &'static str) -> Facts {
@@ -160,7 +147,7 @@ const fn offset(sensor: Channel, number: u32, name: &'static str, sentence: &'st
         quantity: Quantity::Offset,
         sized: "{t} reads {size} degC too {high|low}: {measured} degC measured, {corrected} expected",
         axis: "reads too high or too low (\u{b0}C)",
-        ..of(sensor, number, name, sentence)
+        ..of(sensor, number, name, ["{t} reads wrong", sentence])
     }
 }
 
@@ -172,17 +159,21 @@ const fn detached(sensor: Channel, number: u32, name: &'static str) -> Facts {
             sensor,
             number,
             name,
-            "{t} does not see the rise that {other} sees: is it out of the tube? {measured} degC measured, {expected}",
+            [
+                "{t} out of the tube",
+                "{t} does not see the rise that {other} sees: is it out of the tube? {measured} degC measured, {expected}",
+            ],
         )
     }
 }
 
 const READS_WRONG: &str = "{t} reads wrong: {measured} degC measured, {expected}";
 const NOT_THE_ROOM: &str = "T0 reads {t0} degC, and that cannot be the room: {t1} measured at T1, {t2} at T2, a room's temperature expected";
-const STUCK: &str = "{t} stands still: {measured} degC measured, movement expected";
+const STUCK: [&str; 2] = ["{t} stuck", "{t} stands still: {measured} degC measured, movement expected"];
 /// A reading that jumps to and fro; its size is the last one's.
 const fn loose(sensor: Channel, number: u32, name: &'static str) -> Facts {
     Facts {
+        short: "{t}: loose contact",
         sized: "{t} reads {size} degC too {high|low} again and again: is its contact loose? {measured} degC measured, {expected}",
         ..offset(
             sensor,
@@ -193,9 +184,9 @@ const fn loose(sensor: Channel, number: u32, name: &'static str) -> Facts {
     }
 }
 
-const OPEN: &str = "wire of {t} broken: no temperature measured, one expected";
-const SHORT: &str = "wires of {t} touch: no temperature measured, one expected";
-const LOST: &str = "{t} gives no plausible reading: no temperature measured, one expected";
+const OPEN: [&str; 2] = ["{t} wire broken", "wire of {t} broken: no temperature measured, one expected"];
+const SHORT: [&str; 2] = ["{t} wires touch", "wires of {t} touch: no temperature measured, one expected"];
+const LOST: [&str; 2] = ["{t} lost", "{t} gives no plausible reading: no temperature measured, one expected"];
 
 macro_rules! rows {
     ($($class:ident $(($which:ident))? => $row:expr;)*) => {
@@ -218,54 +209,54 @@ use Pair::{T0T1, T0T2, T1T2};
 
 // A class without a row does not compile. Numbers are kept in recordings: a new class takes a new one.
 rows! {
-    T1Offset => offset(T1, 1, "t1_offset", READS_WRONG);
-    T2Offset => offset(T2, 2, "t2_offset", READS_WRONG);
+    T1Offset => explains(29, "x_t1_offset", offset(T1, 1, "t1_offset", READS_WRONG));
+    T2Offset => explains(30, "x_t2_offset", offset(T2, 2, "t2_offset", READS_WRONG));
     // Over a T0 that is too low T1 and T2 rise too much alike: from rises the two are the same.
-    T0Fault => Facts {
+    T0Fault => explains(31, "x_t0_fault", Facts {
         needs: BOTH,
         sized: "T0 reads {size} degC too {high|low}, or T1 and T2 too {low|high} alike: {measured} degC measured at T0, {corrected} expected",
         ..offset(T0, 6, "t0_fault", NOT_THE_ROOM)
-    };
-    T1Clogged => Facts {
+    });
+    T1Clogged => explains(32, "x_t1_clogged", Facts {
         quantity: Quantity::Rise,
         needs: FAN,
         sized: "T1 sees {size} % {more|less} of the rise than it should: {measured} degC measured, {expected}",
         axis: "is clogged: loss of gain (%), lag below (s)",
-        ..of(T1, 3, "t1_clogged", "T1 is clogged: {measured} degC measured, {expected}")
-    };
-    T1Detached => detached(T1, 13, "t1_detached");
-    T2Detached => detached(T2, 14, "t2_detached");
-    AirFlow => Facts {
+        ..of(T1, 3, "t1_clogged", ["{t} clogged", "T1 is clogged: {measured} degC measured, {expected}"])
+    });
+    T1Detached => explains(38, "x_t1_detached", detached(T1, 13, "t1_detached"));
+    T2Detached => explains(39, "x_t2_detached", detached(T2, 14, "t2_detached"));
+    AirFlow => explains(33, "x_air_flow", Facts {
         quantity: Quantity::Flow,
         needs: FAN,
         sized: "the air flow is {size} % {stronger|weaker} than learnt: {share} % of normal estimated, 100 expected",
         axis: "Air flow changes (%)",
-        ..plain(4, "air_flow", "the air flow differs from the learnt value")
-    };
-    HeaterPower => Facts {
+        ..plain(4, "air_flow", ["Air flow", "the air flow differs from the learnt value"])
+    });
+    HeaterPower => explains(34, "x_heater_power", Facts {
         quantity: Quantity::Power,
         sized: "the heater gives {size} % {more|less} power than asked for: {share} % of it estimated, 100 expected",
         axis: "Heater power changes (%)",
-        ..plain(5, "heater_power", "the heater does not follow the command: it gives the same power whatever is asked for")
-    };
-    AirFlowOrHeaterPower => plain(18, "air_flow_or_heater_power",
-        "the air flow or the heater's power differs from the learnt value");
+        ..plain(5, "heater_power", ["Heater power", "the heater does not follow the command: it gives the same power whatever is asked for"])
+    });
+    AirFlowOrHeaterPower => plain(18, "air_flow_or_heater_power", ["Air or power",
+        "the air flow or the heater's power differs from the learnt value"]);
     SinceCommissioning => Facts {
         quantity: Quantity::Rise,
         sized: "the same power warms by {size} % {more|less} than when the rig was commissioned: {share} % of it learnt, 100 expected",
-        ..plain(20, "since_commissioning", "the same power warms more or less than when the rig was commissioned: no change expected")
+        ..plain(20, "since_commissioning", ["Other than commissioned", "the same power warms more or less than when the rig was commissioned: no change expected"])
     };
-    Drift => Facts {
+    Drift => explains(35, "x_drift", Facts {
         quantity: Quantity::Ramp,
         sized: "a thermistor drifts {upwards|downwards} by {size} degC a minute, 0 expected",
         axis: "drifts (\u{b0}C a minute)",
-        ..plain(7, "drift", "a thermistor drifts: none expected")
-    };
+        ..plain(7, "drift", ["Drift", "a thermistor drifts: none expected"])
+    });
     T1Loose => loose(T1, 29, "t1_loose");
     T2Loose => loose(T2, 45, "t2_loose");
     Stuck(T0) => of(T0, 9, "t0_stuck", STUCK);
-    Stuck(T1) => of(T1, 25, "t1_stuck", STUCK);
-    Stuck(T2) => of(T2, 41, "t2_stuck", STUCK);
+    Stuck(T1) => explains(36, "x_t1_stuck", of(T1, 25, "t1_stuck", STUCK));
+    Stuck(T2) => explains(37, "x_t2_stuck", of(T2, 41, "t2_stuck", STUCK));
     Open(T0) => of(T0, 10, "t0_open", OPEN);
     Open(T1) => of(T1, 26, "t1_open", OPEN);
     Open(T2) => of(T2, 42, "t2_open", OPEN);
@@ -275,14 +266,14 @@ rows! {
     Lost(T0) => of(T0, 12, "t0_lost", LOST);
     Lost(T1) => of(T1, 28, "t1_lost", LOST);
     Lost(T2) => of(T2, 44, "t2_lost", LOST);
-    Swapped(T1T2) => Facts { needs: BOTH, ..plain(15, "t1_t2_swapped",
-        "T2 answers to the heater before T1, T1 expected first: are their wires swapped?") };
-    Swapped(T0T1) => Facts { needs: BOTH, ..plain(16, "t0_t1_swapped",
-        "T0 answers to the heater and T1 does not, the reverse expected: are their wires swapped?") };
-    Swapped(T0T2) => Facts { needs: BOTH, ..plain(17, "t0_t2_swapped",
-        "T0 answers to the heater and T2 does not, the reverse expected: are their wires swapped?") };
-    Unknown => plain(8, "unknown",
-        "temperatures are not as expected, and no single known fault explains what was measured");
+    Swapped(T1T2) => explains(40, "x_t1_t2_swapped", Facts { needs: BOTH, ..plain(15, "t1_t2_swapped", ["T1, T2 swapped",
+        "T2 answers to the heater before T1, T1 expected first: are their wires swapped?"]) });
+    Swapped(T0T1) => explains(41, "x_t0_t1_swapped", Facts { needs: BOTH, ..plain(16, "t0_t1_swapped", ["T0, T1 swapped",
+        "T0 answers to the heater and T1 does not, the reverse expected: are their wires swapped?"]) });
+    Swapped(T0T2) => explains(42, "x_t0_t2_swapped", Facts { needs: BOTH, ..plain(17, "t0_t2_swapped", ["T0, T2 swapped",
+        "T0 answers to the heater and T2 does not, the reverse expected: are their wires swapped?"]) });
+    Unknown => plain(8, "unknown", ["Unknown",
+        "temperatures are not as expected, and no single known fault explains what was measured"]);
 }
 
 impl FaultClass {
@@ -355,6 +346,16 @@ impl FaultClass {
     pub const fn sentence(self, sized: bool) -> &'static str {
         let row = self.row();
         if sized && !row.sized.is_empty() { row.sized } else { row.plain }
+    }
+
+    /// Its short name in English; `{t}` is to be filled in as in [`sentence`](Self::sentence).
+    pub const fn short(self) -> &'static str {
+        self.row().short
+    }
+
+    /// Where a page finds which share of an alarm it explains; `None` where no hypothesis is of this class.
+    pub(crate) const fn share(self) -> Option<Share> {
+        self.row().share
     }
 
     /// What the axis of a figure over its magnitude is called, behind the name of the thermistor where it is of one.

@@ -2,7 +2,7 @@
 
 use super::class::FaultClass;
 use super::evidence::{Nuisance, Prior};
-use super::hypothesis::{self, COUNT, UNBOUNDED};
+use super::hypothesis::{self, COUNT, NUISANCES_SINCE_ONSET, NUISANCES_SINCE_TRAINING, UNBOUNDED};
 use super::tuning::Tuned;
 
 /// What is free, with mean and standard deviation of its prior.
@@ -62,12 +62,12 @@ pub fn hypotheses(tuning: Tuned) -> [Described; COUNT] {
 }
 
 /// The nuisances since an onset.
-pub fn since_onset(tuning: Tuned) -> [Term; 10] {
+pub fn since_onset(tuning: Tuned) -> [Term; NUISANCES_SINCE_ONSET] {
     hypothesis::nuisances_since_onset(&tuning.nuisances).map(Term::nuisance)
 }
 
 /// The nuisances since training.
-pub fn since_training(tuning: Tuned) -> [Term; 8] {
+pub fn since_training(tuning: Tuned) -> [Term; NUISANCES_SINCE_TRAINING] {
     hypothesis::nuisances_since_training(&tuning.nuisances).map(Term::nuisance)
 }
 

@@ -297,9 +297,13 @@ pub(super) fn in_unit(class: FaultClass, value: f32) -> f32 {
 /// Gain of what cannot be.
 pub(super) const IMPOSSIBLE: f32 = -50.0;
 
+/// Nuisances there are since an onset, and since training.
+pub(super) const NUISANCES_SINCE_ONSET: usize = 10;
+pub(super) const NUISANCES_SINCE_TRAINING: usize = 8;
+
 /// What may move since an onset without being a fault: mains, sensors, inlet, what the model does not know of wall and time. Each list is in the order of
 /// the regressors, and T0 last: so their products are read off quickest.
-pub(super) const fn nuisances_since_onset(t: &NuisanceTuning) -> [Nuisance; 10] {
+pub(super) const fn nuisances_since_onset(t: &NuisanceTuning) -> [Nuisance; NUISANCES_SINCE_ONSET] {
     [
         (of(Regressor::Wall), t.wall),
         (of(Regressor::Shift), t.shift),
@@ -315,7 +319,7 @@ pub(super) const fn nuisances_since_onset(t: &NuisanceTuning) -> [Nuisance; 10] 
 }
 
 /// The same since training.
-pub(super) const fn nuisances_since_training(t: &NuisanceTuning) -> [Nuisance; 8] {
+pub(super) const fn nuisances_since_training(t: &NuisanceTuning) -> [Nuisance; NUISANCES_SINCE_TRAINING] {
     [
         (of(Regressor::Wall), t.wall),
         (of(Regressor::Shift), t.shift),
@@ -343,9 +347,11 @@ pub(super) const fn model_errors(t: &NuisanceTuning) -> [Nuisance; 7] {
 
 /// With the default numbers.
 #[cfg(test)]
-pub(super) const SINCE_ONSET: [Nuisance; 10] = nuisances_since_onset(&NuisanceTuning::DEFAULT);
+pub(super) const SINCE_ONSET: [Nuisance; NUISANCES_SINCE_ONSET] =
+    nuisances_since_onset(&NuisanceTuning::DEFAULT);
 #[cfg(test)]
-pub(super) const SINCE_TRAINING: [Nuisance; 8] = nuisances_since_training(&NuisanceTuning::DEFAULT);
+pub(super) const SINCE_TRAINING: [Nuisance; NUISANCES_SINCE_TRAINING] =
+    nuisances_since_training(&NuisanceTuning::DEFAULT);
 #[cfg(test)]
 pub(super) const MODEL_ERRORS: [Nuisance; 7] = model_errors(&NuisanceTuning::DEFAULT);
 

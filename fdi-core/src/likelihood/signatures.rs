@@ -6,7 +6,7 @@
 use super::LikelihoodState;
 use super::class::{FaultClass, Quantity};
 use super::evidence::{Nuisance, Prior};
-use super::hypothesis::{COUNT as HYPOTHESIS_COUNT, Hypothesis, in_unit};
+use super::hypothesis::{COUNT as HYPOTHESIS_COUNT, Hypothesis, NUISANCES_SINCE_ONSET, in_unit};
 use super::onset::Onset;
 use super::regressor::{COUNT, Direction, Regressor};
 use super::tuning::Tuned;
@@ -16,7 +16,7 @@ use crate::bounds::{larger, smaller};
 /// How many regressors there are.
 pub const REGRESSORS: usize = COUNT;
 /// How many nuisances there are.
-pub const NUISANCES: usize = 10;
+pub const NUISANCES: usize = NUISANCES_SINCE_ONSET;
 
 /// Regressors since an assumed onset.
 #[derive(Clone, Copy, Debug)]

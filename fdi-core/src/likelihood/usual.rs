@@ -2,7 +2,9 @@
 
 use super::class::{FaultClass, Quantity};
 use super::evidence::Nuisance;
-use super::hypothesis::{nuisances_since_onset, nuisances_since_training};
+use super::hypothesis::{
+    NUISANCES_SINCE_ONSET, NUISANCES_SINCE_TRAINING, nuisances_since_onset, nuisances_since_training,
+};
 use super::tuning::Tuned;
 use crate::bounds::larger;
 use crate::root::sqrt;
@@ -22,14 +24,14 @@ pub(super) struct Usual {
 }
 
 /// Nuisances since an onset, and since training.
-pub(super) type Nuisances = [Nuisance; 10];
-pub(super) type LastingNuisances = [Nuisance; 8];
+pub(super) type Nuisances = [Nuisance; NUISANCES_SINCE_ONSET];
+pub(super) type LastingNuisances = [Nuisance; NUISANCES_SINCE_TRAINING];
 
 /// Places in both lists: of the dead time's error, and of the power, the flow and the offsets. Place of T0 in the second.
 const SHIFT: usize = 1;
 const POWER: usize = 2;
 const FLOW: core::ops::Range<usize> = 3..5;
-const LASTING_T0: usize = 7;
+const LASTING_T0: usize = NUISANCES_SINCE_TRAINING - 1;
 
 impl Usual {
     /// Nuisances since an onset. What was learnt wrong with the gain looks like flow, too.

@@ -16,7 +16,8 @@
 
 mod numbers;
 
-pub use numbers::{NUMBERS, words};
+use numbers::LISTED;
+pub use numbers::words;
 
 use crate::control::Tick;
 use crate::diagnosis::Report;
@@ -151,13 +152,13 @@ impl Value {
 }
 
 /// A number of a tick.
+#[derive(Clone, Copy)]
 pub struct Number {
     /// Its unit, empty where it has none.
     pub unit: &'static str,
     /// Its kind.
     pub kind: Kind,
-    /// What it is on a tick.
-    pub value: fn(&Moment) -> Value,
+    source: Source,
     /// Place and name of its column in trace.csv. To programs that read an older trace by position the others stay where they were.
     column: Option<(usize, &'static str)>,
     /// Place and name of its field in a row for a page.
@@ -166,6 +167,15 @@ pub struct Number {
     log: Option<Bits>,
     /// It among the numbers for Prometheus.
     pub metric: Option<Metric>,
+}
+
+/// Where the value of a number comes from.
+#[derive(Clone, Copy)]
+enum Source {
+    /// A function.
+    Of(fn(&Moment) -> Value),
+    /// What this class explains of an alarm.
+    Share(FaultClass),
 }
 
 /// Some bits of a word.
@@ -199,6 +209,7 @@ impl Bits {
 }
 
 /// A number for Prometheus.
+#[derive(Clone, Copy)]
 pub struct Metric {
     /// Its name, which several may share.
     pub name: &'static str,
@@ -216,6 +227,38 @@ pub struct Entry {
     /// The number.
     pub number: &'static Number,
 }
+
+/// Every number: those of the list, then the share of each class that has one.
+pub static NUMBERS: [Number; LISTED.len() + SHARES] = {
+    let mut all = [LISTED[0]; _];
+    let mut i = 0;
+    while i < LISTED.len() {
+        all[i] = LISTED[i];
+        i += 1;
+    }
+    let mut class = 0;
+    while class < FaultClass::ALL.len() {
+        if let Some(share) = FaultClass::ALL[class].share() {
+            let field = Some((share.place, share.field));
+            let source = Source::Share(FaultClass::ALL[class]);
+            all[i] =
+                Number { unit: "", kind: Kind::Float, source, column: None, field, log: None, metric: None };
+            i += 1;
+        }
+        class += 1;
+    }
+    all
+};
+
+/// Classes that explain a share of an alarm.
+const SHARES: usize = {
+    let (mut class, mut count) = (0, 0);
+    while class < FaultClass::ALL.len() {
+        count += FaultClass::ALL[class].share().is_some() as usize;
+        class += 1;
+    }
+    count
+};
 
 /// Every one of the given place, in the order of the places. A place that is free, or given twice, does not compile.
 macro_rules! by_place {
@@ -291,7 +334,7 @@ pub type Numbers = [f32; FIELDS.len()];
 
 /// All numbers of a tick that go to a page, in the order of [`FIELDS`].
 pub fn row(on: &Moment) -> Numbers {
-    core::array::from_fn(|i| (FIELDS[i].number.value)(on).number())
+    core::array::from_fn(|i| FIELDS[i].number.value(on).number())
 }
 
 /// Place of a field in a row.
@@ -300,6 +343,14 @@ pub fn field(name: &str) -> Option<usize> {
 }
 
 impl Number {
+    /// What it is on a tick.
+    pub fn value(&self, on: &Moment) -> Value {
+        match self.source {
+            Source::Of(value) => value(on),
+            Source::Share(class) => Value::Float(on.share(class)),
+        }
+    }
+
     /// Its bits in the record of a tick; `None` where it is not defined, or no record holds it.
     pub fn bits(&self, words: &[u32; WORDS]) -> Option<u32> {
         let at = self.log?;

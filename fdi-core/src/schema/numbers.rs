@@ -1,17 +1,17 @@
-//! The list. Places are never changed: a new number takes the next one wherever it is to stand.
+//! The list, but for the shares of the classes, which stand in their rows (`likelihood/class.rs`). Places are never changed: a new number takes the next
+//! one wherever it is to stand.
 
-use super::{Bits, Kind, Metric, Moment, Number, Value, WORDS};
+use super::{Bits, Kind, Metric, Moment, Number, Source, Value, WORDS};
 use crate::diagnosis::Report;
 use crate::diagnosis::residual::{DECISIVE, Residual};
 use crate::diagnosis::signature::{Symptom, Symptoms};
 use crate::identify::observer::Identified;
-use crate::likelihood::{Channel, FaultClass, Finding, Magnitude, Pair, Readiness, RejectReason};
+use crate::likelihood::{FaultClass, Finding, Magnitude, Readiness, RejectReason};
 use crate::numbered::numbered;
 use crate::observation::Shelving;
 use crate::sense::Validity;
 use crate::supervisor::{Blocker, Mode, TripReason};
 
-use Channel::{T1, T2};
 use Residual::{Rap, Rbw1, Rsg1, Rsg2, Ry1, Ry2, Ry12};
 
 numbered! {
@@ -41,11 +41,11 @@ macro_rules! numbers {
         $(field($field:literal, $field_name:literal))?
         $(log($word:expr, $log_name:literal $(, $shift:literal, $width:literal)?))?
         $(metric($metric:literal, $help:literal, $label:literal))?;)*) => {
-        /// Every number.
-        pub static NUMBERS: [Number; [$(stringify!($value)),*].len()] = [$(Number {
+        /// Every number of the list.
+        pub(super) static LISTED: [Number; [$(stringify!($value)),*].len()] = [$(Number {
             unit: $unit,
             kind: Kind::$kind,
-            value: |$on| Value::$kind(($value).into()),
+            source: Source::Of(|$on| Value::$kind(($value).into())),
             column: optional!($(($column, $column_name))?),
             field: optional!($(($field, $field_name))?),
             log: optional!($(bits!($word, $log_name $(, $shift, $width)?))?),
@@ -184,22 +184,6 @@ numbers! {
     // The fault of the user's own that it is: its place among those that were taught, and its size, % of what was taught.
     Place("", |on| on.report.likelihood.taught.map(|taught| u32::from(taught.place) + 1)) column(48, "taught") field(43, "taught") log(26, "taught", 16, 16);
     Float(PER_CENT, |on| on.report.likelihood.taught.map(|taught| taught.magnitude.value)) field(44, "taught_size");
-    // Share, 0 to 1, of what is unusual since the onset that each class would explain by itself.
-    Float("", |on| on.explained(FaultClass::T1Offset)) field(29, "x_t1_offset");
-    Float("", |on| on.explained(FaultClass::T2Offset)) field(30, "x_t2_offset");
-    Float("", |on| on.explained(FaultClass::T0Fault)) field(31, "x_t0_fault");
-    Float("", |on| on.explained(FaultClass::T1Clogged)) field(32, "x_t1_clogged");
-    Float("", |on| on.explained(FaultClass::AirFlow)) field(33, "x_air_flow");
-    Float("", |on| on.explained(FaultClass::HeaterPower)) field(34, "x_heater_power");
-    Float("", |on| on.explained(FaultClass::Drift)) field(35, "x_drift");
-    Float("", |on| on.explained(FaultClass::Stuck(T1))) field(36, "x_t1_stuck");
-    Float("", |on| on.explained(FaultClass::Stuck(T2))) field(37, "x_t2_stuck");
-    Float("", |on| on.explained(FaultClass::T1Detached)) field(38, "x_t1_detached");
-    Float("", |on| on.explained(FaultClass::T2Detached)) field(39, "x_t2_detached");
-    Float("", |on| on.explained(FaultClass::Swapped(Pair::T1T2))) field(40, "x_t1_t2_swapped");
-    Float("", |on| on.explained(FaultClass::Swapped(Pair::T0T1))) field(41, "x_t0_t1_swapped");
-    Float("", |on| on.explained(FaultClass::Swapped(Pair::T0T2))) field(42, "x_t0_t2_swapped");
-
     // Of a simulated rig; the only one that no instrument knows.
     Count("", |on| u32::from(on.truth)) column(39, "truth") field(28, "truth");
     // What is known of the rig's other inputs: share of the nominal voltage, and % of the usual level.
@@ -247,7 +231,8 @@ impl Moment<'_> {
         self.report.filtered.zip(place).map(|(verdict, i)| f32::from(verdict.symptoms[i].sign()))
     }
 
-    fn explained(&self, class: FaultClass) -> Option<f32> {
+    /// Share, 0 to 1, of what is unusual since the onset that a class would explain by itself.
+    pub(super) fn share(&self, class: FaultClass) -> Option<f32> {
         let all = self.explained?.iter();
         all.filter(|(of, _)| *of == class).map(|(_, share)| *share).reduce(f32::max)
     }

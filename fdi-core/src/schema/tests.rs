@@ -38,8 +38,8 @@ fn no_two_numbers_have_one_name_and_no_two_share_a_bit() {
 fn what_has_a_place_keeps_it() {
     let at = |all: &[Entry], place: usize| all[place].name;
     assert_eq!(
-        [0, 9, 14, 28, 44].map(|i| at(&FIELDS, i)),
-        ["tick", "drive", "readiness", "truth", "taught_size"]
+        [0, 9, 14, 28, 29, 42, 44].map(|i| at(&FIELDS, i)),
+        ["tick", "drive", "readiness", "truth", "x_t1_offset", "x_t0_t2_swapped", "taught_size"]
     );
     assert_eq!([0, 7, 24, 39, 48].map(|i| at(&COLUMNS, i)), ["t_s", "pa_pct", "rap_f", "truth", "taught"]);
     assert_eq!(
@@ -69,7 +69,7 @@ fn a_number_comes_back_from_the_record_of_its_tick() {
                 Kind::Float => bits.map_or(f32::NAN, f32::from_bits),
                 _ => bits.map_or(f32::NAN, |bits| bits as f32),
             };
-            let value = (number.value)(&moment).number();
+            let value = number.value(&moment).number();
             assert!(said == value || said.is_nan() && value.is_nan(), "{}: {said} for {value}", at.name);
         }
         assert_eq!(logged(&words, "trip").is_some(), matches!(tick.mode, Mode::Tripped(_)), "{k}");

@@ -10,6 +10,6 @@ mod sectors;
 pub mod store;
 pub mod stored;
 pub mod table;
-mod text;
+pub mod text;
 
 pub use error::{Expected, SetError};

@@ -12,6 +12,7 @@ use super::error::{Expected, SetError};
 use super::response;
 use super::table::{Table, set_row};
 use super::text;
+use crate::decimal::{self, Short};
 
 /// The name of a setting, resolved.
 #[derive(Clone, Copy)]
@@ -95,7 +96,7 @@ impl Name {
         match self {
             Self::Entry(setting) => {
                 let wrong = |expected| SetError::Value { name, given: text, expected };
-                let value = text::parse(setting.kind, text).map_err(wrong)?;
+                let value = text::parse(setting.kind, text, decimal::parse).map_err(wrong)?;
                 match (config.set(setting, value), setting.kind) {
                     (false, Kind::Whole { min, max }) => Err(wrong(Expected::Whole { min, max })),
                     _ => Ok(()), // what was read is of this kind
@@ -108,7 +109,7 @@ impl Name {
 }
 
 fn with_unit(f: &mut fmt::Formatter<'_>, setting: &Setting, value: Value) -> fmt::Result {
-    text::write(f, setting.kind, value)?;
+    text::write(f, setting.kind, value, Short)?;
     if setting.unit.is_empty() { Ok(()) } else { write!(f, " {}", setting.unit) }
 }
 

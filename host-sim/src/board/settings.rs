@@ -5,6 +5,7 @@ use std::io::{Read, Write};
 use fdi_core::Config;
 use firmware_logic::settings::schema::Name;
 use pt326_lab::board::settings::read as from_answer;
+use pt326_lab::change::differing;
 
 use super::Session;
 
@@ -31,11 +32,10 @@ pub fn write<P: Read + Write>(session: &mut Session<P>, wanted: &Config) -> anyh
     let mut now = read(session)?;
     let mut changed = Vec::new();
     loop {
-        let differing = differing(wanted, &now);
         let (mut refused, before) = (None, changed.len());
-        for name in &differing {
+        for name in differing(&now, wanted) {
             let value = name.value(wanted).to_string();
-            let bare = bare(*name, &value, wanted);
+            let bare = bare(name, &value, wanted);
             match session.order(&format!("set {name} {bare}")) {
                 Ok(_) => changed.push(name.to_string()),
                 Err(error) => refused = refused.or(Some(error)),
@@ -47,19 +47,6 @@ pub fn write<P: Read + Write>(session: &mut Session<P>, wanted: &Config) -> anyh
         }
         now = read(session)?;
     }
-}
-
-/// What differs; of rows that are not wanted the last first, since those behind a row move up when it goes.
-fn differing(wanted: &Config, now: &Config) -> Vec<Name> {
-    let mut gone: Vec<Name> = Name::all(now)
-        .filter(|name| match name {
-            Name::Row(table, row) => *row >= table.rows(wanted).len(),
-            Name::Response(place) => *place >= wanted.likelihood.taught.len(),
-            Name::Entry(_) => false,
-        })
-        .collect();
-    gone.reverse();
-    gone.into_iter().chain(Name::all(wanted).filter(|name| !name.same(wanted, now))).collect()
 }
 
 /// A value without its unit; `config` has it.
@@ -110,7 +97,7 @@ mod tests {
     #[test]
     fn rows_that_are_not_wanted_go() {
         let (wanted, mut config) = (Config::default(), taught());
-        for name in differing(&wanted, &config) {
+        for name in differing(&config.clone(), &wanted) {
             let (text, value) = (name.to_string(), name.value(&wanted).to_string());
             name.set(&mut config, &text, &bare(name, &value, &wanted)).unwrap();
         }

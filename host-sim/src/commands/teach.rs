@@ -10,7 +10,7 @@ use fdi_core::likelihood::taught::Responses;
 use super::replay::{ReplayArgs, again};
 use super::terminal::{WARNING, print, styled};
 use crate::settings::commented_toml_of;
-use crate::teach::{Marks, Said, Taught, Watch};
+use crate::teach::{Diagnoses, Marks, Said, Taught};
 
 /// Arguments of `teach`.
 #[derive(Clone, Debug, clap::Args)]
@@ -87,7 +87,7 @@ pub fn run(args: &TeachArgs) -> anyhow::Result<ExitCode> {
 
 /// A recording that was run through the core again, and the settings at its end.
 struct Watched {
-    watch: Watch,
+    watch: Diagnoses,
     config: Config,
 }
 
@@ -105,5 +105,5 @@ fn watch(
         print(&again.told)?;
         ensure!(again.agrees, "nothing is taught from a recording to which the core does not come again");
     }
-    Ok(Watched { watch: Watch { sample_time: again.record.sample_time, said }, config: again.config })
+    Ok(Watched { watch: Diagnoses { sample_time: again.record.sample_time, said }, config: again.config })
 }

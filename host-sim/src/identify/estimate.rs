@@ -25,7 +25,7 @@ use super::model::{Model, ORDER_MAX, Order, Signals, mean, rms};
 const D_INITIAL: f32 = 1e8;
 /// A scaled variance above this share of [`D_INITIAL`] comes from the start, not from the data. Below it, the start
 /// pulls an estimate by less than this share.
-const UNTOLD: f64 = 1e-3;
+const UNDETERMINED: f64 = 1e-3;
 
 /// Those of the largest order, and a constant.
 const PARAMETERS_MAX: usize = 2 * ORDER_MAX + 1;
@@ -112,10 +112,15 @@ fn solve(s: &Signals, order: Order, lambda: f64, removed: Option<Removed>) -> an
     let squares: f64 = residuals.iter().zip(&weights).map(|(e, w)| w * e * e).sum();
     let noise_variance = squares / freedom;
     ensure!(noise_variance.is_finite(), "the values are too large to be squared: scale them down");
-    let doubt =
-        Doubt { rls: &rls, state: &state, lambda, noise_sd: (spread * noise_variance).sqrt(), basis: &basis };
-    let (sd, static_gain) = (doubt.of_parameters(), doubt.of_gain(&model));
-    let output_at_zero = removed.and_then(|removed| doubt.of_output_at_zero(&model, constant, removed));
+    let uncertainty = Uncertainty {
+        rls: &rls,
+        state: &state,
+        lambda,
+        noise_sd: (spread * noise_variance).sqrt(),
+        basis: &basis,
+    };
+    let (sd, static_gain) = (uncertainty.of_parameters(), uncertainty.of_gain(&model));
+    let output_at_zero = removed.and_then(|removed| uncertainty.of_output_at_zero(&model, constant, removed));
     Ok(Estimate { model, sd, noise_variance, residuals, weights, static_gain, output_at_zero })
 }
 
@@ -255,7 +260,7 @@ fn dot(x: &[f64; PARAMETERS_MAX], y: &[f64; PARAMETERS_MAX]) -> f64 {
 }
 
 /// How far off the results may be.
-struct Doubt<'a> {
+struct Uncertainty<'a> {
     rls: &'a Estimator,
     state: &'a State,
     lambda: f64,
@@ -264,7 +269,7 @@ struct Doubt<'a> {
     basis: &'a Basis,
 }
 
-impl Doubt<'_> {
+impl Uncertainty<'_> {
     /// Standard deviations of the parameters.
     fn of_parameters(&self) -> Vec<Option<f64>> {
         (0..self.basis.order.parameters()).map(|i| self.sd_along(&self.basis.row(i))).collect()
@@ -300,8 +305,8 @@ impl Doubt<'_> {
     fn sd_along(&self, g: &[f64; PARAMETERS_MAX]) -> Option<f64> {
         let length = dot(g, g).sqrt();
         let variance = self.variance_along(&g.map(|x| x / length));
-        let told = (0.0..UNTOLD * f64::from(D_INITIAL)).contains(&variance);
-        told.then(|| length * variance.sqrt() * self.noise_sd / self.basis.target)
+        let determined = (0.0..UNDETERMINED * f64::from(D_INITIAL)).contains(&variance);
+        determined.then(|| length * variance.sqrt() * self.noise_sd / self.basis.target)
     }
 
     /// `g' P g`, by asking a copy of the estimator what it would make of a sample: from theta = 0, the regressor g and

@@ -48,7 +48,7 @@ pub enum From {
 
 /// From which size on a fault is told from something.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Told {
+pub enum Isolable {
     /// It is of the same class.
     Same,
     /// At no size that it can have.
@@ -80,7 +80,7 @@ pub struct Isolability {
     /// Times after which a fault is to be told, since it first shows, s.
     pub horizons: Vec<f64>,
     /// By horizon, row, column: medians over the onsets.
-    pub told: Vec<Vec<Vec<Told>>>,
+    pub told: Vec<Vec<Vec<Isolable>>>,
     /// Onsets that were assumed.
     pub onsets: usize,
     /// When the instrument began to watch, s.
@@ -263,10 +263,10 @@ impl Isolability {
     fn new(onsets: &[Onset], question: &Question, inputs: Inputs, armed_at: f64) -> Self {
         let faults = asked(&told(&onsets[0], inputs));
         let rivals = rivals(&faults);
-        let each: Vec<Vec<Vec<Vec<Told>>>> =
+        let each: Vec<Vec<Vec<Vec<Isolable>>>> =
             onsets.par_iter().map(|onset| tell(onset, &rivals, inputs, question.equal_odds)).collect();
         let median = |h: usize, i: usize, j: usize| {
-            let mut told: Vec<Told> = each.iter().map(|told| told[h][i][j]).collect();
+            let mut told: Vec<Isolable> = each.iter().map(|told| told[h][i][j]).collect();
             told.sort_by(|a, b| a.order().total_cmp(&b.order()));
             told[told.len() / 2]
         };
@@ -277,7 +277,7 @@ impl Isolability {
     }
 }
 
-impl Told {
+impl Isolable {
     /// The larger, the worse.
     fn order(self) -> f64 {
         match self {
@@ -323,7 +323,7 @@ fn rivals(faults: &[Asked]) -> Vec<From> {
 }
 
 /// By horizon, fault, rival.
-fn tell(onset: &Onset, rivals: &[From], inputs: Inputs, equal_odds: bool) -> Vec<Vec<Vec<Told>>> {
+fn tell(onset: &Onset, rivals: &[From], inputs: Inputs, equal_odds: bool) -> Vec<Vec<Vec<Isolable>>> {
     let mut candidates = told(onset, inputs);
     if equal_odds {
         candidates.iter_mut().for_each(|candidate| candidate.prior = 0.0);
@@ -339,9 +339,9 @@ fn tell(onset: &Onset, rivals: &[From], inputs: Inputs, equal_odds: bool) -> Vec
 
 impl Asked {
     /// From which size on it is told from a rival.
-    fn told(&self, rival: From, candidates: &[Candidate], information: &Information) -> Told {
+    fn told(&self, rival: From, candidates: &[Candidate], information: &Information) -> Isolable {
         if rival == From::Class(self.fault.class) {
-            return Told::Same;
+            return Isolable::Same;
         }
         let is_rival = |other: &&Candidate| match rival {
             From::Nothing => false,
@@ -359,10 +359,10 @@ impl Asked {
             Some(worst.max(distance.first_above(least, self.sign, self.range.0, self.range.1)?))
         });
         match worst {
-            None => Told::Never,
-            Some(worst) if worst <= self.range.0 => Told::Any,
-            Some(_) if !self.fault.sized => Told::Never,
-            Some(worst) => Told::Above(f64::from(self.fault.in_unit((self.sign * worst) as f32))),
+            None => Isolable::Never,
+            Some(worst) if worst <= self.range.0 => Isolable::Any,
+            Some(_) if !self.fault.sized => Isolable::Never,
+            Some(worst) => Isolable::Above(f64::from(self.fault.in_unit((self.sign * worst) as f32))),
         }
     }
 

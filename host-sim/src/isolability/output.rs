@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::Context;
 use fdi_core::FaultClass;
 
-use super::{Asked, From, Isolability, Told};
+use super::{Asked, From, Isolability, Isolable};
 use crate::record::figure;
 use crate::record::figure::matrix::{Cell, Group, Matrix};
 
@@ -17,7 +17,7 @@ const WIDTH: usize = 100;
 /// A table for each horizon. What is told from each fault at any size, all the time, needs no column.
 pub fn tables(found: &Isolability) -> String {
     let is_open =
-        |j: &usize| found.told.iter().flatten().any(|row| !matches!(row[*j], Told::Any | Told::Same));
+        |j: &usize| found.told.iter().flatten().any(|row| !matches!(row[*j], Isolable::Any | Isolable::Same));
     let (open, told): (Vec<usize>, Vec<usize>) = (0..found.rivals.len()).partition(is_open);
     let tables = found.horizons.iter().enumerate().map(|(h, horizon)| table(found, h, *horizon, &open));
     let mut text: String = tables.collect();
@@ -38,7 +38,7 @@ fn table(found: &Isolability, h: usize, horizon: f64, columns: &[usize]) -> Stri
     }
     let mut any = Vec::new();
     for (asked, row) in found.faults.iter().zip(&found.told[h]) {
-        if row.iter().all(|told| matches!(told, Told::Any | Told::Same)) {
+        if row.iter().all(|told| matches!(told, Isolable::Any | Isolable::Same)) {
             any.push(asked.name());
             continue;
         }
@@ -61,32 +61,35 @@ fn unit(asked: &Asked) -> &'static str {
     if asked.fault.sized { asked.fault.class.unit() } else { "" }
 }
 
-/// The head of a column, in two lines.
+/// Words of the names of classes that are too long for a column.
+const ABBREVIATED: [(&str, &str); 6] = [
+    ("nothing", "none"),
+    ("offset", "off"),
+    ("clogged", "clog"),
+    ("detached", "out"),
+    ("heater", "heat"),
+    ("swapped", "swap"),
+];
+
+/// The head of a column, in two lines. All pairs that may be exchanged share one.
 fn head(rival: From) -> [&'static str; 2] {
     let name = match rival {
-        From::Nothing => return ["", "none"],
-        From::All => return ["", "all"],
-        From::Class(class) => class.name(),
+        From::Class(FaultClass::Swapped(_)) => "swapped",
+        other => rival_name(other),
     };
-    match rival {
-        From::Class(FaultClass::T1Offset) => ["t1", "off"],
-        From::Class(FaultClass::T2Offset) => ["t2", "off"],
-        From::Class(FaultClass::T1Clogged) => ["t1", "clog"],
-        From::Class(FaultClass::T1Detached) => ["t1", "out"],
-        From::Class(FaultClass::T2Detached) => ["t2", "out"],
-        From::Class(FaultClass::HeaterPower) => ["heat", "power"],
-        From::Class(FaultClass::Swapped(_)) => ["", "swap"],
-        _ => name.split_once('_').map_or(["", name], |(first, second)| [first, second]),
-    }
+    let fit = |word: &'static str| {
+        ABBREVIATED.iter().find(|(long, _)| *long == word).map_or(word, |(_, short)| short)
+    };
+    name.split_once('_').map_or(["", fit(name)], |(first, second)| [fit(first), fit(second)])
 }
 
 /// A size without its sign.
-fn cell(told: Told) -> String {
+fn cell(told: Isolable) -> String {
     match told {
-        Told::Same => String::new(),
-        Told::Never => "-".into(),
-        Told::Any => "any".into(),
-        Told::Above(size) => {
+        Isolable::Same => String::new(),
+        Isolable::Never => "-".into(),
+        Isolable::Any => "any".into(),
+        Isolable::Above(size) => {
             let size = size.abs();
             let decimals = if size < 1.0 { 2 } else { usize::from(size < 10.0) };
             format!("{size:.decimals$}")
@@ -117,10 +120,10 @@ pub fn csv(found: &Isolability) -> String {
         for (asked, row) in found.faults.iter().zip(&found.told[h]) {
             for (rival, told) in found.rivals.iter().zip(row) {
                 let (word, size) = match told {
-                    Told::Same => continue,
-                    Told::Never => ("never", String::new()),
-                    Told::Any => ("any", String::new()),
-                    Told::Above(size) => ("above", size.to_string()),
+                    Isolable::Same => continue,
+                    Isolable::Never => ("never", String::new()),
+                    Isolable::Any => ("any", String::new()),
+                    Isolable::Above(size) => ("above", size.to_string()),
                 };
                 let (class, which) = (asked.fault.class.name(), asked.fault.which);
                 let (sign, unit, from) = (asked.sign_in_unit(), unit(asked), rival_name(*rival));
@@ -171,19 +174,19 @@ fn matrix(found: &Isolability, h: usize, title: String) -> Matrix {
     }
 }
 
-fn painted(asked: &Asked, told: Told) -> Cell {
+fn painted(asked: &Asked, told: Isolable) -> Cell {
     let text = match told {
-        Told::Never => "\u{2013}".into(),
+        Isolable::Never => "\u{2013}".into(),
         told => cell(told),
     };
     let shade = match told {
-        Told::Same => 0.0,
-        Told::Never => 0.2,
-        Told::Any => 1.0,
-        Told::Above(size) => {
+        Isolable::Same => 0.0,
+        Isolable::Never => 0.2,
+        Isolable::Any => 1.0,
+        Isolable::Above(size) => {
             let spread = f64::from(asked.fault.in_unit(asked.fault.first.sd)).abs();
             1.0 / (1.0 + size.abs() / spread)
         }
     };
-    Cell { shade, is_right: told != Told::Never, text }
+    Cell { shade, is_right: told != Isolable::Never, text }
 }

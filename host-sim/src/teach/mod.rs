@@ -21,7 +21,7 @@ pub use trial::{Quiet, Trial};
 use crate::experiment::tick_time;
 
 /// What both diagnoses say over a recording.
-pub struct Watch {
+pub struct Diagnoses {
     /// Ts in s.
     pub sample_time: f64,
     /// Tick by tick.
@@ -50,7 +50,7 @@ impl Said {
     }
 }
 
-impl Watch {
+impl Diagnoses {
     /// Every tick with its time in s.
     fn ticks(&self) -> impl Iterator<Item = (f64, &Said)> {
         (0..).map(|tick| tick_time(tick, self.sample_time)).zip(&self.said)
@@ -105,13 +105,18 @@ impl Taught {
     ///
     /// # Errors
     /// A span that was not monitored; more rows than a table holds.
-    pub fn of(watch: &Watch, config: &Config, marks: &[Marks], quiet: &[Watch]) -> anyhow::Result<Self> {
+    pub fn of(
+        diagnoses: &Diagnoses,
+        config: &Config,
+        marks: &[Marks],
+        quiet: &[Diagnoses],
+    ) -> anyhow::Result<Self> {
         let mut config = config.clone();
         let mut lessons = Vec::new();
         for marks in marks {
             let before = config.diagnosis.clone();
             let number = tables::make_room(&mut config.diagnosis, marks.name);
-            let proposal = Proposal::of(watch, marks, number)?;
+            let proposal = Proposal::of(diagnoses, marks, number)?;
             let pattern = proposal.row.pattern;
             let conflicts = tables::conflicts(&config.diagnosis, pattern)
                 .map(|(place, row)| Conflict { place, row: *row, same: row.pattern == pattern })
@@ -145,19 +150,19 @@ impl Taught {
             lessons.push(lesson);
         }
         for lesson in lessons.iter_mut().filter(|lesson| lesson.stands()) {
-            lesson.trial = Some(Trial::of(watch, &config, lesson.proposal.row.number, marks));
+            lesson.trial = Some(Trial::of(diagnoses, &config, lesson.proposal.row.number, marks));
         }
         Ok(Self { lessons, config })
     }
 
-    /// Tries the responses: `watch` and `quiet` are the same recordings with [`Self::config`]'s responses in force from their start on. One that a
+    /// Tries the responses: `diagnoses` and `quiet` are the same recordings with [`Self::config`]'s responses in force from their start on. One that a
     /// recording without a fault shows is taken away, and what the name had before put back.
-    pub fn recall(&mut self, watch: &Watch, marks: &[Marks], quiet: &[Watch]) {
+    pub fn recall(&mut self, diagnoses: &Diagnoses, marks: &[Marks], quiet: &[Diagnoses]) {
         for lesson in &mut self.lessons {
             let Some(Response { name, .. }) = lesson.proposal.response else { continue };
             lesson.quiet_recall = Quiet::recalled(quiet, name);
             if lesson.quiet_recall.named == 0 {
-                lesson.recall = Some(Trial::recalled(watch, marks, name));
+                lesson.recall = Some(Trial::recalled(diagnoses, marks, name));
                 continue;
             }
             let taught = &mut self.config.likelihood.taught;

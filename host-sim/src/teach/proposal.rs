@@ -5,7 +5,7 @@ use fdi_core::diagnosis::signature::Signature;
 use fdi_core::diagnosis::teach::{self, Steady, common};
 use fdi_core::likelihood::taught::{Effects, Mean, Response};
 
-use super::{Marks, Span, Watch};
+use super::{Diagnoses, Marks, Span};
 
 /// So much of a repetition must have been monitored.
 const MONITORED: f64 = 0.9;
@@ -37,11 +37,11 @@ impl Proposal {
     ///
     /// # Errors
     /// A repetition that was not monitored throughout.
-    pub fn of(watch: &Watch, marks: &Marks, number: u8) -> anyhow::Result<Self> {
+    pub fn of(diagnoses: &Diagnoses, marks: &Marks, number: u8) -> anyhow::Result<Self> {
         let repetitions = marks
             .spans
             .iter()
-            .map(|span| Repetition::of(watch, *span))
+            .map(|span| Repetition::of(diagnoses, *span))
             .collect::<anyhow::Result<Vec<_>>>()?;
         let steady: Vec<Steady> = repetitions.iter().map(|repetition| repetition.symptoms).collect();
         let pattern = common(&steady);
@@ -60,14 +60,14 @@ impl Proposal {
 }
 
 impl Repetition {
-    fn of(watch: &Watch, span: Span) -> anyhow::Result<Self> {
-        let ticks = |seconds: f64| (seconds / watch.sample_time) as u32;
+    fn of(diagnoses: &Diagnoses, span: Span) -> anyhow::Result<Self> {
+        let ticks = |seconds: f64| (seconds / diagnoses.sample_time) as u32;
         let mut repetition = teach::Repetition::begin(ticks(span.from), ticks(LATE));
-        for (_, said) in watch.ticks().filter(|(time, _)| span.holds(*time)) {
+        for (_, said) in diagnoses.ticks().filter(|(time, _)| span.holds(*time)) {
             said.symptoms.iter().for_each(|symptoms| repetition.push(symptoms));
             said.changed.iter().for_each(|changed| repetition.add(changed));
         }
-        let ticks = (span.to - span.from) / watch.sample_time;
+        let ticks = (span.to - span.from) / diagnoses.sample_time;
         let enough = f64::from(repetition.ticks()) >= MONITORED * ticks.floor();
         let symptoms = repetition.steady().filter(|_| enough).with_context(|| {
             format!("from {} to {} s the instrument does not monitor in this recording", span.from, span.to)

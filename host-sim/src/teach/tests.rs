@@ -10,7 +10,7 @@ type Stretch = (usize, [i8; 5]);
 const NORMAL: [i8; 5] = [0; 5];
 const LOW_T2: [i8; 5] = [0, 1, 0, -1, 0];
 
-fn watch(stretches: &[Stretch]) -> Watch {
+fn watch(stretches: &[Stretch]) -> Diagnoses {
     let symptom = |sign| match sign {
         -1 => Symptom::Low,
         0 => Symptom::Normal,
@@ -18,14 +18,14 @@ fn watch(stretches: &[Stretch]) -> Watch {
     };
     let said = |signs: &[i8; 5]| Said { symptoms: Some(signs.map(symptom)), ..Said::default() };
     let ticks = stretches.iter().flat_map(|(ticks, signs)| vec![said(signs); *ticks]);
-    Watch { sample_time: 1.0, said: ticks.collect() }
+    Diagnoses { sample_time: 1.0, said: ticks.collect() }
 }
 
-fn taught(watch: &Watch, marks: &[&str]) -> anyhow::Result<Taught> {
+fn taught(watch: &Diagnoses, marks: &[&str]) -> anyhow::Result<Taught> {
     taught_over(&Config::default(), watch, marks)
 }
 
-fn taught_over(config: &Config, watch: &Watch, marks: &[&str]) -> anyhow::Result<Taught> {
+fn taught_over(config: &Config, watch: &Diagnoses, marks: &[&str]) -> anyhow::Result<Taught> {
     let marks: Vec<Marks> = marks.iter().map(|text| text.parse().unwrap()).collect();
     Taught::of(watch, config, &Marks::by_name(&marks), &[])
 }
@@ -109,7 +109,7 @@ fn a_row_that_comes_without_any_fault_is_not_taught() {
     let lesson = watch(&[(20, NORMAL), (20, LOW_T2), (20, NORMAL), (20, [-1, 0, 1, 0, 0])]);
     let marks: Vec<Marks> = ["hand:20..39", "cap:60..79"].map(|text| text.parse().unwrap()).into();
     let flicker = watch(&[(20, NORMAL), (1, LOW_T2), (20, NORMAL)]);
-    let taught = |quiet: &[Watch]| Taught::of(&lesson, &Config::default(), &marks, quiet).unwrap();
+    let taught = |quiet: &[Diagnoses]| Taught::of(&lesson, &Config::default(), &marks, quiet).unwrap();
     assert!(taught(&[flicker]).all_stand());
     let nights = [watch(&[(30, NORMAL)]), watch(&[(20, NORMAL), (3, LOW_T2), (37, NORMAL)])];
     let taught = taught(&nights);
@@ -192,7 +192,7 @@ fn a_fault_that_is_not_found_again_is_not_taught() {
     assert!(taught.all_are_recalled());
 }
 
-fn watch_of_a_night(name: Name) -> Watch {
+fn watch_of_a_night(name: Name) -> Diagnoses {
     let mut night = watch(&[(30, NORMAL)]);
     night.said[12].taught = Some(name);
     night

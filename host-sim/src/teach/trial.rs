@@ -5,7 +5,7 @@ use fdi_core::Seconds;
 use fdi_core::diagnosis::answer::{Answers, Standing};
 use fdi_core::name::Name;
 
-use super::{Marks, Span, Watch};
+use super::{Diagnoses, Marks, Span};
 
 /// A name that is gone for less long has not gone, s.
 const FLICKER: f64 = 2.0;
@@ -34,67 +34,68 @@ pub struct Quiet {
 
 impl Quiet {
     /// Has the tables of `config` answer every tick, for the row of this number.
-    pub(super) fn of(quiet: &[Watch], config: &Config, number: u8) -> Self {
-        Self::by(quiet, |watch| begins(watch, config, number))
+    pub(super) fn of(quiet: &[Diagnoses], config: &Config, number: u8) -> Self {
+        Self::by(quiet, |diagnoses| begins(diagnoses, config, number))
     }
 
     /// What the likelihood diagnosis said of the fault of this name.
-    pub(super) fn recalled(quiet: &[Watch], name: Name) -> Self {
-        Self::by(quiet, |watch| recalls(watch, name))
+    pub(super) fn recalled(quiet: &[Diagnoses], name: Name) -> Self {
+        Self::by(quiet, |diagnoses| recalls(diagnoses, name))
     }
 
-    fn by(quiet: &[Watch], begins: impl Fn(&Watch) -> Vec<f64>) -> Self {
-        let watched = |watch: &Watch| watch.monitored().count() as f64 * watch.sample_time;
+    fn by(quiet: &[Diagnoses], begins: impl Fn(&Diagnoses) -> Vec<f64>) -> Self {
+        let watched = |diagnoses: &Diagnoses| diagnoses.monitored().count() as f64 * diagnoses.sample_time;
         Self {
             watched: quiet.iter().map(watched).sum(),
-            named: quiet.iter().map(|watch| begins(watch).len()).sum(),
+            named: quiet.iter().map(|diagnoses| begins(diagnoses).len()).sum(),
         }
     }
 }
 
 impl Trial {
     /// Has the tables of `config` answer every tick, for the row of this number.
-    pub(super) fn of(watch: &Watch, config: &Config, number: u8, marks: &[Marks]) -> Self {
+    pub(super) fn of(diagnoses: &Diagnoses, config: &Config, number: u8, marks: &[Marks]) -> Self {
         let row = config.diagnosis.isolation.iter().find(|row| row.number == number);
         let name = row.map_or(Name::NONE, |row| row.name);
-        Self::by(watch, &begins(watch, config, number), marks, name)
+        Self::by(diagnoses, &begins(diagnoses, config, number), marks, name)
     }
 
     /// What the likelihood diagnosis said of the fault of this name.
-    pub(super) fn recalled(watch: &Watch, marks: &[Marks], name: Name) -> Self {
-        Self::by(watch, &recalls(watch, name), marks, name)
+    pub(super) fn recalled(diagnoses: &Diagnoses, marks: &[Marks], name: Name) -> Self {
+        Self::by(diagnoses, &recalls(diagnoses, name), marks, name)
     }
 
-    fn by(watch: &Watch, begins: &[f64], marks: &[Marks], name: Name) -> Self {
+    fn by(diagnoses: &Diagnoses, begins: &[f64], marks: &[Marks], name: Name) -> Self {
         let own = marks.iter().find(|marks| marks.name == name);
         let spans: &[Span] = own.map_or(&[], |marks| &marks.spans);
         let hit = |span: &Span| begins.iter().find(|at| span.holds(**at)).map(|at| at - span.from);
         let there =
             |at: f64| marks.iter().find(|marks| marks.spans.iter().any(|s| s.holds(at))).map(|m| m.name);
         let astray = || begins.iter().filter(|at| !spans.iter().any(|span| span.holds(**at)));
-        let quiet = watch.monitored().filter(|(time, _)| there(*time).is_none()).count();
+        let quiet = diagnoses.monitored().filter(|(time, _)| there(*time).is_none()).count();
         Self {
             hits: spans.iter().map(hit).collect(),
             taken_for: astray().filter_map(|at| Some((*at, there(*at)?))).collect(),
             wrong: astray().filter(|at| there(**at).is_none()).copied().collect(),
-            quiet: quiet as f64 * watch.sample_time,
+            quiet: quiet as f64 * diagnoses.sample_time,
         }
     }
 }
 
 /// When the likelihood diagnosis began to say this name, s.
-fn recalls(watch: &Watch, name: Name) -> Vec<f64> {
-    let said = watch.ticks().filter(|(_, said)| said.taught == Some(name));
+fn recalls(diagnoses: &Diagnoses, name: Name) -> Vec<f64> {
+    let said = diagnoses.ticks().filter(|(_, said)| said.taught == Some(name));
     first_of_each(said.map(|(time, _)| time), FLICKER)
 }
 
 /// When fiv came to this number, s.
-fn begins(watch: &Watch, config: &Config, number: u8) -> Vec<f64> {
+fn begins(diagnoses: &Diagnoses, config: &Config, number: u8) -> Vec<f64> {
     let clear = config.diagnosis.clear_time;
-    let answers = Answers::new(&config.diagnosis.isolation, clear.ticks(Seconds(watch.sample_time as f32)));
+    let answers =
+        Answers::new(&config.diagnosis.isolation, clear.ticks(Seconds(diagnoses.sample_time as f32)));
     let mut standing = Standing::default();
     let mut says = |symptoms| answers.step(&mut standing, symptoms) == number;
-    let said = watch.monitored().filter_map(|(time, symptoms)| says(symptoms).then_some(time));
+    let said = diagnoses.monitored().filter_map(|(time, symptoms)| says(symptoms).then_some(time));
     first_of_each(said, f64::from(clear.0))
 }
 

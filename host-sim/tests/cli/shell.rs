@@ -23,6 +23,24 @@ fn each_command_has_its_own_help() {
     }
 }
 
+/// The rigs of `run`, and those of `config`, which have settings of their own.
+#[test]
+fn every_preset_is_named_where_one_is_asked_for() {
+    let mut asked: Vec<(&str, Vec<&str>)> = vec![
+        ("run", pt326_rig::RigConfig::presets().collect()),
+        ("config", pt326_lab::preset::TEXTS.map(|(name, _)| name).to_vec()),
+    ];
+    if cfg!(feature = "live") {
+        asked.push(("live", pt326_rig::RigConfig::presets().collect()));
+    }
+    for (command, presets) in asked {
+        let help = text(&pt326(&[command, "--help"]).stdout);
+        for name in presets {
+            assert!(help.contains(name), "{command} --help does not name {name}");
+        }
+    }
+}
+
 #[test]
 fn a_mistyped_command_is_answered_with_the_right_one() {
     let error = text(&pt326(&["replya"]).stderr);

@@ -5,7 +5,7 @@ use crate::noise::Noise;
 
 /// What the converter of a channel says, instead of the truth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Reading {
+pub enum ConverterOutput {
     /// The truth.
     #[default]
     True,
@@ -37,7 +37,7 @@ pub struct Conditions {
     /// Which sensor lies at each input.
     pub wired: [usize; 3],
     /// What the converter says.
-    pub reading: [Reading; 3],
+    pub reading: [ConverterOutput; 3],
     /// Air flow, relative.
     pub flow: f64,
     /// Heater power, relative to what is asked for.
@@ -58,7 +58,7 @@ impl Conditions {
             gain: [1.0; 3],
             lag: [None; 3],
             wired: [0, 1, 2],
-            reading: [Reading::True; 3],
+            reading: [ConverterOutput::True; 3],
             flow: 1.0,
             power: 1.0,
             supply: 1.0,
@@ -82,12 +82,12 @@ impl Conditions {
                     now.lag[i] = fault.lag.or(now.lag[i]);
                 }
                 Verb::Swap => now.wired.swap(i, fault.with.map_or(i, |s| s as usize)),
-                Verb::Open => now.reading[i] = Reading::Open,
-                Verb::Short => now.reading[i] = Reading::Short,
-                Verb::Stuck | Verb::Freeze => now.reading[i] = Reading::Stuck { noise: size },
+                Verb::Open => now.reading[i] = ConverterOutput::Open,
+                Verb::Short => now.reading[i] = ConverterOutput::Short,
+                Verb::Stuck | Verb::Freeze => now.reading[i] = ConverterOutput::Stuck { noise: size },
                 Verb::Spike if t - fault.at < sample_time => now.offset[i] += size,
                 Verb::Spike => {}
-                Verb::Missing => now.reading[i] = Reading::Missing { probability: size },
+                Verb::Missing => now.reading[i] = ConverterOutput::Missing { probability: size },
                 Verb::AirFlow => now.flow *= size,
                 Verb::HeaterPower => now.power *= size,
                 Verb::SupplyVoltage => now.supply *= size,

@@ -7,7 +7,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-pub use conditions::{Conditions, Reading};
+pub use conditions::{Conditions, ConverterOutput};
 
 /// A thermistor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -27,3 +27,15 @@ pub mod twin;
 pub mod usart;
 pub mod watchdog;
 pub mod wiring;
+
+/// What a program ends with: 0 where all is as it should be, 1 where not, 2 where that could not be found out, and why to standard error.
+pub fn exit_code(is_well: anyhow::Result<bool>) -> std::process::ExitCode {
+    let code = is_well.map_or_else(
+        |error| {
+            eprintln!("error: {error:#}");
+            2
+        },
+        |is_well| u8::from(!is_well),
+    );
+    code.into()
+}

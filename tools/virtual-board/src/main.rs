@@ -45,14 +45,7 @@ fn speed(text: &str) -> Result<f64, String> {
 }
 
 fn main() -> ExitCode {
-    match carry_out(&Cli::parse()) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::from(1),
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::from(2)
-        }
-    }
+    virtual_board::exit_code(carry_out(&Cli::parse()))
 }
 
 /// Runs the experiment; whether board and host agree in every word.

@@ -107,11 +107,6 @@ impl Scs {
         }
     }
 
-    /// Whether a new pending interrupt is an event for WFE.
-    pub fn events_on_pending(&self) -> bool {
-        bit(self.file.get(SCR), 4)
-    }
-
     /// When SysTick next interrupts.
     pub fn next_event(&self) -> Ps {
         let csr = self.file.get(STCSR);

@@ -91,11 +91,6 @@ impl Usart {
         }
     }
 
-    /// Whether the terminal is still sending.
-    pub fn is_receiving(&self) -> bool {
-        !self.incoming.is_empty()
-    }
-
     /// Takes what the chip has sent.
     pub fn take_sent(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.sent)

@@ -1,5 +1,6 @@
 //! Names, numbers and sentences of the classes.
 
+use super::super::hypothesis::HYPOTHESES;
 use super::*;
 
 /// Recordings are read by these, so that an old one says what it said.
@@ -44,6 +45,19 @@ fn names_and_numbers_are_the_classes_own_and_never_change() {
         let others = &FaultClass::ALL[i + 1..];
         assert!(class.number() > 0 && !others.contains(class), "{class:?}");
         assert!(others.iter().all(|c| c.number() != class.number() && c.name() != class.name()), "{class:?}");
+    }
+}
+
+/// A class has a share of an alarm where a hypothesis is of it, under its own name.
+#[test]
+fn classes_with_a_hypothesis_have_a_share_of_their_name() {
+    for class in FaultClass::ALL {
+        let has = HYPOTHESES.iter().any(|row| row.class == class);
+        assert_eq!(class.share().is_some(), has, "{class:?}");
+        assert!(
+            class.share().is_none_or(|share| share.field.strip_prefix("x_") == Some(class.name())),
+            "{class:?}"
+        );
     }
 }
 

@@ -128,11 +128,6 @@ impl Cpu {
         self.chip().scs.nvic.running()
     }
 
-    /// Whether the core hangs until a reset.
-    pub fn is_dead(&self) -> bool {
-        self.state == State::Dead
-    }
-
     /// RAM holds noise after power-up; the same each time.
     fn fill_ram(&mut self) -> anyhow::Result<()> {
         let mut state = 0x2545_F491_4F6C_DD1Du64;

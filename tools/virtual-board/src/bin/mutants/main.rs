@@ -34,14 +34,7 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    match carry_out(&Cli::parse()) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::from(1),
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::from(2)
-        }
-    }
+    virtual_board::exit_code(carry_out(&Cli::parse()))
 }
 
 /// Whether every mutant that should be seen was.

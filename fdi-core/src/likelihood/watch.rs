@@ -389,23 +389,3 @@ impl Watch {
         s.simulation.model(self.sample_time, s.innovations.filter().sigma)
     }
 }
-
-#[cfg(test)]
-impl WatchState {
-    /// A bit of the memory has flipped, and what was a number is none; how many such places there are to choose from.
-    pub(super) fn spoil(&mut self, which: usize) -> usize {
-        let places = (self.simulation.places().into_iter())
-            .chain(self.innovations.places())
-            .chain(self.charts.places())
-            .chain(self.since_training.places())
-            .chain(self.tracker.places());
-        let mut count = 0;
-        for (i, place) in places.enumerate() {
-            count += 1;
-            if i == which {
-                *place = f32::NAN;
-            }
-        }
-        count
-    }
-}

@@ -36,7 +36,7 @@ use super::tuning::Tuned;
 use crate::bounds::{bounded, larger};
 use crate::likelihood::chart::Chart;
 use charts::{Charts, ChartsState};
-use innovations::{Innovations, InnovationsState};
+use innovations::InnovationsState;
 use returned::{Returned, ReturnedState};
 use simulation::{Simulated, Simulation, SimulationState};
 pub(super) use since_onset::SinceOnsetState;
@@ -230,7 +230,9 @@ impl Watch {
         let followed = s.tracker.expected(&now.regressors);
         let left = [e[0] - followed[0], e[1] - followed[1]];
         let widened = self.charts.widened(&mut s.charts, &s.times, s.innovations.filter(), now.expected[0]);
-        let innovations = s.innovations.step(left, e, &now.regressors, widened);
+        let innovations = s.innovations.step(left, e, widened);
+        let mut whitened = [[0.0; 2]; LASTING];
+        s.innovations.whiten(&now.regressors, &mut whitened);
         let inlet = s.simulation.inlet_above();
         let filter = s.innovations.filter();
         let charted = self.charts.step(&mut s.charts, &s.times, filter, &innovations, widened, inlet);
@@ -249,7 +251,7 @@ impl Watch {
             },
         );
         self.carry_out(s, onset, outcome, &now.regressors);
-        self.follow_return(s, onset, &innovations, e, now);
+        self.follow_return(s, onset, &whitened, innovations.z_trained, e, now);
         let settling = s.charts.end_tick();
         if onset.said().is_some() {
             return;
@@ -259,7 +261,7 @@ impl Watch {
         }
         if settling || larger(charted.fast, charted.slow) < t.tracker.below {
             let z = innovations.z.map(|z| bounded(z, -t.charts.clip, t.charts.clip));
-            s.tracker.step(&innovations.regressors, z);
+            s.tracker.step(&whitened, z);
         }
         if s.charts.is_charting() && !settling && self.charts.is_calm(&s.charts) && innovations.gathered {
             let usual = s.usual();
@@ -271,7 +273,8 @@ impl Watch {
                     e,
                     expected: now.expected[0],
                     regressors: &now.regressors,
-                    innovations: &innovations,
+                    whitened: &whitened,
+                    z: innovations.z_trained,
                     usual: &usual,
                 },
             );
@@ -322,7 +325,8 @@ impl Watch {
         &self,
         s: &mut WatchState,
         onset: &mut SinceOnsetState,
-        innovations: &Innovations,
+        whitened: &Regressors<LASTING>,
+        z: [f32; 2],
         e: [f32; 2],
         now: &Simulated,
     ) {
@@ -331,7 +335,7 @@ impl Watch {
             s.returned.reset();
             return;
         };
-        let asked = self.returned.gather(&mut s.returned, &s.times, innovations);
+        let asked = self.returned.gather(&mut s.returned, &s.times, whitened, z);
         if asked && self.returned.is_as_trained(&s.returned, &s.usual(), of_alarm, now.expected[0]) {
             s.returned.reset();
             onset.begin_anew();
@@ -383,25 +387,5 @@ impl Watch {
     /// What was learnt.
     pub(super) fn model(&self, s: &WatchState) -> Model {
         s.simulation.model(self.sample_time, s.innovations.filter().sigma)
-    }
-}
-
-#[cfg(test)]
-impl WatchState {
-    /// A bit of the memory has flipped, and what was a number is none; how many such places there are to choose from.
-    pub(super) fn spoil(&mut self, which: usize) -> usize {
-        let places = (self.simulation.places().into_iter())
-            .chain(self.innovations.places())
-            .chain(self.charts.places())
-            .chain(self.since_training.places())
-            .chain(self.tracker.places());
-        let mut count = 0;
-        for (i, place) in places.enumerate() {
-            count += 1;
-            if i == which {
-                *place = f32::NAN;
-            }
-        }
-        count
     }
 }

@@ -81,3 +81,23 @@ impl WatchState {
         sum(&stages) + sum(&self.measured) + self.curvature_error
     }
 }
+
+#[cfg(test)]
+impl WatchState {
+    /// A bit of the memory has flipped, and what was a number is none; how many such places there are to choose from.
+    pub(in crate::likelihood) fn spoil(&mut self, which: usize) -> usize {
+        let places = (self.simulation.places().into_iter())
+            .chain(self.innovations.places())
+            .chain(self.charts.places())
+            .chain(self.since_training.places())
+            .chain(self.tracker.places());
+        let mut count = 0;
+        for (i, place) in places.enumerate() {
+            count += 1;
+            if i == which {
+                *place = f32::NAN;
+            }
+        }
+        count
+    }
+}

@@ -5,13 +5,13 @@
 //! training: where the nuisances leave noise, no fault explains more, and the one of the alarm is too small for one and not what the alarm says, all is
 //! as it was trained.
 
-use super::innovations::Innovations;
 use super::times::Times;
 use crate::bounds::larger;
 use crate::likelihood::evidence::Nuisances;
 use crate::likelihood::hypothesis::{COUNT, LASTING_PAIRS};
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::normal::LastingNormal;
+use crate::likelihood::regressor::{LASTING, Regressors};
 use crate::likelihood::tuning::Tuned;
 use crate::likelihood::usual::Usual;
 
@@ -32,10 +32,15 @@ pub(super) struct ReturnedState {
 }
 
 impl Returned {
-    /// Gathers a tick with an alarm; says whether it is one on which the question is asked.
-    pub(super) fn gather(&self, s: &mut ReturnedState, times: &Times, innovations: &Innovations) -> bool {
-        s.normal.scale(times.recent);
-        s.normal.add(&innovations.regressors, innovations.z_trained, 1.0);
+    /// Gathers a tick with an alarm, regressors and residuals since training, whitened; says whether it is one on which the question is asked.
+    pub(super) fn gather(
+        &self,
+        s: &mut ReturnedState,
+        times: &Times,
+        regressors: &Regressors<LASTING>,
+        z: [f32; 2],
+    ) -> bool {
+        s.normal.add(times.recent, regressors, z, 1.0);
         s.ticks = s.ticks.saturating_add(1);
         // Twice the memory: then hardly anything is left of what was before the alarm.
         let asked_from = times.ticks(2.0 * self.tuning.times.split, self.sample_time);

@@ -30,8 +30,8 @@ type Matrix = [Vector; STATES];
 
 /// Standard deviation of heat and air when an alarm begins, %; of the wall, which is slower, a third. Chosen.
 const UNKNOWN: f64 = 50.0;
-/// A disturbance changes the heat by so much within a time constant, and the power that reaches the air by so much on a tick, %. With a third of both the
-/// tails of made records stay as they are.
+/// A disturbance changes the heat by so much within a time constant, and the power that reaches the air by so much on a tick, %. Chosen; with a third of
+/// the first the tails of made records stay as they are.
 const OF_HEAT: f64 = 30.0;
 const OF_AIR: f64 = 10.0;
 /// The same of the heat where nothing disturbs: with 1 an offset's alarm outlives it by 190 samples in place of 10, since any fault explains anything.

@@ -59,6 +59,7 @@ mod hypothesis;
 mod impulse;
 #[doc(hidden)]
 pub mod inputs;
+pub(crate) mod interacting;
 #[doc(hidden)]
 pub mod model;
 mod normal;

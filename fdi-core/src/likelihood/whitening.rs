@@ -98,6 +98,11 @@ impl WhiteningFilter {
         z
     }
 
+    /// The noise model of e1 alone: shares of its past values, newest first, and the standard deviation of the innovations, degC.
+    pub(super) fn of_e1(&self) -> ([f32; OWN], f32) {
+        (self.own1, self.sigma[0])
+    }
+
     /// What is left of a constant residual of either by itself, as a share.
     pub(super) fn dc_gain(&self) -> [f32; 2] {
         [1.0 - self.own1.iter().sum::<f32>(), 1.0 - self.own2.iter().sum::<f32>()]

@@ -143,7 +143,7 @@ impl Recording {
             _ if !how.map.is_empty() => vec![Map::parse(how.map.iter().map(String::as_str))?],
             Some(guess) => guess.heaters.clone(),
             None => bail!(
-                "{}: its columns are none of a known recording's: say which is what by name or number, such as --map time=1 --map t1=2 --map power=3; {}",
+                "{}: its columns are none of a known recording's: say which is what, by name or number, with --map t1=COLUMN --map power=COLUMN --map time=COLUMN; {}",
                 table.file(),
                 table.columns()
             ),

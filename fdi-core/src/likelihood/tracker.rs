@@ -49,11 +49,13 @@ impl Tracker {
         self.steps
     }
 
-    /// All is as trained: nothing has moved. Gives by how much it expects more of the residuals for it, degC.
-    pub(super) fn forget(&mut self, regressors: &Regressors<LASTING>) -> [f32; 2] {
+    /// All is as trained but for this: power, air flow, offsets of T1 and T2. Gives by how much it expects more of the residuals for it, degC.
+    pub(super) fn return_to(&mut self, x: [f32; N], regressors: &Regressors<LASTING>) -> [f32; 2] {
         let before = self.expected(regressors);
         self.resume();
-        [-before[0], -before[1]]
+        self.x = x;
+        let after = self.expected(regressors);
+        [after[0] - before[0], after[1] - before[1]]
     }
 
     /// A tick without an alarm: how far it has gone counts for what is usual here.

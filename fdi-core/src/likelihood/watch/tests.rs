@@ -109,7 +109,7 @@ impl Run {
         let (watch, p) = (watch(), parameters());
         let (mut s, mut onset) = (watch.start(&trained(self.seed)), SinceOnsetState::default());
         if let Some(steps) = self.steps {
-            *s.tracker.places()[2] = steps * steps;
+            s.tracker.know_steps(steps);
         }
         let mut random = Random::new(self.seed + 500);
         let mut noise = Noise { random: Random::new(self.seed + 1000), e: [0.0; 2] };

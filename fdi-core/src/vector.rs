@@ -19,10 +19,12 @@ pub(crate) fn dot<const N: usize>(a: &[f32; N], b: &[f32; N]) -> f32 {
     sum
 }
 
-/// The sum of a list. One function for lists of every length: unrolled for each of them it would take 2.5 kB of flash.
+/// The sum of a list, four at a time. One function for lists of every length: unrolled for each of them it would take 2.5 kB of flash.
 #[inline(never)]
 pub(crate) fn sum(list: &[f32]) -> f32 {
-    list.iter().sum()
+    let (fours, rest) = list.as_chunks();
+    let of_fours: f32 = fours.iter().map(|[a, b, c, d]| (a + b) + (c + d)).sum();
+    of_fours + rest.iter().sum::<f32>()
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Identified, Observer, ObserverState};
 use crate::known::KnownInputs;
 use crate::likelihood::inputs::Inputs;
+use crate::likelihood::interacting::{Found, Interacting};
 use crate::likelihood::model::Model;
 use crate::likelihood::start::Start;
 use crate::likelihood::taught::Changed;
@@ -192,6 +193,26 @@ impl Diagnosis {
     /// See [`Likelihood::end_by`].
     pub(crate) fn end_by(&self, state: &mut DiagnosisState, start: &Start) {
         self.likelihood.end_by(&mut state.likelihood, start);
+    }
+
+    /// The highest confidence of a name.
+    pub(crate) fn certain(&self) -> f32 {
+        self.likelihood.certain()
+    }
+
+    /// See [`Likelihood::interacting`].
+    pub(crate) fn interacting(&self, state: &DiagnosisState) -> Option<Interacting> {
+        self.likelihood.interacting(&state.likelihood)
+    }
+
+    /// See [`Likelihood::ask`].
+    pub(crate) fn ask(&self, state: &DiagnosisState, bank: &mut Interacting, e1: Option<f32>) -> Found {
+        self.likelihood.ask(&state.likelihood, bank, e1)
+    }
+
+    /// See [`Likelihood::end_as_found`].
+    pub(crate) fn end_as_found(&self, state: &mut DiagnosisState, bank: &Interacting) {
+        self.likelihood.end_as_found(&mut state.likelihood, bank);
     }
 
     /// The model in force; none before one was learnt.

@@ -28,10 +28,11 @@ enum Source {
 }
 
 /// All that was found on a tick.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Evidence {
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(test, derive(Default))]
+pub(super) struct Evidence<'a> {
     pub(super) sensors: Option<Finding>,
-    pub(super) said: Said,
+    pub(super) said: &'a Said,
     pub(super) contact: Option<Finding>,
     pub(super) response: Option<Finding>,
     pub(super) room: Option<Finding>,
@@ -81,7 +82,7 @@ pub(super) fn decide(evidence: &Evidence, tuning: Tuned) -> Option<Finding> {
     evidence.alarm().then(|| RULES.iter().find_map(found)).flatten()
 }
 
-impl Evidence {
+impl Evidence<'_> {
     /// Whether anything is wrong.
     pub(super) fn alarm(&self) -> bool {
         self.said.alarm() || self.commissioning.is_some() || self.sudden()
@@ -155,6 +156,7 @@ pub(crate) fn of_two_rates(samples: Option<Finding>, means: Option<Finding>) -> 
 mod tests {
     extern crate std;
 
+    use std::boxed::Box;
     use std::vec::Vec;
 
     use super::super::verdict::Magnitude;
@@ -164,28 +166,34 @@ mod tests {
         T1Loose, T1Offset, T2Detached, T2Offset, Unknown,
     };
 
+    impl Default for &Said {
+        fn default() -> Self {
+            said(None, None, false)
+        }
+    }
+
     fn named(class: FaultClass) -> Option<Finding> {
         Some(Finding { class, confidence: 1.0, magnitude: None, onset: 0 })
     }
 
     /// Models, rises with what share is missing, and whether T1 moves.
-    fn said(models: Option<FaultClass>, rises: Option<(FaultClass, f32)>, t1_moves: bool) -> Said {
+    fn said(models: Option<FaultClass>, rises: Option<(FaultClass, f32)>, t1_moves: bool) -> &'static Said {
         let lacks = |value| Some(Magnitude { value, half_width: 5.0 });
-        Said {
+        Box::leak(Box::new(Said {
             since_onset: models.map(named),
             since_training: None,
             by_rises: rises
                 .map(|(class, share)| Finding { magnitude: lacks(-share), ..named(class).unwrap() }),
             t1_moves,
-        }
+        }))
     }
 
-    fn models(class: FaultClass) -> Evidence {
+    fn models(class: FaultClass) -> Evidence<'static> {
         Evidence { said: said(Some(class), None, false), ..Evidence::default() }
     }
 
     /// One case or more for each rule, in their order: which one decides, and what.
-    fn cases() -> Vec<(usize, Evidence, FaultClass)> {
+    fn cases() -> Vec<(usize, Evidence<'static>, FaultClass)> {
         let (open, lost) = (named(Open(Channel::T1)), named(Lost(Channel::T2)));
         let (out, t0, loose) = (named(T1Detached), named(T0Fault), named(T1Loose));
         let commissioning = named(SinceCommissioning);

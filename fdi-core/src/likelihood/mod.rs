@@ -59,6 +59,7 @@ mod hypothesis;
 mod impulse;
 #[doc(hidden)]
 pub mod inputs;
+pub(crate) mod interacting;
 #[doc(hidden)]
 pub mod model;
 mod normal;
@@ -238,11 +239,11 @@ impl Likelihood {
             fan: known.fan_share(),
         };
         state.cold.step(&self.tuning, now.y, seen.power.0 <= 0.0);
-        let said = self.watch(state, seen, &now);
+        self.watch(state, seen, &now);
         self.train(state, seen, &now, undisturbed && contradiction.is_none());
         let evidence = Evidence {
             sensors: state.sensors.step(self.tuning, sample, seen.index),
-            said,
+            said: &state.said,
             contact: state.contact.step(self.chatter, state.work.held(), seen.index),
             response: contradiction,
             room: self.ambient.finding(&state.ambient),
@@ -354,8 +355,11 @@ impl Likelihood {
     }
 
     /// What the models say.
-    fn watch(&self, state: &mut LikelihoodState, seen: &Observation, now: &Input) -> Said {
-        let Some(trained) = state.trained.as_mut() else { return Said::default() };
+    fn watch(&self, state: &mut LikelihoodState, seen: &Observation, now: &Input) {
+        let Some(trained) = state.trained.as_mut() else {
+            state.said = Said::default();
+            return;
+        };
         if state.current && seen.phase == Phase::Watched {
             if !matches!(state.work, Work::Watching(_)) {
                 state.work.begin_watching();
@@ -363,7 +367,7 @@ impl Likelihood {
             if let Work::Watching(onset) = &mut state.work {
                 state.said = self.watch.step(trained, onset, now);
             }
-            return state.said;
+            return;
         }
         if matches!(state.work, Work::Watching(_)) {
             state.work = Work::Nothing;
@@ -373,7 +377,6 @@ impl Likelihood {
         if seen.phase != Phase::Tripped {
             state.said = Said::default();
         }
-        state.said
     }
 
     /// The facts that control and supervision act on.

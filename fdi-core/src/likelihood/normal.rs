@@ -42,19 +42,19 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         Self { a: [0.0; H], b: [0.0; N], energy: 0.0, count: 0.0 }
     };
 
-    /// A tick: residuals and signatures, whitened, with a weight.
+    /// A tick: residuals and signatures, whitened, with a weight. This share of what was there is kept.
     #[inline(never)]
-    pub(super) fn add(&mut self, regressors: &Regressors<N>, z: [f32; 2], weight: f32) {
+    pub(super) fn add(&mut self, keep: f32, regressors: &Regressors<N>, z: [f32; 2], weight: f32) {
         let mut rows = &mut self.a[..];
         for (i, phi) in regressors.iter().enumerate() {
             let weighted = [weight * phi[0], weight * phi[1]];
-            self.b[i] += weighted[0] * z[0] + weighted[1] * z[1];
+            self.b[i] = self.b[i] * keep + (weighted[0] * z[0] + weighted[1] * z[1]);
             for (other, a) in regressors.iter().zip(next_row(&mut rows, i)) {
-                *a += weighted[0] * other[0] + weighted[1] * other[1];
+                *a = *a * keep + (weighted[0] * other[0] + weighted[1] * other[1]);
             }
         }
-        self.energy += weight * (z[0] * z[0] + z[1] * z[1]);
-        self.count += 2.0 * weight;
+        self.energy = self.energy * keep + weight * (z[0] * z[0] + z[1] * z[1]);
+        self.count = self.count * keep + 2.0 * weight;
     }
 
     /// A tick for two sums at once, of each of which this share is kept.
@@ -84,14 +84,6 @@ impl<const N: usize, const H: usize> Normal<N, H> {
             sums.energy = sums.energy * keep + weight * (z[0] * z[0] + z[1] * z[1]);
             sums.count = sums.count * keep + 2.0 * weight;
         }
-    }
-
-    /// All sums, `factor` times as much.
-    #[inline(never)]
-    pub(super) fn scale(&mut self, factor: f32) {
-        self.a.iter_mut().chain(&mut self.b).for_each(|sum| *sum *= factor);
-        self.energy *= factor;
-        self.count *= factor;
     }
 
     /// Finite as long as all of them are.

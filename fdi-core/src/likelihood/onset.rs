@@ -186,7 +186,9 @@ impl Onset {
         put(Regressor::Exchanged, [y[1] - y[0], y[0] - y[1]]);
         put(Regressor::Wall, now.rises.wall);
         put(Regressor::Shift, [now.before[0] - y[0], now.before[1] - y[1]]);
-        whitening.step_all(&mut self.past, &regressors)
+        let mut whitened = [[0.0; 2]; COUNT];
+        whitening.step_all(&mut self.past, &regressors, &mut whitened);
+        whitened
     }
 
     /// A tick without samples: the models go on, and no regressor is whitened, as no residual is.

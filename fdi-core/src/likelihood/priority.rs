@@ -114,7 +114,7 @@ mod tests {
             let by = |says: bool| says.then_some(found);
             let said =
                 Said { since_onset: by(since_onset), since_training: by(since_training), ..Said::default() };
-            let evidence = Evidence { said, ..Evidence::default() };
+            let evidence = Evidence { said: &said, ..Evidence::default() };
             self.is_advice(&evidence, found, seen, LONG)
         }
     }

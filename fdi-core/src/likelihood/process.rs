@@ -116,15 +116,30 @@ impl Transport {
         }
     }
 
-    /// The value of `delay` ticks ago, and how much more a tick earlier gives.
+    /// The value of a delay ago, and how much more a tick earlier gives.
     #[inline]
-    pub(super) fn at(&self, delay: f32) -> (f32, f32) {
-        let delay = bounded(delay, 0.0, LONGEST);
-        let whole = delay as usize;
-        let later = self.values[(self.newest + MEMORY - whole) % MEMORY];
-        let earlier = self.values[(self.newest + 2 * MEMORY - whole - 1) % MEMORY];
-        let slope = earlier - later;
-        (later + (delay - whole as f32) * slope, slope)
+    pub(super) fn at(&self, delay: Delay) -> (f32, f32) {
+        let place = self.newest + MEMORY - delay.whole;
+        let later = self.values[place % MEMORY];
+        let slope = self.values[(place + MEMORY - 1) % MEMORY] - later;
+        (later + delay.part * slope, slope)
+    }
+}
+
+/// A dead time within what the transport remembers: whole ticks, at most [`LONGEST`], and a part of one more. It is split up when the
+/// model changes, not on each tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Delay {
+    whole: usize,
+    part: f32,
+}
+
+impl Delay {
+    /// Of so many ticks, as far as that is remembered.
+    pub(super) fn new(ticks: f32) -> Self {
+        let ticks = bounded(ticks, 0.0, LONGEST);
+        let whole = ticks as usize;
+        Self { whole, part: ticks - whole as f32 }
     }
 }
 
@@ -176,7 +191,7 @@ pub(super) struct Process {
     /// Power to x, and x to the air.
     pub(super) into: f32,
     pub(super) out_of: f32,
-    pub(super) delay: [f32; 2],
+    pub(super) delay: [Delay; 2],
     pub(super) lag: [f32; 2],
     pub(super) wall: f32,
     pub(super) gain: [f32; 2],
@@ -213,7 +228,7 @@ impl Process {
         self.heater = share(libm::expf(p.get(Heater)) / film);
         self.into = 1.0 / film;
         self.out_of = film * inverse;
-        self.delay = [first, first + p.get(Delay2) * inverse];
+        self.delay = [first, first + p.get(Delay2) * inverse].map(Delay::new);
         self.gain[1] = self.gain[0] * (1.0 - (1.0 - p.get(Reaches2)) * inverse);
     }
 

@@ -11,7 +11,6 @@
 use super::Likelihood;
 use super::LikelihoodState;
 use super::cholesky::Cholesky;
-use super::contact::Contact;
 use super::inputs::Inputs;
 use super::process::{Motion, Process};
 use super::second_heater::SecondHeater;
@@ -256,12 +255,7 @@ impl Likelihood {
 
     /// All is as trained since the `start`, from another state: what alarm stands is over.
     pub(crate) fn end_by(&self, state: &mut LikelihoodState, start: &Start) {
-        if let (Some(trained), Work::Watching(_)) = (&mut state.trained, &state.work) {
-            self.watch.return_to(trained, &start.begun());
-            state.work.begin_watching();
-            // What is left of heat is no error of a thermistor that comes and goes.
-            state.contact = Contact::default();
-        }
+        self.end_in(state, &start.begun());
     }
 
     /// Takes over how the rig began: it is watched from now on.

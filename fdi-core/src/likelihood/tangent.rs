@@ -40,7 +40,7 @@ impl Way {
 }
 
 impl Tangent {
-    /// One tick of the model, from `motion`, and its derivatives by each parameter: of the rises of T1 and T2 with their offsets.
+    /// One tick of the model, from `motion`; puts its derivatives by each parameter into `out`: of the rises of T1 and T2 with their offsets.
     #[inline(never)]
     pub(super) fn step(
         &mut self,
@@ -48,7 +48,8 @@ impl Tangent {
         p: &Process,
         motion: &mut Motion,
         power: f32,
-    ) -> (Rises, [[f32; COUNT]; 2]) {
+        out: &mut [[f32; COUNT]; 2],
+    ) -> Rises {
         use Parameter::{
             Curvature, Delay1, Delay2, Gain, Heater, Lag1, Lag2, Offset1, Offset2, Reaches2, Wall1, Wall2,
             WallTime,
@@ -59,7 +60,6 @@ impl Tangent {
         let arriving = [motion.air.at(p.delay[0]), motion.air.at(p.delay[1])];
         let none = [0.0; 2];
 
-        let mut out = [[0.0; COUNT]; 2];
         let mut put = |which: Parameter, both: [f32; 2]| {
             out[0][which as usize] = both[0];
             out[1][which as usize] = both[1];
@@ -94,7 +94,7 @@ impl Tangent {
         put(Reaches2, [0.0, if p.gain[1] > 0.0 { rises.y[1] * p.gain[0] / p.gain[1] } else { 0.0 }]);
         put(Offset1, [1.0, 0.0]);
         put(Offset2, [0.0, 1.0]);
-        (rises, out)
+        rises
     }
 }
 
@@ -119,7 +119,7 @@ mod tests {
         let (mut tangent, mut motion) = (Tangent::default(), Motion::default());
         let mut derivatives = [[0.0; COUNT]; 2];
         for k in 0..120 {
-            derivatives = tangent.step(&parameters, &process, &mut motion, power(k)).1;
+            tangent.step(&parameters, &process, &mut motion, power(k), &mut derivatives);
         }
         for i in 0..COUNT {
             let h = 5e-3;

@@ -230,7 +230,9 @@ impl Watch {
         let followed = s.tracker.expected(&now.regressors);
         let left = [e[0] - followed[0], e[1] - followed[1]];
         let widened = self.charts.widened(&mut s.charts, &s.times, s.innovations.filter(), now.expected[0]);
-        let innovations = s.innovations.step(left, e, &now.regressors, widened);
+        let innovations = s.innovations.step(left, e, widened);
+        let mut whitened = [[0.0; 2]; LASTING];
+        s.innovations.whiten(&now.regressors, &mut whitened);
         let inlet = s.simulation.inlet_above();
         let filter = s.innovations.filter();
         let charted = self.charts.step(&mut s.charts, &s.times, filter, &innovations, widened, inlet);
@@ -249,7 +251,7 @@ impl Watch {
             },
         );
         self.carry_out(s, onset, outcome, e, &now.regressors);
-        self.follow_return(s, onset, &innovations, e, now);
+        self.follow_return(s, onset, &whitened, innovations.z_trained, e, now);
         let settling = s.charts.end_tick();
         if onset.said().is_some() {
             return;
@@ -260,7 +262,7 @@ impl Watch {
         let asks = larger(charted.fast, charted.slow);
         if settling || asks < t.tracker.below {
             let z = innovations.z.map(|z| bounded(z, -t.charts.clip, t.charts.clip));
-            s.tracker.step(&innovations.regressors, z);
+            s.tracker.step(&whitened, z);
         }
         // While a chart asks, something begins, of which the last minute knows nothing.
         if s.charts.is_charting()
@@ -278,7 +280,8 @@ impl Watch {
                     e,
                     expected: now.expected[0],
                     regressors: &now.regressors,
-                    innovations: &innovations,
+                    whitened: &whitened,
+                    z: innovations.z_trained,
                     usual: &usual,
                 },
             );
@@ -367,25 +370,5 @@ impl Watch {
     /// What was learnt.
     pub(super) fn model(&self, s: &WatchState) -> Model {
         s.simulation.model(self.sample_time, s.innovations.filter().sigma)
-    }
-}
-
-#[cfg(test)]
-impl WatchState {
-    /// A bit of the memory has flipped, and what was a number is none; how many such places there are to choose from.
-    pub(super) fn spoil(&mut self, which: usize) -> usize {
-        let places = (self.simulation.places().into_iter())
-            .chain(self.innovations.places())
-            .chain(self.charts.places())
-            .chain(self.since_training.places())
-            .chain(self.tracker.places());
-        let mut count = 0;
-        for (i, place) in places.enumerate() {
-            count += 1;
-            if i == which {
-                *place = f32::NAN;
-            }
-        }
-        count
     }
 }

@@ -55,14 +55,17 @@ impl WhiteningFilter {
         finite.then_some(whitening).ok_or(RejectReason::PoorFit)
     }
 
-    /// Innovations of several signals: the filter is loaded once for all of them.
+    /// Innovations of several signals, put where they are to stand: the filter is loaded once for all of them.
     #[inline(never)]
     pub(super) fn step_all<const N: usize>(
         &self,
         past: &mut [Past; N],
         signals: &[[f32; 2]; N],
-    ) -> [[f32; 2]; N] {
-        core::array::from_fn(|i| self.innovations(&mut past[i], signals[i]))
+        innovations: &mut [[f32; 2]; N],
+    ) {
+        for i in 0..N {
+            innovations[i] = self.innovations(&mut past[i], signals[i]);
+        }
     }
 
     /// Innovations of a tick, in standard deviations.
@@ -93,6 +96,11 @@ impl WhiteningFilter {
         shift(&mut past.e1, kept[0]);
         shift(&mut past.e2, kept[1]);
         z
+    }
+
+    /// The noise model of e1 alone: shares of its past values, newest first, and the standard deviation of the innovations, degC.
+    pub(super) fn of_e1(&self) -> ([f32; OWN], f32) {
+        (self.own1, self.sigma[0])
     }
 
     /// What is left of a constant residual of either by itself, as a share.

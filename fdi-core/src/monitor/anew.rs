@@ -2,7 +2,7 @@
 //!
 //! An open lid takes heat out of an incubator, a heater that was stuck puts some in. When that is over the rig is as it was trained, but the model, which knows
 //! the power alone, is in another state, and the difference takes the rig's slowest time to vanish. So while an alarm stands, the state is looked for over the last
-//! samples, again and again (`likelihood/start.rs`). Its evidence is held against what the alarm lets expect of the same samples:
+//! samples, again and again (`likelihood/start.rs`). This is asked where T2 is measured; elsewhere `likelihood/interacting.rs` is. Its evidence is held against what the alarm lets expect of the same samples:
 //!
 //! ```text
 //! log odds = (evidence of some state - sum of z^2 / 2 + sum of z_alarm^2 / 2) / kappa

@@ -14,6 +14,7 @@ use crate::diagnosis::baseline::Baseline;
 use crate::error::{ConfigError, in_range};
 use crate::likelihood::arbiter::of_two_rates;
 use crate::likelihood::inputs::Inputs;
+use crate::likelihood::interacting::{Found, Interacting};
 use crate::likelihood::model::Model;
 use crate::likelihood::{
     FaultClass, Finding, Fitted, LikelihoodReport, LikelihoodState, Readiness, RejectReason,
@@ -85,6 +86,8 @@ pub struct Monitor {
     gate: Gate,
     fast: OneRate,
     slow: Option<Slow>,
+    /// What is asked while an alarm stands, and since which tick.
+    bank: Option<(u32, Interacting)>,
 }
 
 /// The look at means of several samples.
@@ -136,7 +139,7 @@ impl Monitor {
     /// # Errors
     /// The setting, or the unit, that is out of bounds.
     pub fn new(config: &Config, inputs: Inputs, units: Units) -> Result<Self, ConfigError> {
-        Ok(Self { gate: Gate::default(), fast: OneRate::new(config, inputs, units)?, slow: None })
+        Ok(Self { gate: Gate::default(), fast: OneRate::new(config, inputs, units)?, slow: None, bank: None })
     }
 
     /// The same, which looks at means of `every` samples as well.
@@ -162,7 +165,38 @@ impl Monitor {
             slow.step(observed, report.likelihood.finding);
             report.likelihood = slow.together(report.likelihood);
         }
+        self.ask(seen.index, &mut report.likelihood);
         (seen, report)
+    }
+
+    /// While an alarm stands: is it over, from whatever state, or does the heater give what nobody asks for? Asked of samples, for both looks.
+    fn ask(&mut self, tick: u32, report: &mut LikelihoodReport) {
+        let asks = self.fast.asks() || self.slow.as_ref().is_some_and(|slow| slow.rate.asks());
+        if self.fast.inputs().t2 || !asks {
+            self.bank = None;
+            return;
+        }
+        if self.bank.is_none() {
+            self.bank = self.fast.bank().map(|bank| (tick, bank));
+        }
+        let Some((since, bank)) = &mut self.bank else { return };
+        match self.fast.ask(bank) {
+            Found::Nothing => {}
+            Found::HeaterOn => {
+                let onset = report.finding.map_or(*since, |finding| finding.onset);
+                let confidence = self.fast.certain();
+                let class = FaultClass::HeaterPower;
+                report.finding = Some(Finding { class, confidence, magnitude: None, onset });
+            }
+            Found::Over => {
+                self.fast.end_as_found(bank);
+                if let Some(slow) = &mut self.slow {
+                    slow.rate.end_as_found(bank);
+                    (slow.said.alarm, slow.said.finding) = (false, None);
+                }
+                self.bank = None;
+            }
+        }
     }
 
     /// Samples so far of each of [`OBSERVED`] that no rig can have given: they counted as not known. Of fan and supply the last level that was one

@@ -1,5 +1,7 @@
 //! The instrument's second half at one sample time, for a rig under another control.
 
+mod asked;
+
 use super::anew::Anew;
 use super::{Observed, Units};
 use crate::bounds::{larger, smaller};
@@ -90,8 +92,10 @@ pub(super) struct OneRate {
     same_room: bool,
     /// How the rig began, while it is being found.
     start: Option<Start>,
-    /// Whether an alarm is over, from whatever state.
+    /// Whether an alarm is over, from whatever state, where T2 is measured.
     anew: Option<Anew>,
+    /// What T1 reads beyond the model, degC.
+    beyond: Option<f32>,
     /// Samples since the last with a power or a T1.
     gap: u32,
     /// The T1 with which learning began: it stands for a T0 that is missing.
@@ -134,6 +138,7 @@ impl OneRate {
             same_room: false,
             start,
             anew: None,
+            beyond: None,
             gap,
             base,
             last,
@@ -156,7 +161,11 @@ impl OneRate {
         }
         let mut report = self.diagnosis.step(&mut self.state, &seen);
         self.armed = report.likelihood.readiness == Readiness::Armed;
-        Anew::look(&mut self.anew, &self.diagnosis, &mut self.state, beyond(&seen, &report));
+        let beyond = beyond(&seen, &report);
+        self.beyond = beyond[0];
+        if self.inputs.t2 {
+            Anew::look(&mut self.anew, &self.diagnosis, &mut self.state, beyond);
+        }
         self.find_start(&seen, &mut report);
         let [_, t1, t2] = report.likelihood.expected;
         self.expected = [None, t1, t2];

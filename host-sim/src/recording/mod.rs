@@ -10,7 +10,6 @@ pub mod grid;
 pub mod harness;
 pub mod inject;
 pub mod intervals;
-pub mod left_heat;
 mod logs;
 pub mod map;
 mod names;

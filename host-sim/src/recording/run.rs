@@ -10,7 +10,6 @@ use indicatif::ProgressBar;
 use pt326_rig::fault::Fault;
 
 use super::believed::Believed;
-use super::left_heat::LeftHeat;
 use super::training::{self, Trained};
 use super::{Heater, Recording};
 use crate::experiment::{Origin, Record, Row, truth};
@@ -133,7 +132,6 @@ pub fn diagnose(
     progress.set_length((samples.len() - part.start) as u64);
     let stretches = recording.stretches();
     let mut stretches = stretches.iter().skip_while(|stretch| stretch.end <= part.end).peekable();
-    let mut left_heat = LeftHeat::default();
     for (k, sample) in samples.iter().enumerate().skip(part.start) {
         if k >= part.end {
             // Where the logger wrote nothing there is nothing to judge, and what was before says little of what comes behind.
@@ -144,9 +142,6 @@ pub fn diagnose(
             }
         }
         let (seen, report) = monitor.step(&Observed { learn: part.contains(&k), ..*sample });
-        if k >= part.end && left_heat.ends(&report.likelihood) {
-            monitor.resume();
-        }
         if report.likelihood.readiness == Readiness::Restarted {
             restarts += 1;
             monitor = trained.monitor.clone();

@@ -84,7 +84,7 @@ impl Problem {
 
     fn normal(&self) -> Normal {
         let mut normal = <Normal>::default();
-        self.rows.iter().zip(&self.z).for_each(|(row, z)| normal.add(row, *z, 1.0));
+        self.rows.iter().zip(&self.z).for_each(|(row, z)| normal.add(1.0, row, *z, 1.0));
         normal
     }
 

@@ -19,7 +19,7 @@ fn ticks(random: &mut Random, n: usize) -> Vec<Tick> {
 
 fn sums(ticks: &[Tick]) -> Normal {
     let mut normal = Normal::default();
-    ticks.iter().for_each(|(row, z, weight)| normal.add(row, *z, *weight));
+    ticks.iter().for_each(|(row, z, weight)| normal.add(1.0, row, *z, *weight));
     normal
 }
 
@@ -88,10 +88,10 @@ fn forgetting_columns_leaves_the_others() {
 }
 
 #[test]
-fn scaling_scales_everything() {
+fn keeping_a_share_scales_everything() {
     let ticks = ticks(&mut Random::new(4), 50);
     let (whole, mut half) = (sums(&ticks), sums(&ticks));
-    half.scale(0.5);
+    half.add(0.5, &[[0.0; 2]; COUNT], [0.0; 2], 0.0);
     for i in 0..COUNT {
         assert_eq!(half.b[i], 0.5 * whole.b[i]);
         (0..COUNT).for_each(|j| assert_eq!(half.a(i, j), 0.5 * whole.a(i, j)));
@@ -110,8 +110,7 @@ fn both_sums_are_what_they_would_be_alone() {
         let [first, second] = &mut together;
         Normal::add_to_both([first, second], keep, row, *z, *weight);
         for (sums, keep) in alone.iter_mut().zip(keep) {
-            sums.scale(keep);
-            sums.add(row, *z, *weight);
+            sums.add(keep, row, *z, *weight);
         }
     }
     for (together, alone) in together.iter().zip(&alone) {

@@ -52,7 +52,7 @@ fn at_rest_the_laws_are_those_of_the_heat_balance() {
             assert!((y[m] / wanted[m] - 1.0).abs() < 1e-4, "flow {flow}: {y:?}, not {wanted:?}");
         }
     }
-    assert_eq!(Motion::steady(40.0).air.at(13.7).0, 40.0);
+    assert_eq!(Motion::steady(40.0).air.at(Delay::new(13.7)).0, 40.0);
     let (process, mut motion) = (Process::new(Default::default(), &p, 1.0), Motion::steady(30.0));
     let y = process.step(&mut motion, 30.0).y;
     assert!((y[0] - 9.0).abs() < 1e-4 && (y[1] - 8.1).abs() < 1e-4, "{y:?}");
@@ -73,13 +73,13 @@ fn the_wall_is_slow_and_comes_to_nothing() {
 fn the_transport_looks_back_between_ticks() {
     let mut air = Transport::default();
     (0..1000u16).for_each(|k| air.push(f32::from(k)));
-    assert_eq!(air.at(0.0), (999.0, -1.0));
-    assert_eq!(air.at(7.25), (991.75, -1.0));
-    assert_eq!(air.at(LONGEST).0, 999.0 - LONGEST);
+    assert_eq!(air.at(Delay::new(0.0)), (999.0, -1.0));
+    assert_eq!(air.at(Delay::new(7.25)), (991.75, -1.0));
+    assert_eq!(air.at(Delay::new(LONGEST)).0, 999.0 - LONGEST);
     for (wild, wanted) in
         [(-3.0, 999.0), (1e9, 999.0 - LONGEST), (f32::INFINITY, 999.0 - LONGEST), (f32::NAN, 999.0)]
     {
-        assert_eq!(air.at(wild).0, wanted, "{wild}");
+        assert_eq!(air.at(Delay::new(wild)).0, wanted, "{wild}");
     }
 }
 
@@ -90,11 +90,11 @@ fn the_transport_goes_back() {
     (0..200u16).for_each(|k| air.push(f32::from(k)));
     let mut then = air;
     then.back(9);
-    assert_eq!(then.at(0.0).0, 190.0);
-    assert_eq!(then.at(20.5).0, 169.5);
+    assert_eq!(then.at(Delay::new(0.0)).0, 190.0);
+    assert_eq!(then.at(Delay::new(20.5)).0, 169.5);
     (191..200u16).for_each(|k| then.push(f32::from(k)));
     for delay in [0.0, 3.3, 17.0, LONGEST] {
-        assert_eq!(then.at(delay), air.at(delay));
+        assert_eq!(then.at(Delay::new(delay)), air.at(Delay::new(delay)));
     }
 }
 
@@ -103,8 +103,10 @@ fn the_transport_goes_back() {
 fn times_go_with_the_air_flow() {
     let p = slow();
     let [nominal, twice] = [1.0, 2.0].map(|flow| Process::new(Default::default(), &p, flow));
-    assert!((twice.delay[0] / nominal.delay[0] - 0.625).abs() < 1e-6);
-    assert!((twice.delay[1] - twice.delay[0] - 3.3).abs() < 1e-5);
+    let [[first, _], [sooner, later]] =
+        [nominal, twice].map(|process| process.delay.map(|delay| delay.whole as f32 + delay.part));
+    assert!((sooner / first - 0.625).abs() < 1e-6);
+    assert!((later - sooner - 3.3).abs() < 1e-5);
     let time = |share: f32| -1.0 / libm::logf(1.0 - share);
     assert!((time(nominal.heater) - 30.0).abs() < 0.01);
     assert!((time(twice.heater) - 30.0 / libm::powf(2.0, 0.8)).abs() < 0.01);

@@ -99,7 +99,7 @@ mod tests {
         let mut normal = <Normal>::default();
         let mut row = [[0.0; 2]; COUNT];
         row[Regressor::Offset2 as usize] = [0.0, 20.0];
-        (0..50).for_each(|_| normal.add(&row, [0.0, 30.0], 1.0));
+        (0..50).for_each(|_| normal.add(1.0, &row, [0.0, 30.0], 1.0));
         let nuisances = Nuisances::new(normal.sums(), &SINCE_ONSET, 1.5).beyond(&ALL_PAIRS);
         let mut responses = named(&["low", "none", "tiny", "high"]);
         for (response, offset) in responses.iter_mut().zip([-150, 0, 1, 150]) {

@@ -27,6 +27,8 @@ pub(super) struct Filter {
     tangent: Tangent,
     beside: SecondHeaterTangent,
     gradient: [[f32; COUNT]; 2],
+    /// That of the tick before, and in its place what the update makes of both.
+    before: [[f32; COUNT]; 2],
     residual: [f32; 2],
     noise: [ResidualNoise; 2],
     answer: f32,
@@ -46,6 +48,7 @@ impl Filter {
             tangent: Tangent::default(),
             beside: SecondHeaterTangent::default(),
             gradient: [[0.0; COUNT]; 2],
+            before: [[0.0; COUNT]; 2],
             residual: [0.0; 2],
             noise: [ResidualNoise::new(tuning); 2],
             answered: [None; 2],
@@ -106,7 +109,7 @@ impl Filter {
 
     /// A tick without samples: the model goes on, and the residuals as far as they are known.
     pub(super) fn pass(&mut self, p: &Parameters, process: &Process, motion: &mut Motion, power: f32) {
-        (_, self.gradient) = self.tangent.step(p, process, motion, power);
+        self.tangent.step(p, process, motion, power, &mut self.gradient);
         for (e, noise) in self.residual.iter_mut().zip(&self.noise) {
             *e *= noise.whitening().0;
         }
@@ -126,14 +129,15 @@ impl Filter {
         ticks: u32,
         learning: bool,
     ) -> [f32; 2] {
-        let (mut rises, mut gradient) = self.tangent.step(p, process, motion, power);
+        core::mem::swap(&mut self.before, &mut self.gradient);
+        let mut rises = self.tangent.step(p, process, motion, power, &mut self.gradient);
         let (inputs, tuning) = (trainer.inputs, trainer.tuning);
         let t = &tuning.filter;
         if !inputs.t2 {
             let (added, by) = self.beside.step(beside, p, power_beside);
             rises.y = rises.y.map(|y| y + added);
             for (which, by) in [Parameter::Gain, Parameter::Reaches2, Parameter::Lag2].into_iter().zip(by) {
-                gradient[0][which as usize] += by;
+                self.gradient[0][which as usize] += by;
             }
         }
         let offsets = [p.get(Parameter::Offset1), p.get(Parameter::Offset2)];
@@ -150,22 +154,22 @@ impl Filter {
             if !learning {
                 // The first heat fits anything as long as the lags are wrong.
                 for held in HELD {
-                    gradient[m][held as usize] = 0.0;
+                    self.gradient[m][held as usize] = 0.0;
                 }
             }
             let (rho, sigma) = self.noise[m].whitening();
             let wrong = first * (y[m] - offsets[m]);
             let scale = 1.0 / sqrt(t.inflation * sigma * sigma + wrong * wrong);
-            let phi: [f32; COUNT] =
-                core::array::from_fn(|i| scale * self.sd[i] * (gradient[m][i] - rho * self.gradient[m][i]));
+            let phi = &mut self.before[m];
+            for i in 0..COUNT {
+                phi[i] = scale * self.sd[i] * (self.gradient[m][i] - rho * phi[i]);
+            }
             let innovation = scale * (e[m] - rho * self.residual[m]);
-            self.rls.theta = [0.0; COUNT];
-            trainer.rls.step_clipped(&mut self.rls, &phi, innovation, t.clip);
+            trainer.rls.correct_clipped(&mut self.rls, phi, innovation, t.clip);
             for i in 0..COUNT {
                 p.0[i] += self.sd[i] * bounded(self.rls.theta[i], -t.largest_step, t.largest_step);
             }
         }
-        self.gradient = gradient;
         self.residual = e;
         bound(trainer, p);
         *process = Process::new(tuning, p, 1.0);

@@ -2,6 +2,7 @@
 
 use super::WatchState;
 use crate::bounds::smaller;
+use crate::likelihood::interacting::Interacting;
 use crate::likelihood::onset::Onset;
 use crate::likelihood::regressor::Regressors;
 use crate::likelihood::usual::Usual;
@@ -17,6 +18,16 @@ impl WatchState {
             slow_surroundings: self.times.slow_surroundings,
             tuning: self.tuning,
         }
+    }
+
+    /// The bank that asks whether all is as trained, in whatever state.
+    pub(in crate::likelihood) fn interacting(&self) -> Interacting {
+        Interacting::new(&self.tuning.alarm, self.simulation.process(), self.innovations.filter())
+    }
+
+    /// The model's heat at T1, %, and by how much T1 rises with it, degC.
+    pub(in crate::likelihood) fn heat_at_t1(&self) -> [f32; 2] {
+        self.simulation.heat_at_t1()
     }
 
     /// Mean square of the gain's error as far from the trained power as the rig is now: a share.
@@ -79,5 +90,25 @@ impl WatchState {
             self.heat.sum(),
         ];
         sum(&stages) + sum(&self.measured) + self.curvature_error
+    }
+}
+
+#[cfg(test)]
+impl WatchState {
+    /// A bit of the memory has flipped, and what was a number is none; how many such places there are to choose from.
+    pub(in crate::likelihood) fn spoil(&mut self, which: usize) -> usize {
+        let places = (self.simulation.places().into_iter())
+            .chain(self.innovations.places())
+            .chain(self.charts.places())
+            .chain(self.since_training.places())
+            .chain(self.tracker.places());
+        let mut count = 0;
+        for (i, place) in places.enumerate() {
+            count += 1;
+            if i == which {
+                *place = f32::NAN;
+            }
+        }
+        count
     }
 }

@@ -27,8 +27,6 @@ pub(super) struct Innovations {
     pub(super) clipped: [f32; 2],
     /// Of the residuals since training.
     pub(super) z_trained: [f32; 2],
-    /// The regressors since training, whitened.
-    pub(super) regressors: Regressors<LASTING>,
     /// The filter has forgotten how it began: there are charts, and later there is something to gather.
     pub(super) charted: bool,
     pub(super) gathered: bool,
@@ -52,15 +50,9 @@ impl InnovationsState {
         *self = Self::new(self.tuning, self.filter);
     }
 
-    /// A tick: what the tracker leaves of the residuals, the residuals since training and the regressors, degC. A spike counts as `clip` beyond what
-    /// the model may get wrong, `widened` standard deviations: with less, no jump of any size would show while the temperature moves.
-    pub(super) fn step(
-        &mut self,
-        left: [f32; 2],
-        e: [f32; 2],
-        regressors: &Regressors<LASTING>,
-        widened: [f32; 2],
-    ) -> Innovations {
+    /// A tick: what the tracker leaves of the residuals, and the residuals since training, degC. A spike counts as `clip` beyond what the model may get wrong,
+    /// `widened` standard deviations: with less, no jump of any size would show while the temperature moves.
+    pub(super) fn step(&mut self, left: [f32; 2], e: [f32; 2], widened: [f32; 2]) -> Innovations {
         let t = &self.tuning.charts;
         self.ticks = self.ticks.saturating_add(1);
         let filter = &self.filter;
@@ -68,7 +60,6 @@ impl InnovationsState {
             z: filter.step(&mut self.past, left),
             clipped: filter.step_clipped(&mut self.past_clipped, left, widened.map(|by| t.clip + by)),
             z_trained: filter.step(&mut self.past_trained, e),
-            regressors: filter.step_all(&mut self.past_regressors, regressors),
             charted: self.ticks >= t.first as u32,
             gathered: self.ticks > t.first as u32,
         };
@@ -76,6 +67,11 @@ impl InnovationsState {
             (innovations.z, innovations.z_trained) = ([0.0; 2], [0.0; 2]);
         }
         innovations
+    }
+
+    /// The same tick's regressors since training, whitened.
+    pub(super) fn whiten(&mut self, regressors: &Regressors<LASTING>, whitened: &mut Regressors<LASTING>) {
+        self.filter.step_all(&mut self.past_regressors, regressors, whitened);
     }
 
     /// Both residuals turn out to have been lower by `change`, degC.

@@ -5,7 +5,6 @@
 //! training: where the nuisances leave noise, no fault explains more, and the one of the alarm is too small for one and not what the alarm says, all is
 //! as it was trained.
 
-use super::innovations::Innovations;
 use super::simulation::Simulated;
 use super::times::Times;
 use super::{SinceOnsetState, Watch, WatchState};
@@ -14,6 +13,7 @@ use crate::likelihood::evidence::Nuisances;
 use crate::likelihood::hypothesis::{COUNT, Hypothesis, LASTING_PAIRS};
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::normal::LastingNormal;
+use crate::likelihood::regressor::{LASTING, Regressors};
 use crate::likelihood::tuning::Tuned;
 use crate::likelihood::usual::Usual;
 
@@ -34,10 +34,15 @@ pub(super) struct ReturnedState {
 }
 
 impl Returned {
-    /// Gathers a tick with an alarm; says whether it is one on which the question is asked.
-    pub(super) fn gather(&self, s: &mut ReturnedState, times: &Times, innovations: &Innovations) -> bool {
-        s.normal.scale(times.recent);
-        s.normal.add(&innovations.regressors, innovations.z_trained, 1.0);
+    /// Gathers a tick with an alarm, regressors and residuals since training, whitened; says whether it is one on which the question is asked.
+    pub(super) fn gather(
+        &self,
+        s: &mut ReturnedState,
+        times: &Times,
+        regressors: &Regressors<LASTING>,
+        z: [f32; 2],
+    ) -> bool {
+        s.normal.add(times.recent, regressors, z, 1.0);
         s.ticks = s.ticks.saturating_add(1);
         // Twice the memory: then hardly anything is left of what was before the alarm.
         let asked_from = times.ticks(2.0 * self.tuning.times.split, self.sample_time);
@@ -87,7 +92,8 @@ impl Watch {
         &self,
         s: &mut WatchState,
         onset: &mut SinceOnsetState,
-        innovations: &Innovations,
+        whitened: &Regressors<LASTING>,
+        z: [f32; 2],
         e: [f32; 2],
         now: &Simulated,
     ) {
@@ -96,7 +102,7 @@ impl Watch {
             s.returned.reset();
             return;
         };
-        let asked = self.returned.gather(&mut s.returned, &s.times, innovations);
+        let asked = self.returned.gather(&mut s.returned, &s.times, whitened, z);
         let left = asked
             .then(|| self.returned.as_trained(&s.returned, &s.usual(), of_alarm, now.expected[0]))
             .flatten();

@@ -217,6 +217,17 @@ impl SimulationState {
         self.begins
     }
 
+    /// The model's heat at T1, behind the dead time, %, and by how much T1 rises with it, degC.
+    pub(super) fn heat_at_t1(&self) -> [f32; 2] {
+        let (heat, _) = self.rig.motion.air.at(self.rig.process.delay[0]);
+        [heat, self.rises[0]]
+    }
+
+    /// The model as learnt.
+    pub(super) fn process(&self) -> &Process {
+        &self.rig.process
+    }
+
     /// As if it had been for long as it is now.
     fn remember_anew(&mut self) {
         self.history = History::default();

@@ -165,7 +165,7 @@ impl SinceOnset {
                 let keep = [forgets, seen.times.window];
                 Normal::add_to_both([&mut s.since, &mut s.window], keep, &row, z, weight);
             }
-            None => s.since.add(&row, z, weight),
+            None => s.since.add(1.0, &row, z, weight),
         }
     }
 

@@ -1,6 +1,5 @@
 //! The bank since training: the last minute held against the trained state, and an alarm as long as it is other than that.
 
-use super::innovations::Innovations;
 use super::since_onset::{magnitude, named};
 use super::steady::Steady;
 use super::times::Times;
@@ -50,15 +49,16 @@ pub(super) struct Seen<'a> {
     pub(super) e: [f32; 2],
     pub(super) expected: f32,
     pub(super) regressors: &'a Regressors<LASTING>,
-    pub(super) innovations: &'a Innovations,
+    /// Both whitened.
+    pub(super) whitened: &'a Regressors<LASTING>,
+    pub(super) z: [f32; 2],
     pub(super) usual: &'a Usual,
 }
 
 impl SinceTraining {
     /// A quiet tick is gathered, and the minute judged now and then. Gives what has come and gone, and how much of it has gone.
     pub(super) fn step(&self, s: &mut SinceTrainingState, seen: &Seen) -> Option<(Quantity, f32)> {
-        let Innovations { regressors, z_trained, .. } = seen.innovations;
-        s.steady.gather(&seen.times.steady, seen.regressors, regressors, seen.e, *z_trained);
+        s.steady.gather(&seen.times.steady, seen.regressors, seen.whitened, seen.e, seen.z);
         self.judge(s, seen)
     }
 

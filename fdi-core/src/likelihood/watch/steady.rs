@@ -84,7 +84,7 @@ impl Steady {
         }
         self.ticks = self.ticks.saturating_add(1);
         let weight = smaller(1.0, clip / (z[0].abs() + 1e-6)) * smaller(1.0, clip / (z[1].abs() + 1e-6));
-        let mut fast = *whitened;
+        let mut fast = [[0.0; 2]; LASTING];
         let mut fast_z = z;
         for m in 0..2 {
             let slow = self.slow_z[m];
@@ -93,16 +93,16 @@ impl Steady {
             fast_z[m] -= self.slow_z[m];
             let mean = self.mean_e[m];
             c.mean.follow(&mut self.mean_e[m], bounded(e[m], mean - jump, mean + jump));
-            for i in 0..LASTING {
+        }
+        for i in 0..LASTING {
+            for m in 0..2 {
                 c.split.follow(&mut self.slow[i][m], whitened[i][m]);
-                fast[i][m] -= self.slow[i][m];
+                fast[i][m] = whitened[i][m] - self.slow[i][m];
                 c.mean.follow(&mut self.mean[i][m], regressors[i][m]);
             }
         }
-        if self.referred {
-            self.normal.scale(c.keep);
-        }
-        self.normal.add(&fast, fast_z, weight);
+        let keep = if self.referred { c.keep } else { 1.0 };
+        self.normal.add(keep, &fast, fast_z, weight);
         if !self.referred && self.ticks >= c.reference {
             self.refer();
         }
@@ -187,14 +187,13 @@ impl Steady {
     fn with_means(&self, fast: f32, inputs: Inputs) -> LastingNormal {
         let mut normal = self.normal;
         normal.explain(&self.reference);
-        normal.scale(fast);
         let e = [self.mean_e[0] - self.base[0], self.mean_e[1] - self.base[1]];
         let t = &self.tuning.since_training;
         let mut mean = self.mean;
         if !inputs.t2 {
             mean.iter_mut().for_each(|regressor| regressor[1] = 0.0);
         }
-        normal.add(&mean, e, t.kappa / (t.mean_sd * t.mean_sd));
+        normal.add(fast, &mean, e, t.kappa / (t.mean_sd * t.mean_sd));
         normal
     }
 }

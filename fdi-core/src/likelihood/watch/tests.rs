@@ -326,7 +326,7 @@ fn what_the_tracker_takes_over_leaves_no_step() {
     row[Regressor::Offset2 as usize] = [0.0, 1.0];
     row[Regressor::Power as usize] = s.rises();
     for _ in 0..60 {
-        s.innovations.step(e, e, &row, [0.0; 2]);
+        s.innovations.step(e, e, [0.0; 2]);
     }
     let (mut onset, values) = (SinceOnsetState::default(), [0.0, 0.0, 0.3, 0.25]);
     watch().carry_out(&mut s, &mut onset, Outcome::Usual(values), e, &row);
@@ -335,9 +335,9 @@ fn what_the_tracker_takes_over_leaves_no_step() {
     let left = [e[0] - known[0], e[1] - known[1]];
     let mut always = InnovationsState::new(Tuned::default(), *s.innovations.filter());
     for _ in 0..60 {
-        always.step(left, e, &row, [0.0; 2]);
+        always.step(left, e, [0.0; 2]);
     }
-    let (now, wanted) = (s.innovations.step(left, e, &row, [0.0; 2]), always.step(left, e, &row, [0.0; 2]));
+    let (now, wanted) = (s.innovations.step(left, e, [0.0; 2]), always.step(left, e, [0.0; 2]));
     for m in 0..2 {
         assert!((now.z[m] - wanted.z[m]).abs() < 1e-3 && (now.clipped[m] - wanted.clipped[m]).abs() < 1e-3);
     }
@@ -347,12 +347,12 @@ fn what_the_tracker_takes_over_leaves_no_step() {
 #[test]
 fn a_jump_shows_in_a_swing() {
     let (watch, mut s) = (watch(), watch().start(&trained(5)));
-    let (row, inlet) = ([[0.0; 2]; LASTING], 0.0);
+    let inlet = 0.0;
     // A rise that swings from 12 to 60 degC: 2 % of that are ten standard deviations and more.
     let mut charted = |e: [f32; 2]| {
         let widened = watch.charts.widened(&mut s.charts, &s.times, s.innovations.filter(), 60.0);
         assert!(widened[0] > 10.0, "{widened:?}");
-        let innovations = s.innovations.step(e, e, &row, widened);
+        let innovations = s.innovations.step(e, e, widened);
         watch.charts.step(&mut s.charts, &s.times, s.innovations.filter(), &innovations, widened, inlet)
     };
     for _ in 0..20 {

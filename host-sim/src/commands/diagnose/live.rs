@@ -16,7 +16,6 @@ use crate::experiment::{Origin, Record, Row, tick_time};
 use crate::record::summary::sentence;
 use crate::recording::believed::Believed;
 use crate::recording::grid::OFF;
-use crate::recording::left_heat::LeftHeat;
 use crate::recording::map::Role;
 use crate::recording::report::plain;
 use crate::recording::run::as_tick;
@@ -96,7 +95,6 @@ struct Live<'a> {
     header: String,
     trained: &'a Monitor,
     monitor: Monitor,
-    left_heat: LeftHeat,
     /// How the lines tell their times, and that of the last sample, s.
     stamps: Option<Stamps>,
     at: Option<f64>,
@@ -143,7 +141,6 @@ impl<'a> Live<'a> {
             trained,
             implausible: [0; OBSERVED.len()],
             monitor,
-            left_heat: LeftHeat::default(),
             stamps: other.stamps,
             at: None,
             passed: 0,
@@ -253,9 +250,6 @@ impl<'a> Live<'a> {
 
     fn watch(&mut self, sample: &Observed, say: Say) -> anyhow::Result<()> {
         let (mut seen, mut report) = self.monitor.step(sample);
-        if self.left_heat.ends(&report.likelihood) {
-            self.monitor.resume();
-        }
         // The monitor counts from its training on.
         let before = seen.index.saturating_sub(self.passed);
         seen.index = self.passed;

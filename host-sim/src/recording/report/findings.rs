@@ -87,8 +87,12 @@ fn words(recording: &Recording, heater: &Heater, record: &Record, rows: &[Row]) 
     let told = |row: &Row| {
         Some(plain(recording, heater, &sentence(record, row, row.report.likelihood.finding.as_ref()?)))
     };
-    let is_whole = |text: &String| !text.contains("? ");
-    rows.iter().rev().filter_map(told).find(is_whole).unwrap_or_else(|| UNNAMED.to_owned())
+    rows.iter().rev().filter_map(told).find(|text| is_whole(text)).unwrap_or_else(|| UNNAMED.to_owned())
+}
+
+/// Whether each number of a sentence is known: one that is not is a question mark in its place.
+fn is_whole(sentence: &str) -> bool {
+    !sentence.contains(" ? ")
 }
 
 /// The sentence of a board about a rig of which less is known.
@@ -154,7 +158,30 @@ pub(super) fn unjudged(recording: &Recording, done: &Diagnosed) -> Vec<Unjudged>
 
 #[cfg(test)]
 mod tests {
+    use fdi_core::likelihood::Magnitude;
+    use fdi_core::{Celsius, Finding, Reading, Sample};
+    use firmware_logic::finding::Sentence;
+
     use super::*;
+
+    /// A sentence that asks something is told, one that lacks a number is not.
+    #[test]
+    fn a_question_is_no_number_that_is_missing() {
+        let sized = Magnitude { value: 2.0, half_width: 5.0 };
+        for class in [FaultClass::T1Loose, FaultClass::T1Detached] {
+            for (celsius, whole) in [(30.0, true), (f32::NAN, false)] {
+                for magnitude in [None, Some(sized)] {
+                    let finding = &Finding { class, confidence: 0.97, magnitude, onset: 0 };
+                    let t1 = Reading { celsius: Celsius(celsius), ..Reading::default() };
+                    let sample = &Sample { t1, ..Sample::default() };
+                    let said =
+                        Sentence { finding, sample, expected: [None, Some(25.0), None], sample_time: 1.0 };
+                    let said = said.to_string();
+                    assert_eq!(is_whole(&said), whole, "{said}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn no_interval_of_a_loss_goes_beyond_all() {

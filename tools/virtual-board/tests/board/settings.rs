@@ -90,12 +90,13 @@ fn wait_for_ticks(board: &mut Board) {
 
 /// Cuts the supply at operations of the save after so many others, in three ways; afterwards the settings are the ones
 /// before or the new ones, and can be saved again. Each `step`th operation is cut, each erasing and the last. Returns how many
-/// erased.
+/// erased. It is one board that is powered up again for each cut, since the emulator keeps the code that it has translated.
 fn cut_everywhere(times: usize, step: usize) -> usize {
     let content = saved(times);
-    let mut whole = with_flash(&content);
-    save(&mut whole.board, times);
-    let flash = &whole.board.chip().flash;
+    let mut scene = with_flash(&content);
+    let board = &mut scene.board;
+    save(board, times);
+    let flash = &board.chip().flash;
     let (operations, erased) = (flash.operations, flash.erased.clone());
     let erasing = erased.len();
     let places = (0..operations).step_by(step).chain(erased).chain([operations - 1]);
@@ -103,8 +104,9 @@ fn cut_everywhere(times: usize, step: usize) -> usize {
         places.flat_map(|i| [Remains::Before, Remains::Half, Remains::After].map(|remains| (i, remains)))
     {
         let place = format!("cut at {i} of {operations}, {remains:?}");
-        let mut scene = with_flash(&content);
-        let board = &mut scene.board;
+        board.cpu.touch(|chip, _| chip.flash.content.copy_from_slice(&content));
+        board.power_cycle().expect("powers up");
+        wait_for_ticks(board);
         board.cpu.touch(|chip, _| chip.flash.cut = Some((chip.flash.operations + i, remains)));
         say(board, &format!("set pid.kp {}", kp(times)));
         board.send(b"save\r");

@@ -84,8 +84,10 @@ impl Run {
             let now = input(self.ticks as u32, [None; 2], 40.0 + self.bit);
             let row = self.simulation.step(&mut self.state, &self.times, &now).regressors;
             let e = residual(k, &row).map(|e| e + SIGMA * self.random.gaussian() as f32);
-            let innovations = self.innovations.step(e, e, &row, [0.0; 2]);
-            self.steady.gather(&c, &row, &innovations.regressors, e, innovations.z_trained);
+            let z = self.innovations.step(e, e, [0.0; 2]).z_trained;
+            let mut whitened = [[0.0; 2]; LASTING];
+            self.innovations.whiten(&row, &mut whitened);
+            self.steady.gather(&c, &row, &whitened, e, z);
         }
     }
 

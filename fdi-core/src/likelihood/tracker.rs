@@ -3,7 +3,7 @@
 use super::class::Quantity;
 use super::regressor::{LASTING, Regressor, Regressors};
 use super::tuning::Tuned;
-use crate::bounds::{bounded, larger};
+use crate::bounds::{bounded, larger, smaller};
 use crate::filter::LowPass;
 use crate::vector::sum;
 
@@ -17,8 +17,8 @@ pub(super) struct Tracker {
     /// Means of what it has followed, power, air flow and both offsets, and mean squares of what came and went around them.
     level: [f32; N],
     walk: [f32; N],
-    /// Mean square of the steps of the power that it took over.
-    steps: f32,
+    /// Mean squares of the steps of the power that it took over, up and down.
+    steps: [f32; 2],
     tuning: Tuned,
 }
 
@@ -31,7 +31,7 @@ impl Tracker {
             p[i][i] = first[i] * first[i];
         }
         let step = tuning.nuisances.onset_power;
-        Self { x: [0.0; N], p, level: [0.0; N], walk: [0.0; N], steps: step * step, tuning }
+        Self { x: [0.0; N], p, level: [0.0; N], walk: [0.0; N], steps: [step * step; 2], tuning }
     }
 
     /// Begins anew; how much things move here stays known.
@@ -44,16 +44,18 @@ impl Tracker {
         self.walk
     }
 
-    /// Mean square of the steps of the power that it took over.
+    /// Mean square of the steps of the power that it took over: those one way only are no mains, but a fault that grows.
     pub(super) fn steps(&self) -> f32 {
-        self.steps
+        smaller(self.steps[0], self.steps[1])
     }
 
-    /// All is as trained: nothing has moved. Gives by how much it expects more of the residuals for it, degC.
-    pub(super) fn forget(&mut self, regressors: &Regressors<LASTING>) -> [f32; 2] {
+    /// All is as trained but for this: power, air flow, offsets of T1 and T2. Gives by how much it expects more of the residuals for it, degC.
+    pub(super) fn return_to(&mut self, x: [f32; N], regressors: &Regressors<LASTING>) -> [f32; 2] {
         let before = self.expected(regressors);
         self.resume();
-        [-before[0], -before[1]]
+        self.x = x;
+        let after = self.expected(regressors);
+        [after[0] - before[0], after[1] - before[1]]
     }
 
     /// A tick without an alarm: how far it has gone counts for what is usual here.
@@ -81,8 +83,9 @@ impl Tracker {
     pub(super) fn take_over(&mut self, by: [f32; N], regressors: &Regressors<LASTING>) -> [f32; 2] {
         let before = self.expected(regressors);
         let (t, power) = (self.tuning, by[0]);
-        self.steps += t.alarm.mean_share * (power * power - self.steps);
-        self.steps = larger(t.nuisances.onset_power * t.nuisances.onset_power, self.steps);
+        let square = &mut self.steps[usize::from(power < 0.0)];
+        *square += t.alarm.mean_share * (power * power - *square);
+        *square = larger(t.nuisances.onset_power * t.nuisances.onset_power, *square);
         for (x, by) in self.x.iter_mut().zip(by) {
             *x += by;
         }
@@ -132,7 +135,7 @@ impl Tracker {
 
     /// Finite as long as all of it is.
     pub(super) fn sum(&self) -> f32 {
-        sum(&self.x) + sum(self.p.as_flattened()) + sum(&self.level) + sum(&self.walk) + self.steps
+        sum(&self.x) + sum(self.p.as_flattened()) + sum(&self.level) + sum(&self.walk) + sum(&self.steps)
     }
 
     /// Adds process noise with these standard deviations.
@@ -145,9 +148,14 @@ impl Tracker {
 
 #[cfg(test)]
 impl Tracker {
+    /// Steps of the power are known to be so large, a share.
+    pub(super) fn know_steps(&mut self, size: f32) {
+        self.steps = [size * size; 2];
+    }
+
     /// Places of the memory that a bit may flip in.
     pub(super) fn places(&mut self) -> [&mut f32; 3] {
-        [&mut self.x[2], &mut self.walk[3], &mut self.steps]
+        [&mut self.x[2], &mut self.walk[3], &mut self.steps[0]]
     }
 }
 

@@ -16,6 +16,7 @@ use super::second_heater::SecondHeater;
 use super::tuning::{PriorTuning, Tuned};
 use super::verdict::RejectReason;
 use super::whitening::{ResidualStatistics, WhiteningFilter};
+use crate::bounds::larger;
 use crate::error::ConfigError;
 use crate::identify::config::{Adaptation, RlsConfig};
 use crate::identify::rls::Rls;
@@ -220,7 +221,9 @@ impl Trainer {
             }
             if s.count >= self.fit_samples {
                 s.count = 0;
-                s.curvature_error = filter.error(Parameter::Curvature);
+                // A step of the mains while it learns bends the model, and the filter is as sure of that: no bend is surer than that there is none.
+                let bend = s.parameters.get(Parameter::Curvature).abs();
+                s.curvature_error = larger(filter.error(Parameter::Curvature), bend);
                 s.phase = Phase::Checking;
             }
             return Ok(None);

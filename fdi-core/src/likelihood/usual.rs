@@ -37,7 +37,7 @@ impl Usual {
     /// Nuisances since an onset. What was learnt wrong with the gain looks like flow, too.
     pub(super) fn since_onset(&self) -> Nuisances {
         let mut nuisances = nuisances_since_onset(&self.tuning.nuisances);
-        nuisances[POWER].1 = sqrt(self.steps + self.curvature);
+        nuisances[POWER].1 = sqrt(self.moved() + self.curvature);
         for (_, sd) in &mut nuisances[FLOW] {
             *sd = sqrt(*sd * *sd + self.curvature);
         }
@@ -47,11 +47,26 @@ impl Usual {
         nuisances
     }
 
+    /// The same where a change of this quantity explains best what is seen: it may be as large as a fault.
+    pub(super) fn since_onset_with(&self, quantity: Quantity) -> Nuisances {
+        let mut nuisances = self.since_onset();
+        let (freed, sd) = match quantity {
+            Quantity::Power => (POWER..FLOW.start, self.tuning.hypotheses.share_sd),
+            Quantity::Flow => (FLOW, self.tuning.hypotheses.flow_sd),
+            Quantity::Nothing | Quantity::Offset | Quantity::Ramp | Quantity::Rise => return nuisances,
+        };
+        nuisances[freed].iter_mut().for_each(|nuisance| nuisance.1 = sd);
+        nuisances
+    }
+
     /// Nuisances since training where T1 rises by `rise`, degC: the gain's error at the mean power is another than that of its moves, so that an
     /// offset of both is left.
     pub(super) fn since_training(&self, rise: f32) -> LastingNuisances {
         let mut nuisances = nuisances_since_training(&self.tuning.nuisances);
         let [power, flow, offset1, offset2] = self.walk;
+        // A step leads from one draw to another, so that it has twice the mean square of each.
+        let least_steps = self.tuning.nuisances.onset_power * self.tuning.nuisances.onset_power;
+        let power = larger(power, 0.5 * (self.steps - least_steps));
         let flow = flow + self.curvature;
         let more = [power + self.curvature, flow, flow, offset1, offset2];
         let widen = |(_, sd): &mut Nuisance, more: f32| *sd = sqrt(*sd * *sd + more);
@@ -66,12 +81,17 @@ impl Usual {
         self.walk.map(|square| 2.0 * square)
     }
 
+    /// Mean square of a change of the power that is usual: a step leads from one draw of what the mains do to another, too.
+    fn moved(&self) -> f32 {
+        larger(self.steps, self.walk_since_training()[0])
+    }
+
     /// The smallest magnitude of a hypothesis that is a fault when it comes at an onset, with that of the power by the setting; 0 where whatever is
     /// seen is one.
     pub(super) fn least_since_onset(&self, class: FaultClass, power: f32) -> f32 {
         let t = &self.tuning.alarm;
         match class.quantity() {
-            Quantity::Power => larger(power, t.unusual * sqrt(self.steps + self.curvature)),
+            Quantity::Power => larger(power, t.unusual * sqrt(self.moved() + self.curvature)),
             Quantity::Flow => t.least_flow,
             Quantity::Ramp => t.least_drift,
             Quantity::Nothing | Quantity::Offset | Quantity::Rise => 0.0,
@@ -83,7 +103,7 @@ impl Usual {
         let (t, alarm) = (&self.tuning.since_training, &self.tuning.alarm);
         let walk = self.walk_since_training();
         match class.quantity() {
-            Quantity::Power => larger(power, alarm.unusual * sqrt(walk[0] + self.curvature)),
+            Quantity::Power => larger(power, alarm.unusual * sqrt(self.moved() + self.curvature)),
             Quantity::Flow => larger(alarm.least_flow, alarm.unusual * sqrt(walk[1])),
             Quantity::Rise => t.least_gain,
             Quantity::Nothing | Quantity::Offset | Quantity::Ramp => t.least_offset,
@@ -110,7 +130,11 @@ mod tests {
         let restless = Usual { walk: [0.04, 0.0, 0.0, 0.0], steps: 0.04, ..calm };
         let power = FaultClass::HeaterPower;
         assert_eq!([calm.least_since_onset(power, 0.2), calm.least_since_training(power, 0.2)], [0.2; 2]);
-        assert!((restless.least_since_onset(power, 0.2) - 0.6).abs() < 1e-6);
+        assert!((restless.least_since_onset(power, 0.2) - 0.6 * SQRT_2).abs() < 1e-6);
         assert!((restless.least_since_training(power, 0.2) - 0.6 * SQRT_2).abs() < 1e-6);
+        // Steps are differences already.
+        let steps = Usual { walk: [0.0; 4], ..restless };
+        assert!((steps.least_since_onset(power, 0.2) - 0.6).abs() < 1e-6);
+        assert!((steps.least_since_training(power, 0.2) - 0.6).abs() < 1e-6);
     }
 }

@@ -250,7 +250,7 @@ impl Watch {
                 measured: s.measured,
             },
         );
-        self.carry_out(s, onset, outcome, &now.regressors);
+        self.carry_out(s, onset, outcome, e, &now.regressors);
         self.follow_return(s, onset, &whitened, innovations.z_trained, e, now);
         let settling = s.charts.end_tick();
         if onset.said().is_some() {
@@ -259,11 +259,18 @@ impl Watch {
         if s.since_training.said().is_none() {
             s.tracker.remember(&s.times.walk);
         }
-        if settling || larger(charted.fast, charted.slow) < t.tracker.below {
+        let asks = larger(charted.fast, charted.slow);
+        if settling || asks < t.tracker.below {
             let z = innovations.z.map(|z| bounded(z, -t.charts.clip, t.charts.clip));
             s.tracker.step(&whitened, z);
         }
-        if s.charts.is_charting() && !settling && self.charts.is_calm(&s.charts) && innovations.gathered {
+        // While a chart asks, something begins, of which the last minute knows nothing.
+        if s.charts.is_charting()
+            && !settling
+            && asks <= 1.0
+            && self.charts.is_calm(&s.charts)
+            && innovations.gathered
+        {
             let usual = s.usual();
             let passed = self.since_training.step(
                 &mut s.since_training,
@@ -290,6 +297,7 @@ impl Watch {
         s: &mut WatchState,
         onset: &mut SinceOnsetState,
         outcome: Outcome,
+        e: [f32; 2],
         regressors: &Regressors<LASTING>,
     ) {
         let t = &self.tuning;
@@ -301,6 +309,7 @@ impl Watch {
             }
             Outcome::Usual(values) => {
                 s.charts.reset();
+                s.since_training.gather_anew(e);
                 s.tracker.take_over(values, regressors)
             }
             Outcome::SensorRecovered(change) => {
@@ -318,32 +327,6 @@ impl Watch {
             }
         };
         s.innovations.lower(change);
-    }
-
-    /// Ends whatever alarm stands where all is as it was trained, and forgets what the tracker has taken in.
-    fn follow_return(
-        &self,
-        s: &mut WatchState,
-        onset: &mut SinceOnsetState,
-        whitened: &Regressors<LASTING>,
-        z: [f32; 2],
-        e: [f32; 2],
-        now: &Simulated,
-    ) {
-        let lasting = || s.since_training.hypothesis().map(|h| (h, 0.0));
-        let Some(of_alarm) = onset.hypothesis().or_else(lasting) else {
-            s.returned.reset();
-            return;
-        };
-        let asked = self.returned.gather(&mut s.returned, &s.times, whitened, z);
-        if asked && self.returned.is_as_trained(&s.returned, &s.usual(), of_alarm, now.expected[0]) {
-            s.returned.reset();
-            onset.begin_anew();
-            s.since_training.forget(e);
-            let change = s.tracker.forget(&now.regressors);
-            s.innovations.lower(change);
-            s.charts.hold_off(s.times.ticks(self.tuning.times.reference, self.sample_time));
-        }
     }
 
     /// Follows an announced change of the fan. What is known of such a change is its kind, hardly its size: for a while nothing is judged, and the state

@@ -191,3 +191,20 @@ fn what_has_passed_is_usual_within_bounds() {
         assert!((libm::sqrtf(tracker.walk()[place]) - usual).abs() < 1e-6, "{quantity:?} {size}");
     }
 }
+
+/// What is left of the trained state is known at once, and no more sure than at the start.
+#[test]
+fn it_returns_to_what_is_left() {
+    let (mut tracker, mut random) = (Tracker::new(Default::default()), Random::new(4));
+    for _ in 0..500 {
+        let row = row(&mut random);
+        tracker.step(&row, [2.0, 1.0]);
+    }
+    let row = row(&mut random);
+    let before = tracker.expected(&row);
+    let change = tracker.return_to([0.05, 0.01, 0.2, -0.1], &row);
+    let after = tracker.expected(&row);
+    assert_eq!(tracker.x, [0.05, 0.01, 0.2, -0.1]);
+    assert!((0..2).all(|m| (before[m] + change[m] - after[m]).abs() < 1e-4));
+    assert!((0..N).all(|i| tracker.p[i][i] == first()[i] * first()[i]));
+}

@@ -5,10 +5,12 @@
 //! training: where the nuisances leave noise, no fault explains more, and the one of the alarm is too small for one and not what the alarm says, all is
 //! as it was trained.
 
+use super::simulation::Simulated;
 use super::times::Times;
+use super::{SinceOnsetState, Watch, WatchState};
 use crate::bounds::larger;
 use crate::likelihood::evidence::Nuisances;
-use crate::likelihood::hypothesis::{COUNT, LASTING_PAIRS};
+use crate::likelihood::hypothesis::{COUNT, Hypothesis, LASTING_PAIRS};
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::normal::LastingNormal;
 use crate::likelihood::regressor::{LASTING, Regressors};
@@ -47,21 +49,22 @@ impl Returned {
         s.ticks >= asked_from && s.ticks.is_multiple_of(self.tuning.since_training.every as u32)
     }
 
-    /// Whether all is as it was trained, during an alarm of hypothesis `h`, which says that there is so much of it; `expected` is what T1 should read above T0, degC.
+    /// What the nuisances are if all is as it was trained but for what moves here without being a fault: power, air flow, offsets of T1 and T2. It is asked
+    /// during an alarm of hypothesis `h`, which says that there is so much of it; `expected` is what T1 should read above T0, degC.
     #[inline(never)]
-    pub(super) fn is_as_trained(
+    pub(super) fn as_trained(
         &self,
         s: &ReturnedState,
         usual: &Usual,
         (h, value): (usize, f32),
         expected: f32,
-    ) -> bool {
+    ) -> Option<[f32; 4]> {
         let (t, normal) = (&self.tuning.since_training, &s.normal);
         let list = usual.since_training(expected);
         let nuisances = Nuisances::new(normal.sums(), &list, t.kappa);
         let left = normal.energy - nuisances.explained;
         if !(left < self.tuning.naming.fits * larger(1.0, normal.count)) {
-            return false;
+            return None;
         }
         let beyond = nuisances.beyond(&LASTING_PAIRS);
         let ours = &self.tuning.hypotheses()[h % COUNT];
@@ -69,11 +72,48 @@ impl Returned {
         let ours_left = if ours.lasting { beyond.estimate(ours.first, None).value } else { 0.0 };
         // What is nearer to the alarm's size than to nothing stands, however small it is.
         if ours_left.abs() > least || (value - ours_left).abs() < ours_left.abs() {
-            return false;
+            return None;
         }
         let mut asked =
             self.tuning.hypotheses().iter().filter(|row| row.lasting && self.inputs.tell(row.class));
-        asked.all(|row| row.judged(beyond.estimate(row.first, None)).gain <= t.lasting_raise * t.raise)
+        let explains_more =
+            |row: &Hypothesis| row.judged(beyond.estimate(row.first, None)).gain > t.lasting_raise * t.raise;
+        if asked.any(explains_more) {
+            return None;
+        }
+        let [_, _, power, less, more, offset1, offset2, ..] = nuisances.values();
+        Some([power, less + more, offset1, offset2])
+    }
+}
+
+impl Watch {
+    /// Ends whatever alarm stands where all is as it was trained, and forgets what the tracker has taken in.
+    pub(super) fn follow_return(
+        &self,
+        s: &mut WatchState,
+        onset: &mut SinceOnsetState,
+        whitened: &Regressors<LASTING>,
+        z: [f32; 2],
+        e: [f32; 2],
+        now: &Simulated,
+    ) {
+        let lasting = || s.since_training.hypothesis().map(|h| (h, 0.0));
+        let Some(of_alarm) = onset.hypothesis().or_else(lasting) else {
+            s.returned.reset();
+            return;
+        };
+        let asked = self.returned.gather(&mut s.returned, &s.times, whitened, z);
+        let left = asked
+            .then(|| self.returned.as_trained(&s.returned, &s.usual(), of_alarm, now.expected[0]))
+            .flatten();
+        if let Some(left) = left {
+            s.returned.reset();
+            onset.begin_anew();
+            s.since_training.forget(e);
+            let change = s.tracker.return_to(left, &now.regressors);
+            s.innovations.lower(change);
+            s.charts.hold_off(s.times.ticks(self.tuning.times.reference, self.sample_time));
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use super::simulation::Simulated;
 use super::times::Times;
 use crate::bounds::{bounded, larger, smaller};
 use crate::likelihood::alarm::{Alarm, Held};
-use crate::likelihood::class::FaultClass;
+use crate::likelihood::class::{FaultClass, Quantity};
 use crate::likelihood::evidence::{Estimate, Nuisances};
 use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, Hypothesis, IMPOSSIBLE, PAIRS, TAUGHT_PAIRS};
 use crate::likelihood::inputs::Inputs;
@@ -207,13 +207,27 @@ impl SinceOnset {
                 s.onset.process_again = true;
             }
         } else if s.candidate > self.tuning.times.forgetting {
-            let nuisances = seen.usual.since_onset();
-            let [_, _, power, less, more, offset1, offset2, ..] =
-                Nuisances::new(s.since.sums(), &nuisances, t.kappa).values();
-            s.begin_anew();
-            return Outcome::Usual([power, less + more, offset1, offset2]);
+            return self.take_for_usual(s, seen, best);
         }
         Outcome::Nothing
+    }
+
+    /// Whether the alarm has turned out to be a change of the power that is usual here. What was taken over raises no alarm again, so that what is
+    /// learnt of the mains needs no hysteresis.
+    fn is_usual(&self, alarm: &Alarm, usual: &Usual) -> bool {
+        let class = HYPOTHESES[alarm.hypothesis % COUNT].class;
+        let least =
+            usual.least_since_onset(class, self.tuning.since_training.lasting_size * self.least_power);
+        class.quantity() == Quantity::Power && alarm.values[0].abs() < least
+    }
+
+    /// What has moved is no fault: what the nuisances are, if one may move as far as the likeliest hypothesis lets it.
+    fn take_for_usual(&self, s: &mut SinceOnsetState, seen: &Seen, likeliest: usize) -> Outcome {
+        let nuisances = seen.usual.since_onset_with(HYPOTHESES[likeliest % COUNT].class.quantity());
+        let [_, _, power, less, more, offset1, offset2, ..] =
+            Nuisances::new(s.since.sums(), &nuisances, self.tuning.alarm.kappa).values();
+        s.begin_anew();
+        Outcome::Usual([power, less + more, offset1, offset2])
     }
 
     /// Names the fault while it lasts; clears the alarm when it has gone. A young alarm is ranked and asked for its end on every tick, an older one
@@ -237,6 +251,9 @@ impl SinceOnset {
         if over || (!young && alarm.gain < 0.0) {
             s.begin_anew();
             return Outcome::Over;
+        }
+        if !young && self.is_usual(&alarm, seen.usual) {
+            return self.take_for_usual(s, seen, alarm.hypothesis);
         }
         Outcome::Nothing
     }

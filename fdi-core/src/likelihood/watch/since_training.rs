@@ -75,8 +75,9 @@ impl SinceTraining {
         let h = posterior.likeliest % COUNT;
         let row = &self.tuning.hypotheses()[h];
         let least = seen.usual.least_since_training(row.class, self.least_power);
-        let (factor, share) =
-            if s.changed.is_some() { (t.lasting_raise, t.lasting_size) } else { (1.0, 1.0) };
+        // What is there lasts, but it opens no door to another thing.
+        let lasts = s.changed.is_some_and(|was| is_alike(was.hypothesis, h));
+        let (factor, share) = if lasts { (t.lasting_raise, t.lasting_size) } else { (1.0, 1.0) };
         let there = posterior.best_gain > factor * t.raise && estimate[h].value.abs() > share * least;
         let onset = s.changed.map_or(seen.tick, |was| was.onset);
         let least = if self.inputs.fan { t.naming } else { 0.0 };
@@ -107,6 +108,13 @@ impl SinceTraining {
     }
 }
 
+/// Whether two hypotheses may be of one change: air flow and power look alike.
+fn is_alike(one: usize, other: usize) -> bool {
+    let [one, other] = [one, other].map(|h| HYPOTHESES[h % COUNT].class.quantity());
+    let process = |quantity| matches!(quantity, Quantity::Power | Quantity::Flow);
+    one == other || process(one) && process(other)
+}
+
 impl SinceTrainingState {
     pub(super) fn new(tuning: Tuned) -> Self {
         Self { steady: Steady::new(tuning), changed: None }
@@ -122,6 +130,11 @@ impl SinceTrainingState {
     pub(super) fn rebase(&mut self) {
         self.steady.rebase();
         self.changed = None;
+    }
+
+    /// A step that is no fault: what was gathered is of the state before it. Residuals are `e` now, degC.
+    pub(super) fn gather_anew(&mut self, e: [f32; 2]) {
+        self.steady.forget(e);
     }
 
     /// All is as trained again, but for residuals `e`, degC.

@@ -75,11 +75,14 @@ impl Steady {
         e: [f32; 2],
         z: [f32; 2],
     ) {
+        let (clip, jump) = (self.tuning.since_training.clip, self.tuning.since_training.jump);
         if self.ticks == 0 {
+            // A step would be in the fast band for seconds, and look as if something answered less or more.
             self.mean = *regressors;
+            self.slow = *whitened;
+            self.slow_z = z;
         }
         self.ticks = self.ticks.saturating_add(1);
-        let (clip, jump) = (self.tuning.since_training.clip, self.tuning.since_training.jump);
         let weight = smaller(1.0, clip / (z[0].abs() + 1e-6)) * smaller(1.0, clip / (z[1].abs() + 1e-6));
         let mut fast = [[0.0; 2]; LASTING];
         let mut fast_z = z;

@@ -14,6 +14,8 @@ use super::super::whitening::ResidualStatistics;
 use super::*;
 use crate::likelihood::Tuning;
 
+mod mains;
+
 pub(super) const TS: f32 = 0.11;
 /// When faults begin and end, ticks after the models are armed.
 const ONSET: usize = 2000;
@@ -89,16 +91,26 @@ struct Run {
     missing: f64,
     end: usize,
     ticks: usize,
+    /// How much steps of the power are known to move here, a share; none: what is assumed.
+    steps: Option<f32>,
 }
 
 impl Run {
     fn new(wrong: Wrong, seed: u64) -> Self {
-        Self { seed, wrong, missing: 0.0, end: END, ticks: TICKS }
+        Self { seed, wrong, missing: 0.0, end: END, ticks: TICKS, steps: None }
     }
 
     fn said(&self) -> Vec<Said> {
+        self.run().0
+    }
+
+    /// What is said, and what is left at the end.
+    fn run(&self) -> (Vec<Said>, WatchState) {
         let (watch, p) = (watch(), parameters());
         let (mut s, mut onset) = (watch.start(&trained(self.seed)), SinceOnsetState::default());
+        if let Some(steps) = self.steps {
+            s.tracker.know_steps(steps);
+        }
         let mut random = Random::new(self.seed + 500);
         let mut noise = Noise { random: Random::new(self.seed + 1000), e: [0.0; 2] };
         let (mut motion, mut held) = (Motion::steady(40.0), [0.0; 2]);
@@ -135,7 +147,7 @@ impl Run {
             let seen = y.map(|y| if missing { None } else { Some(y) });
             said.push(watch.step(&mut s, &mut onset, &input(k as u32, seen, power)));
         }
-        said
+        (said, s)
     }
 }
 
@@ -317,7 +329,7 @@ fn what_the_tracker_takes_over_leaves_no_step() {
         s.innovations.step(e, e, [0.0; 2]);
     }
     let (mut onset, values) = (SinceOnsetState::default(), [0.0, 0.0, 0.3, 0.25]);
-    watch().carry_out(&mut s, &mut onset, Outcome::Usual(values), &row);
+    watch().carry_out(&mut s, &mut onset, Outcome::Usual(values), e, &row);
     let known = s.tracker.expected(&row);
     assert_eq!(known, [0.3, 0.25]);
     let left = [e[0] - known[0], e[1] - known[1]];

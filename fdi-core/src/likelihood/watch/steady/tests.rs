@@ -181,6 +181,21 @@ fn what_was_changed_on_purpose_counts_as_trained() {
     );
 }
 
+/// A step of the mains, after which the minute is gathered anew: what answers is more power, and not a T0 that reads wrong because the fast band has
+/// the step and not what it did to the answers.
+#[test]
+fn a_step_of_the_power_is_no_error_of_t0() {
+    for seed in 1..6 {
+        let mut run = Run::new(seed);
+        run.ticks(REFERENCE as usize + 1500, nothing);
+        run.ticks(90, of(Regressor::Power, 0.12));
+        run.steady.forget([1.4, 1.3]);
+        run.ticks(240, of(Regressor::Power, 0.12));
+        let (class, gain, size) = run.judged();
+        assert!(class == FaultClass::HeaterPower, "{class:?} gains {gain}, {size}, seed {seed}");
+    }
+}
+
 /// A wild tick now and then, as the first of each abrupt fault is, is no change: neither for the sums nor for the means.
 #[test]
 fn outliers_do_not_carry_a_verdict() {

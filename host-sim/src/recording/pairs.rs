@@ -6,14 +6,16 @@ use super::format::guess;
 use super::stamp;
 use super::table::Table;
 
-/// A log shows what it is among so many records.
+/// A log shows what it is among so many records that name values, and these among so many of any kind: what it tells of itself comes first.
 const LOOKED_AT: usize = 100;
+const BEGINNING: usize = 1000;
 
 /// A record for each line, in JSON for each object: a row if it has all columns. `None` of what is no such log.
 pub(super) fn table(text: &str) -> Option<String> {
-    let is_json = text.trim_start().starts_with(['[', '{']);
+    let is_json = text.trim_start_matches(|c: char| c.is_whitespace() || c == '[').starts_with('{');
     let records = || text.split_inclusive(if is_json { '}' } else { '\n' });
-    let columns = columns(records().map(pairs).filter(|pairs| pairs.len() > 1).take(LOOKED_AT))?;
+    let named = records().take(BEGINNING).map(pairs).filter(|pairs| pairs.len() > 1);
+    let columns = columns(named.take(LOOKED_AT))?;
     let is_row = |record: &&str| columns.iter().all(|name| of(&pairs(record), name).is_some());
     let has_clock = records().filter(is_row).take(LOOKED_AT).all(|record| clock(record).is_some());
     let headings = columns.iter().map(|name| heading(name));
@@ -154,6 +156,7 @@ mod tests {
             "t,u,y\n0,1,2\n",
             "time,temp,heat\n2024-05-01T10:00:00Z,20,1\n10:00:01,21,1\n",
             "note: a=1 b=2\nt,u\n1,2\n",
+            "[Logger]\nSerial: 12, Rate: 5\ntime,temp,heat\n0,20,1\n",
             "",
         ] {
             assert_eq!(table(text), None, "{text}");

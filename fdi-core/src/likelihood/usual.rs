@@ -59,9 +59,14 @@ impl Usual {
         nuisances
     }
 
-    /// Nuisances since training where T1 rises by `rise`, degC: the gain's error at the mean power is another than that of its moves, so that an
-    /// offset of both is left.
-    pub(super) fn since_training(&self, rise: f32) -> LastingNuisances {
+    /// Mean square of what the gain's error makes of a rise, degC.
+    pub(super) fn error_of(&self, rise: f32) -> f32 {
+        self.curvature * rise * rise
+    }
+
+    /// Nuisances since training. The gain's error at the mean power is another than that of its moves, so that an offset of both is left, of the
+    /// mean square `offset`, degC.
+    pub(super) fn since_training(&self, offset: f32) -> LastingNuisances {
         let mut nuisances = nuisances_since_training(&self.tuning.nuisances);
         let [power, flow, offset1, offset2] = self.walk;
         // A step leads from one draw to another, so that it has twice the mean square of each.
@@ -71,7 +76,7 @@ impl Usual {
         let more = [power + self.curvature, flow, flow, offset1, offset2];
         let widen = |(_, sd): &mut Nuisance, more: f32| *sd = sqrt(*sd * *sd + more);
         nuisances[POWER..].iter_mut().zip(more).for_each(|(nuisance, more)| widen(nuisance, more));
-        widen(&mut nuisances[LASTING_T0], self.curvature * rise * rise);
+        widen(&mut nuisances[LASTING_T0], offset);
         nuisances
     }
 

@@ -60,7 +60,7 @@ impl Returned {
         expected: f32,
     ) -> Option<[f32; 4]> {
         let (t, normal) = (&self.tuning.since_training, &s.normal);
-        let list = usual.since_training(expected);
+        let list = usual.since_training(usual.error_of(expected));
         let nuisances = Nuisances::new(normal.sums(), &list, t.kappa);
         let left = normal.energy - nuisances.explained;
         if !(left < self.tuning.naming.fits * larger(1.0, normal.count)) {

@@ -58,27 +58,46 @@ pub(super) struct Seen<'a> {
 impl SinceTraining {
     /// A quiet tick is gathered, and the minute judged now and then. Gives what has come and gone, and how much of it has gone.
     pub(super) fn step(&self, s: &mut SinceTrainingState, seen: &Seen) -> Option<(Quantity, f32)> {
-        s.steady.gather(&seen.times.steady, seen.regressors, seen.whitened, seen.e, seen.z);
-        self.judge(s, seen)
+        let curvature = s.steady.gather(
+            &seen.times.steady,
+            seen.regressors,
+            seen.whitened,
+            seen.e,
+            seen.z,
+            [seen.usual.curvature, seen.usual.error_of(seen.expected)],
+        );
+        self.judge(s, seen, curvature)
     }
 
-    fn judge(&self, s: &mut SinceTrainingState, seen: &Seen) -> Option<(Quantity, f32)> {
+    /// Whether the likeliest hypothesis is a change: its own evidence says so, not that of another which is too small to be a fault.
+    fn is_there(&self, estimate: &[Estimate; COUNT], likeliest: usize, least: f32, lasts: bool) -> bool {
+        let (t, likeliest) = (&self.tuning.since_training, &estimate[likeliest % COUNT]);
+        let (factor, share) = if lasts { (t.lasting_raise, t.lasting_size) } else { (1.0, 1.0) };
+        likeliest.gain > factor * t.raise && likeliest.value.abs() > share * least
+    }
+
+    fn judge(
+        &self,
+        s: &mut SinceTrainingState,
+        seen: &Seen,
+        [curvature, offset]: [f32; 2],
+    ) -> Option<(Quantity, f32)> {
         let t = &self.tuning.since_training;
         let first = self.tuning.times.mean * seen.times.time_scale / self.sample_time;
         if !s.steady.is_ready(first) {
             return None;
         }
         let mut estimate = [Estimate::default(); COUNT];
-        let nuisances = seen.usual.since_training(seen.expected);
+        let usual = Usual { curvature, ..*seen.usual };
+        let nuisances = usual.since_training(offset);
         s.steady.judge(&nuisances, &mut estimate, self.inputs);
         let posterior = Posterior::new(&estimate);
         let h = posterior.likeliest % COUNT;
         let row = &self.tuning.hypotheses()[h];
-        let least = seen.usual.least_since_training(row.class, self.least_power);
+        let least = usual.least_since_training(row.class, self.least_power);
         // What is there lasts, but it opens no door to another thing.
         let lasts = s.changed.is_some_and(|was| is_alike(was.hypothesis, h));
-        let (factor, share) = if lasts { (t.lasting_raise, t.lasting_size) } else { (1.0, 1.0) };
-        let there = posterior.best_gain > factor * t.raise && estimate[h].value.abs() > share * least;
+        let there = self.is_there(&estimate, h, least, lasts);
         let onset = s.changed.map_or(seen.tick, |was| was.onset);
         let least = if self.inputs.fan { t.naming } else { 0.0 };
         let (class, confidence) = named(&self.tuning.naming, &posterior, least);
@@ -169,5 +188,28 @@ impl SinceTrainingState {
     /// A place of the memory that a bit may flip in.
     pub(super) fn places(&mut self) -> [&mut f32; 1] {
         self.steady.places()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::likelihood::class::FaultClass;
+
+    /// T1 may be clogged by 3 %, which is no fault, and T0 may read wrong, which nothing speaks for: nothing has changed.
+    #[test]
+    fn a_change_that_is_too_small_is_no_evidence_of_another() {
+        let tuning = Tuned::default();
+        let bank = SinceTraining { least_power: 0.085, sample_time: 0.11, inputs: Inputs::ALL, tuning };
+        let of = |class| HYPOTHESES.iter().position(|row| row.class == class).unwrap();
+        let (clogged, t0) = (of(FaultClass::T1Clogged), of(FaultClass::T0Fault));
+        let mut estimate = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; COUNT];
+        estimate[clogged] = Estimate { gain: 1.3, value: -0.03, ..Estimate::default() };
+        estimate[t0] = Estimate { gain: 0.3, value: 1.8, ..Estimate::default() };
+        let likeliest = Posterior::new(&estimate).likeliest;
+        assert_eq!(likeliest, t0, "a class has one odds for all of its hypotheses");
+        assert!(!bank.is_there(&estimate, likeliest, 0.8, false));
+        estimate[t0].gain = 1.2;
+        assert!(bank.is_there(&estimate, likeliest, 0.8, false));
     }
 }

@@ -4,7 +4,7 @@
 //! therefore kept apart: what is faster than some seconds is gathered in the sums; what is slower counts as two more measurements, the
 //! means of both residuals.
 
-use crate::bounds::{bounded, smaller};
+use crate::bounds::{bounded, larger, smaller};
 use crate::filter::LowPass;
 use crate::likelihood::evidence::{Estimate, Nuisance, Nuisances};
 use crate::likelihood::hypothesis::{self, IMPOSSIBLE, LASTING_PAIRS};
@@ -32,6 +32,9 @@ pub(super) struct Steady {
     slow_z: [f32; 2],
     mean: Regressors<LASTING>,
     mean_e: [f32; 2],
+    /// Of the gain's error as far from the trained power as the rig has been within the memory of these means: its mean square as a share, and
+    /// that of the offset of T1 that comes of it, degC.
+    curvature: [f32; 2],
     normal: LastingNormal,
     /// What the fast band seems to have changed by while nothing had: where the model is wrong.
     reference: [f32; LASTING],
@@ -50,6 +53,7 @@ impl Steady {
             slow_z: [0.0; 2],
             mean: [[0.0; 2]; LASTING],
             mean_e: [0.0; 2],
+            curvature: [0.0; 2],
             normal: LastingNormal::default(),
             reference: [0.0; LASTING],
             referred: false,
@@ -65,7 +69,8 @@ impl Steady {
         *self = Self { base: self.base, ..Self::new(self.tuning) };
     }
 
-    /// Gathers a tick: regressors and residuals, plain and whitened.
+    /// Gathers a tick: regressors and residuals, plain and whitened. The gain's error is `curvature` now, its mean
+    /// square as a share and that of the offset of T1 that comes of it, degC; gives what it may be in what is gathered.
     #[inline(never)]
     pub(super) fn gather(
         &mut self,
@@ -74,13 +79,19 @@ impl Steady {
         whitened: &Regressors<LASTING>,
         e: [f32; 2],
         z: [f32; 2],
-    ) {
+        curvature: [f32; 2],
+    ) -> [f32; 2] {
         let (clip, jump) = (self.tuning.since_training.clip, self.tuning.since_training.jump);
         if self.ticks == 0 {
             // A step would be in the fast band for seconds, and look as if something answered less or more.
             self.mean = *regressors;
             self.slow = *whitened;
             self.slow_z = z;
+            self.curvature = [0.0; 2];
+        }
+        for (gathered, now) in self.curvature.iter_mut().zip(curvature) {
+            c.mean.follow(gathered, now);
+            *gathered = larger(*gathered, now);
         }
         self.ticks = self.ticks.saturating_add(1);
         let weight = smaller(1.0, clip / (z[0].abs() + 1e-6)) * smaller(1.0, clip / (z[1].abs() + 1e-6));
@@ -106,6 +117,7 @@ impl Steady {
         if !self.referred && self.ticks >= c.reference {
             self.refer();
         }
+        self.curvature
     }
 
     /// What the fast band says now is what it says without a fault.
@@ -144,7 +156,7 @@ impl Steady {
     pub(super) fn sum(&self) -> f32 {
         let regressors = sum(self.slow.as_flattened()) + sum(self.mean.as_flattened()) + sum(&self.reference);
         let residuals = sum(&self.slow_z) + sum(&self.mean_e) + sum(&self.base);
-        regressors + residuals + self.normal.sum()
+        regressors + residuals + sum(&self.curvature) + self.normal.sum()
     }
 
     /// Whether there is anything to judge by.

@@ -16,6 +16,7 @@ use crate::likelihood::reference::Random;
 use crate::likelihood::regressor::Regressor;
 use crate::likelihood::second_heater::SecondHeater;
 use crate::likelihood::training::Trained;
+use crate::likelihood::usual::Usual;
 use crate::likelihood::whitening::WhiteningFilter;
 
 /// Innovations of both residuals, degC.
@@ -42,6 +43,9 @@ struct Run {
     random: Random,
     bit: f32,
     ticks: usize,
+    /// Of the gain's error now, and as `steady` says for what is gathered.
+    curvature: [f32; 2],
+    gathered: [f32; 2],
 }
 
 impl Run {
@@ -70,6 +74,8 @@ impl Run {
             random: Random::new(seed),
             bit: 5.0,
             ticks: 0,
+            curvature: [0.0; 2],
+            gathered: [0.0; 2],
         }
     }
 
@@ -87,17 +93,21 @@ impl Run {
             let z = self.innovations.step(e, e, [0.0; 2]).z_trained;
             let mut whitened = [[0.0; 2]; LASTING];
             self.innovations.whiten(&row, &mut whitened);
-            self.steady.gather(&c, &row, &whitened, e, z);
+            self.gathered = self.steady.gather(&c, &row, &whitened, e, z, self.curvature);
         }
     }
 
     /// The likeliest class, the gain of the best hypothesis, and the size of the likeliest.
     fn judged(&self) -> (FaultClass, f32, f32) {
+        self.judged_with(&SINCE_TRAINING)
+    }
+
+    fn judged_with(&self, nuisances: &[Nuisance]) -> (FaultClass, f32, f32) {
         let mut estimate = [Estimate::default(); hypothesis::COUNT];
-        self.steady.judge(&SINCE_TRAINING, &mut estimate, Inputs::ALL);
+        self.steady.judge(nuisances, &mut estimate, Inputs::ALL);
         let posterior = Posterior::new(&estimate);
         let h = posterior.likeliest;
-        (HYPOTHESES[h].class, posterior.best_gain, self.steady.size(&SINCE_TRAINING, h, Inputs::ALL).value)
+        (HYPOTHESES[h].class, posterior.best_gain, self.steady.size(nuisances, h, Inputs::ALL).value)
     }
 }
 
@@ -193,6 +203,34 @@ fn a_step_of_the_power_is_no_error_of_t0() {
         run.ticks(240, of(Regressor::Power, 0.12));
         let (class, gain, size) = run.judged();
         assert!(class == FaultClass::HeaterPower, "{class:?} gains {gain}, {size}, seed {seed}");
+    }
+}
+
+/// A set-point far away, where the gain is known less well, and back: the means remember what was measured there, and the error of the gain with it.
+#[test]
+fn what_was_gathered_far_from_the_trained_power_stays_as_uncertain_as_it_was_there() {
+    for seed in 1..6 {
+        let mut run = Run::new(seed);
+        run.ticks(REFERENCE as usize + 1500, nothing);
+        run.curvature = [0.25 * 0.25, 3.0 * 3.0];
+        run.ticks(350, of(Regressor::Power, 0.25));
+        run.curvature = [0.0; 2];
+        run.ticks(45, nothing);
+        let usual = |[curvature, offset]: [f32; 2]| {
+            let usual = Usual {
+                steps: 0.0,
+                walk: [0.0; 4],
+                curvature,
+                slow_surroundings: false,
+                tuning: Tuned::default(),
+            };
+            usual.since_training(offset)
+        };
+        let raise = Tuned::default().since_training.raise;
+        let (class, gain, _) = run.judged_with(&usual(run.gathered));
+        assert!(gain < raise, "{class:?} gains {gain}, seed {seed}");
+        let (class, gain, _) = run.judged_with(&usual(run.curvature));
+        assert!(gain > raise, "as if it had never been there: {class:?} gains {gain}, seed {seed}");
     }
 }
 

@@ -11,6 +11,7 @@ pub mod harness;
 pub mod inject;
 pub mod intervals;
 mod logs;
+mod long;
 pub mod map;
 mod names;
 mod pairs;
@@ -131,7 +132,7 @@ impl Recording {
     /// The same.
     pub fn parse(file: String, text: &str, how: &Reading) -> anyhow::Result<Self> {
         let board = board_log::table(text).with_context(|| file.clone())?;
-        let made = logs::klipper(text).or_else(|| pairs::table(text));
+        let made = logs::klipper(text).or_else(|| long::table(text)).or_else(|| pairs::table(text));
         let text = match &board {
             Some(log) => &log.table,
             None => made.as_deref().or_else(|| logs::artisan(text)).unwrap_or(text),

@@ -6,8 +6,9 @@ use super::stamp;
 use super::table::Table;
 
 /// English, German, Portuguese and Spanish.
-const TIME: [&str; 17] = [
+const TIME: [&str; 18] = [
     "timestamp",
+    "ts",
     "datetime",
     "time",
     "elapsed",
@@ -41,7 +42,7 @@ const TEMPERATURE: [&str; 10] = [
 const THINGS: [&str; 11] =
     ["hotend", "nozzle", "extruder", "bed", "chamber", "oven", "boiler", "tank", "plate", "block", "outlet"];
 /// What is nearer to the heat comes first.
-const POWER: [&str; 20] = [
+const POWER: [&str; 22] = [
     "power",
     "watt",
     "watts",
@@ -54,6 +55,8 @@ const POWER: [&str; 20] = [
     "heater",
     "heating",
     "heat",
+    "relay",
+    "ssr",
     "q",
     "mv",
     "control",

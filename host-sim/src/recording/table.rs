@@ -222,6 +222,14 @@ impl Table {
         self.map(0..self.rows, value)
     }
 
+    /// What stands in these columns of each row.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub(super) fn texts<const N: usize>(&self, columns: [usize; N]) -> anyhow::Result<Vec<[String; N]>> {
+        self.map(0..self.rows, |cells| Ok(columns.map(|column| cells[column].to_owned())))
+    }
+
     /// The first cell of `column` that is not missing.
     pub fn first_of(&self, column: usize) -> anyhow::Result<Option<String>> {
         let (mut reader, mut row) = (self.reader(), StringRecord::new());

@@ -157,7 +157,7 @@ fn actions() -> String {
 
 /// Has the board start anew with a rig beside it.
 fn simulate(session: &mut Session, args: &BoardArgs) -> anyhow::Result<SimulatedRig> {
-    let (_, scenario) = args.experiment.load()?;
+    let (_, scenario) = args.experiment.load_by_hand()?;
     let sample_time = as_written(crate::board::settings::read(session)?.sample_time.0);
     let rig = Rig::new(&scenario.rig, scenario.disturbance, sample_time, args.seed, &scenario.faults);
     let rig = SimulatedRig::new(rig);

@@ -30,12 +30,11 @@ The command `help` lists the commands of the board. Only here, there are also:
   wire swap t1 t2                   wire the rig wrongly; `help` lists what else can be wrong
   wire ok                           repair all wires and end all faults
   fault NAME [tN] SIZE [SECONDS]    let something happen to the rig; `pt326 scenario` has the names.
-                                    Until your first `fault` or `wire` the scenario's faults come
-                                    (by default the paper's), from then on only what you do
+                                    Of a --scenario its faults come until your first `fault` or `wire`
   quit                              end
 
 Examples:
-  printf 'check\\narm\\nwait 400\\nstatus\\nfaults\\n' | pt326 console
+  printf 'check\\narm\\nwait 400\\nstatus\\n' | pt326 console
   printf 'wire swap t1 t2\\ncheck\\nwire ok\\ncheck\\n' | pt326 console
   printf 'check\\narm\\nwait 370\\nfault offset t2 1.5 25\\nwait 5\\nstatus\\n' | pt326 console")]
 pub struct ConsoleArgs {
@@ -62,7 +61,7 @@ fn speed(text: &str) -> Result<f64, String> {
 /// # Errors
 /// A bad file or value.
 pub fn run(args: &ConsoleArgs) -> anyhow::Result<()> {
-    let (config, scenario) = args.experiment.load()?;
+    let (config, scenario) = args.experiment.load_by_hand()?;
     let mut bench = Bench::new(&config, &scenario, args.seed)?;
     if std::io::stdin().is_terminal() {
         print("The board's console on the simulated rig. Type help; wait SECONDS skips time; quit ends.\n")?;

@@ -33,7 +33,7 @@ tuning! {
 }
 
 tuning! {
-    /// The present models, compared with those of the commissioning (docs/diagnosis.md, section 7).
+    /// The present models, compared with those of the commissioning (docs/diagnosis.md, section 10).
     pub struct CommissionedTuning: commissioned {
         /// Smallest change of the static gain that is reported, a share.
         least = 0.15, "1", chosen "twice what one training differs from the next by where the mains step (preset harsh: 7 %)";

@@ -3,7 +3,7 @@
 use super::tuning;
 
 tuning! {
-    /// What is known of a rig before it is trained: means and standard deviations of the parameters (docs/diagnosis.md, section 2).
+    /// What is known of a rig before it is trained: means and standard deviations of the parameters (docs/diagnosis.md, section 1).
     pub struct PriorTuning: prior {
         /// Standard deviation of ln of what is hardly known: the gain, whose mean is the usual gain, the wall's time constant, and the lag of a heater beside, whose mean is the heater's lag.
         wide = 0.7, "1", chosen "wide: a factor of 2";

@@ -79,7 +79,7 @@ fn an_alarm_for_an_open_lid_ends_when_it_is_closed() {
 }
 
 /// A rig that answers over hundreds of samples is looked at by means as well. Both models take over the same state when the lid is closed, at their own
-/// times: if the one of the means has it from within a mean, the record of seed 16 is in alarm for 3.7 % of the closed time.
+/// times: before they did, the record of seed 16 was in alarm for 3.7 % of the closed time.
 #[test]
 fn no_other_alarm_is_raised_behind_a_lid_of_a_slow_rig() {
     for seed in 15..=16 {

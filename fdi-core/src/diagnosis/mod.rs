@@ -14,6 +14,7 @@ use crate::feedback::Feedback;
 use crate::filter::{LowPass, LowPassState};
 use crate::identify::observer::{Identified, Observer, ObserverState};
 use crate::known::KnownInputs;
+use crate::likelihood::added::Added;
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::interacting::{Found, Interacting};
 use crate::likelihood::model::Model;
@@ -200,19 +201,46 @@ impl Diagnosis {
         self.likelihood.certain()
     }
 
+    /// See [`Likelihood::before_an_end`].
+    pub(crate) fn before_an_end(&self, state: &DiagnosisState, added: &mut Added) {
+        self.likelihood.before_an_end(&state.likelihood, added);
+    }
+
+    /// See [`Likelihood::follow_added`].
+    pub(crate) fn follow_added(&self, state: &DiagnosisState, added: &mut Added) {
+        self.likelihood.follow_added(&state.likelihood, added);
+    }
+
+    /// See [`Likelihood::catch_up`].
+    pub(crate) fn catch_up(&self, state: &mut DiagnosisState, added: &mut Added, all: [f32; 3]) {
+        self.likelihood.catch_up(&mut state.likelihood, added, all);
+    }
+
     /// See [`Likelihood::interacting`].
     pub(crate) fn interacting(&self, state: &DiagnosisState) -> Option<Interacting> {
         self.likelihood.interacting(&state.likelihood)
     }
 
     /// See [`Likelihood::ask`].
-    pub(crate) fn ask(&self, state: &DiagnosisState, bank: &mut Interacting, e1: Option<f32>) -> Found {
-        self.likelihood.ask(&state.likelihood, bank, e1)
+    pub(crate) fn ask(
+        &self,
+        state: &DiagnosisState,
+        bank: &mut Interacting,
+        added: &Added,
+        e1: Option<f32>,
+    ) -> Found {
+        self.likelihood.ask(&state.likelihood, bank, added, e1)
     }
 
     /// See [`Likelihood::end_as_found`].
-    pub(crate) fn end_as_found(&self, state: &mut DiagnosisState, bank: &Interacting) {
-        self.likelihood.end_as_found(&mut state.likelihood, bank);
+    pub(crate) fn end_as_found(
+        &self,
+        state: &mut DiagnosisState,
+        bank: &Interacting,
+        added: &mut Added,
+        apart: [f32; 3],
+    ) {
+        self.likelihood.end_as_found(&mut state.likelihood, bank, added, apart);
     }
 
     /// The model in force; none before one was learnt.

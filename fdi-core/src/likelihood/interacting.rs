@@ -15,44 +15,16 @@
 //! "disturbed" q_x and q_m are large: heat comes or goes, as through an open lid, and the state is followed meanwhile. So the first samples behind the end
 //! tell that it is over. Both are told apart by their probabilities; faults that last (the other kinds) must be refuted by what came since.
 
-use super::process::{Motion, Process};
-use super::second_heater::SecondHeater;
+mod filter;
+
+use super::added::{Added, begun};
+use super::process::Process;
 use super::start::Begun;
-use super::tuning::AlarmTuning;
+use super::tuning::{Tuned, Tuning};
 use super::whitening::WhiteningFilter;
 use super::work::Work;
 use super::{Contact, Likelihood, LikelihoodState};
-
-const STATES: usize = 7;
-const CONSTANT: usize = 6;
-type Vector = [f64; STATES];
-type Matrix = [Vector; STATES];
-
-/// Standard deviation of heat and air when an alarm begins, %; of the wall, which is slower, a third. Chosen.
-const UNKNOWN: f64 = 50.0;
-/// A disturbance changes the heat by so much within a time constant, and the power that reaches the air by so much on a tick, %. Chosen; with a third of
-/// the first the tails of made records stay as they are.
-const OF_HEAT: f64 = 30.0;
-const OF_AIR: f64 = 10.0;
-/// The same of the heat where nothing disturbs: with 1 an offset's alarm outlives it by 190 samples in place of 10, since any fault explains anything.
-const MODEL_ERROR: f64 = 0.1;
-/// Ticks that "as trained" and "disturbed" last in the mean: with 30 neither is ever sure on a rig that answers within 100 samples.
-const LASTS: f64 = 300.0;
-/// "Disturbed" is ruled out below this probability: with 0.04 the alarm of one offset in four ends early.
-const RULED_OUT: f64 = 0.01;
-/// Ticks after which evidence for a name counts for 1/e. Chosen.
-const MEMORY: f64 = 60.0;
-/// The same for what is asked for, chosen: it is looked at over fewer.
-const DIFFERS: f64 = 20.0;
-/// Nothing was asked for, %.
-const OFF: f64 = 0.5;
-/// What is smaller is no fault: shares, and %. Chosen, below what an alarm is raised for.
-const LEAST_SHARE: f64 = 0.06;
-const LEAST_POWER: f64 = 4.0;
-/// p is known when its standard deviation has fallen to this share of what it was, chosen.
-const KNOWN: f64 = 0.25;
-/// An innovation counts for so many standard deviations at most.
-const CLIP: f64 = 6.0;
+use filter::{CONSTANT, Filter, Matrix, STATES, Vector};
 
 /// What a filter says is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,22 +53,22 @@ const SAME: usize = 5;
 const _: () = assert!(matches!(KINDS[SAME], Kind::Same));
 
 impl Kind {
-    /// Mean and standard deviation of p, as wide as the hypotheses' of docs/diagnosis.md, section 6, or wider.
-    const fn prior(self) -> (f64, f64) {
+    /// Mean and standard deviation of p, as the hypotheses' of docs/diagnosis.md, section 6, or wider.
+    fn prior(self, t: &Tuning) -> (f64, f64) {
         match self {
             Self::AsTrained | Self::Disturbed => (0.0, 0.0),
-            Self::Power | Self::Gain => (0.0, 0.5),
-            Self::Offset => (0.0, 5.0),
-            Self::Same | Self::On => (40.0, 40.0),
+            Self::Power | Self::Gain => (0.0, t.hypotheses.share_sd.into()),
+            Self::Offset => (0.0, t.interacting.offset_sd.into()),
+            Self::Same | Self::On => (t.hypotheses.constant.into(), t.hypotheses.constant.into()),
         }
     }
 
-    /// The power of a tick: for each unit of p, and without it, where so much is asked for, %.
-    fn power(self, asked: f64) -> (f64, f64) {
+    /// The power of a tick: for each unit of p, and without it, where so much is asked for, %; less than `least` is nothing.
+    fn power(self, asked: f64, least: f64) -> (f64, f64) {
         match self {
             Self::Power => (asked, 0.0),
             Self::Same => (1.0, -asked),
-            Self::On if asked < OFF => (1.0, 0.0),
+            Self::On if asked < least => (1.0, 0.0),
             _ => (0.0, 0.0),
         }
     }
@@ -109,16 +81,6 @@ impl Kind {
             _ => 0.0,
         }
     }
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Filter {
-    state: Vector,
-    covariance: Matrix,
-    /// Evidence of late, a logarithm.
-    evidence: f64,
-    /// Log odds of "as trained" against it, since that is likelier than "disturbed".
-    behind: f64,
 }
 
 /// What the bank makes of a tick.
@@ -135,6 +97,7 @@ pub(crate) enum Found {
 /// The bank.
 #[derive(Clone, Debug)]
 pub(crate) struct Interacting {
+    tuning: Tuned,
     /// The ways that heat, air and wall go on a tick, as shares.
     shares: [f64; 3],
     /// The noise: shares of what it was, the variance of its innovations, and what it is by itself, degC^2.
@@ -153,17 +116,21 @@ pub(crate) struct Interacting {
     /// By how much "the same" differs from what is asked for, a mean of late, %.
     differs: f64,
     found: Found,
+    /// The furthest that T1 has been from the model in this alarm, degC.
+    furthest: f64,
 }
 
 impl Interacting {
     /// Of a rig of which nothing is known but that something stirs.
-    pub(super) fn new(t: &AlarmTuning, process: &Process, whitening: &WhiteningFilter) -> Self {
+    pub(super) fn new(tuning: Tuned, process: &Process, whitening: &WhiteningFilter) -> Self {
+        let t = &tuning.interacting;
+        let unknown = f64::from(t.unknown);
         let (own, sigma) = whitening.of_e1();
         let (own, noise) = (own.map(f64::from), f64::from(sigma) * f64::from(sigma));
         let coloured = noise / (1.0 - own.iter().sum::<f64>()).clamp(0.01, 1.0);
         let filters = KINDS.map(|kind| {
-            let (mean, sd) = kind.prior();
-            let sd = [UNKNOWN, UNKNOWN, UNKNOWN / 3.0, 0.0, 0.0, 0.0, sd];
+            let (mean, sd) = kind.prior(&tuning);
+            let sd = [unknown, unknown, f64::from(t.wall), 0.0, 0.0, 0.0, sd];
             let mut covariance = [[0.0; STATES]; STATES];
             for (i, sd) in sd.into_iter().enumerate() {
                 covariance[i][i] = if (3..CONSTANT).contains(&i) { coloured } else { sd * sd };
@@ -172,23 +139,27 @@ impl Interacting {
         });
         let (gain, slow) = (f64::from(process.gain[0]), f64::from(process.slow[0]));
         Self {
+            tuning,
             shares: [process.heater, process.lag[0], process.wall].map(f64::from),
             own,
             noise,
             coloured,
             gains: [gain * (1.0 - slow), gain * slow],
-            kappa: f64::from(t.kappa),
-            sure: f64::from(t.over),
+            kappa: f64::from(tuning.alarm.kappa),
+            sure: f64::from(tuning.alarm.over),
             filters,
             probability: [0.5; 2],
             heat: None,
-            differs: UNKNOWN,
+            differs: unknown,
             found: Found::Nothing,
+            furthest: 0.0,
         }
     }
 
     /// A tick: what T1 reads beyond the model, degC, the model's heat at T1, %, and by how much T1 should rise, degC.
     fn step(&mut self, e1: Option<f32>, heat: f32, rise: f32) -> Found {
+        let tuning = self.tuning;
+        let t = &tuning.interacting;
         let heat = f64::from(heat);
         let before = self.heat.replace(heat).unwrap_or(heat);
         let [heater, ..] = self.shares;
@@ -196,20 +167,20 @@ impl Interacting {
         self.mix();
         let mut logs = [0.0; KINDS.len()];
         for (i, kind) in KINDS.into_iter().enumerate() {
-            let (matrix, added) = self.transition(kind.power(asked));
+            let (matrix, added) = self.transition(kind.power(asked, tuning.hypotheses.least_constant.into()));
             let comes = self.comes(kind);
             let filter = &mut self.filters[i];
             filter.predict(&matrix, added, &comes);
             if let Some(e1) = e1 {
                 let output = [0.0, self.gains[0], self.gains[1], 1.0, 0.0, 0.0, kind.error(f64::from(rise))];
-                logs[i] = filter.correct(&output, f64::from(e1)) / self.kappa;
+                logs[i] = filter.correct(&output, f64::from(e1), tuning.charts.clip.into()) / self.kappa;
             }
         }
-        if e1.is_none() {
-            return Found::Nothing;
-        }
+        let Some(e1) = e1 else { return Found::Nothing };
+        self.furthest = self.furthest.max(f64::from(e1).abs());
         self.weigh(&logs);
-        self.differs += ((self.filters[SAME].state[CONSTANT] - asked).abs() - self.differs) / DIFFERS;
+        self.differs +=
+            ((self.filters[SAME].state[CONSTANT] - asked).abs() - self.differs) / f64::from(t.memory);
         self.found = if self.is_over() {
             Found::Over
         } else if self.is_on() {
@@ -218,6 +189,14 @@ impl Interacting {
             Found::Nothing
         };
         self.found
+    }
+
+    /// The model has taken over so much heat at T1, air and wall, %.
+    fn differ_less(&mut self, by: [f32; 3]) {
+        self.heat = self.heat.map(|heat| heat + f64::from(by[0]));
+        for filter in &mut self.filters {
+            filter.state.iter_mut().zip(by).for_each(|(x, by)| *x -= f64::from(by));
+        }
     }
 
     /// Takes in how likely each says that a sample was.
@@ -229,7 +208,7 @@ impl Interacting {
         self.probability = [a, b].map(|x| (x / (a + b)).clamp(1e-6, 1.0 - 1e-6));
         let likely = self.probability[0] > 0.5;
         for (filter, log) in self.filters.iter_mut().zip(logs) {
-            filter.evidence += log - filter.evidence / MEMORY;
+            filter.evidence += log - filter.evidence / f64::from(self.tuning.interacting.memory);
             filter.behind =
                 if likely { (filter.behind + trained - log).clamp(0.0, 10.0 * self.sure) } else { 0.0 };
         }
@@ -237,24 +216,33 @@ impl Interacting {
 
     /// Whether nothing disturbs, and each fault that lasts is refuted or nothing.
     fn is_over(&self) -> bool {
-        let [Filter { state: [_, air, ..], .. }, ..] = &self.filters;
-        let left = (self.gains[0] * air).abs();
+        let t = &self.tuning.interacting;
+        let known = f64::from(t.known);
+        let (least_power, least_share) = (
+            f64::from(self.tuning.hypotheses.least_constant),
+            f64::from(self.tuning.since_training.least_gain),
+        );
         let refuted = |(kind, filter): (&Kind, &Filter)| {
             let (p, sd) =
                 (filter.state[CONSTANT], libm::sqrt(filter.covariance[CONSTANT][CONSTANT].max(0.0)));
-            let (prior, is_known) = (kind.prior().1, sd < KNOWN * kind.prior().1);
+            let (prior, is_known) = (kind.prior(&self.tuning).1, sd < known * kind.prior(&self.tuning).1);
             let small = |least: f64| p.abs() + 2.0 * sd < 2.0 * least || (p.abs() < 2.0 * sd && is_known);
             let nothing = match kind {
                 // Of what T1 reads less than half: a state that is left and an error look alike until the rig has forgotten some of it.
-                Kind::Offset => p.abs() + 2.0 * sd < (4.0 * libm::sqrt(self.coloured)).max(0.5 * left),
-                Kind::Same => self.differs < 2.0 * LEAST_POWER,
+                Kind::Offset => {
+                    p.abs() + 2.0 * sd
+                        < (f64::from(t.offset_noise) * libm::sqrt(self.coloured))
+                            .max(f64::from(t.offset_share) * self.furthest)
+                }
+                Kind::Same => self.differs < 2.0 * least_power,
                 // While it is asked for more, or was never asked for nothing, this is no fault that can be seen.
-                Kind::On => sd > KNOWN * prior || small(LEAST_POWER),
-                _ => small(LEAST_SHARE),
+                Kind::On => sd > known * prior || small(least_power),
+                _ => small(least_share),
             };
             nothing || filter.behind > self.sure
         };
-        self.probability[1] < RULED_OUT && KINDS.iter().zip(&self.filters).skip(LASTING).all(refuted)
+        self.probability[1] < f64::from(t.ruled_out)
+            && KINDS.iter().zip(&self.filters).skip(LASTING).all(refuted)
     }
 
     /// Whether the heater gives what nobody asks for.
@@ -271,8 +259,13 @@ impl Interacting {
     /// Variances that come in on a tick.
     fn comes(&self, kind: Kind) -> Vector {
         let [heater, lag, _] = self.shares;
+        let t = &self.tuning.interacting;
         let disturbed = kind == Kind::Disturbed;
-        let (x, m) = if disturbed { (OF_HEAT, lag * OF_AIR) } else { (MODEL_ERROR, 0.0) };
+        let (x, m) = if disturbed {
+            (f64::from(t.of_heat), lag * f64::from(t.of_air))
+        } else {
+            (f64::from(t.model_error), 0.0)
+        };
         [heater * x * x, m * m, 0.0, self.noise, 0.0, 0.0, 0.0]
     }
 
@@ -293,7 +286,7 @@ impl Interacting {
 
     /// What both that interact begin the next tick with, since the rig may have changed from one to the other.
     fn mix(&mut self) {
-        let leave = 1.0 / LASTS;
+        let leave = 1.0 / f64::from(self.tuning.interacting.lasts);
         let [a, b] = self.probability;
         let from = [[(1.0 - leave) * a, leave * b], [leave * a, (1.0 - leave) * b]];
         let [trained, disturbed, ..] = self.filters;
@@ -316,46 +309,10 @@ impl Interacting {
     }
 
     /// What the rig has of it now that the model has not.
-    fn begun(&self) -> Begun {
+    pub(super) fn begun(&self, apart: [f32; 3]) -> Begun {
         let [trained, ..] = &self.filters;
-        let [x, m, w, ..] = trained.state.map(|x| x as f32);
-        let mut motion = Motion::steady(x);
-        (motion.m, motion.w) = ([m; 2], [w; 2]);
-        Begun { motion, beside: SecondHeater::default(), room: [0.0; 2] }
+        begun(core::array::from_fn(|i| trained.state[i] as f32 + apart[i]))
     }
-}
-
-impl Filter {
-    fn predict(&mut self, matrix: &Matrix, added: [f64; 3], comes: &Vector) {
-        let mut half = [[0.0; STATES]; STATES];
-        for (half, row) in half.iter_mut().zip(matrix) {
-            for (share, row) in row.iter().zip(&self.covariance).filter(|(share, _)| **share != 0.0) {
-                half.iter_mut().zip(row).for_each(|(sum, x)| *sum += share * x);
-            }
-        }
-        self.state = matrix.map(|row| product(&row, &self.state));
-        self.state.iter_mut().zip(added).for_each(|(x, added)| *x += added);
-        for (i, (row, half)) in self.covariance.iter_mut().zip(&half).enumerate() {
-            row.iter_mut().zip(matrix).for_each(|(x, of)| *x = product(half, of));
-            row[i] += comes[i];
-        }
-    }
-
-    /// Takes a measurement in; the logarithm of how likely it was.
-    fn correct(&mut self, output: &Vector, e: f64) -> f64 {
-        let along = self.covariance.map(|row| product(&row, output));
-        let variance = product(output, &along).max(1e-12);
-        let innovation = e - product(output, &self.state);
-        for ((x, row), along_x) in self.state.iter_mut().zip(&mut self.covariance).zip(along) {
-            *x += along_x * innovation / variance;
-            row.iter_mut().zip(along).for_each(|(cell, along)| *cell -= along_x * along / variance);
-        }
-        -0.5 * ((innovation * innovation / variance).min(CLIP * CLIP) + libm::log(variance))
-    }
-}
-
-fn product(a: &Vector, b: &Vector) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl Likelihood {
@@ -370,26 +327,32 @@ impl Likelihood {
     }
 
     /// A tick of it: what T1 reads beyond the model, degC.
-    pub(crate) fn ask(&self, state: &LikelihoodState, bank: &mut Interacting, e1: Option<f32>) -> Found {
+    pub(crate) fn ask(
+        &self,
+        state: &LikelihoodState,
+        bank: &mut Interacting,
+        added: &Added,
+        e1: Option<f32>,
+    ) -> Found {
         state.trained.as_ref().map_or(Found::Nothing, |trained| {
-            let [heat, rise] = trained.heat_at_t1();
-            bank.step(e1, heat, rise)
+            let ([heat, rise], came) = (trained.heat_at_t1(), added.last());
+            let found = bank.step(e1, heat - came[0], rise);
+            bank.differ_less(came);
+            found
         })
     }
 
-    /// All is as trained, from the state that the bank has found: what alarm stands is over.
-    pub(crate) fn end_as_found(&self, state: &mut LikelihoodState, bank: &Interacting) {
-        self.end_in(state, &bank.begun());
-    }
-
-    /// All is as trained, from this state on: what alarm stands is over.
-    pub(super) fn end_in(&self, state: &mut LikelihoodState, begun: &Begun) {
-        if let (Some(trained), Work::Watching(_)) = (&mut state.trained, &state.work) {
+    /// All is as trained, from this state on: what alarm stands is over. Says whether it was taken over.
+    pub(super) fn end_in(&self, state: &mut LikelihoodState, begun: &Begun) -> bool {
+        let watched = (&mut state.trained, &state.work);
+        if let (Some(trained), Work::Watching(_)) = watched {
             self.watch.return_to(trained, begun);
             state.work.begin_watching();
             // What is left of heat is no error of a thermistor that comes and goes.
             state.contact = Contact::default();
+            return true;
         }
+        false
     }
 }
 

@@ -35,6 +35,7 @@
 //! # Ok::<(), fdi_core::ConfigError>(())
 //! ```
 
+pub(crate) mod added;
 mod alarm;
 mod ambient;
 pub(crate) mod arbiter;

@@ -255,7 +255,7 @@ impl Likelihood {
 
     /// All is as trained since the `start`, from another state: what alarm stands is over.
     pub(crate) fn end_by(&self, state: &mut LikelihoodState, start: &Start) {
-        self.end_in(state, &start.begun());
+        let _ = self.end_in(state, &start.begun());
     }
 
     /// Takes over how the rig began: it is watched from now on.

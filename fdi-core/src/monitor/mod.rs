@@ -86,8 +86,15 @@ pub struct Monitor {
     gate: Gate,
     fast: OneRate,
     slow: Option<Slow>,
-    /// What is asked while an alarm stands, and since which tick.
-    bank: Option<(u32, Interacting)>,
+    asked: Option<Asked>,
+}
+
+/// What is asked of an alarm, since which tick, and whether it still stands.
+#[derive(Clone, Debug)]
+struct Asked {
+    bank: Interacting,
+    since: u32,
+    stands: bool,
 }
 
 /// The look at means of several samples.
@@ -99,6 +106,15 @@ struct Slow {
     /// A thermistor is said to read wrong.
     corrected: bool,
     said: LikelihoodReport,
+    /// What the model of the samples has taken over this one owes, from the next whole mean on: sums of it so far.
+    owed: Option<Owed>,
+}
+
+/// Sums over a mean of what the model of the samples has that its power did not give: heat at T1, air and wall, %.
+#[derive(Clone, Copy, Debug, Default)]
+struct Owed {
+    begun: bool,
+    sums: [f32; 3],
 }
 
 /// Sums of what will be one sample, and of how many each.
@@ -139,7 +155,12 @@ impl Monitor {
     /// # Errors
     /// The setting, or the unit, that is out of bounds.
     pub fn new(config: &Config, inputs: Inputs, units: Units) -> Result<Self, ConfigError> {
-        Ok(Self { gate: Gate::default(), fast: OneRate::new(config, inputs, units)?, slow: None, bank: None })
+        Ok(Self {
+            gate: Gate::default(),
+            fast: OneRate::new(config, inputs, units)?,
+            slow: None,
+            asked: None,
+        })
     }
 
     /// The same, which looks at means of `every` samples as well.
@@ -153,7 +174,7 @@ impl Monitor {
         let inputs = Inputs { since: true, ..self.fast.inputs() };
         let rate = OneRate::new(&config, inputs, self.fast.units())?;
         let (gathered, said) = (Gathered::default(), LikelihoodReport::default());
-        Ok(Self { slow: Some(Slow { rate, every, gathered, corrected: false, said }), ..self })
+        Ok(Self { slow: Some(Slow { rate, every, gathered, corrected: false, said, owed: None }), ..self })
     }
 
     /// One sample: what is believed of it, and the report on it.
@@ -162,39 +183,45 @@ impl Monitor {
         let (mut seen, mut report) = self.fast.step(observed);
         [.., seen.known.supply_lost] = self.gate.refused;
         if let Some(slow) = &mut self.slow {
-            slow.step(observed, report.likelihood.finding);
+            slow.step(observed, report.likelihood.finding, self.fast.added());
             report.likelihood = slow.together(report.likelihood);
         }
         self.ask(seen.index, &mut report.likelihood);
         (seen, report)
     }
 
-    /// While an alarm stands: is it over, from whatever state, or does the heater give what nobody asks for? Asked of samples, for both looks.
+    /// While an alarm stands: is it over, from whatever state, or does the heater give what nobody asks for? Asked of samples, for both looks. An alarm that
+    /// has ended by itself leaves a model that may not be where the rig is: the bank goes on until it knows.
     fn ask(&mut self, tick: u32, report: &mut LikelihoodReport) {
         let asks = self.fast.asks() || self.slow.as_ref().is_some_and(|slow| slow.rate.asks());
-        if self.fast.inputs().t2 || !asks {
-            self.bank = None;
-            return;
+        // What the filters of faults know of one alarm is wrong of the next.
+        let another = asks && self.asked.as_ref().is_some_and(|asked| !asked.stands);
+        if self.fast.inputs().t2 || !self.fast.is_watched() || another {
+            self.asked = None;
         }
-        if self.bank.is_none() {
-            self.bank = self.fast.bank().map(|bank| (tick, bank));
+        if self.asked.is_none() && asks {
+            self.asked = self.fast.bank().map(|bank| Asked { bank, since: tick, stands: true });
         }
-        let Some((since, bank)) = &mut self.bank else { return };
-        match self.fast.ask(bank) {
-            Found::Nothing => {}
-            Found::HeaterOn => {
-                let onset = report.finding.map_or(*since, |finding| finding.onset);
+        let Some(asked) = &mut self.asked else { return };
+        asked.stands = asks;
+        match self.fast.ask(&mut asked.bank) {
+            Found::HeaterOn if asks => {
+                let onset = report.finding.map_or(asked.since, |finding| finding.onset);
                 let confidence = self.fast.certain();
                 let class = FaultClass::HeaterPower;
                 report.finding = Some(Finding { class, confidence, magnitude: None, onset });
             }
+            Found::Nothing | Found::HeaterOn => {}
             Found::Over => {
-                self.fast.end_as_found(bank);
+                let added = self.fast.added();
+                self.fast.end_as_found(&asked.bank, [0.0; 3]);
                 if let Some(slow) = &mut self.slow {
-                    slow.rate.end_as_found(bank);
-                    (slow.said.alarm, slow.said.finding) = (false, None);
+                    let own = slow.rate.added();
+                    slow.rate.end_as_found(&asked.bank, core::array::from_fn(|i| added[i] - own[i]));
+                    slow.owed = Some(Owed::default());
+                    slow.is_over();
                 }
-                self.bank = None;
+                self.asked = None;
             }
         }
     }
@@ -224,6 +251,7 @@ impl Monitor {
         if let Some(slow) = &mut self.slow {
             slow.rate.resume();
             slow.gathered = Gathered::default();
+            slow.owed = None;
         }
     }
 
@@ -244,7 +272,7 @@ impl Monitor {
 }
 
 impl Slow {
-    fn step(&mut self, observed: &Observed, fast: Option<Finding>) {
+    fn step(&mut self, observed: &Observed, fast: Option<Finding>, added: [f32; 3]) {
         let mut observed = *observed;
         let mut corrected = false;
         if let Some(Finding { class, magnitude: Some(magnitude), .. }) = fast {
@@ -262,11 +290,24 @@ impl Slow {
         if core::mem::replace(&mut self.corrected, corrected) != corrected {
             self.gathered.forget_temperatures();
         }
+        if let Some(owed) = &mut self.owed {
+            owed.begun |= self.gathered.count == 0;
+            owed.sums.iter_mut().zip(added).filter(|_| owed.begun).for_each(|(sum, added)| *sum += added);
+        }
         self.gathered.add(&observed);
         if self.gathered.count >= self.every {
             let mean = core::mem::take(&mut self.gathered).mean();
             self.said = self.rate.step(&mean).1.likelihood;
+            if let Some(owed) = self.owed.take_if(|owed| owed.begun) {
+                self.rate.catch_up(owed.sums.map(|sum| sum / self.every as f32));
+                self.is_over();
+            }
         }
+    }
+
+    /// What alarm it had is over.
+    fn is_over(&mut self) {
+        (self.said.alarm, self.said.finding) = (false, None);
     }
 
     /// What both say: of thermistors the look at each sample, of the process that at means.

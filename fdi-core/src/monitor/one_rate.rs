@@ -10,6 +10,7 @@ use crate::diagnosis::baseline::Baseline;
 use crate::diagnosis::{Diagnosis, DiagnosisState, Report};
 use crate::error::{ConfigError, in_range};
 use crate::known::KnownInputs;
+use crate::likelihood::added::Added;
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::model::Model;
 use crate::likelihood::start::Start;
@@ -96,6 +97,8 @@ pub(super) struct OneRate {
     anew: Option<Anew>,
     /// What T1 reads beyond the model, degC.
     beyond: Option<f32>,
+    /// What the ends of alarms added to the model.
+    added: Added,
     /// Samples since the last with a power or a T1.
     gap: u32,
     /// The T1 with which learning began: it stands for a T0 that is missing.
@@ -139,6 +142,7 @@ impl OneRate {
             start,
             anew: None,
             beyond: None,
+            added: Added::default(),
             gap,
             base,
             last,
@@ -158,8 +162,13 @@ impl OneRate {
         if !gone && core::mem::take(&mut self.resuming) {
             self.diagnosis.resume(&mut self.state, seen.power.0, &seen.known);
             self.start = self.diagnosis.start_of_rig(&self.state, self.same_room);
+            self.added = Added::default();
+        }
+        if self.asks() {
+            self.diagnosis.before_an_end(&self.state, &mut self.added);
         }
         let mut report = self.diagnosis.step(&mut self.state, &seen);
+        self.diagnosis.follow_added(&self.state, &mut self.added);
         self.armed = report.likelihood.readiness == Readiness::Armed;
         let beyond = beyond(&seen, &report);
         self.beyond = beyond[0];

@@ -10,11 +10,11 @@ use crate::{arg, folder, pt326, text};
 const COUNT: usize = 5000;
 const LEARNT: usize = 2000;
 
-/// A heater of two lags, 0.45 degC a %, under a PI controller whose set-point changes now and then. `acts` says of a sample which share of the power
+/// A heater of two lags, of which one may be `slower`, 0.45 degC a %, under a PI controller whose set-point changes now and then. `acts` says of a sample which share of the power
 /// arrives, how much more heat is lost than usual, and what T1 reads too high, degC.
-fn record(seed: u64, acts: impl Fn(usize) -> (f64, f64, f64)) -> String {
+fn record(seed: u64, slower: f64, acts: impl Fn(usize) -> (f64, f64, f64)) -> String {
     let dice = &mut Dice::of(seed);
-    let [slow, fast] = [dice.between(40.0, 120.0), dice.between(4.0, 12.0)];
+    let [slow, fast] = [slower * dice.between(40.0, 120.0), dice.between(4.0, 12.0)];
     let (mut walls, mut air, mut sum, mut wanted) = (0.0, 0.0, 0.0, 0.0);
     let mut rows = String::from("time,temp,power\n");
     for k in 0..COUNT {
@@ -70,11 +70,23 @@ fn an_alarm_for_an_open_lid_ends_when_it_is_closed() {
     };
     for seed in 1..=3 {
         let lost = |k| if opening(k).is_some() { 4.0 } else { 0.0 };
-        let alarms = alarms("lid", &record(seed, |k| (1.0, lost(k), 0.0)));
+        let alarms = alarms("lid", &record(seed, 1.0, |k| (1.0, lost(k), 0.0)));
         let openings: Vec<_> = (LEARNT..COUNT).filter_map(opening).collect();
         assert!(openings.iter().all(|opening| share(&alarms, opening.clone()) > 0.5), "seed {seed}: seen");
         let closed = share(&alarms, (LEARNT..COUNT).filter(|k| opening(*k).is_none()));
         assert!(closed < 0.06, "seed {seed}: in alarm for {closed:.2} of the closed time");
+    }
+}
+
+/// A rig that answers over hundreds of samples is looked at by means as well. Both models take over the same state when the lid is closed, at their own
+/// times: before they did, the record of seed 16 was in alarm for 3.7 % of the closed time.
+#[test]
+fn no_other_alarm_is_raised_behind_a_lid_of_a_slow_rig() {
+    for seed in 15..=16 {
+        let open = |k: usize| k >= LEARNT + 200 && (k - LEARNT - 200) % 700 < 60;
+        let alarms = alarms("lid-slow", &record(seed, 3.0, |k| (1.0, if open(k) { 4.0 } else { 0.0 }, 0.0)));
+        let closed = share(&alarms, (LEARNT..COUNT).filter(|k| !open(*k)));
+        assert!(closed < 0.03, "seed {seed}: in alarm for {closed:.3} of the closed time");
     }
 }
 
@@ -85,7 +97,7 @@ fn an_alarm_lasts_as_long_as_its_fault() {
     let fault = 3000..3800;
     for (seed, power, off) in [(1, 0.7, 0.0), (2, 1.4, 0.0), (3, 1.0, 2.0)] {
         let acts = |k| if fault.contains(&k) { (power, 0.0, off) } else { (1.0, 0.0, 0.0) };
-        let alarms = alarms("lid-fault", &record(seed, acts));
+        let alarms = alarms("lid-fault", &record(seed, 1.0, acts));
         let stands = share(&alarms, fault.start + 60..fault.end);
         assert!(stands > 0.95, "seed {seed}: in alarm for {stands:.2} of the fault");
         let behind = share(&alarms, fault.end + 150..COUNT);

@@ -12,6 +12,7 @@ mod lid;
 mod made;
 mod plant;
 mod porting;
+mod printer;
 mod replay;
 mod run;
 mod samples;

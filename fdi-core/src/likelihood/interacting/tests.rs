@@ -10,7 +10,7 @@ fn bank() -> Interacting {
     let parameters = Parameters([-0.7, 4.1, 0.0, 1.6, 0.0, 0.9, 1.3, 2.0, 0.0, 6.0, 0.0, 0.0, 0.0]);
     let mut whitening = WhiteningFilter::default();
     (whitening.sigma, whitening.inv_sigma) = ([0.05, 0.0], [20.0, 0.0]);
-    Interacting::new(&AlarmTuning::DEFAULT, &Process::new(Default::default(), &parameters, 1.0), &whitening)
+    Interacting::new(Tuned::default(), &Process::new(Default::default(), &parameters, 1.0), &whitening)
 }
 
 /// What is found on each of so many samples where the heater is asked for `asked`, gives `given`, and loses `lost` times as much heat on top; T1
@@ -67,4 +67,32 @@ fn a_heater_that_gives_what_nobody_asks_for_is_found() {
     assert_eq!(same.last(), Some(&Found::HeaterOn));
     let weak = found(200, |k| (level(k), 0.7 * level(k), 0.0, 0.0));
     assert!(!weak.contains(&Found::HeaterOn));
+}
+
+/// Where the end of another alarm has moved the model, only what is left is taken over: the model is not moved twice.
+#[test]
+fn what_the_model_has_taken_over_by_itself_is_not_taken_over_again() {
+    let mut bank = bank();
+    let [heater, lag, _] = bank.shares;
+    let (mut model, mut rig) = ([40.0; 2], [20.0; 2]);
+    for k in 0..60 {
+        for state in [&mut model, &mut rig] {
+            state[0] += heater * (level(k) - state[0]);
+            state[1] += lag * (state[0] - state[1]);
+        }
+        let noise = 0.05 * (f64::from(k * 37 % 64) / 32.0 - 1.0);
+        let e1 = bank.gains[0] * (rig[1] - model[1]) + noise;
+        let rise = bank.gains[0] * model[1];
+        let _ = bank.step(Some(e1 as f32), model[0] as f32, rise as f32);
+        if k == 40 {
+            let taken = [0, 1].map(|i| 1.5 * (rig[i] - model[i]));
+            (0..2).for_each(|i| model[i] += taken[i]);
+            bank.differ_less([taken[0] as f32, taken[1] as f32, taken[1] as f32]);
+        }
+        if k > 30 {
+            let begun = bank.begun([0.0; 3]).motion;
+            let left = rig[1] - model[1];
+            assert!((f64::from(begun.m[0]) - left).abs() < 0.8, "{k}: {} for {left}", begun.m[0]);
+        }
+    }
 }

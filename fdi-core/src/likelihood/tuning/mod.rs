@@ -13,6 +13,7 @@
 mod alarm;
 mod bank;
 mod declare;
+mod interacting;
 mod model;
 mod sensors;
 mod since_training;
@@ -25,6 +26,7 @@ use super::hypothesis::{self, Hypothesis};
 pub use alarm::{AlarmTuning, ChartTuning, NamingTuning, SlowTuning};
 pub use bank::{HypothesisTuning, NuisanceTuning, TaughtTuning};
 use declare::tuning;
+pub use interacting::InteractingTuning;
 pub use model::{ModelTuning, TimeTuning};
 pub use sensors::{AmbientTuning, ContradictionTuning, HeatTuning, ImpulseTuning, SensorTuning};
 pub use since_training::{CommissionedTuning, SinceTrainingTuning};
@@ -69,6 +71,8 @@ parts! {
     charts: ChartTuning;
     /// An alarm's beginning and end.
     alarm: AlarmTuning;
+    /// The end of an alarm of a recording.
+    interacting: InteractingTuning;
     /// Surroundings as slow as the rig.
     slow: SlowTuning;
     /// Names.

@@ -4,6 +4,7 @@ use super::WatchState;
 use crate::bounds::smaller;
 use crate::likelihood::interacting::Interacting;
 use crate::likelihood::onset::Onset;
+use crate::likelihood::process::{Motion, Process};
 use crate::likelihood::regressor::Regressors;
 use crate::likelihood::usual::Usual;
 use crate::vector::sum;
@@ -22,7 +23,12 @@ impl WatchState {
 
     /// The bank that asks whether all is as trained, in whatever state.
     pub(in crate::likelihood) fn interacting(&self) -> Interacting {
-        Interacting::new(&self.tuning.alarm, self.simulation.process(), self.innovations.filter())
+        Interacting::new(self.tuning, self.simulation.process(), self.innovations.filter())
+    }
+
+    /// The model, its state, and the heat of the last tick, %.
+    pub(in crate::likelihood) fn moving(&self) -> (&Process, &Motion, f32) {
+        self.simulation.moving()
     }
 
     /// The model's heat at T1, %, and by how much T1 rises with it, degC.

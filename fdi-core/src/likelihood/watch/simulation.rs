@@ -223,6 +223,11 @@ impl SimulationState {
         [heat, self.rises[0]]
     }
 
+    /// The model, its state, and the heat of the last tick, %.
+    pub(super) fn moving(&self) -> (&Process, &Motion, f32) {
+        (&self.rig.process, &self.rig.motion, self.heat)
+    }
+
     /// The model as learnt.
     pub(super) fn process(&self) -> &Process {
         &self.rig.process

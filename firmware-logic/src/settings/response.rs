@@ -41,5 +41,5 @@ fn parse(text: &str) -> Option<Response> {
 /// The text that [`set`] reads.
 pub(super) fn write(f: &mut fmt::Formatter<'_>, response: &Response) -> fmt::Result {
     f.write_str(response.name.as_str())?;
-    response.effects.iter().try_for_each(|effect| write!(f, " {effect}"))
+    response.effects.iter().try_for_each(|effect| write!(f, " {}", i32::from(*effect)))
 }

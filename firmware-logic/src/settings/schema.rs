@@ -76,7 +76,7 @@ impl Name {
             Self::Entry(setting) => with_unit(f, setting, config.get(setting)),
             Self::Row(table, row) => match table.rows(config).get(row) {
                 Some(signature) => {
-                    write!(f, "{} {}", signature.number, signature.pattern)?;
+                    write!(f, "{} {}", u32::from(signature.number), signature.pattern)?;
                     if signature.name.is_empty() { Ok(()) } else { write!(f, " {}", signature.name) }
                 }
                 None => f.write_str("none"),

@@ -19,7 +19,7 @@ pub fn write<N: Display>(
 ) -> fmt::Result {
     match value {
         Value::Number(x) => number(x).fmt(f),
-        Value::Whole(x) => x.fmt(f),
+        Value::Whole(x) => u32::from(x).fmt(f),
         Value::Switch(x) => f.write_str(if x { "true" } else { "false" }),
         Value::Choice { form, numbers } => {
             let Kind::Choice(forms) = kind else { return Ok(()) };

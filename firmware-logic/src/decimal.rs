@@ -41,7 +41,7 @@ pub fn parse(text: &str) -> Option<f32> {
         mantissa *= 10;
         zeros -= 1;
     }
-    let exponent = exponent.parse::<i8>().ok()? as i32 - fraction.len() as i32 + zeros;
+    let exponent = signed(exponent)?.checked_sub(fraction.len() as i32)?.checked_add(zeros)?;
     let mantissa = (mantissa <= MAX_MANTISSA).then_some(mantissa)?;
     let power = *POWERS.get(exponent.unsigned_abs() as usize)?;
     let size = if exponent < 0 { mantissa as f32 / power } else { mantissa as f32 * power };
@@ -109,12 +109,23 @@ impl fmt::Display for Fixed {
     }
 }
 
+/// A whole number that fits into `N`.
+pub fn whole<N: TryFrom<i32>>(text: &str) -> Option<N> {
+    signed(text)?.try_into().ok()
+}
+
+/// The only reader of whole numbers: each type has one of its own, which costs flash.
+#[inline(never)]
+fn signed(text: &str) -> Option<i32> {
+    text.parse().ok()
+}
+
 /// A thousandth, rounded down, by divisions of 32 bits: that of 64 bits is a function of a kilobyte. It wraps.
 pub fn thousandth(x: u64) -> u32 {
     let rest = (x >> 32) as u32 % 1000;
-    let high = rest << 16 | (x >> 16) as u32 & 0xffff;
-    let low = high % 1000 << 16 | x as u32 & 0xffff;
-    high / 1000 << 16 | low / 1000
+    let high = (rest << 16) | ((x >> 16) as u32 & 0xffff);
+    let low = ((high % 1000) << 16) | (x as u32 & 0xffff);
+    ((high / 1000) << 16) | (low / 1000)
 }
 
 /// Rounded to a part of 1: what the console shows of it is then all of it.

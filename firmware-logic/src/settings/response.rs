@@ -7,6 +7,7 @@ use fdi_core::likelihood::taught::{EFFECTS, Response, Responses};
 
 use super::error::{Expected, SetError};
 use super::table::put;
+use crate::decimal::whole;
 
 /// The beginning of their names.
 pub(super) const START: &str = "likelihood.taught.";
@@ -32,7 +33,7 @@ fn parse(text: &str) -> Option<Response> {
     let name = words.next()?.parse().ok()?;
     let mut effects = [0; EFFECTS];
     for effect in &mut effects {
-        *effect = words.next()?.parse().ok()?;
+        *effect = whole(words.next()?)?;
     }
     let response = Response { name, effects };
     (words.next().is_none() && !response.is_nothing()).then_some(response)

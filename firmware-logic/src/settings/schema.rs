@@ -36,7 +36,7 @@ impl Name {
         }
         // Its place behind this beginning, from 0.
         let place = |start: &str, most: usize| {
-            let number: usize = name.strip_prefix(start)?.parse().ok()?;
+            let number: usize = decimal::whole(name.strip_prefix(start)?)?;
             (1..=most).contains(&number).then(|| number - 1)
         };
         let row = |(table, start)| Some(Self::Row(table, place(start, MAX_ROWS)?));
@@ -148,6 +148,5 @@ impl fmt::Display for Name {
 
 /// Whether a name with a number, from 0, begins so; of the number all of it.
 fn numbered(start: &str, place: usize, beginning: &str) -> bool {
-    start.starts_with(beginning)
-        || beginning.strip_prefix(start).and_then(|number| number.parse().ok()) == Some(place + 1)
+    start.starts_with(beginning) || beginning.strip_prefix(start).and_then(decimal::whole) == Some(place + 1)
 }

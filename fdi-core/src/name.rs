@@ -28,6 +28,7 @@ impl Name {
     }
 
     /// The name as text.
+    #[inline]
     pub fn as_str(&self) -> &str {
         let used = self.0.split(|byte| *byte == 0).next().unwrap_or_default();
         core::str::from_utf8(used).unwrap_or_default() // ASCII, by the only ways to make one
@@ -39,6 +40,7 @@ impl Name {
     }
 
     /// The name that these bytes are; none where they are not one.
+    #[inline]
     pub fn from_bytes(bytes: [u8; NAME_BYTES]) -> Self {
         let name = Self(bytes);
         name.as_str().parse().unwrap_or_default()
@@ -46,6 +48,7 @@ impl Name {
 }
 
 impl fmt::Display for Name {
+    #[inline]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.as_str())
     }
@@ -56,6 +59,7 @@ impl fmt::Display for Name {
 pub struct NameError;
 
 impl fmt::Display for NameError {
+    #[inline]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "expected a name: a letter, then letters, digits, - or _, at most {NAME_BYTES} in all")
     }
@@ -66,6 +70,7 @@ impl core::error::Error for NameError {}
 impl core::str::FromStr for Name {
     type Err = NameError;
 
+    #[inline]
     fn from_str(text: &str) -> Result<Self, NameError> {
         let mut bytes = [0; NAME_BYTES];
         let fits = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_');

@@ -24,17 +24,25 @@ pub fn parse(text: &str) -> Option<f32> {
         return None;
     }
     let fraction = fraction.trim_end_matches('0');
-    let mut mantissa = 0u64;
+    // Zeros are kept back until another digit follows: those at the end may belong to the exponent.
+    let (mut mantissa, mut zeros) = (0u32, 0);
     for digit in whole.bytes().chain(fraction.bytes()) {
         let digit = digit.is_ascii_digit().then(|| digit - b'0')?;
-        mantissa = mantissa.checked_mul(10)?.checked_add(digit.into())?;
+        zeros += 1;
+        if digit > 0 {
+            for _ in 0..zeros {
+                mantissa = mantissa.checked_mul(10)?;
+            }
+            mantissa = mantissa.checked_add(digit.into())?;
+            zeros = 0;
+        }
     }
-    let mut exponent = exponent.parse::<i8>().ok()? as i32 - fraction.len() as i32;
-    while mantissa.is_multiple_of(10) && mantissa > u64::from(MAX_MANTISSA) {
-        mantissa /= 10;
-        exponent += 1;
+    while zeros > 0 && mantissa <= MAX_MANTISSA / 10 {
+        mantissa *= 10;
+        zeros -= 1;
     }
-    let mantissa = u32::try_from(mantissa).ok().filter(|m| *m <= MAX_MANTISSA)?;
+    let exponent = signed(exponent)?.checked_sub(fraction.len() as i32)?.checked_add(zeros)?;
+    let mantissa = (mantissa <= MAX_MANTISSA).then_some(mantissa)?;
     let power = *POWERS.get(exponent.unsigned_abs() as usize)?;
     let size = if exponent < 0 { mantissa as f32 / power } else { mantissa as f32 * power };
     Some(if negative { -size } else { size })
@@ -101,6 +109,25 @@ impl fmt::Display for Fixed {
     }
 }
 
+/// A whole number that fits into `N`.
+pub fn whole<N: TryFrom<i32>>(text: &str) -> Option<N> {
+    signed(text)?.try_into().ok()
+}
+
+/// The only reader of whole numbers: each type has one of its own, which costs flash.
+#[inline(never)]
+fn signed(text: &str) -> Option<i32> {
+    text.parse().ok()
+}
+
+/// A thousandth, rounded down, by divisions of 32 bits: that of 64 bits is a function of a kilobyte. It wraps.
+pub fn thousandth(x: u64) -> u32 {
+    let rest = (x >> 32) as u32 % 1000;
+    let high = (rest << 16) | ((x >> 16) as u32 & 0xffff);
+    let low = ((high % 1000) << 16) | (x as u32 & 0xffff);
+    ((high / 1000) << 16) | (low / 1000)
+}
+
 /// Rounded to a part of 1: what the console shows of it is then all of it.
 pub(crate) fn rounded(x: f32, part: f32) -> f32 {
     let whole = x * part + if x < 0.0 { -0.5 } else { 0.5 };
@@ -127,6 +154,24 @@ mod tests {
             ("0.000000", 0.0),
         ] {
             assert_eq!(parse(text), Some(value), "{text}");
+        }
+    }
+
+    #[test]
+    fn zeros_at_the_end_count_as_an_exponent_where_a_mantissa_does_not_hold_them() {
+        for (text, value) in
+            [("16777216", 16_777_216.0), ("12000000000000000", 1.2e16), ("100200.00", 100_200.0)]
+        {
+            assert_eq!(parse(text), Some(value), "{text}");
+        }
+        assert_eq!(parse("16777217"), None);
+        assert_eq!(parse("167772170000"), None);
+    }
+
+    proptest! {
+        #[test]
+        fn a_thousandth_is_what_a_division_says(x: u64) {
+            prop_assert_eq!(thousandth(x), (x / 1000) as u32);
         }
     }
 

@@ -123,8 +123,8 @@ impl fmt::Display for EntryText<'_> {
                     f,
                     "{} s fault: fdv {} fiv {}{}, detected {} s",
                     seconds(fault.onset),
-                    fault.detection_number,
-                    fault.isolation_number,
+                    u32::from(fault.detection_number),
+                    u32::from(fault.isolation_number),
                     Called(*name),
                     seconds(fault.detected)
                 )?;

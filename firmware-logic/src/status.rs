@@ -130,7 +130,8 @@ impl fmt::Display for StatusLine<'_> {
         number(f, report.ms1.static_gain, 3)?;
         f.write_str(" bandwidth")?;
         number(f, report.ms1.bandwidth, 2)?;
-        let (fdv, fiv) = report.filtered.map_or((0, 0), |verdict| (verdict.fdv, verdict.fiv));
+        let (fdv, fiv): (u32, u32) =
+            report.filtered.map_or((0, 0), |verdict| (verdict.fdv.into(), verdict.fiv.into()));
         write!(f, ", fdv {fdv} fiv {fiv}")?;
         f.write_str(if self.0.simulated { ", simulated" } else { "" })
     }
@@ -177,7 +178,8 @@ impl fmt::Display for Status {
         number(f, report.ms1.bandwidth, 2)?;
         write!(f, " rad/s, learnt from {} samples", report.learned)?;
         if let Some(verdict) = &report.filtered {
-            write!(f, "\nfdv {} fiv {}{}", verdict.fdv, verdict.fiv, Called(self.named))?;
+            let (fdv, fiv) = (u32::from(verdict.fdv), u32::from(verdict.fiv));
+            write!(f, "\nfdv {fdv} fiv {fiv}{}", Called(self.named))?;
         }
         f.write_str("\nlikelihood diagnosis ")?;
         f.write_str(readiness(report.likelihood.readiness))?;

@@ -9,6 +9,7 @@ use embassy_sync::waitqueue::AtomicWaker;
 use embassy_time::Instant;
 use fdi_core::{Feedback, Percent};
 use firmware_logic::control_loop::{Order, TickRecord};
+use firmware_logic::decimal::thousandth;
 use firmware_logic::task_watchdog::{Task, TaskWatchdog};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
@@ -50,7 +51,8 @@ pub(crate) fn check_in(task: Task) {
 
 /// Milliseconds of the clock of the thread-mode tasks; wraps.
 pub(crate) fn now_ms() -> u32 {
-    Instant::now().as_millis() as u32
+    const { assert!(embassy_time::TICK_HZ == 1_000_000) };
+    thousandth(Instant::now().as_ticks())
 }
 
 /// Both ends of the records, control to diagnosis.

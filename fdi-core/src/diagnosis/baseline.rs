@@ -101,6 +101,7 @@ impl Baseline {
     ///
     /// # Errors
     /// The part that cannot have been learnt.
+    #[inline]
     pub fn validate(&self) -> Result<(), ConfigError> {
         in_range("baseline.samples", self.samples as f32, MIN_SAMPLES, f32::MAX)?;
         for normal in [&self.raw, &self.filtered] {

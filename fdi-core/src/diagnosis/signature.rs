@@ -241,6 +241,7 @@ pub(crate) fn validate(name: &'static str, rows: &[Signature], disjoint: bool) -
 }
 
 impl fmt::Display for Pattern {
+    #[inline]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, cell) in self.0.iter().enumerate() {
             if i > 0 {
@@ -262,6 +263,7 @@ impl fmt::Display for Pattern {
 pub struct PatternError;
 
 impl fmt::Display for PatternError {
+    #[inline]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("expected five of -1, 0, +1, x for {rAP ry12 rsg1 rsg2 rbw1}, such as \"x -1 x +1 x\"")
     }
@@ -272,6 +274,7 @@ impl core::error::Error for PatternError {}
 impl core::str::FromStr for Pattern {
     type Err = PatternError;
 
+    #[inline]
     fn from_str(text: &str) -> Result<Self, PatternError> {
         let mut cells = [X; WIDTH];
         let mut words = text.split_ascii_whitespace();

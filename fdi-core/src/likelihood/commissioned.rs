@@ -54,6 +54,7 @@ impl Commissioned {
     ///
     /// # Errors
     /// It cannot have been trained.
+    #[inline]
     pub fn validate(&self) -> Result<(), ConfigError> {
         let name = "commissioning";
         let [gain, ..] = self.parameters;

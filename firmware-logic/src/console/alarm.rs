@@ -4,7 +4,7 @@ use core::fmt::Write;
 
 use fdi_core::{Command, Finding, Mode, Seconds};
 
-use super::{Board, done, fail, number, say};
+use super::{Asked, Board, OK, fail, number, say};
 
 const NOTHING: &str = "error: no alarm and no advice stands, see `status`\n";
 
@@ -15,36 +15,39 @@ fn calm(board: &impl Board) -> bool {
 }
 
 /// A trip, a lockout or an alarm is known.
-pub(super) async fn acknowledge(board: &mut impl Board, out: &mut dyn Write) {
+pub(super) fn acknowledge(board: &impl Board, out: &mut dyn Write) -> Option<Asked> {
     if calm(board) {
-        return say(out, NOTHING);
+        say(out, NOTHING);
+        return None;
     }
-    done(out, board.command(Command::Acknowledge).await);
+    Some((Command::Acknowledge, OK))
 }
 
 /// What is named now is normal: it is learnt.
-pub(super) async fn accept(board: &mut impl Board, out: &mut dyn Write) {
+pub(super) fn accept(board: &impl Board, out: &mut dyn Write) -> Option<Asked> {
     if let Err(why) = named(board, Finding::may_be_accepted) {
-        return fail(out, &why);
+        fail(out, &why);
+        return None;
     }
-    match board.command(Command::Relearn).await {
-        Ok(()) => say(out, "ok, learning it as normal; `save` keeps it, the commissioning stays\n"),
-        Err(denial) => fail(out, &denial),
-    }
+    Some((Command::Relearn, "ok, learning it as normal; `save` keeps it, the commissioning stays\n"))
 }
 
 /// What is named now is advice for a while.
-pub(super) async fn shelve(minutes: &str, board: &mut impl Board, out: &mut dyn Write) {
+pub(super) fn shelve(minutes: &str, board: &impl Board, out: &mut dyn Write) -> Option<Asked> {
     let time = match number("shelve", minutes) {
         Ok(minutes) => Seconds(60.0 * minutes),
-        Err(error) => return fail(out, &error),
+        Err(error) => {
+            fail(out, &error);
+            return None;
+        }
     };
     if time.0 != 0.0
         && let Err(why) = named(board, Finding::may_be_shelved)
     {
-        return fail(out, &format_args!("{why}; `ack` acknowledges an alarm"));
+        fail(out, &format_args!("{why}; `ack` acknowledges an alarm"));
+        return None;
     }
-    done(out, board.command(Command::Shelve(time)).await);
+    Some((Command::Shelve(time), OK))
 }
 
 /// It monitors, and names something of which `may` holds.

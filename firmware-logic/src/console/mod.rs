@@ -213,14 +213,44 @@ fn done<E: Display>(out: &mut dyn Write, result: Result<(), E>) {
     }
 }
 
+/// A command for the next tick, and what is said where it is taken.
+type Asked = (Command, &'static str);
+
+const OK: &str = "ok\n";
+
 /// Carries out one line.
 pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) {
     let request = match Request::parse(line) {
         Ok(request) => request,
         Err(error) => return fail(out, &error),
     };
+    // All of these wait in one place: each place has its code for the wait.
+    let asked = match request {
+        Request::Arm => Some((Command::Arm, OK)),
+        Request::Acknowledge => alarm::acknowledge(board, out),
+        Request::Shelve { minutes } => alarm::shelve(minutes, board, out),
+        Request::Accept => alarm::accept(board, out),
+        Request::Fan { level } => match number("fan", level) {
+            Ok(percent) => Some((Command::Fan(Percent(percent)), OK)),
+            Err(error) => return fail(out, &error),
+        },
+        Request::Relearn => Some((Command::Relearn, OK)),
+        Request::Tune(tune::Wanted::Start) => Some(tune::START),
+        other => return carry_out_other(other, board, out).await,
+    };
+    let Some((command, told)) = asked else { return };
+    match board.command(command).await {
+        Ok(()) if command == Command::Arm && !board.status().is_checked() => {
+            say(out, "ok, armed without a check\n")
+        }
+        Ok(()) => say(out, told),
+        Err(denial) => fail(out, &denial),
+    }
+}
+
+/// Carries out what is more than a command.
+async fn carry_out_other(request: Request<'_>, board: &mut impl Board, out: &mut dyn Write) {
     match request {
-        Request::Nothing => {}
         Request::Help => help(out),
         Request::Status => {
             status(board, out);
@@ -238,20 +268,11 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
             }
             Err(denial) => fail(out, &denial),
         },
-        Request::Arm => arm(board, out).await,
         Request::Stop => {
             board.stop();
             say(out, "stopped\n");
         }
-        Request::Acknowledge => alarm::acknowledge(board, out).await,
-        Request::Shelve { minutes } => alarm::shelve(minutes, board, out).await,
-        Request::Accept => alarm::accept(board, out).await,
-        Request::Fan { level } => match number("fan", level) {
-            Ok(percent) => done(out, board.command(Command::Fan(Percent(percent))).await),
-            Err(error) => fail(out, &error),
-        },
         Request::Baseline => baseline(board.baseline(), out),
-        Request::Relearn => done(out, board.command(Command::Relearn).await),
         Request::Commission if board.commission() => say(out, "ok, kept once the heater is off\n"),
         Request::Commission => say(out, "error: no models are trained yet, see `status`\n"),
         Request::Decommission => {
@@ -265,6 +286,8 @@ pub async fn carry_out(line: &str, board: &mut impl Board, out: &mut dyn Write) 
         Request::Stream { on } => done(out, board.stream(on)),
         Request::Restart => done(out, board.restart(Restart::Streaming).await),
         Request::Simulate => done(out, board.restart(Restart::Simulating).await),
+        // An empty line, and what is a command.
+        _ => {}
     }
 }
 
@@ -278,14 +301,6 @@ fn check_minutes(board: &impl Board) -> u32 {
     let ts = board.sample_time();
     let ticks = step_ticks(board.config().identification.answer_time.ticks(ts));
     (USUAL_CHECK * ticks as f32 * ts.0 / 60.0 + 0.5).max(1.0) as u32
-}
-
-async fn arm(board: &mut impl Board, out: &mut dyn Write) {
-    let result = board.command(Command::Arm).await;
-    match result {
-        Ok(()) if !board.status().is_checked() => say(out, "ok, armed without a check\n"),
-        result => done(out, result),
-    }
 }
 
 fn status(board: &impl Board, out: &mut dyn Write) {

@@ -126,14 +126,14 @@ struct LessonText<'a>(&'a Lesson);
 impl Display for LessonText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Lesson { row, refused, response } = self.0;
-        write!(f, "row: {} {} {}", row.number, row.pattern, row.name)?;
+        write!(f, "row: {} {} {}", u32::from(row.number), row.pattern, row.name)?;
         if let Some(error) = refused {
             write!(f, ", NOT taught: {error}")?;
         }
         match response {
             Ok(response) => {
                 f.write_str("\nlikelihood:")?;
-                response.effects.iter().try_for_each(|effect| write!(f, " {effect}"))?;
+                response.effects.iter().try_for_each(|effect| write!(f, " {}", i32::from(*effect)))?;
                 f.write_str("\n")
             }
             Err(error) => writeln!(f, "\nlikelihood: NOT taught: {error}"),
@@ -150,7 +150,7 @@ impl Display for SteadyText<'_> {
             let gap = if i > 0 { " " } else { "" };
             match symptom.map(|symptom| symptom.sign()) {
                 Some(0) => write!(f, "{gap}0")?,
-                Some(sign) => write!(f, "{gap}{sign:+}")?,
+                Some(sign) => write!(f, "{gap}{:+}", i32::from(sign))?,
                 None => write!(f, "{gap}~")?,
             }
         }

@@ -6,7 +6,7 @@ use fdi_core::control::pid::PidConfig;
 use fdi_core::tune::{Lag, Standing};
 use fdi_core::{Command, Config};
 
-use super::{Board, fail, say};
+use super::{Asked, Board, fail, say};
 use crate::tuning::{InForce, Rule, TuningText};
 
 /// What `tune` is asked for.
@@ -40,10 +40,14 @@ impl Wanted {
     }
 }
 
+/// What `tune start` is, and says.
+pub(super) const START: Asked =
+    (Command::Tune, "ok, see below; it heats, `stop` ends it, and so does all that trips\n");
+
 /// Carries it out.
 pub(super) async fn carry_out(wanted: Wanted, board: &mut impl Board, out: &mut dyn Write) {
     match (wanted, board.tuning()) {
-        (Wanted::Start, _) => start(board, out).await,
+        (Wanted::Start, _) => {} // a command, which waits with the others
         (Wanted::Show, Some(Standing::Over(Ok(lag)))) => show(&lag, board, out).await,
         (Wanted::Show, Some(standing)) => drop(writeln!(out, "{}", TuningText(&standing))),
         (Wanted::Show, None) => {
@@ -66,14 +70,6 @@ pub(super) async fn carry_out(wanted: Wanted, board: &mut impl Board, out: &mut 
     }
 }
 
-async fn start(board: &mut impl Board, out: &mut dyn Write) {
-    match board.command(Command::Tune).await {
-        Ok(()) => say(out, "ok, see below; it heats, `stop` ends it, and so does all that trips\n"),
-        Err(denial) => fail(out, &denial),
-    }
-}
-
-/// What each rule proposes. The search takes a moment, in which everybody else has his turn.
 async fn show(lag: &Lag, board: &mut impl Board, out: &mut dyn Write) {
     search(lag, board).await;
     let ts = board.sample_time();

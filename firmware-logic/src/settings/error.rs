@@ -70,7 +70,9 @@ impl fmt::Display for Expected {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Words(words) => f.write_str(words),
-            Self::Whole { min, max } => write!(f, "a whole number from {min} to {max}"),
+            Self::Whole { min, max } => {
+                write!(f, "a whole number from {} to {}", u32::from(*min), u32::from(*max))
+            }
             Self::Forms(forms) => forms.iter().enumerate().try_for_each(|(i, form)| {
                 f.write_str(if i > 0 { " or " } else { "" })?;
                 f.write_str(form.word)?;

@@ -7,6 +7,7 @@ use fdi_core::likelihood::taught::{EFFECTS, Response, Responses};
 
 use super::error::{Expected, SetError};
 use super::table::put;
+use crate::decimal::whole;
 
 /// The beginning of their names.
 pub(super) const START: &str = "likelihood.taught.";
@@ -32,7 +33,7 @@ fn parse(text: &str) -> Option<Response> {
     let name = words.next()?.parse().ok()?;
     let mut effects = [0; EFFECTS];
     for effect in &mut effects {
-        *effect = words.next()?.parse().ok()?;
+        *effect = whole(words.next()?)?;
     }
     let response = Response { name, effects };
     (words.next().is_none() && !response.is_nothing()).then_some(response)
@@ -41,5 +42,5 @@ fn parse(text: &str) -> Option<Response> {
 /// The text that [`set`] reads.
 pub(super) fn write(f: &mut fmt::Formatter<'_>, response: &Response) -> fmt::Result {
     f.write_str(response.name.as_str())?;
-    response.effects.iter().try_for_each(|effect| write!(f, " {effect}"))
+    response.effects.iter().try_for_each(|effect| write!(f, " {}", i32::from(*effect)))
 }

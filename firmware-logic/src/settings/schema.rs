@@ -36,7 +36,7 @@ impl Name {
         }
         // Its place behind this beginning, from 0.
         let place = |start: &str, most: usize| {
-            let number: usize = name.strip_prefix(start)?.parse().ok()?;
+            let number: usize = decimal::whole(name.strip_prefix(start)?)?;
             (1..=most).contains(&number).then(|| number - 1)
         };
         let row = |(table, start)| Some(Self::Row(table, place(start, MAX_ROWS)?));
@@ -76,7 +76,7 @@ impl Name {
             Self::Entry(setting) => with_unit(f, setting, config.get(setting)),
             Self::Row(table, row) => match table.rows(config).get(row) {
                 Some(signature) => {
-                    write!(f, "{} {}", signature.number, signature.pattern)?;
+                    write!(f, "{} {}", u32::from(signature.number), signature.pattern)?;
                     if signature.name.is_empty() { Ok(()) } else { write!(f, " {}", signature.name) }
                 }
                 None => f.write_str("none"),
@@ -148,6 +148,5 @@ impl fmt::Display for Name {
 
 /// Whether a name with a number, from 0, begins so; of the number all of it.
 fn numbered(start: &str, place: usize, beginning: &str) -> bool {
-    start.starts_with(beginning)
-        || beginning.strip_prefix(start).and_then(|number| number.parse().ok()) == Some(place + 1)
+    start.starts_with(beginning) || beginning.strip_prefix(start).and_then(decimal::whole) == Some(place + 1)
 }

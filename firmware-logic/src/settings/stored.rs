@@ -65,7 +65,9 @@ impl fmt::Display for StoredError {
         match self {
             Self::Short => f.write_str("record is cut short"),
             Self::Damaged => f.write_str("record is damaged (CRC)"),
-            Self::Version(found) => write!(f, "record has version {found}, expected {VERSION}"),
+            Self::Version(found) => {
+                write!(f, "record has version {}, expected {}", u32::from(*found), u32::from(VERSION))
+            }
             Self::Invalid(error) => write!(f, "record is invalid: {}", Explained(error)),
             Self::TooLong => write!(f, "record is longer than {MAX_BYTES} bytes"),
         }

@@ -7,6 +7,7 @@ use fdi_core::name::Name;
 use heapless::Vec;
 
 use super::error::{Expected, SetError};
+use crate::decimal;
 
 /// A table of signatures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +54,7 @@ pub(super) fn set_row<'a>(
     let expected = Expected::Words("NUMBER, five of -1 0 +1 x, and perhaps a name; or none");
     let wrong = SetError::Value { name, given: text, expected };
     let (number, rest) = text.split_once(' ').ok_or(wrong)?;
-    let number: u8 = number.parse().map_err(|_| wrong)?;
+    let number: u8 = decimal::whole(number).ok_or(wrong)?;
     let (pattern, called) = named(rest).unwrap_or((rest, Name::NONE));
     let pattern: Pattern = pattern.parse().map_err(|error| SetError::Pattern { name, error })?;
     put(rows, row, name, Signature { number, pattern, name: called })

@@ -19,7 +19,7 @@ pub fn write<N: Display>(
 ) -> fmt::Result {
     match value {
         Value::Number(x) => number(x).fmt(f),
-        Value::Whole(x) => x.fmt(f),
+        Value::Whole(x) => u32::from(x).fmt(f),
         Value::Switch(x) => f.write_str(if x { "true" } else { "false" }),
         Value::Choice { form, numbers } => {
             let Kind::Choice(forms) = kind else { return Ok(()) };
@@ -37,7 +37,9 @@ pub fn write<N: Display>(
 pub fn parse(kind: Kind, text: &str, number: impl Fn(&str) -> Option<f32>) -> Result<Value, Expected> {
     match kind {
         Kind::Number { .. } => number(text).map(Value::Number).ok_or(Expected::Words(decimal::EXPECTED)),
-        Kind::Whole { min, max } => text.parse().map(Value::Whole).map_err(|_| Expected::Whole { min, max }),
+        Kind::Whole { min, max } => {
+            decimal::whole(text).map(Value::Whole).ok_or(Expected::Whole { min, max })
+        }
         Kind::Switch => text.parse().map(Value::Switch).map_err(|_| Expected::Words("true or false")),
         Kind::Choice(forms) => choice(forms, text, number).ok_or(Expected::Forms(forms)),
     }

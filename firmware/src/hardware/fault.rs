@@ -62,7 +62,7 @@ unsafe fn NonMaskableInt() -> ! {
 unsafe fn DefaultHandler(irq: i16) -> ! {
     heater::cut();
     let mut words = CrashMessage::EMPTY;
-    let _ = write!(words, "interrupt {irq}");
+    let _ = write!(words, "interrupt {}", i32::from(irq));
     die(Death::StrayInterrupt, words)
 }
 

@@ -17,6 +17,7 @@ pub(crate) mod fault;
 pub(crate) mod halt;
 pub(crate) mod heater;
 pub(crate) mod inputs;
+mod memmove;
 pub(crate) mod panel;
 pub(crate) mod reset;
 pub(crate) mod retained;

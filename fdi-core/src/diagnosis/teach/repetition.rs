@@ -61,6 +61,7 @@ impl Repetition {
     }
 
     /// What the likelihood diagnosis says on a tick that an alarm has changed.
+    #[inline]
     pub fn add(&mut self, changed: &Changed) {
         if changed.onset >= self.earliest {
             self.changed.add(&changed.effects);
@@ -68,16 +69,19 @@ impl Repetition {
     }
 
     /// What it changes in the mean; `None` where the likelihood diagnosis never saw it.
+    #[inline]
     pub fn effects(&self) -> Option<Effects> {
         self.changed.value()
     }
 
     /// Ticks so far.
+    #[inline]
     pub fn ticks(&self) -> u32 {
         self.pieces.iter().map(|piece| u32::from(piece.ticks)).sum()
     }
 
     /// What is steady at its end; `None` before there is one.
+    #[inline]
     pub fn steady(&self) -> Option<Steady> {
         let later = self.pieces.get(self.pieces.len().div_ceil(2)..)?;
         let sum = |of: &dyn Fn(&Piece) -> u16| later.iter().map(|piece| u32::from(of(piece))).sum::<u32>();

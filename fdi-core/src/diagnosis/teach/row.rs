@@ -4,6 +4,7 @@ use super::Steady;
 use crate::diagnosis::signature::{Cell, Pattern, Symptoms};
 
 /// What is certain of all repetitions; what is not may be anything.
+#[inline]
 pub fn common(repetitions: &[Steady]) -> Pattern {
     Pattern(core::array::from_fn(|i| {
         let mut symptoms = repetitions.iter().map(|steady| steady[i]);
@@ -13,6 +14,7 @@ pub fn common(repetitions: &[Steady]) -> Pattern {
 }
 
 /// Whether a pattern asks for anything that a rig without a fault does not show.
+#[inline]
 pub fn tells(pattern: &Pattern) -> bool {
     !pattern.matches(&Symptoms::default())
 }

@@ -9,6 +9,7 @@ use crate::name::Name;
 pub struct Full;
 
 /// Takes away the rows of this name; the number that they had, or the first that no row has.
+#[inline]
 pub fn make_room(config: &mut DiagnosisConfig, name: Name) -> u8 {
     let tables = || [&config.detection, &config.isolation].into_iter().flatten();
     let before = tables().find(|row| row.name == name).map(|row| row.number);
@@ -19,6 +20,7 @@ pub fn make_room(config: &mut DiagnosisConfig, name: Name) -> u8 {
 }
 
 /// Rows of the isolation table with which a pattern cannot stand, since some symptoms match both; with their places, from 1.
+#[inline]
 pub fn conflicts(config: &DiagnosisConfig, pattern: Pattern) -> impl Iterator<Item = (usize, &Signature)> {
     (1..).zip(&config.isolation).filter(move |(_, row)| row.pattern.overlaps(&pattern))
 }
@@ -27,6 +29,7 @@ pub fn conflicts(config: &DiagnosisConfig, pattern: Pattern) -> impl Iterator<It
 ///
 /// # Errors
 /// A table is full; nothing has changed then.
+#[inline]
 pub fn add(config: &mut DiagnosisConfig, row: Signature) -> Result<(), Full> {
     if config.detection.is_full() || config.isolation.is_full() {
         return Err(Full);

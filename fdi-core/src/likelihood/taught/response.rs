@@ -34,12 +34,14 @@ pub struct Mean {
 
 impl Mean {
     /// One more.
+    #[inline]
     pub fn add(&mut self, effects: &Effects) {
         self.sums.iter_mut().zip(effects).for_each(|(sum, effect)| *sum += effect);
         self.count = self.count.saturating_add(1);
     }
 
     /// The mean; `None` of none.
+    #[inline]
     pub fn value(&self) -> Option<Effects> {
         (self.count > 0).then(|| self.sums.map(|sum| sum / self.count as f32))
     }
@@ -134,6 +136,7 @@ pub struct Full;
 ///
 /// # Errors
 /// There is room for no more; nothing has changed then.
+#[inline]
 pub fn put(responses: &mut Responses, response: Response) -> Result<(), Full> {
     match responses.iter_mut().find(|known| known.name == response.name) {
         Some(known) => *known = response,
@@ -144,12 +147,14 @@ pub fn put(responses: &mut Responses, response: Response) -> Result<(), Full> {
 
 impl Response {
     /// A fault with these effects, rounded; what is no number is none.
+    #[inline]
     pub fn new(name: Name, effects: &Effects) -> Self {
         let rounded = |i: usize| libm::roundf(effects[i] / ALL[i].step) as i16; // to the nearest that there is
         Self { name, effects: core::array::from_fn(rounded) }
     }
 
     /// Whether it changes nothing at all.
+    #[inline]
     pub fn is_nothing(&self) -> bool {
         self.effects == [0; EFFECTS]
     }

@@ -39,7 +39,7 @@ impl Times {
         let t = &tuning.times;
         let time_scale = bounded(p.residence() * ts / t.reference, 1.0 / t.largest_scale, t.largest_scale);
         let share = |time: f32| 1.0 - libm::expf(-ts / (time * time_scale));
-        let lags = [t.short_lag, t.reference].map(share);
+        let lags = [share(t.short_lag), share(t.reference)];
         Self {
             time_scale,
             onset: OnsetConstants {

@@ -164,11 +164,12 @@ impl Interacting {
         let before = self.heat.replace(heat).unwrap_or(heat);
         let [heater, ..] = self.shares;
         let asked = (heat - (1.0 - heater) * before) / heater;
+        let errors = self.errors_of_dynamics(asked - before, heat, rise.into());
         self.mix();
         let mut logs = [0.0; KINDS.len()];
         for (i, kind) in KINDS.into_iter().enumerate() {
             let (matrix, added) = self.transition(kind.power(asked, tuning.hypotheses.least_constant.into()));
-            let comes = self.comes(kind);
+            let comes = self.comes(kind, errors);
             let filter = &mut self.filters[i];
             filter.predict(&matrix, added, &comes);
             if let Some(e1) = e1 {
@@ -189,6 +190,14 @@ impl Interacting {
             Found::Nothing
         };
         self.found
+    }
+
+    /// What heat and air of the model are wrong by on a tick, %: the heat follows what is asked for, from which it is so far, and the air the heat.
+    fn errors_of_dynamics(&self, behind: f64, heat: f64, rise: f64) -> [f64; 2] {
+        let [heater, lag, _] = self.shares;
+        let share = f64::from(self.tuning.interacting.dynamics);
+        let air = rise / (self.gains[0] + self.gains[1]);
+        [share * heater * behind, share * lag * (heat - air)]
     }
 
     /// The model has taken over so much heat at T1, air and wall, %.
@@ -257,7 +266,7 @@ impl Interacting {
     }
 
     /// Variances that come in on a tick.
-    fn comes(&self, kind: Kind) -> Vector {
+    fn comes(&self, kind: Kind, [of_heat, of_air]: [f64; 2]) -> Vector {
         let [heater, lag, _] = self.shares;
         let t = &self.tuning.interacting;
         let disturbed = kind == Kind::Disturbed;
@@ -266,7 +275,7 @@ impl Interacting {
         } else {
             (f64::from(t.model_error), 0.0)
         };
-        [heater * x * x, m * m, 0.0, self.noise, 0.0, 0.0, 0.0]
+        [heater * x * x + of_heat * of_heat, m * m + of_air * of_air, 0.0, self.noise, 0.0, 0.0, 0.0]
     }
 
     /// The matrix of a tick, and what is added to x, m and w.

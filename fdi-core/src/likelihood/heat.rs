@@ -160,7 +160,7 @@ impl HeatState {
         };
         let lacks = 100.0 * (1.0 - seen);
         let magnitude = Magnitude { value: -lacks, half_width: attached * lacks };
-        Some(Finding { class, confidence: 1.0, magnitude: Some(magnitude), onset })
+        Some(Finding { class, confidence: self.tuning.naming.certain, magnitude: Some(magnitude), onset })
     }
 
     /// Is the difference of T1 and T2, where `both` are known, far from what it should be?

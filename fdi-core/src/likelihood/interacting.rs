@@ -94,6 +94,9 @@ pub(crate) enum Found {
     HeaterOn,
 }
 
+/// What a fault is behind counts up to this: evidence that turns is heard within samples.
+const MOST: f64 = 50.0;
+
 /// The bank.
 #[derive(Clone, Debug)]
 pub(crate) struct Interacting {
@@ -218,8 +221,7 @@ impl Interacting {
         let likely = self.probability[0] > 0.5;
         for (filter, log) in self.filters.iter_mut().zip(logs) {
             filter.evidence += log - filter.evidence / f64::from(self.tuning.interacting.memory);
-            filter.behind =
-                if likely { (filter.behind + trained - log).clamp(0.0, 10.0 * self.sure) } else { 0.0 };
+            filter.behind = if likely { (filter.behind + trained - log).clamp(0.0, MOST) } else { 0.0 };
         }
     }
 
@@ -248,7 +250,7 @@ impl Interacting {
                 Kind::On => sd > known * prior || small(least_power),
                 _ => small(least_share),
             };
-            nothing || filter.behind > self.sure
+            nothing || filter.behind > f64::from(t.refuted)
         };
         self.probability[1] < f64::from(t.ruled_out)
             && KINDS.iter().zip(&self.filters).skip(LASTING).all(refuted)

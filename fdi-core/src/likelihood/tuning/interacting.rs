@@ -25,7 +25,7 @@ tuning! {
         /// What is seen counts for 1/e after this time: evidence for a name, and whether the power differs from what is asked for.
         memory = 60.0, "ticks", chosen "";
         /// Evidence for "as trained" that refutes a fault which lasts.
-        refuted = 20.0, "1", measured "46 foreign heaters (seeds 1 to 48): with 5 three errors of T1 that last lose their alarm, with 20 one; made records have the same tails but for a fifth longer ones of weak heaters";
+        refuted = 10.0, "1", measured "46 foreign heaters (seeds 1 to 48): with 5 three errors of T1 that last lose their alarm, with 10 two, with 20 one; but with 15 and more a heater of TCLab that fails again within an alarm is named a minute later";
         /// The parameter of a fault is known when its standard deviation has fallen to this share of what it was.
         known = 0.5, "1", chosen "";
         /// Standard deviation of an error of T1.

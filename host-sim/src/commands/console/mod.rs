@@ -30,7 +30,7 @@ The command `help` lists the commands of the board. Only here, there are also:
   wire swap t1 t2                   wire the rig wrongly; `help` lists what else can be wrong
   wire ok                           repair all wires and end all faults
   fault NAME [tN] SIZE [SECONDS]    let something happen to the rig; `pt326 scenario` has the names.
-                                    Of a --scenario its faults come until your first `fault` or `wire`
+                                    A --scenario's faults come until your first `fault` or `wire`
   quit                              end
 
 Examples:

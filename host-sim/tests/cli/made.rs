@@ -196,7 +196,12 @@ fn absurd(recording: &Recording, heater: &Heater, sentence: &str) -> Option<Stri
             return Some(format!("{name} is not there"));
         }
     }
-    let asked = ["is it loose? ", "is it loose, or is heat lost? ", "are their wires swapped?"];
+    let asked = [
+        "is it loose? ",
+        "is its contact loose? ",
+        "is it loose, or is heat lost? ",
+        "are their wires swapped?",
+    ];
     if asked.into_iter().fold(sentence.to_owned(), |left, asked| left.replace(asked, "")).contains('?') {
         return Some("a question".into());
     }

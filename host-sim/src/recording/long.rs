@@ -19,7 +19,7 @@ pub(super) fn table(text: &str) -> Option<String> {
     let of = |any: &[&str]| {
         let cells: Vec<String> = header
             .split([',', ';', '\t'])
-            .map(|cell| cell.trim_matches(['"', ' ', '\r']).to_lowercase())
+            .map(|cell| cell.trim_matches(['"', ' ', '\r', '\u{feff}']).to_lowercase())
             .collect();
         any.iter().find_map(|name| cells.iter().position(|cell| cell == name))
     };
@@ -68,7 +68,7 @@ mod tests {
     /// Entity by entity, the heater only when it was switched.
     #[test]
     fn what_home_assistant_exports_is_a_table() {
-        let text = "entity_id,state,last_changed\n\
+        let text = "\u{feff}entity_id,state,last_changed\n\
             switch.boiler_heater,on,2026-03-01T00:00:05.000Z\n\
             switch.boiler_heater,off,2026-03-01T00:00:25.000Z\n\
             sensor.boiler_temperature,20.5,2026-03-01T00:00:00.000Z\n\

@@ -84,6 +84,18 @@ fn every_class_is_named_with_its_size() {
     }
 }
 
+/// Long after its onset, little but its size tells a small error of T0: it keeps the name that it had, on the last tick before it is mended, too.
+#[test]
+fn an_error_of_t0_keeps_its_name_to_its_end() {
+    for seed in 11..19 {
+        let wrong = fault(Verb::Offset, Some(Sensor::T0), 1.5, None, 25.0);
+        let record = run(&Config::default(), &scenario(vec![wrong], 430.0), seed).unwrap();
+        let (_, last) = since_onset(&record).take_while(|(t, _)| *t < 24.9).last().expect("ticks");
+        let finding = last.report.likelihood.finding;
+        assert!(is(last, FaultClass::T0Fault), "seed {seed}: {finding:?}");
+    }
+}
+
 /// Whether it is all as trained again is asked of each alarm: an error below the smallest that counts since training is none the less there.
 #[test]
 fn the_alarm_of_a_small_error_stands_as_long_as_the_error() {

@@ -75,8 +75,8 @@ tuning! {
 tuning! {
     /// Names (docs/diagnosis.md, section 8). The probability from which on a fault is named is a setting.
     pub struct NamingTuning: naming {
-        /// A class loses its name this much below the probability from which on it is named.
-        unname = 0.05, "1", chosen "";
+        /// A class that is named keeps its name down to this probability.
+        lasts = 0.5, "1", derived "it is likelier than all others together";
         /// No name has a higher confidence, because the fault may be none of the hypotheses.
         certain = 0.98, "1", chosen "commit 4781ecf";
         /// Air flow, or heater power, is named by itself from this probability on. Until then the pair of both is named.

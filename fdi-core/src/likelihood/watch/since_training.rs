@@ -123,15 +123,18 @@ impl SinceTraining {
             if self.tuning.hypotheses()[h].judged(sized).gain == IMPOSSIBLE { estimate[h] } else { sized }
         };
         let onset = s.changed.map_or(seen.tick, |was| was.onset);
+        let was = s.changed.and_then(|was| was.finding).map(|was| was.class);
         s.changed = now.map(|now| Change {
             largest: largest(s.changed, now, estimate[now % COUNT].value.abs()),
             onset,
             hypothesis: now,
-            finding: (now == h && confidence > t.naming).then(|| Finding {
-                class,
-                confidence,
-                magnitude: magnitude(&self.tuning.naming, h, class, &sized()),
-                onset,
+            finding: (now == h && confidence > self.tuning.naming.least(t.naming, was, class)).then(|| {
+                Finding {
+                    class,
+                    confidence,
+                    magnitude: magnitude(&self.tuning.naming, h, class, &sized()),
+                    onset,
+                }
             }),
         });
         passed

@@ -22,6 +22,16 @@ impl NamingTuning {
     pub(super) fn strange(&self) -> [f32; 2] {
         [self.strange, self.strange_share]
     }
+
+    /// From which probability on a class is named, where what has no name takes `first` and `was` is the name of before.
+    pub(in crate::likelihood::watch) fn least(
+        &self,
+        first: f32,
+        was: Option<FaultClass>,
+        class: FaultClass,
+    ) -> f32 {
+        if was == Some(class) { self.lasts } else { first }
+    }
 }
 
 impl SinceOnset {
@@ -47,7 +57,7 @@ impl SinceOnset {
         let least = match told_apart {
             _ if !self.inputs.fan => 0.0,
             _ if young => ALWAYS_BOTH,
-            true => t.process - t.unname,
+            true => t.lasts,
             false => t.process,
         };
         let (class, confidence) = named(t, &posterior, least);
@@ -63,8 +73,10 @@ impl SinceOnset {
         if alarm.strange {
             let class = FaultClass::Unknown;
             alarm.finding = Some(Finding { class, confidence: 0.0, magnitude: None, ..finding });
-        } else if confidence > self.naming || was == Some(class) {
-            alarm.finding = (confidence > self.naming - t.unname).then_some(finding);
+        } else if confidence > t.least(self.naming, was, class) {
+            alarm.finding = Some(finding);
+        } else if was != Some(FaultClass::Unknown) {
+            alarm.finding = None;
         }
         self.recall(s, alarm, taught, posterior.evidence(), *left);
     }
@@ -131,6 +143,16 @@ mod tests {
         assert_eq!(confidence, t.certain);
         let (class, confidence) = named(&t, &posterior, 0.6);
         assert!(class == FaultClass::AirFlow && confidence < 0.8, "{class:?} {confidence}");
+    }
+
+    /// A T0 that was named with 0.99 has 0.7 when the beginning of the fault is forgotten: it keeps its name, which nothing else would get.
+    #[test]
+    fn a_name_lasts_while_it_is_likelier_than_all_others() {
+        let (t, t0) = (NamingTuning::DEFAULT, FaultClass::T0Fault);
+        let named = |was, confidence: f32| confidence > t.least(0.95, was, t0);
+        assert!(named(Some(t0), 0.7) && !named(Some(t0), 0.49));
+        assert!(!named(Some(FaultClass::HeaterPower), 0.7) && !named(None, 0.7));
+        assert!(named(None, 0.96));
     }
 
     /// Sizes in the units of their classes: `1/f - 1` is told as the air flow that it is, shares in %.

@@ -30,7 +30,7 @@ impl SinceOnset {
         let (t, kappa) = (&self.tuning.naming, self.tuning.alarm.kappa);
         let Estimate { gain, value, variance, .. } = weighed[place % weighed.len()];
         let was = alarm.taught.is_some_and(|was| was.name == response.name);
-        let least = if was { self.naming - t.unname } else { self.naming };
+        let least = if was { t.lasts } else { self.naming };
         let fits = fits(s, left - 2.0 * kappa * gain, t.strange());
         let half_width = HALF_OF_95 * sqrt(variance + t.flow_error * t.flow_error * value * value);
         alarm.taught =

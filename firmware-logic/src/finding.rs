@@ -61,10 +61,11 @@ impl Sentence<'_> {
             "t" => f.write_str(channel.name()),
             "other" => f.write_str(other.name()),
             "size" => {
-                let decimals = if class.unit().starts_with('%') { 1 } else { 2 };
-                write!(f, "{}", Size { m: magnitude, decimals })
+                let is_share = class.unit().starts_with('%');
+                let most = if is_share && magnitude.value < 0.0 { 100.0 } else { f32::MAX };
+                write!(f, "{}", Size { m: magnitude, decimals: if is_share { 1 } else { 2 }, most })
             }
-            "share" => write!(f, "{}", Fixed(100.0 * (1.0 + magnitude.value / 100.0), 1)),
+            "share" => write!(f, "{}", Fixed((100.0 + magnitude.value).max(0.0), 1)),
             "seen" => write!(f, "{}", Fixed((100.0 + magnitude.value).max(0.0), 0)),
             "measured" => write!(f, "{}", degrees(self.measured(channel))),
             "t0" => write!(f, "{}", degrees(self.measured(Channel::T0))),
@@ -96,12 +97,15 @@ impl Sentence<'_> {
 struct Size {
     m: Magnitude,
     decimals: u8,
+    /// Nothing gives more than 100 % less.
+    most: f32,
 }
 
 impl fmt::Display for Size {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (value, half) = (self.m.value.abs(), self.m.half_width);
-        let [value, low, high] = [value, value - half, value + half].map(|x| Fixed(x, self.decimals));
+        let [value, low, high] =
+            [value, value - half, value + half].map(|x| Fixed(x.min(self.most), self.decimals));
         write!(f, "{value} ({low} to {high})")
     }
 }
@@ -159,6 +163,16 @@ mod tests {
         assert!(told(FaultClass::HeaterPower, Some((-20.0, 1.0))).starts_with(
             "the heater gives 20.0 (19.0 to 21.0) % less power than asked for: 80.0 % of it estimated, 100 expected;"
         ));
+    }
+
+    /// The estimate is not bounded, what is said of it is.
+    #[test]
+    fn nothing_gives_more_than_100_percent_less() {
+        assert!(told(FaultClass::HeaterPower, Some((-101.0, 3.0))).starts_with(
+            "the heater gives 100.0 (98.0 to 100.0) % less power than asked for: 0.0 % of it estimated, 100 expected;"
+        ));
+        assert!(told(FaultClass::HeaterPower, Some((150.0, 3.0))).contains("150.0 (147.0 to 153.0) % more"));
+        assert!(told(FaultClass::T1Offset, Some((-120.0, 1.0))).contains("120.00 (119.00 to 121.00) degC"));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::ops::AddAssign;
 
 use fdi_core::{Config, FaultClass};
 use indicatif::ProgressBar;
-use pt326::recording::run::{Training, diagnose};
+use pt326::recording::run::{Diagnosed, Training, diagnose};
 use pt326::recording::{Reading, Recording};
 
 use crate::rig::{COUNT, Fault, LEARNT, Made};
@@ -14,8 +14,8 @@ use crate::rig::{COUNT, Fault, LEARNT, Made};
 /// The name that an alarm has on each sample; none without an alarm.
 pub(crate) type Names = Vec<Option<String>>;
 
-/// The same as `pt326 diagnose --train` with the first samples says.
-pub(crate) fn names(made: &Made, config: &Config) -> anyhow::Result<Names> {
+/// The same as `pt326 diagnose --train` with the first samples does.
+pub(crate) fn diagnosed(made: &Made, config: &Config) -> anyhow::Result<Diagnosed> {
     let how = Reading {
         map: ["time=time", "t1=temp", "power=power"].map(String::from).to_vec(),
         full_power: Some(100.0),
@@ -24,7 +24,11 @@ pub(crate) fn names(made: &Made, config: &Config) -> anyhow::Result<Names> {
     };
     let recording = Recording::parse("made".into(), &made.csv, &how)?;
     let training = Training::Own(0..LEARNT, String::new());
-    let done = diagnose(&recording, 0, &training, &[], config, &ProgressBar::hidden())?;
+    diagnose(&recording, 0, &training, &[], config, &ProgressBar::hidden())
+}
+
+/// What it says.
+pub(crate) fn names(done: &Diagnosed) -> Names {
     let mut names = vec![None; COUNT];
     for row in &done.record.rows {
         let said = &row.report.likelihood;
@@ -38,12 +42,12 @@ pub(crate) fn names(made: &Made, config: &Config) -> anyhow::Result<Names> {
             *name = Some(of.unwrap_or_else(|| "no name".to_owned()));
         }
     }
-    Ok(names)
+    names
 }
 
 impl Fault {
     /// What it should be called; a lid has no name of its own.
-    const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::None | Self::Lid => "",
             Self::Weak => "less power",

@@ -14,6 +14,7 @@ mod logs;
 mod long;
 pub mod map;
 mod names;
+mod normal;
 mod pairs;
 mod quirks;
 pub mod report;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 use fdi_core::likelihood::Readiness;
 use fdi_core::monitor::OBSERVED;
 use fdi_core::{Celsius, Config, Mode, Monitor, Observation, Observed, Percent, Phase, Report, Tick};
@@ -49,63 +49,6 @@ pub struct Diagnosed {
 
 /// A row takes close to a kilobyte: of a longer recording not all are kept, unless there is a truth to hold each against.
 pub const MOST_ROWS: usize = 250_000;
-
-/// A part is taken for normal where the model explains so much of it, %, and raises no alarm when it goes over it again.
-const EXPLAINED: f64 = 60.0;
-/// What is tried when nobody says what is normal, after what a board has learnt from: shares of the recording.
-const TRIED: [Range<f64>; 6] = [0.0..0.25, 0.0..0.34, 0.0..0.5, 0.33..0.67, 0.5..1.0, 0.0..1.0];
-
-impl Training {
-    /// Finds a part that seems to be normal; where none does, the one over which its own model raises the fewest alarms, and explains most.
-    ///
-    /// # Errors
-    /// Nothing can be learnt from any, with the reason of the last.
-    pub fn find(recording: &Recording, heater: &Heater, config: &Config) -> anyhow::Result<Self> {
-        let (mut refusal, mut best) = (None, None::<(f64, Range<usize>, String)>);
-        let at = |share: f64| (share * recording.len() as f64) as usize;
-        let shares = TRIED.map(|share| at(share.start)..at(share.end));
-        for part in recording.learnt.iter().chain(&shares) {
-            let span = |k: usize| k as f64 * recording.sample_time;
-            let place = format!("{:.0} to {:.0} s", span(part.start), span(part.end));
-            let samples = &heater.samples[part.clone()];
-            let trained = match training::train(recording, heater, samples, config) {
-                Ok(trained) => trained,
-                Err(error) => {
-                    refusal = Some(error);
-                    continue;
-                }
-            };
-            let (fit, alarms) = (trained.fit, alarms(&trained, samples));
-            let explains = format!("{place}: the model learnt there explains {fit:.1} % of T1");
-            if fit >= EXPLAINED && alarms == 0.0 {
-                let why = format!("{explains} and raises no alarm on going over it again");
-                return Ok(Self::Found(part.clone(), why));
-            }
-            let score = fit - 100.0 * alarms;
-            if best.as_ref().is_none_or(|(least, ..)| score > *least) {
-                let alarmed = 100.0 * alarms;
-                let why = format!(
-                    "{explains}, and is in alarm for {alarmed:.1} % of it; no part is better, say with --train which is normal"
-                );
-                best = Some((score, part.clone(), why));
-            }
-        }
-        match (best, refusal) {
-            (Some((_, part, why)), _) => Ok(Self::Found(part, why)),
-            (None, Some(error)) => {
-                Err(error.context(format!("{}: nothing can be learnt from any part", recording.file)))
-            }
-            (None, None) => bail!("{}: there is nothing in it", recording.file),
-        }
-    }
-}
-
-/// The share of some samples in which what was learnt from them is in alarm.
-fn alarms(trained: &Trained, samples: &[Observed]) -> f64 {
-    let mut monitor = trained.monitor.clone();
-    let alarmed = samples.iter().filter(|sample| monitor.step(sample).1.likelihood.alarm);
-    alarmed.count() as f64 / samples.len() as f64
-}
 
 /// Learns, and watches; `faults` is what is known to have been wrong, in the recording's time.
 ///

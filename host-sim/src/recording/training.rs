@@ -48,6 +48,8 @@ pub struct Trained {
     pub intervals: Vec<Interval>,
     /// What the samples do not tell, in words; the priors stand for it.
     pub unknown: Vec<&'static str>,
+    /// What the model leaves of T1 at each sample that was learnt from, degC, in order.
+    pub left: Vec<f32>,
 }
 
 /// Learns from some samples of a heater.
@@ -115,6 +117,7 @@ pub fn train(
         fit_with_power_before,
         intervals,
         unknown,
+        left: found.left.iter().map(|(e, _)| e[0]).collect(),
     })
 }
 

@@ -100,6 +100,19 @@ fn a_rig_that_was_learnt_from_one_file_is_watched_in_another() {
     assert!(offset(&said).is_some_and(|size| (size + 4.0).abs() < 0.5), "{said}");
 }
 
+/// What was learnt is little: which faults could be told apart is not known, and the recording is diagnosed all the same.
+#[test]
+fn a_short_training_is_explained_as_far_as_it_goes() {
+    let dir = folder("training-short");
+    let record = dir.join("record.csv");
+    std::fs::write(&record, Plant::of(1.0, 3).log(2000, |k| if k >= 1500 { 4.0 } else { 0.0 })).unwrap();
+    let done =
+        pt326(&["diagnose", arg(&record), "--train", "0:70", "--explain", "--out", arg(&dir.join("out"))]);
+    let said = text(&done.stdout);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    assert!(said.contains("is not known: 70 samples are too few") && said.contains("alarm"), "{said}");
+}
+
 /// A rig that is slower than a simulated one can be is not written as a faster one without a word.
 #[test]
 fn what_no_simulated_rig_has_is_told() {

@@ -97,13 +97,13 @@ pub(super) fn learnt(
     text + "\n"
 }
 
-/// Which faults can be told apart, from which size on.
+/// Which faults can be told apart, from which size on, or why that cannot be said.
 pub(super) fn told_apart(
     recording: &Recording,
     heater: &Heater,
     training: &Training,
     done: &Diagnosed,
-) -> anyhow::Result<String> {
+) -> String {
     let model = &done.trained.model;
     let answer = f64::from(model.heater + model.lag + model.dead_time);
     let digits = |x: f64| (x * 10.0).round().max(1.0) / 10.0;
@@ -116,13 +116,16 @@ pub(super) fn told_apart(
     monitor.resume();
     let question = Question { seed: 1, horizons, equal_odds: false };
     let rate = (heater.inputs, recording.sample_time, done.trained.every);
-    let found = Isolability::watched(&monitor, samples, rate, &question)?;
+    let found = match Isolability::watched(&monitor, samples, rate, &question) {
+        Ok(found) => found,
+        Err(error) => return format!("\nWhich faults can be told apart is not known: {error:#}\n"),
+    };
     let unit = if recording.units.celsius == 1.0 {
         String::new()
     } else {
         format!("degC are those that one unit of T1 counts for: {}.\n", recording.units.celsius)
     };
-    Ok(format!("\n{}{unit}Median of {} onsets.\n", output::tables(&found), found.onsets))
+    format!("\n{}{unit}Median of {} onsets.\n", output::tables(&found), found.onsets)
 }
 
 /// The settings that differ from the defaults, as TOML.

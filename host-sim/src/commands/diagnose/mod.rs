@@ -248,7 +248,7 @@ fn tell(
     text += &explain::learnt(recording, heater, training, done);
     if args.explain {
         text += &table_of(&learnt(recording, heater, &done.trained));
-        text += &explain::told_apart(recording, heater, training, done)?;
+        text += &explain::told_apart(recording, heater, training, done);
     }
     text += &remarks(done);
     let from = done.watched_from as f64 * recording.sample_time;

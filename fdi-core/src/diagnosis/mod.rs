@@ -116,7 +116,7 @@ pub struct Report {
 impl Report {
     /// What of it the first half of the next tick needs.
     pub fn feedback(&self) -> Feedback {
-        let finding = self.likelihood.finding;
+        let finding = self.likelihood.finding.filter(|finding| finding.is_sure());
         Feedback {
             learned: self.learned,
             virtual_rise: self.likelihood.virtual_rise,
@@ -374,4 +374,27 @@ impl Diagnosis {
 /// Residuals: features minus nominal means. Those that are only shown are residuals as they are.
 fn subtract(features: &[f32; RESIDUALS], mean: &[f32; RESIDUALS]) -> [f32; RESIDUALS] {
     core::array::from_fn(|i| if i < FIRST_DECISIVE { features[i] } else { features[i] - mean[i] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::likelihood::{FaultClass, Finding};
+
+    /// A name that only lasts is told. It neither takes T1 from the loop nor keeps a loss of air from tripping.
+    #[test]
+    fn what_is_not_sure_is_not_acted_on() {
+        let faulty = |class, confidence| {
+            let finding = Some(Finding { class, confidence, magnitude: None, onset: 0 });
+            let likelihood = LikelihoodReport { finding, ..LikelihoodReport::default() };
+            let feedback = Report { likelihood, ..Report::default() }.feedback();
+            [feedback.t1_faulty, feedback.heater_faulty]
+        };
+        assert_eq!(faulty(FaultClass::T1Offset, 0.96), [true, false]);
+        assert_eq!(faulty(FaultClass::HeaterPower, 0.96), [false, true]);
+        assert_eq!(
+            [FaultClass::T1Offset, FaultClass::HeaterPower].map(|class| faulty(class, 0.6)),
+            [[false; 2]; 2]
+        );
+    }
 }

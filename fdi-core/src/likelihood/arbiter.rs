@@ -137,11 +137,13 @@ impl Evidence<'_> {
         Some(Finding { class: FaultClass::T1Clogged, magnitude: None, ..stuck })
     }
 
-    /// The models have a name that tells. Over a T0 that is known to be wrong they say nothing of heater and air: a wrong "heater power" would keep a
+    /// The models have a name that tells: a sure one. Over a T0 that is known to be wrong they say nothing of heater and air: a wrong "heater power" would keep a
     /// loss of air from tripping.
     fn models_tell(&self) -> bool {
         let misled = self.response.or(self.room).is_some_and(|finding| finding.class == FaultClass::T0Fault);
-        let vague = self.models_say(&[FaultClass::Unknown, FaultClass::Drift]) || self.is_stuck_but_moves();
+        let unsure = self.said.by_models().is_some_and(|finding| !finding.is_sure());
+        let vague =
+            unsure || self.models_say(&[FaultClass::Unknown, FaultClass::Drift]) || self.is_stuck_but_moves();
         let process = [FaultClass::AirFlow, FaultClass::HeaterPower, FaultClass::AirFlowOrHeaterPower];
         !(vague || misled && self.models_say(&process))
     }
@@ -202,6 +204,9 @@ mod tests {
             ..Evidence::default()
         };
         let stuck = Stuck(Channel::T1);
+        // A name that lasts, though it is no longer sure.
+        let since_onset = Some(Some(Finding { confidence: 0.76, ..named(T1Clogged).unwrap() }));
+        let lapsed: &Said = Box::leak(Box::new(Said { since_onset, ..Said::default() }));
         std::vec![
             (0, Evidence { sensors: open, response: out, ..models(T2Offset) }, Open(Channel::T1)),
             (1, slips(T1Clogged, T2Detached, 60.0, false), T2Detached),
@@ -220,12 +225,14 @@ mod tests {
             (5, Evidence { room: t0, ..models(T2Offset) }, T2Offset),
             (6, Evidence { sensors: lost, response: out, ..models(Unknown) }, T1Detached),
             (6, Evidence { response: out, room: t0, ..models(Drift) }, T1Detached),
+            (6, Evidence { response: named(stuck), said: lapsed, ..Evidence::default() }, stuck),
             (7, Evidence { room: t0, ..models(HeaterPower) }, T0Fault),
             (7, Evidence { room: t0, ..models(AirFlow) }, T0Fault),
             (8, Evidence { sensors: lost, ..models(Unknown) }, Lost(Channel::T2)),
             (9, Evidence { said: said(Some(stuck), None, true), ..Evidence::default() }, T1Clogged),
             (10, slips(Drift, T1Detached, 20.0, false), Drift),
             (10, Evidence { commissioning, ..models(Unknown) }, Unknown),
+            (10, Evidence { said: lapsed, ..Evidence::default() }, T1Clogged),
             (11, Evidence { commissioning, ..Evidence::default() }, SinceCommissioning),
         ]
     }

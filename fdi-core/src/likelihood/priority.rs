@@ -178,7 +178,7 @@ mod tests {
         assert!(!standing.on(3, t2), "a new fault of the class");
     }
 
-    /// What may trip, and what has no name, stays an alarm.
+    /// What may trip, and what has no name or none that is sure, stays an alarm.
     #[test]
     fn what_may_trip_is_not_shelved() {
         let blind = FaultClass::ALL.into_iter().filter(|class| class.leaves_t1_blind());
@@ -189,9 +189,9 @@ mod tests {
         assert!(!Standing::default().told(0, SUDDEN, Some(Shelving::For(50))));
         // A heater that gives always the same has no size.
         let found = Finding { class: FaultClass::HeaterPower, confidence: 0.9, magnitude: None, onset: 0 };
-        for (magnitude, shelved) in [(None, false), (SIZE, true)] {
+        for (magnitude, confidence, shelved) in [(None, 0.9, false), (SIZE, 0.6, false), (SIZE, 0.9, true)] {
             let seen = Observation { shelve: Some(Shelving::For(50)), ..Observation::default() };
-            let found = Some(Finding { magnitude, ..found });
+            let found = Some(Finding { magnitude, confidence, ..found });
             assert_eq!(Standing::default().finds(&seen, SUDDEN, found), shelved);
         }
     }

@@ -34,14 +34,14 @@ impl Finding {
         self.confidence >= SinceTrainingTuning::DEFAULT.naming
     }
 
-    /// Whether it may be shelved: its class may ([`FaultClass::may_be_shelved`]), and it has a size.
+    /// Whether it may be shelved: its class may ([`FaultClass::may_be_shelved`]), it is sure, and it has a size.
     pub fn may_be_shelved(&self) -> bool {
-        self.magnitude.is_some() && self.class.may_be_shelved()
+        self.magnitude.is_some() && self.is_sure() && self.class.may_be_shelved()
     }
 
-    /// Whether it may be taken for normal: its class may ([`FaultClass::may_be_accepted`]), and it has a size.
+    /// Whether it may be taken for normal: its class may ([`FaultClass::may_be_accepted`]), it is sure, and it has a size.
     pub fn may_be_accepted(&self) -> bool {
-        self.magnitude.is_some() && self.class.may_be_accepted()
+        self.magnitude.is_some() && self.is_sure() && self.class.may_be_accepted()
     }
 }
 

@@ -59,6 +59,6 @@ fn named(board: &impl Board, may: fn(&Finding) -> bool) -> Result<(), &'static s
     match monitored.and_then(|(_, report)| report.likelihood.finding) {
         None => Err("nothing is named, see `status`"),
         Some(found) if may(&found) => Ok(()),
-        Some(_) => Err("what is named may trip, or has no size"),
+        Some(_) => Err("what is named may trip, is not sure, or has no size"),
     }
 }

@@ -23,10 +23,9 @@ use crate::vector::dot;
 /// lag is above that.
 const COUNT: usize = 7;
 /// Standard deviations of what is unknown, % of power and degC: heat and wall of a rig that is as the model has it, of one that was about at rest, and of
-/// one that was anyhow. What is likeliest by what was seen is believed. The room's, which T0 says where there is one.
+/// one that was anyhow. What is likeliest by what was seen is believed. And of a room that is another than that of the learning.
 const KINDS: [[f32; 2]; 3] = [[0.0, 0.0], [3.0, 3.0], [50.0, 15.0]];
 const ROOM_SD: f32 = 2.0;
-const KNOWN_ROOM_SD: f32 = 0.3;
 /// Twice as many samples as unknowns: fewer are explained by almost any state.
 const SURE: usize = 2 * COUNT;
 /// So many residuals say what those that follow are expected to be, and nothing else.
@@ -233,15 +232,17 @@ impl Start {
 
 impl Likelihood {
     /// What has to be found of a rig with which the model has just begun anew; none where nothing was learnt.
-    /// Where T0 is missing, `same_room` says that the room is that of the learning.
+    /// `same_room` says that the room is that of the learning, also where T0 is missing. What a thermistor reads wrong in it is not told from what is left
+    /// of the heat until that has gone, and stays for good: there the rig is looked at for longer.
     pub(crate) fn start(&self, state: &LikelihoodState, same_room: bool) -> Option<Start> {
-        let start = self.watch.begins(state.trained.as_ref()?);
-        Some(Start { room_sd: if same_room || self.inputs.t0 { KNOWN_ROOM_SD } else { ROOM_SD }, ..start })
+        let start = self.watch.begins(state.trained.as_ref()?, same_room);
+        let known = same_room || self.inputs.t0;
+        Some(Start { room_sd: if known { self.tuning.nuisances.onset_offset } else { ROOM_SD }, ..start })
     }
 
     /// The same while an alarm stands: the rig may be as the model has it, and the room is as far from that of the learning as a nuisance may be.
     pub(crate) fn start_anew(&self, state: &LikelihoodState) -> Option<Start> {
-        let start = self.watch.begins(state.trained.as_ref()?);
+        let start = self.watch.begins(state.trained.as_ref()?, false);
         Some(Start { room_sd: self.tuning.nuisances.onset_offset, may_be_known: true, ..start })
     }
 

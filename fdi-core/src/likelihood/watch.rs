@@ -153,8 +153,8 @@ impl Watch {
     }
 
     /// What has to be found of how the rig began.
-    pub(super) fn begins(&self, s: &WatchState) -> Start {
-        self.simulation.begins(&s.simulation, *s.innovations.filter())
+    pub(super) fn begins(&self, s: &WatchState, is_long: bool) -> Start {
+        self.simulation.begins(&s.simulation, *s.innovations.filter(), is_long)
     }
 
     /// How the rig began has been found.

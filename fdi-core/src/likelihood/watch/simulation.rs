@@ -114,11 +114,11 @@ impl Simulation {
         s.begins = true;
     }
 
-    /// What has to be found before it is judged again.
-    pub(super) fn begins(&self, s: &SimulationState, whitening: WhiteningFilter) -> Start {
+    /// What has to be found before it is judged again; where `is_long`, until a rig has forgotten how it began, however slow it is.
+    pub(super) fn begins(&self, s: &SimulationState, whitening: WhiteningFilter, is_long: bool) -> Start {
         let t = &self.tuning.slow;
         let settles = t.settles * s.parameters.residence();
-        let settles = if settles <= t.anchored { settles } else { 0.0 };
+        let settles = if is_long || settles <= t.anchored { settles } else { 0.0 };
         Start::new(s.rig.process, whitening, s.second_heater, self.inputs, (settles + t.anchored) as u32)
     }
 

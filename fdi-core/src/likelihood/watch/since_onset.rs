@@ -248,7 +248,7 @@ impl SinceOnset {
         if let Some(recovered) = self.recovered(s, &alarm, seen) {
             return recovered;
         }
-        if over || (!young && alarm.gain < 0.0) {
+        if over {
             s.begin_anew();
             return Outcome::Over;
         }
@@ -284,7 +284,8 @@ impl SinceOnset {
         self.inputs.tell(row.class) && !(times.slow_surroundings && stands)
     }
 
-    /// Whether the nuisances alone explain what was seen of late better than the fault as it was.
+    /// Whether the nuisances alone explain what was seen of late better than the fault as it was. They must do so by far while something since
+    /// the onset speaks for a fault, and at all once nothing does: what an old alarm rests on is forgotten, also while its fault stays.
     #[inline(never)]
     fn is_over(&self, s: &SinceOnsetState, alarm: &Alarm, usual: &Usual) -> bool {
         let row = &HYPOTHESES[alarm.hypothesis % COUNT];
@@ -293,7 +294,9 @@ impl SinceOnset {
         let both = [first, row.second.map_or(first, |free| (free.direction, second))];
         let at = if row.second.is_some() { &both[..] } else { &both[..1] };
         let (list, t) = (usual.since_onset(), &self.tuning.alarm);
-        Nuisances::new(s.window.sums(), &list, t.kappa).fixed(at) < -t.over
+        let forgotten = alarm.age >= t.young && alarm.gain < 0.0;
+        let against = if forgotten { 0.0 } else { t.over };
+        Nuisances::new(s.window.sums(), &list, t.kappa).fixed(at) < -against
     }
 }
 

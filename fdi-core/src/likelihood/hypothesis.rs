@@ -266,11 +266,11 @@ impl Hypothesis {
         Some(self.stuck_at.map_or(second, |m| Prior { mean: rises[m % 2], ..second }))
     }
 
-    /// How late a change of the process by `value` may begin, where it is a large one.
-    pub(super) fn later(&self, t: &HypothesisTuning, value: f32) -> Option<Prior> {
+    /// How late a change of the process by `value` may begin: anywhere within so many ticks.
+    pub(super) fn later(&self, value: f32, ticks: f32) -> Option<Prior> {
         let second =
             self.second.filter(|second| matches!(second.direction, Direction::Of(Regressor::Late)))?;
-        (value.abs() > t.large).then(|| Prior { sd: ANYWHERE * value.abs(), ..second })
+        Some(Prior { sd: ANYWHERE * ticks * value.abs(), ..second })
     }
 
     /// The gain of a hypothesis that was estimated, with its prior; none where the magnitude is not one that it can have.

@@ -17,7 +17,7 @@ tuning! {
         share_sd = 0.25, "1", chosen "faults of the campaign are 10 to 100 %";
         /// Largest change of the heater's power, both signs.
         most_power = 1.1, "1", derived "all of it, and a tenth for the estimate's error";
-        /// A thermistor that loses more of its rise is not clogged, but out of the tube; one that was clogged when it was learnt sees at most as much more when it is mended. A change of the process that is larger is judged a second time, with more room for how late it begins.
+        /// A thermistor that loses more of its rise is not clogged, but out of the tube; one that was clogged when it was learnt sees at most as much more when it is mended. A change of the process that is larger is judged a second time, with more room for how late it begins (`late`).
         large = 0.4, "1", chosen "a heater that fails wholly has no size without the second judgement (tests/closed_loop)";
         /// Standard deviation of the lag of a clogged thermistor, as a share of the regressor's lag.
         lag_sd = 0.15, "1", chosen "";
@@ -35,6 +35,8 @@ tuning! {
         least_constant = 5.0, "%", chosen "commit c08f067";
         /// Standard deviation of how late a change of the process begins, ticks times its share. With a larger value, the timing that tells air flow from power is lost.
         late_sd = 0.03, "ticks", chosen "";
+        /// Share of the residence time, and at least a tick, within which a change of the process begins anywhere. It is asked of a large change, and of any where there is no fan: there the timing has to tell nothing apart, and a slow rig shows its onset late.
+        late = 0.1, "1", derived "a tick of the reference rig";
         /// Log odds beforehand of a drift, and of a thermistor out of the tube.
         uncommon = -3.0, "1", chosen "one of them for 20 of the common ones";
         /// Log odds beforehand of faults that are rarer still.

@@ -269,7 +269,9 @@ impl SinceOnset {
         for (estimate, row) in judged.estimate.iter_mut().zip(self.tuning.hypotheses()) {
             if self.asks(seen.times, row) {
                 *estimate = row.judged(beyond.estimate(row.first, row.second_at(s.at_onset)));
-                if let Some(second) = row.later(&self.tuning.hypotheses, estimate.value) {
+                // Timing tells air flow from power; without a fan there is nothing to tell apart.
+                let may_be_late = !self.inputs.fan || estimate.value.abs() > self.tuning.hypotheses.large;
+                if may_be_late && let Some(second) = row.later(estimate.value, seen.times.late) {
                     *estimate = row.judged(beyond.estimate(row.first, Some(second)));
                 }
             }

@@ -1,7 +1,7 @@
 //! How fast everything goes on a rig: times that suit the reference rig, stretched by the residence time of this one.
 
 use super::steady::SteadyConstants;
-use crate::bounds::bounded;
+use crate::bounds::{bounded, larger};
 use crate::filter::LowPass;
 use crate::likelihood::inputs::Inputs;
 use crate::likelihood::onset::OnsetConstants;
@@ -19,6 +19,8 @@ pub(super) struct Times {
     pub(super) swing: LowPass,
     pub(super) inlet: LowPass,
     pub(super) walk: LowPass,
+    /// Ticks within which a change of the process begins anywhere, where that is asked.
+    pub(super) late: f32,
     pub(super) forgets: f32,
     pub(super) window: f32,
     /// Share that is kept of what "as trained" is asked of.
@@ -57,6 +59,7 @@ impl Times {
             swing: LowPass::over(1.0 / share(t.swing)),
             inlet: LowPass::over(1.0 / share(t.reference)),
             walk: LowPass::over(1.0 / share(t.walk)),
+            late: larger(1.0, tuning.hypotheses.late * p.residence()),
             forgets: 1.0 - share(t.forgetting),
             window: 1.0 - share(t.window),
             recent: 1.0 - share(t.split),

@@ -31,15 +31,13 @@ const LEAST_STEPS: usize = 3;
 const FEW: usize = 6000;
 /// Dead time and about four time constants are so many times what the heat takes to arrive.
 pub const ANSWER: f64 = 4.4;
-/// How often what is left says anew what noise there is.
-const NOISES: usize = 2;
 /// The spread of the residuals that is assumed first, as a share of that of T1.
 const ASSUMED: f64 = 0.1;
-/// A wall has to make the sum less by so much: three standard deviations. Otherwise what drifts would be taken for one.
-const WORTH_A_WALL: f64 = 9.0;
+/// A wall has to make the sum less by so much: four standard deviations. Otherwise what drifts would be taken for one.
+const WORTH_A_WALL: f64 = 16.0;
 const NO_WALL: (f64, f64) = (0.0, 0.0);
 /// A wall that is slower than this share of all there is shows nothing but a drift.
-const LONGEST_WALL: f64 = 0.25;
+const LONGEST_WALL: f64 = 0.5;
 /// What the diagnosis remembers of the air, as a share of its ticks: see `longest_delay` of the tuning.
 const LONGEST_DELAY: f64 = 43.0;
 
@@ -112,15 +110,14 @@ impl Question<'_> {
             (search, point)
         });
         let (mut search, mut point) = tried.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))?;
-        for _ in 0..NOISES {
-            search.learn_noise(&point);
-            point = search.descend(search.judged(point.theta, point.starts.clone()), most);
-        }
+        search.settle(&mut point, most);
         if near.is_none_or(|near| near[Wall1 as usize] != 0.0) {
             let (prior, range) = self.limits(ANSWER * residence(&point.theta), rows, prepared.beside);
-            let walled = Search { prior, range, ..search.clone() };
-            let other = walled.descend(walled_from(&walled, &point), most);
-            if other.cost < point.cost - WORTH_A_WALL {
+            let mut walled = Search { prior, range, ..search.clone() };
+            let mut other = walled.descend(walled_from(&walled, &point), most);
+            let worth = if near.is_none() { WORTH_A_WALL } else { 0.0 };
+            if other.cost < point.cost - worth {
+                walled.settle(&mut other, most);
                 (search, point) = (walled, other);
             }
         }

@@ -23,6 +23,8 @@ const DAMPING: f64 = 1e-3;
 const LESS: f64 = 0.2;
 const MORE: f64 = 5.0;
 const MOST_DAMPING: f64 = 1e6;
+/// How often what is left says anew what noise there is.
+const NOISES: usize = 2;
 /// It has converged where a step makes the sum less by no more than this share.
 const CONVERGED: f64 = 1e-4;
 /// No residual is taken for smaller in the mean, degC.
@@ -178,8 +180,16 @@ impl Search<'_> {
             .collect()
     }
 
+    /// Learns what noise there is, and gets better by that.
+    pub(super) fn settle(&mut self, point: &mut Point, most: usize) {
+        for _ in 0..NOISES {
+            self.learn_noise(point);
+            *point = self.descend(self.judged(point.theta, point.starts.clone()), most);
+        }
+    }
+
     /// What the residuals say of their noise.
-    pub(super) fn learn_noise(&mut self, point: &Point) {
+    fn learn_noise(&mut self, point: &Point) {
         let residuals = self.residuals(point);
         for m in 0..2 {
             let e: Vec<f64> = residuals.iter().flatten().map(|e| e[m]).filter(|e| e.is_finite()).collect();
@@ -341,13 +351,10 @@ impl Search<'_> {
     fn stepped(&self, point: &Point, normal: &Normal, damping: f64) -> Point {
         let mut matrix = normal.matrix;
         (0..PARAMETERS).for_each(|i| matrix[i][i] *= 1.0 + damping);
-        let inverse = inverse(matrix);
-        let mut theta = point.theta;
-        let step: Theta = std::array::from_fn(|i| {
-            let wanted: f64 = (0..PARAMETERS).map(|j| inverse[i][j] * normal.score[j]).sum();
+        let step = self.within(&point.theta, matrix, normal.score);
+        let theta = std::array::from_fn(|i| {
             let ((low, high), sd) = (self.range[i], self.prior[i].1);
-            theta[i] = (theta[i] + sd * wanted).clamp(low, high);
-            (theta[i] - point.theta[i]) / sd
+            (point.theta[i] + sd * step[i]).clamp(low, high)
         });
         let parts = normal.parts.iter().zip(&point.starts);
         let starts = parts.map(|(part, start)| {
@@ -359,6 +366,29 @@ impl Search<'_> {
             })
         });
         self.judged(theta, starts.collect())
+    }
+
+    /// The step, in standard deviations of the priors, that does not leave the ranges. What would leave its own goes to its end, and the others are asked
+    /// again: cut off alone, it would leave the others on their way to somewhere else.
+    fn within(&self, theta: &Theta, mut matrix: Square<PARAMETERS>, mut score: Theta) -> Theta {
+        let mut is_at_its_end = [false; PARAMETERS];
+        loop {
+            let inverse = inverse(matrix);
+            let step: Theta =
+                std::array::from_fn(|i| (0..PARAMETERS).map(|j| inverse[i][j] * score[j]).sum());
+            let room = |i: usize| {
+                let ((low, high), sd) = (self.range[i], self.prior[i].1);
+                step[i].clamp((low - theta[i]) / sd, (high - theta[i]) / sd)
+            };
+            let leaves = |i: &usize| !is_at_its_end[*i] && room(*i) != step[*i];
+            let Some(i) = (0..PARAMETERS).find(leaves) else { return step };
+            is_at_its_end[i] = true;
+            for j in (0..PARAMETERS).filter(|j| *j != i) {
+                score[j] -= matrix[j][i] * room(i);
+                [matrix[i][j], matrix[j][i]] = [0.0; 2];
+            }
+            (matrix[i][i], score[i]) = (1.0, room(i));
+        }
     }
 
     /// Covariance of the parameters, in standard deviations of their priors; and what it would be if these counted for next to nothing, but for that of

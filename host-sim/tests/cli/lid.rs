@@ -105,13 +105,13 @@ fn an_alarm_lasts_as_long_as_its_fault() {
     }
 }
 
-/// What an alarm rests on is forgotten while its fault stays. When that alone was taken for the fault's end, the alarms of these two records ended 925 and
-/// 1,238 samples behind the onset.
+/// What an alarm rests on is forgotten while its fault stays. When that alone was taken for the fault's end, the alarms of these two records ended 312
+/// samples behind the onset.
 #[test]
 fn a_small_error_that_stays_keeps_its_alarm() {
-    for seed in [3, 40] {
+    for seed in [25, 34] {
         let alarms =
-            alarms("lid-small", &record(seed, 1.0, |k| (1.0, 0.0, if k < 2500 { 0.0 } else { 0.5 })));
+            alarms("lid-small", &record(seed, 1.0, |k| (1.0, 0.0, if k < 2500 { 0.0 } else { 0.4 })));
         let stands = share(&alarms, 2600..COUNT);
         assert!(stands > 0.99, "seed {seed}: in alarm for {stands:.2} of the fault");
     }

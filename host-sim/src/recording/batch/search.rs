@@ -188,6 +188,24 @@ impl Search<'_> {
         }
     }
 
+    /// Twice the logarithm of the likelihood ratio of two points, each with the noise that it leaves, by the independent residuals of the first.
+    pub(super) fn explains_more(&self, point: &Point, other: &Point) -> f64 {
+        let variances = |point: &Point| {
+            let residuals = self.residuals(point);
+            [0, 1].map(|m| {
+                let limit = HUBER * self.sigma[m];
+                let e = residuals.iter().flatten().map(|e| e[m]).filter(|e| e.is_finite());
+                e.fold((0.0, 0.0), |(count, sum), e| (count + 1.0, sum + e.abs().min(limit).powi(2)))
+            })
+        };
+        let pairs = variances(point).into_iter().zip(variances(other)).zip(self.kappa);
+        let least = LEAST_SIGMA * LEAST_SIGMA;
+        pairs
+            .filter(|(((count, _), _), _)| *count > 0.0)
+            .map(|(((count, a), (_, b)), kappa)| count / kappa * (a.max(least) / b.max(least)).ln())
+            .sum()
+    }
+
     /// What the residuals say of their noise.
     fn learn_noise(&mut self, point: &Point) {
         let residuals = self.residuals(point);

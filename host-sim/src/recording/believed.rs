@@ -2,12 +2,12 @@
 
 use std::ops::RangeInclusive;
 
-use fdi_core::likelihood::Channel;
+use fdi_core::likelihood::{Channel, Magnitude};
 use fdi_core::{Finding, Sample};
 
 use super::{Heater, span};
 
-/// A heater may give so many % more than it is asked for, or a fan move so much more air; nothing gives less than nothing.
+/// A heater may give so many % more than it is asked for, or a fan move so much more air; nothing gives less than nothing. An interval may reach beyond.
 const MORE: RangeInclusive<f32> = -100.0..=400.0;
 
 /// Nor does a thermistor read further off than so many times all that it read.
@@ -36,7 +36,11 @@ impl Believed {
         let class = finding.class;
         let size = finding.magnitude.map(|magnitude| magnitude.value);
         let is_possible = match class.unit() {
-            "% of power" | "% of air flow" => size.is_none_or(|size| MORE.contains(&size)),
+            "% of power" | "% of air flow" => {
+                finding.magnitude.is_none_or(|Magnitude { value, half_width }| {
+                    value + half_width >= *MORE.start() && value - half_width <= *MORE.end()
+                })
+            }
             _ => true,
         };
         self.inputs.tell(class)
@@ -62,7 +66,7 @@ impl Believed {
 
 #[cfg(test)]
 mod tests {
-    use fdi_core::likelihood::{FaultClass, Magnitude};
+    use fdi_core::likelihood::FaultClass;
     use fdi_core::{Celsius, Reading, Validity};
 
     use super::*;
@@ -83,11 +87,13 @@ mod tests {
         };
         assert!(says(FaultClass::T1Offset, 5.0, 25.0) && says(FaultClass::T1Detached, -90.0, 70.0));
         assert!(says(FaultClass::HeaterPower, -40.0, 30.0));
+        assert!(says(FaultClass::HeaterPower, -100.6, 30.0), "all of it is within its interval");
         for (class, size, expected) in [
             (FaultClass::T1Offset, 133.0, 30.0),
             (FaultClass::T1Offset, 46.0, 30.0),
             (FaultClass::T1Detached, -90.0, 400.0),
             (FaultClass::HeaterPower, 900.0, 30.0),
+            (FaultClass::HeaterPower, -101.6, 30.0),
             (FaultClass::T2Offset, 1.0, 30.0),
             (FaultClass::AirFlow, 20.0, 30.0),
         ] {

@@ -1,5 +1,6 @@
 //! The command as a user calls it, one file a command.
 
+mod bed;
 mod cold;
 mod console;
 mod core;

@@ -141,14 +141,15 @@ impl SinceOnset {
         if s.onset.age == 0 {
             s.at_onset = seen.measured;
         }
-        let lasting = t.lasting_error * larger(s.z_mean[0].abs(), s.z_mean[1].abs());
+        let lasting = larger(s.z_mean[0].abs(), s.z_mean[1].abs());
         let mut jump: f32 = 0.0;
         for m in 0..2 {
             s.z_mean[m] += t.mean_share * (z[m] - s.z_mean[m]);
             jump = larger(jump, (z[m] - s.z_mean[m]).abs());
         }
         let slope = if seen.times.slow_surroundings { 0.0 } else { t.transient_slope };
-        let transient = larger(lasting, 1.0 + slope * larger(0.0, jump - t.unusual));
+        let error = if self.inputs.fan { 0.0 } else { t.lasting_error };
+        let transient = larger(error * lasting, 1.0 + slope * larger(0.0, jump - t.unusual));
         let weight = 1.0 / (transient * transient);
         // A jump while a sag or the like already stirs: what sensors do begins here, what the process does goes on.
         if s.alarm.is_none() && s.onset.age > 0 && self.jumps(s, z) {

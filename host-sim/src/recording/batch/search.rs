@@ -394,18 +394,20 @@ impl Search<'_> {
             let inverse = inverse(matrix);
             let step: Theta =
                 std::array::from_fn(|i| (0..PARAMETERS).map(|j| inverse[i][j] * score[j]).sum());
-            let room = |i: usize| {
-                let ((low, high), sd) = (self.range[i], self.prior[i].1);
-                step[i].clamp((low - theta[i]) / sd, (high - theta[i]) / sd)
+            let ends_at = |i: usize| theta[i] + self.prior[i].1 * step[i];
+            let leaves = |i: &usize| {
+                let (low, high) = self.range[*i];
+                !is_at_its_end[*i] && !(low..=high).contains(&ends_at(*i))
             };
-            let leaves = |i: &usize| !is_at_its_end[*i] && room(*i) != step[*i];
             let Some(i) = (0..PARAMETERS).find(leaves) else { return step };
             is_at_its_end[i] = true;
+            let (low, high) = self.range[i];
+            let room = (ends_at(i).clamp(low, high) - theta[i]) / self.prior[i].1;
             for j in (0..PARAMETERS).filter(|j| *j != i) {
-                score[j] -= matrix[j][i] * room(i);
+                score[j] -= matrix[j][i] * room;
                 [matrix[i][j], matrix[j][i]] = [0.0; 2];
             }
-            (matrix[i][i], score[i]) = (1.0, room(i));
+            (matrix[i][i], score[i]) = (1.0, room);
         }
     }
 

@@ -87,7 +87,7 @@ mod tests {
         };
         assert!(says(FaultClass::T1Offset, 5.0, 25.0) && says(FaultClass::T1Detached, -90.0, 70.0));
         assert!(says(FaultClass::HeaterPower, -40.0, 30.0));
-        assert!(says(FaultClass::HeaterPower, -100.6, 30.0), "all of it is within its interval");
+        assert!(says(FaultClass::HeaterPower, -100.6, 30.0), "-100 % is within its interval");
         for (class, size, expected) in [
             (FaultClass::T1Offset, 133.0, 30.0),
             (FaultClass::T1Offset, 46.0, 30.0),

@@ -9,7 +9,7 @@ use crate::{arg, folder, pt326, text};
 const SAMPLES: usize = 4000;
 const FAULT: usize = 2400;
 
-/// Its heater fails: T1 is 60 degC below what is expected, thousands of standard deviations, and stays there.
+/// Its heater fails: T1 falls to 120 degC below what is expected, more than a thousand standard deviations, and stays there.
 fn that_fails(seed: u64) -> String {
     let dice = &mut Dice::of(seed);
     let (mut bed, mut glass, mut sum, mut set_point) = (22.0_f64, 22.0_f64, 0.0_f64, 60.0);
@@ -33,10 +33,10 @@ fn that_fails(seed: u64) -> String {
     rows
 }
 
-/// When every such sample counted as if the model were exact, single precision had nothing left to decide by, and the name came and went up to a hundred
-/// times.
+/// Bed and glass are two masses, of which the slower has most of the heat. When a wall was looked for from one start, that of a tube, the model explained 84 %
+/// of such a bed. When every sample counted as if the model were exact, single precision had nothing left to decide by, and the name came and went.
 #[test]
-fn a_heater_that_fails_has_one_name() {
+fn a_second_mass_is_found_and_a_heater_that_fails_has_one_name() {
     let dir = folder("bed");
     let file = dir.join("record.csv");
     for seed in [1, 2, 3] {
@@ -44,9 +44,10 @@ fn a_heater_that_fails_has_one_name() {
         let out = pt326(&["diagnose", arg(&file), "--train", "0:4000", "--out", arg(&dir)]);
         assert!(out.status.success(), "{}", text(&out.stderr));
         let said = text(&out.stdout);
-        let (before, all) = said.split_once("% less power than asked for").unwrap_or((&said, ""));
-        let says = |what: &str, of: &str| of.matches(what).count();
-        let later = says("°C", all) + says("it cannot be told what", all);
-        assert!(!all.is_empty() && later == 0, "seed {seed}: {before} | {all}");
+        let (_, fit) = said.split_once("Fit, simulated: ").unwrap();
+        let fit: f64 = fit.split(' ').next().unwrap().parse().unwrap();
+        assert!(fit > 98.0, "seed {seed}: {said}");
+        let (_, later) = said.split_once("% less power than asked for").expect("the heater's name");
+        assert!(!later.contains("°C") && !later.contains("it cannot be told what"), "seed {seed}: {said}");
     }
 }

@@ -38,7 +38,7 @@ tuning! {
         /// By how much less it counts, for each standard deviation beyond that.
         transient_slope = 0.1, "1", chosen "";
         /// Where there is no fan, what stays larger than `1 / lasting_error` standard deviations counts no more than that: its size is known no better than the model, which is not one of that heater's physics, and sums of its squares would leave single precision nothing to decide by.
-        lasting_error = 0.02, "1", measured "made records: with 0.04, 2 offsets of 48 become drifts after hours; with 0.01, the name of a heater that is weak or dead comes and goes. With a fan, a heater that is fully on would have its name after 19 s in place of 10";
+        lasting_error = 0.02, "1", measured "made records: with 0.04, 2 offsets of 48 become drifts after hours; with 0.01, the name of a heater that is weak or dead comes and goes. With a fan, a heater that is fully on has its name after 14 to 19 s in place of at most 10 (watch/tests.rs)";
         /// A jump of a sensor during an earlier change: least z1^2 + z2^2 on one tick.
         jump = 16.0, "1", derived "4 standard deviations";
         /// From this age of an onset on, such a jump needs twice that.

@@ -141,7 +141,7 @@ impl SinceOnset {
         if s.onset.age == 0 {
             s.at_onset = seen.measured;
         }
-        // Before this tick: a jump counts in full.
+        // The means before this tick, so that a jump counts in full.
         let lasting = larger(s.z_mean[0].abs(), s.z_mean[1].abs());
         let mut jump: f32 = 0.0;
         for m in 0..2 {

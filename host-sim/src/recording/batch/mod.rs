@@ -1,6 +1,7 @@
 //! Training on all samples at once: an output-error fit of the model of `fdi_core`, with how each stretch began free (L. Ljung, *System
 //! Identification*, 2nd ed., 1999, chapter 7). A board keeps no samples and learns in one pass; a recording lies on a disk.
 
+mod normal;
 mod plant;
 mod prepared;
 mod search;
@@ -36,11 +37,12 @@ const ASSUMED: f64 = 0.1;
 /// Twice the logarithm of the likelihood ratio from which on there is a wall, since what drifts looks like one. Measured on made records (docs/records.md):
 /// of 96 heaters with a wall 8 have less, of 48 incubators without one 1 has more, in a room that wanders; from 40 to 60 nothing changes.
 const WORTH_A_WALL: f64 = 50.0;
-/// A wall is looked for from two starts: a small and slow one, as a tube has; and a second mass, such as the glass on a heated bed, which has about half of
-/// the heat and is as slow as the heater was without it, while the heater is several times as fast. Chosen; from 4 and from 8 times the same masses are found,
-/// but that of one oven that radiates from 8 alone. With a largest share of 0.63, which is that of a tube's wall, beds and ovens end there.
+/// A wall is looked for from two starts. One is small and slow, as that of a tube. The other is a second mass, such as the glass on a heated bed: with about
+/// half of the heat (mean and standard deviation of its share), and as slow as the heater was without it. Chosen.
 const SECOND_MASS: (f64, f64) = (0.5, 0.2);
+/// The largest share of a second mass. Measured: with 0.63, the largest of a tube's wall, the fits of beds and ovens end at it.
 const MOST_MASS: f64 = 0.9;
+/// By how much the heater is faster beside a second mass. Measured: from 4 and from 8 the same masses are found, that of one oven that radiates from 8 alone.
 const FASTER: f64 = 8.0;
 const NO_WALL: (f64, f64) = (0.0, 0.0);
 /// A wall that is slower than this share of all there is shows nothing but a drift.
@@ -152,12 +154,11 @@ impl Question<'_> {
             prior[wall].0 = point.theta[heater];
             range[wall].0 = residence(&theta).ln();
         }
-        let walled = Search { prior, range, ..search.clone() };
         for which in [Wall1, Wall2, WallTime].map(|which| which as usize) {
-            if walled.moves(which) {
-                theta[which] = prior[which].0.clamp(range[which].0, range[which].1);
-            }
+            theta[which] = prior[which].0;
         }
+        let theta = std::array::from_fn(|i| theta[i].clamp(range[i].0, range[i].1));
+        let walled = Search { prior, range, ..search.clone() };
         let begin = walled.judged(theta, point.starts.clone());
         (walled, begin)
     }
@@ -383,31 +384,5 @@ mod tests {
             let heater = found.theta[Heater as usize].exp();
             assert!((heater / ticks - 1.0).abs() < 0.1 && found.fit > 95.0, "{heater} {}", found.fit);
         }
-    }
-
-    /// A heated bed with glass on it, under a controller: two masses, of which the slower has most of the heat. The model has it as a wall.
-    #[test]
-    fn a_second_mass_is_found() {
-        let (mut bed, mut glass, mut integral) = (22.0_f64, 22.0_f64, 0.0_f64);
-        let mut rig = Rig::begun(0.0, 0.0);
-        let samples: Vec<_> = (0..2000)
-            .map(|k| {
-                rig.k = k;
-                let set_point = [60.0, 75.0, 50.0, 80.0, 65.0][k as usize / 300 % 5];
-                let t1 = bed + 0.1 * rig.random(1);
-                let error = set_point - t1;
-                let power = (0.08 * error + integral).clamp(0.0, 1.0);
-                integral = (integral + 0.001 * error).clamp(0.0, 1.0);
-                for _ in 0..8 {
-                    let across = 3.0 * (bed - glass);
-                    bed += 0.25 * (220.0 * power - across - 0.9 * (bed - 22.0)) / 350.0;
-                    glass += 0.25 * (across - 1.3 * (glass - 22.0)) / 500.0;
-                }
-                let t = [None, Some(t1 as f32), None];
-                Observed { t, power: Some(100.0 * power as f32), ..Observed::default() }
-            })
-            .collect();
-        let found = fit(&samples);
-        assert!(found.fit > 98.0, "{} % {:?}", found.fit, found.theta);
     }
 }

@@ -10,6 +10,7 @@
 
 use fdi_core::likelihood::Parameter;
 
+use super::normal::{Normal, Reduced, Square, inverse};
 use super::plant::{PARAMETERS, Pairs, Plant, STATES, State, Stretch, Theta};
 
 /// Standard deviations of how a stretch begins, % and degC.
@@ -35,9 +36,6 @@ const LEAST_BLOCK: usize = 10;
 
 /// The weight of priors where the samples are asked alone.
 const NEXT_TO_NOTHING: f64 = 1e-3;
-
-/// A matrix of parameters.
-pub(super) type Square<const N: usize> = [[f64; N]; N];
 
 /// What is fitted to what.
 #[derive(Clone, Debug)]
@@ -69,52 +67,6 @@ pub(super) struct Point {
     pub(super) starts: Vec<State>,
     /// What is to be least.
     pub(super) cost: f64,
-}
-
-/// Normal equations of a stretch without how it began.
-struct Reduced {
-    inverse: Square<STATES>,
-    cross: [[f64; PARAMETERS]; STATES],
-    score: State,
-}
-
-impl Reduced {
-    /// Takes what the parameters share with how the stretch began out of their equations.
-    fn take_out_of(&self, normal: &mut Normal) {
-        let Self { inverse, cross, score } = self;
-        for i in 0..STATES {
-            let part: [f64; PARAMETERS] =
-                std::array::from_fn(|p| (0..STATES).map(|j| inverse[i][j] * cross[j][p]).sum());
-            for p in 0..PARAMETERS {
-                normal.score[p] -= part[p] * score[i];
-                for q in 0..PARAMETERS {
-                    normal.matrix[p][q] -= cross[i][p] * part[q];
-                }
-            }
-        }
-    }
-}
-
-/// All of them at a point.
-struct Normal {
-    matrix: Square<PARAMETERS>,
-    score: Theta,
-    parts: Vec<Reduced>,
-}
-
-/// The inverse of a symmetric matrix whose eigenvalues are above 0, by Gauss and Jordan.
-fn inverse<const N: usize>(mut a: Square<N>) -> Square<N> {
-    for i in 0..N {
-        let pivot = 1.0 / a[i][i];
-        for k in (0..N).filter(|k| *k != i) {
-            let factor = a[k][i] * pivot;
-            (0..N).filter(|j| *j != i).for_each(|j| a[k][j] -= factor * a[i][j]);
-            a[k][i] = -factor;
-        }
-        a[i].iter_mut().for_each(|x| *x *= pivot);
-        a[i][i] = pivot;
-    }
-    a
 }
 
 impl Search<'_> {

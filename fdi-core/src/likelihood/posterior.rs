@@ -87,7 +87,12 @@ impl Posterior {
         self.best_gain + libm::logf(self.all)
     }
 
-    /// Probability of the class of a hypothesis.
+    /// Probability that there is a fault at all, where "none" is as likely beforehand as any class.
+    pub(super) fn of_fault(&self) -> f32 {
+        self.all / (self.all + libm::expf(-self.best_gain))
+    }
+
+    /// Probability of the class of a hypothesis, given that there is a fault.
     pub(super) fn of(&self, h: usize) -> f32 {
         self.class[h % COUNT]
     }

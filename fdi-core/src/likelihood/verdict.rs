@@ -1,7 +1,7 @@
 //! What the likelihood diagnosis reports: which fault, how surely, how much, since when.
 
 use super::class::FaultClass;
-use super::tuning::SinceTrainingTuning;
+use super::tuning::NamingTuning;
 use crate::name::Name;
 
 /// An estimate with its interval: 95 % of the time the truth lies within `value` plus and minus `half_width`.
@@ -31,7 +31,7 @@ pub struct Finding {
 impl Finding {
     /// Whether it is sure enough to be acted on. A name that only lasts (docs/diagnosis.md, section 8) is told, and decides nothing.
     pub(crate) fn is_sure(&self) -> bool {
-        self.confidence >= SinceTrainingTuning::DEFAULT.naming
+        self.confidence >= NamingTuning::DEFAULT.sure
     }
 
     /// Whether it may be shelved: its class may ([`FaultClass::may_be_shelved`]), it is sure, and it has a size.

@@ -77,8 +77,10 @@ tuning! {
 tuning! {
     /// Names (docs/diagnosis.md, section 8). The probability from which on a fault is named is a setting.
     pub struct NamingTuning: naming {
-        /// A class that is named keeps its name down to this probability.
+        /// A class that is named keeps its name down to this probability. What has changed since training is named from it on.
         lasts = 0.5, "1", derived "it is likelier than all others together";
+        /// A name is acted on from this confidence on; below it, it is only told.
+        sure = 0.9, "1", chosen "";
         /// No name has a higher confidence, because the fault may be none of the hypotheses.
         certain = 0.98, "1", chosen "commit 4781ecf";
         /// Air flow, or heater power, is named by itself from this probability on. Until then the pair of both is named.

@@ -23,8 +23,6 @@ tuning! {
         lasting_raise = 0.4, "1", measured "with 0.7 three of fifteen slow faults more end too early (slow/* @ trainer)";
         /// It lasts while its size is above this share of the smallest that counts.
         lasting_size = 0.7, "1", chosen "";
-        /// A change is named from this probability on.
-        naming = 0.9, "1", chosen "";
         /// Smallest offset that counts.
         least_offset = 0.8, "degC", measured "prototype 2";
         /// Smallest loss of T1's gain that counts.

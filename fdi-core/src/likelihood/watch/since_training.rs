@@ -4,7 +4,7 @@ use super::since_onset::{magnitude, named};
 use super::steady::Steady;
 use super::times::Times;
 use crate::bounds::larger;
-use crate::likelihood::class::Quantity;
+use crate::likelihood::class::{FaultClass, Quantity};
 use crate::likelihood::evidence::Estimate;
 use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, IMPOSSIBLE};
 use crate::likelihood::inputs::Inputs;
@@ -93,13 +93,29 @@ impl SinceTraining {
         if is_there(likeliest, lasts) { Some(likeliest) } else { was.filter(|&was| is_there(was, true)) }
     }
 
+    /// Leaves out the hypotheses that nothing speaks for and that would be too small for a fault: they are other words for "nothing has changed".
+    fn without_idle(&self, estimate: &mut [Estimate; COUNT], usual: &Usual) {
+        for (estimate, row) in estimate.iter_mut().zip(&HYPOTHESES) {
+            let least = usual.least_since_training(row.class, self.least_power);
+            if estimate.gain < 0.0 && estimate.value.abs() < least {
+                estimate.gain = IMPOSSIBLE;
+            }
+        }
+    }
+
+    /// The likeliest class, and the probability that it is a fault of that class.
+    fn named(&self, posterior: &Posterior) -> (FaultClass, f32) {
+        let least = if self.inputs.fan { self.tuning.naming.process } else { 0.0 };
+        let (class, among_faults) = named(&self.tuning.naming, posterior, least);
+        (class, among_faults * posterior.of_fault())
+    }
+
     fn judge(
         &self,
         s: &mut SinceTrainingState,
         seen: &Seen,
         [curvature, offset]: [f32; 2],
     ) -> Option<(Quantity, f32)> {
-        let t = &self.tuning.since_training;
         let first = self.tuning.times.mean * seen.times.time_scale / self.sample_time;
         if !s.steady.is_ready(first) {
             return None;
@@ -108,6 +124,7 @@ impl SinceTraining {
         let usual = Usual { curvature, ..*seen.usual };
         let nuisances = usual.since_training(offset);
         s.steady.judge(&nuisances, &mut estimate, self.inputs);
+        self.without_idle(&mut estimate, &usual);
         let posterior = Posterior::new(&estimate);
         let h = posterior.likeliest % COUNT;
         let now = self.is_now(s.changed.map(|was| was.hypothesis), &estimate, h, &usual);
@@ -115,26 +132,22 @@ impl SinceTraining {
             let h = was.hypothesis % COUNT;
             (HYPOTHESES[h].class.quantity(), was.largest - estimate[h].value.abs())
         });
-        let least = if self.inputs.fan { t.naming } else { 0.0 };
-        let (class, confidence) = named(&self.tuning.naming, &posterior, least);
+        let (class, confidence) = self.named(&posterior);
         // Its size from the means above all, where these say that it can be.
         let sized = || {
             let sized = s.steady.size(&nuisances, h, self.inputs);
             if self.tuning.hypotheses()[h].judged(sized).gain == IMPOSSIBLE { estimate[h] } else { sized }
         };
         let onset = s.changed.map_or(seen.tick, |was| was.onset);
-        let was = s.changed.and_then(|was| was.finding).map(|was| was.class);
         s.changed = now.map(|now| Change {
             largest: largest(s.changed, now, estimate[now % COUNT].value.abs()),
             onset,
             hypothesis: now,
-            finding: (now == h && confidence > self.tuning.naming.least(t.naming, was, class)).then(|| {
-                Finding {
-                    class,
-                    confidence,
-                    magnitude: magnitude(&self.tuning.naming, h, class, &sized()),
-                    onset,
-                }
+            finding: (now == h && confidence > self.tuning.naming.lasts).then(|| Finding {
+                class,
+                confidence,
+                magnitude: magnitude(&self.tuning.naming, h, class, &sized()),
+                onset,
             }),
         });
         passed
@@ -214,7 +227,16 @@ impl SinceTrainingState {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::likelihood::class::FaultClass;
+
+    fn calm() -> Usual {
+        Usual {
+            steps: 0.0,
+            walk: [0.0; 4],
+            curvature: 0.0,
+            slow_surroundings: false,
+            tuning: Tuned::default(),
+        }
+    }
 
     const fn bank(tuning: Tuned) -> SinceTraining {
         SinceTraining { least_power: 0.085, sample_time: 0.11, inputs: Inputs::ALL, tuning }
@@ -229,23 +251,42 @@ mod tests {
     #[test]
     fn a_change_lasts_where_another_has_become_likelier() {
         let bank = bank(Tuned::default());
-        let usual = Usual {
-            steps: 0.0,
-            walk: [0.0; 4],
-            curvature: 0.0,
-            slow_surroundings: false,
-            tuning: Tuned::default(),
-        };
         let (power, t0) = (first_of(FaultClass::HeaterPower), first_of(FaultClass::T0Fault));
         let mut estimate = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; COUNT];
         estimate[power] = Estimate { gain: 1.37, value: -0.091, ..Estimate::default() };
         estimate[t0] = Estimate { gain: 0.67, value: 0.89, ..Estimate::default() };
-        assert_eq!(bank.is_now(Some(power), &estimate, t0, &usual), Some(power));
-        assert_eq!(bank.is_now(None, &estimate, t0, &usual), None);
+        assert_eq!(bank.is_now(Some(power), &estimate, t0, &calm()), Some(power));
+        assert_eq!(bank.is_now(None, &estimate, t0, &calm()), None);
         estimate[t0].gain = 1.2;
-        assert_eq!(bank.is_now(Some(power), &estimate, t0, &usual), Some(t0));
+        assert_eq!(bank.is_now(Some(power), &estimate, t0, &calm()), Some(t0));
         estimate = [Estimate::default(); COUNT];
-        assert_eq!(bank.is_now(Some(power), &estimate, t0, &usual), None);
+        assert_eq!(bank.is_now(Some(power), &estimate, t0, &calm()), None);
+    }
+
+    /// A heater that has lost 11 % in half a day. T0 might read 0.4 degC too high and T1 0.1 degC too low, which would be no faults, and nothing speaks for
+    /// them; without them the change has its name, as surely as there is one. A T0 that something speaks for is a rival, however small its error is.
+    #[test]
+    fn what_nothing_speaks_for_is_no_rival() {
+        let bank = bank(Tuned::default());
+        let of = |t0_gain: f32| {
+            let mut estimate = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; COUNT];
+            for (class, gain, value) in [
+                (FaultClass::HeaterPower, 1.7, -0.11),
+                (FaultClass::T0Fault, t0_gain, 0.4),
+                (FaultClass::T1Offset, -1.9, -0.1),
+                (FaultClass::T2Offset, -2.0, -0.1),
+            ] {
+                estimate[first_of(class)] = Estimate { gain, value, ..Estimate::default() };
+            }
+            bank.without_idle(&mut estimate, &calm());
+            bank.named(&Posterior::new(&estimate))
+        };
+        let (class, confidence) = of(-0.6);
+        // The class has two hypotheses, one of them impossible: e^1.7 / 2 to one that nothing is wrong.
+        let odds = libm::expf(1.7) / 2.0;
+        assert_eq!(class, FaultClass::HeaterPower);
+        assert!((confidence - 0.98 * odds / (1.0 + odds)).abs() < 1e-4, "{confidence}");
+        assert!(of(0.6).1 < confidence - 0.05);
     }
 
     /// What was 0.94 degC of T0 is 9 % of the power now: nothing of 94 % has passed when that has.

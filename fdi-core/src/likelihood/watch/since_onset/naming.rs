@@ -24,12 +24,7 @@ impl NamingTuning {
     }
 
     /// From which probability on a class is named, where what has no name takes `first` and `was` is the name of before.
-    pub(in crate::likelihood::watch) fn least(
-        &self,
-        first: f32,
-        was: Option<FaultClass>,
-        class: FaultClass,
-    ) -> f32 {
+    fn least(&self, first: f32, was: Option<FaultClass>, class: FaultClass) -> f32 {
         if was == Some(class) { self.lasts } else { first }
     }
 }

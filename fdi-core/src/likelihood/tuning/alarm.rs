@@ -77,7 +77,7 @@ tuning! {
 tuning! {
     /// Names (docs/diagnosis.md, section 8). The probability from which on a fault is named is a setting.
     pub struct NamingTuning: naming {
-        /// A class that is named keeps its name down to this probability. What has changed since training is named from it on.
+        /// A class that is named keeps its name down to this probability. What has changed since training is named from it on, among all that may have.
         lasts = 0.5, "1", derived "it is likelier than all others together";
         /// A name is acted on from this confidence on; below it, it is only told.
         sure = 0.9, "1", chosen "";

@@ -103,11 +103,12 @@ impl SinceTraining {
         }
     }
 
-    /// The likeliest class, and the probability that it is a fault of that class.
-    fn named(&self, posterior: &Posterior) -> (FaultClass, f32) {
-        let least = if self.inputs.fan { self.tuning.naming.process } else { 0.0 };
-        let (class, among_faults) = named(&self.tuning.naming, posterior, least);
-        (class, among_faults * posterior.of_fault())
+    /// What the change is called, where it was called `was`, if one class is likelier than all others together; and the probability that it is a fault
+    /// of that class.
+    fn named(&self, posterior: &Posterior, was: Option<FaultClass>) -> Option<(FaultClass, f32)> {
+        let t = &self.tuning.naming;
+        let (class, among_faults) = named(t, posterior, t.apart(self.inputs, was));
+        (among_faults > t.lasts).then(|| (class, among_faults * posterior.of_fault()))
     }
 
     fn judge(
@@ -132,7 +133,8 @@ impl SinceTraining {
             let h = was.hypothesis % COUNT;
             (HYPOTHESES[h].class.quantity(), was.largest - estimate[h].value.abs())
         });
-        let (class, confidence) = self.named(&posterior);
+        let was = s.changed.and_then(|was| was.finding).map(|was| was.class);
+        let name = self.named(&posterior, was).filter(|_| now == Some(h));
         // Its size from the means above all, where these say that it can be.
         let sized = || {
             let sized = s.steady.size(&nuisances, h, self.inputs);
@@ -143,7 +145,7 @@ impl SinceTraining {
             largest: largest(s.changed, now, estimate[now % COUNT].value.abs()),
             onset,
             hypothesis: now,
-            finding: (now == h && confidence > self.tuning.naming.lasts).then(|| Finding {
+            finding: name.map(|(class, confidence)| Finding {
                 class,
                 confidence,
                 magnitude: magnitude(&self.tuning.naming, h, class, &sized()),
@@ -279,7 +281,7 @@ mod tests {
                 estimate[first_of(class)] = Estimate { gain, value, ..Estimate::default() };
             }
             bank.without_idle(&mut estimate, &calm());
-            bank.named(&Posterior::new(&estimate))
+            bank.named(&Posterior::new(&estimate), None).unwrap()
         };
         let (class, confidence) = of(-0.6);
         // The class has two hypotheses, one of them impossible: e^1.7 / 2 to one that nothing is wrong.

@@ -6,6 +6,7 @@ use crate::likelihood::alarm::Alarm;
 use crate::likelihood::class::{FaultClass, Quantity};
 use crate::likelihood::evidence::Estimate;
 use crate::likelihood::hypothesis::{COUNT, HYPOTHESES, in_unit};
+use crate::likelihood::inputs::Inputs;
 use crate::likelihood::posterior::Posterior;
 use crate::likelihood::tuning::NamingTuning;
 use crate::likelihood::verdict::{Finding, Magnitude};
@@ -21,6 +22,15 @@ impl NamingTuning {
     #[inline(always)]
     pub(super) fn strange(&self) -> [f32; 2] {
         [self.strange, self.strange_share]
+    }
+
+    /// From which probability on air flow, or heater power, is named by itself, where `was` is the name of before. Without a fan it always is.
+    pub(in crate::likelihood::watch) fn apart(&self, inputs: Inputs, was: Option<FaultClass>) -> f32 {
+        match was {
+            _ if !inputs.fan => 0.0,
+            Some(FaultClass::AirFlow | FaultClass::HeaterPower) => self.lasts,
+            _ => self.process,
+        }
     }
 
     /// From which probability on a class is named, where what has no name takes `first` and `was` is the name of before.
@@ -48,13 +58,7 @@ impl SinceOnset {
         (alarm.gain, alarm.hypothesis, alarm.values) = (posterior.best_gain, h, [value, second]);
         alarm.evidence = gain - HYPOTHESES[h].prior;
         let was = alarm.finding.map(|finding| finding.class);
-        let told_apart = matches!(was, Some(FaultClass::AirFlow | FaultClass::HeaterPower));
-        let least = match told_apart {
-            _ if !self.inputs.fan => 0.0,
-            _ if young => ALWAYS_BOTH,
-            true => t.lasts,
-            false => t.process,
-        };
+        let least = if young && self.inputs.fan { ALWAYS_BOTH } else { t.apart(self.inputs, was) };
         let (class, confidence) = named(t, &posterior, least);
         let unexplained = *left - 2.0 * self.tuning.alarm.kappa * gain;
         let fits = fits(s, unexplained, if alarm.strange { [t.fits, 0.0] } else { t.strange() });

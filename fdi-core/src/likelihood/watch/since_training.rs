@@ -96,8 +96,10 @@ impl SinceTraining {
     /// Leaves out the hypotheses that nothing speaks for and that would be too small for a fault: they are other words for "nothing has changed".
     fn without_idle(&self, estimate: &mut [Estimate; COUNT], usual: &Usual) {
         for (estimate, row) in estimate.iter_mut().zip(&HYPOTHESES) {
-            let least = usual.least_since_training(row.class, self.least_power);
-            if estimate.gain < 0.0 && estimate.value.abs() < least {
+            let speaks_against = estimate.gain < 0.0 && estimate.gain != IMPOSSIBLE;
+            if speaks_against
+                && estimate.value.abs() < usual.least_since_training(row.class, self.least_power)
+            {
                 estimate.gain = IMPOSSIBLE;
             }
         }

@@ -20,7 +20,7 @@ pub struct Magnitude {
 pub struct Finding {
     /// What.
     pub class: FaultClass,
-    /// Probability of the class among all that were considered, 0..=1.
+    /// Probability of the class among all that were considered, 0..=1; of what has changed since training, "nothing" is considered, too.
     pub confidence: f32,
     /// How much, where the class has a magnitude.
     pub magnitude: Option<Magnitude>,

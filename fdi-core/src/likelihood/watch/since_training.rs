@@ -96,8 +96,8 @@ impl SinceTraining {
     /// Leaves out the hypotheses that nothing speaks for and that would be too small for a fault: they are other words for "nothing has changed".
     fn without_idle(&self, estimate: &mut [Estimate; COUNT], usual: &Usual) {
         for (estimate, row) in estimate.iter_mut().zip(&HYPOTHESES) {
-            let speaks_against = estimate.gain < 0.0 && estimate.gain != IMPOSSIBLE;
-            if speaks_against
+            let has_no_evidence = estimate.gain < 0.0 && estimate.gain != IMPOSSIBLE;
+            if has_no_evidence
                 && estimate.value.abs() < usual.least_since_training(row.class, self.least_power)
             {
                 estimate.gain = IMPOSSIBLE;
@@ -291,6 +291,27 @@ mod tests {
         assert_eq!(class, FaultClass::HeaterPower);
         assert!((confidence - 0.98 * odds / (1.0 + odds)).abs() < 1e-4, "{confidence}");
         assert!(of(0.6).1 < confidence - 0.05);
+    }
+
+    /// Heater power with 0.9 among the faults is told apart from the air flow once it was: a name does not come and go. What no class has more than half of
+    /// has no name.
+    #[test]
+    fn what_was_told_apart_stays_so_and_the_likelier_half_has_the_name() {
+        let bank = bank(Tuned::default());
+        let posterior = |gains: &[(FaultClass, f32)]| {
+            let mut estimate = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; COUNT];
+            for &(class, gain) in gains {
+                estimate[first_of(class)] = Estimate { gain, value: 1.0, ..Estimate::default() };
+            }
+            Posterior::new(&estimate)
+        };
+        let [power, flow, t0, t1] =
+            [FaultClass::HeaterPower, FaultClass::AirFlow, FaultClass::T0Fault, FaultClass::T1Offset];
+        let both = posterior(&[(power, 7.0), (flow, 4.8)]);
+        let name = |posterior: &Posterior, was| bank.named(posterior, was).map(|(class, _)| class);
+        assert_eq!(name(&both, None), Some(FaultClass::AirFlowOrHeaterPower));
+        assert_eq!(name(&both, Some(power)), Some(power));
+        assert_eq!(name(&posterior(&[(t0, 5.0), (t1, 5.0), (power, 5.0)]), None), None);
     }
 
     /// What was 0.94 degC of T0 is 9 % of the power now: nothing of 94 % has passed when that has.

@@ -67,7 +67,7 @@ impl Fault {
                 self.verb.grows(),
                 "{place}: over = {over} goes with offset, air-flow, heater-power and detach only"
             );
-            ensure!((0.0..=1e5).contains(&over), "{place}: over is {over}, expected 0 to 100000 s");
+            ensure!((0.0..=1e7).contains(&over), "{place}: over is {over}, expected 0 to 10000000 s");
         }
         ensure!(self.at >= 0.0, "{place}: at is {}, expected 0 s or more", self.at);
         ensure!(self.duration > 0.0, "{place}: for is {}, expected more than 0 s", self.duration);

@@ -13,6 +13,7 @@ fn the_quiz_hides_the_name_until_it_is_answered_and_keeps_the_score() {
         click("[data-mode=quiz]");
         await until(() => $("[data-act=quiz-start]"));
         const before = { ...lab.quiz.score };
+        Math.random = () => 0.4; // T2 reads too low: others, if large, trip within this minute, and the trip has the head
         click("[data-act=quiz-start]");
         lab.send({ command: "run", speed: 0 });
         while (lab.quiz.phase !== "ask") await step(5);

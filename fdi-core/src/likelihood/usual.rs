@@ -117,6 +117,20 @@ impl Usual {
 }
 
 #[cfg(test)]
+impl Usual {
+    /// Where nothing has been seen to move.
+    pub(super) fn calm() -> Self {
+        Self {
+            steps: 0.0,
+            walk: [0.0; 4],
+            curvature: 0.0,
+            slow_surroundings: false,
+            tuning: Tuned::default(),
+        }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use core::f32::consts::SQRT_2;
 
@@ -125,13 +139,7 @@ mod tests {
     /// The smallest change of the power is the user's, and more where the mains are seen to change by more.
     #[test]
     fn the_smallest_change_of_the_power_is_that_of_the_setting() {
-        let calm = Usual {
-            steps: 0.0,
-            walk: [0.0; 4],
-            curvature: 0.0,
-            slow_surroundings: false,
-            tuning: Tuned::default(),
-        };
+        let calm = Usual::calm();
         let restless = Usual { walk: [0.04, 0.0, 0.0, 0.0], steps: 0.04, ..calm };
         let power = FaultClass::HeaterPower;
         assert_eq!([calm.least_since_onset(power, 0.2), calm.least_since_training(power, 0.2)], [0.2; 2]);

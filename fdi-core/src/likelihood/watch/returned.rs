@@ -149,14 +149,13 @@ mod tests {
         let tuning = Tuned::default();
         let returned = Returned { least_power: 0.085, sample_time: 0.11, inputs: Inputs::ALL, tuning };
         let times = Times::new(tuning, &trained(1), Inputs::ALL, 0.11);
-        let usual = Usual { steps: 0.0, walk: [0.0; 4], curvature: 0.0, slow_surroundings: false, tuning };
         let (mut s, mut regressors) = (ReturnedState::default(), [[0.0; 2]; LASTING]);
         regressors[Regressor::Power as usize] = [4.4, 3.4];
         for _ in 0..1000 {
             returned.gather(&mut s, &times, &regressors, [-0.08 * 4.4, -0.08 * 3.4]);
         }
         let power = HYPOTHESES.iter().position(|row| row.class == FaultClass::HeaterPower).unwrap();
-        let is_over = |value| returned.as_trained(&s, &usual, (power, value), 13.0).is_some();
+        let is_over = |value| returned.as_trained(&s, &Usual::calm(), (power, value), 13.0).is_some();
         assert_eq!([Some(0.22), Some(-0.1), None].map(is_over), [true, false, false]);
     }
 }

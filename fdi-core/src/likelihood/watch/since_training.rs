@@ -232,16 +232,6 @@ impl SinceTrainingState {
 mod tests {
     use super::*;
 
-    fn calm() -> Usual {
-        Usual {
-            steps: 0.0,
-            walk: [0.0; 4],
-            curvature: 0.0,
-            slow_surroundings: false,
-            tuning: Tuned::default(),
-        }
-    }
-
     const fn bank(tuning: Tuned) -> SinceTraining {
         SinceTraining { least_power: 0.085, sample_time: 0.11, inputs: Inputs::ALL, tuning }
     }
@@ -259,12 +249,12 @@ mod tests {
         let mut estimate = [Estimate { gain: IMPOSSIBLE, ..Estimate::default() }; COUNT];
         estimate[power] = Estimate { gain: 1.37, value: -0.091, ..Estimate::default() };
         estimate[t0] = Estimate { gain: 0.67, value: 0.89, ..Estimate::default() };
-        assert_eq!(bank.is_now(Some(power), &estimate, t0, &calm()), Some(power));
-        assert_eq!(bank.is_now(None, &estimate, t0, &calm()), None);
+        assert_eq!(bank.is_now(Some(power), &estimate, t0, &Usual::calm()), Some(power));
+        assert_eq!(bank.is_now(None, &estimate, t0, &Usual::calm()), None);
         estimate[t0].gain = 1.2;
-        assert_eq!(bank.is_now(Some(power), &estimate, t0, &calm()), Some(t0));
+        assert_eq!(bank.is_now(Some(power), &estimate, t0, &Usual::calm()), Some(t0));
         estimate = [Estimate::default(); COUNT];
-        assert_eq!(bank.is_now(Some(power), &estimate, t0, &calm()), None);
+        assert_eq!(bank.is_now(Some(power), &estimate, t0, &Usual::calm()), None);
     }
 
     /// A heater that has lost 11 % in half a day. T0 might read 0.4 degC too high and T1 0.1 degC too low, which would be no faults, and nothing speaks for
@@ -282,7 +272,7 @@ mod tests {
             ] {
                 estimate[first_of(class)] = Estimate { gain, value, ..Estimate::default() };
             }
-            bank.without_idle(&mut estimate, &calm());
+            bank.without_idle(&mut estimate, &Usual::calm());
             bank.named(&Posterior::new(&estimate), None).unwrap()
         };
         let (class, confidence) = of(-0.6);

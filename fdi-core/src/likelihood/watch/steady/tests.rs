@@ -216,16 +216,8 @@ fn what_was_gathered_far_from_the_trained_power_stays_as_uncertain_as_it_was_the
         run.ticks(350, of(Regressor::Power, 0.25));
         run.curvature = [0.0; 2];
         run.ticks(45, nothing);
-        let usual = |[curvature, offset]: [f32; 2]| {
-            let usual = Usual {
-                steps: 0.0,
-                walk: [0.0; 4],
-                curvature,
-                slow_surroundings: false,
-                tuning: Tuned::default(),
-            };
-            usual.since_training(offset)
-        };
+        let usual =
+            |[curvature, offset]: [f32; 2]| Usual { curvature, ..Usual::calm() }.since_training(offset);
         let raise = Tuned::default().since_training.raise;
         let (class, gain, _) = run.judged_with(&usual(run.gathered));
         assert!(gain < raise, "{class:?} gains {gain}, seed {seed}");

@@ -32,7 +32,7 @@ Examples:
   pt326 isolability --preset trainer --within 0.5,5,30 --out trainer
   pt326 isolability --scenario my.toml      does more excitation help? is another set-point better?
 
-Written: isolability.csv, and a picture for each time, such as isolability-10s.svg and .png.")]
+Written: isolability.csv, and a picture for each time, such as isolability-10s.svg.")]
 pub struct IsolabilityArgs {
     /// Seed of the rig's noise and of the phase of the excitation.
     #[arg(long, default_value_t = 1)]
@@ -71,7 +71,7 @@ pub fn run(args: &IsolabilityArgs) -> anyhow::Result<()> {
     output::write_csv(&found, &args.out.join("isolability.csv"))?;
     let pictures = output::draw(&found, &args.out)?;
     print(&format!(
-        "{}Median of {} onsets from {:.0} s on; the sign is the row's.\nWritten to {}: isolability.csv, {} (.svg and .png)\n",
+        "{}Median of {} onsets from {:.0} s on; the sign is the row's.\nWritten to {}: isolability.csv, {} (.svg)\n",
         output::tables(&found),
         found.onsets,
         found.armed_at,

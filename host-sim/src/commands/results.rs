@@ -14,17 +14,8 @@ use crate::record::summary::Summary;
 use crate::record::trace::write_trace;
 
 /// What is made of a run.
-const FILES: [&str; 9] = [
-    "report.html",
-    "trace.csv",
-    "summary.json",
-    "figure4.svg",
-    "figure4.png",
-    "figure5.svg",
-    "figure5.png",
-    "figure6.svg",
-    "figure6.png",
-];
+const FILES: [&str; 6] =
+    ["report.html", "trace.csv", "summary.json", "figure4.svg", "figure5.svg", "figure6.svg"];
 
 /// A folder for results, which can be written to.
 #[derive(Debug)]
@@ -87,7 +78,7 @@ pub struct Written {
 impl fmt::Display for Written {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let dir = self.dir.display();
-        let figures = if self.has_figures { ", figures as .svg and .png" } else { "" };
+        let figures = if self.has_figures { ", figures as .svg" } else { "" };
         writeln!(f, "Written to {dir}: report.html (open this), trace.csv, summary.json{figures}")?;
         self.moved
             .iter()

@@ -134,7 +134,7 @@ pub fn csv(found: &Isolability) -> String {
     text
 }
 
-/// `isolability-10s.svg` and `.png`, and so on for each horizon; gives their names.
+/// `isolability-10s.svg`, and so on for each horizon; gives their names.
 ///
 /// # Errors
 /// The file that can't be written.

@@ -8,8 +8,7 @@ use fdi_core::likelihood::Parameter::{
     self, Curvature, Delay1, Delay2, Gain, Heater, Lag1, Lag2, Reaches2, Wall1, WallTime,
 };
 use fdi_core::likelihood::model::Model;
-
-use super::batch::Found;
+use pt326_fit::Found;
 
 /// Standard deviations on either side of a value within which it is in 95 of 100 cases.
 const SDS: f64 = 1.96;

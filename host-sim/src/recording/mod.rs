@@ -1,6 +1,5 @@
 //! Recordings of heaters that others made, as samples on an even grid of time.
 
-pub mod batch;
 pub mod believed;
 mod board_log;
 mod cell;
@@ -21,7 +20,6 @@ pub mod report;
 pub mod run;
 pub mod score;
 pub mod stamp;
-pub mod stretches;
 pub mod table;
 pub mod text;
 pub mod training;
@@ -277,9 +275,9 @@ impl Recording {
         self.heaters.first().is_some_and(|heater| heater.inputs.fan)
     }
 
-    /// The samples between gaps of more than [`stretches::GAP`]: those of a session, or less.
+    /// The samples between gaps of more than [`pt326_fit::stretches::GAP`]: those of a session, or less.
     pub fn stretches(&self) -> Vec<Range<usize>> {
-        stretches::stretches(self.rows.iter().map(Option::is_some))
+        pt326_fit::stretches::stretches(self.rows.iter().map(Option::is_some))
     }
 
     /// What a temperature of a heater is in: without a word in the header, degC where it moves as one does.

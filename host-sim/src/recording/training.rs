@@ -1,4 +1,4 @@
-//! What of a recording is learnt, and how well: all samples at once ([`super::batch`]), at the sample time and, where the rig answers over many
+//! What of a recording is learnt, and how well: all samples at once ([`pt326_fit`]), at the sample time and, where the rig answers over many
 //! samples, by means of several.
 
 use std::ops::Range;
@@ -8,8 +8,8 @@ use fdi_core::likelihood::model::Model;
 use fdi_core::likelihood::{Fitted, Parameter, Parameters, RejectReason};
 use fdi_core::settings::Kind;
 use fdi_core::{Celsius, Config, Monitor, Observed, Seconds};
+use pt326_fit::{Found, Question};
 
-use super::batch::{self, Found, Question};
 use super::intervals::{self, Interval, UNKNOWN};
 use super::{Heater, Recording, drive_from_here, span};
 
@@ -83,15 +83,15 @@ pub fn train(
     };
     let found = ask(1).fit(None).ok_or_else(nothing)?;
     let fit_with_power_before = fit_with_power_before(&ask(1), &found);
-    let settings = |every: usize, theta: &batch::Theta| {
+    let settings = |every: usize, theta: &pt326_fit::Theta| {
         let count = samples.len() / every;
-        let answer = (batch::ANSWER * batch::residence(theta)).max(LEAST_ANSWER);
+        let answer = (pt326_fit::ANSWER * pt326_fit::residence(theta)).max(LEAST_ANSWER);
         settings(config, recording.sample_time, every as f64, count, answer, usual)
     };
     let fast = settings(1, &found.theta);
     let mut monitor = Monitor::new(&fast, heater.inputs, recording.units)?;
-    let mut every = (batch::residence(&found.theta) / MOST_SAMPLES) as usize;
-    let near = batch::in_ticks_of(every.max(1) as f64, &found.theta);
+    let mut every = (pt326_fit::residence(&found.theta) / MOST_SAMPLES) as usize;
+    let near = pt326_fit::in_ticks_of(every.max(1) as f64, &found.theta);
     let means = if every > 1 { ask(every).fit(Some(&near)) } else { None };
     match &means {
         Some(means) => {

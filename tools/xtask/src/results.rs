@@ -47,7 +47,7 @@ struct Job {
 const PRINTED: &str = "printed.txt";
 
 const JOBS: [Job; 8] = [
-    Job { name: "run", command: &["run"], runs: None, places: &[Picture("figure6.png")] },
+    Job { name: "run", command: &["run"], runs: None, places: &[Picture("figure6.svg")] },
     Job {
         name: "full",
         command: &["campaign"],
@@ -55,8 +55,8 @@ const JOBS: [Job; 8] = [
         places: &[
             Block("tables.md", str::trim, "results.md", "results"),
             Block("runaway.md", str::trim, "safety-evidence.md", "runaway"),
-            Picture("delays.png"),
-            Picture("confusion.png"),
+            Picture("delays.svg"),
+            Picture("confusion.svg"),
         ],
     },
     Job {
@@ -85,7 +85,7 @@ const JOBS: [Job; 8] = [
             "--vary=diagnosis.sigma_factor=2.5,4.0,5.0,6.0",
         ],
         runs: Some(("1", 0.1)),
-        places: &[Picture("trade.png")],
+        places: &[Picture("trade.svg")],
     },
     Job {
         name: "ablate",

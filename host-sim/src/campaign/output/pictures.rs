@@ -5,7 +5,6 @@ use crate::score::expectation::Expectation;
 use std::path::Path;
 
 use fdi_core::FaultClass;
-use plotters::style::RGBColor;
 
 use crate::campaign::by::By;
 use crate::campaign::cell::Cell;
@@ -15,7 +14,7 @@ use crate::campaign::statistics::quantiles::{Quantiles, quantile};
 use crate::campaign::statistics::trade::Trade;
 use crate::record::figure::chart::{Axis, Chart, Dot, Log, Panel};
 use crate::record::figure::matrix::{self, Group, Matrix};
-use crate::record::figure::{self, BLUE, VERMILLION};
+use crate::record::figure::{self, BLUE, Colour, VERMILLION};
 use pt326_rig::Disturbance;
 use pt326_rig::fault::Sensor;
 
@@ -37,17 +36,17 @@ pub(super) fn draw(results: &Results, cells: &[Cell], rows: &[RunRow], out: &Pat
         figure::draw(&matrix, "Confusion matrix", out, "confusion")?;
         names += ", confusion";
     }
-    Ok(if names.is_empty() { names } else { format!("{names} (.svg and .png)") })
+    Ok(if names.is_empty() { names } else { format!("{names} (.svg)") })
 }
 
-fn colour(by: By) -> RGBColor {
+fn colour(by: By) -> Colour {
     match by {
         By::Likelihood => BLUE,
         By::Signature => VERMILLION,
     }
 }
 
-fn legend() -> Vec<(String, RGBColor)> {
+fn legend() -> Vec<(String, Colour)> {
     vec![("likelihood diagnosis".into(), BLUE), ("the paper's signatures".into(), VERMILLION)]
 }
 

@@ -20,11 +20,11 @@ use crate::recording::map::Role;
 use crate::recording::report::plain;
 use crate::recording::run::as_tick;
 use crate::recording::stamp::Stamps;
-use crate::recording::stretches::GAP;
 use crate::recording::table::Table;
 use crate::recording::text::as_numbers;
 use crate::recording::training::train;
 use crate::recording::{Reading, Recording};
+use pt326_fit::stretches::GAP;
 
 /// A source is silent when nothing has come for so many sample times, and at least so long: loggers gather some lines before they send them.
 const SILENT: f64 = 5.0;

@@ -1,10 +1,7 @@
 //! A grid of small charts with one common scale of values: dots with bars, on logarithmic axes or over names.
 
-use plotters::style::{RGBColor, WHITE};
-
-use super::canvas::{Canvas, Medium};
+use super::canvas::{BOLD, Canvas, Colour, PLAIN, SMALL};
 use super::plot::{INK, Pen};
-use super::text::{BOLD, PLAIN, Type};
 use super::{Picture, place};
 
 /// A figure of small charts.
@@ -12,7 +9,7 @@ pub(crate) struct Chart {
     /// What it shows.
     pub(crate) title: String,
     /// Colours and what they stand for.
-    pub(crate) legend: Vec<(String, RGBColor)>,
+    pub(crate) legend: Vec<(String, Colour)>,
     /// Charts beside each other.
     pub(crate) columns: usize,
     /// From left to right, then down.
@@ -29,9 +26,9 @@ pub(crate) struct Panel {
     pub(crate) x: Axis,
     pub(crate) dots: Vec<Dot>,
     /// Texts in the strip of infinity: place on the axis, px to the right of it, text, colour.
-    pub(crate) strip: Vec<(f64, f64, String, RGBColor)>,
+    pub(crate) strip: Vec<(f64, f64, String, Colour)>,
     /// A remark in that strip, in a colour.
-    pub(crate) remark: Option<(String, RGBColor)>,
+    pub(crate) remark: Option<(String, Colour)>,
 }
 
 /// A horizontal axis.
@@ -55,7 +52,7 @@ pub(crate) struct Log {
 
 /// A dot.
 pub(crate) struct Dot {
-    pub(crate) colour: RGBColor,
+    pub(crate) colour: Colour,
     /// Moves it to the right, px.
     pub(crate) aside: f64,
     pub(crate) x: f64,
@@ -82,10 +79,9 @@ const NOTE: f64 = 21.0;
 const STRIP: f64 = 46.0;
 const RADIUS: f64 = 4.5;
 
-const GRID: Pen = Pen::new(RGBColor(0xE1, 0xE5, 0xEA), 1.0);
-const FRAME: Pen = Pen::new(RGBColor(0x9A, 0xA3, 0xAD), 1.0);
-const STRIP_COLOUR: RGBColor = RGBColor(0xF4, 0xF5, 0xF7);
-const SMALL: Type = PLAIN.sized(13.0);
+const GRID: Pen = Pen::new(Colour(0xE1, 0xE5, 0xEA), 1.0);
+const FRAME: Pen = Pen::new(Colour(0x9A, 0xA3, 0xAD), 1.0);
+const STRIP_COLOUR: Colour = Colour(0xF4, 0xF5, 0xF7);
 
 impl Log {
     /// A scale that holds all positive finite values.
@@ -152,40 +148,39 @@ impl Chart {
         if self.rows() > 1 { PANEL_HEIGHT } else { LONE_HEIGHT }
     }
 
-    fn legend<M: Medium>(&self, canvas: &mut Canvas<M>) -> anyhow::Result<()> {
+    fn legend(&self, canvas: &mut Canvas) {
         let mut x = WIDTH - 20.0;
         for (name, colour) in self.legend.iter().rev() {
-            canvas.text(name, (x, 22.0), PLAIN.right())?;
-            x -= PLAIN.width(name)? + 14.0;
-            canvas.dot((x, 23.0), RADIUS, *colour)?;
+            canvas.text(name, (x, 22.0), PLAIN.right());
+            x -= PLAIN.width(name) + 14.0;
+            canvas.dot((x, 23.0), RADIUS, *colour);
             x -= 24.0;
         }
-        Ok(())
     }
 
-    fn paint_panel<M: Medium>(&self, canvas: &mut Canvas<M>, i: usize) -> anyhow::Result<()> {
+    fn paint_panel(&self, canvas: &mut Canvas, i: usize) {
         let panel = &self.panels[i];
         let width = (WIDTH - LEFT - 20.0 + GAP) / self.columns as f64;
         let left = LEFT + width * (i % self.columns) as f64;
         let top = HEAD + self.panel_height() * (i / self.columns) as f64 + TOP;
         let frame =
             Frame { x: (left, left + width - GAP), y: (top + self.panel_height() - TOP - BOTTOM, top) };
-        canvas.text(&panel.title, (left, top - 15.0), BOLD)?;
-        frame.y_axis(canvas, &self.y)?;
+        canvas.text(&panel.title, (left, top - 15.0), BOLD);
+        frame.y_axis(canvas, &self.y);
         match &panel.x {
-            Axis::Names(names) => frame.names(canvas, names)?,
-            Axis::Log(log) => frame.x_axis(canvas, log)?,
+            Axis::Names(names) => frame.names(canvas, names),
+            Axis::Log(log) => frame.x_axis(canvas, log),
         }
         if let Some((remark, colour)) = &panel.remark {
             let y = self.y.at(f64::INFINITY, frame.y);
-            canvas.text(remark, (frame.x.0 + 8.0, y), SMALL.coloured(*colour))?;
+            canvas.text(remark, (frame.x.0 + 8.0, y), SMALL.coloured(*colour));
         }
         for dot in &panel.dots {
-            frame.dot(canvas, &panel.x, &self.y, dot)?;
+            frame.dot(canvas, &panel.x, &self.y, dot);
         }
         for (x, aside, text, colour) in &panel.strip {
             let at = (frame.x_of(&panel.x, *x) + aside, self.y.at(f64::INFINITY, frame.y));
-            canvas.text(text, at, SMALL.centred().coloured(*colour))?;
+            canvas.text(text, at, SMALL.centred().coloured(*colour));
         }
         let ((l, r), (b, t)) = (frame.x, frame.y);
         canvas.line(&[(l, t), (r, t), (r, b), (l, b), (l, t)], FRAME)
@@ -198,21 +193,17 @@ impl Picture for Chart {
         (WIDTH as u32, (HEAD + self.panel_height() * self.rows() as f64 + notes + 8.0) as u32)
     }
 
-    fn paint<M: Medium>(&self, backend: &mut M) -> anyhow::Result<()> {
-        let mut canvas = Canvas(backend);
-        let height = f64::from(self.size().1);
-        canvas.fill((0.0, 0.0), (WIDTH, height), WHITE)?;
-        canvas.text(&self.title, (20.0, 22.0), BOLD.sized(18.0))?;
-        canvas.text(&format!("Vertical: {}", self.y.label), (20.0, 48.0), PLAIN)?;
-        self.legend(&mut canvas)?;
+    fn paint(&self, canvas: &mut Canvas) {
+        canvas.text(&self.title, (20.0, 22.0), BOLD.sized(14.5));
+        canvas.text(&format!("Vertical: {}", self.y.label), (20.0, 48.0), PLAIN);
+        self.legend(canvas);
         for i in 0..self.panels.len() {
-            self.paint_panel(&mut canvas, i)?;
+            self.paint_panel(canvas, i);
         }
         for (i, note) in self.notes.iter().enumerate() {
             let y = HEAD + self.panel_height() * self.rows() as f64 + NOTE * (i as f64 + 0.3);
-            canvas.text(note, (20.0, y), SMALL)?;
+            canvas.text(note, (20.0, y), SMALL);
         }
-        Ok(backend.present()?)
     }
 }
 
@@ -223,47 +214,45 @@ struct Frame {
 }
 
 impl Frame {
-    fn y_axis<M: Medium>(&self, canvas: &mut Canvas<M>, log: &Log) -> anyhow::Result<()> {
+    fn y_axis(&self, canvas: &mut Canvas, log: &Log) {
         let inner = log.inner(self.y);
         if let Some(name) = log.never {
-            canvas.fill((self.x.0, self.y.1), (self.x.1, inner.1), STRIP_COLOUR)?;
-            canvas.text(name, (self.x.0 - 6.0, log.at(f64::INFINITY, self.y)), SMALL.right())?;
+            canvas.fill((self.x.0, self.y.1), (self.x.1, inner.1), STRIP_COLOUR, 1.0);
+            canvas.text(name, (self.x.0 - 6.0, log.at(f64::INFINITY, self.y)), SMALL.right());
         }
         for (value, label) in log.ticks() {
             let y = log.at(value, self.y);
-            canvas.line(&[(self.x.0, y), (self.x.1, y)], GRID)?;
-            canvas.text(&label, (self.x.0 - 6.0, y), SMALL.right())?;
+            canvas.line(&[(self.x.0, y), (self.x.1, y)], GRID);
+            canvas.text(&label, (self.x.0 - 6.0, y), SMALL.right());
         }
-        Ok(())
     }
 
-    fn x_axis<M: Medium>(&self, canvas: &mut Canvas<M>, log: &Log) -> anyhow::Result<()> {
+    fn x_axis(&self, canvas: &mut Canvas, log: &Log) {
         let inner = log.inner(self.x);
         let y = self.y.0 + 13.0;
         if let Some(name) = log.zero {
-            canvas.fill((self.x.0, self.y.1), (inner.0, self.y.0), STRIP_COLOUR)?;
-            canvas.text(name, (log.at(0.0, self.x), y), SMALL.centred())?;
+            canvas.fill((self.x.0, self.y.1), (inner.0, self.y.0), STRIP_COLOUR, 1.0);
+            canvas.text(name, (log.at(0.0, self.x), y), SMALL.centred());
         }
         for (value, label) in log.ticks() {
             let x = log.at(value, self.x);
-            canvas.line(&[(x, self.y.0), (x, self.y.1)], GRID)?;
+            canvas.line(&[(x, self.y.0), (x, self.y.1)], GRID);
             // The name of zero stands right beside the lowest number.
             if log.zero.is_none() || x > inner.0 + STRIP {
-                canvas.text(&label, (x, y), SMALL.centred())?;
+                canvas.text(&label, (x, y), SMALL.centred());
             }
         }
         canvas.text(&log.label, (0.5 * (self.x.0 + self.x.1), y + 18.0), SMALL.centred())
     }
 
-    fn names<M: Medium>(&self, canvas: &mut Canvas<M>, names: &[String]) -> anyhow::Result<()> {
+    fn names(&self, canvas: &mut Canvas, names: &[String]) {
         for (i, name) in names.iter().enumerate() {
             let x = self.name_at(i as f64, names.len());
-            canvas.line(&[(x, self.y.0), (x, self.y.1)], GRID)?;
+            canvas.line(&[(x, self.y.0), (x, self.y.1)], GRID);
             for (line, text) in name.lines().enumerate() {
-                canvas.text(text, (x, self.y.0 + 13.0 + 16.0 * line as f64), SMALL.centred())?;
+                canvas.text(text, (x, self.y.0 + 13.0 + 16.0 * line as f64), SMALL.centred());
             }
         }
-        Ok(())
     }
 
     fn name_at(&self, i: f64, count: usize) -> f64 {
@@ -277,29 +266,29 @@ impl Frame {
         }
     }
 
-    fn dot<M: Medium>(&self, canvas: &mut Canvas<M>, x: &Axis, y: &Log, dot: &Dot) -> anyhow::Result<()> {
+    fn dot(&self, canvas: &mut Canvas, x: &Axis, y: &Log, dot: &Dot) {
         let x_of = |value| self.x_of(x, value) + dot.aside;
         let pen = Pen::new(dot.colour, 1.5);
         let at_x = x_of(dot.x);
         if let Some((low, high)) = dot.y_bar {
             let ends = [low, high].map(|end| y.at(end, self.y));
-            canvas.line(&ends.map(|end| (at_x, end)), pen)?;
+            canvas.line(&ends.map(|end| (at_x, end)), pen);
             for end in ends {
-                canvas.line(&[(at_x - 4.0, end), (at_x + 4.0, end)], pen)?;
+                canvas.line(&[(at_x - 4.0, end), (at_x + 4.0, end)], pen);
             }
         }
-        let Some(value) = dot.y else { return Ok(()) };
+        let Some(value) = dot.y else { return };
         let at = (at_x, y.at(value, self.y));
         if let Some((low, high)) = dot.x_bar {
             let ends = [low, high].map(x_of);
-            canvas.line(&ends.map(|end| (end, at.1)), pen)?;
+            canvas.line(&ends.map(|end| (end, at.1)), pen);
             for end in ends {
-                canvas.line(&[(end, at.1 - 4.0), (end, at.1 + 4.0)], pen)?;
+                canvas.line(&[(end, at.1 - 4.0), (end, at.1 + 4.0)], pen);
             }
         }
-        canvas.dot(at, RADIUS, dot.colour)?;
+        canvas.dot(at, RADIUS, dot.colour);
         let in_strip = matches!(x, Axis::Log(_)) && dot.x <= 0.0;
-        let ambient = self.x.1 - at.0 - 9.0 > SMALL.width(&dot.label)?;
+        let ambient = self.x.1 - at.0 - 9.0 > SMALL.width(&dot.label);
         let (place, look) = match (in_strip, ambient) {
             (true, _) => ((at.0 - 8.0, at.1), SMALL.right()),
             (false, true) => ((at.0 + 7.0, at.1 - 9.0), SMALL),

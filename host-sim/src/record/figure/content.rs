@@ -1,28 +1,28 @@
 //! What each figure of the paper shows.
 
+use super::canvas::Colour;
 use fdi_core::Mode;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::diagnosis::residual::{RESIDUALS, Residual};
 use fdi_core::likelihood::Readiness;
-use plotters::style::RGBColor;
 
 use super::Number;
 use super::plot::{BLUE, Band, Figure, INK, Panel, Pen, Scale, Trace, VERMILLION};
 use crate::experiment::{Record, Row};
 
 // Okabe and Ito's colours, which the colour-blind can tell apart.
-const ORANGE: RGBColor = RGBColor(0xE6, 0x9F, 0x00);
-const SKY: RGBColor = RGBColor(0x56, 0xB4, 0xE9);
-const GREEN: RGBColor = RGBColor(0x00, 0x9E, 0x73);
-const PURPLE: RGBColor = RGBColor(0xCC, 0x79, 0xA7);
-const GREY: RGBColor = RGBColor(0xB4, 0xBB, 0xC4);
-const NAVY: RGBColor = RGBColor(0x0B, 0x3C, 0x6F);
-const PALE_GREY: RGBColor = RGBColor(0xB9, 0xC1, 0xCB);
-const PALE_BLUE: RGBColor = RGBColor(0x9C, 0xCB, 0xE6);
-const PALE_ORANGE: RGBColor = RGBColor(0xF3, 0xC0, 0x9A);
+const ORANGE: Colour = Colour(0xE6, 0x9F, 0x00);
+const SKY: Colour = Colour(0x56, 0xB4, 0xE9);
+const GREEN: Colour = Colour(0x00, 0x9E, 0x73);
+const PURPLE: Colour = Colour(0xCC, 0x79, 0xA7);
+const GREY: Colour = Colour(0xB4, 0xBB, 0xC4);
+const NAVY: Colour = Colour(0x0B, 0x3C, 0x6F);
+const PALE_GREY: Colour = Colour(0xB9, 0xC1, 0xCB);
+const PALE_BLUE: Colour = Colour(0x9C, 0xCB, 0xE6);
+const PALE_ORANGE: Colour = Colour(0xF3, 0xC0, 0x9A);
 
 /// Tints of the faults, in turn.
-const FAULT_COLOURS: [RGBColor; 4] = [ORANGE, GREEN, PURPLE, SKY];
+const FAULT_COLOURS: [Colour; 4] = [ORANGE, GREEN, PURPLE, SKY];
 
 const RAW: Pen = Pen::new(PALE_GREY, 1.0);
 const FILTERED: Pen = Pen::new(NAVY, 1.5);

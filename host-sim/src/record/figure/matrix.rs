@@ -1,11 +1,8 @@
 //! Cells as a shaded table: rows that have groups of columns in common.
 
-use plotters::style::{Color, RGBColor, WHITE};
-
 use super::Picture;
-use super::canvas::{Canvas, Medium};
+use super::canvas::{BOLD, Canvas, Colour, SMALL, WHITE};
 use super::plot::{BLUE, INK, Pen, VERMILLION};
-use super::text::{BOLD, PLAIN, Type};
 
 /// The table.
 pub(crate) struct Matrix {
@@ -52,8 +49,7 @@ const ROW: f64 = 26.0;
 const HEAD: f64 = 175.0;
 const NOTE: f64 = 21.0;
 
-const FRAME: Pen = Pen::new(RGBColor(0xC8, 0xCE, 0xD5), 1.0);
-const SMALL: Type = PLAIN.sized(13.0);
+const FRAME: Pen = Pen::new(Colour(0xC8, 0xCE, 0xD5), 1.0);
 
 impl Matrix {
     /// Width of a column, px.
@@ -63,12 +59,12 @@ impl Matrix {
         ((WIDTH - LEFT - 20.0 - gaps) / columns.max(1) as f64).min(70.0)
     }
 
-    fn group<M: Medium>(&self, canvas: &mut Canvas<M>, group: &Group, left: f64) -> anyhow::Result<()> {
+    fn group(&self, canvas: &mut Canvas, group: &Group, left: f64) {
         let width = self.column();
-        canvas.text(&group.title, (left, 54.0), BOLD)?;
+        canvas.text(&group.title, (left, 54.0), BOLD);
         for (i, name) in group.columns.iter().enumerate() {
             let x = left + width * (i as f64 + 0.5);
-            canvas.upright(name, (x, HEAD - 8.0), SMALL)?;
+            canvas.upright(name, (x, HEAD - 8.0), SMALL);
         }
         for (j, row) in group.cells.iter().enumerate() {
             for (i, cell) in row.iter().enumerate() {
@@ -76,16 +72,15 @@ impl Matrix {
                 let to = (from.0 + width, from.1 + ROW);
                 let colour = if cell.is_right { BLUE } else { VERMILLION };
                 if cell.shade > 0.0 {
-                    canvas.fill(from, to, colour.mix(0.12 + 0.78 * cell.shade))?;
+                    canvas.fill(from, to, colour, 0.12 + 0.78 * cell.shade);
                     let ink = if cell.shade > 0.5 { WHITE } else { INK };
                     let at = (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1));
-                    canvas.text(&cell.text, at, SMALL.centred().coloured(ink))?;
+                    canvas.text(&cell.text, at, SMALL.centred().coloured(ink));
                 }
                 let corners = [from, (to.0, from.1), to, (from.0, to.1), from];
-                canvas.line(&corners, FRAME)?;
+                canvas.line(&corners, FRAME);
             }
         }
-        Ok(())
     }
 }
 
@@ -107,24 +102,21 @@ impl Picture for Matrix {
         (WIDTH as u32, height as u32)
     }
 
-    fn paint<M: Medium>(&self, backend: &mut M) -> anyhow::Result<()> {
-        let mut canvas = Canvas(backend);
-        canvas.fill((0.0, 0.0), (WIDTH, f64::from(self.size().1)), WHITE)?;
-        canvas.text(&self.title, (20.0, 22.0), BOLD.sized(18.0))?;
-        canvas.text(&self.corner, (LEFT - 10.0, HEAD - 14.0), SMALL.right())?;
+    fn paint(&self, canvas: &mut Canvas) {
+        canvas.text(&self.title, (20.0, 22.0), BOLD.sized(14.5));
+        canvas.text(&self.corner, (LEFT - 10.0, HEAD - 14.0), SMALL.right());
         for (j, name) in self.rows.iter().enumerate() {
-            canvas.text(name, (LEFT - 10.0, HEAD + ROW * (j as f64 + 0.5)), SMALL.right())?;
+            canvas.text(name, (LEFT - 10.0, HEAD + ROW * (j as f64 + 0.5)), SMALL.right());
         }
         let mut left = LEFT;
         for group in &self.groups {
-            self.group(&mut canvas, group, left)?;
+            self.group(canvas, group, left);
             left += self.column() * group.columns.len() as f64 + GAP;
         }
         for (i, note) in self.notes.iter().enumerate() {
             let y = HEAD + ROW * self.rows.len() as f64 + 26.0 + NOTE * i as f64;
-            canvas.text(note, (20.0, y), SMALL)?;
+            canvas.text(note, (20.0, y), SMALL);
         }
-        Ok(backend.present()?)
     }
 }
 

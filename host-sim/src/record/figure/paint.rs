@@ -1,12 +1,9 @@
 //! Where everything goes in a figure, and the drawing of it.
 
-use plotters::style::{Color, RGBColor, WHITE};
-
 use super::axis;
-use super::canvas::{Canvas, Medium};
+use super::canvas::{BOLD, Canvas, Colour, PLAIN};
 use super::plot::{Band, Figure, Panel, Pen, Scale, THRESHOLD, THRESHOLD_LABEL};
 use super::polyline::{Point, polylines};
-use super::text::{BOLD, PLAIN};
 use super::{Picture, place};
 
 /// Width of a figure, px.
@@ -21,9 +18,9 @@ const LEFT: f64 = 64.0;
 const RIGHT: f64 = WIDTH as f64 - 20.0;
 const SWATCH: f64 = 22.0;
 
-const GRID: Pen = Pen::new(RGBColor(0xE1, 0xE5, 0xEA), 1.0);
-const FRAME: Pen = Pen::new(RGBColor(0x9A, 0xA3, 0xAD), 1.0);
-const MUTED: RGBColor = RGBColor(0x6B, 0x74, 0x7E);
+const GRID: Pen = Pen::new(Colour(0xE1, 0xE5, 0xEA), 1.0);
+const FRAME: Pen = Pen::new(Colour(0x9A, 0xA3, 0xAD), 1.0);
+const MUTED: Colour = Colour(0x6B, 0x74, 0x7E);
 const BAND_OPACITY: f64 = 0.17;
 
 const TIME_TICKS: u32 = 10;
@@ -47,11 +44,8 @@ struct Name<'a> {
 
 impl<'a> Layout<'a> {
     /// Finds the places.
-    ///
-    /// # Errors
-    /// A font that is not registered.
-    pub(super) fn new(figure: &'a Figure) -> anyhow::Result<Self> {
-        Ok(Self { figure, names: place_names(figure)? })
+    pub(super) fn new(figure: &'a Figure) -> Self {
+        Self { figure, names: place_names(figure) }
     }
 
     /// Height of the names above the first panel, px.
@@ -61,20 +55,19 @@ impl<'a> Layout<'a> {
     }
 
     /// Names of the bands, above the first frame.
-    fn paint_names<M: Medium>(&self, canvas: &mut Canvas<M>, frame_top: f64) -> anyhow::Result<()> {
+    fn paint_names(&self, canvas: &mut Canvas, frame_top: f64) {
         for name in &self.names {
             let y = frame_top - HEADER_ROW * (name.row as f64 + 0.5) - 1.0;
             let look = PLAIN.centred().coloured(darker(name.band.colour));
-            canvas.text(&name.band.label, (name.centre, y), look)?;
+            canvas.text(&name.band.label, (name.centre, y), look);
         }
-        Ok(())
     }
 
     /// Labels of the time axis, below the last frame.
-    fn paint_time<M: Medium>(&self, canvas: &mut Canvas<M>, frame_bottom: f64) -> anyhow::Result<()> {
+    fn paint_time(&self, canvas: &mut Canvas, frame_bottom: f64) {
         for (t, label) in axis::ticks(self.figure.span, TIME_TICKS) {
             let x = place(t, self.figure.span, (LEFT, RIGHT));
-            canvas.text(&label, (x, frame_bottom + 13.0), PLAIN.centred())?;
+            canvas.text(&label, (x, frame_bottom + 13.0), PLAIN.centred());
         }
         canvas.text("time (s)", (0.5 * (LEFT + RIGHT), frame_bottom + 33.0), PLAIN.centred())
     }
@@ -85,35 +78,32 @@ impl Picture for Layout<'_> {
         (WIDTH, (self.header() + PANEL * self.figure.panels.len() as f64 + FOOTER) as u32)
     }
 
-    fn paint<M: Medium>(&self, backend: &mut M) -> anyhow::Result<()> {
-        let mut canvas = Canvas(backend);
-        canvas.fill((0.0, 0.0), (f64::from(WIDTH), f64::from(self.size().1)), WHITE)?;
+    fn paint(&self, canvas: &mut Canvas) {
         let mut top = TITLE;
         for (i, panel) in self.figure.panels.iter().enumerate() {
             let title = top - 0.5 * TITLE + 2.0;
-            paint_title(&mut canvas, panel, title)?;
+            paint_title(canvas, panel, title);
             if i == 0 {
                 top += self.header();
-                self.paint_names(&mut canvas, top)?;
+                self.paint_names(canvas, top);
             }
             let bottom = top + PANEL - TITLE;
-            Frame::new(self.figure, panel, (top, bottom)).paint(&mut canvas, panel)?;
+            Frame::new(self.figure, panel, (top, bottom)).paint(canvas, panel);
             top = bottom + TITLE;
         }
-        self.paint_time(&mut canvas, top - TITLE)?;
-        Ok(backend.present()?)
+        self.paint_time(canvas, top - TITLE);
     }
 }
 
 /// Puts each name above its band, in the lowest row where it touches no other.
-fn place_names(figure: &Figure) -> anyhow::Result<Vec<Name<'_>>> {
+fn place_names(figure: &Figure) -> Vec<Name<'_>> {
     const GAP: f64 = 12.0;
     let mut row_ends = [LEFT - GAP; HEADER_ROWS];
     let mut bands: Vec<&Band> = figure.bands.iter().collect();
     bands.sort_by(|a, b| a.middle().total_cmp(&b.middle()));
     let mut names = Vec::new();
     for band in bands {
-        let half = 0.5 * PLAIN.width(&band.label)?;
+        let half = 0.5 * PLAIN.width(&band.label);
         if 2.0 * half > RIGHT - LEFT {
             continue;
         }
@@ -123,25 +113,25 @@ fn place_names(figure: &Figure) -> anyhow::Result<Vec<Name<'_>>> {
             names.push(Name { band, centre, row });
         }
     }
-    Ok(names)
+    names
 }
 
 /// The title at the left, and at the right the legend where there is something to tell apart.
-fn paint_title<M: Medium>(canvas: &mut Canvas<M>, panel: &Panel, y: f64) -> anyhow::Result<()> {
-    canvas.text(&panel.title, (LEFT, y), BOLD)?;
+fn paint_title(canvas: &mut Canvas, panel: &Panel, y: f64) {
+    canvas.text(&panel.title, (LEFT, y), BOLD);
     let thresholds = (!panel.thresholds.is_empty()).then_some((THRESHOLD_LABEL, THRESHOLD));
     let keys: Vec<_> = panel.traces.iter().map(|t| (t.label, t.pen)).chain(thresholds).collect();
     if keys.len() < 2 {
-        return Ok(());
+        return;
     }
     let mut x = RIGHT;
     for (label, pen) in keys.into_iter().rev() {
-        canvas.text(label, (x, y), PLAIN.right())?;
-        x -= PLAIN.width(label)? + 7.0;
-        canvas.horizontal((x - SWATCH, x), y + 1.0, Pen { width: pen.width.max(2.0), ..pen })?;
+        canvas.text(label, (x, y), PLAIN.right());
+        x -= PLAIN.width(label) + 7.0;
+        let pen = Pen { width: pen.width.max(2.0), ..pen };
+        canvas.line(&[(x - SWATCH, y + 1.0), (x, y + 1.0)], pen);
         x -= SWATCH + 18.0;
     }
-    Ok(())
 }
 
 /// The frame of one panel: ranges, and where they lie in px.
@@ -175,44 +165,44 @@ impl<'a> Frame<'a> {
         place(value, self.range, (self.y.1, self.y.0))
     }
 
-    fn paint<M: Medium>(&self, canvas: &mut Canvas<M>, panel: &Panel) -> anyhow::Result<()> {
+    fn paint(&self, canvas: &mut Canvas, panel: &Panel) {
         let (top, bottom) = self.y;
         for band in &self.figure.bands {
             let (from, until) = (self.x_of(band.span.0), self.x_of(band.span.1));
-            canvas.fill((from, top), (until.max(from + 1.0), bottom), band.colour.mix(BAND_OPACITY))?;
+            canvas.fill((from, top), (until.max(from + 1.0), bottom), band.colour, BAND_OPACITY);
         }
-        self.paint_grid(canvas, panel)?;
-        self.paint_traces(canvas, panel)?;
+        self.paint_grid(canvas, panel);
+        self.paint_traces(canvas, panel);
         for &threshold in panel.thresholds.iter().filter(|x| x.is_finite()) {
-            canvas.horizontal((LEFT, RIGHT), self.y_of(threshold), THRESHOLD)?;
+            let y = self.y_of(threshold);
+            canvas.line(&[(LEFT, y), (RIGHT, y)], THRESHOLD);
         }
         let corners = [(LEFT, top), (RIGHT, top), (RIGHT, bottom), (LEFT, bottom), (LEFT, top)];
         canvas.line(&corners, FRAME)
     }
 
-    fn paint_grid<M: Medium>(&self, canvas: &mut Canvas<M>, panel: &Panel) -> anyhow::Result<()> {
+    fn paint_grid(&self, canvas: &mut Canvas, panel: &Panel) {
         for (t, _) in axis::ticks(self.figure.span, TIME_TICKS) {
-            canvas.line(&[(self.x_of(t), self.y.0), (self.x_of(t), self.y.1)], GRID)?;
+            canvas.line(&[(self.x_of(t), self.y.0), (self.x_of(t), self.y.1)], GRID);
         }
         for (value, label) in &self.ticks {
             let y = self.y_of(*value);
-            canvas.line(&[(LEFT, y), (RIGHT, y)], GRID)?;
-            canvas.text(label, (LEFT - 8.0, y), PLAIN.right())?;
+            canvas.line(&[(LEFT, y), (RIGHT, y)], GRID);
+            canvas.text(label, (LEFT - 8.0, y), PLAIN.right());
         }
         self.paint_names(canvas, panel)
     }
 
     /// Names of levels stand in the frame, over their lines: they are too long for the margin, and before monitoring
     /// begins there is room.
-    fn paint_names<M: Medium>(&self, canvas: &mut Canvas<M>, panel: &Panel) -> anyhow::Result<()> {
+    fn paint_names(&self, canvas: &mut Canvas, panel: &Panel) {
         for (level, name) in panel.names.iter().enumerate() {
             let y = self.y_of(level as f64);
-            canvas.text(name, (LEFT + 8.0, y - 8.0), PLAIN.coloured(MUTED))?;
+            canvas.text(name, (LEFT + 8.0, y - 8.0), PLAIN.coloured(MUTED));
         }
-        Ok(())
     }
 
-    fn paint_traces<M: Medium>(&self, canvas: &mut Canvas<M>, panel: &Panel) -> anyhow::Result<()> {
+    fn paint_traces(&self, canvas: &mut Canvas, panel: &Panel) {
         let mut drawn = false;
         for trace in &panel.traces {
             let points: Vec<Point> = self
@@ -223,12 +213,12 @@ impl<'a> Frame<'a> {
                 .map(|(&t, &v)| (self.x_of(t), self.y_of(v)))
                 .collect();
             for line in polylines(&points, trace.pen.stepped, self.y) {
-                canvas.line(&line, trace.pen)?;
+                canvas.line(&line, trace.pen);
                 drawn = true;
             }
         }
         if drawn {
-            return Ok(());
+            return;
         }
         let middle = (0.5 * (LEFT + RIGHT), 0.5 * (self.y.0 + self.y.1));
         canvas.text("not defined in this run", middle, PLAIN.centred().coloured(MUTED))
@@ -236,7 +226,7 @@ impl<'a> Frame<'a> {
 }
 
 /// A tint's colour as text: dark enough to be read on white.
-fn darker(RGBColor(r, g, b): RGBColor) -> RGBColor {
+fn darker(Colour(r, g, b): Colour) -> Colour {
     let half = |x: u8| (f64::from(x) * 0.65) as u8;
-    RGBColor(half(r), half(g), half(b))
+    Colour(half(r), half(g), half(b))
 }

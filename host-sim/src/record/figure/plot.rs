@@ -1,15 +1,15 @@
 //! A figure as data: panels, traces, thresholds, and the times that are shaded.
 
-use plotters::style::RGBColor;
+use super::canvas::Colour;
 
 /// Text and axes.
-pub(super) const INK: RGBColor = RGBColor(0x24, 0x2B, 0x33);
+pub(super) const INK: Colour = Colour(0x24, 0x2B, 0x33);
 
 /// Thresholds: one of Okabe and Ito's colours, which the colour-blind can tell apart.
-pub(crate) const VERMILLION: RGBColor = RGBColor(0xD5, 0x5E, 0x00);
+pub(crate) const VERMILLION: Colour = Colour(0xD5, 0x5E, 0x00);
 
 /// Another of them.
-pub(crate) const BLUE: RGBColor = RGBColor(0x00, 0x72, 0xB2);
+pub(crate) const BLUE: Colour = Colour(0x00, 0x72, 0xB2);
 
 /// The start-up up to here, in s after the first row, does not count for the ranges.
 const START_UP: f64 = 20.0;
@@ -33,7 +33,7 @@ pub(super) struct Band {
     /// Begin and end, s.
     pub(super) span: (f64, f64),
     /// Tint.
-    pub(super) colour: RGBColor,
+    pub(super) colour: Colour,
 }
 
 /// One panel.
@@ -73,29 +73,34 @@ pub(super) struct Trace {
 #[derive(Clone, Copy)]
 pub(super) struct Pen {
     /// Its colour.
-    pub(super) colour: RGBColor,
+    pub(super) colour: Colour,
     /// Its width, px.
     pub(super) width: f64,
     /// Whether it holds a value until the next.
     pub(super) stepped: bool,
     /// Whether it is dashed.
-    pub(super) dashed: bool,
+    pub(super) is_dashed: bool,
 }
 
 impl Pen {
     /// A plain line.
-    pub(super) const fn new(colour: RGBColor, width: f64) -> Self {
-        Self { colour, width, stepped: false, dashed: false }
+    pub(super) const fn new(colour: Colour, width: f64) -> Self {
+        Self { colour, width, stepped: false, is_dashed: false }
     }
 
     /// The same, holding each value until the next.
     pub(super) const fn stepped(self) -> Self {
         Self { stepped: true, ..self }
     }
+
+    /// The same, dashed.
+    pub(super) const fn dashed(self) -> Self {
+        Self { is_dashed: true, ..self }
+    }
 }
 
 /// Pen of a threshold.
-pub(super) const THRESHOLD: Pen = Pen { dashed: true, ..Pen::new(VERMILLION, 1.2) };
+pub(super) const THRESHOLD: Pen = Pen::new(VERMILLION, 1.2).dashed();
 /// Name of the thresholds in a legend.
 pub(super) const THRESHOLD_LABEL: &str = "thresholds";
 

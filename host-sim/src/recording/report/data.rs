@@ -1,10 +1,10 @@
 //! What the charts of the page show.
 
-use super::super::stretches::GAP;
 use super::chart::{Chart, Line, Span};
 use super::page::CLOSE;
 use super::{Told, learnt_from};
 use crate::experiment::Row;
+use pt326_fit::stretches::GAP;
 
 /// Times that are shaded in each chart.
 pub(super) fn shaded(told: &Told) -> Vec<Span> {

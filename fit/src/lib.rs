@@ -5,6 +5,7 @@ mod normal;
 mod plant;
 mod prepared;
 mod search;
+pub mod stretches;
 
 use fdi_core::likelihood::Likelihood;
 use fdi_core::likelihood::Parameter::{

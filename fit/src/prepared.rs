@@ -2,9 +2,9 @@
 
 use fdi_core::{KnownInputs, Percent};
 
-use super::super::stretches::stretches;
-use super::Question;
-use super::plant::{Row, Stretch};
+use crate::Question;
+use crate::plant::{Row, Stretch};
+use crate::stretches::stretches;
 
 /// A shorter stretch says nothing but how it began.
 const SHORTEST: usize = 20;

@@ -1,5 +1,7 @@
 //! Recordings of heaters that nobody has: whatever is in them, nothing panics, and no sentence is absurd.
 
+use std::ops::RangeInclusive;
+
 use fdi_core::Config;
 use indicatif::ProgressBar;
 use pt326::experiment::Origin;

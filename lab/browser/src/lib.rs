@@ -6,6 +6,7 @@ pub mod port;
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
+use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -68,13 +69,16 @@ impl Browser {
     /// As [`Self::start`].
     pub fn start_with(font: Font) -> anyhow::Result<Self> {
         // It chooses its port by itself: one that was free a moment ago may be another test's by now.
-        let driver = Command::new("chromedriver")
-            .arg("--port=0")
+        // A browser that is shared lives as long as the tests: its group ends when nobody holds the other end of its input.
+        let driver = Command::new("sh")
+            .args(["-c", "chromedriver --port=0 & cat >/dev/null; kill 0"])
+            .process_group(0)
             .env("FONTCONFIG_FILE", font.settings())
+            .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
-            .context("chromedriver can't be run: install chromium-driver")?;
+            .context("sh can't be run")?;
         let mut browser = Self { driver, port: 0, session: String::new() };
         browser.port = browser.told_port()?;
         let arguments = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"];
@@ -96,7 +100,7 @@ impl Browser {
                 return port.trim_end_matches('.').parse().context("chromedriver tells no port");
             }
         }
-        bail!("chromedriver has ended without telling its port")
+        bail!("chromedriver has told no port: install chromium-driver")
     }
 
     /// Opens an address and waits until the page has loaded.
@@ -105,6 +109,17 @@ impl Browser {
     /// Those of the driver.
     pub fn open(&self, address: &str) -> anyhow::Result<()> {
         self.order("/url", &json!({ "url": address })).map(drop)
+    }
+
+    /// Leaves the page, and forgets what it has kept: the next is as in a new browser.
+    ///
+    /// # Errors
+    /// Those of the driver.
+    pub fn forget(&self) -> anyhow::Result<()> {
+        let kept = "localStorage.clear(); sessionStorage.clear(); for (const { name } of await indexedDB.databases()) indexedDB.deleteDatabase(name);";
+        self.run(kept, &[])?;
+        self.tools("Emulation.clearDeviceMetricsOverride", json!({}))?;
+        self.open("about:blank")
     }
 
     /// What a script, the body of an asynchronous function, returns; `arguments` are its arguments.
@@ -213,7 +228,7 @@ impl Browser {
 impl Drop for Browser {
     fn drop(&mut self) {
         let _ = self.ask("DELETE", &self.session, &json!({}));
-        let _ = self.driver.kill();
+        drop(self.driver.stdin.take());
         let _ = self.driver.wait();
     }
 }

@@ -7,6 +7,7 @@
 pub mod board;
 pub mod campaign;
 #[cfg(feature = "cli")]
+#[path = "../../src/commands/mod.rs"]
 pub mod commands;
 pub mod experiment;
 pub mod identify;

@@ -1,14 +1,10 @@
 //! The PT-326 instrument on the host: the same [`fdi_core`] that the board runs, against a simulated rig.
 
-// `println!` panics when the reader of a pipe goes away (`pt326 run | head`): `commands::terminal::print`.
+// What a library prints its user cannot leave out.
 #![warn(clippy::print_stdout)]
 
-#[cfg(feature = "serial")]
 pub mod board;
 pub mod campaign;
-#[cfg(feature = "cli")]
-#[path = "../../src/commands/mod.rs"]
-pub mod commands;
 pub mod experiment;
 pub mod identify;
 pub mod isolability;

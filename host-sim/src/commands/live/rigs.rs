@@ -16,11 +16,11 @@ use pt326_live::source::{Recording, Source, Told};
 use pt326_live::{Rig, clock};
 
 use super::LiveArgs;
-use crate::board::find;
-use crate::board::watch::Watch;
 use crate::commands::replay::{self, ReplayArgs};
 use crate::commands::terminal::print;
-use crate::record::numbers;
+use pt326_host::board::find;
+use pt326_host::board::watch::Watch;
+use pt326_host::record::numbers;
 
 /// Between two attempts to find a board of a wall that is not there.
 const ANOTHER: Duration = Duration::from_secs(2);

@@ -8,9 +8,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 use fdi_core::Config;
-use pt326::experiment::run;
-use pt326::experiment::scenario::Scenario;
-use pt326::record::trace::write_trace;
+use pt326_host::experiment::run;
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::record::trace::write_trace;
 use pt326_lab::protocol;
 use pt326_lab::session::Session;
 

@@ -7,9 +7,9 @@ use fdi_core::schema::{self, COLUMNS, Entry, FIELDS, Moment};
 use fdi_core::supervisor::FASTEST_FAN;
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample};
 use firmware_logic::finding::Sentence;
-use pt326::experiment::{as_written, tick_time, with_prbs_phase};
-use pt326::record::summary::with_degree_sign;
-use pt326::settings;
+use pt326_host::experiment::{as_written, tick_time, with_prbs_phase};
+use pt326_host::record::summary::with_degree_sign;
+use pt326_host::settings;
 use toml::Table;
 
 use crate::model::{Model, Running, text_or_file};

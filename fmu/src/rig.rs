@@ -4,9 +4,9 @@ use std::sync::LazyLock;
 
 use anyhow::{Context, ensure};
 use fdi_core::supervisor::FASTEST_FAN;
-use pt326::experiment::scenario::Scenario;
-use pt326::experiment::{FaultSize, as_written, on_rig, sample, truth};
-use pt326::settings;
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::experiment::{FaultSize, as_written, on_rig, sample, truth};
+use pt326_host::settings;
 use pt326_rig::Rig;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use toml::Value as Toml;

@@ -4,7 +4,7 @@
 use fdi_core::Config;
 use firmware_logic::self_test::{Ending, LEVELS, LONGEST, MAX_RISE};
 use pt326::commands::console::Bench;
-use pt326::experiment::scenario::Scenario;
+use pt326_host::experiment::scenario::Scenario;
 use pt326_rig::RigConfig;
 
 const SEEDS: u64 = 20;

@@ -5,12 +5,12 @@ use std::sync::atomic::Ordering;
 
 use fdi_core::FaultClass;
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
-use pt326::campaign::cell::Cell;
-use pt326::campaign::definition::{ABLATION_TOML, CAMPAIGN_TOML, Campaign, PHYSICS_TOML, QUICK, USUAL};
-use pt326::campaign::output;
-use pt326::campaign::results::Results;
-use pt326::campaign::run::{self, Observation, Output, RunRow};
-use pt326::campaign::store::Shard;
+use pt326_host::campaign::cell::Cell;
+use pt326_host::campaign::definition::{ABLATION_TOML, CAMPAIGN_TOML, Campaign, PHYSICS_TOML, QUICK, USUAL};
+use pt326_host::campaign::output;
+use pt326_host::campaign::results::Results;
+use pt326_host::campaign::run::{self, Observation, Output, RunRow};
+use pt326_host::campaign::store::Shard;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
@@ -39,7 +39,7 @@ pub(crate) fn repeat<'py>(
     let (config, scenario) = crate::run::experiment(scenario, config, preset, disturbance, fault_size)?;
     let repeated = wait(py, progress, move |shared| {
         shared.bar.set_length(runs);
-        pt326::repeat::repeat(&config, &scenario, first_seed, runs, &shared.bar, &shared.stop)
+        pt326_host::repeat::repeat(&config, &scenario, first_seed, runs, &shared.bar, &shared.stop)
     })?;
     to_python(py, &repeated)
 }
@@ -249,7 +249,7 @@ impl Observer {
             let armed = !tells_armed || detector.getattr("armed")?.is_truthy()?;
             let alarm = !said.is_none();
             let named = if alarm { class(&said)? } else { None };
-            let t = pt326::experiment::tick_time(index as u32, self.sample_time);
+            let t = pt326_host::experiment::tick_time(index as u32, self.sample_time);
             observer.observe(t, &Output { alarm: (armed || alarm).then_some(alarm), advice: false, named });
         }
         self.observed = Some(observer.finish());

@@ -1,7 +1,7 @@
 //! Settings of the instrument.
 
 use fdi_core::settings::Kind;
-use pt326::settings;
+use pt326_host::settings;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use toml::{Table, Value};

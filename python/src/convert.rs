@@ -1,6 +1,6 @@
 //! Values and errors on their way between Python and Rust.
 
-use pt326::words::in_words;
+use pt326_host::words::in_words;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Serialize;

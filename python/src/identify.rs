@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use pt326::identify::detrend::Detrend;
-use pt326::identify::{Asked, identify as identified};
-use pt326::recording::table::Table;
+use pt326_host::identify::detrend::Detrend;
+use pt326_host::identify::{Asked, identify as identified};
+use pt326_host::recording::table::Table;
 use pyo3::prelude::*;
 
 use crate::convert::{from_table, python, refused, to_python};

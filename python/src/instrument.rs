@@ -5,8 +5,8 @@ use fdi_core::{Celsius, Command, FaultClass, Percent, RawSample, Tick};
 use firmware_logic::control_loop::TickRecord;
 use firmware_logic::finding::Sentence;
 use firmware_logic::log_line::tick::TickLine;
-use pt326::experiment::{as_written, tick_time, with_prbs_phase};
-use pt326::record::summary::with_degree_sign;
+use pt326_host::experiment::{as_written, tick_time, with_prbs_phase};
+use pt326_host::record::summary::with_degree_sign;
 use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use fdi_core::likelihood::inputs::Inputs;
 use fdi_core::likelihood::model::Model;
 use fdi_core::{Observed, Units};
-use pt326::recording::fit_rig::Fitted;
-use pt326::recording::intervals::{Known, numbers};
-use pt326::recording::run::{Training, as_tick, diagnose};
-use pt326::recording::text::text_of;
-use pt326::recording::{self, Reading};
+use pt326_host::recording::fit_rig::Fitted;
+use pt326_host::recording::intervals::{Known, numbers};
+use pt326_host::recording::run::{Training, as_tick, diagnose};
+use pt326_host::recording::text::text_of;
+use pt326_host::recording::{self, Reading};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -45,7 +45,7 @@ impl Monitor {
         let inputs = Inputs { t0, t2, fan, ..Inputs::ALL };
         let monitor =
             fdi_core::Monitor::new(&config, inputs, Units { celsius, full_power }).map_err(error)?;
-        Ok(Self { monitor, sample_time: pt326::experiment::as_written(config.sample_time.0) })
+        Ok(Self { monitor, sample_time: pt326_host::experiment::as_written(config.sample_time.0) })
     }
 
     /// One sample: temperatures, and what drives the heater from it on. What is None, or no number, is missing.

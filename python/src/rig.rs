@@ -1,7 +1,7 @@
 //! The simulated rig.
 
 use fdi_core::RawSample;
-use pt326::experiment::{as_written, sample, truth};
+use pt326_host::experiment::{as_written, sample, truth};
 use pt326_rig::fault::Fault;
 use pt326_rig::{Disturbance, RigConfig};
 use pyo3::exceptions::PyIndexError;
@@ -101,7 +101,7 @@ impl Rig {
         let config: RigConfig = from_table(table)?;
         python(config.validate())?;
         let faults: Vec<Fault> = faults.unwrap_or_default().iter().map(fault).collect::<PyResult<_>>()?;
-        let usual = python(pt326::settings::preset(preset).and_then(pt326::settings::from_table))?;
+        let usual = python(pt326_host::settings::preset(preset).and_then(pt326_host::settings::from_table))?;
         let sample_time = sample_time.unwrap_or(as_written(usual.sample_time.0));
         if !(0.001..=10.0).contains(&sample_time) {
             return Err(refused(format!("sample_time is {sample_time}, expected 0.001 to 10 s")));

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 use fdi_core::schema::{COLUMNS, Entry, FIELDS, Kind, Moment, Value};
 use numpy::IntoPyArray;
-use pt326::experiment::scenario::{Scenario, read_scenario};
-use pt326::experiment::{FaultSize, Row, as_written, on_rig, tick_time};
-use pt326::isolability::{Isolability, Question, output};
-use pt326::record::summary::{Summary, sentence};
-use pt326::record::trace::write_trace;
-use pt326::record::{files, table};
-use pt326::score::signature_class;
-use pt326::{experiment, settings};
+use pt326_host::experiment::scenario::{Scenario, read_scenario};
+use pt326_host::experiment::{FaultSize, Row, as_written, on_rig, tick_time};
+use pt326_host::isolability::{Isolability, Question, output};
+use pt326_host::record::summary::{Summary, sentence};
+use pt326_host::record::trace::write_trace;
+use pt326_host::record::{files, table};
+use pt326_host::score::signature_class;
+use pt326_host::{experiment, settings};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -103,7 +103,7 @@ pub(crate) fn scenario(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
 
 /// A run, whole.
 #[pyclass(frozen, module = "pt326")]
-pub(crate) struct Record(pub(crate) pt326::experiment::Record);
+pub(crate) struct Record(pub(crate) pt326_host::experiment::Record);
 
 #[pymethods]
 impl Record {
@@ -240,7 +240,7 @@ impl Event {
 }
 
 /// Alarms and names of the likelihood diagnosis, names of the paper's, and trips; in the order of time.
-fn events(record: &pt326::experiment::Record) -> Vec<Event> {
+fn events(record: &pt326_host::experiment::Record) -> Vec<Event> {
     let time = |row: &Row| record.time(row.tick.index);
     let mut events = Vec::new();
     let mut gather = |by: &'static str, what: &dyn Fn(&Row) -> Option<Option<String>>| {

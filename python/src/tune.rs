@@ -1,7 +1,7 @@
 //! PID settings for a simulated rig.
 
 use numpy::{IntoPyArray, PyArray1};
-use pt326::tune::{Moment, tune as tuned};
+use pt326_host::tune::{Moment, tune as tuned};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -11,8 +11,8 @@ use firmware_logic::interlock::Interlock;
 use firmware_logic::settings::commissioning::Commissioning;
 use firmware_logic::settings::stored::Stored;
 use pt326::commands::console::OutputStage;
-use pt326::experiment::scenario::Scenario;
-use pt326::experiment::{Backend, run, run_on};
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::experiment::{Backend, run, run_on};
 use pt326_rig::fault::{Fault, Verb};
 
 /// The two halves as the firmware runs them: orders wait for the next tick, what was learnt comes back one tick later.

@@ -2,8 +2,8 @@
 
 use fdi_core::likelihood::{Commissioned, FaultClass};
 use fdi_core::{Config, Instrument};
-use pt326::experiment::scenario::Scenario;
-use pt326::experiment::{FaultSize, Record, on_rig, run_on};
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::experiment::{FaultSize, Record, on_rig, run_on};
 use pt326_lab::preset::with_prbs_phase;
 use pt326_rig::fault::{Fault, Verb};
 

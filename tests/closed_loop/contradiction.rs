@@ -6,8 +6,8 @@ use fdi_core::likelihood::{Channel, Pair};
 use fdi_core::{
     AdcCode, Celsius, Command, Config, FaultClass, Instrument, Mode, RawSample, Report, Tick, TripReason,
 };
-use pt326::experiment::scenario::Scenario;
-use pt326::experiment::{Backend, Record, Row, run, run_on, with_prbs_phase};
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::experiment::{Backend, Record, Row, run, run_on, with_prbs_phase};
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use pt326_rig::{Disturbance, RigConfig};
 
@@ -195,7 +195,7 @@ fn what_is_expected_of_a_detached_t1_is_what_the_models_say() {
 /// Heating up, regulating, changing the set-point, with weak rigs and strong ones.
 #[test]
 fn nothing_is_said_of_thermistors_that_are_in_their_place() {
-    use pt326::experiment::scenario::Action;
+    use pt326_host::experiment::scenario::Action;
     let step = |at: f64, t: f32| Action { at, setpoint: Some(t), ..Action::default() };
     for (gain, seed) in [(0.05, 1), (0.1, 2), (0.2, 3), (0.45, 4), (0.6, 5), (1.0, 6)] {
         let actions = vec![step(60.0, 55.0), step(100.0, 25.0), step(130.0, 40.0), step(150.0, 35.0)];

@@ -3,8 +3,8 @@
 
 use fdi_core::supervisor::Blocker;
 use fdi_core::{Celsius, Command, Config, Instrument, Mode, Refusal, Tick, TripReason};
-use pt326::experiment::scenario::Scenario;
-use pt326::experiment::{as_written, run, sample, with_prbs_phase};
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::experiment::{as_written, run, sample, with_prbs_phase};
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use pt326_rig::{Disturbance, Rig, RigConfig};
 

@@ -3,8 +3,8 @@
 use fdi_core::likelihood::{FaultClass, Readiness};
 use fdi_core::units::Volt;
 use fdi_core::{Command, Config, Instrument, Mode, TripReason};
-use pt326::experiment::scenario::{Action, Scenario};
-use pt326::experiment::{Record, Row, run, sample, with_prbs_phase};
+use pt326_host::experiment::scenario::{Action, Scenario};
+use pt326_host::experiment::{Record, Row, run, sample, with_prbs_phase};
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use pt326_rig::{Disturbance, Rig};
 

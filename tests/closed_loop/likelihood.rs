@@ -4,9 +4,9 @@ use std::mem::size_of;
 
 use fdi_core::likelihood::{FaultClass, LikelihoodState, Readiness, RejectReason};
 use fdi_core::{Config, Instrument, Mode, TripReason};
-use pt326::experiment::scenario::{Action, Scenario};
-use pt326::experiment::{Record, Row, run, run_on};
-use pt326::record::summary::Summary;
+use pt326_host::experiment::scenario::{Action, Scenario};
+use pt326_host::experiment::{Record, Row, run, run_on};
+use pt326_host::record::summary::Summary;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use pt326_rig::{Disturbance, RigConfig};
 

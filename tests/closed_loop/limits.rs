@@ -3,7 +3,7 @@
 
 use fdi_core::settings::{Kind, Value};
 use fdi_core::{Command, Config, ConfigError, Instrument, Mode, Setting, TripReason};
-use pt326::experiment::{as_written, sample};
+use pt326_host::experiment::{as_written, sample};
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use pt326_rig::{Disturbance, Rig, RigConfig};
 

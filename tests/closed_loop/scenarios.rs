@@ -7,10 +7,10 @@ use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::identify::Adaptation;
 use fdi_core::{Command, Config, Feedback, Instrument, Mode, RawSample, Report, Tick, TripReason};
 use indicatif::ProgressBar;
-use pt326::experiment::scenario::{Action, Scenario};
-use pt326::experiment::{Backend, Record, run, run_on};
-use pt326::record::summary::Summary;
-use pt326::repeat::repeat;
+use pt326_host::experiment::scenario::{Action, Scenario};
+use pt326_host::experiment::{Backend, Record, run, run_on};
+use pt326_host::record::summary::Summary;
+use pt326_host::repeat::repeat;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 
 fn fault(verb: Verb, sensor: Option<Sensor>, size: Option<f64>, at: f64, duration: f64) -> Fault {
@@ -210,7 +210,7 @@ fn every_verb_acts() {
     use Sensor::{T0, T1, T2};
     let shift = |record: &Record, sensor: Sensor, from: f64, to: f64| {
         let rows = record.rows.iter().filter(|r| (from..to).contains(&record.time(r.tick.index)));
-        let pick = |r: &pt326::experiment::Row| {
+        let pick = |r: &pt326_host::experiment::Row| {
             [r.tick.sample.t0, r.tick.sample.t1, r.tick.sample.t2][sensor as usize].celsius.0
         };
         let values: Vec<f64> = rows.map(|r| f64::from(pick(r))).collect();
@@ -316,8 +316,8 @@ fn a_seed_is_a_run() {
 fn random_walk_identifies_the_rig() {
     let mut config = Config::default();
     config.identification.adaptation = Adaptation::RandomWalk { r1: 1e-5, r2: 0.0064 };
-    let scenario = pt326::experiment::scenario::Scenario { duration: 200.0, ..Default::default() };
-    let record = pt326::experiment::run(&config, &scenario, 1).unwrap();
+    let scenario = pt326_host::experiment::scenario::Scenario { duration: 200.0, ..Default::default() };
+    let record = pt326_host::experiment::run(&config, &scenario, 1).unwrap();
     let last = &record.rows.last().unwrap().report;
     let (gain, bandwidth) = (last.ms1.static_gain.unwrap(), last.ms1.bandwidth.unwrap());
     assert!((gain - 0.3).abs() < 0.006, "gain {gain}");

@@ -3,9 +3,9 @@
 use fdi_core::diagnosis::Report;
 use fdi_core::diagnosis::config::DiagnosisConfig;
 use fdi_core::{Config, Instrument};
-use pt326::experiment::scenario::Scenario;
-use pt326::experiment::{as_written, drive, run, with_prbs_phase};
-use pt326::teach::{Diagnoses, Marks, Said, Taught};
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::experiment::{as_written, drive, run, with_prbs_phase};
+use pt326_host::teach::{Diagnoses, Marks, Said, Taught};
 
 /// A fault: its name, and what is done to the rig.
 type Kind = (&'static str, &'static [&'static str]);

@@ -4,7 +4,7 @@ use fdi_core::control::pid::{Pid, PidConfig, PidState};
 use fdi_core::sense::Sensing;
 use fdi_core::tune::{Lag, Powers, Tuned, Tuning};
 use fdi_core::{Celsius, Config, Percent, Seconds};
-use pt326::experiment::sample;
+use pt326_host::experiment::sample;
 use pt326_rig::{Disturbance, Rig, RigConfig};
 
 const TS: Seconds = Seconds(0.11);

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::fmt::Write as _;
 
-use pt326::recording::run::Diagnosed;
+use pt326_host::recording::run::Diagnosed;
 
 use crate::rig::{COUNT, Dice, Fault, LEARNT, Made};
 use crate::score::names;

@@ -61,7 +61,7 @@ fn main() -> anyhow::Result<()> {
         anyhow::bail!("{fault:?} is made of no foreign heater, expected one of {FOREIGN:?}");
     }
     let rooms = if asked.room.is_empty() { &[0.0, 0.1] } else { &*asked.room };
-    let config = pt326::settings::from_table(asked.settings.join("\n").parse()?)?;
+    let config = pt326_host::settings::from_table(asked.settings.join("\n").parse()?)?;
     let made = |seed, fault, room| match asked.foreign {
         true => foreign::made(seed, fault, room),
         false => (Made::new(seed, fault, room), f64::NAN),

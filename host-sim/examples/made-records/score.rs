@@ -6,8 +6,8 @@ use std::ops::AddAssign;
 
 use fdi_core::{Config, FaultClass};
 use indicatif::ProgressBar;
-use pt326::recording::run::{Diagnosed, Training, diagnose};
-use pt326::recording::{Reading, Recording};
+use pt326_host::recording::run::{Diagnosed, Training, diagnose};
+use pt326_host::recording::{Reading, Recording};
 
 use crate::rig::{COUNT, Fault, LEARNT, Made};
 

@@ -4,7 +4,7 @@ use clap::builder::PossibleValuesParser;
 use pt326_lab::preset;
 
 use super::terminal::print;
-use crate::settings::{commented_toml, markdown, tuning};
+use pt326_host::settings::{commented_toml, markdown, tuning};
 
 /// Arguments of `config`.
 #[derive(Clone, Debug, Default, clap::Args)]

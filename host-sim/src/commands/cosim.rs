@@ -8,9 +8,9 @@ use fdi_core::schema::Moment;
 use fdi_core::{AdcCode, Celsius, Command, Config, Instrument, Percent, RawSample, Seconds};
 
 use crate::commands::terminal::Output;
-use crate::experiment::as_written;
-use crate::record::trace::{append_cells, header, instrument_columns};
-use crate::settings;
+use pt326_host::experiment::as_written;
+use pt326_host::record::trace::{append_cells, header, instrument_columns};
+use pt326_host::settings;
 
 /// Arguments of `core`.
 #[derive(Clone, Debug, clap::Args)]

@@ -6,9 +6,9 @@ use clap::Args;
 use fdi_core::Config;
 use pt326_rig::Disturbance;
 
-use crate::experiment::scenario::{self, Scenario};
-use crate::experiment::{self, FaultSize};
-use crate::settings;
+use pt326_host::experiment::scenario::{self, Scenario};
+use pt326_host::experiment::{self, FaultSize};
+use pt326_host::settings;
 
 /// What describes an experiment.
 #[derive(Clone, Debug, Default, Args)]

@@ -7,8 +7,8 @@ use indicatif::ProgressBar;
 
 use super::diagnose::ReadingArgs;
 use super::terminal::print;
-use crate::recording::Recording;
-use crate::recording::fit_rig::Fitted;
+use pt326_host::recording::Recording;
+use pt326_host::recording::fit_rig::Fitted;
 
 /// Arguments of `fit-rig`.
 #[derive(Clone, Debug, clap::Args)]

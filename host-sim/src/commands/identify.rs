@@ -3,13 +3,13 @@
 use std::ops::Range;
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::terminal::{WARNING, print, styled};
-use crate::identify::detrend::Detrend;
-use crate::identify::model::Order;
-use crate::identify::{Asked, identify};
-use crate::recording::table::Table;
+use pt326_host::identify::detrend;
+use pt326_host::identify::model::Order;
+use pt326_host::identify::{Asked, identify};
+use pt326_host::recording::table::Table;
 
 /// Arguments of `identify`.
 #[derive(Clone, Debug, Args)]
@@ -94,6 +94,30 @@ pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
     print(&text)
 }
 
+/// The library's [`detrend::Detrend`] as a word of the command line, with its help.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Detrend {
+    /// As offset, if y is clearly not zero when u is, as a temperature is not; else as none. The report says which.
+    Auto,
+    /// Take both as they are: right if y is zero when u is, as a rise above room temperature is.
+    None,
+    /// Subtract the means: for small movements about an operating point.
+    Mean,
+    /// Estimate what y is when u is zero, together with the model: right for steps and other transients, too.
+    Offset,
+}
+
+impl From<Detrend> for detrend::Detrend {
+    fn from(word: Detrend) -> Self {
+        match word {
+            Detrend::Auto => Self::Auto,
+            Detrend::None => Self::None,
+            Detrend::Mean => Self::Mean,
+            Detrend::Offset => Self::Offset,
+        }
+    }
+}
+
 impl IdentifyArgs {
     fn asked(&self) -> Asked {
         Asked {
@@ -102,7 +126,7 @@ impl IdentifyArgs {
             order: self.order,
             ts: self.ts,
             lambda: self.lambda,
-            detrend: self.detrend,
+            detrend: self.detrend.into(),
             from: self.from,
             to: self.to,
             validate: self.validate.clone(),
@@ -115,7 +139,7 @@ mod tests {
     use clap::Parser;
 
     use super::*;
-    use crate::identify::warning::Warning;
+    use pt326_host::identify::warning::Warning;
 
     #[derive(Parser)]
     struct Cli {

@@ -7,8 +7,8 @@ use anyhow::ensure;
 use super::experiment::ExperimentArgs;
 use super::results::Folder;
 use super::terminal::{print, progress};
-use crate::experiment;
-use crate::isolability::{Isolability, Question, output};
+use pt326_host::experiment;
+use pt326_host::isolability::{Isolability, Question, output};
 
 /// Arguments of `isolability`.
 #[derive(Clone, Debug, clap::Args)]

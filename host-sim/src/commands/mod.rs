@@ -25,7 +25,6 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 
-use crate::experiment::scenario;
 use board::BoardArgs;
 use campaign::CampaignArgs;
 use config::ConfigArgs;
@@ -37,6 +36,7 @@ use identify::IdentifyArgs;
 use isolability::IsolabilityArgs;
 #[cfg(feature = "live")]
 use live::LiveArgs;
+use pt326_host::experiment::scenario;
 use repeat::RepeatArgs;
 use replay::ReplayArgs;
 use run::RunArgs;

@@ -4,8 +4,8 @@ use std::sync::atomic::AtomicBool;
 
 use super::experiment::ExperimentArgs;
 use super::terminal::{HEAD, coloured, print, progress, styled};
-use crate::experiment::scenario::Scenario;
-use crate::repeat::{Repeated, Spread, repeat};
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::repeat::{Repeated, Spread, repeat};
 
 /// Arguments of `repeat`.
 #[derive(Clone, Debug, clap::Args)]
@@ -107,20 +107,6 @@ fn line([name, detection, missed, isolation, not_isolated, indicated, share]: [S
     .trim_end()
     .to_owned()
         + "\n"
-}
-
-impl Spread {
-    /// `median [p5, p95]`, each times `factor`, or that there is none.
-    fn text(&self, decimals: usize, factor: f64) -> String {
-        match (self.p5, self.median, self.p95) {
-            (Some(p5), Some(median), Some(p95)) => {
-                let [p5, median, p95] = [p5, median, p95].map(|x| format!("{:.decimals$}", factor * x));
-                format!("{median} [{p5}, {p95}]")
-            }
-            _ if self.runs == 0 => "-".into(),
-            _ => "never".into(),
-        }
-    }
 }
 
 #[cfg(test)]

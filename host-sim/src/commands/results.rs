@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
-use crate::experiment::Record;
-use crate::record::files;
-use crate::record::summary::Summary;
-use crate::record::trace::write_trace;
+use pt326_host::experiment::Record;
+use pt326_host::record::files;
+use pt326_host::record::summary::Summary;
+use pt326_host::record::trace::write_trace;
 
 /// What is made of a run.
 const FILES: [&str; 6] =

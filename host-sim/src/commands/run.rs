@@ -10,10 +10,10 @@ use indicatif::ProgressBar;
 use super::experiment::ExperimentArgs;
 use super::results::Folder;
 use super::terminal::{coloured, print, progress};
-use crate::experiment::scenario::Scenario;
-use crate::experiment::{self, Backend, Record};
-use crate::record::summary::Summary;
-use crate::record::table;
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::experiment::{self, Backend, Record};
+use pt326_host::record::summary::Summary;
+use pt326_host::record::table;
 
 /// Arguments of `run`.
 #[derive(Clone, Debug, clap::Args)]

@@ -9,8 +9,8 @@ use fdi_core::likelihood::taught::Responses;
 
 use super::replay::{ReplayArgs, again};
 use super::terminal::{WARNING, print, styled};
-use crate::settings::commented_toml_of;
-use crate::teach::{Diagnoses, Marks, Said, Taught};
+use pt326_host::settings::commented_toml_of;
+use pt326_host::teach::{Diagnoses, Marks, Said, Taught};
 
 /// Arguments of `teach`.
 #[derive(Clone, Debug, clap::Args)]

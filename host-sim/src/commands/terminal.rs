@@ -11,7 +11,7 @@ use anstyle::AnsiColor::{Green, Red, Yellow};
 use anstyle::Style;
 use indicatif::{ProgressBar, ProgressStyle};
 
-pub use crate::words::in_words;
+pub use pt326_host::words::in_words;
 
 /// Heads of tables.
 pub const HEAD: Style = Style::new().bold();

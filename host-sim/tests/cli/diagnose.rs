@@ -7,7 +7,7 @@ use fdi_core::{Celsius, Command, Config, Instrument};
 use firmware_logic::control_loop::TickRecord;
 use firmware_logic::log_line::tick::TickLine;
 use firmware_logic::log_line::{LogLine, VERSION};
-use pt326::experiment::sample;
+use pt326_host::experiment::sample;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use pt326_rig::{Disturbance, Rig, RigConfig};
 

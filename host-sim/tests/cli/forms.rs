@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::sync::OnceLock;
 
-use pt326::recording::map::Role;
-use pt326::recording::{Reading, Recording};
+use pt326_host::recording::map::Role;
+use pt326_host::recording::{Reading, Recording};
 
 use crate::{arg, folder, pt326, pt326_reading, text};
 

@@ -4,10 +4,10 @@ use std::ops::RangeInclusive;
 
 use fdi_core::Config;
 use indicatif::ProgressBar;
-use pt326::experiment::Origin;
-use pt326::recording::report::Told;
-use pt326::recording::run::{Training, diagnose};
-use pt326::recording::{Heater, Reading, Recording};
+use pt326_host::experiment::Origin;
+use pt326_host::recording::report::Told;
+use pt326_host::recording::run::{Training, diagnose};
+use pt326_host::recording::{Heater, Reading, Recording};
 
 use crate::on_a_large_stack;
 use crate::plant::Dice;

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 
 use fdi_core::Config;
 use indicatif::ProgressBar;
-use pt326::recording::run::{Diagnosed, Training, diagnose};
-use pt326::recording::{Reading, Recording};
+use pt326_host::recording::run::{Diagnosed, Training, diagnose};
+use pt326_host::recording::{Reading, Recording};
 
 use crate::plant::Dice;
 use crate::{arg, folder, on_a_large_stack, pt326, text};

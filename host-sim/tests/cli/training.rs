@@ -2,11 +2,11 @@
 
 use fdi_core::Config;
 use indicatif::ProgressBar;
-use pt326::recording::intervals::Known;
-use pt326::recording::report::{Said, Told, learnt};
-use pt326::recording::run::{Diagnosed, Training, diagnose};
-use pt326::recording::training::train;
-use pt326::recording::{Reading, Recording};
+use pt326_host::recording::intervals::Known;
+use pt326_host::recording::report::{Said, Told, learnt};
+use pt326_host::recording::run::{Diagnosed, Training, diagnose};
+use pt326_host::recording::training::train;
+use pt326_host::recording::{Reading, Recording};
 
 use crate::plant::Plant;
 use crate::{arg, folder, on_a_large_stack, pt326, pt326_reading, text};

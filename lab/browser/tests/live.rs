@@ -5,8 +5,8 @@ mod served;
 
 use board::Board;
 use pt326::commands::run::carry_out as run_experiment;
-use pt326::experiment::scenario::Scenario;
-use pt326::settings::read as read_settings;
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::settings::read as read_settings;
 use pt326_lab_browser::port::PORT;
 use pt326_lab_browser::{Browser, page};
 use serde_json::json;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use pil::peers::{self, FullMatrix, Regressor, Textbook};
 use pil::recording::Row;
-use pt326::experiment::scenario::{Action, Scenario};
+use pt326_host::experiment::scenario::{Action, Scenario};
 
 use crate::recording::simulate;
 

@@ -7,8 +7,8 @@ use anyhow::Context;
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{Command, Config, Instrument, RawSample, Report, Tick};
 use pil::recording::{Recording, Row};
-use pt326::experiment::scenario::Scenario;
-use pt326::experiment::{Backend, run_on, with_prbs_phase};
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::experiment::{Backend, run_on, with_prbs_phase};
 
 use crate::image;
 

@@ -6,8 +6,8 @@ use anyhow::{Context, ensure};
 use fdi_core::{Command, Config};
 use firmware_logic::control_loop::OrderKind;
 use firmware_logic::log_line::LogLine;
-use pt326::experiment::scenario::Scenario;
-use pt326::experiment::{Origin, Record, Row, as_written, with_prbs_phase};
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::experiment::{Origin, Record, Row, as_written, with_prbs_phase};
 use pt326_rig::Rig;
 use pt326_rig::fault::Fault;
 
@@ -108,7 +108,7 @@ fn rows(recording: &Recording, first: usize, count: usize, faults: &[Fault], sam
             if let Some(finding) = &mut report.likelihood.finding {
                 finding.onset = finding.onset.saturating_sub(first as u32);
             }
-            let truth = pt326::experiment::truth(faults, i as f64 * sample_time);
+            let truth = pt326_host::experiment::truth(faults, i as f64 * sample_time);
             Row { applied: tick.drive, tick, report, truth }
         })
         .collect()

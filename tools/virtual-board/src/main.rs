@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use std::sync::mpsc;
 
 use clap::Parser;
-use pt326::experiment::scenario::Scenario;
-use pt326::record::files;
-use pt326::record::summary::Summary;
-use pt326::record::table;
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::record::files;
+use pt326_host::record::summary::Summary;
+use pt326_host::record::table;
 use virtual_board::live::{self, Live};
 use virtual_board::port::Port;
 use virtual_board::{board, experiment};

@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use anyhow::{Context, ensure};
 use fdi_core::Config;
-use pt326::experiment::as_written;
-use pt326::experiment::scenario::Scenario;
+use pt326_host::experiment::as_written;
+use pt326_host::experiment::scenario::Scenario;
 use pt326_rig::Rig;
 use pt326_rig::fault::Fault;
 

@@ -4,8 +4,8 @@
 use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{AdcCode, Command, Config, Instrument, Percent, RawSample, Report, Tick};
 use firmware_logic::duty;
-use pt326::experiment::scenario::Scenario;
-use pt326::experiment::{self, Backend, Record};
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::experiment::{self, Backend, Record};
 
 use crate::wiring::AT_REST;
 

@@ -8,9 +8,9 @@ use anyhow::{Context, bail, ensure};
 use firmware_logic::console::ANSWER;
 
 use super::attend::Attendant;
-use crate::board::{Heard, Session, check_ended, refusal, settings, take_lines};
 use crate::commands::terminal::{print, progress};
-use crate::settings::{commented_toml_of, read};
+use pt326_host::board::{Heard, Session, check_ended, refusal, settings, take_lines};
+use pt326_host::settings::{commented_toml_of, read};
 
 /// No stage of a check takes as long.
 const SILENCE: Duration = Duration::from_secs(600);

@@ -10,8 +10,8 @@ use serialport::SerialPort;
 use super::Person;
 use super::keys::{self, Single};
 use super::signals::Heed;
-use crate::board::{ALONE, Gate, STOP, Session};
 use crate::commands::terminal::print;
+use pt326_host::board::{ALONE, Gate, STOP, Session};
 
 /// How often a question looks whether it has been stopped.
 const LOOK: Duration = Duration::from_millis(50);

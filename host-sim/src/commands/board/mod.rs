@@ -15,11 +15,11 @@ use std::process::ExitCode;
 use clap::Subcommand as _;
 use pt326_rig::Rig;
 
-use crate::board::simulate::SimulatedRig;
-use crate::board::{Session, find};
 use crate::commands::experiment::ExperimentArgs;
-use crate::experiment::as_written;
 pub use commission::{Commissioning, Person, commission};
+use pt326_host::board::simulate::SimulatedRig;
+use pt326_host::board::{Session, find};
+use pt326_host::experiment::as_written;
 pub use verify::{Verification, verify};
 
 /// Use a real board over its serial port: its console, a record of what it does, its settings.
@@ -158,7 +158,7 @@ fn actions() -> String {
 /// Has the board start anew with a rig beside it.
 fn simulate(session: &mut Session, args: &BoardArgs) -> anyhow::Result<SimulatedRig> {
     let (_, scenario) = args.experiment.load_by_hand()?;
-    let sample_time = as_written(crate::board::settings::read(session)?.sample_time.0);
+    let sample_time = as_written(pt326_host::board::settings::read(session)?.sample_time.0);
     let rig = Rig::new(&scenario.rig, scenario.disturbance, sample_time, args.seed, &scenario.faults);
     let rig = SimulatedRig::new(rig);
     session.simulate(rig.clone());

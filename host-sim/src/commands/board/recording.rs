@@ -11,10 +11,10 @@ use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::signals::Heed;
-use crate::board::record::Recorder;
-use crate::board::{ALONE, Heard, Session};
 use crate::commands::terminal::print;
-use crate::experiment::as_written;
+use pt326_host::board::record::Recorder;
+use pt326_host::board::{ALONE, Heard, Session};
+use pt326_host::experiment::as_written;
 
 /// So long without a line, and the stream is asked for once more: the board may have been reset.
 const SILENCE: Duration = Duration::from_secs(2);
@@ -111,6 +111,6 @@ fn reopen(name: &str, ended: &AtomicBool) -> Option<Session> {
 
 /// Ts of the board, s.
 fn sample_time(session: &mut Session) -> anyhow::Result<f64> {
-    let config = crate::board::settings::read(session)?;
+    let config = pt326_host::board::settings::read(session)?;
     Ok(as_written(config.sample_time.0))
 }

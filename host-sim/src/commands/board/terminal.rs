@@ -23,10 +23,10 @@ use serialport::SerialPort;
 use super::attend::Attendant;
 use super::keys;
 use super::signals::Heed;
-use crate::board::simulate::SimulatedRig;
-use crate::board::{Heard, Lost, STOP, Session, refusal, take_lines};
 use crate::commands::console::play::Play;
 use crate::commands::terminal::{in_words, is_unread, print};
+use pt326_host::board::simulate::SimulatedRig;
+use pt326_host::board::{Heard, Lost, STOP, Session, refusal, take_lines};
 
 /// Lets another thread have the port.
 const LET: Duration = Duration::from_millis(2);

@@ -9,11 +9,11 @@ use fdi_core::Config;
 use firmware_logic::log_line::LogLine;
 use pt326_rig::Rig;
 
-use crate::board::simulate::SimulatedRig;
-use crate::board::{Heard, Session, settings};
 use crate::commands::replay::agreement;
-use crate::experiment::as_written;
-use crate::experiment::scenario::Scenario;
+use pt326_host::board::simulate::SimulatedRig;
+use pt326_host::board::{Heard, Session, settings};
+use pt326_host::experiment::as_written;
+use pt326_host::experiment::scenario::Scenario;
 
 /// What a board has shown.
 pub struct Verification {

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, ensure};
 use clap::Args;
 
-use crate::campaign::ablation;
-use crate::campaign::definition::{ABLATION_TOML, CAMPAIGN_TOML, Campaign, PHYSICS_TOML, QUICK, USUAL};
+use pt326_host::campaign::ablation;
+use pt326_host::campaign::definition::{ABLATION_TOML, CAMPAIGN_TOML, Campaign, PHYSICS_TOML, QUICK, USUAL};
 
 /// Names of the subcommands: a word near one of them is no file.
 const SUBCOMMANDS: [&str; 4] = ["define", "merge", "show", "records"];
@@ -57,7 +57,7 @@ impl DefinitionArgs {
     /// # Errors
     /// The file, line, key or value that is wrong.
     pub fn load(&self) -> anyhow::Result<(Campaign, fdi_core::Config)> {
-        let config = crate::settings::read(self.config.as_deref())?;
+        let config = pt326_host::settings::read(self.config.as_deref())?;
         if let Some(file) = &self.file {
             check_is_file(file)?;
         }

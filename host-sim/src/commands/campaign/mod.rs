@@ -1,6 +1,8 @@
 //! `pt326 campaign`: many runs of many kinds, both diagnoses side by side, in numbers with their uncertainty.
 
 mod definition;
+#[cfg(feature = "parquet")]
+mod parquet;
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -14,14 +16,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::results::Folder;
 use super::terminal::{coloured, print};
-use crate::campaign::cell::Cell;
-use crate::campaign::output;
-use crate::campaign::results::Results;
-use crate::campaign::runner::{Progress, Remaining};
-use crate::campaign::store::{self, Header, Shard, Store};
-use crate::recording::harness;
 pub use definition::DefinitionArgs;
 use definition::built_in;
+use pt326_host::campaign::cell::Cell;
+use pt326_host::campaign::output;
+use pt326_host::campaign::results::Results;
+use pt326_host::campaign::runner::{Progress, Remaining};
+use pt326_host::campaign::store::{self, Header, Shard, Store};
+use pt326_host::recording::harness;
 
 /// Arguments of `campaign`.
 #[derive(Clone, Debug, Args)]
@@ -262,7 +264,7 @@ fn progress(remaining: &Remaining) -> anyhow::Result<ProgressBar> {
 }
 
 fn records(args: &RecordsArgs) -> anyhow::Result<()> {
-    let config = crate::settings::read(args.config.as_deref())?;
+    let config = pt326_host::settings::read(args.config.as_deref())?;
     Folder::open(&args.out)?;
     let mut text = String::new();
     for definition in harness::Definition::all(&args.dir)? {
@@ -293,7 +295,7 @@ fn conclude(files: &[PathBuf], out: &Path, more: &MoreArgs) -> anyhow::Result<()
     let mut written = output::write(&results, &cells, &rows, out)?;
     if more.parquet {
         #[cfg(feature = "parquet")]
-        output::parquet::write_runs(&cells, &rows, &out.join("runs.parquet"))?;
+        parquet::write_runs(&cells, &rows, &out.join("runs.parquet"))?;
         written += ", runs.parquet";
     }
     print(&format!("\nWritten to {}: {written}\n", out.display()))

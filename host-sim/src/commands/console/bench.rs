@@ -22,8 +22,8 @@ use firmware_logic::status::Status;
 use super::flash::Flash;
 use super::output_stage::OutputStage;
 use super::play::{self, Play};
-use crate::experiment::scenario::Scenario;
-use crate::experiment::{as_written, sample};
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::experiment::{as_written, sample};
 use pt326_rig::Rig;
 
 /// A board with a rig on its wires.

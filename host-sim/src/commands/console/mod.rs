@@ -132,7 +132,7 @@ mod tests {
     use fdi_core::Config;
 
     use super::*;
-    use crate::experiment::scenario::Scenario;
+    use pt326_host::experiment::scenario::Scenario;
 
     fn session(script: &str) -> String {
         let mut bench = Bench::new(&Config::default(), &Scenario::default(), 1).unwrap();

@@ -6,10 +6,10 @@ use fdi_core::Config;
 use fdi_core::likelihood::inputs::Inputs;
 
 use super::has_all;
-use crate::experiment::as_written;
-use crate::isolability::{Isolability, Question, output};
-use crate::recording::run::{Diagnosed, Training};
-use crate::recording::{Heater, Recording};
+use pt326_host::experiment::as_written;
+use pt326_host::isolability::{Isolability, Question, output};
+use pt326_host::recording::run::{Diagnosed, Training};
+use pt326_host::recording::{Heater, Recording};
 
 /// Times within which faults are to be told apart, in times that T1 takes to answer.
 const WITHIN: [f64; 3] = [0.3, 1.0, 3.0];
@@ -61,7 +61,7 @@ pub(super) fn learnt(
             model.lag2,
             100.0 * model.reaches
         );
-    } else if heater.map.column(crate::recording::map::Role::Known).is_some() {
+    } else if heater.map.column(pt326_host::recording::map::Role::Known).is_some() {
         let _ = writeln!(
             text,
             "       the heater beside -> lag {:.3} s -> lag {:.3} s -> T1; gain {:.4} {unit} a unit of its power",

@@ -12,19 +12,19 @@ use serde_json::{Value, json};
 use super::super::terminal::{in_words, print};
 use super::DiagnoseArgs;
 use super::lines::{Heard, Lines};
-use crate::experiment::{Origin, Record, Row, tick_time};
-use crate::record::summary::sentence;
-use crate::recording::believed::Believed;
-use crate::recording::grid::OFF;
-use crate::recording::map::Role;
-use crate::recording::report::plain;
-use crate::recording::run::as_tick;
-use crate::recording::stamp::Stamps;
-use crate::recording::table::Table;
-use crate::recording::text::as_numbers;
-use crate::recording::training::train;
-use crate::recording::{Reading, Recording};
 use pt326_fit::stretches::GAP;
+use pt326_host::experiment::{Origin, Record, Row, tick_time};
+use pt326_host::record::summary::sentence;
+use pt326_host::recording::believed::Believed;
+use pt326_host::recording::grid::OFF;
+use pt326_host::recording::map::Role;
+use pt326_host::recording::report::plain;
+use pt326_host::recording::run::as_tick;
+use pt326_host::recording::stamp::Stamps;
+use pt326_host::recording::table::Table;
+use pt326_host::recording::text::as_numbers;
+use pt326_host::recording::training::train;
+use pt326_host::recording::{Reading, Recording};
 
 /// A source is silent when nothing has come for so many sample times, and at least so long: loggers gather some lines before they send them.
 const SILENT: f64 = 5.0;
@@ -293,7 +293,7 @@ impl<'a> Live<'a> {
             (_, Some(finding)) => plain(self.other, heater, &sentence(&self.record, &row, &finding)),
             _ => "something is wrong, and it cannot be told what yet".to_owned(),
         };
-        let number = |x: f32| crate::experiment::as_written(x);
+        let number = |x: f32| pt326_host::experiment::as_written(x);
         let size = finding.and_then(|finding| finding.magnitude);
         let more = json!({
             "t_s": time,

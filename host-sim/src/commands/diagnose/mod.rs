@@ -16,13 +16,13 @@ use pt326_rig::fault::Fault;
 
 use super::results::Folder;
 use super::terminal::{coloured, in_words, print, progress};
-use crate::record::summary::Summary;
-use crate::record::table;
-use crate::recording::report::{Told, learnt, table as table_of};
-use crate::recording::run::{Diagnosed, Training, diagnose};
-use crate::recording::stamp::Unit;
-use crate::recording::{Heater, Reading, Recording, score, truth};
-use crate::{recording, settings};
+use pt326_host::record::summary::Summary;
+use pt326_host::record::table;
+use pt326_host::recording::report::{Told, learnt, table as table_of};
+use pt326_host::recording::run::{Diagnosed, Training, diagnose};
+use pt326_host::recording::stamp::Unit;
+use pt326_host::recording::{Heater, Reading, Recording, score, truth};
+use pt326_host::{recording, settings};
 
 /// Arguments of `diagnose`.
 #[derive(Clone, Debug, clap::Args)]

@@ -16,11 +16,11 @@ use pt326_live::source::{Recording, Source, Told};
 use pt326_live::{Rig, clock};
 
 use super::LiveArgs;
-use crate::board::find;
-use crate::board::watch::Watch;
 use crate::commands::replay::{self, ReplayArgs};
 use crate::commands::terminal::print;
-use crate::record::numbers;
+use pt326_host::board::find;
+use pt326_host::board::watch::Watch;
+use pt326_host::record::numbers;
 
 /// Between two attempts to find a board of a wall that is not there.
 const ANOTHER: Duration = Duration::from_secs(2);
@@ -74,7 +74,7 @@ pub(super) fn all(args: &LiveArgs, broker: Option<&Broker>) -> anyhow::Result<Ve
         ([], None) => simulated(args, broker),
         ([board], _) => {
             let log = || log_in(args.record.as_deref(), &board.called());
-            one(Watch::open_recorded(&find(board.port.as_deref())?, log)?, 1.0, broker)
+            one(Board(Watch::open_recorded(&find(board.port.as_deref())?, log)?), 1.0, broker)
         }
         (boards, _) => several(boards, args.record.as_deref(), broker),
     }
@@ -181,7 +181,7 @@ impl Awaited {
 
     fn open(&self) -> anyhow::Result<()> {
         let log = || log_in(self.record.as_deref(), self.rig.name());
-        begin(&self.rig, Watch::open_recorded(&self.port, log)?, 1.0, self.broker.clone())
+        begin(&self.rig, Board(Watch::open_recorded(&self.port, log)?), 1.0, self.broker.clone())
     }
 }
 
@@ -195,9 +195,11 @@ fn log_in(folder: Option<&Path>, name: &str) -> anyhow::Result<Option<File>> {
 }
 
 /// A board at a serial port.
-impl Source for Watch {
+struct Board(Watch);
+
+impl Source for Board {
     fn name(&self) -> String {
-        Self::name(self).to_owned()
+        self.0.name().to_owned()
     }
 
     fn kind(&self) -> &'static str {
@@ -209,7 +211,7 @@ impl Source for Watch {
     }
 
     fn sample_time(&self) -> f64 {
-        Self::sample_time(self)
+        self.0.sample_time()
     }
 
     fn has_own_time(&self) -> bool {
@@ -217,14 +219,14 @@ impl Source for Watch {
     }
 
     fn next(&mut self) -> Option<Told> {
-        self.take()
+        self.0.take()
     }
 
     fn order(&mut self, order: Order) -> anyhow::Result<()> {
-        Self::order(self, &order)
+        self.0.order(&order)
     }
 
     fn setpoint_limits(&self) -> Option<[f32; 2]> {
-        Some(Self::setpoint_limits(self))
+        Some(self.0.setpoint_limits())
     }
 }

@@ -88,9 +88,9 @@ pub(super) fn differences(said: &TickLine, tick: &Tick, report: &Report) -> Vec<
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::experiment::sample;
     use fdi_core::{Command, Instrument};
     use firmware_logic::control_loop::TickRecord;
+    use pt326_host::experiment::sample;
     use pt326_lab::board::log::Change;
     use pt326_rig::{Disturbance, Rig, RigConfig};
 

@@ -1,15 +1,15 @@
 use pt326_rig::fault;
 
 use super::*;
-use crate::experiment::scenario::{Action, Scenario};
-use crate::record::trace::write_trace;
+use pt326_host::experiment::scenario::{Action, Scenario};
+use pt326_host::record::trace::write_trace;
 
 fn traced(scenario: &Scenario, seed: u64) -> String {
     traced_with(&Config::default(), scenario, seed)
 }
 
 fn traced_with(config: &Config, scenario: &Scenario, seed: u64) -> String {
-    let record = crate::experiment::run(config, scenario, seed).unwrap();
+    let record = pt326_host::experiment::run(config, scenario, seed).unwrap();
     let mut trace = Vec::new();
     write_trace(&record, &mut trace).unwrap();
     String::from_utf8(trace).unwrap()

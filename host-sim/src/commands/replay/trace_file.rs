@@ -6,8 +6,8 @@ use fdi_core::Config;
 use pt326_lab::recording::{Asked, Recording as Trace};
 
 use super::{Change, Recorded, Recording, Said};
-use crate::experiment::{as_written, truth};
-use crate::record::summary;
+use pt326_host::experiment::{as_written, truth};
+use pt326_host::record::summary;
 use pt326_rig::fault::Fault;
 
 /// Reads a trace.
@@ -85,7 +85,7 @@ mod tests {
         let (record, agreement) =
             super::super::rerun(&recording, Path::new("trace.csv"), |_, _, _| ()).unwrap();
         let mut again = Vec::new();
-        crate::record::trace::write_trace(&record, &mut again).unwrap();
+        pt326_host::record::trace::write_trace(&record, &mut again).unwrap();
         assert_eq!(told(&text), told(&String::from_utf8(again).unwrap()));
         (agreement.ticks, (agreement.differing > 0).then(|| agreement.to_string()))
     }

@@ -5,7 +5,7 @@ use firmware_logic::control_loop::TickRecord;
 use firmware_logic::log_line::tick::TickLine;
 use firmware_logic::log_line::{LogLine, VERSION};
 use firmware_logic::stream::frame;
-use pt326::experiment::sample;
+use pt326_host::experiment::sample;
 use pt326_lab_browser::Browser;
 use pt326_lab_browser::port::PORT;
 use pt326_rig::{Disturbance, Rig, RigConfig};

@@ -1,8 +1,8 @@
 //! Faults that were taught to the likelihood diagnosis, by their names.
 
 use pt326::commands::run::carry_out as run_experiment;
-use pt326::experiment::scenario::read_scenario;
-use pt326::settings::read as read_settings;
+use pt326_host::experiment::scenario::read_scenario;
+use pt326_host::settings::read as read_settings;
 use pt326_lab_browser::Browser;
 use serde_json::json;
 

@@ -1,8 +1,8 @@
 //! `pt326 board commission` and the unmodified image: from blank flash to a rig that is watched, by way of wrong wires.
 
-use pt326::board::Session;
 use pt326::commands::board::{Commissioning, Person, commission};
 use pt326::commands::replay::agreement;
+use pt326_host::board::Session;
 
 use crate::live::LiveBoard;
 

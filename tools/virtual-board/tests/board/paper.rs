@@ -3,14 +3,14 @@
 use std::sync::LazyLock;
 
 use fdi_core::Mode;
-use pt326::experiment::scenario::Scenario;
-use pt326::record::summary::Summary;
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::record::summary::Summary;
 use virtual_board::board::load;
 use virtual_board::time::SECOND;
 use virtual_board::{experiment, twin};
 
 struct Run {
-    record: pt326::experiment::Record,
+    record: pt326_host::experiment::Record,
     differences: Vec<virtual_board::recording::Difference>,
     power: Vec<f64>,
     idle_ticks: usize,
@@ -91,7 +91,8 @@ fn the_first_models_are_the_commissioning_and_outlive_a_power_cycle() {
 #[test]
 fn faults_are_seen_within_one_tick_of_the_simulation() {
     let scenario = Scenario::default();
-    let simulated = pt326::experiment::run(&fdi_core::Config::default(), &scenario, 1).expect("simulates");
+    let simulated =
+        pt326_host::experiment::run(&fdi_core::Config::default(), &scenario, 1).expect("simulates");
     let (board, host) = (Summary::new(&RUN.record), Summary::new(&simulated));
     assert_eq!(board.false_alarms, host.false_alarms);
     for (board, host) in board.faults.iter().zip(&host.faults) {

@@ -4,10 +4,10 @@ use std::io::{self, ErrorKind, Read, Write};
 
 use firmware_logic::stream::codes::Codes;
 use firmware_logic::stream::frame;
-use pt326::board::Session;
-use pt326::board::simulate::SimulatedRig;
 use pt326::commands::board::verify;
-use pt326::experiment::scenario::Scenario;
+use pt326_host::board::Session;
+use pt326_host::board::simulate::SimulatedRig;
+use pt326_host::experiment::scenario::Scenario;
 use pt326_rig::Rig;
 use virtual_board::board::{Board, load};
 use virtual_board::clock::Cause;

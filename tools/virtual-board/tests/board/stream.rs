@@ -59,7 +59,7 @@ static RUN: LazyLock<Run> = LazyLock::new(|| {
     let start =
         scene.board.log.iter().rposition(|line| line.text.starts_with("log format")).expect("a start");
     type_in(&mut scene, WAIVE_CHECK);
-    scene.connect(&pt326::experiment::scenario::Scenario::default().faults);
+    scene.connect(&pt326_host::experiment::scenario::Scenario::default().faults);
     type_in(&mut scene, "arm");
     for _ in 0..17 {
         type_in(&mut scene, "get"); // the longest answer

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use fdi_core::schema::{self, Numbers};
 use firmware_logic::console::line::LENGTH;
-use pt326::board::Session;
-use pt326::board::watch::Watch;
+use pt326_host::board::Session;
+use pt326_host::board::watch::Watch;
 use pt326_lab::names::Names;
 use pt326_lab::scene::Order;
 use pt326_lab::told::Told;

@@ -6,7 +6,7 @@ use firmware_logic::log_line::LogLine;
 use firmware_logic::log_line::tick::TickLine;
 
 use super::report::{Outcome, Section};
-use crate::board::{Heard, Session, refusal, take_lines};
+use pt326_host::board::{Heard, Session, refusal, take_lines};
 
 /// Who is led.
 pub trait Person {

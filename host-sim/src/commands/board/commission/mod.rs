@@ -9,11 +9,11 @@ use std::io::{Read, Write};
 use anyhow::ensure;
 use fdi_core::Config;
 
-use crate::board::{Session, check_ended, refusal, settings};
 use crate::commands::replay::isolability;
-use crate::isolability::{Question, output};
 use guide::Guide;
 pub use guide::Person;
+use pt326_host::board::{Session, check_ended, refusal, settings};
+use pt326_host::isolability::{Question, output};
 use report::Outcome;
 
 /// Times within which faults are to be told apart, s; so long it watches after it has learnt, and a little more.

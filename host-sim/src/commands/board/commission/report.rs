@@ -5,7 +5,7 @@ use std::fmt::Write;
 use fdi_core::Config;
 use firmware_logic::settings::schema::{Name, Valued};
 
-use crate::record::report::escape;
+use pt326_host::record::report::escape;
 
 /// How a step ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -150,7 +150,7 @@ fn table(head: &[&str], rows: impl Iterator<Item = String>) -> String {
 
 #[test]
 fn the_tables_of_the_diagnosis_are_not_stale() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/diagnosis.md");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/diagnosis.md");
     let committed = std::fs::read_to_string(path).unwrap();
     let mut text = committed.clone();
     for (name, table) in tables() {
@@ -162,7 +162,10 @@ fn the_tables_of_the_diagnosis_are_not_stale() {
     if std::env::var_os("UPDATE_DOCS").is_some() {
         std::fs::write(path, &text).unwrap();
     }
-    assert!(committed == text, "stale: UPDATE_DOCS=1 cargo test -p pt326 --lib the_tables_of_the_diagnosis");
+    assert!(
+        committed == text,
+        "stale: UPDATE_DOCS=1 cargo test -p pt326-host --lib the_tables_of_the_diagnosis"
+    );
 }
 
 #[test]
@@ -173,7 +176,7 @@ fn a_run_length_is_that_of_the_formula() {
 /// Files and names of the third column of docs/glossary.md are in the code.
 #[test]
 fn the_names_of_the_glossary_are_in_the_code() {
-    let top = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    let top = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
     let (mut code, mut folders) = (String::new(), vec![format!("{top}/fdi-core/src/likelihood").into()]);
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir::<std::path::PathBuf>(folder).unwrap() {

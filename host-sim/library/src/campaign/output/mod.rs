@@ -1,9 +1,7 @@
 //! What a campaign writes: `campaign.json`, `cells.csv`, `runs.csv`, `tables.md`, `runaway.md`, `rigs.md`, `vary.md` and pictures.
 
-mod field;
+pub mod field;
 mod markdown;
-#[cfg(feature = "parquet")]
-pub mod parquet;
 mod pictures;
 mod rigs;
 mod runaway;
@@ -82,7 +80,8 @@ fn csv(rows: impl Iterator<Item = Vec<Field>>) -> anyhow::Result<Vec<u8>> {
     Ok(writer.into_inner()?)
 }
 
-fn run_fields(cell: &Cell, row: &RunRow) -> Vec<Field> {
+/// The columns of runs.csv and of runs.parquet, for a run.
+pub fn run_fields(cell: &Cell, row: &RunRow) -> Vec<Field> {
     let expected = cell.fault().map(Expectation::of);
     let mut fields = vec![
         field("cell", &cell.name),

@@ -8,17 +8,16 @@ use super::model::{Order, Signals, mean, rms};
 
 /// What is done about the values that u and y have at rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Detrend {
-    /// As offset, if y is clearly not zero when u is, as a temperature is not; else as none. The report says which.
+    /// As offset if y is clearly not zero when u is, else as none; the report says which.
     #[default]
     Auto,
-    /// Take both as they are: right if y is zero when u is, as a rise above room temperature is.
+    /// Both as they are.
     None,
-    /// Subtract the means: for small movements about an operating point.
+    /// Both without their means.
     Mean,
-    /// Estimate what y is when u is zero, together with the model: right for steps and other transients, too.
+    /// What y is when u is zero is estimated together with the model.
     Offset,
 }
 

@@ -40,7 +40,7 @@ pub(crate) fn written(x: f64) -> String {
 }
 
 /// Text as HTML.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     text.chars().fold(String::with_capacity(text.len()), |mut out, c| {
         match c {
             '&' => out.push_str("&amp;"),

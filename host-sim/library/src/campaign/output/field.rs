@@ -3,14 +3,18 @@
 use std::fmt;
 
 /// A cell with the name of its column.
-pub(super) type Field = (String, Value);
+pub type Field = (String, Value);
 
 /// What stands in a cell. `None`: nothing does.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Value {
+pub enum Value {
+    /// A word or a name.
     Text(Option<String>),
+    /// A number with a fraction, in the unit of its column.
     Real(Option<f64>),
+    /// How many.
     Count(Option<u64>),
+    /// Whether it is so.
     Flag(Option<bool>),
 }
 

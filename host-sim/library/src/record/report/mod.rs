@@ -9,8 +9,9 @@ use crate::record::{numbers as numbers_of, paper};
 use crate::score::expectation::Expectation;
 use pt326_lab::page::{self, Source};
 
+pub use numbers::escape;
 use numbers::{NOTHING, count};
-pub(crate) use numbers::{escape, significant, written};
+pub(crate) use numbers::{significant, written};
 
 /// How the method works, for whoever opens the page first.
 const HOW_TO_READ: &str = include_str!("how_to_read.html");

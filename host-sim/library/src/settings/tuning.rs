@@ -58,7 +58,7 @@ mod tests {
 
     #[test]
     fn the_document_is_not_stale() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/tuning.md");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/tuning.md");
         let committed = std::fs::read_to_string(path).unwrap();
         assert!(committed == tuning(), "stale: cargo run -- config --tuning > docs/tuning.md");
     }

@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn the_document_is_not_stale() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/settings.md");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/settings.md");
         let committed = std::fs::read_to_string(path).unwrap();
         assert!(committed == markdown(), "stale: cargo run -- config --markdown > docs/settings.md");
     }

@@ -3,9 +3,9 @@
 
 use fdi_core::{Config, FaultClass};
 use indicatif::ProgressBar;
-use pt326::experiment;
-use pt326::experiment::scenario::{Action, Scenario};
-use pt326::isolability::{From, Isolability, Isolable, Question};
+use pt326_host::experiment;
+use pt326_host::experiment::scenario::{Action, Scenario};
+use pt326_host::isolability::{From, Isolability, Isolable, Question};
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use rayon::prelude::*;
 

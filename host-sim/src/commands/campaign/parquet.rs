@@ -11,10 +11,10 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
 
-use super::field::{Field, Value};
-use super::run_fields;
-use crate::campaign::cell::Cell;
-use crate::campaign::run::RunRow;
+use pt326_host::campaign::cell::Cell;
+use pt326_host::campaign::output::field::{Field, Value};
+use pt326_host::campaign::output::run_fields;
+use pt326_host::campaign::run::RunRow;
 
 /// Rows that are held as columns at a time.
 const GROUP: usize = 50_000;
@@ -23,7 +23,7 @@ const GROUP: usize = 50_000;
 ///
 /// # Errors
 /// The file can't be written.
-pub fn write_runs(cells: &[Cell], rows: &[RunRow], path: &Path) -> anyhow::Result<()> {
+pub(super) fn write_runs(cells: &[Cell], rows: &[RunRow], path: &Path) -> anyhow::Result<()> {
     let place = || format!("can't write {}", path.display());
     let fields = |row: &RunRow| run_fields(&cells[row.cell], row);
     let columns = rows.first().map(fields).context("no run, so nothing to write")?;

@@ -76,6 +76,18 @@ pub struct Spread {
 }
 
 impl Spread {
+    /// `median [p5, p95]`, each times `factor`, or that there is none.
+    pub fn text(&self, decimals: usize, factor: f64) -> String {
+        match (self.p5, self.median, self.p95) {
+            (Some(p5), Some(median), Some(p95)) => {
+                let [p5, median, p95] = [p5, median, p95].map(|x| format!("{:.decimals$}", factor * x));
+                format!("{median} [{p5}, {p95}]")
+            }
+            _ if self.runs == 0 => "-".into(),
+            _ => "never".into(),
+        }
+    }
+
     /// Of the values that exist.
     pub fn of(values: impl Iterator<Item = Option<f64>>) -> Self {
         let all: Vec<Option<f64>> = values.collect();

@@ -1,13 +1,13 @@
 //! How much faster than real time the paper's experiment runs on one core: whole, and its two sides alone.
 //!
-//! `cargo bench -p pt326`. An "element" is a simulated second, so elements a second are times real time.
+//! `cargo bench -p pt326-host`. An "element" is a simulated second, so elements a second are times real time.
 
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fdi_core::{Command, Config, Instrument, RawSample};
-use pt326::experiment::scenario::Scenario;
-use pt326::experiment::{self, as_written, sample};
+use pt326_host::experiment::scenario::Scenario;
+use pt326_host::experiment::{self, as_written, sample};
 use pt326_rig::Rig;
 
 const SEED: u64 = 1;

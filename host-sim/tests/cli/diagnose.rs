@@ -54,22 +54,6 @@ fn a_trace_of_ours_is_diagnosed_as_a_recording() {
     assert!(!std::fs::read_to_string(out.join("report.html")).unwrap().contains("<h2>False alarms</h2>"));
 }
 
-/// "Your own CSV" of the documents shows what is printed for the file that it names.
-#[test]
-fn the_sample_of_the_documents_is_what_is_printed() {
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
-    let (heater, out) = (docs.join("heater.csv"), folder("diagnose-sample"));
-    let done = pt326(&["diagnose", arg(&heater), "--train", "0:3600", "--out", arg(&out)]);
-    assert!(done.status.success(), "{}", text(&done.stderr));
-    let said = text(&done.stdout);
-    let sample = said.split("Written to").next().unwrap().trim_end();
-    let page = std::fs::read_to_string(docs.join("records.md")).unwrap();
-    assert!(page.contains(sample), "docs/records.md should show:\n{sample}");
-    let begin: Vec<String> =
-        std::fs::read_to_string(&heater).unwrap().lines().take(5).map(str::to_owned).collect();
-    assert!(page.contains(&begin.join("\n")), "docs/records.md should show the first lines of heater.csv");
-}
-
 /// The log of a board that is armed before tick `armed`, as the page and `pt326 board --record` save it: T2 is calibrated, and 420 s later
 /// it reads 1.5 degC too high. Until the board is armed T1 reads 3 degC too high.
 fn log_of_a_board(seconds: f64, armed: u32) -> String {

@@ -6,7 +6,8 @@
 //! <!-- made by: pt326 run | head -n 5 -->
 //! ```
 //!
-//! `UPDATE_DOCS=1 cargo test -p pt326 --test cli samples` writes the blocks anew.
+//! `UPDATE_DOCS=1 cargo test -p pt326 --test cli samples` writes the blocks anew. What a command of `tools/` or of cargo makes, that command
+//! compares and writes.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -69,16 +70,19 @@ fn pages() -> BTreeMap<PathBuf, String> {
     pages.map(|page| (page.clone(), std::fs::read_to_string(page).unwrap())).collect()
 }
 
-/// Whether this build has all that a command shows; the server is a feature.
+/// Whether a command is run here, and this build has all that it shows; the server is a feature.
 fn is_built(command: &str) -> bool {
-    cfg!(feature = "live") || !(command == "pt326 --help" || command.starts_with("pt326 live"))
+    let elsewhere = ["tools/", "cargo "].iter().any(|program| command.starts_with(program));
+    let served = command == "pt326 --help" || command.starts_with("pt326 live");
+    !elsewhere && (cfg!(feature = "live") || !served)
 }
 
-/// What a command prints, in a folder of its own.
+/// What a command prints, in a folder of its own, which has the documents as `docs`.
 fn output(command: &str, folder: &Path) -> String {
     let program = Path::new(env!("CARGO_BIN_EXE_pt326")).parent().unwrap();
     let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap_or_default());
     std::fs::create_dir_all(folder).unwrap();
+    std::os::unix::fs::symlink(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs"), folder.join("docs")).unwrap();
     let mut shell = Command::new("sh");
     shell.args(["-c", command]).current_dir(folder).env("PATH", path).env("COLUMNS", "100");
     let out = shell.stdin(std::process::Stdio::null()).output().unwrap();

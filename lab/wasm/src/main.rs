@@ -30,7 +30,7 @@ fn write(file: Option<&OsStr>) -> Result<(), String> {
     let build = ["build", "--quiet", "--profile", "lab", "-p", "pt326-lab-wasm", "--lib", "--target", TARGET];
     let status = cargo().args(build).status().map_err(|error| format!("cargo cannot be run: {error}"))?;
     if !status.success() {
-        return Err(format!("the session was not built; is the target there? (rustup target add {TARGET})"));
+        return Err("the session was not built".into());
     }
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
     let wasm = target.join(TARGET).join("lab").join(SESSION);

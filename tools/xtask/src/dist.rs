@@ -81,8 +81,7 @@ pub(crate) fn sums(files: &[(String, Vec<u8>)]) -> String {
 /// Writes the lab's page.
 fn lab(page: &Path) -> Result<(), String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let build = ["run", "--quiet", "--release", "-p", "pt326-lab-wasm", "--"];
-    let status = Command::new(cargo).args(build).arg(page).status();
+    let status = Command::new(cargo).arg("lab").arg(page).status();
     match status.map_err(|error| format!("cargo cannot be run: {error}"))?.success() {
         true => Ok(()),
         false => Err("the page was not built".into()),

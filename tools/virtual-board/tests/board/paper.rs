@@ -6,6 +6,7 @@ use fdi_core::Mode;
 use pt326_host::experiment::scenario::Scenario;
 use pt326_host::record::summary::Summary;
 use virtual_board::board::load;
+use virtual_board::rtt::Line;
 use virtual_board::time::SECOND;
 use virtual_board::{experiment, twin};
 
@@ -16,6 +17,8 @@ struct Run {
     idle_ticks: usize,
     /// What `status` says after a stop, and after the power was off.
     statuses: [String; 2],
+    /// Its log, as docs/board.md shows it.
+    shown: String,
 }
 
 /// The run of seed 1, once for all tests.
@@ -24,6 +27,7 @@ static RUN: LazyLock<Run> = LazyLock::new(|| run(1));
 fn run(seed: u64) -> Run {
     let mut done = experiment::run(load(None).expect("an image"), &Scenario::default(), seed).expect("runs");
     let power = done.rig.0.borrow().power.clone();
+    let shown = shown(&done.board.log);
     let mut statuses = || -> anyhow::Result<[String; 2]> {
         let board = &mut done.board;
         board.command("stop")?;
@@ -34,7 +38,33 @@ fn run(seed: u64) -> Run {
         Ok([stopped, board.command("status")?])
     };
     let statuses = statuses().expect("answers");
-    Run { record: done.record, differences: done.differences, power, idle_ticks: done.idle_ticks, statuses }
+    let (record, differences, idle_ticks) = (done.record, done.differences, done.idle_ticks);
+    Run { record, differences, power, idle_ticks, statuses, shown }
+}
+
+/// The log until the first fault is over. Any change of the image moves its microseconds, and each commit its name, so neither is shown.
+/// Of what comes with each tick, and with each second, only the first is.
+fn shown(log: &[Line]) -> String {
+    let (mut ticks, mut seconds) = (0, 0);
+    let lines = log.iter().filter(|line| {
+        let (is_tick, is_status) = (line.tick().is_some(), line.text.contains(" degC, heater "));
+        ticks += u32::from(is_tick);
+        seconds += u32::from(is_status);
+        !(is_tick && ticks > 1 || is_status && seconds > 1)
+    });
+    let lines = lines.map(|line| {
+        let time = &line.timestamp[..line.timestamp.len().saturating_sub(4)];
+        let text = match line.text.split_once(" (").zip(line.text.split_once(") on ")) {
+            Some(((release, _), (_, board))) => format!("{release} (COMMIT) on {board}"),
+            None => line.text.clone(),
+        };
+        let short: String = text.chars().take(110).collect();
+        let more = if short == text { "" } else { " .." };
+        format!("{time:>6} {:<5} {short}{more}\n", line.level)
+    });
+    let mut over = false;
+    let lines = lines.take_while(|line| !std::mem::replace(&mut over, line.contains(" ended: ")));
+    lines.collect()
 }
 
 /// Ts, and a little for rounding.
@@ -108,5 +138,21 @@ fn faults_are_seen_within_one_tick_of_the_simulation() {
             "{}",
             board.name
         );
+    }
+}
+
+#[test]
+fn the_page_shows_this_log() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/board.md");
+    let page = std::fs::read_to_string(path).expect("the page");
+    let mark = "<!-- made by: cargo test -p virtual-board --test board the_page -->\n```text\n";
+    let (before, rest) = page.split_once(mark).expect("the mark");
+    let (_, after) = rest.split_once("```").expect("the end of the block");
+    let new = format!("{before}{mark}{}```{after}", RUN.shown);
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write(path, new).expect("written");
+    } else {
+        let again = "stale: UPDATE_DOCS=1 cargo test -p virtual-board --test board the_page";
+        assert!(page == new, "{again}\n{}", RUN.shown);
     }
 }

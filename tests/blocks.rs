@@ -81,7 +81,7 @@ fn blocks(pages: &BTreeMap<PathBuf, String>) -> Vec<Block<'_>> {
     found
 }
 
-/// The commands of a line of a shell, without comments, prompts' joints and what is set before them; each as its words.
+/// The commands of a line of a shell, each as its words; without comments, and without variables that are set before a command.
 fn commands(line: &str) -> Vec<Vec<String>> {
     let (mut parts, mut word, mut quote, mut before) = (vec![Vec::new()], String::new(), None, ' ');
     for c in line.chars().chain([' ']) {

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use pt326::experiment::scenario::Scenario;
+use pt326_host::experiment::scenario::Scenario;
 use toml::Table;
 
 use super::{documents, root, sources};

@@ -25,6 +25,10 @@ pub(crate) struct Sectors<const SECTOR: usize> {
     weak: [bool; 2],
     /// Words written and sectors erased that are still allowed.
     steps_left: Option<usize>,
+    /// The power goes between two steps: nothing is left half done.
+    between: bool,
+    /// The step that is said to be done, and is not.
+    lost: Option<usize>,
     noise: u32,
 }
 
@@ -49,6 +53,8 @@ impl<const SECTOR: usize> Sectors<SECTOR> {
             cut_in_erase: false,
             weak: [false; 2],
             steps_left: None,
+            between: false,
+            lost: None,
             noise: 1,
         }
     }
@@ -57,6 +63,16 @@ impl<const SECTOR: usize> Sectors<SECTOR> {
     pub(crate) fn cut_at(&mut self, steps: usize) {
         self.steps_left = Some(steps);
         self.noise = (self.random() ^ (steps as u32 + 1).wrapping_mul(0x9E37_79B9)).max(1);
+    }
+
+    /// The power goes between two steps, after `steps` more.
+    pub(crate) fn cut_between(&mut self, steps: usize) {
+        (self.steps_left, self.between) = (Some(steps), true);
+    }
+
+    /// A flash that loses this step.
+    pub(crate) fn losing(&self, step: usize) -> Self {
+        Self { lost: Some(step), ..self.clone() }
     }
 
     /// Whether the power has gone.
@@ -199,10 +215,18 @@ impl<const SECTOR: usize> NorFlash for Sectors<SECTOR> {
             "written to at {within} after an erasure that was cut"
         );
         for (i, word) in bytes.chunks(WORD).enumerate() {
+            if self.lost == Some(self.steps) {
+                self.steps += 1;
+                continue;
+            }
             let cut = self.cut()?;
             for (j, byte) in word.iter().enumerate() {
                 // A cut leaves some bits cleared and others not yet.
-                let kept = if cut { self.random() as u8 } else { 0 };
+                let kept = match (cut, self.between) {
+                    (false, _) => 0,
+                    (true, true) => 0xFF,
+                    (true, false) => self.random() as u8,
+                };
                 self.bytes[offset as usize + i * WORD + j] &= byte | kept;
             }
             if cut {

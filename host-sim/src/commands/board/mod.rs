@@ -20,6 +20,8 @@ use crate::board::{Session, find};
 use crate::commands::experiment::ExperimentArgs;
 use crate::experiment::as_written;
 pub use commission::{Commissioning, Person, commission};
+#[cfg(feature = "live")]
+pub(super) use signals::Heed;
 pub use verify::{Verification, verify};
 
 /// Use a real board over its serial port: its console, a record of what it does, its settings.

@@ -1,6 +1,8 @@
 //! One tick of the control half on the board: the controller of the core, the interlock around it, and the heater
 //! that both act on. No lock, no log, no allocation; nothing in it waits.
 
+#[cfg(test)]
+mod explored;
 mod heater;
 mod order;
 mod record;

@@ -74,9 +74,15 @@ impl fmt::Display for SaveError {
 /// of the thousands of items in it, which takes many seconds and starves the watchdog.
 type Newest = Cache<Uncached, Uncached, ArrayKeyPointers<u8, 3>, u8>;
 
+/// What is known when the board starts.
+fn nothing_known() -> Newest {
+    Newest::new(Uncached, Uncached, ArrayKeyPointers::new())
+}
+
 /// The storage.
 pub struct Store<F: NorFlash> {
     sectors: Sectors<F>,
+    newest: Newest,
     /// No erasure is cut: looked at before the first use, and again after an error.
     mended: bool,
 }
@@ -84,13 +90,13 @@ pub struct Store<F: NorFlash> {
 impl<F: NorFlash> Store<F> {
     /// A store that covers the whole of `flash`, which has two sectors.
     pub fn new(flash: F) -> Self {
-        Self { sectors: Sectors::new(flash), mended: false }
+        Self { sectors: Sectors::new(flash), newest: nothing_known(), mended: false }
     }
 
-    /// The flash as the next start will see it: nothing of it is remembered.
+    /// Both sectors with what is known of them, which is given back afterwards.
     fn map(&mut self) -> MapStorage<u8, &mut Sectors<F>, Newest> {
         let both = MapConfig::new(0..2 * F::ERASE_SIZE as u32);
-        let newest = Newest::new(Uncached, Uncached, ArrayKeyPointers::new());
+        let newest = core::mem::replace(&mut self.newest, nothing_known());
         MapStorage::new(&mut self.sectors, both, newest)
     }
 
@@ -114,13 +120,15 @@ impl<F: NorFlash> Store<F> {
     pub async fn save(&mut self, stored: &Stored) -> Result<(), SaveError> {
         let mut record = [0; MAX_BYTES];
         let bytes = stored.encode(&mut record).map_err(SaveError::Record)?;
-        match self.write(RECORD, bytes).await {
-            Ok(()) => return Ok(()),
-            Err(Error::Storage { .. }) => return Err(SaveError::Flash),
-            // What the storage can neither use nor mend, it could not read either: a new one is worth more.
-            Err(_) => self.map().erase_all().await.map_err(|_| SaveError::Flash)?,
+        for _ in 0..2 {
+            match self.write(RECORD, bytes).await {
+                Ok(()) => return Ok(()),
+                Err(Error::Storage { .. }) => break,
+                // What the storage can neither use nor mend, it could not read either: a new one is worth more.
+                Err(_) => self.map().erase_all().await.map_err(|_| SaveError::Flash)?,
+            }
         }
-        self.write(RECORD, bytes).await.map_err(|_| SaveError::Flash)
+        Err(SaveError::Flash)
     }
 
     /// Whether the mark stands; not where it cannot be read, which [`Store::load`] has told.
@@ -162,21 +170,26 @@ impl<F: NorFlash> Store<F> {
         buffer: &'a mut [u8; BUFFER],
     ) -> Result<Option<&'a [u8]>, Error<F::Error>> {
         self.mend().await;
-        self.map().fetch_item(buffer, &key).await
+        let mut map = self.map();
+        let found = map.fetch_item(buffer, &key).await;
+        self.newest = map.destroy().1;
+        found
     }
 
-    /// Writes, and reads back as the next start will: one write in 65,536 behind half a header makes it one that seems whole and hides all
-    /// that follows.
+    /// Writes, and reads back as the next start will, which knows nothing: one write in 65,536 behind half a header makes it one that seems
+    /// whole and hides all that follows.
     async fn write(&mut self, key: u8, bytes: &[u8]) -> Result<(), Error<F::Error>> {
         self.mend().await;
         let mut buffer = [0; BUFFER];
-        let result = self.map().store_item(&mut buffer, &key, &bytes).await;
+        let mut map = self.map();
+        let result = map.store_item(&mut buffer, &key, &bytes).await;
+        self.newest = map.destroy().1;
         self.mended = result.is_ok();
         result?;
-        if !matches!(self.read(key, &mut buffer).await, Ok(Some(found)) if found == bytes) {
-            return Err(Error::Corrupted {});
-        }
-        Ok(())
+        let newest = core::mem::replace(&mut self.newest, nothing_known());
+        let is_there = matches!(self.read(key, &mut buffer).await, Ok(Some(found)) if found == bytes);
+        self.newest = newest;
+        if is_there { Ok(()) } else { Err(Error::Corrupted {}) }
     }
 
     /// What cannot be mended the storage finds anew, and tells.

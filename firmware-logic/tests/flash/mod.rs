@@ -29,6 +29,8 @@ pub(crate) struct Sectors<const SECTOR: usize> {
     between: bool,
     /// The step that is said to be done, and is not.
     lost: Option<usize>,
+    /// The step that it refuses; it goes on then.
+    refused: Option<usize>,
     noise: u32,
 }
 
@@ -55,6 +57,7 @@ impl<const SECTOR: usize> Sectors<SECTOR> {
             steps_left: None,
             between: false,
             lost: None,
+            refused: None,
             noise: 1,
         }
     }
@@ -73,6 +76,11 @@ impl<const SECTOR: usize> Sectors<SECTOR> {
     /// A flash that loses this step.
     pub(crate) fn losing(&self, step: usize) -> Self {
         Self { lost: Some(step), ..self.clone() }
+    }
+
+    /// A flash that refuses this step, and no other.
+    pub(crate) fn refusing(&self, step: usize) -> Self {
+        Self { refused: Some(step), ..self.clone() }
     }
 
     /// Whether the power has gone.
@@ -149,6 +157,9 @@ impl<const SECTOR: usize> Sectors<SECTOR> {
     /// Counts a step; `true` if the power goes in the middle of it.
     fn cut(&mut self) -> Result<bool, Dead> {
         self.steps += 1;
+        if self.refused == Some(self.steps - 1) {
+            return Ok(true);
+        }
         match &mut self.steps_left {
             None => Ok(false),
             Some(usize::MAX) => Err(Dead),

@@ -164,3 +164,41 @@ fn what_is_acknowledged_is_there_whatever_word_was_lost() {
         }
     }
 }
+
+/// A flash that refuses a word is not erased for it: the settings and the commissioning of before are there.
+#[test]
+fn a_word_that_is_refused_costs_nothing_that_was_kept() {
+    let mut store = Store::new(Flash::new());
+    now(store.save(&unusual(40.0))).expect("no cut");
+    now(store.keep(Some(&commissioning(1)))).expect("no cut");
+    let flash = store.into_flash();
+    let mut store = Store::new(flash.clone());
+    now(store.save(&unusual(41.0))).expect("no cut");
+    for word in flash.steps..store.into_flash().steps {
+        let mut store = Store::new(flash.refusing(word));
+        assert_eq!(now(store.save(&unusual(41.0))), Err(SaveError::Flash), "word {word}");
+        let flash = store.into_flash();
+        assert_eq!(flash.erases, 0, "word {word}");
+        assert!(load(&flash).0 == unusual(40.0), "word {word}");
+        assert_eq!(now(Store::new(flash).commissioning()), Some(commissioning(1)), "word {word}");
+    }
+}
+
+/// An erasure that fails is done again before the next write, though nobody has started the board anew.
+#[test]
+fn an_erasure_that_failed_is_mended_before_the_next_save() {
+    let mut flash = Flash::new();
+    let erasure = loop {
+        let mut store = Store::new(flash.clone());
+        now(store.save(&unusual(40.0))).expect("no cut");
+        let after = store.into_flash();
+        match after.erased_at.last() {
+            Some(erasure) => break *erasure,
+            None => flash = after,
+        }
+    };
+    let mut store = Store::new(flash.refusing(erasure));
+    assert_eq!(now(store.save(&unusual(41.0))), Err(SaveError::Flash));
+    assert_eq!(now(store.save(&unusual(42.0))), Ok(()));
+    assert!(load(&store.into_flash()).0 == unusual(42.0));
+}

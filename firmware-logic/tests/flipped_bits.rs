@@ -92,11 +92,17 @@ fn no_flipped_bit_heats_from_off_unarmed_or_locked_out() {
     config.supervisor.check_before_arming = false;
     let (arm, stop) = ((ROOM, Some(Command::Arm)), (ROOM, Some(Command::Stop)));
     let armed = [arm, (ROOM, None), (ROOM, None)];
+    // A trip on a tick that did not come, which is the last thing that was done.
+    let mut late = after(&config, &[(ROOM, None)], false);
+    let mut output = Output::default();
+    tick(&mut late, ROOM, Some(Order::Command(Command::Arm)), &mut output);
+    while late.missed(Arrival::default(), &mut output).tick.mode.is_heating() {}
     let states = [
         ("never checked", unchecked),
         ("never armed", after(&config, &[(ROOM, None); 4], false)),
         ("stopped", after(&config, &[&armed[..], &[stop]].concat(), false)),
         ("tripped", after(&config, &[&armed[..], &[(BROKEN, None); 8]].concat(), false)),
+        ("tripped without a sample", late),
         ("locked out", after(&config, &armed, true)),
     ];
     for (name, control) in &states {

@@ -78,9 +78,9 @@ impl<const SECTOR: usize> Sectors<SECTOR> {
         Self { lost: Some(step), ..self.clone() }
     }
 
-    /// A flash that refuses this step, and no other.
-    pub(crate) fn refusing(&self, step: usize) -> Self {
-        Self { refused: Some(step), ..self.clone() }
+    /// A flash that refuses this step, and no other; the seed says what of it is done all the same.
+    pub(crate) fn refusing(&self, step: usize, seed: u32) -> Self {
+        Self { refused: Some(step), noise: seed.wrapping_mul(0x9E37_79B9) | 1, ..self.clone() }
     }
 
     /// Whether the power has gone.

@@ -3,6 +3,7 @@
 
 use core::fmt;
 
+use crate::doubled::Doubled;
 use crate::reset_cause::{Death, ResetCause};
 
 /// Why the heater is locked out.
@@ -25,6 +26,8 @@ pub enum Lockout {
     Settings,
     /// The clock and the watchdog's oscillator run at another ratio than at the start.
     WrongClock,
+    /// In memory the heater may be on, and no order has allowed it; or bits of this latch have flipped.
+    Memory,
 }
 
 impl fmt::Display for Lockout {
@@ -44,12 +47,13 @@ impl fmt::Display for Lockout {
             Self::WrongClock => {
                 f.write_str("the clock runs at a wrong speed, by the oscillator of the watchdog")
             }
+            Self::Memory => f.write_str("what may heat has changed in memory by itself"),
         }
     }
 }
 
 /// All lockouts; the position is the number that [`Lockout::number`] gives.
-const ALL: [Lockout; 15] = [
+const ALL: [Lockout; 16] = [
     Lockout::BreakInput,
     Lockout::MissedDeadline,
     Lockout::Reset(ResetCause::BrownOut),
@@ -65,6 +69,7 @@ const ALL: [Lockout; 15] = [
     Lockout::Halted,
     Lockout::Settings,
     Lockout::WrongClock,
+    Lockout::Memory,
 ];
 
 impl Lockout {
@@ -80,9 +85,16 @@ impl Lockout {
 }
 
 /// The latch.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Interlock {
-    lockout: Option<Lockout>,
+    /// Number of the lockout, 0 without one.
+    number: Doubled,
+}
+
+impl Default for Interlock {
+    fn default() -> Self {
+        Self::of(None)
+    }
 }
 
 impl Interlock {
@@ -90,7 +102,11 @@ impl Interlock {
     /// for power-on, too, for without a brown-out level a sag of the supply looks like it; memory that really was without
     /// power holds nothing that is believed.
     pub fn at_boot(cause: ResetCause, left_behind: Option<Lockout>) -> Self {
-        Self { lockout: if cause.is_fault() { Some(Lockout::Reset(cause)) } else { left_behind } }
+        Self::of(if cause.is_fault() { Some(Lockout::Reset(cause)) } else { left_behind })
+    }
+
+    fn of(lockout: Option<Lockout>) -> Self {
+        Self { number: Doubled::new(lockout.map_or(0, |lockout| lockout.number().into())) }
     }
 
     /// Latches where the flash has the mark that stands there from arming on until the heater is off and acknowledged. After a
@@ -101,19 +117,23 @@ impl Interlock {
         }
     }
 
-    /// What holds the heater off.
+    /// What holds the heater off: also where it can no longer be told what did.
     pub fn lockout(&self) -> Option<Lockout> {
-        self.lockout
+        match self.number.get() {
+            Some(0) => None,
+            Some(number) => Lockout::from_number(number as u8),
+            None => Some(Lockout::Memory),
+        }
     }
 
     /// Latches; the first reason stays until it is acknowledged.
     pub fn latch(&mut self, lockout: Lockout) {
-        self.lockout.get_or_insert(lockout);
+        *self = Self::of(self.lockout().or(Some(lockout)));
     }
 
     /// Releases the latch. `false` if nothing was latched.
     pub fn acknowledge(&mut self) -> bool {
-        self.lockout.take().is_some()
+        core::mem::take(self).lockout().is_some()
     }
 }
 

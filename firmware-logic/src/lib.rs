@@ -10,6 +10,7 @@ pub mod control_loop;
 pub mod crc;
 pub mod decimal;
 pub mod diagnosis_loop;
+mod doubled;
 pub mod duty;
 pub mod explain;
 pub mod finding;

@@ -336,3 +336,33 @@ fn new_settings_take_effect_without_a_restart() {
     assert_eq!(record.outcome.expect("an order").order, OrderKind::Settings);
     assert!(record.tick.mode.is_heating() && record.tick.drive.0 <= 20.0, "{:?}", record.tick.drive);
 }
+
+/// One acknowledgement serves both latches, and does not say ok while one of them stays.
+#[test]
+fn an_acknowledgement_says_why_a_trip_stays_though_it_has_released_the_lockout() {
+    let mut bench = Bench::heating();
+    let whole = bench.codes.t1;
+    bench.codes.t1 = AdcCode(4095.0);
+    assert!(matches!(bench.tick().tick.mode, Mode::Tripped(_)));
+    bench.control.lock_out(Lockout::WrongClock, &mut bench.output);
+    let result = |record: TickRecord| record.outcome.expect("an order").result;
+    let persists = Err(Denial::Refused(Refusal::CausePersists(TripReason::T1Open)));
+    assert_eq!(result(bench.order(Command::Acknowledge)), persists);
+    assert!(matches!(bench.tick().tick.mode, Mode::Tripped(_)));
+    bench.codes.t1 = whole;
+    (0..20).for_each(|_| {
+        bench.tick();
+    });
+    assert_eq!(result(bench.order(Command::Acknowledge)), Ok(()));
+    assert_eq!(bench.tick().tick.mode, Mode::Off);
+}
+
+/// What was cut while no tick came was not applied.
+#[test]
+fn power_that_was_cut_before_a_missed_tick_is_not_counted_as_applied() {
+    let mut bench = Bench::heating();
+    let record = bench.control.missed(Arrival::default(), &mut bench.output);
+    assert!(record.applied.0 > 0.0 && record.applied.0 == bench.output.given());
+    bench.output.enabled = false;
+    assert_eq!(bench.control.missed(Arrival::default(), &mut bench.output).applied, Percent(0.0));
+}

@@ -127,3 +127,21 @@ impl Pid {
         bounded(x, self.min, self.max)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What T1 has moved over a gap is no change within a tick.
+    #[test]
+    fn the_derivative_waits_for_two_samples_behind_one_that_is_lost() {
+        let pid = Pid::new(&PidConfig::default(), Seconds(0.11)).unwrap();
+        let mut state = PidState::default();
+        for _ in 0..3 {
+            pid.step(&mut state, Celsius(35.0), Celsius(30.0));
+        }
+        let held = pid.hold(&mut state).0;
+        let without = held + pid.ki * (35.0 - 31.0) - pid.kp * (31.0 - 30.0);
+        assert_eq!(pid.step(&mut state, Celsius(35.0), Celsius(31.0)).0, without);
+    }
+}

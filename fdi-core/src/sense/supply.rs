@@ -120,6 +120,17 @@ mod tests {
         assert_eq!((state.share(), state.lost()), (measured, 7));
     }
 
+    /// An input that is overdriven reads full scale, whatever the supply is.
+    #[test]
+    fn full_scale_is_no_supply_though_it_would_be_one() {
+        let config = SupplyConfig { nominal_voltage: Volt(16.0), ..MEASURED };
+        let (supply, mut state) = (Supply::new(&config).unwrap(), SupplyState::default());
+        supply.step(&mut state, AdcCode(4095.0));
+        assert_eq!((state.share(), state.lost()), (None, 1));
+        supply.step(&mut state, AdcCode(4094.0));
+        assert!(state.share().is_some_and(|share| share > 1.03));
+    }
+
     #[test]
     fn a_nominal_voltage_beyond_the_input_is_refused() {
         let config = SupplyConfig { nominal_voltage: Volt(24.0), ..MEASURED };

@@ -79,30 +79,46 @@ pub struct Trip {
     pub needed: Option<Percent>,
 }
 
+/// How the modes are kept in memory: four bits apart, so that a flipped bit makes of no mode another one.
+const KEPT: [u8; 6] = [0x0F, 0x33, 0x3C, 0x55, 0x5A, 0x66];
+
+const _: () = {
+    let mut i = 0;
+    while i < KEPT.len() {
+        let mut j = 0;
+        while j < i {
+            assert!((KEPT[i] ^ KEPT[j]).count_ones() >= 4, "modes are four bits apart");
+            j += 1;
+        }
+        i += 1;
+    }
+};
+
 /// Mode of the instrument; the diagram is in the module's documentation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
 pub enum Mode {
     /// Heater off, waiting to be armed.
     #[default]
-    Off,
+    Off = KEPT[0],
     /// Regulating; not yet fit to learn what is normal.
     Settle {
         /// Ticks in a row that were fit for learning.
         steady: u32,
-    },
+    } = KEPT[1],
     /// Regulating and learning the baseline.
     Learn {
         /// Samples accepted so far. The second half counts what it has learnt; neither count alone ends learning, so
         /// a second half that lags cannot end it with the count of an earlier baseline.
         accepted: u32,
-    },
+    } = KEPT[2],
     /// Regulating and watching for faults.
-    Monitor,
+    Monitor = KEPT[3],
     /// The power of an experiment, from which PID settings are told; then off.
-    Tune,
+    Tune = KEPT[4],
     /// Heater off until acknowledged.
-    Tripped(Trip),
+    Tripped(Trip) = KEPT[5],
 }
 
 numbered! {

@@ -1,6 +1,8 @@
 //! One tick of the control half on the board: the controller of the core, the interlock around it, and the heater
 //! that both act on. No lock, no log, no allocation; nothing in it waits.
 
+#[cfg(test)]
+mod explored;
 mod heater;
 mod order;
 mod record;
@@ -12,6 +14,7 @@ use fdi_core::diagnosis::baseline::Baseline;
 use fdi_core::{AdcCode, Celsius, Command, Feedback, Mode, Percent, RawSample, Refusal, Tick};
 
 use crate::cadence::Arrival;
+use crate::doubled::Doubled;
 use crate::interlock::{Interlock, Lockout};
 use crate::self_test::{Ending, Output, Proof, SelfTest};
 
@@ -25,6 +28,12 @@ pub const NO_SAMPLE: RawSample = {
     RawSample { t0: NONE, t1: NONE, t2: NONE, supply: NONE }
 };
 
+/// What an order has permitted: nothing, to regulate or to tune, or to check. Sixteen bits apart.
+const NOTHING: Doubled = Doubled::new(0);
+const REGULATE: Doubled = Doubled::new(0x5555_AAAA);
+const CHECK: Doubled = Doubled::new(0x3333_CCCC);
+const PASSED: Doubled = Doubled::new(u32::MAX);
+
 /// The control half of the instrument on the board.
 #[derive(Clone, Debug)]
 pub struct ControlLoop {
@@ -33,12 +42,15 @@ pub struct ControlLoop {
     checked_controller: Controller,
     state: ControllerState,
     interlock: Interlock,
+    /// Only an order gives it; without it nothing is driven, whatever the mode is or a check wants.
+    permit: Doubled,
     /// The loop wants the output enabled: if it is not, something cut it.
     driving: bool,
     applied: Percent,
     /// The self-test, until all of it has been reported.
     check: Option<SelfTest>,
-    checked: bool,
+    /// Whether it has passed.
+    checked: Doubled,
     /// The interlock's contact has kept the output off, or cut it.
     seen_to_cut: bool,
     /// Dangerous codes that were seen since the last tick.
@@ -54,10 +66,11 @@ impl ControlLoop {
             controller,
             state,
             interlock,
+            permit: NOTHING,
             driving: false,
             applied: Percent(0.0),
             check: None,
-            checked: false,
+            checked: NOTHING,
             seen_to_cut: false,
             hazard: None,
         }
@@ -111,8 +124,10 @@ impl ControlLoop {
         }
         let outcome = order.map(|order| self.carry_out(order, damaged, heater));
         let tick = self.controller.step(&mut self.state, raw);
-        let output = self.wanted(&tick, raw);
-        self.actuate(output, heater);
+        match self.permitted(&tick, raw) {
+            Some(output) => self.actuate(output, heater),
+            None => self.lock_out(Lockout::Memory, heater),
+        }
         self.record(raw, tick, arrival, outcome)
     }
 
@@ -120,11 +135,8 @@ impl ControlLoop {
     /// too long trips. What drove the heater meanwhile is the power of the tick before.
     pub fn missed(&mut self, arrival: Arrival, heater: &mut impl Heater) -> TickRecord {
         let tick = self.controller.step(&mut self.state, NO_SAMPLE);
-        if let Some(check) = &mut self.check {
-            check.abort(Ending::MissedTick);
-        }
         if !tick.mode.is_heating() {
-            self.actuate(Output::Off, heater);
+            self.stop(Ending::MissedTick, heater);
         }
         let applied = if heater.is_enabled() { self.applied } else { Percent(0.0) };
         TickRecord { applied, missed: true, ..self.record(NO_SAMPLE, tick, arrival, None) }
@@ -146,12 +158,13 @@ impl ControlLoop {
             lockout: self.interlock.lockout(),
             outcome,
             news,
-            checked: self.checked,
+            checked: self.has_passed(),
             ..TickRecord::new(raw, tick, self.applied)
         }
     }
 
     fn stop(&mut self, ending: Ending, heater: &mut impl Heater) {
+        self.permit = NOTHING;
         self.actuate(Output::Off, heater);
         if let Some(check) = &mut self.check {
             check.abort(ending);
@@ -189,6 +202,10 @@ impl ControlLoop {
         Outcome { order: kind, result }
     }
 
+    fn has_passed(&self) -> bool {
+        self.checked == PASSED
+    }
+
     fn is_checking(&self) -> bool {
         self.check.as_ref().is_some_and(|check| check.ending().is_none())
     }
@@ -218,6 +235,7 @@ impl ControlLoop {
         self.seen_to_cut |= proof == Proof::OpenHolds;
         // Its first step, in this tick, takes the old pass away.
         self.check = Some(SelfTest::new(proof, &self.controller.plant()));
+        self.permit = CHECK;
         Ok(())
     }
 
@@ -233,7 +251,7 @@ impl ControlLoop {
                 if self.is_checking() {
                     return Err(Denial::Checking);
                 }
-                if self.controller.checks_before_arming() && !self.checked {
+                if self.controller.checks_before_arming() && !self.has_passed() {
                     return Err(Denial::Unchecked);
                 }
             }
@@ -251,20 +269,34 @@ impl ControlLoop {
             | Command::Fan(_)
             | Command::Shelve(_) => {}
         }
-        self.controller.command(&mut self.state, command).map_err(Denial::Refused)
+        self.controller.command(&mut self.state, command).map_err(Denial::Refused)?;
+        if command.heats() {
+            self.permit = REGULATE;
+        }
+        Ok(())
     }
 
-    /// What the output is to be until the next tick: the controller's drive, or the self-test's.
-    fn wanted(&mut self, tick: &Tick, raw: RawSample) -> Output {
-        if tick.mode.is_heating() {
-            return Output::On { power: tick.drive, contactor: true };
+    /// What the output is to be until the next tick: the controller's drive, or the self-test's. `None` for either where no order
+    /// has permitted it, or something is latched: then a bit has flipped in the memory.
+    fn permitted(&mut self, tick: &Tick, raw: RawSample) -> Option<Output> {
+        let needed = match (tick.mode.is_heating(), self.is_checking()) {
+            (true, _) => REGULATE,
+            (_, true) => CHECK,
+            _ => {
+                self.permit = NOTHING;
+                return Some(Output::Off);
+            }
+        };
+        if self.permit != needed || self.interlock.lockout().is_some() {
+            self.check = None;
+            return None;
         }
-        let Some(check) = self.check.as_mut().filter(|check| check.ending().is_none()) else {
-            return Output::Off;
+        let Some(check) = self.check.as_mut().filter(|_| needed == CHECK) else {
+            return Some(Output::On { power: tick.drive, contactor: true });
         };
         let output = check.step(&tick.sample, &raw, self.controller.hazard(&self.state));
-        self.checked = check.ending() == Some(Ending::Passed);
-        output
+        self.checked = if check.ending() == Some(Ending::Passed) { PASSED } else { NOTHING };
+        Some(output)
     }
 
     /// The output first gets its power and then its enable, so that an old power never shows.

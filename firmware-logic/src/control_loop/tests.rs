@@ -5,12 +5,20 @@ use fdi_core::{Celsius, Config};
 
 use super::*;
 
-/// An output that does what it is told to.
-#[derive(Default)]
-struct Output {
-    power: f32,
-    contactor: bool,
-    enabled: bool,
+/// An output that does what it is told to, while the break input is closed.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Output {
+    pub(super) power: f32,
+    pub(super) contactor: bool,
+    pub(super) enabled: bool,
+    pub(super) open: bool,
+}
+
+impl Output {
+    /// What reaches the heater, %.
+    pub(super) fn given(&self) -> f32 {
+        if self.enabled && self.contactor { self.power } else { 0.0 }
+    }
 }
 
 impl Heater for Output {
@@ -21,7 +29,7 @@ impl Heater for Output {
         self.contactor = closed;
     }
     fn enable(&mut self) {
-        self.enabled = true;
+        self.enabled = !self.open;
     }
     fn disable(&mut self) {
         self.enabled = false;
@@ -30,13 +38,14 @@ impl Heater for Output {
         self.enabled
     }
     fn break_is_open(&self) -> bool {
-        false
+        self.open
     }
     fn cut_by(&self) -> Lockout {
         Lockout::BreakInput
     }
     fn test_break(&mut self) -> bool {
-        true
+        self.enabled = false;
+        !self.open
     }
 }
 

@@ -162,6 +162,12 @@ impl SelfTest {
         self.ending
     }
 
+    /// Where it stands.
+    #[cfg(test)]
+    pub(crate) fn stage(&self) -> Stage {
+        self.stage
+    }
+
     /// Ends it early.
     pub fn abort(&mut self, ending: Ending) {
         self.ending.get_or_insert(ending);

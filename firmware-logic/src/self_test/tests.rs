@@ -71,6 +71,30 @@ fn a_beginning_that_is_no_number_ends_it() {
     }
 }
 
+/// The wires may be swapped: whichever it is that gets hot.
+#[test]
+fn each_thermistor_that_rises_too_far_ends_it() {
+    let mut begun = started();
+    for _ in 0..10 {
+        step(&mut begun, 22.0);
+    }
+    (begun.stage, begun.level) = (Stage::Pulses, 3);
+    assert!(power(step(&mut begun, 22.0)) > 0.0);
+    for (hot, channel) in CHANNELS.into_iter().enumerate() {
+        let mut check = begun.clone();
+        let reading = |i: usize| Reading {
+            celsius: Celsius(if i == hot { 22.1 + MAX_RISE } else { 22.0 }),
+            validity: Validity::Good,
+        };
+        let sample = Sample { t0: reading(0), t1: reading(1), t2: reading(2) };
+        assert_eq!(check.step(&sample, &RawSample::default(), None), Output::Off, "{channel:?}");
+        assert!(
+            matches!(check.findings.last(), Some(CheckFinding::TooHot(found, _)) if *found == channel),
+            "{channel:?}"
+        );
+    }
+}
+
 /// What a cycle gave, where no thermistor ever answers: ticks with power, the largest power, ticks with the contactor closed.
 fn cycles(plant: &Plant) -> std::vec::Vec<(u32, f32, u32)> {
     let mut check = SelfTest::new(Proof::Cuts { seen: true }, plant);

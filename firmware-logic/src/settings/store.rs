@@ -7,7 +7,7 @@ use embedded_storage_async::nor_flash::NorFlash;
 use sequential_storage::Error;
 use sequential_storage::cache::key_pointers::ArrayKeyPointers;
 use sequential_storage::cache::{Cache, Uncached};
-use sequential_storage::map::{MapConfig, MapStorage, Value};
+use sequential_storage::map::{MapConfig, MapStorage};
 
 use super::commissioning::Commissioning;
 use super::sectors::Sectors;
@@ -74,9 +74,15 @@ impl fmt::Display for SaveError {
 /// of the thousands of items in it, which takes many seconds and starves the watchdog.
 type Newest = Cache<Uncached, Uncached, ArrayKeyPointers<u8, 3>, u8>;
 
+/// What is known when the board starts.
+fn nothing_known() -> Newest {
+    Newest::new(Uncached, Uncached, ArrayKeyPointers::new())
+}
+
 /// The storage.
 pub struct Store<F: NorFlash> {
-    map: MapStorage<u8, Sectors<F>, Newest>,
+    sectors: Sectors<F>,
+    newest: Newest,
     /// No erasure is cut: looked at before the first use, and again after an error.
     mended: bool,
 }
@@ -84,15 +90,20 @@ pub struct Store<F: NorFlash> {
 impl<F: NorFlash> Store<F> {
     /// A store that covers the whole of `flash`, which has two sectors.
     pub fn new(flash: F) -> Self {
-        let newest = Newest::new(Uncached, Uncached, ArrayKeyPointers::new());
+        Self { sectors: Sectors::new(flash), newest: nothing_known(), mended: false }
+    }
+
+    /// Both sectors with what is known of them, which is given back afterwards.
+    fn map(&mut self) -> MapStorage<u8, &mut Sectors<F>, Newest> {
         let both = MapConfig::new(0..2 * F::ERASE_SIZE as u32);
-        Self { map: MapStorage::new(Sectors::new(flash), both, newest), mended: false }
+        let newest = core::mem::replace(&mut self.newest, nothing_known());
+        MapStorage::new(&mut self.sectors, both, newest)
     }
 
     /// Reads what was saved; the defaults where there is nothing usable, and why.
     pub async fn load(&mut self) -> (Stored, Origin) {
         let mut buffer = [0; BUFFER];
-        match self.read::<&[u8]>(RECORD, &mut buffer).await {
+        match self.read(RECORD, &mut buffer).await {
             Ok(Some(bytes)) => match Stored::decode(bytes) {
                 Ok(stored) => (stored, Origin::Flash),
                 Err(error) => (Stored::default(), Origin::Fallback(error)),
@@ -109,19 +120,21 @@ impl<F: NorFlash> Store<F> {
     pub async fn save(&mut self, stored: &Stored) -> Result<(), SaveError> {
         let mut record = [0; MAX_BYTES];
         let bytes = stored.encode(&mut record).map_err(SaveError::Record)?;
-        match self.write(RECORD, &bytes).await {
-            Ok(()) => return Ok(()),
-            Err(Error::Storage { .. }) => return Err(SaveError::Flash),
-            // What the storage can neither use nor mend, it could not read either: a new one is worth more.
-            Err(_) => self.map.erase_all().await.map_err(|_| SaveError::Flash)?,
+        for _ in 0..2 {
+            match self.write(RECORD, bytes).await {
+                Ok(()) => return Ok(()),
+                Err(Error::Storage { .. }) => break,
+                // What the storage can neither use nor mend, it could not read either: a new one is worth more.
+                Err(_) => self.map().erase_all().await.map_err(|_| SaveError::Flash)?,
+            }
         }
-        self.write(RECORD, &bytes).await.map_err(|_| SaveError::Flash)
+        Err(SaveError::Flash)
     }
 
     /// Whether the mark stands; not where it cannot be read, which [`Store::load`] has told.
     pub async fn is_marked(&mut self) -> bool {
         let mut buffer = [0; BUFFER];
-        matches!(self.read::<u8>(MARK, &mut buffer).await, Ok(Some(1)))
+        matches!(self.read(MARK, &mut buffer).await, Ok(Some([1])))
     }
 
     /// Sets the mark or takes it away. The heater must be off, as for [`Store::save`], which mends what this cannot use: the
@@ -130,13 +143,13 @@ impl<F: NorFlash> Store<F> {
     /// # Errors
     /// The flash refused, or holds something else.
     pub async fn mark(&mut self, stands: bool) -> Result<(), SaveError> {
-        self.write(MARK, &u8::from(stands)).await.map_err(|_| SaveError::Flash)
+        self.write(MARK, &[u8::from(stands)]).await.map_err(|_| SaveError::Flash)
     }
 
     /// The commissioning that is kept, if there is one that can be read.
     pub async fn commissioning(&mut self) -> Option<Commissioning> {
         let mut buffer = [0; BUFFER];
-        let record = self.read::<&[u8]>(COMMISSIONING, &mut buffer).await;
+        let record = self.read(COMMISSIONING, &mut buffer).await;
         record.ok().flatten().and_then(Commissioning::decode)
     }
 
@@ -148,35 +161,46 @@ impl<F: NorFlash> Store<F> {
     pub async fn keep(&mut self, commissioning: Option<&Commissioning>) -> Result<(), SaveError> {
         let record = commissioning.map(Commissioning::encode);
         let bytes: &[u8] = record.as_ref().map_or(&[], |record| record);
-        self.write(COMMISSIONING, &bytes).await.map_err(|_| SaveError::Flash)
+        self.write(COMMISSIONING, bytes).await.map_err(|_| SaveError::Flash)
     }
 
-    async fn read<'a, V: Value<'a>>(
+    async fn read<'a>(
         &mut self,
         key: u8,
         buffer: &'a mut [u8; BUFFER],
-    ) -> Result<Option<V>, Error<F::Error>> {
+    ) -> Result<Option<&'a [u8]>, Error<F::Error>> {
         self.mend().await;
-        self.map.fetch_item(buffer, &key).await
+        let mut map = self.map();
+        let found = map.fetch_item(buffer, &key).await;
+        self.newest = map.destroy().1;
+        found
     }
 
-    async fn write<'a>(&mut self, key: u8, value: &impl Value<'a>) -> Result<(), Error<F::Error>> {
+    /// Writes, and reads back as the next start will, which knows nothing: one write in 65,536 behind half a header makes it one that seems
+    /// whole and hides all that follows.
+    async fn write(&mut self, key: u8, bytes: &[u8]) -> Result<(), Error<F::Error>> {
         self.mend().await;
         let mut buffer = [0; BUFFER];
-        let result = self.map.store_item(&mut buffer, &key, value).await;
+        let mut map = self.map();
+        let result = map.store_item(&mut buffer, &key, &bytes).await;
+        self.newest = map.destroy().1;
         self.mended = result.is_ok();
-        result
+        result?;
+        let newest = core::mem::replace(&mut self.newest, nothing_known());
+        let is_there = matches!(self.read(key, &mut buffer).await, Ok(Some(found)) if found == bytes);
+        self.newest = newest;
+        if is_there { Ok(()) } else { Err(Error::Corrupted {}) }
     }
 
     /// What cannot be mended the storage finds anew, and tells.
     async fn mend(&mut self) {
         if !self.mended {
-            self.mended = self.map.flash().mend().await.is_ok();
+            self.mended = self.sectors.mend().await.is_ok();
         }
     }
 
     /// Gives the flash back.
     pub fn into_flash(self) -> F {
-        self.map.destroy().0.into_flash()
+        self.sectors.into_flash()
     }
 }

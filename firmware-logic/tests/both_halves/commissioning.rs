@@ -39,6 +39,10 @@ fn a_commissioning_is_written_once_and_only_while_nothing_heats() {
     now(board.settle());
     assert_eq!(board.chip.stalls, written, "written once");
     assert!(board.status().to_string().contains("\ncommissioning 1\n"));
+    assert_eq!(now(board.save()), Ok(()));
+    let saved = board.chip.stalls;
+    now(board.settle());
+    assert!(board.chip.stalls > saved, "a save may have had to erase it");
     assert_eq!(kept(board), Some(commissioning));
 }
 

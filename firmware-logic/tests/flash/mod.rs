@@ -25,6 +25,12 @@ pub(crate) struct Sectors<const SECTOR: usize> {
     weak: [bool; 2],
     /// Words written and sectors erased that are still allowed.
     steps_left: Option<usize>,
+    /// The power goes between two steps: nothing is left half done.
+    between: bool,
+    /// The step that is said to be done, and is not.
+    lost: Option<usize>,
+    /// The step that it refuses; it goes on then.
+    refused: Option<usize>,
     noise: u32,
 }
 
@@ -49,6 +55,9 @@ impl<const SECTOR: usize> Sectors<SECTOR> {
             cut_in_erase: false,
             weak: [false; 2],
             steps_left: None,
+            between: false,
+            lost: None,
+            refused: None,
             noise: 1,
         }
     }
@@ -57,6 +66,21 @@ impl<const SECTOR: usize> Sectors<SECTOR> {
     pub(crate) fn cut_at(&mut self, steps: usize) {
         self.steps_left = Some(steps);
         self.noise = (self.random() ^ (steps as u32 + 1).wrapping_mul(0x9E37_79B9)).max(1);
+    }
+
+    /// The power goes between two steps, after `steps` more.
+    pub(crate) fn cut_between(&mut self, steps: usize) {
+        (self.steps_left, self.between) = (Some(steps), true);
+    }
+
+    /// A flash that loses this step.
+    pub(crate) fn losing(&self, step: usize) -> Self {
+        Self { lost: Some(step), ..self.clone() }
+    }
+
+    /// A flash that refuses this step, and no other; the seed says what of it is done all the same.
+    pub(crate) fn refusing(&self, step: usize, seed: u32) -> Self {
+        Self { refused: Some(step), noise: seed.wrapping_mul(0x9E37_79B9) | 1, ..self.clone() }
     }
 
     /// Whether the power has gone.
@@ -133,6 +157,9 @@ impl<const SECTOR: usize> Sectors<SECTOR> {
     /// Counts a step; `true` if the power goes in the middle of it.
     fn cut(&mut self) -> Result<bool, Dead> {
         self.steps += 1;
+        if self.refused == Some(self.steps - 1) {
+            return Ok(true);
+        }
         match &mut self.steps_left {
             None => Ok(false),
             Some(usize::MAX) => Err(Dead),
@@ -199,10 +226,18 @@ impl<const SECTOR: usize> NorFlash for Sectors<SECTOR> {
             "written to at {within} after an erasure that was cut"
         );
         for (i, word) in bytes.chunks(WORD).enumerate() {
+            if self.lost == Some(self.steps) {
+                self.steps += 1;
+                continue;
+            }
             let cut = self.cut()?;
             for (j, byte) in word.iter().enumerate() {
                 // A cut leaves some bits cleared and others not yet.
-                let kept = if cut { self.random() as u8 } else { 0 };
+                let kept = match (cut, self.between) {
+                    (false, _) => 0,
+                    (true, true) => 0xFF,
+                    (true, false) => self.random() as u8,
+                };
                 self.bytes[offset as usize + i * WORD + j] &= byte | kept;
             }
             if cut {

@@ -151,6 +151,7 @@ fn arms_only_after_a_check_has_passed_and_not_after_one_that_has_not() {
     bench.pass(200); // cools
     assert_eq!(bench.order(Order::Check), Ok(()));
     assert_eq!(bench.arm(), Err(Denial::Checking));
+    assert_eq!(bench.order(Order::Check), Err(Denial::Checking), "not begun anew");
     assert_eq!(bench.order(Order::Command(Command::Tune)), Err(Denial::Checking));
     assert_eq!(bench.order(Order::Command(Command::Stop)), Ok(()));
     bench.pass(10);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::os::unix::fs::symlink;
-use std::process::Child;
+use std::process::{Child, Command};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
@@ -57,6 +57,28 @@ fn answers() -> (TTYPort, String, Receiver<u8>) {
                 _ => continue,
             }
             board.write_all(b"\nsetpoint = 36 degC\r\n> ").unwrap();
+        }
+    });
+    (port, name, told)
+}
+
+/// A board that heats until it is stopped, as often as it is asked, or one that hears no stop; the stops that it has heard.
+fn heats(hears: bool) -> (TTYPort, String, Receiver<u8>) {
+    let (mut board, port, name) = port();
+    let (tell, told) = channel();
+    std::thread::spawn(move || {
+        let mut byte = [0];
+        while board.read_exact(&mut byte).is_ok() {
+            let answer: &[u8] = match byte {
+                [STOP] if hears => {
+                    let _ = tell.send(STOP);
+                    b"^C\r\nstopped\r\n> "
+                }
+                [b'\r' | 0x15] => b"\nsetpoint = 36 degC\r\n> ",
+                [STOP] => b"",
+                [echo] => &[echo],
+            };
+            let _ = board.write_all(answer); // while nobody has it open
         }
     });
     (port, name, told)
@@ -157,6 +179,38 @@ fn each_board_of_a_wall_keeps_to_its_own_tile() {
     let [log] = &files[..] else { panic!("{files:?}") };
     assert!(log.file_name().unwrap().to_str().unwrap().starts_with("well-"), "{log:?}");
     assert_eq!(std::fs::read_to_string(log).unwrap(), format!("{}\n# the port has gone\n", tick()));
+}
+
+/// A program that ends leaves no board heating, or says that it may.
+#[test]
+fn ctrl_c_stops_every_board_and_says_of_each_whether_it_has_said_so() {
+    let dir = folder("leaving");
+    for (signal, hears, code) in [("-INT", [true, true], 0), ("-TERM", [true, false], 2)] {
+        let links = ["one", "two"].map(|name| dir.join(format!("{name}{code}")));
+        let mut served = Served::start(&["--board", arg(&links[0]), "--board", arg(&links[1])]);
+        let boards: Vec<_> = std::iter::zip(hears, &links)
+            .map(|(hears, link)| {
+                let (port, name, stopped) = heats(hears);
+                symlink(name, link).unwrap();
+                (port, stopped)
+            })
+            .collect();
+        served.until(|_| served.of_each("GET /tiles", "why").values().all(Value::is_null));
+        let pid = served.child.id().to_string();
+        assert!(Command::new("kill").args([signal, &pid]).status().unwrap().success());
+        let mut said = String::new();
+        served.child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+        assert_eq!(served.child.wait().unwrap().code(), Some(code), "{said}");
+        for ((hears, (_, stopped)), link) in hears.into_iter().zip(&boards).zip(&links) {
+            let name = link.file_name().unwrap().to_str().unwrap();
+            let told = match hears {
+                true => format!("{name}: the board says that its heater is off\n"),
+                false => format!("{name}: the board does NOT say that its heater is off: "),
+            };
+            assert!(said.contains(&told), "{told}: {said}");
+            assert_eq!(stopped.try_recv().is_ok(), hears);
+        }
+    }
 }
 
 #[test]

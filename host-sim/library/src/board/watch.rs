@@ -16,10 +16,12 @@ use pt326_lab::scene::Order;
 use pt326_lab::told::Told;
 use serialport::{ClearBuffer, SerialPort};
 
-use super::port;
+use super::{Session, port};
 
 /// Between two attempts to open a port that has gone.
 const ANOTHER: Duration = Duration::from_millis(300);
+/// So long it is tried to ask a board that was left whether it has stopped.
+const LEAVING: Duration = Duration::from_secs(3);
 /// What a board has told and nobody has taken yet: a port that floods waits.
 const UNTAKEN: usize = 1024;
 
@@ -49,11 +51,42 @@ struct Grip {
     /// None while the port has gone.
     port: Option<Box<dyn SerialPort>>,
     stops: u64,
+    /// Nobody is to watch any more.
+    left: bool,
 }
 
 impl Hand {
     fn grip(&self) -> MutexGuard<'_, Grip> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Stops a board that is watched, for a program that ends.
+#[derive(Clone)]
+pub struct Leaver {
+    name: String,
+    hand: Hand,
+}
+
+impl Leaver {
+    /// Heater off, at once, and nothing more is typed; whether the board says that it is off.
+    pub fn stops(&self) -> bool {
+        {
+            let mut grip = self.hand.grip();
+            (grip.stops, grip.left) = (grip.stops + 1, true);
+            if let Some(mut port) = grip.port.take() {
+                let _ = port.write_all(&[STOP]); // asked below
+            }
+        }
+        // Whoever talks with the board lets go of its port within a moment. A stop twice is one stop.
+        let begin = Instant::now();
+        loop {
+            match Session::open(&self.name) {
+                Ok(mut session) => return session.stops(),
+                Err(_) if begin.elapsed() < LEAVING => std::thread::sleep(ANOTHER),
+                Err(_) => return false,
+            }
+        }
     }
 }
 
@@ -85,6 +118,11 @@ impl Watch {
         let supervisor = Config::default().supervisor; // what is told of settings begins with the defaults
         let setpoint_limits = [supervisor.setpoint_min.0, supervisor.setpoint_max.0];
         Ok(Self { name, sample_time, told, orders, hand, setpoint_limits })
+    }
+
+    /// What stops it when the program ends.
+    pub fn leaver(&self) -> Leaver {
+        Leaver { name: self.name.clone(), hand: self.hand.clone() }
     }
 
     /// Its port.
@@ -183,6 +221,9 @@ impl Keeper {
     }
 
     fn beat(&mut self, given: &Receiver<Given>) -> Result<(), Unwatched> {
+        if self.hand.grip().left {
+            return Err(Unwatched);
+        }
         self.take_orders(given)?;
         if self.send().and_then(|()| self.hear()).is_err() {
             return self.reopen(given);
@@ -263,7 +304,7 @@ impl Keeper {
         self.keep(b"# the port has gone\n")?;
         self.tell_all()?;
         loop {
-            if Arc::strong_count(&self.hand.0) == 1 {
+            if Arc::strong_count(&self.hand.0) == 1 || self.hand.grip().left {
                 return Err(Unwatched);
             }
             std::thread::sleep(ANOTHER);

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail, ensure};
+use fdi_core::Mode;
 use firmware_logic::console::ANSWER;
 
 use super::attend::Attendant;
@@ -53,7 +54,20 @@ fn follow_check(session: &mut Session, mut told: String) -> anyhow::Result<bool>
 pub(super) fn status(mut session: Session) -> anyhow::Result<bool> {
     let answer = session.order("status")?;
     print(&answer)?;
-    Ok(!answer.starts_with("mode tripped") && !answer.contains("heater locked out"))
+    is_well(&answer)
+}
+
+/// Whether nothing is latched, by the answer to `status`, which tells the mode in its first line or, of a simulated board, in its second.
+fn is_well(answer: &str) -> anyhow::Result<bool> {
+    let told = answer.lines().find_map(|line| line.strip_prefix("mode "));
+    let mode = told.and_then(|told| told.split([' ', ',', ':']).next());
+    let Some(mode) = mode.filter(|mode| Mode::NAMES.contains(mode)) else {
+        bail!(
+            "no answer to `status` as a board gives it, expected `mode` and one of {}",
+            Mode::NAMES.join(", ")
+        );
+    };
+    Ok(mode != "tripped" && !answer.contains("heater locked out"))
 }
 
 /// Prints what went wrong; whether nothing did.
@@ -153,4 +167,25 @@ pub(super) fn load(mut session: Session, file: &Path) -> anyhow::Result<bool> {
     }
     print(&format!("{} settings changed, all kept\n", changed.len()))?;
     Ok(true)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_mode_that_there_is_is_well() {
+        for answer in
+            ["mode off\nT1 22 degC\n", "mode off, check under way\n", "SIMULATED: x\nmode tune: at rest\n"]
+        {
+            assert!(is_well(answer).unwrap(), "{answer}");
+        }
+        for answer in ["mode tripped (T1 is above the limit)\n", "mode off, heater locked out: the clock\n"] {
+            assert!(!is_well(answer).unwrap(), "{answer}");
+        }
+        for answer in ["", "\n", "mode", "mode \n", "mode RED\n", "RED\n", "no tick yet\n"] {
+            let error = is_well(answer).unwrap_err().to_string();
+            assert!(error.contains("expected `mode` and one of off, settle"), "{answer}: {error}");
+        }
+    }
 }

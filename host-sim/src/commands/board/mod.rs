@@ -20,6 +20,8 @@ pub use commission::{Commissioning, Person, commission};
 use pt326_host::board::simulate::SimulatedRig;
 use pt326_host::board::{Session, find};
 use pt326_host::experiment::as_written;
+#[cfg(feature = "live")]
+pub(super) use signals::Heed;
 pub use verify::{Verification, verify};
 
 /// Use a real board over its serial port: its console, a record of what it does, its settings.

@@ -17,14 +17,14 @@ fn heeding() -> MutexGuard<'static, (u64, Vec<Heeding>)> {
 }
 
 /// Heeds them until it is dropped.
-pub(super) struct Heed(u64);
+pub(crate) struct Heed(u64);
 
 impl Heed {
     /// Has this done at each signal, in a thread of its own.
     ///
     /// # Errors
     /// The system does not give them.
-    pub(super) fn new(act: impl Fn() + Send + 'static) -> anyhow::Result<Self> {
+    pub(crate) fn new(act: impl Fn() + Send + 'static) -> anyhow::Result<Self> {
         static HANDLER: OnceLock<Result<(), String>> = OnceLock::new();
         let set = HANDLER.get_or_init(|| ctrlc::set_handler(handle).map_err(|error| error.to_string()));
         set.as_ref().map_err(|error| anyhow!("signals cannot be heeded: {error}"))?;

@@ -12,8 +12,9 @@ use pt326_live::mqtt::Broker;
 use pt326_live::{Access, Rig, Server, listen};
 use pt326_rig::Disturbance;
 
+use super::board::Heed;
 use super::terminal::print;
-use rigs::BoardAt;
+use rigs::{BoardAt, Boards};
 
 /// Arguments of `live`.
 #[derive(Clone, Debug, clap::Args)]
@@ -22,7 +23,8 @@ All who open the page see the same rig; whoever has it may break it, arm it and 
 --listen names an address, which needs --token: then everybody who can reach that address and knows the token may.
 
 With --board, a real board: its page arms, stops and acknowledges. Stop, and the key !, go to the board at once. While \
-nothing is heard of the board the page says so; the board goes on regulating, and trips by itself.
+nothing is heard of the board the page says so; the board goes on regulating, and trips by itself. Ctrl-C stops every board before the program \
+ends, and says of each whether it has said that its heater is off; exit code 2 where one has not.
 
 The page watches. With --page lab.html, which `cargo lab` writes, it has all that lies in that file as well: *Connect a board* opens a \
 board at a port of the computer that the browser runs on, and a trace is run again.
@@ -115,7 +117,13 @@ pub fn run(args: &LiveArgs) -> anyhow::Result<()> {
         let password = std::env::var("PT326_MQTT_PASSWORD").ok();
         Broker::new(url, password, args.mqtt_commands)
     });
-    let rigs = rigs::all(args, broker.transpose()?.as_ref())?;
+    let boards = Boards::default();
+    let leaving = boards.clone();
+    // Before any board is there: from then on nothing ends this with one that heats.
+    let _heed = (!args.board.is_empty())
+        .then(|| Heed::new(move || std::process::exit(if leaving.leave() { 0 } else { 2 })))
+        .transpose()?;
+    let rigs = rigs::all(args, &boards, broker.transpose()?.as_ref())?;
     serve(args, rigs)
 }
 

@@ -2,9 +2,10 @@
 
 use std::collections::HashSet;
 use std::fs::{self, File};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -18,8 +19,8 @@ use pt326_live::{Rig, clock};
 use super::LiveArgs;
 use crate::commands::replay::{self, ReplayArgs};
 use crate::commands::terminal::print;
-use pt326_host::board::find;
-use pt326_host::board::watch::Watch;
+use pt326_host::board::watch::{Leaver, Watch};
+use pt326_host::board::{ALONE, find};
 use pt326_host::record::numbers;
 
 /// Between two attempts to find a board of a wall that is not there.
@@ -64,19 +65,60 @@ impl BoardAt {
     }
 }
 
+/// Boards that are there, with the names by which they are called.
+#[derive(Clone, Default)]
+pub(super) struct Boards(Arc<Mutex<Vec<(String, Leaver)>>>);
+
+impl Boards {
+    fn all(&self) -> MutexGuard<'_, Vec<(String, Leaver)>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// One is there.
+    fn watched(&self, name: &str, watch: Watch) -> Board {
+        self.all().push((name.to_owned(), watch.leaver()));
+        Board(watch)
+    }
+
+    /// Stops all of them, and says of each whether it says so; whether all do.
+    pub(super) fn leave(&self) -> bool {
+        let all = std::mem::take(&mut *self.all());
+        let asked: Vec<_> =
+            all.into_iter().map(|(name, leaver)| (name, thread::spawn(move || leaver.stops()))).collect();
+        let told = |(name, stops): (String, thread::JoinHandle<bool>)| {
+            let stopped = stops.join().unwrap_or(false);
+            // A terminal that was closed shows nothing.
+            let _ = match stopped {
+                true => writeln!(std::io::stderr(), "{name}: the board says that its heater is off"),
+                false => writeln!(
+                    std::io::stderr(),
+                    "{name}: the board does NOT say that its heater is off: {ALONE}"
+                ),
+            };
+            stopped
+        };
+        asked.into_iter().map(told).filter(|stopped| !stopped).count() == 0
+    }
+}
+
 /// All that is to be served. Boards of a wall need not be there yet.
 ///
 /// # Errors
 /// A bad file or value; a board that is alone, and not there.
-pub(super) fn all(args: &LiveArgs, broker: Option<&Broker>) -> anyhow::Result<Vec<Arc<Rig>>> {
+pub(super) fn all(
+    args: &LiveArgs,
+    boards: &Boards,
+    broker: Option<&Broker>,
+) -> anyhow::Result<Vec<Arc<Rig>>> {
     match (&args.board[..], &args.recording) {
         ([], Some(file)) => one(recording(args, file)?, args.speed, broker),
         ([], None) => simulated(args, broker),
         ([board], _) => {
             let log = || log_in(args.record.as_deref(), &board.called());
-            one(Board(Watch::open_recorded(&find(board.port.as_deref())?, log)?), 1.0, broker)
+            let watch = Watch::open_recorded(&find(board.port.as_deref())?, log)?;
+            one(boards.watched(&board.called(), watch), 1.0, broker)
         }
-        (boards, _) => several(boards, args.record.as_deref(), broker),
+        (wall, _) => several(wall, args.record.as_deref(), boards, broker),
     }
 }
 
@@ -127,12 +169,13 @@ fn simulated(args: &LiveArgs, broker: Option<&Broker>) -> anyhow::Result<Vec<Arc
 
 /// A wall of boards, each with a thread that waits for it.
 fn several(
-    boards: &[BoardAt],
+    wall: &[BoardAt],
     record: Option<&Path>,
+    boards: &Boards,
     broker: Option<&Broker>,
 ) -> anyhow::Result<Vec<Arc<Rig>>> {
     let (mut names, mut ports) = (HashSet::new(), HashSet::new());
-    for board in boards {
+    for board in wall {
         let Some(port) = &board.port else {
             bail!("several boards need their ports: --board lab1=/dev/ttyACM0 --board lab2=/dev/ttyACM1");
         };
@@ -150,12 +193,13 @@ fn several(
             rig: rig.clone(),
             port: board.port.clone().unwrap_or_default(),
             record: record.map(Path::to_owned),
+            boards: boards.clone(),
             broker: broker.map(|broker| broker.of(rig.name())),
         };
         thread::Builder::new().name(rig.name().into()).spawn(move || awaited.wait())?;
         Ok(rig)
     };
-    boards.iter().map(wait).collect()
+    wall.iter().map(wait).collect()
 }
 
 /// A board that is waited for.
@@ -163,6 +207,7 @@ struct Awaited {
     rig: Arc<Rig>,
     port: String,
     record: Option<PathBuf>,
+    boards: Boards,
     broker: Option<Broker>,
 }
 
@@ -181,7 +226,8 @@ impl Awaited {
 
     fn open(&self) -> anyhow::Result<()> {
         let log = || log_in(self.record.as_deref(), self.rig.name());
-        begin(&self.rig, Board(Watch::open_recorded(&self.port, log)?), 1.0, self.broker.clone())
+        let watch = self.boards.watched(self.rig.name(), Watch::open_recorded(&self.port, log)?);
+        begin(&self.rig, watch, 1.0, self.broker.clone())
     }
 }
 

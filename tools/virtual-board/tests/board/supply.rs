@@ -41,6 +41,21 @@ fn a_sag_that_looks_like_power_on_is_told_from_it() {
     held_by(&mut scene, "2.9 V");
 }
 
+/// What cut the last time says nothing of the next.
+#[test]
+fn a_later_cut_is_told_by_its_own_reason() {
+    let mut scene = heating();
+    scene.board.supply(2.95, 10 * MS).expect("sags");
+    scene.board.supply(3.3, 10 * MS).expect("comes back");
+    held_by(&mut scene, "2.9 V");
+    scene.board.run_for(SECOND).expect("runs on");
+    assert!(scene.board.heater() > 0.0);
+    scene.board.interlock(false);
+    scene.board.run_for(SECOND).expect("runs on");
+    scene.board.interlock(true);
+    held_by(&mut scene, "the interlock on the break input opened");
+}
+
 #[test]
 fn a_power_failure_while_heating_holds_and_one_at_rest_does_not() {
     let mut scene = heating();

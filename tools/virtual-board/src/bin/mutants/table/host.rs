@@ -21,10 +21,50 @@ pub(super) const MUTANTS: &[Mutant] = &[
     )
     .on_host(LOGIC),
     mutant(
+        "save-not-read-back",
+        "what is acknowledged is gone at the next start",
+        STORE,
+        ["Ok(Some(found)) if found == bytes", "_"],
+        &["power_cut::what_is_acknowledged", "power_cut::what_is_saved"],
+    )
+    .on_host(LOGIC),
+    mutant(
+        "refusal-erases-all",
+        "a word that the flash refuses costs all that was kept",
+        STORE,
+        ["                Err(Error::Storage { .. }) => break,\n", ""],
+        &["power_cut::a_word_that_is_refused"],
+    )
+    .on_host(LOGIC),
+    mutant(
+        "no-mending-after-an-error",
+        "an erasure that failed is taken for one that has ended",
+        STORE,
+        ["        self.mended = result.is_ok();\n", ""],
+        &["power_cut::a_step_that_is_refused"],
+    )
+    .on_host(LOGIC),
+    mutant(
+        "commissioning-not-rewritten",
+        "a save that has erased the commissioning loses it",
+        "firmware-logic/src/console/board.rs",
+        ["        self.given = None; // saving may have had to erase it\n", ""],
+        &["commissioning::a_commissioning_is_written_once"],
+    )
+    .on_host(LOGIC),
+    mutant(
+        "permission-not-asked",
+        "a flipped bit of the mode heats",
+        "firmware-logic/src/control_loop/mod.rs",
+        ["if self.permit != needed || ", "if "],
+        &["no_flipped_bit_heats"],
+    )
+    .on_host(LOGIC),
+    mutant(
         "cut-erasure-believed",
         "a power cut while a sector is erased loses what was saved",
         STORE,
-        ["self.mended = self.map.flash().mend().await.is_ok();", "self.mended = true;"],
+        ["self.mended = self.sectors.mend().await.is_ok();", "self.mended = true;"],
         &["whatever_is_cut", "full_sectors"],
     )
     .on_host(LOGIC),
@@ -33,7 +73,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "a flash full of garbage takes no settings for ever",
         STORE,
         [
-            "Err(_) => self.map.erase_all().await.map_err(|_| SaveError::Flash)?,",
+            "Err(_) => self.map().erase_all().await.map_err(|_| SaveError::Flash)?,",
             "Err(_) => return Err(SaveError::Flash),",
         ],
         &["store::the_first_save"],

@@ -172,6 +172,13 @@ pub(super) const MUTANTS: &[Mutant] = &[
         &["heater_off::control_task_hangs", "brown_out::a_falling"],
     ),
     mutant(
+        "old-reason-kept",
+        "an interlock that opens is told as the sag of the supply before",
+        FILE,
+        ["        CUT_BECAUSE.store(0, Ordering::Relaxed);\n", ""],
+        &["supply::a_later_cut"],
+    ),
+    mutant(
         "contactor-left-closed",
         "one stray bit closes the contactor",
         FILE,

@@ -21,7 +21,7 @@ const RESTLESS_STEPS: u32 = 4;
 const FARTHEST_DRIFT: f64 = 2.0;
 /// At full power and nominal flow the element is so many times as much warmer than the air behind it as that is than the room: our choice, a wire that glows
 /// without air and does not with it.
-const ELEMENT_OVER_AIR: f64 = 4.0;
+pub const ELEMENT_OVER_AIR: f64 = 4.0;
 
 /// How far the room has drifted by the time `t` in s, degC, with `slope` in degC/s: a triangle wave.
 fn drift(slope: f64, t: f64) -> f64 {

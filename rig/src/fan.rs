@@ -16,6 +16,10 @@ constants! {
         lag: f64 = 0.0, 0.0..=100.0;
         /// The turbulence's standard deviation goes with the flow to the power of this.
         turbulence_exponent: f64 = 0.0, -3.0..=3.0;
+        /// Flow by free convection when the fan stands still, relative (our choice: 0.1 m/s against some 4 m/s).
+        free_flow: f64 = 0.03, 0.001..=0.2;
+        /// What the housing takes by conduction and radiation while the fan stands still: of the heat exp(-housing / flow) reaches T1.
+        housing: f64 = 0.06, 0.0..=1.0;
     }
 }
 
@@ -50,6 +54,14 @@ impl Fan {
             asked
         };
         mean * self.hunting(0.5 * (from + to))
+    }
+
+    /// The flow with what moves by itself, and the share of the heat that reaches T1: the rest goes into the housing. Both fade as soon as the fan blows.
+    pub(crate) fn with_free_convection(&self, flow: f64) -> (f64, f64) {
+        let c = &self.config;
+        let still = libm::exp(-flow / c.free_flow);
+        let flow = flow + c.free_flow * still;
+        (flow, libm::exp(-c.housing * still / flow))
     }
 
     /// The flow at the end of the last stretch, time `t`.

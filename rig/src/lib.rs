@@ -35,7 +35,7 @@ pub use fan::FanConfig;
 pub use heater::HeaterConfig;
 pub use mains::MainsConfig;
 pub use pickup::PickupConfig;
-pub use rig::Rig;
+pub use rig::{ELEMENT_OVER_AIR, Rig};
 pub use room::RoomConfig;
 pub use thermistor::SensorConfig;
 pub use wall::WallConfig;

@@ -66,7 +66,13 @@ fn trainer() -> RigConfig {
             lag_exponent: 0.5,
             ..SensorConfig::default()
         },
-        fan: FanConfig { hunting: 0.01, period: 3.0, lag: 0.15, turbulence_exponent: 0.5 },
+        fan: FanConfig {
+            hunting: 0.01,
+            period: 3.0,
+            lag: 0.15,
+            turbulence_exponent: 0.5,
+            ..FanConfig::default()
+        },
         heater: HeaterConfig { bend: 0.1, wire_time: 0.08 },
         room: RoomConfig {
             draughts: 2.0,
@@ -103,7 +109,13 @@ fn harsh() -> RigConfig {
             lag_exponent: 0.5,
             ..SensorConfig::default()
         },
-        fan: FanConfig { hunting: 0.025, period: 2.3, lag: 0.3, turbulence_exponent: 1.0 },
+        fan: FanConfig {
+            hunting: 0.025,
+            period: 2.3,
+            lag: 0.3,
+            turbulence_exponent: 1.0,
+            ..FanConfig::default()
+        },
         heater: HeaterConfig { bend: 0.25, wire_time: 0.2 },
         room: RoomConfig {
             draughts: 6.0,

@@ -11,7 +11,7 @@ use crate::meter::Meter;
 use crate::noise::{Noise, OrnsteinUhlenbeck, Turbulence};
 use crate::pickup::Pickup;
 use crate::room::Room;
-use crate::sensor::Digitizer;
+use crate::sensor::{Digitizer, Wiring};
 use crate::thermistor::Thermistors;
 use crate::wall::Wall;
 
@@ -19,8 +19,9 @@ use crate::wall::Wall;
 const RESTLESS_STEPS: u32 = 4;
 /// How far the room drifts from where it began, degC: then it drifts back, as a room that is heated and aired does.
 const FARTHEST_DRIFT: f64 = 2.0;
-/// Lowest level of the fan: what moves by itself when it stands still.
-const LEAST_FLOW: f64 = 0.05;
+/// At full power and nominal flow the element is so many times as much warmer than the air behind it as that is than the room: our choice, a wire that glows
+/// without air and does not with it.
+pub const ELEMENT_OVER_AIR: f64 = 4.0;
 
 /// How far the room has drifted by the time `t` in s, degC, with `slope` in degC/s: a triangle wave.
 fn drift(slope: f64, t: f64) -> f64 {
@@ -30,6 +31,13 @@ fn drift(slope: f64, t: f64) -> f64 {
     }
     let place = (way + FARTHEST_DRIFT).rem_euclid(4.0 * FARTHEST_DRIFT);
     FARTHEST_DRIFT - (place - 2.0 * FARTHEST_DRIFT).abs()
+}
+
+/// The share of the rise that is left after a loss that goes against the flow: 1 - loss, as measured; where so little air flows that most is lost, the
+/// exponential that continues it.
+fn kept(loss: f64) -> f64 {
+    const MOST: f64 = 0.75;
+    if loss <= MOST { 1.0 - loss } else { (1.0 - MOST) * libm::exp((MOST - loss) / (1.0 - MOST)) }
 }
 
 /// The rig in motion.
@@ -46,6 +54,8 @@ pub struct Rig {
     mains: Option<Mains>,
     meter: Option<Meter>,
     fan: Fan,
+    /// Power of the heater's wire now, %.
+    power: f64,
     /// What its user has set it to, relative.
     fan_level: f64,
     room: Option<Room>,
@@ -94,6 +104,7 @@ impl Rig {
             mains: Mains::new(&config.mains, sample_time, seed),
             meter: Meter::new(config, seed),
             fan: Fan::new(&config.fan, seed),
+            power: 0.0,
             fan_level: 1.0,
             room,
             pickup: Pickup::new(&config.pickup, seed),
@@ -121,13 +132,16 @@ impl Rig {
         let conditions = Conditions::at(&self.faults, self.now(), self.sample_time);
         let air = [0.0, self.turbulence[0].at_sensor(), self.turbulence[1].at_sensor()];
         let now = self.now();
+        let temperatures = self.elements.map(|element| element.celsius());
+        let raised = self.digitizer.raised(temperatures, conditions.common_return);
         self.codes = core::array::from_fn(|i| {
             let white = self.config.white_noise * self.noise.normal();
             let sensor = conditions.wired[i];
             let indicated = self.thermistors.indicated(sensor, self.elements[sensor].celsius() + air[sensor]);
             let celsius = indicated + conditions.offset[sensor] + white;
             let hum = self.pickup.as_ref().map_or(0.0, |pickup| pickup.codes(i, now));
-            self.digitizer.code(i, celsius, hum, &conditions.reading[i], &mut self.noise)
+            let wiring = Wiring { shunt: conditions.shunt[sensor], raised };
+            self.digitizer.code(i, celsius, wiring, hum, &conditions.reading[i], &mut self.noise)
         });
         self.codes
     }
@@ -139,9 +153,9 @@ impl Rig {
         self.meter.as_mut().map_or(0.0, |meter| meter.code(voltage))
     }
 
-    /// Sets the fan, relative to its nominal level, from now on. Some air always flows.
+    /// Sets the fan, relative to its nominal level, from now on.
     pub fn set_fan(&mut self, level: f64) {
-        self.fan_level = level.max(LEAST_FLOW);
+        self.fan_level = level.max(0.0);
     }
 
     /// Drives the heater with `drive` % until the next tick.
@@ -187,6 +201,7 @@ impl Rig {
         let power =
             now.stuck_power.unwrap_or(driven * now.power) * (1.0 + self.mains_disturbance.value()) * volts;
         let power = power * now.supply * now.supply;
+        self.power = power;
         let power = self.source.warm(power, air.slowness, to - from);
         let time = self.config.heater_time * air.slowness;
         self.heater.drive(from, to, self.config.gain / air.flow * power, time);
@@ -219,10 +234,11 @@ impl Rig {
         self.mains.as_ref().map_or(flow, |mains| flow * mains.flow())
     }
 
-    /// The air as it is at a time, at a flow.
+    /// The air as it is at a time, at the flow that the fan gives.
     fn air_stream(&self, t: f64, flow: f64, now: &Conditions) -> AirStream {
         let c = &self.config;
         let room = self.room.as_ref().map_or(0.0, |room| room.warmer(t));
+        let (flow, arrives) = self.fan.with_free_convection(flow);
         AirStream {
             flow,
             slowness: if flow == 1.0 { 1.0 } else { libm::pow(flow, -c.flow_exponent) },
@@ -232,7 +248,7 @@ impl Rig {
                 + now.ambient
                 + room,
             delay: [0.0, c.dead_time / flow, (c.dead_time + c.t2_delay) / flow],
-            share: [0.0, 1.0, 1.0 - c.heat_loss / flow],
+            share: [0.0, arrives, arrives * kept(c.heat_loss / flow)],
         }
     }
 
@@ -246,6 +262,15 @@ impl Rig {
             let rise = air.share[i] * self.heater.rise_at(now - air.delay[i]);
             air.ambient + self.walls[i].as_ref().map_or(rise, |wall| wall.mix(&air, rise))
         })
+    }
+
+    /// For scores: the true temperature of the heater's element once it has followed its power, degC. Radiation is left out: it limits only what is far too hot.
+    pub fn element(&self) -> f64 {
+        let conditions = Conditions::at(&self.faults, self.now(), 0.0);
+        let flow = self.fan.flow(self.asked_flow(&conditions), self.now());
+        let air = self.air_stream(self.now(), flow, &conditions);
+        let rise = self.config.gain * self.power;
+        air.ambient + rise / air.flow + ELEMENT_OVER_AIR * rise * air.slowness
     }
 
     /// For scores: how far the input that is worst off reads from what it would read at this power without any fault of

@@ -11,27 +11,50 @@ const FULL_SCALE: f64 = 4095.0;
 /// The three converters.
 pub(crate) struct Digitizer {
     r25_over_pull_up: f64,
+    pull_up: f64,
     beta: f64,
     steps: f64,
     /// Code that each channel gave last: what a stuck one repeats. None before the first.
     last: [Option<f64>; 3],
 }
 
+/// What the wires make of a thermistor.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Wiring {
+    /// Resistance across it, ohm.
+    pub(crate) shunt: Option<f64>,
+    /// Its end at ground lies so much of the reference above it.
+    pub(crate) raised: f64,
+}
+
 impl Digitizer {
     pub(crate) fn new(config: &RigConfig) -> Self {
         Self {
             r25_over_pull_up: config.r25_over_pull_up(),
+            pull_up: config.pull_up,
             beta: config.beta,
             steps: f64::from((1u32 << config.adc_bits) - 1),
             last: [None; 3],
         }
     }
 
-    /// The code of channel `i` at a temperature with a hum of so many codes.
+    /// The share of the reference at the thermistors' common end, where the return wire that they share has so many ohm.
+    pub(crate) fn raised(&self, celsius: [f64; 3], common_return: f64) -> f64 {
+        if common_return == 0.0 {
+            return 0.0;
+        }
+        let each = celsius.map(|celsius| common_return / self.pull_up / (1.0 + self.resistance(celsius)));
+        let sum: f64 = each.iter().sum();
+        sum / (1.0 + sum)
+    }
+
+    /// The code of channel `i` at a temperature, with a resistance of so many ohm across its thermistor, the thermistor's other end `raised` by a share
+    /// of the reference, and a hum of so many codes.
     pub(crate) fn code(
         &mut self,
         i: usize,
         celsius: f64,
+        wiring: Wiring,
         hum: f64,
         reading: &ConverterOutput,
         noise: &mut Noise,
@@ -40,12 +63,12 @@ impl Digitizer {
             ConverterOutput::Open => FULL_SCALE,
             ConverterOutput::Short => 0.0,
             ConverterOutput::Stuck { noise: sd } => {
-                return self.stuck(i, self.convert(celsius, hum), sd, noise);
+                return self.stuck(i, self.convert(celsius, wiring, hum), sd, noise);
             }
             ConverterOutput::Missing { probability } if noise.uniform(0.0, 1.0) < probability => {
                 return f64::NAN;
             }
-            ConverterOutput::Missing { .. } | ConverterOutput::True => self.convert(celsius, hum),
+            ConverterOutput::Missing { .. } | ConverterOutput::True => self.convert(celsius, wiring, hum),
         };
         self.last[i] = Some(code);
         code
@@ -66,10 +89,16 @@ impl Digitizer {
         1.0 / (1.0 / T25 + libm::log(r) / self.beta) - KELVIN
     }
 
-    /// Beta equation and ratiometric conversion; the thermistor lies to ground.
-    fn convert(&self, celsius: f64, hum: f64) -> f64 {
-        let r = self.r25_over_pull_up * libm::exp(self.beta * (1.0 / (celsius + KELVIN) - 1.0 / T25));
-        let ratio = r / (1.0 + r);
+    /// Beta equation: resistance of a thermistor over that of the pull-up.
+    fn resistance(&self, celsius: f64) -> f64 {
+        self.r25_over_pull_up * libm::exp(self.beta * (1.0 / (celsius + KELVIN) - 1.0 / T25))
+    }
+
+    /// Ratiometric conversion; the thermistor lies to ground.
+    fn convert(&self, celsius: f64, wiring: Wiring, hum: f64) -> f64 {
+        let r = self.resistance(celsius);
+        let r = wiring.shunt.map_or(r, |ohm| r * ohm / (r * self.pull_up + ohm));
+        let ratio = wiring.raised + (1.0 - wiring.raised) * (r / (1.0 + r));
         let step = FULL_SCALE / self.steps;
         (ratio * self.steps + hum / step + 0.5).floor().clamp(0.0, self.steps) * step
     }

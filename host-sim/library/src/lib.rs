@@ -12,6 +12,7 @@ pub mod record;
 pub mod recording;
 pub mod repeat;
 pub mod score;
+pub mod search;
 pub mod settings;
 pub mod teach;
 pub mod tune;

@@ -86,6 +86,7 @@ impl Verb {
                 | Self::Ambient
                 | Self::AmbientDrift
                 | Self::SupplyVoltage
+                | Self::Return
         )
     }
 
@@ -101,11 +102,13 @@ impl Verb {
             Self::Drift | Self::AmbientDrift => Some((-600.0, 600.0, "°C a minute")),
             Self::Clog => Some((0.0, 3.0, "times the rise")),
             Self::Missing => Some((0.0, 1.0, "as a probability")),
-            Self::AirFlow => Some((0.05, 10.0, "times the nominal flow")),
+            Self::AirFlow => Some((0.0, 10.0, "times the nominal flow")),
             Self::HeaterPower => Some((0.0, 3.0, "times the power")),
             Self::SupplyVoltage => Some((0.0, 2.0, "times the nominal voltage")),
             Self::HeaterStuck => Some((0.0, 100.0, "%")),
             Self::Detach => Some((0.0, 1.0, "of the way out")),
+            Self::Shunt => Some((10.0, 1e7, "ohm")),
+            Self::Return => Some((0.0, 1e6, "ohm")),
             Self::Freeze => Some((0.0, 1000.0, "codes")),
             Self::Open | Self::Short | Self::Stuck | Self::Swap => None,
         }

@@ -38,6 +38,10 @@ pub struct Conditions {
     pub wired: [usize; 3],
     /// What the converter says.
     pub reading: [ConverterOutput; 3],
+    /// Resistance across a sensor, ohm.
+    pub shunt: [Option<f64>; 3],
+    /// Resistance of the return wire that the three thermistors share, ohm.
+    pub common_return: f64,
     /// Air flow, relative.
     pub flow: f64,
     /// Heater power, relative to what is asked for.
@@ -59,6 +63,8 @@ impl Conditions {
             lag: [None; 3],
             wired: [0, 1, 2],
             reading: [ConverterOutput::True; 3],
+            shunt: [None; 3],
+            common_return: 0.0,
             flow: 1.0,
             power: 1.0,
             supply: 1.0,
@@ -88,6 +94,8 @@ impl Conditions {
                 Verb::Spike if t - fault.at < sample_time => now.offset[i] += size,
                 Verb::Spike => {}
                 Verb::Missing => now.reading[i] = ConverterOutput::Missing { probability: size },
+                Verb::Shunt => now.shunt[i] = Some(size),
+                Verb::Return => now.common_return += size,
                 Verb::AirFlow => now.flow *= size,
                 Verb::HeaterPower => now.power *= size,
                 Verb::SupplyVoltage => now.supply *= size,

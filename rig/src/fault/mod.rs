@@ -72,6 +72,10 @@ pub enum Verb {
     SupplyVoltage,
     /// A sensor's contact is loose: it reads `size` degC too high, or right, and changes between the two at random.
     Loose,
+    /// A resistance of `size` ohm lies across a sensor, such as water in its plug: it reads too hot.
+    Shunt,
+    /// The return wire that the three thermistors share has `size` ohm: all read too cold, the more the hotter they are.
+    Return,
 }
 
 impl fmt::Display for Verb {
@@ -81,7 +85,7 @@ impl fmt::Display for Verb {
 }
 
 /// All verbs. New ones come last: the numbers of the column `truth` go by this order.
-const ALL_VERBS: [Verb; 18] = [
+const ALL_VERBS: [Verb; 20] = [
     Verb::Offset,
     Verb::Drift,
     Verb::Clog,
@@ -100,6 +104,8 @@ const ALL_VERBS: [Verb; 18] = [
     Verb::Freeze,
     Verb::SupplyVoltage,
     Verb::Loose,
+    Verb::Shunt,
+    Verb::Return,
 ];
 
 /// One thing that happens, for a time.

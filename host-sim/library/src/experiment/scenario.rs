@@ -49,6 +49,15 @@ pub struct Action {
     /// Learn anew what is normal, as after an announced change of the rig.
     #[serde(default)]
     pub relearn: bool,
+    /// Heater off.
+    #[serde(default)]
+    pub stop: bool,
+    /// Acknowledge what has tripped.
+    #[serde(default)]
+    pub acknowledge: bool,
+    /// Arm again.
+    #[serde(default)]
+    pub arm: bool,
 }
 
 impl Action {
@@ -66,7 +75,14 @@ impl Action {
         }
         commands.extend(self.excite.map(|on| (self.at, Command::Excite(on))));
         commands.extend(self.fan.map(|level| (self.at, Command::Fan(Percent(level)))));
-        commands.extend(self.relearn.then_some((self.at, Command::Relearn)));
+        for (given, command) in [
+            (self.relearn, Command::Relearn),
+            (self.stop, Command::Stop),
+            (self.acknowledge, Command::Acknowledge),
+            (self.arm, Command::Arm),
+        ] {
+            commands.extend(given.then_some((self.at, command)));
+        }
         commands
     }
 }
@@ -141,8 +157,11 @@ impl Scenario {
                 action.setpoint.is_some()
                     || action.excite.is_some()
                     || action.fan.is_some()
-                    || action.relearn,
-                "action {}: expected `setpoint`, `excite`, `fan` or `relearn`",
+                    || action.relearn
+                    || action.stop
+                    || action.acknowledge
+                    || action.arm,
+                "action {}: expected `setpoint`, `excite`, `fan`, `relearn`, `stop`, `acknowledge` or `arm`",
                 i + 1
             );
             let fan = action.fan.unwrap_or(100.0);

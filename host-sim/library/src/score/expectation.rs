@@ -79,7 +79,7 @@ fn class(fault: &Fault) -> Option<FaultClass> {
         (Verb::Short, channel) => channel.map(FaultClass::Short),
         (Verb::Missing, channel) if fault.size == Some(1.0) => channel.map(FaultClass::Lost),
         (Verb::Offset | Verb::Loose | Verb::Clog | Verb::Drift | Verb::Missing, _) => None,
-        (Verb::Spike | Verb::Ambient | Verb::AmbientDrift, _) => None,
+        (Verb::Spike | Verb::Ambient | Verb::AmbientDrift | Verb::Shunt | Verb::Return, _) => None,
     }
 }
 

@@ -41,6 +41,7 @@ use pt326_host::recording::harness;
   pt326 campaign --ablate --out out/ablation  what is each number of the likelihood diagnosis worth?
   pt326 campaign --shard 2/8 --out part       one of eight jobs of a cluster, then
   pt326 campaign merge part/runs.*.jsonl
+  pt326 campaign search --runs 1000000        heat that should not be: the worst are kept
   pt326 campaign records DIR                  recordings of real heaters
   pt326 campaign show \"nominal/mfs1\" --run 17   that run with its trace, figures and report
 
@@ -74,8 +75,24 @@ pub enum CampaignCommand {
     Merge(MergeArgs),
     /// Repeat one run of a cell, with its trace, figures and report.
     Show(ShowArgs),
+    /// Search for heat that should not be: random plants, faults, commands and settings, judged by the true temperatures.
+    Search(SearchArgs),
     /// Diagnose the recordings of a folder, and compare the findings with what is expected of each (docs/records.md).
     Records(RecordsArgs),
+}
+
+/// Which cases.
+#[derive(Clone, Debug, Args)]
+pub struct SearchArgs {
+    /// How many.
+    #[arg(long, default_value_t = 3000)]
+    pub runs: u64,
+    /// The first.
+    #[arg(long, default_value_t = 1)]
+    pub seeds_from: u64,
+    /// Folder for the ten worst and for false trips, made if need be.
+    #[arg(long, value_name = "DIR", default_value = "out/search")]
+    pub out: PathBuf,
 }
 
 /// Which recordings.
@@ -185,8 +202,20 @@ pub fn run(args: &CampaignArgs) -> anyhow::Result<()> {
         Some(CampaignCommand::Define { physics, ablate }) => print(built_in(*physics, *ablate)),
         Some(CampaignCommand::Merge(args)) => merge(args),
         Some(CampaignCommand::Show(args)) => show(args),
+        Some(CampaignCommand::Search(args)) => search_for_heat(args),
         Some(CampaignCommand::Records(args)) => records(args),
     }
+}
+
+fn search_for_heat(args: &SearchArgs) -> anyhow::Result<()> {
+    let bar = super::terminal::progress(args.runs, "runs");
+    let found = pt326_host::search::search(args.seeds_from..args.seeds_from.saturating_add(args.runs), &bar)?;
+    bar.finish_and_clear();
+    std::fs::create_dir_all(&args.out)?;
+    for (case, _) in found.worst.iter().chain(found.false_trips.iter().take(10)) {
+        std::fs::write(args.out.join(format!("{}.toml", case.number)), toml::to_string(case)?)?;
+    }
+    print(&found.to_string())
 }
 
 fn run_campaign(args: &CampaignRunArgs) -> anyhow::Result<()> {

@@ -234,6 +234,8 @@ pub(super) fn what_happens(fault: &Fault) -> String {
         }
         Verb::Offset => format!("{sensor} reads {size} °C too high"),
         Verb::Loose => format!("the contact of {sensor} is loose: it reads {size} °C too high now and then"),
+        Verb::Shunt => format!("{size} ohm lie across {sensor}"),
+        Verb::Return => format!("the thermistors' common return has {size} ohm"),
         Verb::Drift => format!("{sensor} drifts by {size} °C a minute"),
         Verb::Clog => {
             let lag = fault.lag.map_or_else(String::new, |lag| format!(" with a lag of {} s", written(lag)));

@@ -63,7 +63,7 @@ fn poisoned(before: &str) -> Vec<u8> {
 fn nothing_that_a_board_says_is_obeyed_by_a_terminal() {
     let (name, _far) = board(|line| poisoned(&format!("{line}: ")));
     let (code, said) = harmless(&["board", &name, "status"], "");
-    assert!(code == Some(0) && said.contains("\\u{1b}]52;c;cm0gLXJm\\u{7}"), "{code:?} {said}");
+    assert!(code == Some(2) && said.contains("\\u{1b}]52;c;cm0gLXJm\\u{7}"), "{code:?} {said}");
     assert!(said.contains("\\u{9b}31m"), "{said}");
     harmless(&["board", &name, "faults"], "");
 

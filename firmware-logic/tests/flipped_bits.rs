@@ -46,47 +46,8 @@ fn with_flipped(control: &ControlLoop, bit: usize) -> MaybeUninit<ControlLoop> {
     copy
 }
 
-/// Whatever flips while it heats: what is latched has switched off.
-#[test]
-#[expect(unsafe_code, reason = "see above")]
-fn what_flips_while_it_heats_switches_off_or_latches_nothing() {
-    let mut config = Config::default();
-    config.supervisor.check_before_arming = false;
-    let controller = Controller::new(&config).expect("valid");
-    let (mut control, mut output) =
-        (ControlLoop::new(controller, config.setpoint, Interlock::default()), Output::default());
-    tick(&mut control, ROOM, Some(Order::Command(Command::Arm)), &mut output);
-    assert!(output.given() > 0.0);
-    let mut latched = 0;
-    for bit in 0..8 * size_of::<ControlLoop>() {
-        let (mut control, mut output) = (with_flipped(&control, bit), Output { ..output });
-        // SAFETY: as above.
-        let control = unsafe { control.assume_init_mut() };
-        let record = control.tick(ROOM, Arrival::default(), None, Feedback::default(), &mut output);
-        latched += usize::from(record.lockout.is_some());
-        assert!(record.lockout.is_none() || output.is_off(), "bit {bit}: {:?}", record.lockout);
-    }
-    assert!(latched > 1000, "{latched}: at least the limits");
-}
-
-/// How many of all bits drive anything.
-#[expect(unsafe_code, reason = "see above")]
-fn heating_bits(control: &ControlLoop) -> Vec<usize> {
-    let drives = |bit: &usize| {
-        let (mut control, mut output) = (with_flipped(control, *bit), Output::default());
-        // SAFETY: not sound where the bit has made no value of its type; nothing is dropped, and nothing here is a pointer.
-        let control = unsafe { control.assume_init_mut() };
-        (0..TICKS).any(|_| {
-            control.look(ROOM, &mut output);
-            tick(control, ROOM, None, &mut output);
-            !output.is_off()
-        })
-    };
-    (0..8 * size_of::<ControlLoop>()).filter(drives).collect()
-}
-
-#[test]
-fn no_flipped_bit_heats_from_off_unarmed_or_locked_out() {
+/// The loop in each state in which it is looked at, by name.
+fn states() -> [(&'static str, ControlLoop); 7] {
     let mut config = Config::default();
     let unchecked = after(&config, &[(ROOM, None); 4], false);
     config.supervisor.check_before_arming = false;
@@ -97,16 +58,70 @@ fn no_flipped_bit_heats_from_off_unarmed_or_locked_out() {
     let mut output = Output::default();
     tick(&mut late, ROOM, Some(Order::Command(Command::Arm)), &mut output);
     while late.missed(Arrival::default(), &mut output).tick.mode.is_heating() {}
-    let states = [
+    let mut heats = after(&config, &[(ROOM, None)], false);
+    tick(&mut heats, ROOM, Some(Order::Command(Command::Arm)), &mut output);
+    [
         ("never checked", unchecked),
         ("never armed", after(&config, &[(ROOM, None); 4], false)),
         ("stopped", after(&config, &[&armed[..], &[stop]].concat(), false)),
         ("tripped", after(&config, &[&armed[..], &[(BROKEN, None); 8]].concat(), false)),
         ("tripped without a sample", late),
         ("locked out", after(&config, &armed, true)),
-    ];
-    for (name, control) in &states {
-        let bits = heating_bits(control);
-        assert!(bits.is_empty(), "{name}: {} of {} bits: {bits:?}", bits.len(), 8 * size_of::<ControlLoop>());
+        (HEATS, heats),
+    ]
+}
+
+/// Here a bit may switch off, and must if it latches anything.
+const HEATS: &str = "heats";
+
+/// Whether this bit drives what must not be driven.
+#[expect(unsafe_code, reason = "see above")]
+fn is_wrong(name: &str, control: &ControlLoop, bit: usize) -> bool {
+    let (mut control, mut output) = (with_flipped(control, bit), Output::default());
+    // SAFETY: not sound where the bit has made no value of its type; nothing is dropped, and nothing here is a pointer.
+    let control = unsafe { control.assume_init_mut() };
+    (0..TICKS).any(|_| {
+        control.look(ROOM, &mut output);
+        let record = control.tick(ROOM, Arrival::default(), None, Feedback::default(), &mut output);
+        !output.is_off() && (name != HEATS || record.lockout.is_some())
+    })
+}
+
+/// In a child: the state, and the bit that it begins with.
+const CHILD: &str = "FLIPPED_BITS";
+const TEST: &str = "no_flipped_bit_heats_from_off_unarmed_or_locked_out";
+
+/// What a bit makes of a value may be no value of its type, and then a program on this machine may end, as the image's would in a fault, which
+/// cuts. So a child looks, and says where it is; after a bit that ends it, another goes on behind it.
+#[test]
+fn no_flipped_bit_heats_from_off_unarmed_or_locked_out() {
+    const BITS: usize = 8 * size_of::<ControlLoop>();
+    if let Ok(begin) = std::env::var(CHILD) {
+        let (state, from) = begin.split_once(' ').expect("two numbers");
+        let (name, control) = &states()[state.parse::<usize>().expect("a state")];
+        for bit in from.parse().expect("a bit")..BITS {
+            println!("at {bit}");
+            if is_wrong(name, control, bit) {
+                println!("wrong {bit}");
+            }
+        }
+        return;
+    }
+    for (state, (name, _)) in states().iter().enumerate() {
+        let (mut from, mut wrong, mut ended) = (0, Vec::new(), 0);
+        while from < BITS {
+            let mut child = std::process::Command::new(std::env::current_exe().expect("this program"));
+            child.args(["--exact", TEST, "--nocapture"]).env(CHILD, format!("{state} {from}"));
+            let output = child.output().expect("a child");
+            let said = String::from_utf8_lossy(&output.stdout);
+            wrong.extend(said.lines().filter_map(|line| line.split_once("wrong ")?.1.parse::<usize>().ok()));
+            let last = said.lines().rev().find_map(|line| line.split_once("at ")?.1.parse().ok());
+            from = last.map_or(BITS, |last: usize| last + 1);
+            ended += usize::from(!output.status.success());
+            assert!(last.is_some(), "{name}: {said}");
+        }
+        println!("{name}: {ended} of {BITS} bits end the program");
+        assert!(wrong.is_empty(), "{name}: {} of {BITS} bits: {wrong:?}", wrong.len());
+        assert!(ended < BITS / 20, "{name}: {ended} bits end the program: what they drive was not seen");
     }
 }

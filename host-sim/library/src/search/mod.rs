@@ -1,6 +1,6 @@
 //! Search for heat that should not be: random scenarios, each judged by the truth alone, the true temperatures of air and element against time.
 //!
-//! A [`Case`] is drawn from a number: a plant, what breaks, when, what its user does meanwhile, with which settings. [`look`] runs it and says for how
+//! A [`Case`] is drawn from a number: a plant, what breaks, when, what its user does meanwhile, with which settings. [`Case::look`] runs it and says for how
 //! long it was driven while it was too hot; of a healthy rig, whether it tripped. Nothing here knows why the instrument does what it does.
 
 mod draw;

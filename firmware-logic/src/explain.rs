@@ -6,7 +6,7 @@ use core::fmt;
 use fdi_core::supervisor::{FASTEST_FAN, LONGEST_SHELVING};
 use fdi_core::{ConfigError, Refusal};
 
-use crate::decimal::Short;
+use crate::decimal::{Fixed, Short};
 
 /// A refusal, to be shown.
 pub struct Explained<'a, T>(pub &'a T);
@@ -54,6 +54,13 @@ impl fmt::Display for Explained<'_, Refusal> {
                 let [time, max] = [time, LONGEST_SHELVING.0].map(Short);
                 write!(f, "shelving for {time} s refused, expected 0 to {max} s")
             }
+            Refusal::NotAtRest(readings) => {
+                let [t0, t1, t2] = readings.map(|t| Fixed(t, 1));
+                write!(
+                    f,
+                    "T0, T1 and T2 read {t0}, {t1} and {t2} degC, expected within 3 degC at rest: let the rig cool, `check` it"
+                )
+            }
             Refusal::Fan(level) => {
                 let [level, max] = [level, FASTEST_FAN].map(Short);
                 write!(f, "fan level {level} % refused, expected 0 to {max} %")
@@ -73,7 +80,7 @@ mod tests {
         let mut config = Config::default();
         config.pid.kp = -1.0;
         let mut slow = Config::default();
-        slow.supervisor.response_time.0 = 100.0;
+        slow.supervisor.cooling_time.0 = 100.0;
         let errors = [
             Instrument::new(&config).expect_err("below its bounds"),
             Instrument::new(&slow).expect_err("more than its answer time allows"),
@@ -84,7 +91,13 @@ mod tests {
             assert_eq!(Explained(&error).to_string(), error.to_string());
         }
         let set_point = Refusal::SetPoint { wanted: 99.5, min: 20.0, max: 65.0 };
-        for refusal in [Refusal::NotInMode("off"), set_point, Refusal::Shelving(1e6), Refusal::Fan(250.5)] {
+        for refusal in [
+            Refusal::NotInMode("off"),
+            set_point,
+            Refusal::Shelving(1e6),
+            Refusal::Fan(250.5),
+            Refusal::NotAtRest([22.04, 29.96, 30.0]),
+        ] {
             assert_eq!(Explained(&refusal).to_string(), refusal.to_string());
         }
     }

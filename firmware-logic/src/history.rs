@@ -157,7 +157,9 @@ impl fmt::Display for EntryText<'_> {
                     TripReason::SensorsDisagree | TripReason::T1Contradicted => {
                         write!(f, ", T2 {} degC", Fixed(trip.sample.t2.celsius.0, 1))
                     }
-                    TripReason::NoResponse | TripReason::ExcessPower => power(f, trip),
+                    TripReason::NoResponse | TripReason::ExcessPower | TripReason::OutOfReach => {
+                        power(f, trip)
+                    }
                     _ => Ok(()),
                 }
             }

@@ -17,7 +17,7 @@ const button = (act, key, primary) => `<button class="${primary ? "primary" : "p
 const heats = (what, label) => `<button class="primary" data-line="${what}" data-heats data-say="${label}">${say(label)}</button>`;
 const row = (...buttons) => `<div class="row">${buttons.join("")}</div>`;
 // The parts of which a trip speaks; those of the others begin with theirs.
-const TRIPPED = { air_flow_lost: ["fan", "heater"], heater_stuck_on: ["heater"], sensors_disagree: ["T1", "T2"], t1_contradicted: ["T1", "T2"], no_response: ["T1"], excess_power: [] };
+const TRIPPED = { air_flow_lost: ["fan", "heater"], heater_stuck_on: ["heater"], sensors_disagree: ["T1", "T2"], t1_contradicted: ["T1", "T2"], no_response: ["T1"], excess_power: [], out_of_reach: [] };
 const ENDING = 8; // s: an alarm takes some time to see that its fault is over
 
 // What to say of a row. `can` tells which buttons make sense, `since` when the state began, `begun` its first row.

@@ -86,6 +86,7 @@ fn instrument(refusal: &Refusal) -> (&'static str, Value) {
         Refusal::Shelving(time) => {
             ("range", json!({ "name": "shelve", "value": time, "min": 0, "max": LONGEST_SHELVING.0 }))
         }
+        Refusal::NotAtRest([t0, t1, t2]) => ("apart", json!({ "t0": t0, "t1": t1, "t2": t2 })),
         Refusal::Fan(level) => ("fan", json!({ "value": level, "min": 0, "max": FASTEST_FAN })),
     }
 }

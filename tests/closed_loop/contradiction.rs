@@ -164,7 +164,7 @@ fn a_t1_that_is_half_out_trips_and_is_named_if_the_rig_was_learnt() {
     }
 }
 
-/// Learnt: by its signature. Not learnt: it does not answer, and reads as no room does.
+/// Learnt: by its signature. Not learnt: it does not answer, which trips before it has a name.
 #[test]
 fn a_frozen_t1_is_stuck_however_noisy() {
     let stuck = FaultClass::Stuck(Channel::T1);
@@ -175,7 +175,9 @@ fn a_frozen_t1_is_stuck_however_noisy() {
             let mut rig = Misplaced::new(&config, from, t1_frozen);
             let record = run_on(&mut rig, &config, &scenario(gain, since + 60.0, vec![]), seed);
             let (first, _) = named(&record, stuck, since);
-            assert!(first.is_some_and(|delay| delay < latest), "from {since} s, gain {gain}: {first:?} s");
+            let tripped = trip(&record).map(|(time, _)| time - since).filter(|_| from == 0);
+            let delay = first.or(tripped);
+            assert!(delay.is_some_and(|delay| delay < latest), "from {since} s, gain {gain}: {delay:?} s");
         }
     }
 }
@@ -189,7 +191,7 @@ fn what_is_expected_of_a_detached_t1_is_what_the_models_say() {
     let [ambient, t1, _] = hot.report.likelihood.expected.map(|t| t.expect("the models are trained"));
     let beside = hot.tick.sample.t2.celsius.0;
     assert!((ambient - 22.5).abs() < 0.5, "{ambient}");
-    assert!(t1 > beside && t1 < beside + 6.0, "T2 reads {beside}, T1 should read {t1}");
+    assert!(t1 > beside && t1 < beside + 8.0, "T2 reads {beside}, T1 should read {t1}");
 }
 
 /// Heating up, regulating, changing the set-point, with weak rigs and strong ones.
@@ -285,7 +287,9 @@ fn a_second_start_does_not_trip() {
         let highest = Command::SetPoint(Celsius(setpoint));
         rig.orders = vec![(4000, Command::Stop), (4200, highest), (4201, Command::Arm)];
         let record = run_on(&mut rig, &config, &scenario(gain, 520.0, vec![]), seed);
-        assert_eq!(trip(&record), None, "gain {gain}, set-point {setpoint}");
+        // 60 degC is more than full power gives a rig of gain 0.2: that is said, after 40 s.
+        let told = trip(&record).map(|(_, reason)| reason);
+        assert_eq!(told, (gain < 0.3).then_some(TripReason::OutOfReach), "gain {gain}, set-point {setpoint}");
         assert_eq!(record.rows[4201..].iter().find_map(class), None, "gain {gain}, set-point {setpoint}");
         let current = record.rows[4100].report.likelihood.expected[1].is_some();
         assert!(current || gain < 0.3, "gain {gain}: trained before");

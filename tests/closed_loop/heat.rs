@@ -109,7 +109,12 @@ fn swapped(a: Sensor, b: Sensor, at: f64) -> Fault {
 
 /// Gains in degC per %, and set-points that they reach.
 const RIGS: [(f64, f32); 5] = [(0.3, 35.0), (0.6, 35.0), (1.0, 35.0), (0.6, 65.0), (1.0, 65.0)];
-const BY_HEAT: [TripReason; 2] = [TripReason::SensorsDisagree, TripReason::T2OverTemperature];
+const BY_HEAT: [TripReason; 4] = [
+    TripReason::SensorsDisagree,
+    TripReason::T2OverTemperature,
+    TripReason::NoResponse,
+    TripReason::ExcessPower,
+];
 
 #[test]
 fn a_t1_that_sees_too_little_is_switched_off_within_5_s() {
@@ -157,11 +162,8 @@ fn with_both_out_the_power_itself_is_the_contradiction() {
     let both = |onset| [out(T1, 1.0, 0.0, onset), out(T2, 1.0, 0.0, onset)];
     for (gain, setpoint) in RIGS {
         let learnt = Bench::armed(gain, setpoint, &both(LATE), 13).watch(LATE, LATE + 60.0);
-        // At 65 degC, gain 0.6, 1.75 times the power needed is more than there is.
-        let reason =
-            if (gain, setpoint) == (0.6, 65.0) { TripReason::NoResponse } else { TripReason::ExcessPower };
         let (delay, seen) = learnt.off.expect("off");
-        assert!(seen == reason && delay < if seen == reason { 10.0 } else { 5.0 }, "{gain}: {learnt:?}");
+        assert!(seen == TripReason::ExcessPower && delay < 5.0, "{gain}: {learnt:?}");
         for onset in [0.0, 100.0] {
             let unlearnt = Bench::armed(gain, setpoint, &both(onset), 13).watch(onset, onset + 60.0);
             assert_eq!(unlearnt.off.expect("off").1, TripReason::NoResponse, "{gain}: {unlearnt:?}");
@@ -232,9 +234,10 @@ fn a_heater_that_is_stuck_on_is_seen_in_every_mode() {
 
 #[test]
 fn cold_starts_steps_and_other_air_do_not_trip() {
-    let quiet = |mut bench: Bench, seconds: f64, place: String| {
+    let quiet = |mut bench: Bench, seconds: f64, reachable: bool, place: String| {
         let outcome = bench.watch(0.0, bench.time + seconds);
-        assert!(outcome.off.is_none(), "{place}: {outcome:?}");
+        let beyond = |reason| !reachable && reason == TripReason::OutOfReach;
+        assert!(outcome.off.is_none_or(|(_, reason)| beyond(reason)), "{place}: {outcome:?}");
     };
     for seed in 0..40 {
         // Rooms of 5 to 30 degC, set-points of 25 to 65 degC, drawn by the seed alone.
@@ -242,15 +245,16 @@ fn cold_starts_steps_and_other_air_do_not_trip() {
         let gain = [0.3, 0.6, 1.0][seed as usize % 3];
         let mut bench = Bench::new(gain, setpoint, ambient, &[], seed);
         bench.instrument.command(Command::Arm).unwrap();
-        quiet(bench, 60.0, format!("room {ambient}, set-point {setpoint}, gain {gain}"));
+        let reachable = ambient + 100.0 * gain > f64::from(setpoint) + 1.0;
+        quiet(bench, 60.0, reachable, format!("room {ambient}, set-point {setpoint}, gain {gain}"));
     }
     for flow in [0.67, 1.5] {
         let air = [fault(Verb::AirFlow, None, Some(flow), LATE)];
-        quiet(Bench::armed(0.3, 35.0, &air, 18), LATE + 60.0, format!("air flow {flow}"));
+        quiet(Bench::armed(0.3, 35.0, &air, 18), LATE + 60.0, true, format!("air flow {flow}"));
     }
     let mut bench = Bench::armed(0.3, 35.0, &[], 19);
     bench.run(400.0);
-    for setpoint in [60.0, 24.0, 48.0, 65.0, 20.0, 35.0] {
+    for setpoint in [50.0, 24.0, 48.0, 51.0, 20.0, 35.0] {
         bench.instrument.command(Command::SetPoint(Celsius(setpoint))).unwrap();
         let mode = bench.run(40.0).mode;
         assert!(mode.is_heating(), "step to {setpoint}: {mode:?}");
@@ -280,7 +284,7 @@ fn a_calibration_at_rest_leaves_nothing_to_contradict() {
     bench.instrument.command(Command::Stop).unwrap();
     bench.run(30.0);
     let mut config = with_prbs_phase(&Config { setpoint: Celsius(35.0), ..Config::default() }, 21);
-    config.sensors.t1.offset.0 = -6.2;
+    config.sensors.t1.offset.0 = -2.5;
     bench.instrument.retune(&config).unwrap();
     bench.run(1.0);
     bench.instrument.command(Command::Arm).unwrap();

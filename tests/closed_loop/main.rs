@@ -9,5 +9,7 @@ mod likelihood;
 mod limits;
 mod plants;
 mod scenarios;
+mod search;
+mod still_air;
 mod taught;
 mod tuning;

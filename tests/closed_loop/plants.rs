@@ -83,7 +83,7 @@ type Hazard = (&'static str, Fault, bool, f64, TripReason, f64);
 
 #[rustfmt::skip]
 fn hazards() -> Vec<Hazard> {
-    use TripReason::{AirFlowLost, ExcessPower, HeaterStuckOn, NoResponse, SensorsDisagree, T1Lost, T1Open, T1Short, T1Stuck};
+    use TripReason::{AirFlowLost, ExcessPower, NoResponse, SensorsDisagree, T1Lost, T1Open, T1OverTemperature, T1Short, T1Stuck};
     let out = || of_t1(Verb::Detach, Some(1.0));
     let half_out = || of_t1(Verb::Detach, Some(0.5));
     let gone = || of_t1(Verb::Missing, Some(1.0));
@@ -98,7 +98,7 @@ fn hazards() -> Vec<Hazard> {
         ("oven", out(), false, 90.0, SensorsDisagree, 20.0),
         ("oven", out(), true, 60.0, SensorsDisagree, 20.0),
         ("oven", half_out(), true, 60.0, SensorsDisagree, 20.0),
-        ("oven", stuck_on(), true, 120.0, HeaterStuckOn, 80.0),
+        ("oven", stuck_on(), true, 120.0, T1OverTemperature, 80.0),
         ("oven", dead(), false, 120.0, NoResponse, 0.0),
         ("oven", less_air(), true, 900.0, AirFlowLost, 40.0),
         ("hotend", of_t1(Verb::Open, None), true, 0.5, T1Open, 5.0),
@@ -108,15 +108,15 @@ fn hazards() -> Vec<Hazard> {
         ("hotend", out(), false, 30.0, SensorsDisagree, 0.0),
         ("hotend", out(), true, 15.0, SensorsDisagree, 40.0),
         ("hotend", half_out(), true, 20.0, SensorsDisagree, 40.0),
-        ("hotend", stuck_on(), true, 60.0, HeaterStuckOn, 80.0),
+        ("hotend", stuck_on(), true, 60.0, T1OverTemperature, 85.0),
         ("hotend", dead(), true, 60.0, ExcessPower, 5.0),
         ("hotend", less_air(), true, 900.0, AirFlowLost, 60.0),
         ("tclab", of_t1(Verb::Open, None), true, 5.0, T1Open, 5.0),
         ("tclab", gone(), true, 15.0, T1Lost, 5.0),
         ("tclab", of_t1(Verb::Stuck, None), true, 180.0, T1Stuck, 10.0),
-        ("tclab", out(), false, 240.0, NoResponse, 0.0),
-        ("tclab", out(), true, 240.0, NoResponse, 20.0),
-        ("tclab", dead(), false, 240.0, NoResponse, 0.0),
+        ("tclab", out(), false, 400.0, NoResponse, 10.0),
+        ("tclab", out(), true, 240.0, ExcessPower, 20.0),
+        ("tclab", dead(), false, 400.0, NoResponse, 0.0),
     ]
 }
 

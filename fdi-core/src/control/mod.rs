@@ -12,7 +12,7 @@ use crate::filter::{LowPass, LowPassState};
 use crate::known::KnownInputs;
 use crate::sense::supply::{Supply, SupplyState};
 use crate::sense::{RawSample, Sample, Sensing, SensingState, Validity};
-use crate::supervisor::effect::HARMLESS;
+use crate::supervisor::account::HARMLESS;
 use crate::supervisor::{
     Command, FASTEST_FAN, Mode, Refusal, Regulated, Situation, Supervisor, SupervisorState, TripReason,
 };
@@ -97,7 +97,7 @@ impl Controller {
             supervisor: Supervisor::new(
                 &config.supervisor,
                 config.pid.output_max,
-                config.identification.answer_time,
+                &config.identification,
                 ts,
             )?,
             pid: Pid::new(&config.pid, ts)?,

@@ -57,7 +57,13 @@ impl Ambient {
             (_, Some(t0), Some(ambient)) if (t0 - ambient).abs() < t.followed => {
                 s.believed = Some(ambient + bounded(t0 - ambient, -self.fastest, self.fastest));
             }
-            (_, t0, believed) => s.believed = believed.or(t0.filter(|t0| is_possible(t, t0))),
+            // A workshop in winter is no wrong T0, where all three say so before anything has heated.
+            (_, t0, believed) => {
+                let alike = |t0: f32| {
+                    [t1, t2].iter().all(|t| t.is_some_and(|t| (t - t0).abs() < self.tuning.sensors.alike))
+                };
+                s.believed = believed.or(t0.filter(|t0| is_possible(t, t0) || alike(*t0)));
+            }
         }
         if let Some(t0) = t0 {
             self.doubt(s, tick, t0);

@@ -153,12 +153,6 @@ pub struct SensingState {
     t2: PlausibilityState,
 }
 
-/// ln of the resistance of a thermistor over its pull-up, by the code alone; None where no code came, or one at a rail.
-pub(crate) fn log_resistance(code: AdcCode) -> Option<f32> {
-    let within = code.0 >= 1.0 && code.0 <= AdcCode::FULL_SCALE - 1.0;
-    within.then(|| logarithm::ln(code.0 / (AdcCode::FULL_SCALE - code.0)))
-}
-
 impl Sensing {
     /// Builds the three channels.
     ///

@@ -24,15 +24,6 @@ settings! {
         over_temperature: Celsius = 75.0, 30.0..=349.0, limit above;
         /// T1 without a valid sample for longer than this switches the heater off, whatever the reason.
         signal_timeout: Seconds = 0.5, 0.0..=5.0, limit above within 1 answers;
-        /// Full power for this time switches the heater off, if T1 has not risen by `min_response` since arming. It must be longer
-        /// than the dead time and the lag of the rig.
-        response_time: Seconds = 8.0, 1.0..=600.0, limit above within 16 answers;
-        /// By how much T1 must rise at full power within `response_time`.
-        min_response: Celsius = 3.0, 1.0..=50.0, limit below;
-        /// Power above what was learnt for the set-point by more than this, while T1 does not rise, switches the heater off.
-        max_excess_power: Percent = 75.0, 10.0..=200.0, limit above;
-        /// How long the power may stay above `max_excess_power`.
-        excess_power_time: Seconds = 3.5, 0.5..=600.0, limit above within 8 answers;
         /// T2 above T1 by more than this, beyond their learnt difference, switches the heater off.
         max_disagreement: Celsius = 5.5, 2.0..=100.0, limit above;
         /// How long T2 may stay above `max_disagreement`; longer than T2 lags behind T1.

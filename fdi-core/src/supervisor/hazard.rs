@@ -12,33 +12,22 @@ impl Supervisor {
     /// What trips, or would if the heater were on.
     pub(super) fn hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
         state.lost = if now.regulated.value.is_some() { 0 } else { state.lost.saturating_add(1) };
-        self.power.follow(&mut state.power, now.pid.0);
-        // What a flipped bit has made of the mean is not averaged any further.
-        if !(0.0..=100.0).contains(&state.power) {
-            state.power = now.pid.0;
-        }
         let by_models = state.mode != Mode::Off && now.feedback.heater_stuck_on;
-        let unasked = self.unasked.step(&mut state.unasked, now, state.power) || by_models;
         let heating = state.mode.is_heating();
+        let account = self.account.step(&mut state.account, now, heating, state.mode != Mode::Tune);
+        let unasked = account.unasked || by_models;
         let by_t1 = heating && !now.regulated.is_virtual;
-        let without_effect = self.effect.step(&mut state.effect, now.raw.t1, now.drive, by_t1);
         let named = by_t1 && now.feedback.t1_contradicted;
         state.named = if named { state.named.saturating_add(1) } else { 0 };
         let by_sensors = self.sensor_hazard(state.lost > self.lost_ticks, now);
-        let by_heat = if heating {
-            self.heat_hazard(state, now)
-        } else {
-            (state.response, state.disagreement) = Default::default();
-            None
-        };
         let without_air = self.is_without_air(now).then_some(TripReason::AirFlowLost);
         let contradicted = state.named > self.named_ticks;
         by_sensors
             .or(unasked.then_some(TripReason::HeaterStuckOn))
             .or(without_air)
-            .or(by_heat)
+            .or((heating && self.is_short_of_air(now)).then_some(TripReason::AirFlowLost))
+            .or(account.heat)
             .or(contradicted.then_some(TripReason::T1Contradicted))
-            .or(without_effect.then_some(TripReason::NoResponse))
     }
 
     /// By what was announced of the fan. An announcement only ever takes heat away: no limit is widened for it.
@@ -84,20 +73,10 @@ impl Supervisor {
         reading.validity != Validity::Missing && !(reading.celsius <= self.config.over_temperature)
     }
 
-    /// By how power and temperatures go together.
-    fn heat_hazard(&self, state: &mut SupervisorState, now: &Situation) -> Option<TripReason> {
-        let (power, operation) = (state.power, &state.operation);
-        // An experiment regulates to no set-point.
-        let needed = operation.power_for(now.setpoint).filter(|_| state.mode != Mode::Tune);
-        let response = self.response.step(&mut state.response, now, power, needed);
-        let disagreement = self.disagreement.step(&mut state.disagreement, now, power, operation);
-        // A heater that gives more than it is asked for looks like too little air.
+    /// By the models. A heater that gives more than it is asked for looks like too little air.
+    fn is_short_of_air(&self, now: &Situation) -> bool {
         let air_flow = now.feedback.air_flow.filter(|_| !now.feedback.heater_faulty);
-        if air_flow.is_some_and(|flow| !(flow >= self.config.min_air_flow)) {
-            Some(TripReason::AirFlowLost)
-        } else {
-            disagreement.or(response)
-        }
+        air_flow.is_some_and(|flow| !(flow >= self.config.min_air_flow))
     }
 
     /// The record of a trip. Out of line: it is long, and made once.
@@ -110,8 +89,8 @@ impl Supervisor {
             sample: *now.sample,
             setpoint: now.setpoint,
             limit: self.config.over_temperature,
-            power: Percent(state.power),
-            needed: state.operation.power_for(now.setpoint).map(Percent),
+            power: Percent(state.account.mean_power()),
+            needed: state.account.power_for(now.setpoint).map(Percent),
         }
     }
 }

@@ -15,9 +15,11 @@
 //!
 //! ```
 //! use fdi_core::supervisor::{Command, Mode, Supervisor, SupervisorState};
+//! use fdi_core::config::IdentificationConfig;
 //! use fdi_core::{Percent, Seconds, SupervisorConfig};
 //!
-//! let supervisor = Supervisor::new(&SupervisorConfig::default(), Percent(100.0), Seconds(2.0), Seconds(0.11))?;
+//! let (config, plant) = (SupervisorConfig::default(), IdentificationConfig::default());
+//! let supervisor = Supervisor::new(&config, Percent(100.0), &plant, Seconds(0.11))?;
 //! let mut state = SupervisorState::default();
 //! assert_eq!(supervisor.mode(&state), &Mode::Off);
 //! supervisor.command(&mut state, Command::Arm).expect("nothing speaks against it");
@@ -26,39 +28,29 @@
 //! # Ok::<(), fdi_core::ConfigError>(())
 //! ```
 
+pub(crate) mod account;
 pub mod config;
-mod disagreement;
-pub(crate) mod effect;
 mod hazard;
 mod mode;
-mod operation;
-mod response;
 #[cfg(test)]
 mod tests;
-mod unasked;
 
 pub use mode::{Blocker, Command, FASTEST_FAN, LONGEST_SHELVING, Mode, Refusal, Trip, TripReason};
 
-use crate::bounds::smaller;
+use crate::bounds::{larger, smaller};
 use crate::diagnosis::baseline::Baseline;
 use crate::error::ConfigError;
 use crate::feedback::Feedback;
-use crate::filter::LowPass;
+use crate::identify::config::IdentificationConfig;
 use crate::known::KnownInputs;
 use crate::observation::Shelving;
 use crate::sense::{RawSample, Sample};
 use crate::units::{Celsius, Percent, Seconds};
+use account::{Account, AccountState};
 use config::SupervisorConfig;
-use disagreement::{Disagreement, DisagreementState};
-use effect::{Effect, EffectState};
-use operation::Operation;
-use response::{Response, ResponseState};
-use unasked::{Unasked, UnaskedState};
 
 /// So many samples behind, the baseline is not merely late: the models need fewer to settle.
 const UNIDENTIFIED: u32 = 300;
-/// The power is averaged over this share of `response_time` before it is judged.
-const POWER_TIME: f32 = 0.125;
 
 /// T1 may be named out of the tube, or standing still, for so many answer times before that trips, and for so many s.
 const NAMED: f32 = 4.0;
@@ -120,18 +112,13 @@ pub struct Decision {
 pub struct Supervisor {
     config: SupervisorConfig,
     sample_time: Seconds,
-    response: Response,
-    disagreement: Disagreement,
-    unasked: Unasked,
-    effect: Effect,
+    account: Account,
     named_ticks: u32,
     learn_start: u32,
     learn_samples: u32,
     steady_ticks: u32,
     lost_ticks: u32,
     regulation_band: f32,
-    /// Averages the power.
-    power: LowPass,
 }
 
 /// The memory of the [`Supervisor`].
@@ -151,49 +138,39 @@ pub struct SupervisorState {
     forget: bool,
     /// What the diagnosis tells is to be advice, from the next tick on.
     shelve: Option<Shelving>,
-    /// Power asked for up to now, without the excitation, averaged, %.
-    power: f32,
-    operation: Operation,
-    response: ResponseState,
-    disagreement: DisagreementState,
-    unasked: UnaskedState,
-    effect: EffectState,
+    account: AccountState,
     /// Ticks in a row on which T1 was named out of the tube or standing still, without models; saturates.
     named: u32,
 }
 
 impl Supervisor {
-    /// Builds the supervisor; `output_max` is the power that the controller can ask for, `answer_time` how long the rig takes to answer.
+    /// Builds the supervisor; `output_max` is the power that the controller can ask for, `plant` what is declared of the rig.
     ///
     /// # Errors
     /// The parameter that is out of bounds.
     pub fn new(
         c: &SupervisorConfig,
         output_max: Percent,
-        answer_time: Seconds,
+        plant: &IdentificationConfig,
         sample_time: Seconds,
     ) -> Result<Self, ConfigError> {
         c.validate(sample_time)?;
-        Ok(Self::of(c, output_max, answer_time, sample_time))
+        Ok(Self::of(c, output_max, plant, sample_time))
     }
 
     /// From what has been checked.
-    fn of(c: &SupervisorConfig, output_max: Percent, answer_time: Seconds, ts: Seconds) -> Self {
+    fn of(c: &SupervisorConfig, output_max: Percent, plant: &IdentificationConfig, ts: Seconds) -> Self {
         let learn_start = c.learn_start.ticks(ts);
         Self {
             config: *c,
             sample_time: ts,
-            response: Response::new(c, output_max, ts),
-            disagreement: Disagreement::new(c, ts),
-            unasked: Unasked::new(c, ts),
-            effect: Effect::new(answer_time, ts),
-            named_ticks: Seconds(smaller(NAMED * answer_time.0, LONGEST_NAMED)).ticks(ts),
+            account: Account::new(c, plant, output_max, ts),
+            named_ticks: Seconds(smaller(NAMED * plant.answer_time.0, LONGEST_NAMED)).ticks(ts),
             learn_start,
             learn_samples: c.learn_end.ticks(ts).saturating_sub(learn_start),
             steady_ticks: c.regulation_time.ticks(ts),
             lost_ticks: c.signal_timeout.ticks(ts),
             regulation_band: c.regulation_band.0 / 100.0,
-            power: LowPass::euler(POWER_TIME * c.response_time.0, ts.0),
         }
     }
 
@@ -248,20 +225,13 @@ impl Supervisor {
 
     /// Learns what power and temperatures go together, beside the diagnosis and from the same samples.
     fn learn_operation(&self, state: &mut SupervisorState, now: &Situation, learn: bool) {
-        // An instrument that is armed before its first tick has that one only.
-        if !state.mode.is_heating() || state.operation.knows_no_ambient() {
-            state.operation.follow_ambient(now, self.sample_time);
-        }
         match state.mode {
-            Mode::Learn { accepted: 1 } => state.operation.begin(),
-            Mode::Monitor => {
-                state.operation.end();
-                state.operation.follow_heated_room(now, state.power, self.sample_time);
-            }
+            Mode::Learn { accepted: 1 } => state.account.begin(),
+            Mode::Monitor => state.account.end(),
             _ => {}
         }
         if learn {
-            state.operation.push(now);
+            state.account.push(now);
         }
     }
 
@@ -270,7 +240,7 @@ impl Supervisor {
         if state.mode == Mode::Tune {
             state.mode = Mode::Off;
             // An order before the next tick begins from here.
-            (state.elapsed, state.response, state.disagreement) = Default::default();
+            state.elapsed = 0;
         }
     }
 
@@ -338,13 +308,13 @@ impl Supervisor {
     /// The diagnosis has restored a baseline.
     pub fn restored(&self, state: &mut SupervisorState, baseline: &Baseline) {
         state.restored = true;
-        state.operation.restore(baseline);
+        state.account.restore(baseline);
     }
 
     /// The thermistors mean other temperatures from now on: what was learnt of power and heat is to be learnt anew.
     pub(crate) fn recalibrated(&self, state: &mut SupervisorState) {
         state.forget = true;
-        (state.operation, state.unasked) = Default::default();
+        state.account = AccountState::default();
     }
 
     /// Carries out a command on the mode.
@@ -353,6 +323,9 @@ impl Supervisor {
     /// Why it is refused; nothing has changed then.
     pub fn command(&self, state: &mut SupervisorState, command: Command) -> Result<(), Refusal> {
         state.mode = match (command, state.mode, state.hazard) {
+            (Command::Arm | Command::Tune, Mode::Off, None) if !state.account.is_consistent() => {
+                return Err(Refusal::NotAtRest(state.account.readings.map(|t| t.unwrap_or(f32::NAN))));
+            }
             (Command::Arm, Mode::Off, None) => Mode::Settle { steady: 0 },
             (Command::Tune, Mode::Off, None) => Mode::Tune,
             (Command::Acknowledge, Mode::Tripped(_), None) => Mode::Off,
@@ -367,7 +340,7 @@ impl Supervisor {
             ) => {
                 state.restored = false;
                 state.forget = true;
-                state.operation.forget();
+                state.account.forget();
                 if mode.is_heating() { Mode::Settle { steady: 0 } } else { mode }
             }
             (Command::Acknowledge, Mode::Monitor, _) => {
@@ -383,6 +356,10 @@ impl Supervisor {
             }
             (Command::Stop, Mode::Tripped(trip), _) => Mode::Tripped(trip),
             (Command::Stop, ..) => Mode::Off,
+            (Command::Gain(gain), mode, _) => {
+                state.account.checked = larger(gain, 0.0);
+                mode
+            }
             (Command::SetPoint(_) | Command::Excite(_) | Command::Fan(_), mode, _) => mode,
             (
                 Command::Arm | Command::Tune | Command::Acknowledge | Command::Relearn | Command::Shelve(_),

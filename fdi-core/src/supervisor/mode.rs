@@ -32,12 +32,14 @@ pub enum TripReason {
     HeaterStuckOn,
     /// T2 is far hotter than T1.
     SensorsDisagree,
-    /// Full power, and T1 has not risen since arming; or much power for long, and T1 does not account for it.
+    /// T1 shows less warmth than this power must give.
     NoResponse,
-    /// Far more power than was learnt for this set-point, and T1 does not rise.
+    /// The same, by what was learnt of the rig.
     ExcessPower,
     /// T1 does not answer to the heater as T2 does.
     T1Contradicted,
+    /// Full power for long, and T1 stays below the set-point.
+    OutOfReach,
 }
 
 numbered! {
@@ -49,12 +51,13 @@ numbered! {
     Self::T1Stuck => 5, "t1_stuck", "T1 did not move although the heater did";
     Self::T1OverTemperature => 6, "t1_over_temperature", "T1 is above the limit";
     Self::T2OverTemperature => 7, "t2_over_temperature", "T2 is above the limit";
-    Self::AirFlowLost => 8, "air_flow_lost", "too little air to heat, or a heater that gives more than it is asked for";
+    Self::AirFlowLost => 8, "air_flow_lost", "too little air to heat, a heater that gives more than it is asked for, or a T1 that reads far too high";
     Self::HeaterStuckOn => 9, "heater_stuck_on", "the rig heats although the heater is off";
     Self::SensorsDisagree => 10, "sensors_disagree", "T2 is far hotter than T1: T1 is out of the tube or stands still, or wires are swapped";
     Self::NoResponse => 11, "no_response", "much power, and T1 has not risen: T1 out of the tube, or nothing heats";
     Self::ExcessPower => 12, "excess_power", "far more power than was learnt for this set-point: T1 out of the tube, or the rig changed";
     Self::T1Contradicted => 13, "t1_contradicted", "T1 does not answer to the heater as T2 does: T1 is out of the tube or stands still, or wires are swapped";
+    Self::OutOfReach => 14, "out_of_reach", "full power for long, and T1 stays below the set-point: it is out of reach";
 }
 
 /// The record of a trip: what was seen on the tick that tripped.
@@ -73,7 +76,7 @@ pub struct Trip {
     pub setpoint: Celsius,
     /// The temperature above which T1 or T2 trips.
     pub limit: Celsius,
-    /// What had been asked of the heater up to then, without the excitation: its mean over about a second.
+    /// What had driven the heater up to then: its mean over half an answer time.
     pub power: Percent,
     /// The power that this set-point needed by what was learnt, where that is known.
     pub needed: Option<Percent>,
@@ -204,6 +207,8 @@ pub enum Command {
     SetPoint(Celsius),
     /// Switch the excitation on or off.
     Excite(bool),
+    /// The rig's gain that its wiring check has measured, degC of T1 per %. 0, or what is no number: none was.
+    Gain(f32),
     /// Announces the level of the fan; 100 % is the level at which the rig is learnt.
     Fan(Percent),
 }
@@ -234,6 +239,8 @@ pub enum Refusal {
         /// Highest accepted.
         max: f32,
     },
+    /// T0, T1 and T2, in degC, are further apart than at rest, and no heat that was asked for explains it.
+    NotAtRest([f32; 3]),
     /// A level of the fan that none has, %.
     Fan(f32),
     /// A time for which nothing is shelved, s.
@@ -252,6 +259,12 @@ impl fmt::Display for Refusal {
             }
             Self::SetPoint { wanted, min, max } => {
                 write!(f, "set-point {wanted} degC refused, expected {min} to {max} degC")
+            }
+            Self::NotAtRest([t0, t1, t2]) => {
+                write!(
+                    f,
+                    "T0, T1 and T2 read {t0:.1}, {t1:.1} and {t2:.1} degC, expected within 3 degC at rest: let the rig cool, `check` it"
+                )
             }
             Self::Shelving(time) => {
                 write!(f, "shelving for {time} s refused, expected 0 to {} s", LONGEST_SHELVING.0)

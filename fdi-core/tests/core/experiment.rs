@@ -9,7 +9,7 @@ use crate::supervision::{AMBIENT, armed, tick};
 #[test]
 fn arming_right_after_an_experiment_begins_anew() {
     let mut config = Config::default();
-    config.supervisor.learn_start.0 = 5.0;
+    (config.supervisor.learn_start.0, config.pid.output_max.0) = (5.0, 20.0);
     let mut instrument = Instrument::new(&config).unwrap();
     instrument.command(Command::Tune).unwrap();
     let ends = |tick: &fdi_core::Tick| matches!(tick.tuning, Some(Standing::Over(_)));
@@ -67,10 +67,19 @@ fn an_experiment_trips_in_the_same_tick_and_says_that_it_is_over() {
 /// Its heat is asked for, and not taken for a heater that is stuck on; nor is that of the answer that it waits for in vain.
 #[test]
 fn an_experiment_without_an_answer_ends_in_off() {
-    let mut instrument = tuning();
-    let last =
-        (0..2000).map(|k| tick(&mut instrument, AMBIENT, k)).find(|tick| tick.tuning != Some(Standing::Warm));
-    let last = last.expect("it ends");
+    // Power that shows nothing trips; so little that it may be harmless ends the experiment.
+    let mut much = tuning();
+    let tripped = (0..2000).map(|k| tick(&mut much, AMBIENT, k).mode).find(|mode| *mode != Mode::Tune);
+    assert!(
+        matches!(tripped, Some(Mode::Tripped(trip)) if trip.reason == TripReason::NoResponse),
+        "{tripped:?}"
+    );
+    let mut config = Config::default();
+    config.pid.output_max.0 = 20.0;
+    let mut instrument = Instrument::new(&config).unwrap();
+    instrument.command(Command::Tune).unwrap();
+    let is_over = |tick: &fdi_core::Tick| matches!(tick.tuning, Some(Standing::Over(_)));
+    let last = (0..2000).map(|k| tick(&mut instrument, AMBIENT, k)).find(is_over).expect("it ends");
     assert_eq!((last.mode, last.drive.0), (Mode::Off, 0.0));
     assert_eq!(last.tuning, Some(Standing::Over(Err(Unclear::NoAnswer))));
     assert_eq!(tick(&mut instrument, AMBIENT, 1).drive.0, 0.0);

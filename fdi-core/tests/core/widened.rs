@@ -6,13 +6,9 @@ use fdi_core::{Command, Config, Instrument, Refusal, RetuneError};
 use crate::supervision::{AMBIENT, tick};
 
 /// Each limit, a little wider and a little narrower than its default.
-const LIMITS: [(&str, f32, f32); 11] = [
+const LIMITS: [(&str, f32, f32); 7] = [
     ("supervisor.over_temperature", 76.0, 74.0),
     ("supervisor.signal_timeout", 0.55, 0.45),
-    ("supervisor.response_time", 8.5, 7.5),
-    ("supervisor.min_response", 2.9, 3.1),
-    ("supervisor.max_excess_power", 76.0, 74.0),
-    ("supervisor.excess_power_time", 3.6, 3.4),
     ("supervisor.max_disagreement", 5.6, 5.4),
     ("supervisor.disagreement_time", 1.3, 1.1),
     ("supervisor.cooling_time", 15.5, 14.5),

@@ -51,6 +51,8 @@ pub struct ControlLoop {
     check: Option<SelfTest>,
     /// Whether it has passed.
     checked: Doubled,
+    /// The gain that it has measured, which the controller is to be told.
+    measured_gain: Option<f32>,
     /// The interlock's contact has kept the output off, or cut it.
     seen_to_cut: bool,
     /// Dangerous codes that were seen since the last tick.
@@ -71,6 +73,7 @@ impl ControlLoop {
             applied: Percent(0.0),
             check: None,
             checked: NOTHING,
+            measured_gain: None,
             seen_to_cut: false,
             hazard: None,
         }
@@ -122,6 +125,9 @@ impl ControlLoop {
             self.interlock.latch(Lockout::Settings);
             self.stop(Ending::Settings, heater);
         }
+        // An order of its own, so that a replay of the log knows of it.
+        let order =
+            order.or_else(|| self.measured_gain.take().map(|gain| Order::Command(Command::Gain(gain))));
         let outcome = order.map(|order| self.carry_out(order, damaged, heater));
         let tick = self.controller.step(&mut self.state, raw);
         match self.permitted(&tick, raw) {
@@ -264,6 +270,7 @@ impl ControlLoop {
             }
             Command::Stop => self.stop(Ending::Stopped, heater),
             Command::Relearn
+            | Command::Gain(_)
             | Command::SetPoint(_)
             | Command::Excite(_)
             | Command::Fan(_)
@@ -295,7 +302,8 @@ impl ControlLoop {
             return Some(Output::On { power: tick.drive, contactor: true });
         };
         let output = check.step(&tick.sample, &raw, self.controller.hazard(&self.state));
-        self.checked = if check.ending() == Some(Ending::Passed) { PASSED } else { NOTHING };
+        self.measured_gain = check.measured_gain();
+        self.checked = if self.measured_gain.is_some() { PASSED } else { NOTHING };
         Some(output)
     }
 

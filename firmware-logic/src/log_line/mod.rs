@@ -296,6 +296,7 @@ mod tests {
             bits().prop_map(|x| OrderKind::Command(Command::Shelve(Seconds(x)))),
             bits().prop_map(|x| OrderKind::Command(Command::SetPoint(Celsius(x)))),
             bits().prop_map(|x| OrderKind::Command(Command::Fan(Percent(x)))),
+            bits().prop_map(|x| OrderKind::Command(Command::Gain(x))),
         ]
     }
 

@@ -24,6 +24,9 @@ pub(super) fn write(f: &mut fmt::Formatter<'_>, order: &OrderKind) -> fmt::Resul
         OrderKind::Command(Command::SetPoint(Celsius(wanted))) => {
             return write!(f, "setpoint {:x} ({} degC)", wanted.to_bits(), Short(*wanted));
         }
+        OrderKind::Command(Command::Gain(gain)) => {
+            return write!(f, "gain {:x} ({} degC per %)", gain.to_bits(), Short(*gain));
+        }
         OrderKind::Command(Command::Fan(Percent(level))) => {
             return write!(f, "fan {:x} ({} %)", level.to_bits(), Short(*level));
         }
@@ -49,6 +52,7 @@ pub(super) fn parse(text: &str) -> Result<OrderKind, LogLineError<'_>> {
         "ack" => Command::Acknowledge,
         "relearn" => Command::Relearn,
         "setpoint" => Command::SetPoint(Celsius(given()?)),
+        "gain" => Command::Gain(given()?),
         "fan" => Command::Fan(Percent(given()?)),
         "shelve" => Command::Shelve(Seconds(given()?)),
         "excite" => Command::Excite(argument.parse().map_err(|_| expected("true or false"))?),

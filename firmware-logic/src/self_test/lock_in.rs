@@ -75,6 +75,7 @@ pub(super) struct Answer {
     quadrature: f32,
     squares: f32,
     odd_squares: f32,
+    sum: f32,
     cycles: u32,
 }
 
@@ -91,7 +92,13 @@ impl Answer {
         self.quadrature += quadrature;
         self.squares += in_phase * in_phase + quadrature * quadrature;
         self.odd_squares += odd * odd;
+        self.sum += cycle.mean();
         self.cycles += 1;
+    }
+
+    /// Mean rise, degC.
+    pub(super) fn mean(&self) -> f32 {
+        self.sum / self.cycles.max(1) as f32
     }
 
     /// Square of its size in degC².

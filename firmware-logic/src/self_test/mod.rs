@@ -91,6 +91,8 @@ pub struct SelfTest {
     elapsed: u32,
     /// Cycles without heat, at the beginning.
     waited: u32,
+    /// What T1 has answered to each per cent, degC; 0 for not yet.
+    measured_gain: f32,
     /// Index of the pulse's power, and the cycles by which it was judged.
     level: usize,
     judged_cycles: u32,
@@ -141,6 +143,7 @@ impl SelfTest {
             cycles: 0,
             elapsed: 0,
             waited: 0,
+            measured_gain: 0.0,
             level: 0,
             judged_cycles: 0,
             last: [f32::NAN; 3],
@@ -160,6 +163,11 @@ impl SelfTest {
     /// How it ended; `None` while it has not.
     pub fn ending(&self) -> Option<Ending> {
         self.ending
+    }
+
+    /// The rig's gain, degC of T1 per %, of a check that has passed; on the simulated rigs within a quarter.
+    pub fn measured_gain(&self) -> Option<f32> {
+        (self.ending == Some(Ending::Passed)).then_some(self.measured_gain)
     }
 
     /// Where it stands.
@@ -304,12 +312,16 @@ impl SelfTest {
         (self.stage, self.cycles) = (stage, 0);
     }
 
+    /// Power of a pulse, %.
+    fn pulse(&self) -> f32 {
+        let level = LEVELS.get(self.level).copied().unwrap_or(0.0);
+        (level / self.gain).min(level) // whatever has become of the gain
+    }
+
     /// What the output is to be at this tick of this cycle.
     fn output(&self) -> Output {
         let heated = self.step < CYCLE / 2;
-        let level = LEVELS.get(self.level).copied().unwrap_or(0.0);
-        let level = (level / self.gain).min(level); // whatever has become of the gain
-        let power = Percent(if heated { level } else { 0.0 });
+        let power = Percent(if heated { self.pulse() } else { 0.0 });
         let closed_ticks = CLOSED_TICKS.get(self.cycles as usize).copied().unwrap_or(0);
         match self.stage {
             Stage::Rest | Stage::Cooling | Stage::Settle | Stage::Over => Output::Off,

@@ -100,11 +100,11 @@ fn limits_wider_than_the_default_are_told_at_each_arming() {
 #[test]
 fn a_saved_limit_that_is_out_of_bounds_by_now_is_told() {
     let mut saved = Stored::default();
-    saved.config.supervisor.response_time.0 = 100.0;
+    saved.config.supervisor.cooling_time.0 = 100.0;
     let mut buffer = [0; MAX_BYTES];
     let error = Stored::decode(saved.encode(&mut buffer).expect("room")).expect_err("wider than allowed");
     assert_eq!(
         Origin::Fallback(error).to_string(),
-        "DEFAULTS, since the saved record is invalid: supervisor.response_time is 100, expected at most 32: 16 times identification.answer_time (2)"
+        "DEFAULTS, since the saved record is invalid: supervisor.cooling_time is 100, expected at most 64: 32 times identification.answer_time (2)"
     );
 }

@@ -12,7 +12,7 @@ use fdi_core::{
     AdcCode, Celsius, Command, Config, Feedback, Mode, Percent, RawSample, Refusal, TripReason, Validity,
 };
 use firmware_logic::cadence::Arrival;
-use firmware_logic::control_loop::{ControlLoop, Denial, Order, TickRecord};
+use firmware_logic::control_loop::{ControlLoop, Denial, Order, OrderKind, Outcome, TickRecord};
 use firmware_logic::interlock::{Interlock, Lockout};
 use firmware_logic::self_test::{CheckFinding, Ending, LEVELS, LONGEST, MAX_RISE, News, Progress};
 use output::Output;
@@ -399,4 +399,16 @@ proptest! {
         }
         prop_assert!(ended, "{:?}", bench.progress);
     }
+}
+
+/// Whatever the times of the rig are, the controller is told its gain, once, before anybody can have armed it by the check's end.
+#[test]
+fn the_gain_that_the_check_has_measured_reaches_the_controller() {
+    let mut bench = Bench::new(&Config::default());
+    assert_eq!(bench.order(Order::Check), Ok(()));
+    let told: Vec<_> = (0..2 * LONGEST).filter_map(|_| bench.tick().outcome).collect();
+    let [Outcome { order: OrderKind::Command(Command::Gain(gain)), result: Ok(()) }] = told[..] else {
+        panic!("{told:?}")
+    };
+    assert!((gain / 0.3 - 1.0).abs() < 0.25, "{gain}");
 }

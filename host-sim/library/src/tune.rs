@@ -108,11 +108,8 @@ mod tests {
     }
 
     #[test]
-    fn a_heater_that_does_not_heat_gives_the_boards_words() {
+    fn a_heater_that_does_not_heat_trips_and_says_why() {
         let error = tuned(0.01).unwrap_err().to_string();
-        assert_eq!(
-            error,
-            "tune: ended without a result, the heater is off: T1 did not rise by 2 degC: is the heater connected, is identification.y_scale right?"
-        );
+        assert_eq!(error, "tune: ended without a result, it tripped: no_response");
     }
 }

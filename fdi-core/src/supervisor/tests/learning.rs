@@ -1,100 +1,71 @@
 //! What the rules go by: the room, and what was learnt; and what is no heat that nobody asked for.
 
 use super::*;
-use crate::supervisor::operation::Operation;
-
-fn show(operation: &mut Operation, shown: Shown, change: fn(&mut Operation, &Situation)) {
-    situation(0, &shown, 35.0, |now| change(operation, now));
-}
-
-fn in_room(operation: &mut Operation, degrees: f32, ticks: u32) {
-    for _ in 0..ticks {
-        let shown = Shown { t0: degrees, t1: degrees, t2: degrees, ..IN_ORDER };
-        show(operation, shown, |operation, now| operation.follow_ambient(now, TS));
-    }
-}
-
-fn learn(operation: &mut Operation, pid: f32, t1: f32, t2: f32) {
-    show(operation, Shown { pid, t1, t2, ..IN_ORDER }, Operation::push);
-}
-
 #[test]
 fn gain_and_difference_are_means_over_what_was_learnt() {
-    let needed = |operation: &Operation, setpoint| operation.power_for(Celsius(setpoint));
-    let mut operation = Operation::default();
-    assert!(operation.knows_no_ambient());
-    in_room(&mut operation, 22.0, 1);
-    assert!(!operation.knows_no_ambient() && operation.learnt().is_none());
-    operation.end();
-    assert!(operation.learnt().is_none(), "of nothing");
-    learn(&mut operation, 90.0, 90.0, 20.0);
-    operation.begin();
-    learn(&mut operation, 20.0, 30.0, 29.0);
-    learn(&mut operation, 30.0, 34.0, 31.0);
-    operation.end();
-    operation.end(); // each tick of monitoring
-    assert_eq!(operation.learnt().map(|learnt| learnt.t1_over_t2()), Some(2.0));
-    let power = needed(&operation, 35.0).expect("learnt");
-    assert!((power - 32.5).abs() < 1e-4, "0.4 degC per %: {power}");
-    assert_eq!(needed(&operation, 22.5), None, "too little to tell");
-    // A minute later the room may be 1 degC warmer.
-    in_room(&mut operation, 40.0, 546);
-    let power = needed(&operation, 35.0).expect("learnt");
-    assert!((power - 30.0).abs() < 0.02, "{power}");
-    operation.forget();
-    assert!(operation.learnt().is_none());
-
-    operation.begin();
-    learn(&mut operation, 2.0, 24.0, 23.0);
-    operation.end();
-    assert_eq!(operation.learnt().map(|learnt| learnt.t1_over_t2()), Some(1.0));
-    assert_eq!(needed(&operation, 35.0), None, "2 % are too little to learn a gain from");
+    let mut bench = Bench::new();
+    let account = &mut bench.state.account;
+    let learn = |account: &mut AccountState, pid: f32, t1: f32, t2: f32| {
+        situation(0, &Shown { pid, t1, t2, ..IN_ORDER }, 35.0, |now| account.push(now));
+    };
+    account.forget();
+    account.end();
+    assert_eq!(account.power_for(Celsius(35.0)), None, "of nothing");
+    learn(account, 90.0, 90.0, 20.0);
+    account.begin();
+    learn(account, 20.0, 30.0, 29.0);
+    learn(account, 30.0, 34.0, 31.0);
+    account.end();
+    account.end(); // each tick of monitoring
+    assert_eq!(account.learnt.map(|learnt| learnt.t1_over_t2), Some(2.0));
+    let power = account.power_for(Celsius(35.0)).expect("learnt");
+    assert!((power - 32.5).abs() < 1e-3, "0.4 degC per %: {power}");
+    account.begin();
+    learn(account, 2.0, 24.0, 23.0);
+    account.end();
+    assert_eq!(account.power_for(Celsius(35.0)), None, "2 % are too little to learn a gain from");
 }
 
-/// A rig that rises by 0.4 degC for each per cent and was learnt in a room of 27 degC; the room is thought to be this after so many hours of monitoring.
-fn room_after(hours: u32, shown: impl Fn(f32) -> Shown) -> f32 {
-    let mut operation = Operation::default();
-    in_room(&mut operation, 27.0, 1);
-    operation.begin();
-    learn(&mut operation, 25.0, 37.0, 36.0);
-    operation.end();
-    // 10 s at once, for the test's sake: the rate is one of time.
-    for k in 0..hours * 360 {
-        situation(0, &shown(k as f32 / 360.0), 37.0, |now| {
-            operation.follow_heated_room(now, now.pid.0, Seconds(10.0));
-        });
+/// A rig of 0.4 degC per % that was learnt in a room of 27 degC: what is taken for the cold rig after so many hours.
+fn cold_after(hours: f32, shown: impl Fn(f32) -> Shown) -> f32 {
+    let mut bench = Bench::new();
+    bench.state = SupervisorState::default();
+    bench.supervisor.restored(&mut bench.state, &learnt(0.4, 1.0));
+    for tick in 0..20 {
+        bench.step(tick, &Shown { t0: 27.0, t1: 27.0, t2: 27.0, pid: 0.0, ..IN_ORDER });
     }
-    37.0 - 0.4 * operation.power_for(Celsius(37.0)).expect("learnt")
+    bench.state.mode = Mode::Monitor;
+    for tick in 0..(hours * 3600.0 / TS.0) as u32 {
+        bench.step(tick, &shown(tick as f32 * TS.0 / 3600.0));
+    }
+    bench.state.account.cold.expect("known")
 }
 
-/// Twelve hours later the room is 10 degC colder, and the power has followed: no more than that is needed.
+/// Twelve hours later the room is 10 degC colder, and the power has followed: no more than that is needed. A day later it is warm again.
 #[test]
-fn a_night_is_followed_while_it_heats() {
+fn a_night_and_a_day_are_followed_while_it_heats() {
     let night = |hours: f32| {
         let t0 = 27.0 - 10.0 * hours / 12.0;
         Shown { t0, t1: 37.0, t2: 36.0, pid: (37.0 - t0) / 0.4, ..IN_ORDER }
     };
-    assert!((room_after(12, night) - 17.0).abs() < 0.1, "{}", room_after(12, night));
-    let day = |hours: f32| night(if hours < 12.0 { hours } else { 24.0 - hours });
-    assert!((room_after(24, day) - 27.0).abs() < 0.2, "{}", room_after(24, day));
-    let warmer = |hours: f32| night(-hours);
-    assert_eq!(room_after(4, warmer), 27.0, "no tighter than when heating began");
+    let cold = cold_after(12.0, night);
+    assert!((cold - 17.0).abs() < 0.2, "{cold}");
+    let warm = cold_after(24.0, |hours| night(if hours < 12.0 { hours } else { 24.0 - hours }));
+    assert!((warm - 27.0).abs() < 0.2, "{warm}");
 }
 
 /// What is no room: a T0 that reads lower and lower, one that jumps, and power that T1 does not show.
 #[test]
-fn a_wrong_t0_moves_the_room_by_no_more_than_a_quarter_of_the_rise() {
+fn a_wrong_t0_moves_the_cold_rig_by_no_more_than_a_quarter_of_the_rise() {
     let at = |t0: f32, pid: f32| Shown { t0, t1: 37.0, t2: 36.0, pid, ..IN_ORDER };
-    let drifting = room_after(24, |hours| at(27.0 - 2.0 * hours, 25.0));
-    assert!((24.4..24.6).contains(&drifting), "a rise of 12.5 is the most that 25 % may give: {drifting}");
-    let jumped = room_after(24, |_| at(10.0, 25.0));
-    assert_eq!(jumped, 27.0);
-    let out_of_the_tube = room_after(24, |_| Shown { t1: 27.0, ..at(20.0, 100.0) });
-    assert_eq!(out_of_the_tube, 27.0);
-    let within_an_hour = room_after(1, |_| at(25.0, 30.0));
+    let drifting = cold_after(6.0, |hours| at(27.0 - 2.0 * hours, 25.0));
+    assert!((24.3..24.7).contains(&drifting), "a rise of 12.5 is the most that 25 % may give: {drifting}");
+    let jumped = cold_after(1.0, |_| at(10.0, 25.0));
+    assert!((jumped - 27.0).abs() < 0.01, "{jumped}");
+    let by_six = cold_after(0.5, |_| at(25.0, 30.0));
     assert!(
-        (within_an_hour - 25.0).abs() < 0.01 && room_after(1, |_| at(18.0, 47.5)) > 20.9,
-        "6 degC an hour"
+        (by_six - 25.0).abs() < 0.1 && cold_after(0.5, |_| at(18.0, 47.5)) > 23.9,
+        "6 degC an hour: {by_six}"
     );
 }
 
@@ -155,7 +126,7 @@ fn a_room_that_has_grown_warmer_is_no_heater_stuck_on() {
     let room = |tick: u32| ROOM + 0.0017 * tick.min(6000) as f32;
     bench.state.mode = Mode::Settle { steady: 0 };
     for tick in 0..6000 {
-        bench.step(tick, &Shown { t0: room(tick), t1: 40.0, t2: 39.0, pid: 25.0, ..IN_ORDER });
+        bench.step(tick, &Shown { t0: room(tick), t1: 40.0, t2: 39.0, pid: 50.0, ..IN_ORDER });
     }
     assert!(bench.state.mode.is_heating());
     bench.state.mode = Mode::Off;

@@ -26,7 +26,7 @@ impl Modes {
             regulation_time: ticks(STEADY),
             ..SupervisorConfig::default()
         };
-        let supervisor = Supervisor::new(&config, Percent(100.0), ANSWER, TS).expect("valid");
+        let supervisor = Supervisor::new(&config, Percent(100.0), &plant(), TS).expect("valid");
         let state = SupervisorState { setpoint: SETPOINT, mode, ..SupervisorState::default() };
         Self { supervisor, state }
     }
@@ -162,7 +162,7 @@ fn what_was_restored_is_watched_without_the_clock_until_it_is_forgotten() {
     assert_eq!(modes.state.mode, Mode::Settle { steady: 0 });
     assert!(modes.step(0, |_| ()).forget, "told once");
     assert!(!modes.step(0, |_| ()).forget);
-    assert!(modes.state.operation.learnt().is_none());
+    assert!(modes.state.account.learnt.is_none());
     modes.steps(START);
     assert!(
         matches!(modes.state.mode, Mode::Learn { .. }),
@@ -175,7 +175,9 @@ fn what_was_restored_is_watched_without_the_clock_until_it_is_forgotten() {
 #[test]
 fn power_and_temperatures_are_learnt_with_the_baseline() {
     let mut modes = Modes::new(Mode::Off);
-    modes.step(0, |now| now.sample = &AT_REST);
+    for _ in 0..5 {
+        modes.step(0, |now| now.sample = &AT_REST);
+    }
     modes.state.mode = Mode::Settle { steady: STEADY };
     modes.state.elapsed = START;
     for _ in 0..5 {
@@ -188,16 +190,16 @@ fn power_and_temperatures_are_learnt_with_the_baseline() {
     modes.step(0, |now| now.saturated = true);
     modes.state.mode = Mode::Settle { steady: STEADY };
     for tick in 0..=ENOUGH {
-        assert!(modes.state.operation.learnt().is_none(), "{tick}");
+        assert!(modes.state.account.learnt.is_none(), "{tick}");
         modes.step(tick, |_| ());
     }
     assert_eq!(modes.state.mode, Mode::Monitor);
-    let needed = modes.state.operation.power_for(Celsius(38.0)).expect("learnt");
+    let needed = modes.state.account.power_for(Celsius(38.0)).expect("learnt");
     assert!((needed - 50.0).abs() < 1e-3, "8 degC at 25 %, so 16 at 50: {needed}");
-    let warmer = modes.state.operation;
+    let warmer = modes.state.account;
     modes.steps(100);
     assert_eq!(
-        modes.state.operation.power_for(Celsius(38.0)),
+        modes.state.account.power_for(Celsius(38.0)),
         warmer.power_for(Celsius(38.0)),
         "no room while it heats"
     );

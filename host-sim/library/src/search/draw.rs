@@ -55,8 +55,10 @@ impl Case {
         }
         let faults = if healthy { Vec::new() } else { faults(&mut r, duration, slow) };
         let disturbance = r.one_of(&[Disturbance::None, Disturbance::Calm, Disturbance::Lively]);
+        let checked = r.happens(0.5);
         Self {
             number,
+            checked,
             settings: change::between(&Config::default(), &config),
             healthy,
             scenario: Scenario { duration, arm_at, disturbance, rig, faults, actions },

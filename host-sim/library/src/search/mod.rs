@@ -3,6 +3,7 @@
 //! A [`Case`] is drawn from a number: a plant, what breaks, when, what its user does meanwhile, with which settings. [`Case::look`] runs it and says for how
 //! long it was driven while it was too hot; of a healthy rig, whether it tripped. Nothing here knows why the instrument does what it does.
 
+mod check;
 mod draw;
 mod random;
 mod settings;
@@ -11,7 +12,7 @@ use std::fmt;
 use std::ops::Range;
 
 use anyhow::Context;
-use fdi_core::{Config, Instrument, Mode, TripReason};
+use fdi_core::{Command, Config, Instrument, Mode, TripReason};
 use indicatif::{ParallelProgressIterator, ProgressBar};
 use pt326_lab::{change, preset};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -37,6 +38,9 @@ pub struct Case {
     pub number: u64,
     /// The settings that differ from the defaults, as in a trace.
     pub settings: String,
+    /// A board's self-test goes before it, and its finding is obeyed.
+    #[serde(default)]
+    pub checked: bool,
     /// Nothing is broken: then nothing may trip, but for a set-point that is out of reach.
     pub healthy: bool,
     /// What happens.
@@ -54,6 +58,8 @@ pub struct Outcome {
     pub hottest: f64,
     /// The first trip, and when, s.
     pub trip: Option<(f64, TripReason)>,
+    /// Its self-test has failed, so that it was not armed.
+    pub refused: bool,
     /// The longest that it was driven on after the first fault began, s.
     pub driven_s: f64,
 }
@@ -97,6 +103,12 @@ impl Case {
     pub fn look(&self) -> anyhow::Result<Outcome> {
         let config = self.config()?;
         let mut instrument = Instrument::new(&config).context(self.settings.clone())?;
+        if self.checked {
+            let Some(gain) = check::passes(&config, &self.scenario, self.number)? else {
+                return Ok(Outcome { refused: true, ..Outcome::default() });
+            };
+            instrument.command(Command::Gain(gain))?;
+        }
         let ts = as_written(config.sample_time.0);
         let rig = &self.scenario.rig;
         let hot = ROOM + RISE * (f64::from(config.supervisor.setpoint_max.0) - ROOM);
@@ -125,8 +137,8 @@ impl Case {
 
     /// It tripped though nothing is broken.
     pub fn is_false_trip(&self, outcome: &Outcome) -> bool {
-        let reachable = |reason| !matches!(reason, TripReason::NoResponse) || self.is_within_reach();
-        self.healthy && outcome.trip.is_some_and(|(_, reason)| reachable(reason))
+        let excused = |reason| reason == TripReason::OutOfReach && !self.is_within_reach();
+        self.healthy && outcome.trip.is_some_and(|(_, reason)| !excused(reason))
     }
 
     /// Whether full power reaches the highest set-point that is asked for, with 5 degC to spare.
@@ -144,6 +156,8 @@ impl Case {
 pub struct Found {
     /// Cases with a fault, and healthy ones.
     pub cases: [u64; 2],
+    /// Of each, those that were not armed since their check failed.
+    pub refused: [u64; 2],
     /// Of the first, those that were harmful; those whose element was too hot for as long.
     pub harmful: u64,
     /// The same by the element.
@@ -166,6 +180,7 @@ impl Found {
     fn of(case: Case, outcome: Outcome) -> Self {
         let mut found = Self::default();
         found.cases[usize::from(case.healthy)] = 1;
+        found.refused[usize::from(case.healthy)] = outcome.refused.into();
         if case.healthy {
             found.false_trips.extend(case.is_false_trip(&outcome).then_some((case, outcome)));
         } else {
@@ -178,6 +193,7 @@ impl Found {
 
     fn and(mut self, other: Self) -> Self {
         self.cases = [0, 1].map(|i| self.cases[i] + other.cases[i]);
+        self.refused = [0, 1].map(|i| self.refused[i] + other.refused[i]);
         self.harmful += other.harmful;
         self.glowing += other.glowing;
         self.false_trips.extend(other.false_trips);
@@ -191,13 +207,17 @@ impl Found {
 
 impl fmt::Display for Found {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [broken, healthy] = self.cases;
+        let ([broken, healthy], [caught, refused]) = (self.cases, self.refused);
         writeln!(
             f,
-            "{broken} with a fault: {} driven for more than {HARMFUL} s with air that is too hot, {} with such an element",
+            "{broken} with a fault: {caught} not armed by their check, {} driven for more than {HARMFUL} s with air that is too hot, {} with such an element",
             self.harmful, self.glowing
         )?;
-        writeln!(f, "{healthy} healthy: {} tripped", self.false_trips.len())?;
+        writeln!(
+            f,
+            "{healthy} healthy: {refused} not armed by their check, {} tripped",
+            self.false_trips.len()
+        )?;
         for (name, list) in [("worst", &self.worst), ("tripped", &self.false_trips)] {
             for (case, o) in list.iter().take(KEPT) {
                 let trip =

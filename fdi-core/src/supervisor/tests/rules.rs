@@ -217,3 +217,33 @@ fn a_hot_t1_before_a_cold_t2_is_air_that_stands_still() {
     let on = |tick: u32| if tick < 100 { still(tick) } else { Shown { t2: 49.0, ..still(tick) } };
     assert!(matches!(first_trip(on), Some((100..130, TripReason::HeaterStuckOn))));
 }
+
+/// All but a tenth of the power that there is, for 8 answer times of 2 s, with T1 below the set-point and no warmer.
+#[test]
+fn full_power_without_a_rise_is_a_set_point_out_of_reach() {
+    let mut config = SupervisorConfig::default();
+    config.min_air_flow.0 = 0.0;
+    // At most half of the power: 45 % are full.
+    let tripped = |pid: f32, error: f32, mode: Mode, t1: fn(u32) -> f32| {
+        let mut bench = unlearnt(None);
+        bench.supervisor = Supervisor::of(&config, Percent(50.0), &plant(), TS);
+        bench.state.mode = mode;
+        (0..LONG).find_map(|tick| {
+            let shown = Shown { t1: t1(tick), t2: t1(tick), pid, ..IN_ORDER };
+            situation(tick, &shown, 60.0, |now| {
+                let now = Situation { mean_error: Some(error), ..*now };
+                let _ = bench.supervisor.step(&mut bench.state, &now);
+            });
+            let Mode::Tripped(trip) = bench.state.mode else { return None };
+            Some((tick, trip.reason))
+        })
+    };
+    let (heating, warm) = (Mode::Settle { steady: 0 }, |_| ROOM + 13.5);
+    let found = tripped(45.1, 20.0, heating, warm);
+    assert!(matches!(found, Some((145..175, TripReason::OutOfReach))), "{found:?}");
+    assert_eq!(tripped(44.9, 20.0, heating, warm), None, "less than full");
+    assert_eq!(tripped(45.1, 1.9, heating, warm), None, "as good as there");
+    assert_eq!(tripped(45.1, 20.0, Mode::Tune, warm), None, "an experiment has no set-point");
+    let rises = |tick: u32| ROOM + 13.5 + 2.2 * (tick / 100) as f32;
+    assert_eq!(tripped(45.1, 20.0, heating, rises), None, "it may get there");
+}

@@ -48,7 +48,7 @@ fn each_fault_that_can_be_put_in_is_named_by_its_own_name() {
         ("T1", "drifts", "drift", "drifts up"),
         ("T1", "loose", "t1_loose", "too high again and again"),
         ("T1", "sticks", "t1_stuck", "T1 did not move"),
-        ("T1", "falls", "t1_detached", "T2 is far hotter than T1."),
+        ("T1", "falls", "t1_detached", "Far more power than was learnt."),
         ("T1", "open", "t1_open", "broken wire"),
         ("T1", "short", "t1_short", "short circuit"),
         ("T1", "swap", "t1_t2_swapped", "T1 and T2 swapped?"),

@@ -58,7 +58,7 @@ pub fn tune(config: &Config, scenario: &Scenario, seed: u64) -> anyhow::Result<T
                 return Ok(Tuning { lag, proposals, before: config.pid, ticks });
             }
             (_, Mode::Tripped(trip)) => {
-                bail!("tune: ended without a result, it tripped: {}", trip.reason.name())
+                bail!("tune: ended without a result, it tripped: {}", trip.reason.words())
             }
             (Some(over @ Standing::Over(Err(_))), _) => bail!("{}", TuningText(&over)),
             _ => rig.advance(f64::from(tick.drive.0)),
@@ -110,6 +110,9 @@ mod tests {
     #[test]
     fn a_heater_that_does_not_heat_trips_and_says_why() {
         let error = tuned(0.01).unwrap_err().to_string();
-        assert_eq!(error, "tune: ended without a result, it tripped: no_response");
+        assert_eq!(
+            error,
+            "tune: ended without a result, it tripped: much power, and T1 has not risen: T1 out of the tube, or nothing heats"
+        );
     }
 }

@@ -9,8 +9,8 @@ use std::process::Command;
 const TARGET: &str = "thumbv7em-none-eabihf";
 /// Where cargo unpacks what it gets from crates.io. Its folders name themselves, and forty of them stand in the image.
 const PACKAGES: &str = "registry/src/index.crates.io-1949cf8c6b5b557f";
-const ATTACH: &str =
-    "['probe-rs', 'attach', '--chip', 'STM32F411RETx', '--no-catch-hardfault', '--no-catch-reset']";
+/// What runs an image, for cargo; who has set it wants something else, such as another probe.
+const RUNNER: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER";
 
 /// Runs cargo on the image; `verb` is build, run or attach.
 pub(crate) fn cargo(verb: &str, arguments: impl Iterator<Item = OsString>) -> Result<(), String> {
@@ -18,11 +18,23 @@ pub(crate) fn cargo(verb: &str, arguments: impl Iterator<Item = OsString>) -> Re
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.args([command, "--profile", "firmware", "-p", "firmware", "--target", TARGET]);
     cargo.arg("--config").arg(format!("target.{TARGET}.rustflags=[{}]", remaps().join(", ")));
-    if verb == "attach" {
-        cargo.arg("--config").arg(format!("target.{TARGET}.runner={ATTACH}"));
+    let arguments: Vec<OsString> = arguments.collect();
+    if std::env::var_os(RUNNER).is_none() {
+        cargo.env(RUNNER, probe(verb, &arguments));
     }
     let status = cargo.args(arguments).status().map_err(|error| format!("cargo cannot be run: {error}"))?;
     if status.success() { Ok(()) } else { Err(format!("cargo {command} has failed")) }
+}
+
+/// What brings an image to the board that the features name, or watches it there.
+///
+/// Since April 2025 (its pull request 3224, in 0.32 and before) probe-rs halts the core at a HardFault and at a reset unless it is told not to.
+/// The fault handler, which cuts the heater and keeps the crash record, would never run then. `run` and `attach` both take the flags; that was
+/// read in the sources of probe-rs and not tried, for want of a probe.
+fn probe(verb: &str, arguments: &[OsString]) -> String {
+    let is_446 = |word: &OsString| word.to_string_lossy().contains("nucleo-f446re");
+    let chip = if arguments.iter().any(is_446) { "STM32F446RETx" } else { "STM32F411RETx" };
+    format!("probe-rs {verb} --chip {chip} --no-catch-hardfault --no-catch-reset")
 }
 
 /// The folder of the workspace.
@@ -61,7 +73,19 @@ fn quoted(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::quoted;
+    use super::{probe, quoted};
+
+    #[test]
+    fn a_probe_is_told_the_chip_of_the_board() {
+        let of = |words: &[&str]| probe("attach", &words.iter().map(Into::into).collect::<Vec<_>>());
+        let flags = "--no-catch-hardfault --no-catch-reset";
+        assert_eq!(of(&[]), format!("probe-rs attach --chip STM32F411RETx {flags}"));
+        for named in
+            [&["--no-default-features", "--features", "nucleo-f446re"][..], &["--features=nucleo-f446re"]]
+        {
+            assert_eq!(of(named), format!("probe-rs attach --chip STM32F446RETx {flags}"));
+        }
+    }
 
     #[test]
     fn a_path_of_any_system_is_one_string() {

@@ -14,8 +14,9 @@ pub(super) fn wheel(folder: &Path) -> Result<(), Why> {
     if !maturin.is_file() {
         let made = done(Command::new("python3").args(["-m", "venv"]).arg(&environment));
         made.map_err(|_| Why::Missing("apt-get install python3-venv".into()))?;
-        let pip = ["install", "--quiet", "--disable-pip-version-check", "maturin[zig]>=1.9,<2"];
-        let installed = done(Command::new(bin.join("pip")).args(pip));
+        let pip = ["install", "--quiet", "--disable-pip-version-check", "--require-hashes", "--requirement"];
+        let tools = image::root().join("tools/xtask/src/release/python-tools.txt");
+        let installed = done(Command::new(bin.join("pip")).args(pip).arg(tools));
         installed.map_err(|_| Why::Missing("a way to PyPI, for: pip install 'maturin[zig]'".into()))?;
     }
     // Zig links with an old glibc's names, so that the wheel runs on distributions of ten years, too.

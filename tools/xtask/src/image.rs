@@ -17,7 +17,7 @@ pub(crate) fn cargo(verb: &str, arguments: impl Iterator<Item = OsString>) -> Re
     let command = if verb == "build" { "build" } else { "run" };
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.args([command, "--profile", "firmware", "-p", "firmware", "--target", TARGET]);
-    cargo.arg("--config").arg(format!("target.{TARGET}.rustflags=[{}]", remaps().join(", ")));
+    cargo.arg("--config").arg(rustflags(TARGET));
     let arguments: Vec<OsString> = arguments.collect();
     if std::env::var_os(RUNNER).is_none() {
         cargo.env(RUNNER, probe(verb, &arguments));
@@ -53,7 +53,13 @@ pub(crate) fn built() -> PathBuf {
     target().join(TARGET).join("firmware").join("firmware")
 }
 
-/// Options for rustc, as strings of TOML: folders of this machine, and what the image calls them. Of two that fit the compiler takes the later.
+/// A setting of cargo's that takes the folders of this machine out of what is built for a target.
+pub(crate) fn rustflags(target: &str) -> String {
+    let all: Vec<String> = remaps().iter().map(|option| quoted(option)).collect();
+    format!("target.{target}.rustflags=[{}]", all.join(", "))
+}
+
+/// Options for rustc: folders of this machine, and what the image calls them. Of two that fit the compiler takes the later.
 pub(crate) fn remaps() -> Vec<String> {
     let home = std::env::var_os("CARGO_HOME")
         .map(PathBuf::from)
@@ -62,7 +68,7 @@ pub(crate) fn remaps() -> Vec<String> {
     [(Some(root()), "pt326"), (Some(target()), "target"), (home, "cargo"), (packages, "")]
         .into_iter()
         .filter_map(|(folder, name)| Some((folder.filter(|folder| folder.is_absolute())?, name)))
-        .map(|(folder, name)| quoted(&format!("--remap-path-prefix={}={name}", folder.display())))
+        .map(|(folder, name)| format!("--remap-path-prefix={}={name}", folder.display()))
         .collect()
 }
 

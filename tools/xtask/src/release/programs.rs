@@ -115,7 +115,7 @@ fn build(target: &str) -> Result<(), Why> {
     if !Path::new(String::from_utf8_lossy(&libraries.stdout).trim()).is_dir() {
         return Err(Why::Missing(format!("rustup target add {target}")));
     }
-    let flags = format!("target.{target}.rustflags=[{}]", image::remaps().join(", "));
+    let flags = image::rustflags(target);
     let options = ["build", "--release", "--locked", "-p", "pt326", "--features", "live", "--target", target];
     let settings = ["--config", "profile.release.package.pt326.strip=\"symbols\"", "--config", &flags];
     Ok(done(cargo().args(options).args(settings).current_dir(image::root()))?)

@@ -23,13 +23,21 @@ pub(super) fn wheel(folder: &Path) -> Result<(), Why> {
     let old: &[&str] =
         if cfg!(target_os = "linux") { &["--zig", "--compatibility", "manylinux2014"] } else { &[] };
     let python = image::root().join("python");
+    // No folder of this machine stands in what is built: cargo takes these options one behind the other, parted by this sign.
+    let flags = image::remaps().join("\x1f");
     let build = |what: &[&str]| {
         let path = std::env::join_paths(
             [bin.clone()].into_iter().chain(std::env::var_os("PATH").iter().flat_map(std::env::split_paths)),
         );
         let path = path.map_err(|error| format!("PATH: {error}"))?;
         done(
-            Command::new(&maturin).args(what).arg("--out").arg(folder).current_dir(&python).env("PATH", path),
+            Command::new(&maturin)
+                .args(what)
+                .arg("--out")
+                .arg(folder)
+                .current_dir(&python)
+                .env("PATH", path)
+                .env("CARGO_ENCODED_RUSTFLAGS", &flags),
         )
     };
     build(&["sdist"])?;

@@ -174,6 +174,60 @@ fn what_nobody_maintains_is_gone_or_excused() {
     }
 }
 
+/// THIRD-PARTY.txt without cargo-about: what it lists is in Cargo.lock in that version, and what the packages that ship ask for is listed.
+#[test]
+fn the_licences_of_others_are_those_of_what_ships() {
+    let read = |file: &str| std::fs::read_to_string(root().join(file)).unwrap();
+    let lock: toml::Table = read("Cargo.lock").parse().unwrap();
+    let locked: Vec<String> = lock["package"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|package| {
+            format!("{} {}", package["name"].as_str().unwrap(), package["version"].as_str().unwrap())
+        })
+        .collect();
+    let (text, rule) = (read("THIRD-PARTY.txt"), "=".repeat(100));
+    // Behind each rule: the licence, an empty line, the crates, an empty line, the text.
+    let crates = text.split(&rule).skip(1).flat_map(|part| part.split("\n\n").nth(1).unwrap().lines());
+    let listed: Vec<String> = crates
+        .filter(|line| !line.starts_with("the standard library"))
+        .map(|line| line.split(' ').take(2).collect::<Vec<_>>().join(" "))
+        .collect();
+    let stale: Vec<_> = listed.iter().filter(|each| !locked.contains(each)).collect();
+    assert!(stale.is_empty(), "stale: tools/licences; not in Cargo.lock: {stale:?}");
+    let ours: Vec<String> = [
+        "fdi-core",
+        "firmware",
+        "firmware-logic",
+        "fit",
+        "fmu",
+        "host-sim",
+        "host-sim/library",
+        "lab",
+        "lab/live",
+        "lab/wasm",
+        "python",
+        "rig",
+    ]
+    .map(|folder| read(&format!("{folder}/Cargo.toml")))
+    .into();
+    let mut asked = 0;
+    for manifest in ours {
+        let manifest: toml::Table = manifest.parse().unwrap();
+        for (name, _) in manifest["dependencies"].as_table().unwrap().iter().filter(|(name, of)| {
+            !name.starts_with("pt326") && *name != "fdi-core" && of.get("workspace").is_none()
+        }) {
+            asked += 1;
+            assert!(
+                listed.iter().any(|each| each.starts_with(&format!("{name} "))),
+                "tools/licences: {name} ships, and is not in THIRD-PARTY.txt"
+            );
+        }
+    }
+    assert!(asked > 40, "{asked}");
+}
+
 /// All sources of the folders with tests, one after the other.
 fn sources() -> String {
     let folders = ["fdi-core", "firmware-logic", "host-sim", "lab", "tests", "tools/virtual-board"];

@@ -7,10 +7,14 @@ use anyhow::{Context, bail, ensure};
 use crate::model::{Model, Running};
 use crate::variable::{Role, Value, Values};
 
-/// How far a step may differ from the sample time, as a share of it: importers add up their times.
+/// How far a step may differ from whole sample times, as a share of one (chosen: a step of single precision is right to 1e-7 of it).
 const STEP_TOLERANCE: f64 = 1e-6;
-/// How far the beginning of a step may differ from the end of the one before, as a share of the sample time.
+/// How far the beginning of a step may differ from the end of the one before, as a share of the sample time (chosen: importers add
+/// their times up, some in single precision; one that leaves out or repeats a step is off by a whole one).
 const TIME_TOLERANCE: f64 = 0.01;
+/// Besides, units in the last place of the time: a step is the difference of two rounded times, and those of a clock that counts from 1970
+/// are right to 2.4e-7 s (derived: half a unit for each time and for each difference, doubled).
+const LAST_PLACES: f64 = 4.0;
 
 /// What an importer has brought an instance to, in the words of FMI.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,9 +31,6 @@ pub struct Instance {
     values: Values,
     state: State,
     running: Option<Box<dyn Running>>,
-    /// Time of the first step, s.
-    start: f64,
-    steps: u64,
     /// What was given out last, which an importer may read until its next call.
     texts: Vec<CString>,
 }
@@ -39,7 +40,7 @@ impl Instance {
     pub fn new(model: &'static Model) -> Self {
         let values = Values::new(&model.variables);
         let (state, running, texts) = (State::Instantiated, None, Vec::new());
-        Self { model, values, state, running, start: 0.0, steps: 0, texts }
+        Self { model, values, state, running, texts }
     }
 
     fn expect(&self, what: &str, states: &[State]) -> anyhow::Result<()> {
@@ -54,7 +55,6 @@ impl Instance {
     pub fn enter_initialization(&mut self, start: f64) -> anyhow::Result<()> {
         self.expect("fmi3EnterInitializationMode", &[State::Instantiated])?;
         ensure!(start.is_finite(), "the start time is {start}, expected a finite time in s");
-        self.start = start;
         self.state = State::InitializationMode;
         self.values.tell("time", Value::Real(start));
         Ok(())
@@ -79,28 +79,32 @@ impl Instance {
         Ok(())
     }
 
-    /// Takes a step of `length` from the time `from`, s, and gives what the model refused to do.
+    /// Takes as many steps as sample times fit into `length` from the time `from` on, s, and gives what the model refused to do. The inputs
+    /// hold over all of them.
     ///
     /// # Errors
-    /// It is not its time, or the step is not the next one by the sample time. Nothing has changed then.
+    /// It is not its time, or the step is not the next one by whole sample times. Nothing has changed then.
     pub fn step(&mut self, from: f64, length: f64) -> anyhow::Result<Vec<String>> {
         self.expect("fmi3DoStep", &[State::StepMode])?;
+        let (now, end) = (self.now(), from + length);
         let running = self.running.as_mut().context("the model has not begun")?;
         let sample_time = running.sample_time();
+        let largest = from.abs().max(end.abs());
+        let rounding = LAST_PLACES * (largest.next_up() - largest);
+        let ticks = (length / sample_time).round();
         ensure!(
-            (length - sample_time).abs() <= STEP_TOLERANCE * sample_time,
-            "the step is {length} s long, expected the sample time, {sample_time} s"
+            ticks >= 1.0 && (length - ticks * sample_time).abs() <= STEP_TOLERANCE * sample_time + rounding,
+            "the step is {length} s long, expected the sample time, {sample_time} s, or a whole multiple of it"
         );
-        let time = |steps: u64| self.start + steps as f64 * sample_time;
-        let now = time(self.steps);
         ensure!(
-            (from - now).abs() <= TIME_TOLERANCE * sample_time,
+            (from - now).abs() <= TIME_TOLERANCE * sample_time + rounding,
             "the step begins at {from} s, expected {now} s, where the one before ended"
         );
-        let refused = running.step(&mut self.values);
-        let now = time(self.steps + 1);
-        self.steps += 1;
-        self.values.tell("time", Value::Real(now));
+        let mut refused = Vec::new();
+        for _ in 0..ticks as u64 {
+            refused.extend(running.step(&mut self.values));
+        }
+        self.values.tell("time", Value::Real(end));
         Ok(refused)
     }
 
@@ -135,11 +139,11 @@ impl Instance {
         self.values.get(reference)
     }
 
-    /// Sets a variable.
+    /// Sets a variable, and says if that is an input that is held to its bounds.
     ///
     /// # Errors
     /// There is none of this reference, it cannot be set now, has another type, or the value is out of bounds.
-    pub fn set(&mut self, reference: u32, value: Value) -> anyhow::Result<()> {
+    pub fn set(&mut self, reference: u32, value: Value) -> anyhow::Result<Option<String>> {
         let variable = self.values.variable(reference)?;
         let what = format!("{} is set", variable.name);
         let before = [State::Instantiated, State::InitializationMode];

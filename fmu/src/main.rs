@@ -21,9 +21,10 @@ FOLDER is target/fmu unless it is given. The files are for this machine, and for
     cargo fmu x86_64-pc-windows-gnu
 
 It needs a linker for each: for this one Debian's gcc-mingw-w64-x86-64.";
-const LICENCES: [(&str, &str); 2] = [
+const LICENCES: [(&str, &str); 3] = [
     ("LICENSE-MIT", include_str!("../../LICENSE-MIT")),
     ("LICENSE-APACHE", include_str!("../../LICENSE-APACHE")),
+    ("THIRD-PARTY.txt", include_str!("../../THIRD-PARTY.txt")),
 ];
 
 /// The library for a kind of machine.

@@ -62,7 +62,7 @@ pub struct Variable {
     pub start: Value,
     /// Its unit, empty where it has none.
     pub unit: &'static str,
-    /// The least and the largest that an input or a parameter may be; NaN is within no bounds, though codes may be missing.
+    /// The least and the largest that a parameter may be, and to which an input is held; NaN is within no bounds, though codes may be missing.
     pub bounds: Option<(f64, f64)>,
     /// What it is.
     pub about: &'static str,
@@ -89,15 +89,20 @@ impl Variable {
         Self { bounds: Some((min, max)), ..self }
     }
 
-    /// Checks what somebody sets.
-    fn check(&self, value: &Value) -> anyhow::Result<()> {
+    /// What it holds when somebody sets it, and what is to be told of that. An input out of bounds is held to them: what computes a power
+    /// rounds, and what winds up goes beyond the most that a heater has.
+    fn taken(&self, value: Value) -> anyhow::Result<(Value, Option<String>)> {
         let name = &self.name;
         let (is, holds) = (value.type_name(), self.start.type_name());
         ensure!(is == holds, "{name} is set as {is}, expected {holds}");
-        if let (Some((min, max)), Some(x)) = (self.bounds, value.number()) {
-            ensure!((min..=max).contains(&x), "{name} is {x}, expected {min} to {max} {}", self.unit);
+        let (Some((min, max)), Some(x)) = (self.bounds, value.number()) else { return Ok((value, None)) };
+        if (min..=max).contains(&x) {
+            return Ok((value, None));
         }
-        Ok(())
+        let wrong = format!("{name} is {x}, expected {min} to {max} {}", self.unit);
+        ensure!(self.role == Role::Input && !x.is_nan(), "{wrong}");
+        let held = x.clamp(min, max);
+        Ok((Value::Real(held), Some(format!("{wrong}: held to {held}"))))
     }
 }
 
@@ -133,14 +138,14 @@ impl Values {
         self.variable(reference).map(|_| &self.values[reference as usize])
     }
 
-    /// Sets a variable as a user does.
+    /// Sets a variable as a user does, and says if that is an input that is held to its bounds.
     ///
     /// # Errors
     /// There is none, it has another type, or the value is out of bounds.
-    pub fn set(&mut self, reference: u32, value: Value) -> anyhow::Result<()> {
-        self.variable(reference)?.check(&value)?;
+    pub fn set(&mut self, reference: u32, value: Value) -> anyhow::Result<Option<String>> {
+        let (value, told) = self.variable(reference)?.taken(value)?;
         self.values[reference as usize] = value;
-        Ok(())
+        Ok(told)
     }
 
     fn place(&self, name: &str) -> usize {

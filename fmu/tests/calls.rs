@@ -188,11 +188,16 @@ fn a_variable_that_is_none_or_of_another_type_is_named() {
 }
 
 #[test]
-fn inputs_are_within_their_bounds() {
-    let part = Part::begun(&rig::MODEL);
-    for power in [-1.0, 100.5, f64::NAN] {
-        part.tells(part.set_real("power", power), Status::Error, &["power is", "0 to 100 %"]);
+fn inputs_are_held_to_their_bounds_and_parameters_refused_beyond_them() {
+    let part = Part::new(&rig::MODEL);
+    part.tells(part.set_real("sample_time", 10.5), Status::Error, &["sample_time is 10.5", "0 to 10 s"]);
+    assert_eq!((part.initialize(), fmi3ExitInitializationMode(part.handle)), (Status::Ok, Status::Ok));
+    for (given, held) in [(-1.0, 0.0), (100.000_000_1, 100.0), (f64::INFINITY, 100.0)] {
+        let expected = ["power is", "expected 0 to 100 %", &format!("held to {held}")];
+        part.tells(part.set_real("power", given), Status::Warning, &expected);
+        assert_eq!(part.real("power"), (Status::Ok, held));
     }
+    part.tells(part.set_real("power", f64::NAN), Status::Error, &["power is NaN", "0 to 100 %"]);
     assert_eq!((part.set_real("power", 100.0), part.real("power")), (Status::Ok, (Status::Ok, 100.0)));
 }
 
@@ -216,20 +221,64 @@ fn each_call_has_its_time() {
 }
 
 #[test]
-fn a_step_is_as_long_as_the_sample_time_and_begins_where_the_last_ended() {
+fn a_step_is_whole_sample_times_and_begins_where_the_last_ended() {
     let part = Part::begun(&rig::MODEL);
-    for length in [0.0, 0.1, 0.22, -0.11, f64::NAN, f64::INFINITY] {
-        part.tells(part.step(0.0, length), Status::Error, &["step is", "sample time, 0.11 s"]);
+    for length in [0.0, 0.1, 0.165, 0.2201, -0.11, f64::NAN, f64::INFINITY] {
+        part.tells(
+            part.step(0.0, length),
+            Status::Error,
+            &["step is", "sample time, 0.11 s, or a whole multiple"],
+        );
     }
     assert_eq!(part.step(0.0, 0.11 + 1e-12), Status::Ok);
-    part.tells(part.step(0.0, 0.11), Status::Error, &["begins at 0 s", "0.11 s"]);
+    part.tells(part.step(0.0, 0.11), Status::Error, &["begins at 0 s", "0.11"]);
     let mut reached = f64::NAN;
     // SAFETY: one element.
     let status =
         unsafe { fmi3DoStep(part.handle, 0.5, 0.11, true, null_mut(), null_mut(), null_mut(), &mut reached) };
     part.tells(status, Status::Error, &["begins at 0.5 s"]);
-    assert_eq!(reached, 0.11);
+    assert_eq!(reached, 0.11 + 1e-12);
     assert_eq!((part.step(0.11, 0.11), part.real("time").1), (Status::Ok, 0.22));
+}
+
+#[test]
+fn a_long_step_is_as_many_short_ones() {
+    let [long, short] = [4, 1].map(|ticks| {
+        let part = Part::begun(&rig::MODEL);
+        part.set_real("power", 60.0);
+        let length = f64::from(ticks) * 0.11;
+        for step in 0..100 / ticks {
+            assert_eq!(part.step(f64::from(step) * length, length), Status::Ok);
+        }
+        ["code_t0", "code_t1", "code_t2", "air_t1"].map(|name| part.real(name).1)
+    });
+    assert_eq!(long, short);
+}
+
+/// Seconds since 1970, whose last place is more than a millionth of a sample time; times that are added up, in double and single precision.
+#[test]
+fn steps_are_told_from_rounded_times() {
+    let begun_at = |start| {
+        let part = Part::new(&rig::MODEL);
+        assert_eq!(fmi3EnterInitializationMode(part.handle, false, 0.0, start, false, 0.0), Status::Ok);
+        assert_eq!(fmi3ExitInitializationMode(part.handle), Status::Ok);
+        part
+    };
+    let start = 1.7e9;
+    let part = begun_at(start);
+    for tick in 0..1000 {
+        let [from, end] = [tick, tick + 1].map(|tick| start + f64::from(tick) * 0.11);
+        assert_eq!(part.step(from, end - from), Status::Ok, "{tick}");
+    }
+    part.tells(part.step(part.real("time").1, 0.1101), Status::Error, &["the step is"]);
+
+    let (double, single) = (begun_at(start), begun_at(0.0));
+    let (mut wide, mut narrow) = (start, 0.0_f32);
+    for tick in 0..20_000 {
+        assert_eq!(double.step(wide, 0.11), Status::Ok, "{tick}");
+        assert_eq!(single.step(f64::from(narrow), f64::from(0.11_f32)), Status::Ok, "{tick}");
+        (wide, narrow) = (wide + 0.11, narrow + 0.11);
+    }
 }
 
 #[test]

@@ -203,6 +203,8 @@ def refusals(folders):
         rig.fmu.doStep(0.0, 0.1)
         sys.exit("try-fmu: a wrong step was taken")
     expect(f"a wrong step is told as docs/fmi.md shows it: {rig.said[-1]}", rig.said[-1] in PAGE.read_text())
+    rig.set({"power": 100.0000001})
+    expect(f"a power that rounding made too large: {rig.said[-1]}", "held to 100" in rig.said[-1] and rig.get(["power"]) == [100.0])
     wrong = Part(RIG, folders[0], scenario="[rig]\ngain = -1")
     with contextlib.suppress(FMICallException):
         wrong.begin()
@@ -210,11 +212,20 @@ def refusals(folders):
     expect(f"a wrong rig: {wrong.said[-1]}", "rig.gain is -1" in wrong.said[-1])
 
 
-def by_a_master():
-    """FMPy's own loop drives the rig alone with half of the power."""
+def by_a_master(folder):
+    """FMPy's own loop drives the rig alone with half of the power; its command line runs both with its defaults."""
     result = fmpy.simulate_fmu(str(RIG), stop_time=60, start_values={"power": 50.0}, output=["air_t1"])
     rise = result["air_t1"][-1] - result["air_t1"][0]
     expect(f"FMPy's own loop: 50 % for 60 s warm the air by {rise:.1f} degC", 14 < rise < 16)
+    for file in RIG, INSTRUMENT:
+        out = folder / "out.csv"
+        subprocess.run([Path(sys.executable).with_name("fmpy"), "simulate", file, "--output-file", out], check=True)
+        times = numpy.genfromtxt(out, delimiter=",", names=True)["time"]
+        told = f"fmpy simulate {file.name}: {len(times)} rows up to {times[-1]} s, each {times[1] - times[0]:.2f} s"
+        expect(told, times[-1] > 849 and len(times) < 1001)
+    start = 1.7e9  # seconds since 1970, where the last place of the time is 0.2 us
+    result = fmpy.simulate_fmu(str(RIG), start_time=start, stop_time=start + 60, output_interval=0.11, output=["air_t1"])
+    expect(f"from {start:.0f} s on: {len(result)} rows", len(result) > 500)
 
 
 def both_at_once(folders):
@@ -234,11 +245,10 @@ def main():
     example()
     with tempfile.TemporaryDirectory() as folder:
         the_same_bits(folders, Path(folder))
+        by_a_master(Path(folder))
     instances(folders)
     refusals(folders)
-    by_a_master()
     both_at_once(folders)
-    print("All is as promised.")
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@ const INDEX: &str = include_str!("../page/index.html");
 const STYLE: &str = include_str!("../page/lab.css");
 const WORKER: &str = include_str!("../page/worker.js");
 const REPORT: &str = "<!-- report -->";
+/// Of others, within the session; `tools/licences` makes it.
+const LICENCES: &str = include_str!("../page/licences.txt");
 /// What the session in a page begins with.
 const WASM: &str = "<script type=\"text/plain\" id=\"wasm\">";
 /// The module that [`classes`] makes.
@@ -118,7 +120,8 @@ pub fn html(source: Source) -> String {
         Source::InPage(wasm) => {
             let worker = lean(WORKER).replace("</script", "<\\/script");
             format!(
-                "<script type=\"text/plain\" id=\"worker\">{worker}</script>\n\
+                "<script type=\"text/plain\" id=\"licences\">{LICENCES}</script>\n\
+                 <script type=\"text/plain\" id=\"worker\">{worker}</script>\n\
                  {WASM}{}</script>",
                 STANDARD.encode(wasm)
             )
@@ -216,6 +219,20 @@ mod tests {
             }
         }
         assert!(all.iter().all(|(name, _)| imported.contains(name)));
+    }
+
+    /// Others' terms go with a copy of what is theirs, and nothing in them ends the element that holds them.
+    #[test]
+    fn the_page_brings_the_licences_of_what_is_within() {
+        let page = html(Source::InPage(&[]));
+        let (_, from) = page.split_once("id=\"licences\">").unwrap();
+        let (licences, _) = from.split_once("</script>").unwrap();
+        assert_eq!(licences, LICENCES);
+        assert!(
+            ["serde_json", "libm", "Apache License", "WITHOUT WARRANTY OF ANY KIND"]
+                .iter()
+                .all(|word| licences.contains(word))
+        );
     }
 
     #[test]

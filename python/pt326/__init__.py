@@ -5,7 +5,8 @@
 anybody's detector, over many runs. The project's docs/python.md has more.
 """
 
-from . import tclab
+from typing import Any
+
 from ._campaign import Campaign, Detector, Evaluation, campaign, evaluate
 from ._core import VERSION as __version__
 from ._core import Board, Codes, Config, Finding, Instrument, Monitor, Report, Setting, scenario
@@ -13,6 +14,7 @@ from ._error import Error
 from ._recording import Diagnosis, FittedRig, Model, diagnose, fit_rig, identify
 from ._rig import Rig
 from ._run import Run, isolability, repeat, run
+from ._scorer import Scorer
 from ._tune import Tuning, tune
 
 __all__ = [
@@ -32,6 +34,7 @@ __all__ = [
     "Report",
     "Rig",
     "Run",
+    "Scorer",
     "Setting",
     "Tuning",
     "__version__",
@@ -44,6 +47,13 @@ __all__ = [
     "repeat",
     "run",
     "scenario",
-    "tclab",
     "tune",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "tclab":  # not before somebody asks for it: it needs a package that few have
+        import importlib
+
+        return importlib.import_module("pt326.tclab")
+    raise AttributeError(f"module 'pt326' has no attribute {name!r}")

@@ -106,10 +106,8 @@ class Evaluation(Campaign):
         return _frames.to_polars(self.rows)
 
     def plot(self) -> Any:
-        """Detected, rightly named, how soon, and how often for nothing, as a matplotlib.figure.Figure."""
-        from . import _plot
-
-        return _plot.evaluation(self)
+        """Detected, rightly named, how soon, and how often for nothing, made by pyplot."""
+        return _frames.plots().evaluation(self)
 
     def __str__(self) -> str:
         lines = [

@@ -89,7 +89,7 @@ class Cells:
     """
     A campaign, ready to run: its cells, and the rows of those runs that are finished.
     """
-    def __new__(cls, /, definition: "str | os.PathLike[str] | dict[str, object]", config: Config | None = None, only: str | None = None, scale: SupportsFloat | SupportsIndex | None = None, first_seed: SupportsIndex | None = None) -> Cells:
+    def __new__(cls, /, definition: "str | os.PathLike[str] | dict[str, object]", config: Config | None = None, only: str | None = None, scale: SupportsFloat | SupportsIndex | None = None, first_seed: "int | None" = None) -> Cells:
         """
         `definition` is the path of a TOML, a dict, or the name of a campaign that is built in: default, quick, physics or ablation. `scale`
         multiplies the numbers of runs; `only` is in the names of the cells that are wanted.
@@ -145,6 +145,7 @@ class Codes:
     """
     def __eq__(self, value: object, /) -> bool: ...
     def __getitem__(self, index: SupportsIndex, /) -> float: ...
+    def __getnewargs__(self, /) -> tuple[float, float, float, float]: ...
     def __iter__(self, /) -> Iterator: ...
     def __len__(self, /) -> int: ...
     def __ne__(self, value: object, /) -> bool: ...
@@ -181,10 +182,16 @@ class Config:
 
     `config["pid.kp"] = 3` sets one and checks it; `Config.settings()` says what each is, in which unit, and its bounds.
     """
+    def __copy__(self, /) -> Config: ...
+    def __deepcopy__(self, /, _memo: Any) -> Config: ...
     def __eq__(self, value: object, /) -> bool: ...
     def __getitem__(self, name: str, /) -> Any: ...
     def __ne__(self, value: object, /) -> bool: ...
     def __new__(cls, /, preset: "str" = "paper") -> Config: ...
+    def __reduce__(self, /) -> tuple[Any, tuple[str]]:
+        """
+        Pickled as TOML.
+        """
     def __repr__(self, /) -> str: ...
     def __setitem__(self, name: str, value: Any, /) -> None: ...
     def check(self, /) -> None:
@@ -273,7 +280,9 @@ class Instrument:
 
     It is off until `arm()`. `seed` moves the start of the excitation as `pt326 run --seed` does; with 1 it is the board's.
     """
-    def __new__(cls, /, config: Config | None = None, seed: SupportsIndex = 1) -> Instrument: ...
+    def __copy__(self, /) -> Instrument: ...
+    def __deepcopy__(self, /, _memo: Any) -> Instrument: ...
+    def __new__(cls, /, config: Config | None = None, seed: "int" = ...) -> Instrument: ...
     def acknowledge(self, /) -> None:
         """
         Leaves a trip whose cause has gone.
@@ -336,6 +345,8 @@ class Monitor:
     The diagnosis alone, for a heater that something else controls: temperatures and power in, reports out. It learns from the samples of which
     `learn` is said.
     """
+    def __copy__(self, /) -> Monitor: ...
+    def __deepcopy__(self, /, _memo: Any) -> Monitor: ...
     def __new__(cls, /, config: Config | None = None, *, t0: bool = True, t2: bool = True, fan: bool = True, celsius: SupportsFloat | SupportsIndex = 1.0, full_power: SupportsFloat | SupportsIndex = 100.0) -> Monitor:
         """
         `t0`, `t2`, `fan`: what of it the rig has. `celsius` is how many degC one unit of a temperature counts for, `full_power` the power that is 100 %.
@@ -372,7 +383,7 @@ class Record:
     def __len__(self, /) -> int: ...
     def column(self, /, name: "str") -> "numpy.ndarray | list[str | None]":
         """
-        A column: an array of float32 (of the time float64) with NaN where it is not defined, or a list of words.
+        A column: an array of float64 with NaN where it is not defined, or a list of words.
         """
     @staticmethod
     def columns() -> list[str]:
@@ -524,7 +535,7 @@ class Rig:
     `preset` is one of `Rig.presets()`; `constants` changes some of its constants, with the keys of `[rig]` in `pt326 scenario`; `faults` are
     dicts with the keys of `[[fault]]`. The sample time is that of the preset's instrument unless it is given, s.
     """
-    def __new__(cls, /, preset: "str" = "trainer", seed: SupportsIndex = 1, disturbance: "str" = "calm", *, sample_time: SupportsFloat | SupportsIndex | None = None, faults: "list[dict[str, object]] | None" = None, constants: "dict[str, object] | None" = None) -> Rig: ...
+    def __new__(cls, /, preset: "str" = "trainer", seed: "int" = ..., disturbance: "str" = "calm", *, sample_time: SupportsFloat | SupportsIndex | None = None, faults: "list[dict[str, object]] | None" = None, constants: "dict[str, object] | None" = None) -> Rig: ...
     def __repr__(self, /) -> str: ...
     @property
     def air(self, /) -> tuple[float, float]:
@@ -620,17 +631,17 @@ def identify(path: "str | os.PathLike[str] | None", text: str | None, u: str, y:
     Identifies an ARX model from a file, or from the text of one: `pt326 identify --json`, and what it prints.
     """
 
-def isolability(scenario: "object" = None, config: Config | None = None, seed: SupportsIndex = 1, preset: str | None = None, disturbance: str | None = None, within: SupportsGetItem[int, SupportsFloat | SupportsIndex] = ..., equal_odds: bool = False, progress: "typing.Callable[[int, int | None], object] | None" = None) -> str:
+def isolability(scenario: "object" = None, config: Config | None = None, seed: "int" = ..., preset: str | None = None, disturbance: str | None = None, within: SupportsGetItem[int, SupportsFloat | SupportsIndex] = ..., equal_odds: bool = False, progress: "typing.Callable[[int, int | None], object] | None" = None) -> str:
     """
     Which faults can be told apart on a rig, how soon, and from which size on: isolability.csv.
     """
 
-def repeat(scenario: "object" = None, config: Config | None = None, runs: SupportsIndex = 200, first_seed: SupportsIndex = 1, preset: str | None = None, disturbance: str | None = None, fault_size: "str | float | None" = None, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "dict[str, typing.Any]":
+def repeat(scenario: "object" = None, config: Config | None = None, runs: SupportsIndex = 200, first_seed: "int" = ..., preset: str | None = None, disturbance: str | None = None, fault_size: "str | float | None" = None, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "dict[str, typing.Any]":
     """
     The same experiment with many seeds, on all cores: `pt326 repeat --json`.
     """
 
-def run(scenario: "object" = None, config: Config | None = None, seed: SupportsIndex = 1, preset: str | None = None, disturbance: str | None = None, fault_size: "str | float | None" = None) -> Record:
+def run(scenario: "object" = None, config: Config | None = None, seed: "int" = ..., preset: str | None = None, disturbance: str | None = None, fault_size: "str | float | None" = None) -> Record:
     """
     Runs an experiment on the simulated rig: `pt326 run`, to the same bits.
     """
@@ -640,7 +651,7 @@ def scenario() -> "dict[str, typing.Any]":
     The paper's experiment as a dict, to be changed and run: rig, faults, what its user does.
     """
 
-def tune(scenario: "object" = None, config: Config | None = None, seed: SupportsIndex = 1, preset: str | None = None, disturbance: str | None = None) -> "dict[str, typing.Any]":
+def tune(scenario: "object" = None, config: Config | None = None, seed: "int" = ..., preset: str | None = None, disturbance: str | None = None) -> "dict[str, typing.Any]":
     """
     The experiment of the console's `tune start` on a simulated rig, and what each rule proposes.
     """

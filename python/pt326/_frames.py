@@ -11,15 +11,32 @@ from typing import Any
 Progress = Callable[[int, "int | None"], object]
 
 
+def needed(package: str, what: str) -> Any:
+    """A package that not everybody has who has this one; where it is missing, the error says who needs it and how to get it."""
+    try:
+        return importlib.import_module(package)
+    except ModuleNotFoundError as missing:
+        if missing.name != package.partition(".")[0]:
+            raise
+        raise ImportError(f"{what} needs {missing.name}: pip install {missing.name}", name=missing.name) from None
+
+
+def plots() -> Any:
+    """What draws."""
+    needed("matplotlib", "plot")
+    from . import _plot
+
+    return _plot
+
+
 def to_pandas(columns: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> Any:
     """Columns, or rows, as a pandas.DataFrame."""
-    pandas = importlib.import_module("pandas")
-    return pandas.DataFrame(columns)
+    return needed("pandas", "to_pandas").DataFrame(columns)
 
 
 def to_polars(columns: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> Any:
     """Columns, or rows, as a polars.DataFrame."""
-    polars = importlib.import_module("polars")
+    polars = needed("polars", "to_polars")
     if isinstance(columns, Mapping):
         # An array of words is an array of objects, of which Polars knows nothing.
         columns = {name: list(column) if column.dtype == object else column for name, column in columns.items()}

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib import pyplot
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,15 +22,6 @@ FILTERED: dict[str, Any] = {"color": "#0b3c6f", "lw": 1.2}
 FAULTS = ("#e69f00", "#009e73", "#cc79a7", "#56b4e9")
 
 
-class Picture(Figure):
-    """A figure that a notebook shows by itself, whether pyplot is there or not."""
-
-    def _repr_png_(self) -> bytes:
-        out = io.BytesIO()
-        self.savefig(out, format="png")
-        return out.getvalue()
-
-
 def figure(run: Run, number: int) -> Any:
     """A figure of the paper."""
     drawn = {4: _measurements, 5: _features, 6: _residuals}.get(number)
@@ -41,7 +31,7 @@ def figure(run: Run, number: int) -> Any:
 
 
 def _panels(run: Run, titles: list[str], heights: list[float] | None = None) -> tuple[Any, Any]:
-    figure = Picture(figsize=(10, 1.3 * len(titles) + 0.6), layout="constrained")
+    figure = pyplot.figure(figsize=(10, 1.3 * len(titles) + 0.6), layout="constrained")
     panels = figure.subplots(len(titles), 1, sharex=True, height_ratios=heights)
     for panel, title in zip(panels, titles, strict=True):
         panel.set_title(title, loc="left", fontsize=9)
@@ -114,7 +104,7 @@ def _residuals(run: Run) -> Any:
         _within(panel, run[name], run[name + "_f"])
         if baseline is not None:
             learnt = baseline[name]
-            centre, reach = learnt["mean_f"] - learnt["mean"], run._record.sigma_factor * learnt["sigma_f"]
+            centre, reach = learnt["mean_f"] - learnt["mean"], run._sigma_factor * learnt["sigma_f"]
             for threshold in (centre - reach, centre + reach):
                 panel.axhline(threshold, color=VERMILLION, ls="--", lw=0.9)
     for panel, name in zip(panels[5:7], ("fdv", "fiv"), strict=True):
@@ -180,7 +170,7 @@ def diagnosis(found: Diagnosis) -> Any:
 
 def tuning(of: Tuning) -> Any:
     """T1 and the power of the experiment that tunes."""
-    figure = Picture(figsize=(10, 4), layout="constrained")
+    figure = pyplot.figure(figsize=(10, 4), layout="constrained")
     temperature, power = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
     temperature.plot(of.t, of.t1, color=BLUE, lw=0.9)
     power.plot(of.t, of.power, drawstyle="steps-post", **FILTERED)
@@ -200,7 +190,7 @@ def evaluation(of: Evaluation) -> Any:
         ("detected_pct", "Detected (%)"), ("isolated_pct", "Rightly named (%)"),
         ("delay_s", "Delay of the detection, median (s)"), ("alarms_per_hour", "False alarms an hour"),
     )  # fmt: skip
-    figure = Picture(figsize=(12, 0.28 * len(cells) * 3 / 2 + 1.4), layout="constrained")
+    figure = pyplot.figure(figsize=(12, 0.28 * len(cells) * 3 / 2 + 1.4), layout="constrained")
     for axes, (key, title) in zip(figure.subplots(1, len(panels), sharey=True), panels, strict=True):
         for which, (name, colour) in enumerate(zip(by, (VERMILLION, BLUE, "#7f8a96"), strict=True)):
             rows = {row["cell"]: row[key] for row in of.rows if row["by"] == name}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import io
 import os
 import warnings
@@ -45,13 +44,17 @@ class Diagnosis(Run):
 
     def monitor(self) -> Monitor:
         """A monitor that has learnt the same, for what comes next from this heater."""
+        self._here("monitor")
         return self._recording.monitor()
 
-    def plot(self, figure: Any = None) -> Any:
-        """Temperatures, what was expected, and what was said, as a matplotlib.figure.Figure."""
-        from . import _plot
+    def __getstate__(self) -> dict[str, Any]:
+        """All that is known of it, but not the recording, which stays in the process in which it was read."""
+        self["t1_expected"]
+        return {**super().__getstate__(), "_recording": None}
 
-        return _plot.diagnosis(self) if figure is None else super().plot(figure)
+    def plot(self, figure: Any = None) -> Any:
+        """Temperatures, what was expected, and what was said, made by pyplot; ``figure`` is one of the paper's."""
+        return _frames.plots().diagnosis(self) if figure is None else super().plot(figure)
 
     def __repr__(self) -> str:
         return f"<pt326.Diagnosis of {len(self)} samples: {len(self.events)} events>"
@@ -74,6 +77,7 @@ def diagnose(
     from_rest: bool = False,
     force: bool = False,
     ts: float | None = None,
+    time_unit: Literal["ns", "us", "ms", "s", "min", "h", "d"] | None = None,
     resample: bool = False,
     full_power: float | None = None,
     degc: float | None = None,
@@ -89,7 +93,7 @@ def diagnose(
     """
     roles = (time, t0, t1, t2, power, known, fan, supply)
     other = {} if train_on is None else {f"other_{kind}": of for kind, of in _source(train_on).items()}
-    read = _read(recording, roles, ts, resample, full_power, degc, has_fan, **other)
+    read = _read(recording, roles, ts, time_unit, resample, full_power, degc, has_fan, **other)
     if from_rest:
         read.put_rest_before()
     with _frames.shown("samples", progress) as tell:
@@ -145,6 +149,7 @@ def fit_rig(
     supply: str | None = None,
     heater: int = 1,
     ts: float | None = None,
+    time_unit: Literal["ns", "us", "ms", "s", "min", "h", "d"] | None = None,
     resample: bool = False,
     full_power: float | None = None,
     degc: float | None = None,
@@ -157,7 +162,7 @@ def fit_rig(
     that leaves unexplained becomes noise and wander. What one thermistor cannot tell is the reference rig's.
     """
     roles = (time, t0, t1, t2, power, known, fan, supply)
-    read = _read(recording, roles, ts, resample, full_power, degc, has_fan)
+    read = _read(recording, roles, ts, time_unit, resample, full_power, degc, has_fan)
     with _frames.shown("samples", progress) as tell:
         fitted = read.fit_rig(heater, tell)
     if warning := fitted["warning"]:
@@ -169,6 +174,7 @@ def _read(
     recording: Any,
     roles: tuple[str | None, ...],
     ts: float | None,
+    time_unit: str | None,
     resample: bool,
     full_power: float | None,
     degc: float | None,
@@ -176,10 +182,13 @@ def _read(
     **other: Any,
 ) -> _core.Recording:
     """A recording, and another of the same heater with it."""
+    if roles[0] is None and (when := _dates(recording)) is not None:
+        roles = (when, *roles[1:])
     columns = [f"{role}={column}" for role, column in zip(ROLES, roles, strict=True) if column is not None]
     reading: dict[str, object] = {
         "map": columns,
         "ts": ts,
+        "time_unit": time_unit,
         "resample": resample,
         "full_power": full_power,
         "degc": degc,
@@ -195,17 +204,31 @@ def _source(recording: Any) -> dict[str, Any]:
 
 def _as_csv(columns: Any) -> str:
     """A mapping or a data frame as CSV; numbers are written so that the same are read."""
-    names = [str(name) for name in (columns.columns if hasattr(columns, "columns") else columns)]
-    values = [np.asarray(columns[name]) for name in (columns.columns if hasattr(columns, "columns") else columns)]
-    cells = [[_cell(value) for value in column.tolist()] for column in values]
+    named = {str(name): columns[name] for name in getattr(columns, "columns", columns)}
+    if (when := _dates(columns)) is not None:
+        named = {when: columns.index, **named}
+    cells = [_cells(np.asarray(column)) for column in named.values()]
     text = io.StringIO()
-    text.write(",".join(f'"{name}"' for name in names) + "\n")
+    text.write(",".join(f'"{name}"' for name in named) + "\n")
     text.writelines(",".join(row) + "\n" for row in zip(*cells, strict=True))
     return text.getvalue()
 
 
-def _cell(value: Any) -> str:
-    return "" if value is None or value != value else str(value)
+def _dates(frame: Any) -> str | None:
+    """The name of the column that a DatetimeIndex becomes, one that no other column has."""
+    index = getattr(frame, "index", None)
+    if not hasattr(index, "tz"):
+        return None
+    name = str(getattr(index, "name", None) or "time")
+    while name in frame.columns:
+        name += "_"
+    return name
+
+
+def _cells(column: Any) -> list[str]:
+    if column.dtype.kind == "M":  # dates, which tolist() makes numbers of
+        return ["" if np.isnat(date) else np.datetime_as_string(date) for date in column]
+    return ["" if value is None or value != value else str(value) for value in column.tolist()]
 
 
 class Model:
@@ -228,7 +251,7 @@ class Model:
 
     def transfer_function(self) -> Any:
         """It as a control.TransferFunction."""
-        control = importlib.import_module("control")
+        control = _frames.needed("control", "transfer_function")
         excess = self.delay + len(self.b) - 1 - len(self.a)
         numerator, denominator = [*self.b, *[0.0] * max(0, -excess)], [1.0, *self.a, *[0.0] * max(0, excess)]
         return control.TransferFunction(numerator, denominator, self.ts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import os
 from collections.abc import Sequence
@@ -12,6 +13,7 @@ import numpy as np
 
 from . import _core, _frames
 from ._core import Config
+from ._error import Error
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,24 +22,52 @@ Disturbance = Literal["none", "calm", "lively"]
 
 
 class Run:
-    """A run, whole: ``run["t1_c"]`` is a column of trace.csv, ``run.summary`` the scores, ``run.events`` what was said and when."""
+    """A run, whole: ``run["t1_c"]`` is a column of trace.csv, ``run.summary`` the scores, ``run.events`` what was said and when.
+
+    It can be copied and pickled, so that a pool of processes gives runs back; ``write`` works where it was run.
+    """
 
     def __init__(self, record: _core.Record) -> None:
-        self._record = record
+        self._record: _core.Record | None = record
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All that is known of it; the record itself stays in the process in which it was made."""
+        for column in self.columns:
+            self[column]
+        for what in ("summary", "events", "sample_time", "_sigma_factor", "_trace", "_table"):
+            getattr(self, what)
+        return {**self.__dict__, "_record": None}
+
+    def __copy__(self) -> Run:
+        twin: Run = object.__new__(type(self))
+        twin.__dict__.update(self.__dict__)
+        return twin
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Run:
+        twin = copy.copy(self)
+        for name, value in self.__dict__.items():
+            if not isinstance(value, (_core.Record, _core.Recording)):  # which nobody changes
+                twin.__dict__[name] = copy.deepcopy(value, memo)
+        return twin
+
+    def _here(self, what: str) -> _core.Record:
+        if self._record is None:
+            raise Error(f"{what} of a run that another process has made: expected in that one")
+        return self._record
 
     @property
     def columns(self) -> list[str]:
         """Names of the columns."""
-        return self._record.columns()
+        return _core.Record.columns()
 
     def unit(self, column: str) -> str:
         """Unit of a column; empty where it has none."""
-        return self._record.unit(column)
+        return _core.Record.unit(column)
 
     def __getitem__(self, column: str) -> NDArray[Any]:
-        """A column: float32 (of the time float64) with NaN where it is not defined, or words with None."""
+        """A column: float64 with NaN where it is not defined, or words with None."""
         if column not in self._columns:
-            values = self._record.column(column)
+            values = self._here(column).column(column)
             self._columns[column] = values if isinstance(values, np.ndarray) else np.array(values, dtype=object)
         return self._columns[column]
 
@@ -47,22 +77,26 @@ class Run:
 
     def __len__(self) -> int:
         """Number of ticks."""
-        return len(self._record)
+        return len(self.t)
 
     @property
     def t(self) -> NDArray[np.float64]:
         """Time of each tick, s."""
         return self["t_s"]
 
-    @property
+    @cached_property
     def sample_time(self) -> float:
         """Ts, s."""
-        return self._record.sample_time
+        return self._here("sample_time").sample_time
+
+    @cached_property
+    def _sigma_factor(self) -> float:
+        return self._here("sigma_factor").sigma_factor
 
     @cached_property
     def summary(self) -> dict[str, Any]:
         """All scores, as in summary.json."""
-        return self._record.summary()
+        return self._here("summary").summary()
 
     @property
     def faults(self) -> list[dict[str, Any]]:
@@ -73,7 +107,7 @@ class Run:
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """What was said, from when until when: alarms and names of the likelihood diagnosis and of the paper's, and trips."""
-        return self._record.events()
+        return self._here("events").events()
 
     @property
     def sentences(self) -> list[str]:
@@ -94,7 +128,15 @@ class Run:
 
     def trace(self) -> str:
         """trace.csv."""
-        return self._record.trace()
+        return self._trace
+
+    @cached_property
+    def _trace(self) -> str:
+        return self._here("trace").trace()
+
+    @cached_property
+    def _table(self) -> str:
+        return self._here("table").table()
 
     def hash(self) -> str:
         """SHA-256 of trace.csv: of equal runs it is equal, here and at the command line."""
@@ -102,16 +144,14 @@ class Run:
 
     def write(self, folder: str | os.PathLike[str]) -> None:
         """Writes what ``pt326 run`` writes: trace.csv, summary.json, figures, report.html."""
-        self._record.write(folder)
+        self._here("write").write(folder)
 
     def plot(self, figure: Literal[4, 5, 6] = 6) -> Any:
-        """A figure of the paper as a matplotlib.figure.Figure: 4 what is measured, 5 features, 6 residuals and what was said."""
-        from . import _plot
-
-        return _plot.figure(self, figure)
+        """A figure of the paper, made by pyplot: 4 what is measured, 5 features, 6 residuals and what was said."""
+        return _frames.plots().figure(self, figure)
 
     def __str__(self) -> str:
-        return self._record.table()
+        return self._table
 
     def __repr__(self) -> str:
         return f"<pt326.Run of {len(self)} ticks>"

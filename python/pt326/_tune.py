@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from . import _core
+from . import _core, _frames
 from ._core import Config
 from ._run import Disturbance
 
@@ -33,9 +33,9 @@ class Tuning:
         #: The experiment: time, s.
         self.t: NDArray[np.float64] = found["t"]
         #: The experiment: what T1 read, degC.
-        self.t1: NDArray[np.float32] = found["t1"]
+        self.t1: NDArray[np.float64] = found["t1"]
         #: The experiment: what the heater got, %.
-        self.power: NDArray[np.float32] = found["power"]
+        self.power: NDArray[np.float64] = found["power"]
         self._before: Config = found["config"]
         self._text: str = found["text"]
 
@@ -49,10 +49,8 @@ class Tuning:
         return config
 
     def plot(self) -> Any:
-        """T1 and the power during the experiment, as a matplotlib.figure.Figure."""
-        from . import _plot
-
-        return _plot.tuning(self)
+        """T1 and the power during the experiment, made by pyplot."""
+        return _frames.plots().tuning(self)
 
     def __str__(self) -> str:
         return self._text

@@ -1,150 +1,122 @@
-"""The interface of the Temperature Control Lab's Python package, for programs that were written for it: on a simulated PT-326.
+"""Programs for the Temperature Control Lab, on a simulated rig: ``from pt326.tclab import TCLab, clock`` in place of ``from tclab import ...``.
 
-Names and meaning of what is called are those of that package; nothing of it is used here, and its makers have no part in this. One line is
-changed in such a program: ``from pt326.tclab import TCLab, clock``. Time is that of the simulation: ``clock`` lets it pass, and nobody waits.
+All but the rig is that lab's own package (``pip install tclab``): its clock, which is real time unless ``setup`` makes it faster, its historian
+and its plotter. Its makers have no part in this.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from types import TracebackType
+from collections.abc import Callable
 from typing import Any
 
 from ._core import Config, Instrument
+from ._frames import needed
 from ._rig import Rig
 
-_open: list[TCLab] = []
+_theirs = needed("tclab", "pt326.tclab")
+Historian, Plotter = _theirs.Historian, _theirs.Plotter
+clock, labtime, setnow = _theirs.clock, _theirs.labtime, _theirs.setnow
+
+__all__ = [
+    "Experiment",
+    "Historian",
+    "Plotter",
+    "TCLab",
+    "TCLabModel",
+    "clock",
+    "labtime",
+    "runexperiment",
+    "setnow",
+    "setup",
+]
+
+#: The longest time between two samples of the rig, s (that of the lab's own model).
+STEP = 0.2
+#: ``P1`` with which ``Q1(100)`` is all that the rig's heater has: that with which the lab starts.
+USUAL_P1 = 200.0
 
 
-class TCLab:
-    """A rig with a heater and two thermistors: ``Q1(power)``, ``T1``, ``T2``.
+class TCLabModel(_theirs.TCLabModel):  # type: ignore[misc, name-defined]
+    """The lab's own model with one of our rigs in it. It runs with ``labtime``, or, not ``synced``, up to ``update(t)``.
 
-    ``preset`` is a rig of ``Rig.presets()``: trainer, a PT-326, answers within seconds; tclab within minutes, as that lab does. ``rig`` is the rig
-    itself, to which faults can be done. There is no second heater: ``Q2`` keeps its value and warms nothing.
+    ``preset`` is a rig of ``Rig.presets()``: tclab answers within minutes, as that lab does, trainer, a PT-326, within seconds. ``rig`` is the rig
+    itself, to which faults can be done. T2 lies behind T1. There is no second heater: ``Q2`` and ``P2`` keep their values and warm nothing.
     """
 
-    def __init__(self, preset: str = "trainer", seed: int = 1, disturbance: str = "calm") -> None:
-        self.rig = Rig(preset, seed, disturbance)
-        # Off for ever: it reads the thermistors.
-        self._reads = Instrument(Config(preset))
-        self._power = [0.0, 0.0]
-        self.P1, self.P2 = 200.0, 100.0
-        self._led = 0.0
-        self._sample()
-        _open.append(self)
+    version = "pt326: simulated rig"
 
-    def __enter__(self) -> TCLab:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    def __init__(
+        self,
+        port: str = "",
+        debug: bool = False,
+        synced: bool = True,
+        *,
+        preset: str = "tclab",
+        seed: int = 1,
+        disturbance: str = "calm",
     ) -> None:
-        self.close()
+        super().__init__(port, debug, synced)
+        self.port = port
+        self._config = Config(preset)
+        self.rig = Rig(preset, seed, disturbance, sample_time=min(self._config["sample_time"], STEP))
+        self._read()
 
-    def close(self) -> None:
-        """Heaters off."""
-        self._power = [0.0, 0.0]
-        if self in _open:
-            _open.remove(self)
+    def update(self, t: float | None = None) -> None:
+        """Lets the rig run up to ``t`` s from the start on; without it, up to now, if it is ``synced``."""
+        if t is None:
+            t = labtime.time() - self.tstart if self.synced else 0.0
+        power = min(100.0, self._Q1 * self._P1 / USUAL_P1)
+        while self.rig.t + self.rig.sample_time <= t:
+            self.rig.step(power)
+        self._read()
 
-    @property
-    def T1(self) -> float:
-        """Temperature at the heater's outlet, degC; NaN where the thermistor reads nothing."""
-        return self._temperatures[1]
-
-    @property
-    def T2(self) -> float:
-        """Temperature behind T1, degC."""
-        return self._temperatures[2]
+    def measurement(self, T: float) -> float:
+        """What a thermistor reads: the rig's readings have noise and steps of a converter already."""
+        return T
 
     @property
     def T0(self) -> float:
         """Temperature of the room, degC: what that lab has not."""
-        return self._temperatures[0]
+        self.update()
+        return self._T0
 
-    def Q1(self, value: float | None = None) -> float:
-        """Sets the power of the heater, % (held to 0 to 100), where one is given; gives it."""
-        return self._set(0, value)
-
-    def Q2(self, value: float | None = None) -> float:
-        """The same of a second heater, which there is not."""
-        return self._set(1, value)
-
-    @property
-    def U1(self) -> float:
-        """The power of the heater, %, as an attribute."""
-        return self.Q1()
-
-    @U1.setter
-    def U1(self, value: float) -> None:
-        self.Q1(value)
-
-    @property
-    def U2(self) -> float:
-        """The same of a second heater, which there is not."""
-        return self.Q2()
-
-    @U2.setter
-    def U2(self, value: float) -> None:
-        self.Q2(value)
-
-    def LED(self, value: float = 100.0) -> float:
-        """Sets the brightness of a lamp, which there is not, %; gives it."""
-        self._led = max(0.0, min(100.0, float(value)))
-        return self._led
-
-    @property
-    def scan(self) -> tuple[float, float, float, float]:
-        """T1, T2, Q1, Q2."""
-        return self.T1, self.T2, self.Q1(), self.Q2()
-
-    @property
-    def version(self) -> str:
-        """What this is."""
-        return "pt326: simulated PT-326"
-
-    @property
-    def sources(self) -> list[tuple[str, Callable[[], float]]]:
-        """What can be logged, by its name."""
-        return [("T1", lambda: self.T1), ("T2", lambda: self.T2), ("Q1", self.Q1), ("Q2", self.Q2)]
-
-    @property
-    def time(self) -> float:
-        """Simulated time, s."""
-        return self.rig.t
-
-    def wait(self, seconds: float) -> None:
-        """Lets simulated time pass."""
-        end = self.rig.t + seconds
-        while self.rig.t < end - 1e-9:
-            self.rig.step(self._power[0])
-            self._sample()
-
-    def _set(self, which: int, value: float | None) -> float:
-        if value is not None:
-            self._power[which] = max(0.0, min(100.0, float(value)))
-        return self._power[which]
-
-    def _sample(self) -> None:
-        self._reads.control(self.rig.codes)
-        nothing = float("nan")
-        self._temperatures = [nothing if t is None else t for t in self._reads.temperatures]
+    def _read(self) -> None:
+        # A new instrument for each reading: it has no sample before to doubt this one by.
+        reads = Instrument(self._config)
+        reads.control(self.rig.codes)
+        self._T0, self._T1, self._T2 = (float("nan") if read is None else read for read in reads.temperatures)
 
 
-def clock(period: float, step: float = 1.0, tol: float = float("inf"), adaptive: bool = True) -> Iterator[float]:
-    """Gives the time every ``step`` s from 0 to ``period``, and lets the rigs that are open run meanwhile.
+class TCLab(TCLabModel):
+    """The same where a program asks for the lab itself: in real time, and at no port."""
 
-    Nobody waits, so nothing is ever late: ``tol`` and ``adaptive`` are there for programs that give them.
-    """
-    count = 0
-    while count * step <= period + 1e-9:
-        yield count * step
-        for lab in list(_open):
-            lab.wait(step)
-        count += 1
+    def __init__(self, port: str = "", debug: bool = False, **rig: Any) -> None:
+        if port:
+            raise RuntimeError(f"port is {port!r}, expected none: this lab is simulated, no device is looked for")
+        labtime.set_rate(1)
+        super().__init__(port, debug, **rig)
 
 
-def setup(connected: bool = True, speedup: float = 1.0) -> Callable[..., Any]:
-    """Gives ``TCLab``. There is nothing to connect to, and simulated time passes as fast as it can."""
-    del connected, speedup
-    return TCLab
+class Experiment(_theirs.Experiment):  # type: ignore[misc, name-defined]
+    """That package's own, with our labs: ``with Experiment(connected=False, synced=False) as experiment: ...``."""
+
+    def __enter__(self) -> Experiment:
+        self.lab = TCLab() if self.connected else TCLabModel(synced=self.synced)
+        self.historian = Historian(self.lab.sources, dbfile=self.dbfile)
+        if self.plot:
+            self.plotter = Plotter(self.historian, twindow=self.twindow)
+        return self
+
+
+def runexperiment(function: Callable[[float, TCLabModel], object], *args: Any, **kwargs: Any) -> Experiment:
+    """Calls ``function(t, lab)`` on every tick of an ``Experiment``, which it gives back."""
+    with Experiment(*args, **kwargs) as experiment:
+        for t in experiment.clock():
+            function(t, experiment.lab)
+    return experiment
+
+
+def setup(connected: bool = True, speedup: float = 1.0) -> type[TCLabModel]:
+    """``TCLab``, or, not ``connected``, ``TCLabModel`` with a ``labtime`` that is ``speedup`` times as fast as real time."""
+    _theirs.setup(connected, speedup)
+    return TCLab if connected else TCLabModel

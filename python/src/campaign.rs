@@ -15,19 +15,19 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::config::{Config, or_default};
-use crate::convert::{error, from_table, python, refused, to_python, to_table};
+use crate::convert::{Seed, error, from_table, python, refused, to_python, to_table};
 use crate::wait::wait;
 
 /// The same experiment with many seeds, on all cores: `pt326 repeat --json`.
 #[pyfunction]
-#[pyo3(signature = (scenario: "object" = None, config = None, runs = 200, first_seed = 1, preset = None, disturbance = None, fault_size: "str | float | None" = None, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "dict[str, typing.Any]")]
+#[pyo3(signature = (scenario: "object" = None, config = None, runs = 200, first_seed: "int" = Seed(1), preset = None, disturbance = None, fault_size: "str | float | None" = None, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "dict[str, typing.Any]")]
 #[expect(clippy::too_many_arguments, reason = "Python names them")]
 pub(crate) fn repeat<'py>(
     py: Python<'py>,
     scenario: Option<&Bound<'py, PyAny>>,
     config: Option<&Bound<'py, Config>>,
     runs: u64,
-    first_seed: u64,
+    first_seed: Seed,
     preset: Option<&str>,
     disturbance: Option<&str>,
     fault_size: Option<&Bound<'py, PyAny>>,
@@ -39,7 +39,7 @@ pub(crate) fn repeat<'py>(
     let (config, scenario) = crate::run::experiment(scenario, config, preset, disturbance, fault_size)?;
     let repeated = wait(py, progress, move |shared| {
         shared.bar.set_length(runs);
-        pt326_host::repeat::repeat(&config, &scenario, first_seed, runs, &shared.bar, &shared.stop)
+        pt326_host::repeat::repeat(&config, &scenario, first_seed.0, runs, &shared.bar, &shared.stop)
     })?;
     to_python(py, &repeated)
 }
@@ -57,18 +57,18 @@ impl Cells {
     /// `definition` is the path of a TOML, a dict, or the name of a campaign that is built in: default, quick, physics or ablation. `scale`
     /// multiplies the numbers of runs; `only` is in the names of the cells that are wanted.
     #[new]
-    #[pyo3(signature = (definition: "str | os.PathLike[str] | dict[str, object]", config = None, only = None, scale = None, first_seed = None))]
+    #[pyo3(signature = (definition: "str | os.PathLike[str] | dict[str, object]", config = None, only = None, scale = None, first_seed: "int | None" = None))]
     fn new(
         definition: &Bound<'_, PyAny>,
         config: Option<&Bound<'_, Config>>,
         only: Option<String>,
         scale: Option<f64>,
-        first_seed: Option<u64>,
+        first_seed: Option<Seed>,
     ) -> PyResult<Self> {
         let (mut campaign, usual) = named(definition)?;
         campaign.scale *= scale.unwrap_or(usual);
         campaign.only = only.unwrap_or(campaign.only);
-        campaign.seeds_from = first_seed.unwrap_or(campaign.seeds_from);
+        campaign.seeds_from = first_seed.map_or(campaign.seeds_from, |seed| seed.0);
         let cells = python(campaign.expand(&or_default(config)))?;
         Ok(Self { campaign, cells, rows: Vec::new() })
     }

@@ -124,6 +124,19 @@ impl Config {
         self.clone()
     }
 
+    fn __copy__(&self) -> Self {
+        self.clone()
+    }
+
+    fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Self {
+        self.clone()
+    }
+
+    /// Pickled as TOML.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((py.get_type::<Self>().getattr("from_toml")?, (self.to_toml(),)))
+    }
+
     fn __repr__(&self) -> String {
         let (now, default) = (&self.0, fdi_core::Config::default());
         let changed = fdi_core::Config::settings().filter(|s| now.get(s) != default.get(s)).map(|s| s.name);

@@ -11,7 +11,35 @@ pyo3::import_exception!(pt326._error, Error);
 
 /// An error of the library on its way to Python.
 pub(crate) fn error(why: impl Into<anyhow::Error>) -> PyErr {
-    Error::new_err(in_words(&why.into()))
+    Error::new_err(in_python(&in_words(&why.into())))
+}
+
+/// What the command line says of its options, said of Python's arguments: `--map t1=COLUMN` is `t1=COLUMN`, `--full-power 255` is
+/// `full_power=255`.
+pub(crate) fn in_python(text: &str) -> String {
+    const SPECIAL: [(&str, &str); 6] = [
+        ("--map ", ""),
+        ("--map", "t1=, power= and so on"),
+        ("--train FROM:TO", "train=(FROM, TO)"),
+        ("--train-on RECORD", "train_on=RECORD"),
+        ("--fan yes", "has_fan=True"),
+        ("--fan no", "has_fan=False"),
+    ];
+    let text =
+        SPECIAL.into_iter().fold(text.to_owned(), |text, (option, argument)| text.replace(option, argument));
+    let mut parts = text.split("--");
+    let mut said = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let end = part.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(part.len());
+        let (option, rest) = part.split_at(end);
+        match option {
+            "" => said += "--",
+            _ => said += &format!("{}=", option.replace('-', "_")),
+        }
+        let value = rest.strip_prefix(' ').filter(|value| value.starts_with(|c: char| c.is_ascii_digit()));
+        said += value.unwrap_or(rest);
+    }
+    said
 }
 
 /// What came out well, or the error on its way to Python.
@@ -22,6 +50,24 @@ pub(crate) fn python<T>(result: anyhow::Result<T>) -> PyResult<T> {
 /// What a Python caller has given that cannot be.
 pub(crate) fn refused(why: String) -> PyErr {
     Error::new_err(why)
+}
+
+/// A seed that a Python caller has given: a whole number from 0.
+#[derive(Clone, Copy)]
+pub(crate) struct Seed(pub(crate) u64);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Seed {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match given.extract() {
+            Ok(seed) => Ok(Self(seed)),
+            Err(_) => Err(refused(format!(
+                "a seed is {}, expected a whole number from 0 to 2^64 - 1",
+                given.repr()?
+            ))),
+        }
+    }
 }
 
 /// Python's dict, list, word or number as TOML has it; a `None` in a dict is a key that is left out.

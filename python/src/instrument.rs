@@ -11,13 +11,14 @@ use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 
 use crate::config::{Config, or_default};
-use crate::convert::{Error, error};
+use crate::convert::{Error, Seed, error};
 use crate::rig::{Codes, raw};
 
 /// The instrument: what the board runs, bit for bit. Each tick takes `control(codes)`, which gives the power, then `diagnose()`.
 ///
 /// It is off until `arm()`. `seed` moves the start of the excitation as `pt326 run --seed` does; with 1 it is the board's.
 #[pyclass(module = "pt326")]
+#[derive(Clone)]
 pub(crate) struct Instrument {
     instrument: fdi_core::Instrument,
     sample_time: f64,
@@ -30,9 +31,9 @@ pub(crate) struct Instrument {
 #[pymethods]
 impl Instrument {
     #[new]
-    #[pyo3(signature = (config = None, seed = 1))]
-    fn new(config: Option<&Bound<'_, Config>>, seed: u64) -> PyResult<Self> {
-        let config = with_prbs_phase(&or_default(config), seed);
+    #[pyo3(signature = (config = None, seed: "int" = Seed(1)))]
+    fn new(config: Option<&Bound<'_, Config>>, seed: Seed) -> PyResult<Self> {
+        let config = with_prbs_phase(&or_default(config), seed.0);
         let instrument = fdi_core::Instrument::new(&config).map_err(error)?;
         Ok(Self { instrument, sample_time: as_written(config.sample_time.0), waiting: None, tick: None })
     }
@@ -57,6 +58,14 @@ impl Instrument {
         let applied = applied.map_or(tick.drive, Percent);
         let report = self.instrument.diagnose(&tick, applied);
         Ok(Report { raw: Some(raw), tick, report, applied, sample_time: self.sample_time })
+    }
+
+    fn __copy__(&self) -> Self {
+        self.clone()
+    }
+
+    fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Self {
+        self.clone()
     }
 
     /// Begins to regulate.

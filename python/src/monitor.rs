@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::config::{Config, or_default};
-use crate::convert::{error, from_table, python, refused, to_python, to_table};
+use crate::convert::{error, from_table, in_python, python, refused, to_python, to_table};
 use crate::instrument::Report;
 use crate::run::Record;
 use crate::wait::wait;
@@ -23,6 +23,7 @@ use crate::wait::wait;
 /// The diagnosis alone, for a heater that something else controls: temperatures and power in, reports out. It learns from the samples of which
 /// `learn` is said.
 #[pyclass(module = "pt326")]
+#[derive(Clone)]
 pub(crate) struct Monitor {
     monitor: fdi_core::Monitor,
     sample_time: f64,
@@ -65,6 +66,14 @@ impl Monitor {
         let (seen, report) =
             self.monitor.step(&Observed { t: [t0, t1, t2], power, beside, fan, supply, learn });
         Report { raw: None, tick: as_tick(&seen), report, applied: seen.power, sample_time: self.sample_time }
+    }
+
+    fn __copy__(&self) -> Self {
+        self.clone()
+    }
+
+    fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Self {
+        self.clone()
     }
 
     /// The next sample is the first of another recording of the same rig.
@@ -136,7 +145,7 @@ impl Recording {
     /// Whoever reads the results must know this.
     #[getter]
     fn remarks(&self) -> Vec<String> {
-        self.recording.remarks.clone()
+        self.recording.remarks.iter().map(|remark| in_python(remark)).collect()
     }
 
     /// What each heater's columns are.
@@ -207,7 +216,8 @@ impl Recording {
             };
             Ok((because, diagnose(&recording, which, &training, &[], &config, &shared.bar)?))
         })?;
-        let warning = python(done.trained.accepted(force, "Or take it as it is with force=True"))?;
+        let warning =
+            in_python(&python(done.trained.accepted(force, "Or take it as it is with force=True"))?);
         let learnt = PyDict::new(py);
         learnt.set_item("warning", warning)?;
         learnt.set_item("because", because)?;
@@ -246,7 +256,7 @@ impl Recording {
         dict.set_item("scenario", to_python(py, &scenario)?)?;
         dict.set_item("toml", fitted.scenario)?;
         dict.set_item("fit", fitted.fit)?;
-        dict.set_item("warning", fitted.warning)?;
+        dict.set_item("warning", in_python(&fitted.warning))?;
         dict.set_item("beyond", fitted.beyond)?;
         Ok(dict)
     }

@@ -8,7 +8,7 @@ use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
 
-use crate::convert::{error, from_table, python, refused, to_table};
+use crate::convert::{Seed, error, from_table, python, refused, to_table};
 
 /// What the inputs of the board read on a tick: codes of a converter of 12 bits. NaN where a sample went missing.
 #[pyclass(frozen, eq, module = "pt326")]
@@ -48,12 +48,16 @@ impl Codes {
         self.0.supply.0
     }
 
+    fn __getnewargs__(&self) -> (f32, f32, f32, f32) {
+        (self.t0(), self.t1(), self.t2(), self.supply())
+    }
+
     fn __len__(&self) -> usize {
         4
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
-        (self.t0(), self.t1(), self.t2(), self.supply()).into_pyobject(py)?.try_iter()
+        self.__getnewargs__().into_pyobject(py)?.try_iter()
     }
 
     fn __getitem__(&self, index: usize) -> PyResult<f32> {
@@ -87,10 +91,10 @@ pub(crate) struct Rig {
 #[pymethods]
 impl Rig {
     #[new]
-    #[pyo3(signature = (preset: "str" = "trainer", seed = 1, disturbance: "str" = "calm", *, sample_time = None, faults: "list[dict[str, object]] | None" = None, constants: "dict[str, object] | None" = None))]
+    #[pyo3(signature = (preset: "str" = "trainer", seed: "int" = Seed(1), disturbance: "str" = "calm", *, sample_time = None, faults: "list[dict[str, object]] | None" = None, constants: "dict[str, object] | None" = None))]
     fn new(
         preset: &str,
-        seed: u64,
+        seed: Seed,
         disturbance: &str,
         sample_time: Option<f64>,
         faults: Option<Vec<Bound<'_, PyAny>>>,
@@ -107,7 +111,7 @@ impl Rig {
             return Err(refused(format!("sample_time is {sample_time}, expected 0.001 to 10 s")));
         }
         let mut rig =
-            pt326_rig::Rig::new(&config, self::disturbance(disturbance)?, sample_time, seed, &faults);
+            pt326_rig::Rig::new(&config, self::disturbance(disturbance)?, sample_time, seed.0, &faults);
         let codes = sample(&mut rig);
         Ok(Self { rig, sample_time, tick: 0, faults, codes })
     }

@@ -17,7 +17,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::config::Config;
-use crate::convert::{from_table, python, refused, to_python, to_table};
+use crate::convert::{Seed, from_table, python, refused, to_python, to_table};
 use crate::rig::disturbance;
 use crate::wait::wait;
 
@@ -51,30 +51,30 @@ pub(crate) fn experiment(
 
 /// Runs an experiment on the simulated rig: `pt326 run`, to the same bits.
 #[pyfunction]
-#[pyo3(signature = (scenario: "object" = None, config = None, seed = 1, preset = None, disturbance = None, fault_size: "str | float | None" = None))]
+#[pyo3(signature = (scenario: "object" = None, config = None, seed: "int" = Seed(1), preset = None, disturbance = None, fault_size: "str | float | None" = None))]
 pub(crate) fn run(
     py: Python<'_>,
     scenario: Option<&Bound<'_, PyAny>>,
     config: Option<&Bound<'_, Config>>,
-    seed: u64,
+    seed: Seed,
     preset: Option<&str>,
     disturbance: Option<&str>,
     fault_size: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Record> {
     let (config, scenario) = experiment(scenario, config, preset, disturbance, fault_size)?;
-    let record = wait(py, None, move |_| experiment::run(&config, &scenario, seed))?;
+    let record = wait(py, None, move |_| experiment::run(&config, &scenario, seed.0))?;
     Ok(Record(record))
 }
 
 /// Which faults can be told apart on a rig, how soon, and from which size on: isolability.csv.
 #[pyfunction]
-#[pyo3(signature = (scenario: "object" = None, config = None, seed = 1, preset = None, disturbance = None, within = vec![1.0, 10.0, 60.0], equal_odds = false, progress: "typing.Callable[[int, int | None], object] | None" = None))]
+#[pyo3(signature = (scenario: "object" = None, config = None, seed: "int" = Seed(1), preset = None, disturbance = None, within = vec![1.0, 10.0, 60.0], equal_odds = false, progress: "typing.Callable[[int, int | None], object] | None" = None))]
 #[expect(clippy::too_many_arguments, reason = "Python names them")]
 pub(crate) fn isolability(
     py: Python<'_>,
     scenario: Option<&Bound<'_, PyAny>>,
     config: Option<&Bound<'_, Config>>,
-    seed: u64,
+    seed: Seed,
     preset: Option<&str>,
     disturbance: Option<&str>,
     within: Vec<f64>,
@@ -89,7 +89,7 @@ pub(crate) fn isolability(
     let (config, scenario) = experiment(scenario, config, preset, disturbance, None)?;
     wait(py, progress, move |shared| {
         shared.bar.set_length((scenario.duration / as_written(config.sample_time.0)) as u64);
-        let question = Question { seed, horizons, equal_odds };
+        let question = Question { seed: seed.0, horizons, equal_odds };
         Ok(output::csv(&Isolability::of(&config, &scenario, &question, &shared.bar)?))
     })
 }
@@ -119,7 +119,7 @@ impl Record {
         Ok(entry(name)?.number.unit)
     }
 
-    /// A column: an array of float32 (of the time float64) with NaN where it is not defined, or a list of words.
+    /// A column: an array of float64 with NaN where it is not defined, or a list of words.
     #[pyo3(signature = (name: "str") -> "numpy.ndarray | list[str | None]")]
     fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let entry = entry(name)?;
@@ -142,8 +142,8 @@ impl Record {
             }
             _ => {
                 let numbers = values.map(|value| match value {
-                    Value::Reading(reading) => reading.celsius.0,
-                    other => other.number(),
+                    Value::Reading(reading) => f64::from(reading.celsius.0),
+                    other => f64::from(other.number()),
                 });
                 Ok(numbers.collect::<Vec<_>>().into_pyarray(py).into_any())
             }

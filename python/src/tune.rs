@@ -6,23 +6,24 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::config::Config;
+use crate::convert::Seed;
 use crate::run::experiment;
 use crate::wait::wait;
 
 /// The experiment of the console's `tune start` on a simulated rig, and what each rule proposes.
 #[pyfunction]
-#[pyo3(signature = (scenario: "object" = None, config = None, seed = 1, preset = None, disturbance = None) -> "dict[str, typing.Any]")]
+#[pyo3(signature = (scenario: "object" = None, config = None, seed: "int" = Seed(1), preset = None, disturbance = None) -> "dict[str, typing.Any]")]
 pub(crate) fn tune<'py>(
     py: Python<'py>,
     scenario: Option<&Bound<'py, PyAny>>,
     config: Option<&Bound<'py, Config>>,
-    seed: u64,
+    seed: Seed,
     preset: Option<&str>,
     disturbance: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (config, scenario) = experiment(scenario, config, preset, disturbance, None)?;
     let settings = Config(config.clone());
-    let tuning = wait(py, None, move |_| tuned(&config, &scenario, seed))?;
+    let tuning = wait(py, None, move |_| tuned(&config, &scenario, seed.0))?;
     let rules = PyDict::new(py);
     for (rule, proposal) in &tuning.proposals {
         let Some(proposal) = proposal else { continue };
@@ -48,8 +49,8 @@ pub(crate) fn tune<'py>(
     dict.set_item("config", settings)?;
     dict.set_item("text", tuning.to_string())?;
     dict.set_item("t", tuning.ticks.iter().map(|tick| tick.t).collect::<Vec<_>>().into_pyarray(py))?;
-    let column = |of: fn(&Moment) -> f32| -> Bound<'py, PyArray1<f32>> {
-        tuning.ticks.iter().map(of).collect::<Vec<_>>().into_pyarray(py)
+    let column = |of: fn(&Moment) -> f32| -> Bound<'py, PyArray1<f64>> {
+        tuning.ticks.iter().map(|tick| f64::from(of(tick))).collect::<Vec<_>>().into_pyarray(py)
     };
     dict.set_item("t1", column(|tick| tick.t1))?;
     dict.set_item("power", column(|tick| tick.power))?;

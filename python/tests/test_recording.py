@@ -1,4 +1,6 @@
+import copy
 import json
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +57,38 @@ def test_the_command_line_says_the_same(frame: Any, command: Command, tmp_path: 
     assert pt326.diagnose(mapping, **MAP, train=(0, 300), progress=False).trace() == trace
 
 
+@pytest.mark.parametrize("zone", [None, "UTC"])
+def test_times_may_be_dates(frame: Any, zone: str | None) -> None:
+    pandas = pytest.importorskip("pandas")
+    columns = {role: column for role, column in MAP.items() if role != "time"}
+    dated = frame.drop(columns="t")
+    dated.index = pandas.date_range("2026-10-25", periods=len(frame), freq="110ms", tz=zone)
+    counted = pt326.diagnose(frame, **MAP, train=(0, 300), progress=False)
+    for given, when in ((dated, None), (dated.rename_axis("box"), None), (dated.reset_index(names="when"), "when")):
+        found = pt326.diagnose(given, time=when, **columns, train=(0, 300), progress=False)
+        assert found.sample_time == pytest.approx(0.11)
+        assert found.events == counted.events
+
+
+def test_milliseconds_are_said_to_be_such(frame: Any) -> None:
+    counted = pt326.diagnose(frame[:3000], **MAP, train=(0, 300), progress=False)
+    found = pt326.diagnose(
+        frame[:3000].assign(t=1000 * frame["t"]), **MAP, time_unit="ms", train=(0, 300), progress=False
+    )
+    assert found.model == counted.model
+
+
+def test_a_diagnosis_comes_back_from_another_process(frame: Any) -> None:
+    found = pt326.diagnose(frame[:3600], **MAP, train=(0, 300), progress=False)
+    twin: pt326.Diagnosis = pickle.loads(pickle.dumps(found))
+    assert (twin.sentences, twin.model, twin.fit) == (found.sentences, found.model, found.fit)
+    assert len(twin.plot().axes) == 3
+    with pytest.raises(pt326.Error, match="monitor of a run that another process"):
+        twin.monitor()
+    monitor = copy.deepcopy(found).monitor()
+    assert copy.deepcopy(monitor).model() == found.model
+
+
 def test_another_recording_can_be_learnt_from_and_a_monitor_goes_on(frame: Any) -> None:
     normal, rest = frame[:2700], frame[2700:]
     found = pt326.diagnose(rest, **MAP, train_on=normal, progress=False)
@@ -85,8 +119,10 @@ def test_a_recording_and_what_it_is_trained_on_have_the_same_units(frame: Any) -
 def test_what_cannot_be_is_refused(frame: Any) -> None:
     with pytest.raises(pt326.Error, match=r"there is no column|no column"):
         pt326.diagnose(frame, t1="kettle", power="heat", time="t")
-    with pytest.raises(pt326.Error, match="no column is said to be `power`"):
+    with pytest.raises(pt326.Error, match=r"no column is said to be `power`: add power=COLUMN$"):
         pt326.diagnose(frame, t1="box", time="t")
+    with pytest.raises(pt326.Error, match="add time=COLUMN, or ts= with the sample time in s"):
+        pt326.diagnose(frame, t1="box", power="heat")
     with pytest.raises(pt326.Error, match="0 <= from < to <="):
         pt326.diagnose(frame, **MAP, train=(5.0, 1.0))
     with pytest.raises(pt326.Error, match="full_power is 0"):
@@ -173,6 +209,7 @@ def test_what_no_rig_can_be_fitted_to_is_refused_as_at_the_command_line(
     done = command("fit-rig", file, *roles, "-o", tmp_path / "rig.toml")
     with pytest.raises(pt326.Error) as refused:
         pt326.fit_rig(file, **MAP, progress=False)
-    assert done.stderr.strip() == f"error: {refused.value}".strip()
+    said = done.stderr.strip().replace("--train FROM:TO or --train-on RECORD", "train=(FROM, TO) or train_on=RECORD")
+    assert said == f"error: {refused.value}".strip()
     with pytest.raises(pt326.Error, match="heater is 2, expected 1 to 1"):
         pt326.fit_rig(frame[:3400], **MAP, heater=2, progress=False)

@@ -1,6 +1,10 @@
+import copy
 import json
 import os
+import pickle
+import re
 import signal
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -101,7 +105,7 @@ def test_verbs_and_findings_have_names() -> None:
 def test_columns_are_arrays_and_frames(paper: pt326.Run) -> None:
     pandas = pytest.importorskip("pandas")
     assert paper.t.dtype == np.float64
-    assert paper["t1_c"].dtype == np.float32
+    assert paper["t1_c"].dtype == np.float64
     assert paper["t1_c"] is paper["t1_c"], "made once"
     frame = paper.to_pandas()
     assert isinstance(frame, pandas.DataFrame)
@@ -250,3 +254,66 @@ def test_faults_can_be_told_apart() -> None:
     offset = [row for row in rows if row["fault"] == "t2_offset" and row["from"] == "nothing"]
     assert offset
     assert all(row["told"] == "above" and row["size"] < 1.5 and row["within_s"] == 10 for row in offset)
+
+
+def test_a_run_comes_back_from_another_process(paper: pt326.Run) -> None:
+    twin: pt326.Run = pickle.loads(pickle.dumps(paper))
+    assert (twin.hash(), twin.summary, twin.events, str(twin)) == (
+        paper.hash(),
+        paper.summary,
+        paper.events,
+        str(paper),
+    )
+    assert all(np.array_equal(twin[name], paper[name], equal_nan=twin[name].dtype != object) for name in paper.columns)
+    assert (len(twin), twin.sample_time) == (len(paper), paper.sample_time)
+    assert len(twin.plot().axes) == 8
+    with pytest.raises(pt326.Error, match="write of a run that another process has made"):
+        twin.write("nowhere")
+
+
+def test_a_copy_is_a_run_of_its_own(paper: pt326.Run, tmp_path: Path) -> None:
+    shallow, deep = copy.copy(paper), copy.deepcopy(paper)
+    assert shallow["t1_c"] is paper["t1_c"]
+    deep["t1_c"][0] = 99.0
+    assert paper["t1_c"][0] != 99.0
+    deep.write(tmp_path)
+    assert (tmp_path / "trace.csv").read_text() == paper.trace()
+
+
+def test_what_else_can_be_copied_and_pickled() -> None:
+    config = pt326.Config("oven")
+    config["pid.kp"] = 0.1
+    assert pickle.loads(pickle.dumps(config)) == copy.deepcopy(config) == config
+    rig, instrument = pt326.Rig(), pt326.Instrument()
+    assert pickle.loads(pickle.dumps(rig.codes)) == rig.codes
+    instrument.arm()
+    instrument.control(rig.codes)
+    twin = copy.deepcopy(instrument)
+    assert twin.control(rig.codes) == instrument.control(rig.codes) > 0
+    twin.stop()
+    assert (twin.control(rig.codes), instrument.control(rig.codes) > 0) == (0.0, True)
+
+
+def test_a_figure_is_one_of_pyplot(paper: pt326.Run) -> None:
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    assert paper.plot() is pyplot.gcf()
+    pyplot.close("all")
+
+
+def test_a_package_that_is_missing_is_named_with_how_to_get_it(
+    paper: pt326.Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for package, call in (("pandas", paper.to_pandas), ("polars", paper.to_polars), ("matplotlib", paper.plot)):
+        monkeypatch.setitem(sys.modules, package, None)
+        with pytest.raises(ImportError, match=f"needs {package}: pip install {package}"):
+            call()
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, 2**64, "one"])
+def test_a_seed_that_is_none_is_refused(seed: Any) -> None:
+    for call in (pt326.run, pt326.Rig, pt326.Instrument, pt326.tune, pt326.isolability):
+        with pytest.raises(pt326.Error, match=re.escape(f"a seed is {seed!r}, expected a whole number from 0")):
+            call(seed=seed)
+    for many in (pt326.repeat, pt326.campaign):
+        with pytest.raises(pt326.Error, match="a seed is"):
+            many(first_seed=seed, progress=False)

@@ -7,6 +7,7 @@ mod heat;
 mod known;
 mod likelihood;
 mod limits;
+mod micromath;
 mod plants;
 mod scenarios;
 mod search;

@@ -104,7 +104,7 @@ pub extern "C" fn fmi3FreeInstance(instance: Handle) {
     leave(instance);
 }
 
-/// Says whether refused commands are told to the logger; errors always are.
+/// Says whether refused commands and held inputs are told to the logger; errors always are.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3SetDebugLogging(
     instance: Handle,
@@ -225,10 +225,11 @@ macro_rules! numbers {
                 // SAFETY: the caller's promise.
                 let (references, values) =
                     unsafe { (given(references, count)?, given(values.cast::<$raw>(), count)?) };
+                let mut told = Vec::new();
                 for (&reference, &value) in references.iter().zip(values) {
-                    instance.set(reference, Value::$value($read(value)))?;
+                    told.extend(instance.set(reference, Value::$value($read(value)))?);
                 }
-                Ok(Vec::new())
+                Ok(told)
             })
         }
     )*};

@@ -100,7 +100,13 @@ struct Served {
 
 impl Served {
     fn start(args: &[&str]) -> Self {
-        let mut child = command(&[&["live", "--port", "0"], args].concat()).spawn().unwrap();
+        Self::with_token(args, "")
+    }
+
+    /// With a token in the environment, which counts with `--listen` only.
+    fn with_token(args: &[&str], token: &str) -> Self {
+        let mut live = command(&[&["live", "--port", "0", "--no-open"], args].concat());
+        let mut child = live.env("PT326_TOKEN", token).spawn().unwrap();
         let mut said = BufReader::new(child.stdout.take().unwrap());
         let mut line = String::new();
         while !line.contains(" is at http://") {
@@ -229,4 +235,32 @@ fn boards_of_a_wall_are_told_apart() {
         let error = text(&out.stderr);
         assert!(out.status.code() == Some(2) && error.contains(why), "{boards:?}: {error}");
     }
+}
+
+/// Every user of a machine can read its command lines.
+#[test]
+fn a_token_comes_from_a_file_or_from_the_environment() {
+    let dir = folder("token");
+    let file = dir.join("token");
+    std::fs::write(&file, "0123456789abcdefFile\n").unwrap();
+    let listen = ["--listen", "127.0.0.1"];
+    let named =
+        Served::with_token(&[&listen[..], &["--token-file", arg(&file)]].concat(), "0123456789abcdefEnv");
+    assert_eq!(named.token, "0123456789abcdefFile");
+    assert_eq!(Served::with_token(&listen, "0123456789abcdefEnv").token, "0123456789abcdefEnv");
+    let refused = |more: &[&str]| {
+        let output = command(&[&["live"], more].concat()).env_remove("PT326_TOKEN").output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{more:?}");
+        text(&output.stderr)
+    };
+    assert!(refused(&listen).contains("put one into PT326_TOKEN, or name a file by --token-file"));
+    assert!(refused(&["--listen", "127.0.0.1", "--token-file", "nowhere"]).contains("can't read nowhere"));
+}
+
+#[test]
+fn simulated_rigs_have_no_log_of_a_board() {
+    let output = pt326(&["live", "--rigs", "2", "--record", "logs"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = text(&output.stderr);
+    assert!(said.contains("cannot be used with") && said.contains("--record <FOLDER>"), "{said}");
 }

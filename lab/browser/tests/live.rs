@@ -10,7 +10,7 @@ use pt326_host::settings::read as read_settings;
 use pt326_lab_browser::port::PORT;
 use pt326_lab_browser::{Browser, page};
 use serde_json::json;
-use served::{HELPERS, Server, on};
+use served::{HELPERS, Server, TOKEN, on};
 
 #[test]
 fn a_fault_put_in_on_one_page_is_named_on_another() {
@@ -95,9 +95,9 @@ fn the_page_that_is_served_connects_a_board_and_comes_back() {
 /// A page that is for whoever has its link: the tab keeps the token, the address does not, and nobody else comes in.
 #[test]
 fn the_token_is_not_seen_and_outlives_a_reload() {
-    let server = Server::with(0, &["--listen", "127.0.0.1", "--token", "0123456789abcdef"]);
+    let server = Server::with(0, &["--listen", "127.0.0.1"]);
     let (plain, token) = server.address.split_once('?').expect("a link with the token");
-    assert_eq!(token, "token=0123456789abcdef");
+    assert_eq!(token, format!("token={TOKEN}"));
     let entered = r#"await until(() => lab.lab.store?.end > 3300); return [location.search, document.referrer, history.length]"#;
     let browser = Browser::start().expect("a browser");
     browser.open(&format!("{}#s=x", server.address)).expect("the page");

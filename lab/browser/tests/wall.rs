@@ -48,8 +48,7 @@ fn a_fault_is_on_the_tile_of_its_rig_and_one_press_stops_all() {
 /// A click opens the rig's own page, which is the one that it has alone; the way back leads to the wall.
 #[test]
 fn a_tile_opens_the_page_of_its_rig() {
-    let token = "0123456789abcdef";
-    let server = Server::with(0, &["--rigs", "2", "--listen", "127.0.0.1", "--token", token]);
+    let server = Server::with(0, &["--rigs", "2", "--listen", "127.0.0.1"]);
     let browser = Browser::start().expect("a browser");
     browser.open(&server.address).expect("the wall");
     says(

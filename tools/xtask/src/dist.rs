@@ -1,5 +1,5 @@
 //! `cargo dist-board`: a folder to hand on that needs nothing else, and a zip of it: what to do, the image for each board as ELF and as the
-//! bytes of its flash, the lab's page, wiring and the first day to print, and checksums that `sha256sum -c` reads.
+//! bytes of its flash, the lab's page, wiring and the first day to print, licences, and checksums that `sha256sum -c` reads.
 
 use std::ffi::OsStr;
 use std::fmt::Write;
@@ -25,6 +25,8 @@ const LONGEST: usize = 256 * 1024;
 pub(crate) const PAGE: &str = "lab.html";
 /// Checksums of all other files of a folder.
 pub(crate) const SUMS: &str = "SHA256SUMS";
+/// Licences of what is within by others; `tools/licences` makes it.
+pub(crate) const LICENCES: &str = "THIRD-PARTY.txt";
 const GUIDE: &str = "wiring-and-first-day.html";
 const README: &str = include_str!("README.txt");
 
@@ -68,6 +70,9 @@ pub(crate) fn files() -> Result<Vec<(String, Vec<u8>)>, String> {
         (GUIDE.into(), guide.into()),
         ("README.txt".into(), README.into()),
     ]);
+    for text in [LICENCES, "LICENSE-MIT", "LICENSE-APACHE"] {
+        files.push((text.into(), read(&image::root().join(text))?));
+    }
     files.sort();
     files.push((SUMS.into(), sums(&files).into_bytes()));
     Ok(files)

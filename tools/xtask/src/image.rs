@@ -9,20 +9,32 @@ use std::process::Command;
 const TARGET: &str = "thumbv7em-none-eabihf";
 /// Where cargo unpacks what it gets from crates.io. Its folders name themselves, and forty of them stand in the image.
 const PACKAGES: &str = "registry/src/index.crates.io-1949cf8c6b5b557f";
-const ATTACH: &str =
-    "['probe-rs', 'attach', '--chip', 'STM32F411RETx', '--no-catch-hardfault', '--no-catch-reset']";
+/// What runs an image, for cargo; who has set it wants something else, such as another probe.
+const RUNNER: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER";
 
 /// Runs cargo on the image; `verb` is build, run or attach.
 pub(crate) fn cargo(verb: &str, arguments: impl Iterator<Item = OsString>) -> Result<(), String> {
     let command = if verb == "build" { "build" } else { "run" };
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.args([command, "--profile", "firmware", "-p", "firmware", "--target", TARGET]);
-    cargo.arg("--config").arg(format!("target.{TARGET}.rustflags=[{}]", remaps().join(", ")));
-    if verb == "attach" {
-        cargo.arg("--config").arg(format!("target.{TARGET}.runner={ATTACH}"));
+    cargo.arg("--config").arg(rustflags(TARGET));
+    let arguments: Vec<OsString> = arguments.collect();
+    if std::env::var_os(RUNNER).is_none() {
+        cargo.env(RUNNER, probe(verb, &arguments));
     }
     let status = cargo.args(arguments).status().map_err(|error| format!("cargo cannot be run: {error}"))?;
     if status.success() { Ok(()) } else { Err(format!("cargo {command} has failed")) }
+}
+
+/// What brings an image to the board that the features name, or watches it there.
+///
+/// Since April 2025 (its pull request 3224, in 0.32 and before) probe-rs halts the core at a HardFault and at a reset unless it is told not to.
+/// The fault handler, which cuts the heater and keeps the crash record, would never run then. `run` and `attach` both take the flags; that was
+/// read in the sources of probe-rs and not tried, for want of a probe.
+fn probe(verb: &str, arguments: &[OsString]) -> String {
+    let is_446 = |word: &OsString| word.to_string_lossy().contains("nucleo-f446re");
+    let chip = if arguments.iter().any(is_446) { "STM32F446RETx" } else { "STM32F411RETx" };
+    format!("probe-rs {verb} --chip {chip} --no-catch-hardfault --no-catch-reset")
 }
 
 /// The folder of the workspace.
@@ -41,7 +53,13 @@ pub(crate) fn built() -> PathBuf {
     target().join(TARGET).join("firmware").join("firmware")
 }
 
-/// Options for rustc, as strings of TOML: folders of this machine, and what the image calls them. Of two that fit the compiler takes the later.
+/// A setting of cargo's that takes the folders of this machine out of what is built for a target.
+pub(crate) fn rustflags(target: &str) -> String {
+    let all: Vec<String> = remaps().iter().map(|option| quoted(option)).collect();
+    format!("target.{target}.rustflags=[{}]", all.join(", "))
+}
+
+/// Options for rustc: folders of this machine, and what the image calls them. Of two that fit the compiler takes the later.
 pub(crate) fn remaps() -> Vec<String> {
     let home = std::env::var_os("CARGO_HOME")
         .map(PathBuf::from)
@@ -50,7 +68,7 @@ pub(crate) fn remaps() -> Vec<String> {
     [(Some(root()), "pt326"), (Some(target()), "target"), (home, "cargo"), (packages, "")]
         .into_iter()
         .filter_map(|(folder, name)| Some((folder.filter(|folder| folder.is_absolute())?, name)))
-        .map(|(folder, name)| quoted(&format!("--remap-path-prefix={}={name}", folder.display())))
+        .map(|(folder, name)| format!("--remap-path-prefix={}={name}", folder.display()))
         .collect()
 }
 
@@ -61,7 +79,19 @@ fn quoted(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::quoted;
+    use super::{probe, quoted};
+
+    #[test]
+    fn a_probe_is_told_the_chip_of_the_board() {
+        let of = |words: &[&str]| probe("attach", &words.iter().map(Into::into).collect::<Vec<_>>());
+        let flags = "--no-catch-hardfault --no-catch-reset";
+        assert_eq!(of(&[]), format!("probe-rs attach --chip STM32F411RETx {flags}"));
+        for named in
+            [&["--no-default-features", "--features", "nucleo-f446re"][..], &["--features=nucleo-f446re"]]
+        {
+            assert_eq!(of(named), format!("probe-rs attach --chip STM32F446RETx {flags}"));
+        }
+    }
 
     #[test]
     fn a_path_of_any_system_is_one_string() {

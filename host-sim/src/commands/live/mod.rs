@@ -3,7 +3,7 @@
 mod rigs;
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 
@@ -20,7 +20,8 @@ use rigs::{BoardAt, Boards};
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 All who open the page see the same rig; whoever has it may break it, arm it and stop it. It is served to this machine only, unless \
---listen names an address, which needs --token: then everybody who can reach that address and knows the token may.
+--listen names an address, which needs a token: then everybody who can reach that address and knows the token may. It is read from a file or from \
+PT326_TOKEN, since every user of the machine can read a command line.
 
 With --board, a real board: its page arms, stops and acknowledges. Stop, and the key !, go to the board at once. While \
 nothing is heard of the board the page says so; the board goes on regulating, and trips by itself. Ctrl-C stops every board before the program \
@@ -48,7 +49,7 @@ Examples:
   pt326 live --board --mqtt mqtt://broker.local/bench-1
   pt326 live --board lab1=/dev/ttyACM0 --board lab2=/dev/ttyACM1 --record logs    a wall of two
   pt326 live --rigs 12 --preset trainer   a wall of twelve simulated rigs
-  pt326 live --listen 192.168.1.7 --token $(openssl rand -hex 16)")]
+  (umask 077; openssl rand -hex 16 > token); pt326 live --listen 192.168.1.7 --token-file token")]
 pub struct LiveArgs {
     /// Which rig: paper, trainer, harsh, recorded; oven, hotend or tclab, with the settings that belong to it. Several: a wall with one of each.
     #[arg(long, default_value = "paper")]
@@ -79,7 +80,7 @@ pub struct LiveArgs {
     )]
     pub board: Vec<BoardAt>,
     /// Folder in which the log of each board is kept, in a new file NAME-TIME.log; `pt326 replay` reads it.
-    #[arg(long, value_name = "FOLDER", requires = "board")]
+    #[arg(long, value_name = "FOLDER", requires = "board", conflicts_with_all = ["preset", "rigs", "seed", "disturbance", "recording"])]
     pub record: Option<PathBuf>,
     /// The page to serve, lab.html as `cargo lab` writes it; left out: one that watches only.
     #[arg(long, value_name = "FILE")]
@@ -90,12 +91,12 @@ pub struct LiveArgs {
     /// Port; another one where it is taken.
     #[arg(long, default_value_t = 8326)]
     pub port: u16,
-    /// Address to listen on, for other machines; needs --token.
-    #[arg(long, value_name = "ADDRESS", requires = "token")]
+    /// Address to listen on, for other machines; needs a token.
+    #[arg(long, value_name = "ADDRESS")]
     pub listen: Option<IpAddr>,
-    /// What everybody must know who opens the page: 16 letters and digits or more.
-    #[arg(long, requires = "listen")]
-    pub token: Option<String>,
+    /// A file that holds what everybody must know who opens the page: 16 letters and digits or more. Without it: PT326_TOKEN.
+    #[arg(long, value_name = "FILE", requires = "listen")]
+    pub token_file: Option<PathBuf>,
     /// An MQTT broker that is told of the rig: mqtt://[USER@]HOST[:PORT][/NAME]; topics begin with pt326/NAME, of a board of several with
     /// pt326/NAME-BOARD. The password of USER is taken from PT326_MQTT_PASSWORD.
     #[arg(long, value_name = "URL")]
@@ -129,10 +130,10 @@ pub fn run(args: &LiveArgs) -> anyhow::Result<()> {
 
 /// Listens, and says where.
 fn serve(args: &LiveArgs, rigs: Vec<Arc<Rig>>) -> anyhow::Result<()> {
-    let access = match (&args.listen, &args.token) {
-        (Some(_), Some(token)) => Access::open(token)?,
+    let access = match args.listen {
+        Some(_) => Access::open(&token(args.token_file.as_deref())?)?,
         // A board heats: its page is for the user who has started this, not for every user of the machine.
-        _ => Access::local(!args.board.is_empty())?,
+        None => Access::local(!args.board.is_empty())?,
     };
     let what = if rigs.len() > 1 { "wall" } else { "lab" };
     let address = SocketAddr::new(args.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), args.port);
@@ -154,6 +155,18 @@ fn serve(args: &LiveArgs, rigs: Vec<Arc<Rig>>) -> anyhow::Result<()> {
         Ok(())
     })
     .with_context(|| format!("can't serve on {address}"))
+}
+
+/// What everybody must know who opens the page, from a file or from the environment.
+fn token(file: Option<&Path>) -> anyhow::Result<String> {
+    let token = match file {
+        Some(file) => {
+            std::fs::read_to_string(file).with_context(|| format!("can't read {}", file.display()))?
+        }
+        None => std::env::var("PT326_TOKEN")
+            .context("--listen needs a token: put one into PT326_TOKEN, or name a file by --token-file")?,
+    };
+    Ok(token.trim().to_owned())
 }
 
 /// Opens a browser, where there is one.

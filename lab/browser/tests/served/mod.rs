@@ -22,6 +22,9 @@ pub(crate) struct Server {
     pub(crate) address: String,
 }
 
+/// What those must know who open a page that others can reach, by `--listen`.
+pub(crate) const TOKEN: &str = "0123456789abcdef";
+
 impl Server {
     /// `LAB_LIVE` names the program, built with the feature `live`; without it, that of the workspace's debug build.
     pub(crate) fn start(port: u16) -> Self {
@@ -35,6 +38,7 @@ impl Server {
         let mut process = Command::new(program)
             .args(["live", "--no-open", "--port", &port.to_string()])
             .args(more)
+            .env("PT326_TOKEN", TOKEN)
             .stdout(Stdio::piped())
             .spawn()
             .expect("pt326, built with `cargo build -p pt326 --features live`");

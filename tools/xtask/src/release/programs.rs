@@ -12,8 +12,9 @@ pub(super) const LINUX: &str = "x86_64-unknown-linux-musl";
 pub(super) const WINDOWS: &str = "x86_64-pc-windows-gnu";
 const MACS: [&str; 2] = ["aarch64-apple-darwin", "x86_64-apple-darwin"];
 
-/// Texts that go with a program.
-const TEXTS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT"];
+/// Texts that go with a program, beside its own README.txt: that of the sources points to pages that are not there.
+const TEXTS: [&str; 4] = ["CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT", dist::LICENCES];
+const README: &str = include_str!("PROGRAM.txt");
 /// Shells, and the names that they look for.
 const SHELLS: [(&str, &str); 4] =
     [("bash", "pt326.bash"), ("zsh", "_pt326"), ("fish", "pt326.fish"), ("powershell", "_pt326.ps1")];
@@ -44,15 +45,37 @@ pub(super) fn deb(folder: &Path) -> Result<(), Why> {
     needs("cargo-deb", "cargo install --locked cargo-deb")?;
     build(LINUX)?;
     extras(LINUX)?;
+    for_debian(&built(LINUX).join("extras"))?;
     let options = ["deb", "--no-build", "--no-strip", "-p", "pt326", "--target", LINUX, "--output"];
     let file = folder.join(format!("pt326_{VERSION}_amd64.deb"));
     Ok(done(cargo().args(options).arg(file).current_dir(image::root()))?)
+}
+
+/// Manual pages and changelogs as Debian has them, packed without times.
+fn for_debian(extras: &Path) -> Result<(), Why> {
+    let when = Command::new("git").args(["log", "-1", "--format=%cD"]).current_dir(image::root()).output();
+    let when = when.map_err(|error| format!("git: {error}"))?.stdout;
+    let debian = format!(
+        "pt326 ({VERSION}-1) unstable; urgency=medium\n\n  * See changelog.gz.\n\n -- The PT-326 FDI authors <authors@pt326.invalid>  {}",
+        String::from_utf8_lossy(&when)
+    );
+    write(&extras.join("changelog.Debian"), debian.as_bytes())?;
+    write(&extras.join("changelog"), &dist::read(&image::root().join("CHANGELOG.md"))?)?;
+    let folder = std::fs::read_dir(extras.join("man")).map_err(|error| format!("man: {error}"))?;
+    let pages = folder
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|page| page.extension().is_some_and(|of| of == "1"));
+    let all = pages.chain(["changelog", "changelog.Debian"].map(|name| extras.join(name)));
+    // The others stay: the zip files take the pages as they are.
+    Ok(done(Command::new("gzip").args(["--best", "--no-name", "--keep", "--force"]).args(all))?)
 }
 
 /// The zip file of a target.
 fn archive(folder: &Path, target: &str, program: &str) -> Result<(), Why> {
     build(target)?;
     let mut files = vec![(program.to_owned(), dist::read(&built(target).join(program))?)];
+    files.push(("README.txt".into(), README.into()));
     for text in TEXTS {
         files.push((text.into(), dist::read(&image::root().join(text))?));
     }
@@ -92,9 +115,9 @@ fn build(target: &str) -> Result<(), Why> {
     if !Path::new(String::from_utf8_lossy(&libraries.stdout).trim()).is_dir() {
         return Err(Why::Missing(format!("rustup target add {target}")));
     }
-    let flags = format!("target.{target}.rustflags=[{}]", image::remaps().join(", "));
+    let flags = image::rustflags(target);
     let options = ["build", "--release", "--locked", "-p", "pt326", "--features", "live", "--target", target];
-    let settings = ["--config", "profile.release.strip=true", "--config", &flags];
+    let settings = ["--config", "profile.release.package.pt326.strip=\"symbols\"", "--config", &flags];
     Ok(done(cargo().args(options).args(settings).current_dir(image::root()))?)
 }
 
@@ -113,6 +136,7 @@ fn extras(target: &str) -> Result<Vec<(String, Vec<u8>)>, Why> {
     let mut pages: Vec<PathBuf> = std::fs::read_dir(&man)
         .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect())
         .map_err(|error| format!("{}: {error}", man.display()))?;
+    pages.retain(|page| page.extension().is_some_and(|of| of == "1"));
     pages.sort();
     for page in pages {
         let name = page.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -120,9 +120,10 @@ pub fn html(source: Source) -> String {
         Source::InPage(wasm) => {
             let worker = lean(WORKER).replace("</script", "<\\/script");
             format!(
-                "<script type=\"text/plain\" id=\"licences\">{LICENCES}</script>\n\
+                "<script type=\"text/plain\" id=\"licences\">{}</script>\n\
                  <script type=\"text/plain\" id=\"worker\">{worker}</script>\n\
                  {WASM}{}</script>",
+                lean(LICENCES),
                 STANDARD.encode(wasm)
             )
         }
@@ -227,7 +228,7 @@ mod tests {
         let page = html(Source::InPage(&[]));
         let (_, from) = page.split_once("id=\"licences\">").unwrap();
         let (licences, _) = from.split_once("</script>").unwrap();
-        assert_eq!(licences, LICENCES);
+        assert_eq!(licences, lean(LICENCES));
         assert!(
             ["serde_json", "libm", "Apache License", "WITHOUT WARRANTY OF ANY KIND"]
                 .iter()

@@ -200,8 +200,8 @@ fn what_is_wrong_with_a_recording_is_named_by_line_and_column() {
     let bad = "t,u,y\n0,1,2\n1,x,3\n";
     let said = error(bad, &map);
     assert!(said.contains("line 3") && said.contains("column 2") && said.contains("`x`"), "{said}");
-    let backwards = "t,u,y\n0,1,2\n2,1,3\n1,1,3\n";
-    assert!(error(backwards, &map).contains("line 4"));
+    let backwards = format!("t,u,y\n{}", rows(&|k| format!("{},50,20\n", k % 7)));
+    assert!(error(&backwards, &map).contains("line 9"));
     let said = error("a,b\n1,2\n", &[]);
     assert!(said.contains("--map t1=COLUMN") && said.contains("`a`"), "{said}");
     assert!(error(bad, &["--map", "t1=z", "--map", "power=u", "--ts", "1"]).contains("no column `z`"));
@@ -284,7 +284,7 @@ fn an_odd_row_of_a_recording_is_told() {
     let said = text(&done.stdout);
     assert!(done.status.success(), "{}", text(&done.stderr));
     assert!(
-        said.contains("Samples that no rig gives, taken as not known: 1 of T1.") && said.contains("T1 sees"),
+        said.contains("as error codes of a sensor are: 1, taken as missing.") && said.contains("T1 sees"),
         "{said}"
     );
     assert!(!said.contains("One unit of T1 counts for"), "{said}");

@@ -6,7 +6,7 @@ use super::stamp;
 use super::table::Table;
 
 /// English, German, Portuguese and Spanish.
-const TIME: [&str; 18] = [
+const TIME: [&str; 19] = [
     "timestamp",
     "ts",
     "datetime",
@@ -17,6 +17,7 @@ const TIME: [&str; 18] = [
     "epoch",
     "uptime",
     "millis",
+    "ticks",
     "seconds",
     "sec",
     "ms",

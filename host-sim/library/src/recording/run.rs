@@ -212,7 +212,8 @@ fn row(
     *finding =
         finding.filter(|finding| believed.believes(finding, &seen.sample, &report.likelihood.expected));
     if let Some(finding) = finding {
-        finding.onset = shifted(finding.onset);
+        // A mean of several samples begins nowhere between them: what it names has begun by now.
+        finding.onset = shifted(finding.onset).min(seen.index);
     }
     let nothing =
         fdi_core::Reading { celsius: fdi_core::Celsius(f32::NAN), validity: fdi_core::Validity::Missing };

@@ -226,10 +226,15 @@ fn identifiable(recording: &Recording, samples: &[Observed]) -> anyhow::Result<f
              Train on a part where it moves; if the rig was cold and off before the first sample, say --from-rest"
         );
     }
+    let below =
+        samples.iter().filter_map(|sample| sample.power).filter(|power| f64::from(*power) < -1e-3 * full);
+    let count = below.count();
     ensure!(
-        high <= 1.001 * full && low >= -0.001 * full,
-        "power goes from {low} to {high}, expected 0 to {full}: say --full-power"
+        count == 0,
+        "the power is below 0 in {count} of {} samples, down to {low}, and a heater takes none back: if it cools there, say --cooling",
+        samples.len()
     );
+    ensure!(high <= 1.001 * full, "power goes from {low} to {high}, expected 0 to {full}: say --full-power");
     let (cold, hot) = span(&|sample| sample.t[1]);
     ensure!(hot > cold, "cannot be identified from this: T1 never changes");
     Ok((f64::from(recording.units.celsius) * (hot - cold) / (100.0 * (high - low) / full)).clamp(1e-3, 50.0))

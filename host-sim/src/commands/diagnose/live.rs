@@ -29,6 +29,8 @@ use pt326_host::recording::{Reading, Recording};
 /// A source is silent when nothing has come for so many sample times, and at least so long: loggers gather some lines before they send them.
 const SILENT: f64 = 5.0;
 const LEAST_SILENCE: Duration = Duration::from_secs(2);
+/// So many gaps from the first line on are another unit of time.
+const ASKED: u64 = 10;
 
 /// Learns from the other recording, then reads standard input until it ends.
 pub(super) fn run(args: &DiagnoseArgs, how: &Reading, config: &Config) -> anyhow::Result<()> {
@@ -98,6 +100,9 @@ struct Live<'a> {
     /// How the lines tell their times, and that of the last sample, s.
     stamps: Option<Stamps>,
     at: Option<f64>,
+    /// Lines that were placed by their time, and gaps before them.
+    placed: u64,
+    gaps: u64,
     /// Sample times that have passed since the first line.
     passed: u32,
     record: Record,
@@ -127,7 +132,12 @@ impl<'a> Live<'a> {
         let how =
             Reading { sample_time: Some(other.sample_time), celsius, full_power, ..how.clone() }.untimed();
         let numbers = as_numbers(&header);
-        Recording::parse("standard input, line 1".into(), &format!("{header}\n{numbers}\n"), &how)?;
+        let line =
+            Recording::parse("standard input, line 1".into(), &format!("{header}\n{numbers}\n"), &how)?;
+        // The stream's own name of the time says its unit, unless somebody else does.
+        let name =
+            line.heaters[0].map.column(Role::Time).filter(|_| how.time_unit.is_none()).map(str::to_owned);
+        let stamps = other.stamps.map(|stamps| name.map_or(stamps, |name| stamps.under(&name)));
         let origin = Origin::Watched { file: "standard input".into() };
         let mut record = Record::new(origin, config, &[], Vec::new(), None);
         record.sample_time = other.sample_time;
@@ -141,8 +151,10 @@ impl<'a> Live<'a> {
             trained,
             implausible: [0; OBSERVED.len()],
             monitor,
-            stamps: other.stamps,
+            stamps,
             at: None,
+            placed: 0,
+            gaps: 0,
             passed: 0,
             record,
             line: 1,
@@ -218,7 +230,7 @@ impl<'a> Live<'a> {
         // Written in another way than in the training.
         let (stamps, times) = Stamps::of(&table, column, self.how.time_unit).map_err(here)?;
         self.stamps = Some(stamps);
-        Ok((sample, times.first().copied().flatten()))
+        Ok((sample, times.values.first().copied().flatten()))
     }
 
     /// A sample where its time is: those before it are missing, and another session begins where time does not go on.
@@ -226,7 +238,16 @@ impl<'a> Live<'a> {
         let (Some(time), Some(stamps)) = (time, self.stamps) else { return self.watch(sample, say) };
         let Some(at) = self.at.replace(time) else { return self.watch(sample, say) };
         let ts = self.record.sample_time;
-        let steps = stamps.between(at, time) / ts;
+        let steps = stamps.between(at, time, ts) / ts;
+        let is_gap = !(-0.25..=GAP as f64 + 1.5).contains(&steps);
+        (self.placed, self.gaps) = (self.placed + 1, self.gaps + u64::from(is_gap));
+        if is_gap && self.said.take().is_some() {
+            let text = format!("line {}: a gap: whether what was wrong is over is not known\n", self.line);
+            say(Said::new("unknown", text, json!({ "line": self.line })))?;
+        }
+        if self.gaps == ASKED && self.placed == ASKED {
+            say(Said::new("gaps", self.only_gaps(), json!({ "line": self.line })))?;
+        }
         // A quarter: what is nearer to the last sample than half of a step may only be early.
         if !(-0.25..=OFF).contains(&steps) {
             let text = format!("line {}: its times begin anew: another session\n", self.line);
@@ -246,6 +267,15 @@ impl<'a> Live<'a> {
             (0..missing).try_for_each(|_| self.watch(&Observed::default(), say))?;
         }
         if steps > 0.0 { self.watch(sample, say) } else { Ok(()) }
+    }
+
+    /// What whoever runs the source must know of it.
+    fn only_gaps(&self) -> String {
+        format!(
+            "each of {} lines is a gap, by its time: nothing is judged. The training has a sample each {} s; is the time in another unit? \
+             --time-unit says which\n",
+            self.placed, self.record.sample_time
+        )
     }
 
     fn watch(&mut self, sample: &Observed, say: Say) -> anyhow::Result<()> {
@@ -319,6 +349,7 @@ impl<'a> Live<'a> {
     fn end(&self, say: Say) -> anyhow::Result<()> {
         let Self { samples, left_out, silences, .. } = self;
         ensure!(*samples > 0, "standard input: none of {left_out} lines was a sample");
+        ensure!(self.gaps == 0 || self.gaps < self.placed, "standard input: {}", self.only_gaps().trim_end());
         let odd = super::odd(&self.implausible).map(|odd| format!(", {odd}")).unwrap_or_default();
         let text = format!("{samples} samples, {left_out} lines left out, {silences} times silent{odd}\n");
         let passed = self.passed;

@@ -33,7 +33,7 @@ Traces of this project, logs of its boards (the page's *Save log*, or `pt326 boa
 printed line says how. Several heaters are diagnosed one after the other.
 
 Times are numbers (seconds, or what --time-unit says), clocks or dates; 5/1/2024 is in May. Times count from the first sample. If they fall \
-back, stand still or leap, another session begins.
+back or leap, another session begins.
 
 Without T0 a constant is learnt in its place, and T0 is not diagnosed. Without T2, faults of T1, of the heater and of the air are told apart only by \
 how fast T1 changes. docs/records.md begins with an example.
@@ -99,7 +99,7 @@ pub struct ReadingArgs {
     /// Sample time, s; left out: that of the time stamps.
     #[arg(long, value_name = "S")]
     pub ts: Option<f64>,
-    /// Unit of times that are numbers: ns, us, ms, s, min, h or d; left out: as their column's name says, or the numbers themselves.
+    /// Unit of times that are numbers: ns, ticks (of 100 ns), us, ms, s, min, h or d; left out: as their column's name says, or the numbers themselves. Of times such as 22:00 what the first number counts: h or min.
     #[arg(long, value_name = "UNIT")]
     pub time_unit: Option<String>,
     /// Resample time stamps even if they are nearly even; uneven ones are always resampled.
@@ -112,6 +112,9 @@ pub struct ReadingArgs {
     /// that row on.
     #[arg(long)]
     pub power_before: bool,
+    /// A power below zero cools (a Peltier element, a valve for cold water): it is taken for a second input, with a gain of its own.
+    #[arg(long)]
+    pub cooling: bool,
     /// For temperatures in another unit: how many degC one unit counts for.
     #[arg(long, value_name = "DEGC")]
     pub degc: Option<f64>,
@@ -140,6 +143,7 @@ impl ReadingArgs {
             celsius: self.degc,
             fan: self.fan,
             power_before: self.power_before,
+            cooling: self.cooling,
             untimed: false,
         })
     }

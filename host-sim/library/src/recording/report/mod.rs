@@ -16,7 +16,7 @@ use super::score::Score;
 use super::{Heater, Recording};
 use crate::experiment::Row;
 
-pub use findings::{Episode, Said, Unjudged, plain};
+pub use findings::{Ending, Episode, Said, Unjudged, plain};
 pub use learnt::{Learnt, learnt, table};
 
 /// A heater of a recording with all that is told of it.
@@ -110,9 +110,12 @@ impl<'a> Told<'a> {
             for said in &episode.said {
                 let _ = writeln!(text, "{:>9.2} s  {}", said.at, said.sentence);
             }
-            let _ = match episode.is_over {
-                true => writeln!(text, "{:>9.2} s  all is as expected again", episode.to),
-                false => writeln!(text, "{:>11}  and so to the end", ""),
+            let _ = match episode.ending {
+                Ending::Over => writeln!(text, "{:>9.2} s  all is as expected again", episode.to),
+                Ending::Gap => {
+                    writeln!(text, "{:>9.2} s  a gap: whether it is over is not known", episode.to)
+                }
+                Ending::Stands => writeln!(text, "{:>11}  and so to the end", ""),
             };
         }
         for part in &self.unjudged {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::super::run::Training;
 use super::data::{Data, Signal, shaded};
-use super::findings::Episode;
+use super::findings::{Ending, Episode};
 use super::{Told, WITHIN, learnt_from};
 use crate::experiment::as_written;
 use crate::record::report::{escape, significant, written};
@@ -198,7 +198,11 @@ fn alarms(told: &Told) -> String {
             .take(6)
             .map(|said| format!("<small>at {}: {}</small>", time(said.at), escape(&said.sentence)))
             .collect();
-        let end = if episode.is_over { time(episode.to) } else { "the end".to_owned() };
+        let end = match episode.ending {
+            Ending::Over => time(episode.to),
+            Ending::Gap => format!("{}, a gap: whether it is over is not known", time(episode.to)),
+            Ending::Stands => "the end".to_owned(),
+        };
         format!(
             "<tr><td class='n'>{}</td><td class='n'>{}</td><td class='n'>{end}</td><td>{}{}</td></tr>\n",
             i + 1,

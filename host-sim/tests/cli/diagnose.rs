@@ -47,11 +47,14 @@ fn a_trace_of_ours_is_diagnosed_as_a_recording() {
     for sentence in ["T2 reads 1.", "T1 sees", "the air flow is"] {
         assert!(said.contains(sentence), "{sentence}: {said}");
     }
-    for file in ["trace.csv", "summary.json", "figure6.svg", "report.html"] {
-        assert!(out.join(file).exists(), "{file}");
-    }
-    // Nobody said what was true.
-    assert!(!std::fs::read_to_string(out.join("report.html")).unwrap().contains("<h2>False alarms</h2>"));
+    // The page says what the terminal says, and what is read stays where it is though it is among results.
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    let alarms = said.lines().find(|line| line.contains(" watched")).unwrap();
+    let count = alarms.rsplit(' ').nth(1).unwrap();
+    assert!(page.contains(&format!("{count} alarms, the first at")), "{alarms}");
+    let beside = pt326(&["diagnose", arg(&trace), "--train", "2:364", "--out", arg(&dir)]);
+    assert!(beside.status.success() && trace.exists() && !dir.join("earlier-1").exists());
+    assert!(dir.join("diagnosed/trace.csv").exists());
 }
 
 /// The log of a board that is armed before tick `armed`, as the page and `pt326 board --record` save it: T2 is calibrated, and 420 s later

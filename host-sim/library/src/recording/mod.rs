@@ -11,6 +11,7 @@ pub mod grid;
 pub mod harness;
 pub mod inject;
 pub mod intervals;
+pub mod leaps;
 mod logs;
 mod long;
 pub mod map;
@@ -89,6 +90,8 @@ pub struct Heater {
     pub inputs: Inputs,
     /// One sample each Ts.
     pub samples: Vec<Observed>,
+    /// It is a rig of this project, of which the paper's signatures say something.
+    pub is_ours: bool,
 }
 
 /// A recording.
@@ -157,9 +160,11 @@ impl Recording {
         let mut remarks = grid.remarks.clone();
         remarks.extend(board.as_ref().and_then(|log| log.remark).map(str::to_owned));
         remarks.extend(table.left_out());
+        let is_ours = board.is_some() || guess.as_ref().is_some_and(|guess| guess.is_ours);
         let mut heaters = Vec::new();
         for map in maps {
-            let (heater, said) = heater(&table, map, &grid, fan)?;
+            let (mut heater, said) = heater(&table, map, &grid, fan)?;
+            heater.is_ours = is_ours;
             heaters.push(heater);
             remarks.extend(said);
         }
@@ -361,7 +366,7 @@ fn heater(table: &Table, map: Map, grid: &Grid, fan: bool) -> anyhow::Result<(He
     let samples = samples.collect();
     let inputs =
         Inputs { t0: map.column(Role::T0).is_some(), t2: map.column(Role::T2).is_some(), fan, ..Inputs::ALL };
-    Ok((Heater { map, inputs, samples }, remarks.into_inner()))
+    Ok((Heater { map, inputs, samples, is_ours: false }, remarks.into_inner()))
 }
 
 /// Of samples whose power drove the heater up to each of them makes such whose power drives it from each of them on.

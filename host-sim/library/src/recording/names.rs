@@ -252,6 +252,7 @@ pub(super) fn by_words(table: &Table) -> Option<Guess> {
         heaters: pairs.iter().enumerate().map(map).collect(),
         full_power: is_klipper.then_some(1.0),
         fan: is_klipper || columns.iter().any(|column| column.has(&["fan"])),
+        is_ours: false,
     })
 }
 

@@ -107,7 +107,7 @@ fn lone(samples: &mut [Observed], which: usize, celsius: f32) -> usize {
     let there: Vec<(usize, f32)> =
         samples.iter().enumerate().filter_map(|(k, sample)| Some((k, sample.t[which]?))).collect();
     let t: Vec<f32> = there.iter().map(|(_, t)| *t).collect();
-    let far: Vec<Option<f32>> = (0..t.len()).map(|i| far(&t, i, LEAST / celsius)).collect();
+    let far: Vec<Option<f32>> = (0..t.len()).map(|i| far(&t, i, LEAST / celsius.min(1.0))).collect();
     let mut count = 0;
     let mut i = 0;
     while i < t.len() {

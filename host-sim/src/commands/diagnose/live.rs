@@ -23,7 +23,7 @@ use pt326_host::recording::run::as_tick;
 use pt326_host::recording::stamp::Stamps;
 use pt326_host::recording::table::Table;
 use pt326_host::recording::text::as_numbers;
-use pt326_host::recording::training::train;
+use pt326_host::recording::training::{Trained, train};
 use pt326_host::recording::{Reading, Recording};
 
 /// A source is silent when nothing has come for so many sample times, and at least so long: loggers gather some lines before they send them.
@@ -56,7 +56,7 @@ pub(super) fn run(args: &DiagnoseArgs, how: &Reading, config: &Config) -> anyhow
     let Heard::Line(header) = lines.next(None) else {
         anyhow::bail!("standard input is empty: expected a header")
     };
-    let mut live = Live::new(&other, how, &trained.monitor, &trained.config, header?)?;
+    let mut live = Live::new(&other, how, &trained, header?)?;
     loop {
         match lines.next(Some(silence)) {
             Heard::End => break,
@@ -95,7 +95,7 @@ struct Live<'a> {
     believed: Believed,
     how: Reading,
     header: String,
-    trained: &'a Monitor,
+    learnt: &'a Trained,
     monitor: Monitor,
     /// How the lines tell their times, and that of the last sample, s.
     stamps: Option<Stamps>,
@@ -120,13 +120,7 @@ struct Live<'a> {
 impl<'a> Live<'a> {
     /// # Errors
     /// The header lacks a column.
-    fn new(
-        other: &'a Recording,
-        how: &Reading,
-        trained: &'a Monitor,
-        config: &Config,
-        header: String,
-    ) -> anyhow::Result<Self> {
+    fn new(other: &'a Recording, how: &Reading, learnt: &'a Trained, header: String) -> anyhow::Result<Self> {
         let celsius = Some(other.units.celsius.into());
         let full_power = Some(other.units.full_power.into());
         let how =
@@ -139,16 +133,16 @@ impl<'a> Live<'a> {
             line.heaters[0].map.column(Role::Time).filter(|_| how.time_unit.is_none()).map(str::to_owned);
         let stamps = other.stamps.map(|stamps| name.map_or(stamps, |name| stamps.under(&name)));
         let origin = Origin::Watched { file: "standard input".into() };
-        let mut record = Record::new(origin, config, &[], Vec::new(), None);
+        let mut record = Record::new(origin, &learnt.config, &[], Vec::new(), None);
         record.sample_time = other.sample_time;
-        let mut monitor = trained.clone();
+        let mut monitor = learnt.monitor.clone();
         monitor.resume();
         Ok(Self {
             other,
             believed: Believed::of(&other.heaters[0]),
             how,
             header,
-            trained,
+            learnt,
             implausible: [0; OBSERVED.len()],
             monitor,
             stamps,
@@ -286,7 +280,7 @@ impl<'a> Live<'a> {
         self.passed = self.passed.saturating_add(1);
         let time = tick_time(seen.index, self.record.sample_time);
         // Those of the training are not told again; of each the first is.
-        let told = self.trained.implausible().into_iter().zip(self.monitor.implausible());
+        let told = self.learnt.monitor.implausible().into_iter().zip(self.monitor.implausible());
         for ((name, count), (learnt, now)) in OBSERVED.iter().zip(&mut self.implausible).zip(told) {
             if *count == 0 && now > learnt {
                 let text =
@@ -301,7 +295,7 @@ impl<'a> Live<'a> {
                 "{time:>9.2} s  its memory held what is no number: it begins anew as it was trained\n"
             );
             say(Said::new("restarted", text, json!({ "t_s": time, "line": self.line })))?;
-            self.monitor = self.trained.clone();
+            self.monitor = self.learnt.monitor.clone();
             self.monitor.resume();
         }
         let heater = &self.other.heaters[0];
@@ -309,6 +303,7 @@ impl<'a> Live<'a> {
         let can_be = |finding: &Finding| self.believed.believes(finding, &seen.sample, expected);
         likelihood.finding = likelihood.finding.filter(can_be);
         if let Some(finding) = &mut likelihood.finding {
+            self.learnt.calibrate(finding);
             finding.onset = finding.onset.saturating_sub(before);
         }
         let now = likelihood.alarm.then(|| likelihood.finding.map(|finding| finding.class));
@@ -386,7 +381,7 @@ mod tests {
         let (other, how) = trained();
         let heater = &other.heaters[0];
         let learnt = train(&other, heater, &heater.samples, &Config::default()).unwrap();
-        let mut live = Live::new(&other, &how, &learnt.monitor, &learnt.config, "t,u,y".into()).unwrap();
+        let mut live = Live::new(&other, &how, &learnt, "t,u,y".into()).unwrap();
         let start = Instant::now();
         let mut text = String::new();
         let mut say = |said: Said| {

@@ -10,18 +10,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 use fdi_core::Config;
-use fdi_core::likelihood::inputs::Inputs;
 use fdi_core::monitor::OBSERVED;
 use pt326_rig::fault::Fault;
 
-use super::results::Folder;
-use super::terminal::{coloured, in_words, print, progress};
+use super::results::{FILES, Folder};
+use super::terminal::{in_words, print, progress};
 use pt326_host::record::summary::Summary;
-use pt326_host::record::table;
 use pt326_host::recording::report::{Told, learnt, table as table_of};
 use pt326_host::recording::run::{Diagnosed, Training, diagnose};
 use pt326_host::recording::stamp::Unit;
-use pt326_host::recording::{Heater, Reading, Recording, score, truth};
+use pt326_host::recording::{Reading, Recording, score, truth};
 use pt326_host::{recording, settings};
 
 /// Arguments of `diagnose`.
@@ -172,6 +170,7 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
     let asked = |which: &usize| args.heater.is_none_or(|number| number == which + 1);
     let count = recording.heaters.len();
     ensure!((0..count).any(|which| asked(&which)), "--heater: the recording has heaters 1 to {count}");
+    let folder = folder(args);
     let mut refusals = Vec::new();
     let mut is_any = false;
     for (which, faults) in truths.iter().enumerate().filter(|(which, _)| asked(which)) {
@@ -183,12 +182,10 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
         match diagnosed.with_context(|| format!("{}, {}", recording.file, recording.heaters[which].map)) {
             Ok((training, warning, done)) => {
                 is_any = true;
-                print(&(warning + &std::mem::take(&mut remarks)))?;
-                let out = if which == 0 {
-                    args.out.clone()
-                } else {
-                    args.out.join(format!("heater-{}", which + 1))
-                };
+                let nothing = done.nothing_judged().map_or(String::new(), |said| format!("{said}\n"));
+                print(&(nothing + &warning + &std::mem::take(&mut remarks)))?;
+                let out =
+                    if which == 0 { folder.clone() } else { folder.join(format!("heater-{}", which + 1)) };
                 tell(args, &recording, which, &training, &done, &out)?;
             }
             Err(error) => refusals.push(error),
@@ -200,6 +197,19 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
         print(&format!("\nNot diagnosed: {}\n", in_words(&refusal)))?;
     }
     Ok(())
+}
+
+/// Where the results go: beside what is read, where that is among the results of a run, since these would be moved.
+fn folder(args: &DiagnoseArgs) -> PathBuf {
+    let within = |file: &Path| {
+        let is_result = FILES.iter().any(|name| file.ends_with(name));
+        Some(is_result && file.canonicalize().ok()?.parent()? == args.out.canonicalize().ok()?)
+    };
+    let is_there = [Some(&args.file), args.train_on.as_ref()]
+        .into_iter()
+        .flatten()
+        .any(|file| within(file) == Some(true));
+    if is_there { args.out.join("diagnosed") } else { args.out.clone() }
 }
 
 /// How to go on with a model that is worth nothing.
@@ -257,18 +267,15 @@ fn tell(
     text += &remarks(done);
     let from = done.watched_from as f64 * recording.sample_time;
     let score = (!done.record.faults.is_empty()).then(|| score::score(&done.record, from));
-    // With all thermistors it is a rig that the lab's page and the paper's figures can show.
-    let told = (!has_all(heater)).then(|| Told::new(recording, heater, training, done, score.as_ref()));
+    let told = Told::new(recording, heater, training, done, score.as_ref());
     let summary = Summary::new(&done.record);
-    let page = told.as_ref().map(Told::page);
-    let written = Folder::open(out)?.write(&done.record, &summary, page.as_deref())?;
+    let written = Folder::open(out)?.write(&done.record, &summary, Some(&told.page()))?;
     if let Some(score) = &score {
         let json = serde_json::to_string_pretty(score)?;
         std::fs::write(out.join("score.json"), json + "\n").context("can't write score.json")?;
         let _ = write!(text, "\n{}", score::table(score));
     } else {
-        let said = told.map_or_else(|| coloured(&table::of_run(&done.record, &summary)), |told| told.text());
-        text += &format!("\n{said}");
+        text += &format!("\n{}", told.text());
     }
     if let Some(path) = args.write_config.as_deref().filter(|_| which == 0) {
         let toml = explain::settings_of(&done.trained.config);
@@ -336,12 +343,7 @@ fn odd(implausible: &[u32; OBSERVED.len()]) -> Option<String> {
 
 fn because(training: &Training) -> String {
     match training {
-        Training::Own(_, why) | Training::Found(_, why) => format!("Learnt: {why}."),
+        Training::Own(_, why) | Training::Found(_, why, _) => format!("Learnt: {why}."),
         Training::Other(other) => format!("Learnt: all of {}, which is said to be normal.", other.file),
     }
-}
-
-/// Whether the paper's signatures have the inputs that they need.
-fn has_all(heater: &Heater) -> bool {
-    heater.inputs == Inputs { fan: heater.inputs.fan, ..Inputs::ALL }
 }

@@ -103,8 +103,10 @@ impl<'a> Told<'a> {
     pub fn text(&self) -> String {
         let record = &self.done.record;
         let from = self.done.watched_from as f64 * self.recording.sample_time;
-        let mut text =
-            format!("{:.0} s watched, {}", (record.end() - from).max(0.0), alarms(self.episodes.len()));
+        let (watched, judged) = ((record.end() - from).max(0.0), self.done.judged());
+        let judged =
+            if judged < 0.995 * watched { format!(", {judged:.0} s of it judged") } else { String::new() };
+        let mut text = format!("{watched:.0} s watched{judged}, {}", alarms(self.episodes.len()));
         text += if self.episodes.is_empty() { "\n" } else { ":\n" };
         for episode in &self.episodes {
             for said in &episode.said {
@@ -137,7 +139,7 @@ fn alarms(count: usize) -> String {
 /// The samples of the recording that were learnt from, and why they are trusted; none where another recording was.
 fn learnt_from(training: &Training) -> Option<(&Range<usize>, &str)> {
     match training {
-        Training::Own(part, why) | Training::Found(part, why) => Some((part, why)),
+        Training::Own(part, why) | Training::Found(part, why, _) => Some((part, why)),
         Training::Other(_) => None,
     }
 }

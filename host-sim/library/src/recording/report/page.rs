@@ -51,7 +51,8 @@ fn introduction(told: &Told, name: &str) -> String {
     let count = told.episodes.len();
     let lead = match told.episodes.as_slice() {
         [] if watched <= 0.0 => "All of it was learnt from: nothing was left to watch.".to_owned(),
-        [] => "Nothing was found wrong.".to_owned(),
+        [] if told.done.nothing_judged().is_some() => "Nothing could be judged.".to_owned(),
+        [] => format!("Nothing was found wrong in the {} that were judged.", time(told.done.judged())),
         [one] => format!("One alarm, at {}.", time(one.from)),
         [first, ..] => format!("{count} alarms, the first at {}.", time(first.from)),
     };

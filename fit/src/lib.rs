@@ -17,6 +17,7 @@ use fdi_core::{Celsius, Config, Observed, Seconds, Units};
 
 pub use plant::Theta;
 use plant::{PARAMETERS, Pairs, Plant};
+use prepared::Prepared;
 use search::{Point, Search};
 
 /// Answer times from which it is looked for, samples; as long as there are so many of them.
@@ -46,8 +47,10 @@ const MOST_MASS: f64 = 0.9;
 /// By how much the heater is faster beside a second mass. Measured: from 4 and from 8 the same masses are found, that of one oven that radiates from 8 alone.
 const FASTER: f64 = 8.0;
 const NO_WALL: (f64, f64) = (0.0, 0.0);
-/// A wall that is slower than this share of all there is shows nothing but a drift.
-const LONGEST_WALL: f64 = 0.5;
+/// No room is further from what is told of it, standard deviations.
+const FAR: f64 = 20.0;
+/// A wall that is slower than this share of all there is shows nothing but a drift. (With half of it the gain of printers that were heated once came out a fifth too low.)
+const LONGEST_WALL: f64 = 1.0;
 /// What the diagnosis remembers of the air, as a share of its ticks: see `longest_delay` of the tuning.
 const LONGEST_DELAY: f64 = 43.0;
 
@@ -64,6 +67,8 @@ pub struct Question<'a> {
     pub config: &'a Config,
     /// About how many degC there are for a %.
     pub usual: f64,
+    /// What T1 reads without power where there is no T0, degC: mean and standard deviation; none: anything.
+    pub room: Option<(f64, f64)>,
     /// Means of so many samples are fitted.
     pub every: usize,
 }
@@ -83,6 +88,10 @@ pub struct Found {
     pub base: f64,
     /// Residuals and rises of T1 and T2, degC, of each sample that has them.
     pub left: Vec<([f32; 2], [f32; 2])>,
+    /// Which sample each of them is of, or the first of those of which it is a mean.
+    pub places: Vec<usize>,
+    /// By how many standard deviations the room is off what was told of it; 0 where nothing was.
+    pub room_off: f64,
     /// How much of T1 the model explains, %.
     pub fit: f64,
     /// How many stretches there were.
@@ -99,7 +108,7 @@ impl Question<'_> {
         let tuning = &self.config.tuning;
         let plant = Plant { t2: self.inputs.t2, model: &tuning.model };
         let search = |answer: f64| {
-            let (prior, mut range) = self.limits(answer, rows, prepared.beside);
+            let (prior, mut range) = self.limits(answer, rows, prepared.beside, prepared.base);
             [Wall1, Wall2, WallTime].into_iter().for_each(|which| range[which as usize] = NO_WALL);
             Search {
                 plant,
@@ -124,7 +133,7 @@ impl Question<'_> {
         if near.is_none_or(|near| near[Wall1 as usize] != 0.0) {
             let least = if near.is_none() { WORTH_A_WALL } else { 0.0 };
             let tried = [1.0, FASTER].map(|faster| {
-                let (mut walled, begin) = self.with_wall(&search, &point, faster, rows);
+                let (mut walled, begin) = self.with_wall(&search, &point, faster, (rows, prepared.base));
                 let mut other = walled.descend(begin, most);
                 walled.settle(&mut other, most);
                 (search.explains_more(&point, &other), walled, other)
@@ -134,7 +143,7 @@ impl Question<'_> {
                 (search, point) = (walled, other);
             }
         }
-        Some(self.found(&search, &point, prepared.base))
+        Some(self.found(&search, &point, &prepared))
     }
 
     /// The same search with a wall, and where it begins. It is a second mass where the heater is `faster` than without one.
@@ -143,12 +152,12 @@ impl Question<'_> {
         search: &Search<'a>,
         point: &Point,
         faster: f64,
-        rows: usize,
+        (rows, base): (usize, f64),
     ) -> (Search<'a>, Point) {
         let mut theta = point.theta;
         let (wall, heater) = (WallTime as usize, Heater as usize);
         theta[heater] -= faster.ln();
-        let (mut prior, mut range) = self.limits(ANSWER * residence(&theta), rows, search.beside);
+        let (mut prior, mut range) = self.limits(ANSWER * residence(&theta), rows, search.beside, base);
         if faster > 1.0 {
             prior[Wall1 as usize] = SECOND_MASS;
             range[Wall1 as usize].1 = MOST_MASS;
@@ -184,10 +193,11 @@ impl Question<'_> {
         means.into_iter().chain(first).map(close).collect()
     }
 
-    fn found(&self, search: &Search, point: &Point, base: f64) -> Found {
-        let (mut left, mut squares, mut ys) = (Vec::new(), 0.0, Vec::new());
-        for (stretch, residuals) in search.stretches.iter().zip(search.residuals(point)) {
-            for (row, e) in stretch.iter().zip(residuals) {
+    fn found(&self, search: &Search, point: &Point, prepared: &Prepared) -> Found {
+        let (mut left, mut places, mut squares, mut ys) = (Vec::new(), Vec::new(), 0.0, Vec::new());
+        let parts = search.stretches.iter().zip(search.residuals(point)).zip(&prepared.begins);
+        for ((stretch, residuals), begin) in parts {
+            for (i, (row, e)) in stretch.iter().zip(residuals).enumerate() {
                 if e[0].is_finite() {
                     squares += e[0] * e[0];
                     ys.push(row.y[0]);
@@ -195,6 +205,7 @@ impl Question<'_> {
                 let (e, y) = if self.inputs.t2 { (e, row.y) } else { ([e[0]; 2], [row.y[0]; 2]) };
                 if e.iter().all(|e| e.is_finite()) {
                     left.push((e.map(|e| e as f32), y.map(|y| y as f32)));
+                    places.push(begin + i * self.every);
                 }
             }
         }
@@ -216,15 +227,24 @@ impl Question<'_> {
             sd: std::array::from_fn(|i| by_all[i] * search.prior[i].1),
             known,
             sd_beside: variance.max(0.0).sqrt(),
-            base,
+            base: prepared.base,
             left,
+            places,
+            room_off: self
+                .room(prepared.base)
+                .map_or(0.0, |(mean, sd)| (point.theta[Offset1 as usize] - mean) / sd),
             fit: 100.0 * (1.0 - (squares / all).sqrt()),
             stretches: search.stretches.len(),
         }
     }
 
+    /// What is told of the room, as a rise over this T1.
+    fn room(&self, base: f64) -> Option<(f64, f64)> {
+        self.room.filter(|_| !self.inputs.t0).map(|(mean, sd)| (mean - base, sd))
+    }
+
     /// Priors and ranges of a rig that answers within `answer` ticks.
-    fn limits(&self, answer: f64, rows: usize, beside: bool) -> (Pairs, Pairs) {
+    fn limits(&self, answer: f64, rows: usize, beside: bool, base: f64) -> (Pairs, Pairs) {
         let mut config = self.config.clone();
         config.identification.answer_time = Seconds(answer as f32);
         config.identification.y_scale =
@@ -233,7 +253,7 @@ impl Question<'_> {
             Likelihood::new(&config.likelihood, config.tuning, &config.identification, Seconds(1.0))
                 .map(|likelihood| likelihood.with(self.inputs));
         let pairs = |pairs: [(f32, f32); PARAMETERS]| pairs.map(|(a, b)| (f64::from(a), f64::from(b)));
-        let (prior, usual) = match &likelihood {
+        let (mut prior, usual) = match &likelihood {
             Ok(likelihood) => (pairs(likelihood.priors()), pairs(likelihood.ranges())),
             Err(_) => ([(0.0, 1.0); PARAMETERS], [(0.0, 0.0); PARAMETERS]),
         };
@@ -244,6 +264,10 @@ impl Question<'_> {
         let delay = if self.inputs.t2 { LONGEST_DELAY / 2.0 } else { LONGEST_DELAY };
         for which in [Gain, Wall1, Offset1, Curvature] {
             put(which, usual(which));
+        }
+        if let Some((mean, sd)) = self.room(base) {
+            prior[Offset1 as usize] = (mean, sd);
+            put(Offset1, (mean - FAR * sd, mean + FAR * sd));
         }
         put(Heater, (usual(Heater).0, longest));
         put(Delay1, (0.0, delay));
@@ -325,8 +349,15 @@ mod tests {
     fn fit(samples: &[Observed]) -> Found {
         let inputs = Inputs { t0: false, t2: false, fan: false, ..Inputs::ALL };
         let config = Config::default();
-        let question =
-            Question { samples, inputs, units: Units::default(), config: &config, usual: 0.5, every: 1 };
+        let question = Question {
+            samples,
+            inputs,
+            units: Units::default(),
+            config: &config,
+            usual: 0.5,
+            room: None,
+            every: 1,
+        };
         question.fit(None).unwrap()
     }
 
@@ -378,6 +409,7 @@ mod tests {
             units: Units::default(),
             config: &config,
             usual: 0.5,
+            room: None,
             every: 5,
         };
         let means = means.fit(Some(&in_ticks_of(5.0, &found.theta))).unwrap();

@@ -19,6 +19,8 @@ const USUAL_FAN: f32 = 0.05;
 pub(super) struct Prepared {
     /// Those that are long enough.
     pub(super) stretches: Vec<Stretch>,
+    /// The sample that each of them begins with.
+    pub(super) begins: Vec<usize>,
     /// The T1 over which rises count where there is no T0, degC.
     pub(super) base: f64,
     /// The heater beside moves.
@@ -66,15 +68,10 @@ impl Question<'_> {
             .collect();
         let beside = rows.iter().flatten().map(|row| row.beside);
         let (low, high) = beside.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
-        let stretches = stretches(rows.iter().map(Option::is_some)).into_iter();
-        Prepared {
-            stretches: stretches
-                .map(|part| self.averaged(&filled(&rows[part])))
-                .filter(|part| part.len() >= SHORTEST)
-                .collect(),
-            base,
-            beside: high - low > STILL,
-        }
+        let parts = stretches(rows.iter().map(Option::is_some)).into_iter();
+        let parts = parts.map(|part| (part.start, self.averaged(&filled(&rows[part]))));
+        let (begins, stretches) = parts.filter(|(_, part)| part.len() >= SHORTEST).unzip();
+        Prepared { stretches, begins, base, beside: high - low > STILL }
     }
 
     /// Means, and what has driven the rig since the row before.

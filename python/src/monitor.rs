@@ -211,7 +211,7 @@ impl Recording {
                 None => Training::find(&recording, &recording.heaters[which], &config)?,
             };
             let because = match &training {
-                Training::Own(_, why) | Training::Found(_, why) => why.clone(),
+                Training::Own(_, why) | Training::Found(_, why, _) => why.clone(),
                 Training::Other(other) => format!("all of {}, which is said to be normal", other.file),
             };
             Ok((because, diagnose(&recording, which, &training, &[], &config, &shared.bar)?))

@@ -14,7 +14,7 @@ use pt326_host::record::summary::Summary;
 use pt326_host::record::trace::write_trace;
 
 /// What is made of a run.
-const FILES: [&str; 6] =
+pub(super) const FILES: [&str; 6] =
     ["report.html", "trace.csv", "summary.json", "figure4.svg", "figure5.svg", "figure6.svg"];
 
 /// A folder for results, which can be written to.

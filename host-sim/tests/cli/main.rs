@@ -1,6 +1,7 @@
 //! The command as a user calls it, one file a command.
 
 mod bed;
+mod clocks;
 mod cold;
 mod console;
 mod core;

@@ -208,13 +208,12 @@ fn found(printer: &Printer, cut: usize) -> ([usize; 2], String, f64, usize) {
     let recording = parse(&lines[cut..].join("\n"));
     let training = Training::find(&recording, &recording.heaters[0], &Config::default()).unwrap();
     let done = diagnose(&recording, 0, &training, &[], &Config::default(), &ProgressBar::hidden()).unwrap();
-    let Training::Found(part, why) = training else { panic!("it was not looked for") };
+    let Training::Found(part, why, _) = training else { panic!("it was not looked for") };
     let gain = 100.0 * f64::from(done.trained.model.gain) / Heater::hot_end().gain;
     ([part.start, part.end], why, gain, recording.len())
 }
 
-/// Nobody says what is normal in a log that begins on the way up. The first quarter alone would tell a gain that is 14 to 67 % too low: more is learnt from, and
-/// it is said why.
+/// Nobody says what is normal in a log that begins on the way up. The first quarter alone would tell a gain that is 14 to 67 % too low: more is learnt from.
 #[test]
 fn more_is_learnt_from_where_the_first_quarter_is_a_way_up() {
     on_a_large_stack(|| {
@@ -225,26 +224,51 @@ fn more_is_learnt_from_where_the_first_quarter_is_a_way_up() {
             let ([from, to], why, gain, count) = found(&printer, cut);
             assert!((0.95..1.05).contains(&gain), "seed {seed}: {gain} of the gain");
             assert!(from == 0 && to > count * 3 / 10, "seed {seed}: {from} to {to} of {count}");
-            assert!(why.contains("is too little to tell the gain, which would be "), "seed {seed}: {why}");
+            assert!(!why.contains("no part tells the gain"), "seed {seed}: {why}");
         }
     });
 }
 
-/// The heater gives 5 to 20 % less soon behind the first quarter, which is a way up: what is wrong is not learnt, though a longer part has no alarm.
+/// The heater gives less from the middle of the log on, and up to its end: what is wrong is not learnt.
 #[test]
-fn a_fault_behind_the_first_quarter_is_not_learnt() {
+fn a_fault_that_stays_is_not_learnt() {
     on_a_large_stack(|| {
-        for (seed, gives) in [(41, 0.95), (42, 0.9), (43, 0.8)] {
+        for (seed, gives) in [(41, 0.8), (42, 0.75), (43, 0.7)] {
             let mut printer = Printer::of(seed);
             printer.start();
             printer.print(20, 0.0, 0.0, |_, _| 0.0);
-            printer.print(500, 210.0, 60.0, |_, _| 0.0);
-            printer.hot_end.gain *= gives;
-            for target in [200.0, 220.0, 205.0, 215.0] {
+            for (k, target) in [210.0, 200.0, 220.0, 205.0, 215.0, 200.0, 210.0].into_iter().enumerate() {
+                printer.hot_end.gain *= if k == 4 { gives } else { 1.0 };
                 printer.print(300, target, 60.0, |_, _| 0.0);
             }
-            let ([from, to], why, _, count) = found(&printer, 55);
-            assert!(from == 0 && to == count / 4, "seed {seed}: {from} to {to} of {count}: {why}");
+            let ([from, to], why, gain, count) = found(&printer, 55);
+            assert!(from == 0 && to <= count * 4 / 7, "seed {seed}: {from} to {to} of {count}: {why}");
+            assert!((0.9..1.1).contains(&gain), "seed {seed}: {gain} of the gain");
+        }
+    });
+}
+
+/// An error of the thermistor that leaps, and stays up to the end, is taken out of what is learnt from, and told where it begins.
+#[test]
+fn an_error_that_leaps_is_not_learnt() {
+    on_a_large_stack(|| {
+        for seed in [51, 52, 53] {
+            let mut printer = Printer::of(seed);
+            printer.start();
+            printer.print(20, 0.0, 0.0, |_, _| 0.0);
+            for target in [210.0, 200.0, 220.0] {
+                printer.print(300, target, 60.0, |_, _| 0.0);
+            }
+            let from = printer.log.lines().filter(|line| line.starts_with("Stats ")).count();
+            for target in [205.0, 215.0, 200.0, 210.0] {
+                printer.print(300, target, 60.0, |_, _| 10.0);
+            }
+            let recording = parse(&printer.log);
+            let done = judged(&recording, 0);
+            let gain = 100.0 * f64::from(done.trained.model.gain) / Heater::hot_end().gain;
+            assert!((0.9..1.1).contains(&gain), "seed {seed}: {gain} of the gain");
+            let first = alarms(&done).first().map(|(k, _)| *k);
+            assert!(first.is_some_and(|first| first.abs_diff(from) < 5), "seed {seed}: {from}, {first:?}");
         }
     });
 }
@@ -290,5 +314,5 @@ fn a_reading_that_collapses_is_told_in_words() {
     let done = pt326(&["diagnose", arg(&file), "--out", arg(&dir.join("out"))]);
     let said = text(&done.stdout);
     assert!(done.status.success(), "{said}{}", text(&done.stderr));
-    assert!(said.contains("1735 s watched, 1 alarm:\n  1724.00 s  T1 sees "), "{said}");
+    assert!(said.contains(" of it judged, 1 alarm:\n  1724.00 s  T1 sees "), "{said}");
 }

@@ -13,6 +13,8 @@ struct Format {
     full_power: f64,
     /// Nothing but a fan moves its air.
     fan: bool,
+    /// It is a rig of this project.
+    is_ours: bool,
 }
 
 /// The first whose columns are all there is taken.
@@ -22,18 +24,21 @@ const FORMATS: [Format; 7] = [
         heaters: &["time=t_s t0=t0_c t1=t1_c t2=t2_c power=pa_pct fan=fan_pct supply=supply"],
         full_power: 100.0,
         fan: true,
+        is_ours: true,
     },
     Format {
         name: "a trace of this project without known inputs",
         heaters: &["time=t_s t0=t0_c t1=t1_c t2=t2_c power=pa_pct"],
         full_power: 100.0,
         fan: true,
+        is_ours: true,
     },
     Format {
         name: "a board's log",
         heaters: &["time=board_s t0=t0_c t1=t1_c t2=t2_c power=pa_pct"],
         full_power: 100.0,
         fan: true,
+        is_ours: true,
     },
     Format {
         name: "TCLab, commands and readings",
@@ -43,6 +48,7 @@ const FORMATS: [Format; 7] = [
         ],
         full_power: 100.0,
         fan: false,
+        is_ours: false,
     },
     Format {
         name: "TCLab",
@@ -52,18 +58,21 @@ const FORMATS: [Format; 7] = [
         ],
         full_power: 100.0,
         fan: false,
+        is_ours: false,
     },
     Format {
         name: "TCLab's historian",
         heaters: &["time=Time t1=T1 power=Q1 known=Q2", "time=Time t1=T2 power=Q2 known=Q1"],
         full_power: 100.0,
         fan: false,
+        is_ours: false,
     },
     Format {
         name: "TCLab with one heater",
         heaters: &["time=Time t1=T1 power=Q1"],
         full_power: 100.0,
         fan: false,
+        is_ours: false,
     },
 ];
 
@@ -78,6 +87,8 @@ pub struct Guess {
     pub full_power: Option<f64>,
     /// Nothing but a fan moves its air.
     pub fan: bool,
+    /// It is a rig of this project.
+    pub is_ours: bool,
 }
 
 /// Takes a table for the first format whose columns it has, and else its columns for what they are called.
@@ -89,8 +100,8 @@ pub fn guess(table: &Table) -> Option<Guess> {
     let known = FORMATS.iter().find_map(|format| {
         let heaters = maps(format)?;
         let all_there = heaters.iter().flat_map(|map| &map.columns).all(|(_, column)| table.has(column));
-        let Format { name, full_power, fan, .. } = *format;
-        all_there.then_some(Guess { name: Some(name), heaters, full_power: Some(full_power), fan })
+        let Format { name, full_power, fan, is_ours, .. } = *format;
+        all_there.then_some(Guess { name: Some(name), heaters, full_power: Some(full_power), fan, is_ours })
     });
     known.or_else(|| by_words(table))
 }

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use anyhow::{bail, ensure};
 
-use super::Reading;
 use super::map::{Map, Role};
 use super::stamp::{Stamps, usual_step};
-use super::table::Table;
+use super::table::{Column, Table};
+use super::{Reading, clock};
 
 /// Stamps may be off the grid by so much of Ts.
 const UNEVEN: f64 = 0.2;
@@ -19,7 +19,7 @@ const MOST: f64 = 5e6;
 pub const OFF: f64 = 1000.0;
 /// Samples that are missing between two sessions.
 const BETWEEN: usize = 20;
-/// A time that falls back more often than once in so many rows is none.
+/// A time that falls back more often than once in so many rows is none, and one that is the same as that before is rounded.
 const LEAST_ROWS: usize = 20;
 
 /// Which row stands at each place of an even grid of time.
@@ -39,7 +39,7 @@ pub(super) struct Grid {
 }
 
 /// A row and its time, s.
-type Stamp = (usize, f64);
+pub(super) type Stamp = (usize, f64);
 
 impl Grid {
     pub(super) fn new(table: &Table, map: &Map, how: &Reading) -> anyhow::Result<Self> {
@@ -54,14 +54,21 @@ impl Grid {
             let (next, sessions) = (Vec::new(), std::iter::once(0..rows.len()).collect());
             return Ok(Self { sample_time, rows, next, sessions, stamps: None, remarks: Vec::new() });
         };
-        let (stamps, times) = Stamps::of(table, table.column(column)?, how.time_unit)?;
+        let (stamps, Column { values, mut remarks }) =
+            Stamps::of(table, table.column(column)?, how.time_unit)?;
         let mut times: Vec<Stamp> =
-            times.into_iter().enumerate().filter_map(|(row, t)| Some((row, t?))).collect();
+            values.into_iter().enumerate().filter_map(|(row, t)| Some((row, t?))).collect();
         ensure!(times.len() > 1, "{}: fewer than two rows have a time", table.file());
+        remarks.extend(clock::turned(&mut times));
         spread(&mut times);
+        if stamps.are_on_a_wall() {
+            remarks.extend(clock::put_back(table, map, &mut times)?);
+        }
+        remarks.extend(clock::ordered(table, &mut times));
+        times.dedup_by(|later, before| later.1 == before.1 && later.0.abs_diff(before.0) == 1);
         let labels = map
             .column(Role::Session)
-            .map(|column| table.values_or_gaps(table.column(column)?))
+            .map(|column| Ok::<_, anyhow::Error>(table.values_or_gaps(table.column(column)?)?.values))
             .transpose()?;
         let sessions = sessions(table, &times, labels.as_deref())?;
         let mut grid = Self {
@@ -70,11 +77,8 @@ impl Grid {
             next: Vec::new(),
             sessions: Vec::new(),
             stamps: Some(stamps),
-            remarks: Vec::new(),
+            remarks,
         };
-        if let Some(unit) = stamps.unit().filter(|_| stamps.guessed) {
-            grid.remarks.push(format!("Times are taken for {}; --time-unit says otherwise.", unit.name()));
-        }
         grid.fill(table, &sessions, how)?;
         grid.tell_sessions(table, &sessions);
         Ok(grid)
@@ -85,10 +89,12 @@ impl Grid {
         let steps = sessions.iter().flat_map(|session| session.windows(2)).map(|pair| pair[1].1 - pair[0].1);
         let steps: Vec<f64> = steps.collect();
         let median = median(&steps);
-        let even = how.sample_time.unwrap_or(tidy(median));
-        let is_even = !how.resample && sessions.iter().all(|session| lies_on(session, even));
-        self.sample_time =
-            if is_even { even } else { how.sample_time.unwrap_or_else(|| rounded(typical(&steps, median))) };
+        let usual = rounded(typical(&steps, median));
+        let tried = how.sample_time.map_or([usual, tidy(median)], |said| [said; 2]);
+        let lie_on = |ts: &f64| sessions.iter().all(|session| lies_on(session, *ts));
+        let even = tried.into_iter().find(lie_on).filter(|_| !how.resample);
+        let is_even = even.is_some();
+        self.sample_time = even.or(how.sample_time).unwrap_or(usual);
         let ts = self.sample_time;
         for session in sessions {
             let ((_, start), (_, end)) = (session[0], session[session.len() - 1]);
@@ -141,7 +147,7 @@ impl Grid {
         let mut last = 0;
         for k in first..self.rows.len() {
             let t = start + (k - first) as f64 * self.sample_time;
-            while session.get(last + 1).is_some_and(|(_, next)| *next <= t + 1e-9) {
+            while session.get(last + 1).is_some_and(|(_, next)| *next <= t + UNEVEN * self.sample_time) {
                 last += 1;
             }
             let (row, at) = session[last];
@@ -175,18 +181,26 @@ impl Grid {
     }
 }
 
-/// Stamps that are rounded so coarsely that several rows have the same: these share the time until the next.
+/// Stamps that are rounded so coarsely that several rows have the same: these share the time until the next. Of the first fewer rows may be there: they are
+/// the last ones of theirs, as those of the last stamp are the first ones.
 fn spread(times: &mut [Stamp]) {
     const STEPS: [f64; 6] = [60.0, 10.0, 1.0, 0.1, 0.01, 0.001];
     let multiple = |step: f64| move |(_, t): &Stamp| (t / step - (t / step).round()).abs() < 1e-3;
     let Some(step) = STEPS.into_iter().find(|step| times.iter().all(multiple(*step))) else { return };
     let usual = usual_step(times.iter().map(|(_, t)| *t)).unwrap_or(0.0);
-    if usual > 2.5 * step {
+    let twice = times.windows(2).filter(|pair| pair[0].1 == pair[1].1).count();
+    // A few that are the same are rows that were written twice.
+    if usual > 2.5 * step || twice * LEAST_ROWS <= times.len() {
         return;
     }
-    for same in times.chunk_by_mut(|a, b| a.1 == b.1) {
-        let count = same.len() as f64;
-        same.iter_mut().enumerate().for_each(|(i, (_, t))| *t += step * i as f64 / count);
+    let mut counts: Vec<usize> = times.chunk_by(|a, b| a.1 == b.1).map(<[Stamp]>::len).collect();
+    let (last, middle) = (counts.len() - 1, counts.len() / 2);
+    let usual = *counts.select_nth_unstable(middle).1;
+    for (place, same) in times.chunk_by_mut(|a, b| a.1 == b.1).enumerate() {
+        let whole = if place == 0 || place == last { same.len().max(usual) } else { same.len() };
+        let before = if place == 0 { whole - same.len() } else { 0 };
+        let share = |i: usize| (before + i) as f64 / whole as f64;
+        same.iter_mut().enumerate().for_each(|(i, (_, t))| *t += step * share(i));
     }
 }
 
@@ -208,7 +222,7 @@ fn sessions<'a>(
         && let Some(pair) = back().next()
     {
         bail!(
-            "{}, line {}: time {} comes after {}, expected a later one, and so {count} times",
+            "{}, line {}: time {} comes after {}, expected a later one, and so {count} times. If the rows are in order, leave the time out: --ts with the sample time in s",
             table.file(),
             table.line_of(pair[1].0),
             pair[1].1,

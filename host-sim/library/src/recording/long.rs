@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::cell::{is_missing, value};
+use super::cell::{Decimal, is_missing, value};
 use super::stamp::Stamps;
 use super::table::Table;
 
@@ -27,13 +27,13 @@ pub(super) fn table(text: &str) -> Option<String> {
     // InfluxDB writes the header anew for each of its tables.
     let once = text.lines().filter(|line| *line != header).map(|line| format!("\n{line}"));
     let long = Table::parse(String::new(), &(header.to_owned() + &once.collect::<String>())).ok()?;
-    let (_, times) = Stamps::of(&long, time, None).ok()?;
+    let times = Stamps::of(&long, time, None).ok()?.1.values;
     let cells = long.texts([name, value_of]).ok()?;
     let mut rows: Vec<(f64, &str, &str)> = times
         .into_iter()
         .zip(&cells)
         .filter_map(|(time, [name, cell])| Some((time?, name.as_str(), cell.as_str())))
-        .filter(|(_, _, cell)| value(cell).is_some() || is_missing(cell))
+        .filter(|(_, _, cell)| value(cell, Decimal::Either).is_some() || is_missing(cell))
         .collect();
     let mut counts: HashMap<&str, usize> = HashMap::new();
     rows.iter().for_each(|(_, name, _)| *counts.entry(name).or_default() += 1);

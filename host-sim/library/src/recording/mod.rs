@@ -3,12 +3,15 @@
 pub mod believed;
 mod board_log;
 mod cell;
+mod clock;
+mod date;
 pub mod fit_rig;
 pub mod format;
 pub mod grid;
 pub mod harness;
 pub mod inject;
 pub mod intervals;
+pub mod leaps;
 mod logs;
 mod long;
 pub mod map;
@@ -24,11 +27,12 @@ pub mod table;
 pub mod text;
 pub mod training;
 pub mod truth;
+mod units;
 
 use std::ops::Range;
 use std::path::Path;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use fdi_core::likelihood::inputs::Inputs;
 use fdi_core::{Observed, Units};
 
@@ -37,6 +41,8 @@ use grid::Grid;
 use map::{Map, Role};
 use stamp::Stamps;
 use table::Table;
+pub use units::span;
+use units::{celsius, full_power};
 
 /// How a file is to be read; what is not said is guessed where it is obvious.
 #[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
@@ -60,6 +66,8 @@ pub struct Reading {
     pub fan: Option<bool>,
     /// The power of a row is what drove the heater up to it, not from it on.
     pub power_before: bool,
+    /// A power below zero cools: it is taken for a second input beside.
+    pub cooling: bool,
     /// Each row is a sample, whatever its time says.
     #[serde(skip)]
     pub untimed: bool,
@@ -82,6 +90,8 @@ pub struct Heater {
     pub inputs: Inputs,
     /// One sample each Ts.
     pub samples: Vec<Observed>,
+    /// It is a rig of this project, of which the paper's signatures say something.
+    pub is_ours: bool,
 }
 
 /// A recording.
@@ -107,9 +117,6 @@ pub struct Recording {
     rows: Vec<Option<usize>>,
 }
 
-/// A T1 that moves by so much is in degC; one that does not is made to move by so much.
-const SPANS: (f64, f64) = (5.0, 1000.0);
-const TYPICAL_SPAN: f64 = 30.0;
 /// Samples of rest that are put before a recording which began at rest.
 const REST: usize = 60;
 /// Two sample times that differ by less are one.
@@ -152,17 +159,29 @@ impl Recording {
         let mut grid = Grid::new(&table, &maps[0], how)?;
         let mut remarks = grid.remarks.clone();
         remarks.extend(board.as_ref().and_then(|log| log.remark).map(str::to_owned));
-        let mut heaters = maps
-            .into_iter()
-            .map(|map| heater(&table, map, &grid, fan))
-            .collect::<anyhow::Result<Vec<_>>>()?;
+        remarks.extend(table.left_out());
+        let is_ours = board.is_some() || guess.as_ref().is_some_and(|guess| guess.is_ours);
+        let mut heaters = Vec::new();
+        for map in maps {
+            let (mut heater, said) = heater(&table, map, &grid, fan)?;
+            heater.is_ours = is_ours;
+            heaters.push(heater);
+            remarks.extend(said);
+        }
+        for heater in heaters.iter_mut().filter(|_| how.cooling) {
+            cooled(heater)?;
+        }
         let known_power = how.full_power.or(guess.as_ref().and_then(|guess| guess.full_power));
         let full_power = known_power.unwrap_or_else(|| as_written(full_power(&heaters) as f32));
         for heater in heaters.iter_mut().filter(|_| how.power_before) {
             grid.sessions.iter().for_each(|session| drive_from_here(&mut heater.samples[session.clone()]));
         }
+        let known = how.celsius.or(board.as_ref().map(|_| 1.0));
+        let celsius = known.unwrap_or_else(|| celsius(&heaters));
         for heater in &mut heaters {
-            remarks.extend(quirks::take_out(&mut heater.samples, &grid.sessions, full_power as f32));
+            let (full_power, celsius) = (full_power as f32, celsius as f32);
+            remarks.extend(quirks::take_out(&mut heater.samples, &grid.sessions, full_power, celsius));
+            remarks.extend(quirks::constant_fan(&mut heater.samples));
         }
         // What was taken out of all heaters is as good as never written.
         let is_empty = |k: usize| {
@@ -176,8 +195,6 @@ impl Recording {
                 (0..grid.rows.len()).filter(|&k| grid.rows[k].is_some_and(|row| rows.contains(&row)));
             within.next().map(|first| first..within.next_back().unwrap_or(first) + 1)
         });
-        let known = how.celsius.or(board.as_ref().map(|_| 1.0));
-        let celsius = known.unwrap_or_else(|| celsius(&heaters));
         if celsius != 1.0 {
             remarks.push(format!("One unit of T1 counts for {celsius} °C, since the diagnosis was made for rises of some 30; --degc says otherwise."));
         }
@@ -293,63 +310,27 @@ impl Recording {
     }
 }
 
-/// The power that is full one, by what there is: a switch or a share, %, the counts of a timer, or the largest.
-fn full_power(heaters: &[Heater]) -> f64 {
-    /// What a power may be a little above the full one when it is measured.
-    const ABOVE: f64 = 1.001;
-    const USUAL: [f64; 2] = [1.0, 100.0];
-    const COUNTS: [f64; 4] = [255.0, 1023.0, 4095.0, 65_535.0];
-    let is_watts = |heater: &Heater| {
-        let words = heater.map.column(Role::Power).map(names::words).unwrap_or_default();
-        words.last().is_some_and(|word| ["w", "watt", "watts"].contains(&word.as_str()))
-    };
-    let powers = || heaters.iter().flat_map(|heater| &heater.samples).filter_map(|sample| sample.power);
-    let (_, most) = span(powers());
-    let is_whole = powers().all(|power| power.fract() == 0.0);
-    let counts = COUNTS.into_iter().filter(|_| is_whole);
-    if heaters.iter().all(is_watts) {
-        return most;
+/// What a power below zero takes away is the power of a heater beside, which is never above zero.
+fn cooled(heater: &mut Heater) -> anyhow::Result<()> {
+    for role in [Role::Known, Role::T2] {
+        let column = heater.map.column(role);
+        ensure!(column.is_none(), "--cooling: not with a {role:?}, for which it stands");
     }
-    let found = USUAL.into_iter().chain(counts).find(|full| most <= ABOVE * full);
-    found.unwrap_or(most)
-}
-
-/// How many degC one unit of a temperature should count for: 1, but where T1 moves by so little or so much that its unit is no degC.
-fn celsius(heaters: &[Heater]) -> f64 {
-    let t1 = heaters.iter().flat_map(|heater| &heater.samples).filter_map(|sample| sample.t[1]);
-    let (low, high) = span(t1);
-    let span = high - low;
-    if !(span > 0.0) || (SPANS.0..SPANS.1).contains(&span) {
-        return 1.0;
+    for sample in &mut heater.samples {
+        sample.beside = sample.power.map(|power| power.min(0.0));
+        sample.power = sample.power.map(|power| power.max(0.0));
     }
-    let exact = TYPICAL_SPAN / span;
-    let decade = 10f64.powf(exact.log10().floor());
-    let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * decade);
-    steps.into_iter().min_by(|a, b| (a / exact).ln().abs().total_cmp(&(b / exact).ln().abs())).unwrap_or(1.0)
+    Ok(())
 }
 
-/// The lowest and the highest of some values, but for those that are so far from all others that no rig has been there: one odd row must not
-/// say what the unit is, or what the gain.
-pub fn span(values: impl Iterator<Item = f32>) -> (f64, f64) {
-    /// What lies beyond the middle 98 % by so many times their spread.
-    const FAR: f32 = 20.0;
-    let mut values: Vec<f32> = values.filter(|x| x.is_finite()).collect();
-    let mut quantile = |share: f64| {
-        let place = (share * values.len().saturating_sub(1) as f64).round() as usize;
-        let all = !values.is_empty();
-        if all { *values.select_nth_unstable_by(place, f32::total_cmp).1 } else { f32::NAN }
-    };
-    let [low, high] = [0.01, 0.99].map(&mut quantile);
-    let far = FAR * (high - low);
-    let near = |x: &f32| !(far > 0.0) || (low - far..=high + far).contains(x);
-    let kept = values.into_iter().filter(near).map(f64::from);
-    kept.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)))
-}
-
-fn heater(table: &Table, map: Map, grid: &Grid, fan: bool) -> anyhow::Result<Heater> {
+/// A heater, and what whoever reads the results must know of its columns.
+fn heater(table: &Table, map: Map, grid: &Grid, fan: bool) -> anyhow::Result<(Heater, Vec<String>)> {
+    let remarks = std::cell::RefCell::new(Vec::new());
     let values = |role: Role| -> anyhow::Result<Option<Vec<Option<f64>>>> {
-        let column = map.column(role).map(|column| table.column(column)).transpose()?;
-        column.map(|column| table.values_or_gaps(column)).transpose()
+        let Some(column) = map.column(role) else { return Ok(None) };
+        let column = table.values_or_gaps(table.column(column)?)?;
+        remarks.borrow_mut().extend(column.remarks);
+        Ok(Some(column.values))
     };
     let levels = |role: Role| -> anyhow::Result<Option<Vec<Option<f32>>>> {
         let at = |values: Vec<Option<f64>>| {
@@ -385,7 +366,7 @@ fn heater(table: &Table, map: Map, grid: &Grid, fan: bool) -> anyhow::Result<Hea
     let samples = samples.collect();
     let inputs =
         Inputs { t0: map.column(Role::T0).is_some(), t2: map.column(Role::T2).is_some(), fan, ..Inputs::ALL };
-    Ok(Heater { map, inputs, samples })
+    Ok((Heater { map, inputs, samples, is_ours: false }, remarks.into_inner()))
 }
 
 /// Of samples whose power drove the heater up to each of them makes such whose power drives it from each of them on.

@@ -6,7 +6,7 @@ use super::stamp;
 use super::table::Table;
 
 /// English, German, Portuguese and Spanish.
-const TIME: [&str; 18] = [
+const TIME: [&str; 19] = [
     "timestamp",
     "ts",
     "datetime",
@@ -17,6 +17,7 @@ const TIME: [&str; 18] = [
     "epoch",
     "uptime",
     "millis",
+    "ticks",
     "seconds",
     "sec",
     "ms",
@@ -251,6 +252,7 @@ pub(super) fn by_words(table: &Table) -> Option<Guess> {
         heaters: pairs.iter().enumerate().map(map).collect(),
         full_power: is_klipper.then_some(1.0),
         fan: is_klipper || columns.iter().any(|column| column.has(&["fan"])),
+        is_ours: false,
     })
 }
 

@@ -1,63 +1,79 @@
-//! Which part of a recording is normal, where nobody says it.
+//! Which part of a recording is learnt from, where nobody says it: what tells the gain and explains all that comes before a leap of T1 that stays.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use anyhow::bail;
 use fdi_core::{Config, Observed};
 
-use super::intervals::Known;
+use super::leaps::{Leap, far_off_at_the_end, leaps};
 use super::run::Training;
 use super::training::{self, Trained};
 use super::{Heater, Recording};
+use pt326_fit::stretches::stretches;
 
-/// A part is taken for normal where the model explains so much of it, %, and raises no alarm when it goes over it again.
+/// Of a longer recording so many samples are looked at, its first ones.
+const LOOKED_AT: usize = 200_000;
+/// What is tried besides all of it: what comes before the first leap, and these first shares of that.
+const TRIED: [f64; 4] = [1.0, 0.25, 0.34, 0.5];
+/// A leap that comes earlier leaves too little before it, a share of all.
+const EARLY: f64 = 0.2;
+/// A part whose model is off by no more than this share of what another's is off by is better. (Chosen.)
+const BETTER: f64 = 0.7;
+/// A part is one to learn from where its model explains so much of it, %.
 const EXPLAINED: f64 = 60.0;
-/// What is tried after what a board has learnt from: shares of the recording.
-const TRIED: [Range<f64>; 6] = [0.0..0.25, 0.0..0.34, 0.0..0.5, 0.33..0.67, 0.5..1.0, 0.0..1.0];
-/// A part that begins with a rig on its way up may not tell the gain. Then more of the recording is learnt from, up to this share of it.
-const LONGEST: f64 = 0.5;
-/// A part that lasts as many time constants has more in it than a way up.
-const LONG: f64 = 20.0;
-/// The gain is not known where the upper end of its 95 % interval is so many times the lower one.
-const WIDEST: f64 = 1.5;
-/// A longer part holds the same rig if its model leaves no more of the shorter part than so many times what the shorter part's own model leaves. (Chosen: with
-/// 5 % less power behind the shorter part it was 2.8 times or more on 24 made logs of a hotend.)
-const AS_WELL: f64 = 1.05;
 
 /// A part, and the model that is learnt from it.
 struct Learnt {
     part: Range<usize>,
     trained: Trained,
-    /// The share of its samples that are in alarm when it goes over them again.
-    alarms: f64,
-    /// What is said of it.
-    why: String,
+    /// Leaps that are taken out of it first.
+    without: Vec<Leap>,
+    /// By how much its model is off in the middle of all that comes before the first leap: see [`training::off`].
+    off: f64,
 }
 
 impl Training {
-    /// Finds a part that seems to be normal; where none does, the one over which its own model raises the fewest alarms, and explains most.
+    /// Finds the part to learn from: the first that tells the gain, in the order of how much they tell; where none does, the one that explains most.
     ///
     /// # Errors
     /// Nothing can be learnt from any, with the reason of the last.
     pub fn find(recording: &Recording, heater: &Heater, config: &Config) -> anyhow::Result<Self> {
-        let (mut refusal, mut best) = (None, None::<(f64, Learnt)>);
-        for part in recording.learnt.iter().cloned().chain(parts(recording)) {
-            match Learnt::of(recording, heater, part, config) {
+        let all = 0..recording.len().min(LOOKED_AT);
+        let learn = |part: Range<usize>, without: &[Leap], end: usize| {
+            Learnt::of(recording, heater, (part, without), end, config)
+        };
+        if let Some(part) = recording.learnt.clone()
+            && let Ok(learnt) = learn(part.clone(), &[], part.end)
+            && learnt.trained.fit >= EXPLAINED
+        {
+            return Ok(learnt.taken(recording));
+        }
+        let mut whole = learn(all.clone(), &[], all.end);
+        let sound = whole.as_ref().map_or(all.end, Learnt::sound_end);
+        let all = 0..sound.min(all.end);
+        if whole.as_ref().is_ok_and(|whole| whole.part.end > all.end) {
+            whole = learn(all.clone(), &[], all.end);
+        }
+        let leaps = whole.as_ref().map_or(Vec::new(), |whole| whole.leaps(recording, heater));
+        let first = leaps.first().map_or(all.end, |leap| leap.at);
+        let end = if (first as f64) < EARLY * all.end as f64 { all.end } else { first };
+        let (mut best, mut refusal) = match whole {
+            Ok(whole) if leaps.is_empty() => (Some(whole), None),
+            Ok(_) => (learn(all, &leaps, end).ok(), None),
+            Err(error) => (None, Some(error)),
+        };
+        for share in TRIED {
+            match learn(0..(share * end as f64) as usize, &[], end) {
                 Err(error) => refusal = Some(error),
-                Ok(learnt) if learnt.seems_normal() => {
-                    let learnt = learnt.grown(recording, heater, config);
-                    return Ok(Self::Found(learnt.part, learnt.why));
+                Ok(learnt) if best.as_ref().is_none_or(|best| learnt.is_better_than(best)) => {
+                    best = Some(learnt)
                 }
-                Ok(learnt) => {
-                    let score = learnt.trained.fit - 100.0 * learnt.alarms;
-                    if best.as_ref().is_none_or(|(least, _)| score > *least) {
-                        best = Some((score, learnt));
-                    }
-                }
+                Ok(_) => {}
             }
         }
         match (best, refusal) {
-            (Some((_, learnt)), _) => Ok(Self::Found(learnt.part, learnt.why)),
+            (Some(learnt), _) => Ok(learnt.taken(recording)),
             (None, Some(error)) => {
                 Err(error.context(format!("{}: nothing can be learnt from any part", recording.file)))
             }
@@ -66,110 +82,79 @@ impl Training {
     }
 }
 
-/// The parts of a recording that are tried.
-fn parts(recording: &Recording) -> [Range<usize>; TRIED.len()] {
-    let at = |share: f64| (share * recording.len() as f64) as usize;
-    TRIED.map(|share| at(share.start)..at(share.end))
+/// Samples from which leaps were taken out.
+pub(super) fn without(leaps: &[Leap], samples: &[Observed], celsius: f64) -> Vec<Observed> {
+    let mut samples = samples.to_vec();
+    for leap in leaps {
+        let behind = samples.iter_mut().skip(leap.at);
+        behind.filter_map(|sample| sample.t[1].as_mut()).for_each(|t| *t -= (leap.by / celsius) as f32);
+    }
+    samples
 }
 
 impl Learnt {
     fn of(
         recording: &Recording,
         heater: &Heater,
-        part: Range<usize>,
+        (part, leaps): (Range<usize>, &[Leap]),
+        end: usize,
         config: &Config,
     ) -> anyhow::Result<Self> {
-        let samples = &heater.samples[part.clone()];
-        let trained = training::train(recording, heater, samples, config)?;
-        let alarms = alarms(&trained, samples);
-        let place = place(recording, &part);
-        let explains = format!("{place}: the model learnt there explains {:.1} % of T1", trained.fit);
-        let why = if trained.fit >= EXPLAINED && alarms == 0.0 {
-            format!("{explains} and raises no alarm on going over it again")
-        } else {
-            let alarmed = 100.0 * alarms;
-            format!(
-                "{explains}, and is in alarm for {alarmed:.1} % of it; no part is better, say with --train which is normal"
-            )
+        let samples = without(leaps, &heater.samples[part.clone()], recording.units.celsius.into());
+        let trained = training::train(recording, heater, &samples, config)?;
+        let off = training::off(&trained.monitor, &heater.samples[..end]);
+        Ok(Self { part, trained, without: leaps.to_vec(), off })
+    }
+
+    /// What tells the gain is better, and then what is much less off.
+    fn is_better_than(&self, other: &Self) -> bool {
+        let rank = |learnt: &Self| {
+            let explains = learnt.trained.fit >= EXPLAINED;
+            (explains && learnt.trained.tells_gain, explains, !learnt.trained.is_poor())
         };
-        Ok(Self { part, trained, alarms, why })
-    }
-
-    fn seems_normal(&self) -> bool {
-        self.trained.fit >= EXPLAINED && self.alarms == 0.0
-    }
-
-    /// The same rig by more of the recording, where this part does not tell its gain.
-    fn grown(mut self, recording: &Recording, heater: &Heater, config: &Config) -> Self {
-        let most = (LONGEST * recording.len() as f64) as usize;
-        for part in parts(recording) {
-            let is_longer = part.start == self.part.start && self.part.end < part.end && part.end <= most;
-            if !is_longer || self.is_long(recording) {
-                continue;
-            }
-            let Ok(mut longer) = Self::of(recording, heater, part, config) else { continue };
-            if longer.tells_what(&self) {
-                let ratio = f64::from(self.trained.model.gain / longer.trained.model.gain);
-                longer.why += &format!(
-                    "; {} is too little to tell the gain, which would be {:.0} % {} by it",
-                    place(recording, &self.part),
-                    100.0 * (ratio - 1.0).abs(),
-                    if ratio < 1.0 { "less" } else { "more" },
-                );
-                self = longer;
-            }
-        }
-        self
-    }
-
-    /// Whether it has seen the rig for much longer than it takes to answer.
-    fn is_long(&self, recording: &Recording) -> bool {
-        let model = &self.trained.model;
-        let constant = f64::from(model.heater + model.lag + model.dead_time);
-        self.part.len() as f64 * recording.sample_time > LONG * constant
-    }
-
-    /// Whether it tells the gain, which a shorter part that it begins with does not: that one does not know it, or thinks that it knows another and is
-    /// contradicted. Where it does not explain the shorter part as well, something has changed behind that, and nothing is told.
-    fn tells_what(&self, shorter: &Self) -> bool {
-        let gain = f64::from(self.trained.model.gain);
-        let Some((own, theirs)) = self.gain().map(|own| (own, shorter.gain())) else { return false };
-        let is_known = |(low, high): (f64, f64)| high < WIDEST * low;
-        if !self.seems_normal() || !is_known(own) {
-            return false;
-        }
-        match theirs.filter(|theirs| is_known(*theirs)) {
-            None => true,
-            Some((low, high)) => {
-                let rows = shorter.trained.left.len();
-                let there = size(self.trained.left.get(..rows).unwrap_or_default());
-                !(low..=high).contains(&gain) && there <= AS_WELL * size(&shorter.trained.left)
-            }
+        // What is far more off the rest tells what the rest denies.
+        let is_denied = other.off < BETTER * self.off && rank(other).1;
+        match rank(self).cmp(&rank(other)) {
+            Ordering::Equal => self.off < BETTER * other.off,
+            order => order == Ordering::Greater && !is_denied,
         }
     }
 
-    /// The 95 % interval of the gain; none where it is not known.
-    fn gain(&self) -> Option<(f64, f64)> {
-        self.trained.intervals.iter().find_map(|(name, known)| match known {
-            Known::Within(low, high) if *name == "gain" => Some((*low, *high)),
-            _ => None,
-        })
+    /// Where what is far off up to the end of it begins, such as a reading that collapses: that is not learnt from.
+    fn sound_end(&self) -> usize {
+        let off: Vec<f64> = self.trained.left.iter().map(|(_, e)| f64::from(*e)).collect();
+        let tail = far_off_at_the_end(&off);
+        let first = self.trained.left.len() - tail;
+        self.trained.left.get(first).filter(|_| tail > 0).map_or(self.part.end, |(k, _)| self.part.start + k)
     }
-}
 
-fn place(recording: &Recording, part: &Range<usize>) -> String {
-    let seconds = |k: usize| k as f64 * recording.sample_time;
-    format!("{:.0} to {:.0} s", seconds(part.start), seconds(part.end))
-}
+    /// The leaps of T1 in what was learnt from.
+    fn leaps(&self, recording: &Recording, heater: &Heater) -> Vec<Leap> {
+        let celsius = recording.units.celsius;
+        let mut left = vec![None; self.part.len()];
+        self.trained.left.iter().for_each(|(k, e)| left[*k] = Some(f64::from(*e)));
+        let row = |k: usize| {
+            let t = heater.samples[self.part.start + k].t[1]?;
+            Some((self.part.start + k, f64::from(t * celsius), left[k]?))
+        };
+        let parts = stretches(left.iter().map(Option::is_some)).into_iter();
+        parts.flat_map(|part| leaps(&part.filter_map(row).collect::<Vec<_>>())).collect()
+    }
 
-/// Root of the mean square.
-fn size(left: &[f32]) -> f64 {
-    (left.iter().map(|e| f64::from(*e).powi(2)).sum::<f64>() / left.len() as f64).sqrt()
-}
-
-/// The share of some samples in which what was learnt from them is in alarm.
-fn alarms(trained: &Trained, samples: &[Observed]) -> f64 {
-    let mut monitor = trained.monitor.clone();
-    let alarmed = samples.iter().filter(|sample| monitor.step(sample).1.likelihood.alarm);
-    alarmed.count() as f64 / samples.len() as f64
+    fn taken(self, recording: &Recording) -> Training {
+        let seconds = |k: usize| k as f64 * recording.sample_time;
+        let (from, to) = (seconds(self.part.start), seconds(self.part.end));
+        let mut why = format!(
+            "{from:.0} to {to:.0} s: the model learnt there explains {:.1} % of T1",
+            self.trained.fit
+        );
+        if let Some(leap) = self.without.first() {
+            why +=
+                &format!("; T1 leaps by {:.1} °C at {:.0} s, which is taken out", leap.by, seconds(leap.at));
+        }
+        if !self.trained.tells_gain {
+            why += "; no part tells the gain, say with --train which is normal";
+        }
+        Training::Found(self.part, why, self.without)
+    }
 }

@@ -1,7 +1,7 @@
 //! Logs that name each value where it stands, made a table: `temp=93.1, pid=0.413` of a kiln, `temp:35.2,power:40` for the Arduino's plotter, JSON, and what a
 //! printer with Marlin says of its temperatures, `T:200.1 /200.0 B:60.0 /60.0 @:64 B@:32`.
 
-use super::cell::{is_missing, value};
+use super::cell::{Decimal, is_missing, value};
 use super::format::guess;
 use super::stamp;
 use super::table::Table;
@@ -91,7 +91,11 @@ fn value_behind(text: &str) -> Option<&str> {
     }
     let end = text.find(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | '}' | ']'));
     let word = &text[..end.unwrap_or(text.len())];
-    Some(word).filter(|word| !word.is_empty() && (value(word).is_some() || is_missing(word)))
+    let is_value =
+        |word: &&str| !word.is_empty() && (value(word, Decimal::Either).is_some() || is_missing(word));
+    // Of a printer's `22.56/60.00` the second is what is wanted.
+    let pair = || word.split_once('/').filter(|(_, wanted)| is_value(wanted)).map(|(is, _)| is);
+    Some(word).filter(is_value).or_else(pair).filter(is_value)
 }
 
 /// The last time of day in front of the values, with the date before it: `2019-01-21 06:25:40,390`.

@@ -10,8 +10,9 @@ use indicatif::ProgressBar;
 use pt326_rig::fault::Fault;
 
 use super::believed::Believed;
+use super::leaps::Leap;
 use super::training::{self, Trained};
-use super::{Heater, Recording};
+use super::{Heater, Recording, normal};
 use crate::experiment::{Origin, Record, Row, truth};
 
 /// What is learnt from.
@@ -19,8 +20,8 @@ use crate::experiment::{Origin, Record, Row, truth};
 pub enum Training {
     /// These samples of the recording itself; why they are trusted.
     Own(Range<usize>, String),
-    /// These samples, which seem to be normal; why. They are judged as all others are.
-    Found(Range<usize>, String),
+    /// These samples, which seem to be normal; why, and leaps of T1 that are taken out of them first. They are judged as all others are.
+    Found(Range<usize>, String, Vec<Leap>),
     /// All of another recording of the same rig.
     Other(Box<Recording>),
 }
@@ -47,6 +48,21 @@ pub struct Diagnosed {
     pub restarts: u32,
 }
 
+impl Diagnosed {
+    /// For how long it was judged, s: behind what was learnt from, where it was known how the rig began.
+    pub fn judged(&self) -> f64 {
+        let from = self.watched_from as f64 * self.record.sample_time;
+        let unjudged = self.unjudged.iter().map(|part| (part.end - part.start.max(from)).max(0.0));
+        (self.record.end() - from - unjudged.sum::<f64>()).max(0.0)
+    }
+
+    /// What is said before all else where nothing could be judged.
+    pub fn nothing_judged(&self) -> Option<&'static str> {
+        let is_nothing = self.judged() < self.record.sample_time;
+        is_nothing.then_some("Nothing could be judged: all of it was learnt from, has gaps, or ends before it is known how the rig began.")
+    }
+}
+
 /// A row takes close to a kilobyte: of a longer recording not all are kept, unless there is a truth to hold each against.
 pub const MOST_ROWS: usize = 250_000;
 
@@ -65,7 +81,7 @@ pub fn diagnose(
     let heater = recording.heaters.get(which).context("there is no such heater")?;
     let samples = &heater.samples;
     let (trained, mut monitor, part) = learn(recording, which, training, config)?;
-    let learnt = if let Training::Found(part, _) = training { part } else { &part };
+    let learnt = if let Training::Found(part, ..) = training { part } else { &part };
     let rest = learnt.len()..samples.len() - learnt.start;
     let fit_on_the_rest = training::fit(&trained.monitor, &samples[learnt.start..], rest);
     let thinned = if faults.is_empty() { (samples.len() - part.start).div_ceil(MOST_ROWS).max(1) } else { 1 };
@@ -98,7 +114,7 @@ pub fn diagnose(
         }
         let shift = k as i64 - i64::from(seen.index);
         let time = recording.sample_time * k as f64;
-        rows.push(k, row(&believed, heater, seen, report, shift, truth(faults, time)));
+        rows.push(k, row((&trained, &believed), heater, seen, report, shift, truth(faults, time)));
         if k.is_multiple_of(PROGRESS) {
             progress.set_position((k - part.start) as u64);
         }
@@ -111,7 +127,7 @@ pub fn diagnose(
     let origin = Origin::Watched { file: recording.file.clone() };
     let config =
         Config { sample_time: fdi_core::Seconds(recording.sample_time as f32), ..trained.config.clone() };
-    let paper = heater.inputs.t0 && heater.inputs.t2;
+    let paper = heater.is_ours;
     let baseline = monitor.baseline().filter(|_| paper).copied();
     let mut record = Record::new(origin, &config, faults, rows.kept, baseline);
     record.setpoint = f64::NAN;
@@ -141,11 +157,12 @@ fn learn(
             let monitor = trained.monitor.clone();
             Ok((trained, monitor, part.clone()))
         }
-        Training::Found(part, _) => {
-            let trained = training::train(recording, heater, &samples[part.clone()], config)?;
+        Training::Found(part, _, leaps) => {
+            let normal = normal::without(leaps, &samples[part.clone()], recording.units.celsius.into());
+            let trained = training::train(recording, heater, &normal, config)?;
             let monitor = trained.monitor.clone();
             // The paper's signatures learn what is normal by themselves.
-            let learnt = if heater.inputs.t0 && heater.inputs.t2 { part.clone() } else { 0..0 };
+            let learnt = if heater.is_ours { part.clone() } else { 0..0 };
             Ok((trained, monitor, learnt))
         }
         Training::Other(other) => {
@@ -198,7 +215,7 @@ impl Rows {
 
 /// A tick by the recording's own count, without what was fed in place of a thermistor that there is not.
 fn row(
-    believed: &Believed,
+    (trained, believed): (&Trained, &Believed),
     heater: &Heater,
     mut seen: Observation,
     mut report: Report,
@@ -212,7 +229,9 @@ fn row(
     *finding =
         finding.filter(|finding| believed.believes(finding, &seen.sample, &report.likelihood.expected));
     if let Some(finding) = finding {
-        finding.onset = shifted(finding.onset);
+        trained.calibrate(finding);
+        // A mean of several samples begins nowhere between them: what it names has begun by now.
+        finding.onset = shifted(finding.onset).min(seen.index);
     }
     let nothing =
         fdi_core::Reading { celsius: fdi_core::Celsius(f32::NAN), validity: fdi_core::Validity::Missing };
@@ -224,7 +243,7 @@ fn row(
         seen.sample.t2 = nothing;
         report.likelihood.expected[2] = None;
     }
-    if !(heater.inputs.t0 && heater.inputs.t2) {
+    if !heater.is_ours {
         report =
             Report { tick: report.tick, y1: report.y1, likelihood: report.likelihood, ..Report::default() };
     }

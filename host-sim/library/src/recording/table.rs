@@ -1,14 +1,17 @@
 //! A recording: rows of numbers in a text file, read column by column.
 
+mod cells;
 mod columns;
+mod rows;
 
-use std::ops::Range;
 use std::path::Path;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-use super::cell::{is_missing, number, value};
+pub use cells::Column;
+
+use super::cell::{Decimal, is_missing, number, value};
 use super::stamp;
 use super::text::{separator, single_blanks, text_of};
 
@@ -26,7 +29,19 @@ pub struct Table {
     heads: usize,
     rows: usize,
     width: usize,
+    /// Which mark stands before decimals.
+    decimal: Decimal,
+    /// Lines that are no rows, the first of them, and how many cells it has.
+    bad: usize,
+    first_bad: Option<(u64, usize)>,
+    /// How often the header stands there again, which a logger writes each time that it starts.
+    headers: usize,
 }
+
+/// One line, or one cell of a column, in so many may be none: more are no accident, but another layout. Chosen.
+const FEW: usize = 20;
+/// Rows that are asked which mark stands before decimals.
+const ASKED: usize = 2000;
 
 impl Table {
     /// Reads a file; `-` is standard input.
@@ -50,23 +65,44 @@ impl Table {
             false => text.to_owned(),
         };
         let below = preamble(&text);
-        Self::cut(file.clone(), text).or_else(|error| Self::cut(file, below.ok_or(error)?))
+        match (Self::cut(file.clone(), text), below) {
+            // Where blanks separate, what a logger tells of itself may have as many words as the rows below.
+            (Ok(table), Some(below)) if !table.has_header() => Self::cut(file, below),
+            (Err(_), Some(below)) => Self::cut(file, below),
+            (table, _) => table,
+        }
     }
 
     fn cut(file: String, text: String) -> anyhow::Result<Self> {
         let separator = separator(&text);
         let text = if separator.is_some() { text } else { single_blanks(&text) };
         let separator = separator.unwrap_or(' ') as u8;
-        let mut table = Self { file, text, separator, header: None, heads: 0, rows: 0, width: 0 };
+        let mut table = Self {
+            file,
+            text,
+            separator,
+            header: None,
+            heads: 0,
+            rows: 0,
+            width: 0,
+            decimal: Decimal::Either,
+            bad: 0,
+            first_bad: None,
+            headers: 0,
+        };
         let first = table.first()?;
         table.width = first.len();
-        let rows = table.check_widths()?;
-        let is_header = first.iter().all(|cell| number(cell).is_none());
-        table.heads = usize::from(is_header && rows > 0);
-        table.rows = rows - table.heads;
+        let is_header = first.iter().all(|cell| number(cell, Decimal::Either).is_none());
+        table.heads = usize::from(is_header);
         table.header = is_header.then_some(first);
+        table.count()?;
+        let named = table.header.clone();
         while is_header && table.rows > 1 && table.skips_words()? {}
+        if table.header != named {
+            table.count()?;
+        }
         ensure!(table.rows > 0, "{} contains no data rows", table.file);
+        table.decimal = table.told_decimal()?;
         Ok(table)
     }
 
@@ -77,32 +113,17 @@ impl Table {
         Ok(first)
     }
 
-    /// All lines must have as many cells as the first; gives how many there are. The last one may have been cut off while it was written.
-    fn check_widths(&self) -> anyhow::Result<usize> {
-        let (mut reader, mut row, mut rows) = (self.reader(), StringRecord::new(), 0);
-        while reader.read_record(&mut row).with_context(|| self.cannot_read())? {
-            let at_end = reader.position().byte() as usize >= self.text.len();
-            if row.len() < self.width && at_end && !self.text.ends_with('\n') {
-                break;
-            }
-            let is_whole = row.len() >= self.width && row.iter().skip(self.width).all(str::is_empty);
-            ensure!(
-                is_whole,
-                "{}, line {}: {} cells, expected {} as on the first line",
-                self.file,
-                self.line(&row),
-                row.len(),
-                self.width
-            );
-            rows += 1;
-        }
-        Ok(rows)
+    /// Which mark stands before decimals. Cells between commas that hold one are quoted: there it stands between thousands.
+    fn told_decimal(&self) -> anyhow::Result<Decimal> {
+        let else_ = if self.separator == b',' { Decimal::Point } else { Decimal::Either };
+        let rows = self.map(0..self.rows.min(ASKED), |cells| Ok(cells.clone()))?;
+        Ok(Decimal::of(rows.iter().flatten(), else_))
     }
 
     /// Passes over the first row if it is but words: units, or the header below what a logger tells of itself, where it has more of them.
     fn skips_words(&mut self) -> anyhow::Result<bool> {
         let filled = |cells: &StringRecord| cells.iter().filter(|cell| !is_missing(cell)).count();
-        let says = |cell: &str| value(cell).is_some() || stamp::is_time(cell);
+        let says = |cell: &str| value(cell, Decimal::Either).is_some() || stamp::is_time(cell);
         let first = self.map(0..1, |cells| Ok(cells.clone()))?.pop();
         let Some(words) = first.filter(|cells| filled(cells) > 0 && !cells.iter().any(says)) else {
             return Ok(false);
@@ -129,21 +150,9 @@ impl Table {
         reader.from_reader(self.text.as_bytes())
     }
 
-    /// What `of` makes of some rows, one after the other.
-    fn map<T>(
-        &self,
-        rows: Range<usize>,
-        mut of: impl FnMut(&StringRecord) -> anyhow::Result<T>,
-    ) -> anyhow::Result<Vec<T>> {
-        let (mut reader, mut row) = (self.reader(), StringRecord::new());
-        for _ in 0..rows.start + self.heads {
-            reader.read_record(&mut row)?;
-        }
-        let mut all = Vec::with_capacity(rows.len());
-        while all.len() < rows.len() && reader.read_record(&mut row)? {
-            all.push(of(&row)?);
-        }
-        Ok(all)
+    /// Which mark stands before decimals.
+    pub(super) fn decimal(&self) -> Decimal {
+        self.decimal
     }
 
     /// What to call the file.
@@ -154,94 +163,6 @@ impl Table {
     /// How many data rows there are; comments, empty lines and the header do not count.
     pub fn rows(&self) -> usize {
         self.rows
-    }
-
-    /// The numbers of `column` in `rows`.
-    ///
-    /// # Errors
-    /// Rows that do not exist, and cells that are not finite numbers, with file, line, column and text.
-    pub fn values(&self, column: usize, rows: Range<usize>) -> anyhow::Result<Vec<f64>> {
-        let (count, file) = (self.rows(), &self.file);
-        let Range { start, end } = rows;
-        ensure!(
-            start < end && end <= count,
-            "rows {start}:{end} of {file}: expected N:M with N < M <= {count}, the number of data rows"
-        );
-        let mut numbers = start..;
-        self.map(rows, |cells| self.value(cells, column, numbers.next().unwrap_or(end)))
-    }
-
-    fn value(&self, cells: &StringRecord, column: usize, row: usize) -> anyhow::Result<f64> {
-        let cell = &cells[column];
-        let Some(value) = value(cell).filter(|v| v.is_finite()) else {
-            let what = if cell.is_empty() { "is empty".to_owned() } else { format!("is `{cell}`") };
-            bail!(
-                "{}, line {}, column {} ({}) {what}, expected a number. A regression cannot step over a gap: leave \
-                 row {row} out with --from and --to, or fill it in",
-                self.file,
-                self.line(cells),
-                column + 1,
-                self.name(column),
-            );
-        };
-        Ok(value)
-    }
-
-    /// The numbers of `column`, with `None` where a cell is empty or says nan, none, n/a or the like.
-    ///
-    /// # Errors
-    /// Cells that hold anything else, with file, line, column and text.
-    pub fn values_or_gaps(&self, column: usize) -> anyhow::Result<Vec<Option<f64>>> {
-        self.read_as(column, value)
-    }
-
-    /// What `of` makes of each cell of `column`, with `None` where a cell says that there is none.
-    ///
-    /// # Errors
-    /// Cells that it makes nothing of, with file, line, column and text.
-    pub fn read_as(
-        &self,
-        column: usize,
-        mut of: impl FnMut(&str) -> Option<f64>,
-    ) -> anyhow::Result<Vec<Option<f64>>> {
-        let value = |cells: &StringRecord| {
-            let cell = &cells[column];
-            if is_missing(cell) {
-                return Ok(None);
-            }
-            let place = || {
-                let (file, line) = (&self.file, self.line(cells));
-                format!(
-                    "{file}, line {line}, column {} ({}) is `{cell}`, expected a number, or nothing where a sample is missing",
-                    column + 1,
-                    self.name(column)
-                )
-            };
-            Ok(Some(of(cell).with_context(place)?).filter(|value| value.is_finite()))
-        };
-        self.map(0..self.rows, value)
-    }
-
-    /// What stands in these columns of each row.
-    ///
-    /// # Errors
-    /// The file cannot be read.
-    pub(super) fn texts<const N: usize>(&self, columns: [usize; N]) -> anyhow::Result<Vec<[String; N]>> {
-        self.map(0..self.rows, |cells| Ok(columns.map(|column| cells[column].to_owned())))
-    }
-
-    /// The first cell of `column` that is not missing.
-    pub fn first_of(&self, column: usize) -> anyhow::Result<Option<String>> {
-        let (mut reader, mut row) = (self.reader(), StringRecord::new());
-        for _ in 0..self.heads {
-            reader.read_record(&mut row)?;
-        }
-        while reader.read_record(&mut row)? && row.len() == self.width {
-            if !is_missing(&row[column]) {
-                return Ok(Some(row[column].to_owned()));
-            }
-        }
-        Ok(None)
     }
 
     /// The line of the file that a row came from, from 1.
@@ -282,6 +203,8 @@ fn preamble(text: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::Range;
+
     use super::*;
 
     fn table(text: &str) -> Table {
@@ -374,6 +297,11 @@ mod tests {
     #[test]
     fn ragged_and_empty_files_are_refused() {
         assert_eq!(error("u,y\n1,2\n3\n"), "f, line 3: 1 cells, expected 2 as on the first line");
+        let commas = format!("t,u,y\n{}", "0,20,5,1\n".repeat(30));
+        assert!(
+            error(&commas).contains("line 2: 4 cells, expected 3")
+                && error(&commas).contains("put a semicolon")
+        );
         assert_eq!(error("# only this\n"), "f contains no data rows");
         assert_eq!(error("u,y\n"), "f contains no data rows");
     }

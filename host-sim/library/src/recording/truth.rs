@@ -71,7 +71,7 @@ fn columns(
         bail!("--truth {class}={column}: expected one of {known} before the `=`, or a file")
     };
     let table = Table::parse(recording.file.clone(), text)?;
-    let values = table.values_or_gaps(table.column(column)?)?;
+    let values = table.values_or_gaps(table.column(column)?)?.values;
     let at = |k: usize| values[recording.rows[k]?].filter(|x| *x != 0.0);
     let mut faults = Vec::new();
     let mut k = 0;

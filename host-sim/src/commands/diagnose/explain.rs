@@ -5,7 +5,6 @@ use std::fmt::Write as _;
 use fdi_core::Config;
 use fdi_core::likelihood::inputs::Inputs;
 
-use super::has_all;
 use pt326_host::experiment::as_written;
 use pt326_host::isolability::{Isolability, Question, output};
 use pt326_host::recording::run::{Diagnosed, Training};
@@ -91,8 +90,8 @@ pub(super) fn learnt(
             as_written((recording.sample_time * f64::from(trained.every)) as f32)
         );
     }
-    if has_all(heater) {
-        text += "\nT0, T1 and T2 are there: the paper's signatures are run as well";
+    if heater.is_ours {
+        text += "\nIt is a rig of this project: the paper's signatures are run as well, and are in trace.csv";
     }
     text + "\n"
 }
@@ -109,7 +108,7 @@ pub(super) fn told_apart(
     let digits = |x: f64| (x * 10.0).round().max(1.0) / 10.0;
     let horizons = WITHIN.map(|share| digits(share * answer)).to_vec();
     let samples = match training {
-        Training::Own(part, _) | Training::Found(part, _) => &heater.samples[part.clone()],
+        Training::Own(part, _) | Training::Found(part, ..) => &heater.samples[part.clone()],
         Training::Other(_) => &heater.samples[..],
     };
     let mut monitor = done.trained.monitor.clone();

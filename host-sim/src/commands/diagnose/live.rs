@@ -23,12 +23,14 @@ use pt326_host::recording::run::as_tick;
 use pt326_host::recording::stamp::Stamps;
 use pt326_host::recording::table::Table;
 use pt326_host::recording::text::as_numbers;
-use pt326_host::recording::training::train;
+use pt326_host::recording::training::{Trained, train};
 use pt326_host::recording::{Reading, Recording};
 
 /// A source is silent when nothing has come for so many sample times, and at least so long: loggers gather some lines before they send them.
 const SILENT: f64 = 5.0;
 const LEAST_SILENCE: Duration = Duration::from_secs(2);
+/// So many gaps from the first line on are another unit of time.
+const ASKED: u64 = 10;
 
 /// Learns from the other recording, then reads standard input until it ends.
 pub(super) fn run(args: &DiagnoseArgs, how: &Reading, config: &Config) -> anyhow::Result<()> {
@@ -54,7 +56,7 @@ pub(super) fn run(args: &DiagnoseArgs, how: &Reading, config: &Config) -> anyhow
     let Heard::Line(header) = lines.next(None) else {
         anyhow::bail!("standard input is empty: expected a header")
     };
-    let mut live = Live::new(&other, how, &trained.monitor, &trained.config, header?)?;
+    let mut live = Live::new(&other, how, &trained, header?)?;
     loop {
         match lines.next(Some(silence)) {
             Heard::End => break,
@@ -93,11 +95,14 @@ struct Live<'a> {
     believed: Believed,
     how: Reading,
     header: String,
-    trained: &'a Monitor,
+    learnt: &'a Trained,
     monitor: Monitor,
     /// How the lines tell their times, and that of the last sample, s.
     stamps: Option<Stamps>,
     at: Option<f64>,
+    /// Lines that were placed by their time, and gaps before them.
+    placed: u64,
+    gaps: u64,
     /// Sample times that have passed since the first line.
     passed: u32,
     record: Record,
@@ -115,34 +120,35 @@ struct Live<'a> {
 impl<'a> Live<'a> {
     /// # Errors
     /// The header lacks a column.
-    fn new(
-        other: &'a Recording,
-        how: &Reading,
-        trained: &'a Monitor,
-        config: &Config,
-        header: String,
-    ) -> anyhow::Result<Self> {
+    fn new(other: &'a Recording, how: &Reading, learnt: &'a Trained, header: String) -> anyhow::Result<Self> {
         let celsius = Some(other.units.celsius.into());
         let full_power = Some(other.units.full_power.into());
         let how =
             Reading { sample_time: Some(other.sample_time), celsius, full_power, ..how.clone() }.untimed();
         let numbers = as_numbers(&header);
-        Recording::parse("standard input, line 1".into(), &format!("{header}\n{numbers}\n"), &how)?;
+        let line =
+            Recording::parse("standard input, line 1".into(), &format!("{header}\n{numbers}\n"), &how)?;
+        // The stream's own name of the time says its unit, unless somebody else does.
+        let name =
+            line.heaters[0].map.column(Role::Time).filter(|_| how.time_unit.is_none()).map(str::to_owned);
+        let stamps = other.stamps.map(|stamps| name.map_or(stamps, |name| stamps.under(&name)));
         let origin = Origin::Watched { file: "standard input".into() };
-        let mut record = Record::new(origin, config, &[], Vec::new(), None);
+        let mut record = Record::new(origin, &learnt.config, &[], Vec::new(), None);
         record.sample_time = other.sample_time;
-        let mut monitor = trained.clone();
+        let mut monitor = learnt.monitor.clone();
         monitor.resume();
         Ok(Self {
             other,
             believed: Believed::of(&other.heaters[0]),
             how,
             header,
-            trained,
+            learnt,
             implausible: [0; OBSERVED.len()],
             monitor,
-            stamps: other.stamps,
+            stamps,
             at: None,
+            placed: 0,
+            gaps: 0,
             passed: 0,
             record,
             line: 1,
@@ -218,7 +224,7 @@ impl<'a> Live<'a> {
         // Written in another way than in the training.
         let (stamps, times) = Stamps::of(&table, column, self.how.time_unit).map_err(here)?;
         self.stamps = Some(stamps);
-        Ok((sample, times.first().copied().flatten()))
+        Ok((sample, times.values.first().copied().flatten()))
     }
 
     /// A sample where its time is: those before it are missing, and another session begins where time does not go on.
@@ -226,7 +232,16 @@ impl<'a> Live<'a> {
         let (Some(time), Some(stamps)) = (time, self.stamps) else { return self.watch(sample, say) };
         let Some(at) = self.at.replace(time) else { return self.watch(sample, say) };
         let ts = self.record.sample_time;
-        let steps = stamps.between(at, time) / ts;
+        let steps = stamps.between(at, time, ts) / ts;
+        let is_gap = !(-0.25..=GAP as f64 + 1.5).contains(&steps);
+        (self.placed, self.gaps) = (self.placed + 1, self.gaps + u64::from(is_gap));
+        if is_gap && self.said.take().is_some() {
+            let text = format!("line {}: a gap: whether what was wrong is over is not known\n", self.line);
+            say(Said::new("unknown", text, json!({ "line": self.line })))?;
+        }
+        if self.gaps == ASKED && self.placed == ASKED {
+            say(Said::new("gaps", self.only_gaps(), json!({ "line": self.line })))?;
+        }
         // A quarter: what is nearer to the last sample than half of a step may only be early.
         if !(-0.25..=OFF).contains(&steps) {
             let text = format!("line {}: its times begin anew: another session\n", self.line);
@@ -248,6 +263,15 @@ impl<'a> Live<'a> {
         if steps > 0.0 { self.watch(sample, say) } else { Ok(()) }
     }
 
+    /// What whoever runs the source must know of it.
+    fn only_gaps(&self) -> String {
+        format!(
+            "each of {} lines is a gap, by its time: nothing is judged. The training has a sample each {} s; is the time in another unit? \
+             --time-unit says which\n",
+            self.placed, self.record.sample_time
+        )
+    }
+
     fn watch(&mut self, sample: &Observed, say: Say) -> anyhow::Result<()> {
         let (mut seen, mut report) = self.monitor.step(sample);
         // The monitor counts from its training on.
@@ -256,7 +280,7 @@ impl<'a> Live<'a> {
         self.passed = self.passed.saturating_add(1);
         let time = tick_time(seen.index, self.record.sample_time);
         // Those of the training are not told again; of each the first is.
-        let told = self.trained.implausible().into_iter().zip(self.monitor.implausible());
+        let told = self.learnt.monitor.implausible().into_iter().zip(self.monitor.implausible());
         for ((name, count), (learnt, now)) in OBSERVED.iter().zip(&mut self.implausible).zip(told) {
             if *count == 0 && now > learnt {
                 let text =
@@ -271,7 +295,7 @@ impl<'a> Live<'a> {
                 "{time:>9.2} s  its memory held what is no number: it begins anew as it was trained\n"
             );
             say(Said::new("restarted", text, json!({ "t_s": time, "line": self.line })))?;
-            self.monitor = self.trained.clone();
+            self.monitor = self.learnt.monitor.clone();
             self.monitor.resume();
         }
         let heater = &self.other.heaters[0];
@@ -279,6 +303,7 @@ impl<'a> Live<'a> {
         let can_be = |finding: &Finding| self.believed.believes(finding, &seen.sample, expected);
         likelihood.finding = likelihood.finding.filter(can_be);
         if let Some(finding) = &mut likelihood.finding {
+            self.learnt.calibrate(finding);
             finding.onset = finding.onset.saturating_sub(before);
         }
         let now = likelihood.alarm.then(|| likelihood.finding.map(|finding| finding.class));
@@ -319,6 +344,7 @@ impl<'a> Live<'a> {
     fn end(&self, say: Say) -> anyhow::Result<()> {
         let Self { samples, left_out, silences, .. } = self;
         ensure!(*samples > 0, "standard input: none of {left_out} lines was a sample");
+        ensure!(self.gaps == 0 || self.gaps < self.placed, "standard input: {}", self.only_gaps().trim_end());
         let odd = super::odd(&self.implausible).map(|odd| format!(", {odd}")).unwrap_or_default();
         let text = format!("{samples} samples, {left_out} lines left out, {silences} times silent{odd}\n");
         let passed = self.passed;
@@ -355,7 +381,7 @@ mod tests {
         let (other, how) = trained();
         let heater = &other.heaters[0];
         let learnt = train(&other, heater, &heater.samples, &Config::default()).unwrap();
-        let mut live = Live::new(&other, &how, &learnt.monitor, &learnt.config, "t,u,y".into()).unwrap();
+        let mut live = Live::new(&other, &how, &learnt, "t,u,y".into()).unwrap();
         let start = Instant::now();
         let mut text = String::new();
         let mut say = |said: Said| {

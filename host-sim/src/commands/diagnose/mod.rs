@@ -10,18 +10,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 use fdi_core::Config;
-use fdi_core::likelihood::inputs::Inputs;
 use fdi_core::monitor::OBSERVED;
 use pt326_rig::fault::Fault;
 
-use super::results::Folder;
-use super::terminal::{coloured, in_words, print, progress};
+use super::results::{FILES, Folder};
+use super::terminal::{in_words, print, progress};
 use pt326_host::record::summary::Summary;
-use pt326_host::record::table;
 use pt326_host::recording::report::{Told, learnt, table as table_of};
 use pt326_host::recording::run::{Diagnosed, Training, diagnose};
 use pt326_host::recording::stamp::Unit;
-use pt326_host::recording::{Heater, Reading, Recording, score, truth};
+use pt326_host::recording::{Reading, Recording, score, truth};
 use pt326_host::{recording, settings};
 
 /// Arguments of `diagnose`.
@@ -33,7 +31,7 @@ Traces of this project, logs of its boards (the page's *Save log*, or `pt326 boa
 printed line says how. Several heaters are diagnosed one after the other.
 
 Times are numbers (seconds, or what --time-unit says), clocks or dates; 5/1/2024 is in May. Times count from the first sample. If they fall \
-back, stand still or leap, another session begins.
+back or leap, another session begins.
 
 Without T0 a constant is learnt in its place, and T0 is not diagnosed. Without T2, faults of T1, of the heater and of the air are told apart only by \
 how fast T1 changes. docs/records.md begins with an example.
@@ -99,7 +97,7 @@ pub struct ReadingArgs {
     /// Sample time, s; left out: that of the time stamps.
     #[arg(long, value_name = "S")]
     pub ts: Option<f64>,
-    /// Unit of times that are numbers: ns, us, ms, s, min, h or d; left out: as their column's name says, or the numbers themselves.
+    /// Unit of times that are numbers: ns, ticks (of 100 ns), us, ms, s, min, h or d; left out: as their column's name says, or the numbers themselves. Of times such as 22:00 what the first number counts: h or min.
     #[arg(long, value_name = "UNIT")]
     pub time_unit: Option<String>,
     /// Resample time stamps even if they are nearly even; uneven ones are always resampled.
@@ -112,6 +110,9 @@ pub struct ReadingArgs {
     /// that row on.
     #[arg(long)]
     pub power_before: bool,
+    /// A power below zero cools (a Peltier element, a valve for cold water): it is taken for a second input, with a gain of its own.
+    #[arg(long)]
+    pub cooling: bool,
     /// For temperatures in another unit: how many degC one unit counts for.
     #[arg(long, value_name = "DEGC")]
     pub degc: Option<f64>,
@@ -140,6 +141,7 @@ impl ReadingArgs {
             celsius: self.degc,
             fan: self.fan,
             power_before: self.power_before,
+            cooling: self.cooling,
             untimed: false,
         })
     }
@@ -168,6 +170,7 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
     let asked = |which: &usize| args.heater.is_none_or(|number| number == which + 1);
     let count = recording.heaters.len();
     ensure!((0..count).any(|which| asked(&which)), "--heater: the recording has heaters 1 to {count}");
+    let folder = folder(args);
     let mut refusals = Vec::new();
     let mut is_any = false;
     for (which, faults) in truths.iter().enumerate().filter(|(which, _)| asked(which)) {
@@ -179,12 +182,10 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
         match diagnosed.with_context(|| format!("{}, {}", recording.file, recording.heaters[which].map)) {
             Ok((training, warning, done)) => {
                 is_any = true;
-                print(&(warning + &std::mem::take(&mut remarks)))?;
-                let out = if which == 0 {
-                    args.out.clone()
-                } else {
-                    args.out.join(format!("heater-{}", which + 1))
-                };
+                let nothing = done.nothing_judged().map_or(String::new(), |said| format!("{said}\n"));
+                print(&(nothing + &warning + &std::mem::take(&mut remarks)))?;
+                let out =
+                    if which == 0 { folder.clone() } else { folder.join(format!("heater-{}", which + 1)) };
                 tell(args, &recording, which, &training, &done, &out)?;
             }
             Err(error) => refusals.push(error),
@@ -196,6 +197,19 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
         print(&format!("\nNot diagnosed: {}\n", in_words(&refusal)))?;
     }
     Ok(())
+}
+
+/// Where the results go: beside what is read, where that is among the results of a run, since these would be moved.
+fn folder(args: &DiagnoseArgs) -> PathBuf {
+    let within = |file: &Path| {
+        let is_result = FILES.iter().any(|name| file.ends_with(name));
+        Some(is_result && file.canonicalize().ok()?.parent()? == args.out.canonicalize().ok()?)
+    };
+    let is_there = [Some(&args.file), args.train_on.as_ref()]
+        .into_iter()
+        .flatten()
+        .any(|file| within(file) == Some(true));
+    if is_there { args.out.join("diagnosed") } else { args.out.clone() }
 }
 
 /// How to go on with a model that is worth nothing.
@@ -253,18 +267,15 @@ fn tell(
     text += &remarks(done);
     let from = done.watched_from as f64 * recording.sample_time;
     let score = (!done.record.faults.is_empty()).then(|| score::score(&done.record, from));
-    // With all thermistors it is a rig that the lab's page and the paper's figures can show.
-    let told = (!has_all(heater)).then(|| Told::new(recording, heater, training, done, score.as_ref()));
+    let told = Told::new(recording, heater, training, done, score.as_ref());
     let summary = Summary::new(&done.record);
-    let page = told.as_ref().map(Told::page);
-    let written = Folder::open(out)?.write(&done.record, &summary, page.as_deref())?;
+    let written = Folder::open(out)?.write(&done.record, &summary, Some(&told.page()))?;
     if let Some(score) = &score {
         let json = serde_json::to_string_pretty(score)?;
         std::fs::write(out.join("score.json"), json + "\n").context("can't write score.json")?;
         let _ = write!(text, "\n{}", score::table(score));
     } else {
-        let said = told.map_or_else(|| coloured(&table::of_run(&done.record, &summary)), |told| told.text());
-        text += &format!("\n{said}");
+        text += &format!("\n{}", told.text());
     }
     if let Some(path) = args.write_config.as_deref().filter(|_| which == 0) {
         let toml = explain::settings_of(&done.trained.config);
@@ -332,12 +343,7 @@ fn odd(implausible: &[u32; OBSERVED.len()]) -> Option<String> {
 
 fn because(training: &Training) -> String {
     match training {
-        Training::Own(_, why) | Training::Found(_, why) => format!("Learnt: {why}."),
+        Training::Own(_, why) | Training::Found(_, why, _) => format!("Learnt: {why}."),
         Training::Other(other) => format!("Learnt: all of {}, which is said to be normal.", other.file),
     }
-}
-
-/// Whether the paper's signatures have the inputs that they need.
-fn has_all(heater: &Heater) -> bool {
-    heater.inputs == Inputs { fan: heater.inputs.fan, ..Inputs::ALL }
 }

@@ -15,10 +15,21 @@ pub struct Episode {
     pub from: f64,
     /// When it ended, or the recording, s.
     pub to: f64,
-    /// It ended before the recording.
-    pub is_over: bool,
+    /// How it ended.
+    pub ending: Ending,
     /// What was said, one after the other.
     pub said: Vec<Said>,
+}
+
+/// How an alarm ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// All was as expected again.
+    Over,
+    /// A gap came, and behind it nobody knows whether what was wrong still is.
+    Gap,
+    /// It stood to the end of the recording.
+    Stands,
 }
 
 /// What is said while an alarm stands.
@@ -63,6 +74,7 @@ pub(super) fn episodes(recording: &Recording, heater: &Heater, done: &Diagnosed)
     let rows = &record.rows[start..];
     let time = |row: &Row| record.time(row.tick.index);
     let alarm = |row: &Row| row.report.likelihood.alarm;
+    let stretches = recording.stretches();
     let mut episodes = Vec::new();
     let mut after = rows;
     for rows in rows.chunk_by(|a, b| alarm(a) == alarm(b)) {
@@ -77,7 +89,14 @@ pub(super) fn episodes(recording: &Recording, heater: &Heater, done: &Diagnosed)
             sentence: words(recording, heater, record, rows),
         });
         let to = after.first().map_or(record.end(), time);
-        episodes.push(Episode { from: time(&rows[0]), to, is_over: !after.is_empty(), said: said.collect() });
+        let stretch = |row: &Row| stretches.partition_point(|stretch| stretch.end <= row.tick.index as usize);
+        let ending = match (rows.last(), after.first()) {
+            (_, None) => Ending::Stands,
+            (Some(last), Some(next)) if stretch(last) != stretch(next) => Ending::Gap,
+            _ => Ending::Over,
+        };
+        let to = if ending == Ending::Gap { rows.last().map_or(to, time) } else { to };
+        episodes.push(Episode { from: time(&rows[0]), to, ending, said: said.collect() });
     }
     episodes
 }

@@ -16,7 +16,7 @@ use super::score::Score;
 use super::{Heater, Recording};
 use crate::experiment::Row;
 
-pub use findings::{Episode, Said, Unjudged, plain};
+pub use findings::{Ending, Episode, Said, Unjudged, plain};
 pub use learnt::{Learnt, learnt, table};
 
 /// A heater of a recording with all that is told of it.
@@ -103,16 +103,21 @@ impl<'a> Told<'a> {
     pub fn text(&self) -> String {
         let record = &self.done.record;
         let from = self.done.watched_from as f64 * self.recording.sample_time;
-        let mut text =
-            format!("{:.0} s watched, {}", (record.end() - from).max(0.0), alarms(self.episodes.len()));
+        let (watched, judged) = ((record.end() - from).max(0.0), self.done.judged());
+        let judged =
+            if judged < 0.995 * watched { format!(", {judged:.0} s of it judged") } else { String::new() };
+        let mut text = format!("{watched:.0} s watched{judged}, {}", alarms(self.episodes.len()));
         text += if self.episodes.is_empty() { "\n" } else { ":\n" };
         for episode in &self.episodes {
             for said in &episode.said {
                 let _ = writeln!(text, "{:>9.2} s  {}", said.at, said.sentence);
             }
-            let _ = match episode.is_over {
-                true => writeln!(text, "{:>9.2} s  all is as expected again", episode.to),
-                false => writeln!(text, "{:>11}  and so to the end", ""),
+            let _ = match episode.ending {
+                Ending::Over => writeln!(text, "{:>9.2} s  all is as expected again", episode.to),
+                Ending::Gap => {
+                    writeln!(text, "{:>9.2} s  a gap: whether it is over is not known", episode.to)
+                }
+                Ending::Stands => writeln!(text, "{:>11}  and so to the end", ""),
             };
         }
         for part in &self.unjudged {
@@ -134,7 +139,7 @@ fn alarms(count: usize) -> String {
 /// The samples of the recording that were learnt from, and why they are trusted; none where another recording was.
 fn learnt_from(training: &Training) -> Option<(&Range<usize>, &str)> {
     match training {
-        Training::Own(part, why) | Training::Found(part, why) => Some((part, why)),
+        Training::Own(part, why) | Training::Found(part, why, _) => Some((part, why)),
         Training::Other(_) => None,
     }
 }

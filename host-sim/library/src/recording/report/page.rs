@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::super::run::Training;
 use super::data::{Data, Signal, shaded};
-use super::findings::Episode;
+use super::findings::{Ending, Episode};
 use super::{Told, WITHIN, learnt_from};
 use crate::experiment::as_written;
 use crate::record::report::{escape, significant, written};
@@ -51,7 +51,8 @@ fn introduction(told: &Told, name: &str) -> String {
     let count = told.episodes.len();
     let lead = match told.episodes.as_slice() {
         [] if watched <= 0.0 => "All of it was learnt from: nothing was left to watch.".to_owned(),
-        [] => "Nothing was found wrong.".to_owned(),
+        [] if told.done.nothing_judged().is_some() => "Nothing could be judged.".to_owned(),
+        [] => format!("Nothing was found wrong in the {} that were judged.", time(told.done.judged())),
         [one] => format!("One alarm, at {}.", time(one.from)),
         [first, ..] => format!("{count} alarms, the first at {}.", time(first.from)),
     };
@@ -198,7 +199,11 @@ fn alarms(told: &Told) -> String {
             .take(6)
             .map(|said| format!("<small>at {}: {}</small>", time(said.at), escape(&said.sentence)))
             .collect();
-        let end = if episode.is_over { time(episode.to) } else { "the end".to_owned() };
+        let end = match episode.ending {
+            Ending::Over => time(episode.to),
+            Ending::Gap => format!("{}, a gap: whether it is over is not known", time(episode.to)),
+            Ending::Stands => "the end".to_owned(),
+        };
         format!(
             "<tr><td class='n'>{}</td><td class='n'>{}</td><td class='n'>{end}</td><td>{}{}</td></tr>\n",
             i + 1,

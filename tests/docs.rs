@@ -187,9 +187,9 @@ fn the_licences_of_others_are_those_of_what_ships() {
             format!("{} {}", package["name"].as_str().unwrap(), package["version"].as_str().unwrap())
         })
         .collect();
-    let (text, rule) = (read("THIRD-PARTY.txt"), "=".repeat(100));
+    let (text, rule) = (read("THIRD-PARTY.txt"), "\n===\n");
     // Behind each rule: the licence, an empty line, the crates, an empty line, the text.
-    let crates = text.split(&rule).skip(1).flat_map(|part| part.split("\n\n").nth(1).unwrap().lines());
+    let crates = text.split(rule).skip(1).flat_map(|part| part.split("\n\n").nth(1).unwrap().lines());
     let listed: Vec<String> = crates
         .filter(|line| !line.starts_with("the standard library"))
         .map(|line| line.split(' ').take(2).collect::<Vec<_>>().join(" "))

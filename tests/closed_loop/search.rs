@@ -87,3 +87,22 @@ fn one_false_first_sample_trips_no_healthy_rig() {
         assert_eq!(tripped, None::<fdi_core::Mode>, "{size}");
     }
 }
+
+/// Nobody declares an answer time just right: of a rig that takes ten times as long to follow its power nothing is taken for a danger.
+#[test]
+fn a_rig_ten_times_slower_than_declared_does_not_trip() {
+    for wire_time in [1.0, 2.0, 5.0] {
+        let mut rig = RigConfig::default();
+        rig.heater.wire_time = wire_time;
+        let scenario = Scenario { duration: 120.0, rig, faults: vec![], ..Scenario::default() };
+        for seed in 1..4 {
+            let record = run(&Config::default(), &scenario, seed).unwrap();
+            let tripped = record
+                .rows
+                .iter()
+                .find(|row| matches!(row.tick.mode, fdi_core::Mode::Tripped(_)))
+                .map(|row| row.tick.mode);
+            assert_eq!(tripped, None, "{wire_time} s, seed {seed}");
+        }
+    }
+}

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Either trips above `LIMIT`. Both are in degC times time constants, and never below 0: a lack of 5 degC trips after two time constants, one of 20
-//! degC after a half. No sample counts for more than a quarter of `LIMIT`. `warmth` is T1 above the cold rig. (1) says that T1 is out of the tube, or
+//! degC after a half. What one sample adds is smoothed by the filter of the warmth. `warmth` is T1 above the cold rig. (1) says that T1 is out of the tube, or
 //! nothing heats; (2) that there is too little air, or heat that nobody asked for.
 //!
 //! * `least_gain` is a third of what is declared.
@@ -200,10 +200,9 @@ impl Account {
         self.follow_warmth(state, now.sample);
         let lacking = self.lacking(state, now.regulated.is_virtual);
         let unexplained = self.unexplained(state, heating, now.regulated.is_virtual);
-        let most = 0.25 * LIMIT;
         let add = |sum: &mut f32, degrees: f32| {
             // What is no number stays so, and trips.
-            *sum = smaller(larger(*sum + smaller(degrees * self.tick, most), 0.0), 2.0 * LIMIT);
+            *sum = smaller(larger(*sum + degrees * self.tick, 0.0), 2.0 * LIMIT);
         };
         add(&mut state.surplus, unexplained);
         if heating {

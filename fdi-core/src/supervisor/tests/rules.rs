@@ -247,3 +247,45 @@ fn full_power_without_a_rise_is_a_set_point_out_of_reach() {
     let rises = |tick: u32| ROOM + 13.5 + 2.2 * (tick / 100) as f32;
     assert_eq!(tripped(45.1, 20.0, heating, rises), None, "it may get there");
 }
+
+/// A gain that is declared next to nothing asks for 0.09 degC per % all the same.
+#[test]
+fn no_declaration_asks_for_nothing() {
+    let mut declared = plant();
+    declared.y_scale.0 = 1e-3;
+    let mut bench = unlearnt(None);
+    bench.supervisor = Supervisor::of(&SupervisorConfig::default(), Percent(100.0), &declared, TS);
+    let dead = |_| Shown { t1: ROOM, t2: ROOM, pid: 90.0, ..IN_ORDER };
+    assert!(matches!(bench.trips(true, dead), Some((_, TripReason::NoResponse))));
+}
+
+/// Ten ticks of disagreement before a stop are none after it: eleven may pass.
+#[test]
+fn a_disagreement_begins_anew_after_a_stop() {
+    let out = |tick: u32| if tick < 10 { Shown { t1: ROOM, t2: 27.5, ..IN_ORDER } } else { IN_ORDER };
+    let mut bench = Bench::new();
+    bench.state.mode = Mode::Settle { steady: 0 };
+    (0..10).for_each(|tick| bench.step(tick, &out(tick)));
+    bench.state.mode = Mode::Off;
+    (0..3).for_each(|tick| bench.step(tick, &IN_ORDER));
+    bench.state.mode = Mode::Settle { steady: 0 };
+    (0..10).for_each(|tick| bench.step(tick, &out(tick)));
+    assert!(bench.state.mode.is_heating(), "{:?}", bench.state.mode);
+}
+
+/// While T1 is known to be wrong what it shows is no warmth: that of T2 is.
+#[test]
+fn a_hot_t1_that_is_known_to_be_wrong_is_no_heat() {
+    let trips = |is_virtual: bool| {
+        let mut bench = Bench::new();
+        bench.state.mode = Mode::Settle { steady: 0 };
+        for tick in 0..200 {
+            situation(tick, &Shown { t1: 60.0, ..IN_ORDER }, 35.0, |now| {
+                let regulated = Regulated { value: Some(Celsius(30.0)), is_virtual };
+                let _ = bench.supervisor.step(&mut bench.state, &Situation { regulated, ..*now });
+            });
+        }
+        !bench.state.mode.is_heating()
+    };
+    assert_eq!([trips(true), trips(false)], [false, true]);
+}

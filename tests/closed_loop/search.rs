@@ -45,6 +45,16 @@ fn the_worst_that_was_found_stays_mended() {
     }
 }
 
+/// Healthy ones that tripped while the account was made, each by another of its memories.
+#[test]
+fn what_tripped_once_and_was_healthy_does_not() {
+    for number in [1356, 1954, 2977, 5885, 8913, 19117] {
+        let case = Case::draw(number);
+        let outcome = case.look().unwrap();
+        assert!(case.healthy && !case.is_false_trip(&outcome), "{number}: {outcome:?}");
+    }
+}
+
 /// Of 2,212 cases with a fault of the numbers 1 to 3000, 185 were driven for more than 10 s while they were too hot before there was one account.
 #[test]
 fn few_random_cases_are_driven_while_it_is_too_hot_and_no_healthy_one_trips() {

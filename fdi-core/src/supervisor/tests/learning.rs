@@ -62,6 +62,8 @@ fn a_wrong_t0_moves_the_cold_rig_by_no_more_than_a_quarter_of_the_rise() {
     assert!((24.3..24.7).contains(&drifting), "a rise of 12.5 is the most that 25 % may give: {drifting}");
     let jumped = cold_after(1.0, |_| at(10.0, 25.0));
     assert!((jumped - 27.0).abs() < 0.01, "{jumped}");
+    let too_little = cold_after(1.0, |_| at(25.0, 40.0));
+    assert!((too_little - 27.0).abs() < 0.01, "T1 shows 12 of 16: {too_little}");
     let by_six = cold_after(0.5, |_| at(25.0, 30.0));
     assert!(
         (by_six - 25.0).abs() < 0.1 && cold_after(0.5, |_| at(18.0, 47.5)) > 23.9,

@@ -87,6 +87,11 @@ fn what_is_armed_agrees_at_rest() {
     assert!(
         matches!(refused_all_the_same, Err(Refusal::NotAtRest([_, t1, t2])) if t1 == 40.0 && t2.is_nan())
     );
+    // Hot before it was ever asked to heat: that is no warmth that is left.
+    let mut bench = Bench::new();
+    bench.state = SupervisorState::default();
+    (0..20).for_each(|tick| bench.step(tick, &Shown { t1: 45.0, t2: 44.0, pid: 0.0, ..IN_ORDER }));
+    assert!(bench.supervisor.command(&mut bench.state, Command::Arm).is_err());
     assert_eq!(armed(true, ROOM, 28.0), Ok(()), "warmth that is left");
     assert_eq!(armed(true, ROOM, 34.0), refused(ROOM, 34.0), "more than is left");
 }
@@ -288,4 +293,73 @@ fn a_hot_t1_that_is_known_to_be_wrong_is_no_heat() {
         !bench.state.mode.is_heating()
     };
     assert_eq!([trips(true), trips(false)], [false, true]);
+}
+
+/// An unlearnt rig that shows one gain, and another one later, after so many ticks of little power; whether it goes on.
+fn goes_on(mut bench: Bench, first: f32, ticks: u32, later: f32) -> bool {
+    bench.state.mode = Mode::Settle { steady: 0 };
+    let mut show = |bench: &mut Bench, ticks: u32, gain: f32, pid: f32| {
+        let t = ROOM + gain * pid;
+        (0..ticks).for_each(|tick| bench.step(tick, &Shown { t1: t, t2: t, pid, ..IN_ORDER }));
+    };
+    show(&mut bench, 100, first, 30.0);
+    show(&mut bench, ticks, 0.5 * (first + later), 4.0);
+    show(&mut bench, 100, later, 50.0);
+    bench.state.mode.is_heating()
+}
+
+/// What T1 has shown of the gain is known at once, and fades: in a quarter of an hour of 2,400 time constants by a half.
+#[test]
+fn what_was_seen_of_the_gain_fades() {
+    for (first, later) in [(0.8, 0.35), (0.25, 1.05)] {
+        assert!(!goes_on(unlearnt(None), first, 200, later), "{first} {later}: believed");
+        assert!(goes_on(unlearnt(None), first, 11_000, later), "{first} {later}: for long");
+    }
+    assert!(goes_on(unlearnt(None), 0.35, 200, 0.35));
+}
+
+#[test]
+fn what_was_seen_is_forgotten_with_what_was_learnt() {
+    let mut bench = unlearnt(None);
+    bench.state.mode = Mode::Settle { steady: 0 };
+    (0..100).for_each(|tick| {
+        bench.step(tick, &Shown { t1: ROOM + 24.0, t2: ROOM + 24.0, pid: 30.0, ..IN_ORDER })
+    });
+    bench.supervisor.command(&mut bench.state, Command::Relearn).expect("while it heats");
+    assert!(goes_on(bench, 0.35, 0, 0.35));
+}
+
+/// A T1 that was out tells nothing of the least gain: armed again, and mended, its warmth is no heat that nobody asked for.
+#[test]
+fn what_a_t1_that_is_out_shows_is_no_gain() {
+    let mut bench = unlearnt(None);
+    let dead = |_| Shown { t1: ROOM, t2: ROOM, pid: 50.0, ..IN_ORDER };
+    assert!(matches!(bench.trips(true, dead), Some((_, TripReason::NoResponse))));
+    bench.state.mode = Mode::Off;
+    (0..300).for_each(|tick| bench.step(tick, &Shown { t1: ROOM, t2: ROOM, pid: 0.0, ..IN_ORDER }));
+    let mended = |_| Shown { t1: ROOM + 15.0, t2: ROOM + 15.0, pid: 50.0, ..IN_ORDER };
+    assert_eq!(bench.trips(true, mended), None);
+}
+
+/// A rig that was learnt at too little power to tell its gain: three times what is declared is the most that it may have.
+#[test]
+fn where_no_gain_was_learnt_the_declared_one_bounds_the_heat() {
+    let mut bench = unlearnt(None);
+    bench.supervisor.restored(&mut bench.state, &learnt(0.0, 0.0));
+    let still = |_| Shown { t1: ROOM + 40.0, t2: ROOM + 1.0, pid: 1.0, ..IN_ORDER };
+    assert!(matches!(bench.trips(true, still), Some((_, TripReason::AirFlowLost))));
+}
+
+/// The power is 0 already when it is stopped: what is warm then is what is left, and cools.
+#[test]
+fn a_stop_while_it_cools_is_no_heater_stuck_on() {
+    let mut bench = Bench::new();
+    bench.state.mode = Mode::Settle { steady: 0 };
+    let warm = |rise: f32, pid: f32| Shown { t1: ROOM + rise, t2: ROOM + rise, pid, ..IN_ORDER };
+    (0..200).for_each(|tick| bench.step(tick, &warm(18.0, 60.0)));
+    (0..40).for_each(|tick| bench.step(tick, &warm(17.0, 0.0)));
+    assert!(bench.state.mode.is_heating());
+    bench.state.mode = Mode::Off;
+    let cools = |tick: u32| warm(17.0 * libm::powf(0.88, tick as f32 / 137.0), 0.0);
+    assert_eq!(bench.trips(false, cools), None);
 }

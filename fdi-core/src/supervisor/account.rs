@@ -14,7 +14,7 @@
 //! nothing heats; (2) that there is too little air, or heat that nobody asked for.
 //!
 //! * `least_gain` is a third of what is declared.
-//! * `gain` is what was learnt; before that what T1 has shown, which fades; and never less than what the check has measured.
+//! * `gain` is what was learnt; before that the most that T1 has shown, which fades; and never less than what the check has measured.
 //! * `most_gain` is what was learnt; before that the least that T1 has shown; and no more than one and a half times what the check has measured.
 //!
 //! What does not trip by (1) for ever bounds the true air, where `gain` is the true one: it is above the room by no more than
@@ -291,19 +291,19 @@ impl Account {
         }
     }
 
-    /// The bounds of the gain, by what T1 shows, while nothing is owed and nothing unexplained.
+    /// The bounds of the gain, by what T1 shows.
     fn see_gain(&self, state: &mut AccountState, now: &Situation) {
         let [quick, slow, settled] = state.power;
         let fade = self.tick / FADES;
         state.seen.0 = larger(state.seen.0 * (1.0 - fade), 0.0);
         state.seen.1 *= 1.0 + fade;
-        if now.regulated.is_virtual || state.owed > 0.0 || state.surplus > 0.0 {
+        if now.regulated.is_virtual {
             return;
         }
         let (most, least) = (larger(larger(quick, slow), settled), smaller(smaller(quick, slow), settled));
         let warmth = state.warmth[0];
         if most > SHOWS {
-            state.seen.0 = larger(state.seen.0, (warmth - state.left - MARGIN) / most);
+            state.seen.0 = larger(state.seen.0, (warmth - MARGIN) / most);
         }
         if least > SHOWS {
             let above = (warmth + MARGIN) / least;

@@ -82,7 +82,9 @@ fn what_is_armed_agrees_at_rest() {
     }
     // A T2 that is lost does not hide that T1 has the wrong constants.
     let mut bench = Bench::new();
-    bench.step(0, &Shown { t1: 40.0, validity: [Validity::Good, Validity::Open], pid: 0.0, ..IN_ORDER });
+    bench.state = SupervisorState::default();
+    let wrong = Shown { t1: 40.0, validity: [Validity::Good, Validity::Open], pid: 0.0, ..IN_ORDER };
+    (0..20).for_each(|tick| bench.step(tick, &wrong));
     let refused_all_the_same = bench.supervisor.command(&mut bench.state, Command::Arm);
     assert!(
         matches!(refused_all_the_same, Err(Refusal::NotAtRest([_, t1, t2])) if t1 == 40.0 && t2.is_nan())
@@ -92,6 +94,7 @@ fn what_is_armed_agrees_at_rest() {
     bench.state = SupervisorState::default();
     (0..20).for_each(|tick| bench.step(tick, &Shown { t1: 45.0, t2: 44.0, pid: 0.0, ..IN_ORDER }));
     assert!(bench.supervisor.command(&mut bench.state, Command::Arm).is_err());
+    assert!(bench.supervisor.command(&mut bench.state, Command::Tune).is_err());
     assert_eq!(armed(true, ROOM, 28.0), Ok(()), "warmth that is left");
     assert_eq!(armed(true, ROOM, 34.0), refused(ROOM, 34.0), "more than is left");
 }

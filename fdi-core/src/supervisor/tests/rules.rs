@@ -301,7 +301,7 @@ fn a_hot_t1_that_is_known_to_be_wrong_is_no_heat() {
 /// An unlearnt rig that shows one gain, and another one later, after so many ticks of little power; whether it goes on.
 fn goes_on(mut bench: Bench, first: f32, ticks: u32, later: f32) -> bool {
     bench.state.mode = Mode::Settle { steady: 0 };
-    let mut show = |bench: &mut Bench, ticks: u32, gain: f32, pid: f32| {
+    let show = |bench: &mut Bench, ticks: u32, gain: f32, pid: f32| {
         let t = ROOM + gain * pid;
         (0..ticks).for_each(|tick| bench.step(tick, &Shown { t1: t, t2: t, pid, ..IN_ORDER }));
     };

@@ -109,7 +109,7 @@ fn what_cools_or_is_asked_for_is_no_heater_stuck_on() {
     assert!(!is_stuck_on(|tick| Shown { t1: 29.9, t2: 29.9, ..stays_hot(tick) }));
     // Power all the while.
     assert!(!is_stuck_on(|tick| Shown { pid: 1.0, ..heats_unasked(tick) }));
-    // A rise that was under way when the power went, within `response_time`.
+    // A rise that was under way when the power went.
     let late = |tick: u32| {
         let t = ROOM + if tick < 60 { 0.1 * tick as f32 } else { 6.0 + 0.01 * (tick as f32 - 60.0) };
         Shown { t1: t, t2: t, ..stays_hot(tick) }

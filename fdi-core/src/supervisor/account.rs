@@ -214,8 +214,10 @@ impl Account {
             (state.full, state.disagreeing, state.t1_before) = Default::default();
         }
         let excessive = !(state.surplus <= LIMIT);
-        // A heater that nobody asked warms T2 as well; air that stands still brings it nothing.
-        let stuck_on = excessive && !(now.pid.0 >= NO_POWER) && !(state.warmth[1] <= 0.5 * state.warmth[0]);
+        // While it heats, a T2 that stays cold says which it is: air that stands still brings it nothing. At rest nothing else trips.
+        let [t1, t2] = state.warmth;
+        let is_still = heating && t2 <= 0.5 * t1;
+        let stuck_on = excessive && !is_still && !(now.pid.0 >= NO_POWER);
         let heat = heating.then(|| self.while_heating(state, now, excessive, regulates)).flatten();
         Verdict { unasked: stuck_on, heat }
     }

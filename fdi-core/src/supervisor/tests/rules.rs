@@ -221,6 +221,12 @@ fn a_hot_t1_before_a_cold_t2_is_air_that_stands_still() {
     // At rest it hangs in the sun.
     let mut bench = Bench::new();
     assert_eq!(bench.trips(false, still), None);
+    // At rest a heater that is stuck on without a fan warms T2 by less than half as much: that trips all the same.
+    let stuck_on = |tick: u32| {
+        let rise = 0.3 * tick as f32;
+        Shown { t1: ROOM + rise, t2: ROOM + 0.4 * rise, pid: 0.0, ..IN_ORDER }
+    };
+    assert!(matches!(Bench::new().trips(false, stuck_on), Some((_, TripReason::HeaterStuckOn))));
     // Both hot: that is the heater.
     let on = |tick: u32| if tick < 100 { still(tick) } else { Shown { t2: 49.0, ..still(tick) } };
     assert!(matches!(first_trip(on), Some((100..130, TripReason::HeaterStuckOn))));

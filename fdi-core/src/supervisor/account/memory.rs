@@ -7,7 +7,7 @@ impl Account {
     pub(super) fn follow_power(&self, state: &mut AccountState, now: &Situation) {
         let power = now.drive.0 / now.known.fan_share();
         let [quick, ..] = state.power;
-        // As the warmth is averaged over an eighth of an answer time, so is what it is held against; then the rig itself takes a quarter.
+        // As the warmth is averaged, so is what it is held against; then the rig itself takes its time.
         let follows = [(self.quick, power), (self.slow, quick), (self.settled, power)];
         for (mean, (filter, power)) in state.power.iter_mut().zip(follows) {
             filter.follow(mean, power);
@@ -42,7 +42,7 @@ impl Account {
         let [t0, t1, t2] = [sample.t0, sample.t1, sample.t2].map(|reading| reading.good());
         state.readings = [t0, t1, t2];
         let middle = match (t0, t1, t2) {
-            (Some(t0), Some(t1), Some(t2)) => median3(t0, t1, t2),
+            (Some(t0), Some(t1), Some(t2)) => median(&[t0, t1, t2]),
             (Some(a), Some(b), None) | (Some(a), None, Some(b)) | (None, Some(a), Some(b)) => smaller(a, b),
             _ => return,
         };
@@ -75,10 +75,6 @@ impl Account {
     }
 }
 
-fn median3(a: f32, b: f32, c: f32) -> f32 {
-    smaller(larger(a, b), larger(smaller(a, b), c))
-}
-
 /// The middle one of a few, of an even number the upper one.
 fn median(all: &[f32]) -> f32 {
     let middle = all.len() / 2;
@@ -97,10 +93,10 @@ impl AccountState {
         (self.owed, self.surplus, self.seen) = (nonsense, nonsense, (nonsense, nonsense));
     }
 
-    /// What is owed, as a share of the default limit.
+    /// What is owed, as a share of the limit.
     #[cfg(test)]
     pub(in crate::supervisor) fn owed_share(&self) -> f32 {
-        self.owed / 10.0
+        self.owed / LIMIT
     }
 
     pub(super) fn is_unpowered(&self) -> bool {
@@ -111,7 +107,7 @@ impl AccountState {
     /// Whether the readings agree as those of a rig at rest do, or are still apart by heat that was asked for.
     pub(in crate::supervisor) fn is_consistent(&self) -> bool {
         let middle = match self.readings {
-            [Some(t0), Some(t1), Some(t2)] => median3(t0, t1, t2),
+            [Some(t0), Some(t1), Some(t2)] => median(&[t0, t1, t2]),
             [Some(t), ..] | [None, Some(t), _] | [None, None, Some(t)] => t,
             [None, None, None] => return true,
         };

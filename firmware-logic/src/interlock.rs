@@ -26,8 +26,10 @@ pub enum Lockout {
     Settings,
     /// The clock and the watchdog's oscillator run at another ratio than at the start.
     WrongClock,
-    /// In memory the heater may be on, and no order has allowed it; or bits of this latch have flipped.
+    /// Flash or RAM does not hold what was written to it: in the tests of both, in the permission to heat, or in this latch.
     Memory,
+    /// A pin of heater or contactor is high although the output is off.
+    Output,
 }
 
 impl fmt::Display for Lockout {
@@ -47,13 +49,16 @@ impl fmt::Display for Lockout {
             Self::WrongClock => {
                 f.write_str("the clock runs at a wrong speed, by the oscillator of the watchdog")
             }
-            Self::Memory => f.write_str("what may heat has changed in memory by itself"),
+            Self::Memory => {
+                f.write_str("flash or RAM has changed by itself, or the image is not from `cargo fw`")
+            }
+            Self::Output => f.write_str("the pin of heater or contactor is high while it is off"),
         }
     }
 }
 
 /// All lockouts; the position is the number that [`Lockout::number`] gives.
-const ALL: [Lockout; 16] = [
+const ALL: [Lockout; 17] = [
     Lockout::BreakInput,
     Lockout::MissedDeadline,
     Lockout::Reset(ResetCause::BrownOut),
@@ -70,6 +75,7 @@ const ALL: [Lockout; 16] = [
     Lockout::Settings,
     Lockout::WrongClock,
     Lockout::Memory,
+    Lockout::Output,
 ];
 
 impl Lockout {
@@ -79,8 +85,8 @@ impl Lockout {
     }
 
     /// The lockout with this number.
-    pub fn from_number(number: u8) -> Option<Self> {
-        ALL.get(usize::from(number).checked_sub(1)?).copied()
+    pub fn from_number(number: u32) -> Option<Self> {
+        ALL.get((number as usize).checked_sub(1)?).copied()
     }
 }
 
@@ -121,8 +127,7 @@ impl Interlock {
     pub fn lockout(&self) -> Option<Lockout> {
         match self.number.get() {
             Some(0) => None,
-            Some(number) => Lockout::from_number(number as u8),
-            None => Some(Lockout::Memory),
+            number => Some(number.and_then(Lockout::from_number).unwrap_or(Lockout::Memory)),
         }
     }
 
@@ -157,13 +162,13 @@ mod tests {
             let lockout = Interlock::at_boot(cause, None).lockout();
             assert_eq!(lockout, Some(Lockout::Reset(cause)));
             let number = lockout.map_or(0, Lockout::number);
-            assert!(number > 0 && Lockout::from_number(number) == lockout, "{cause:?}: {number}");
+            assert!(number > 0 && Lockout::from_number(number.into()) == lockout, "{cause:?}: {number}");
         }
         for lockout in ALL {
-            assert_eq!(Lockout::from_number(lockout.number()), Some(lockout));
+            assert_eq!(Lockout::from_number(lockout.number().into()), Some(lockout));
         }
         assert_eq!(Lockout::from_number(0), None);
-        assert_eq!(Lockout::from_number(ALL.len() as u8 + 1), None);
+        assert_eq!(Lockout::from_number(ALL.len() as u32 + 1), None);
     }
 
     #[test]
@@ -204,5 +209,11 @@ mod tests {
         assert_eq!(interlock.lockout(), Some(Lockout::MissedDeadline));
         assert!(interlock.acknowledge());
         assert_eq!(interlock.lockout(), None);
+    }
+
+    #[test]
+    fn a_number_that_no_lockout_has_holds_too() {
+        let stray = Interlock { number: Doubled::new(ALL.len() as u32 + 1) };
+        assert_eq!(stray.lockout(), Some(Lockout::Memory));
     }
 }

@@ -106,7 +106,7 @@ impl Retained {
         Some(Self {
             death: death_from(words[1] as u8 & 0xF),
             restart: restart_from(words[1] as u8 >> 4),
-            lockout: Lockout::from_number((words[1] >> 8) as u8),
+            lockout: Lockout::from_number(words[1] >> 8 & 0xFF),
             words: CrashMessage { text, length },
         })
     }

@@ -26,7 +26,8 @@ use crate::hardware::inputs::Inputs;
 use crate::hardware::panel::Panel;
 use crate::hardware::settings_flash::SettingsFlash;
 use crate::hardware::{
-    self, clock, control_executor, cycles, halt, reset, retained, serial, tick_timer, undervoltage, watchdog,
+    self, clock, control_executor, cycles, halt, memory, reset, retained, serial, tick_timer, undervoltage,
+    watchdog,
 };
 use crate::shared::Shared;
 use crate::{link, log, simulation, tasks};
@@ -55,6 +56,7 @@ fn start(spawner: Spawner) {
     let (first, parts) = Parts::new(peripherals);
     tick_timer::start(first.tick_timer); // the log's clock, too
     count_cycles();
+    memory::start(first.checksum);
 
     let mut store = Store::new(SettingsFlash::new(first.flash));
     let (settings, origin) = read_settings(&mut store);

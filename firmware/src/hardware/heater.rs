@@ -58,6 +58,11 @@ pub(crate) fn is_enabled() -> bool {
     board::PWM_TIMER.bdtr().read().moe()
 }
 
+/// Whether a pin is high while the output is off: something else holds it there, and nothing that this program does switches it off.
+pub(crate) fn is_stuck_high() -> bool {
+    !is_enabled() && board::OUTPUT_PORT.idr().read().0 & board::HEATING_PINS != 0
+}
+
 /// The output stage.
 pub(crate) struct HeaterOutput {
     _timer: Peri<'static, PwmTimer>,
@@ -188,6 +193,6 @@ impl Heater for HeaterOutput {
     }
 
     fn cut_by(&self) -> Lockout {
-        Lockout::from_number(CUT_BECAUSE.load(Ordering::Relaxed)).unwrap_or(Lockout::BreakInput)
+        Lockout::from_number(CUT_BECAUSE.load(Ordering::Relaxed).into()).unwrap_or(Lockout::BreakInput)
     }
 }

@@ -18,6 +18,7 @@ pub(crate) mod halt;
 pub(crate) mod heater;
 pub(crate) mod inputs;
 mod memmove;
+pub(crate) mod memory;
 pub(crate) mod panel;
 pub(crate) mod reset;
 pub(crate) mod retained;

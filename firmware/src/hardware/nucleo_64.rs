@@ -11,8 +11,8 @@ pub(crate) use embassy_stm32::pac::{
 };
 /// Peripherals and pins, to be owned. `TASK_TIMER` belongs to embassy, whose feature in Cargo.toml has to name the same timer.
 pub(crate) use embassy_stm32::peripherals::{
-    ADC1 as Adc, FLASH as Flash, PA0 as T1Pin, PA1 as T2Pin, PA2 as TxPin, PA3 as RxPin, PA4 as T0Pin,
-    PA5 as LedPin, PA6 as BreakPin, PA8 as HeaterPin, PA10 as ContactorPin, PB0 as SupplyPin,
+    ADC1 as Adc, CRC as Checksum, FLASH as Flash, PA0 as T1Pin, PA1 as T2Pin, PA2 as TxPin, PA3 as RxPin,
+    PA4 as T0Pin, PA5 as LedPin, PA6 as BreakPin, PA8 as HeaterPin, PA10 as ContactorPin, PB0 as SupplyPin,
     PC13 as ButtonPin, TIM1 as PwmTimer, TIM5 as TickTimer, USART2 as Usart,
 };
 
@@ -29,7 +29,8 @@ pub(crate) const CONTACTOR_CHANNEL: usize = 2;
 pub(crate) const SLOW_CHANNEL: usize = 3;
 pub(crate) const SLOW_INPUT: u32 = 1 << 6;
 /// Break input (PA6), heater (PA8) and contactor (PA10) as bits of their port.
-pub(crate) const OUTPUT_PINS: u32 = 1 << 6 | 1 << 8 | 1 << 10;
+pub(crate) const OUTPUT_PINS: u32 = 1 << 6 | HEATING_PINS;
+pub(crate) const HEATING_PINS: u32 = 1 << 8 | 1 << 10;
 
 /// Bits of the debug unit (DBGMCU) that stop a peripheral while the core is halted: the timer of the tasks and the watchdog,
 /// the timer of the tick, and, in the other register, the timer of the PWM.
@@ -100,6 +101,7 @@ pub(crate) struct Parts {
 pub(crate) struct First {
     pub(crate) tick_timer: Peri<'static, TickTimer>,
     pub(crate) flash: Peri<'static, Flash>,
+    pub(crate) checksum: Peri<'static, Checksum>,
 }
 
 impl Parts {
@@ -119,6 +121,6 @@ impl Parts {
             led: p.PA5,
             button: p.PC13,
         };
-        (First { tick_timer: p.TIM5, flash: p.FLASH }, parts)
+        (First { tick_timer: p.TIM5, flash: p.FLASH, checksum: p.CRC }, parts)
     }
 }

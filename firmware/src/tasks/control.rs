@@ -13,7 +13,7 @@ use heapless::spsc::{Consumer, Producer};
 use crate::hardware::cycles;
 use crate::hardware::heater::HeaterOutput;
 use crate::hardware::inputs::Inputs;
-use crate::hardware::{slow_clock, tick_timer};
+use crate::hardware::{heater as output, memory, slow_clock, tick_timer};
 use crate::{link, simulation};
 
 /// The control half of the instrument.
@@ -44,6 +44,12 @@ pub(crate) async fn control(
         let raw = inputs.sample(tick_timer::now()).await;
         if !slow_clock::is_right() {
             control.lock_out(Lockout::WrongClock, &mut heater);
+        }
+        if !memory::holds() {
+            control.lock_out(Lockout::Memory, &mut heater);
+        }
+        if output::is_stuck_high() {
+            control.lock_out(Lockout::Output, &mut heater);
         }
         let Some(arrival) = arrival else {
             // A look at what is simulated shows nothing that its ticks do not.

@@ -1,8 +1,9 @@
-//! Feeds the hardware watchdog, but only while every task checks in. The lowest of all in rank: whoever starves this
-//! task starves the watchdog, too.
+//! Feeds the hardware watchdog, but only while every task checks in, and tests a part of the memory. The lowest of all in rank: whoever
+//! starves this task starves the watchdog, too.
 
 use embassy_time::Timer;
 
+use crate::hardware::memory;
 use crate::hardware::watchdog::{self, Deadline};
 use crate::link::{TASKS, now_ms};
 
@@ -25,6 +26,7 @@ pub(crate) async fn watchdog() {
             Some(_) => {}
         }
         overdue_before = overdue.is_some();
+        memory::test();
         Timer::after_millis(PERIOD_MS).await;
     }
 }

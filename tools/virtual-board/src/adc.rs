@@ -23,8 +23,15 @@ static TABLE: [Register; 9] = [
     register(0x2C, "SQR1", 0, 0),
     register(SQR3, "SQR3", 0, 0x1F),
     register(DR, "DR", 0, 0),
-    register(CCR, "CCR", 0, 3 << 16),
+    register(CCR, "CCR", 0, 3 << 16 | TSVREFE),
 ];
+
+/// Bit of [`CCR`] that connects the reference.
+const TSVREFE: u32 = 1 << 23;
+/// Channel of the reference.
+pub const REFERENCE: u8 = 17;
+/// It needs a sample of 10 us.
+const REFERENCE_SAMPLE: f64 = 10e-6;
 
 const EOC: u32 = 1 << 1;
 const STRT: u32 = 1 << 4;
@@ -138,6 +145,24 @@ impl Adc {
         self.done_at = if self.stuck { NEVER } else { ends_at };
         self.charging = (cycles as f64 - 0.5) / hz as f64;
         Ok(now + cycles * SECOND / hz)
+    }
+
+    /// Converts the chip's own reference, which gives this code.
+    ///
+    /// # Errors
+    /// It is not connected, or sampled for too short a time.
+    pub fn sample_reference(&mut self, code: u16) -> Result<(), Refusal> {
+        if self.file.get(CCR) & TSVREFE == 0 {
+            return Err("channel 17 is converted without TSVREFE".into());
+        }
+        if self.charging < REFERENCE_SAMPLE {
+            return Err(format!(
+                "channel 17 is sampled for {:.1} us, at least 10 asked for",
+                1e6 * self.charging
+            ));
+        }
+        (self.held, self.result) = (code.into(), code.into());
+        Ok(())
     }
 
     /// Converts the voltage at the pin, in codes, through a source of so many ohm.

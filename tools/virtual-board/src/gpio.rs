@@ -4,7 +4,8 @@ use crate::registers::{File, Refusal, Register, field, register};
 
 const MODER: u32 = 0x00;
 const PUPDR: u32 = 0x0C;
-const IDR: u32 = 0x10;
+/// Levels at the pins.
+pub const IDR: u32 = 0x10;
 const ODR: u32 = 0x14;
 const BSRR: u32 = 0x18;
 const LCKR: u32 = 0x1C;

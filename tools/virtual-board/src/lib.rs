@@ -2,6 +2,7 @@
 
 pub mod adc;
 pub mod board;
+pub mod checksum;
 pub mod chip;
 pub mod clock;
 pub mod closed_loop;

@@ -12,6 +12,8 @@ pub enum Pull {
     Up,
     /// Nothing: the gate behind the pin may be anything, so the pin counts as high.
     None,
+    /// It touches the supply, and is high whatever drives it.
+    Short,
 }
 
 impl Pull {
@@ -19,7 +21,7 @@ impl Pull {
     pub fn level(self) -> f64 {
         match self {
             Self::Down => 0.0,
-            Self::Up | Self::None => 1.0,
+            Self::Up | Self::None | Self::Short => 1.0,
         }
     }
 }
@@ -41,6 +43,8 @@ pub struct Wiring {
     pub ripple: f64,
     /// Noise of each conversion, peak, in codes.
     pub noise: f64,
+    /// What the converter makes of the chip's own reference: its 1.21 V at a supply of 3.3 V.
+    pub reference: u16,
 }
 
 impl Default for Wiring {
@@ -53,6 +57,7 @@ impl Default for Wiring {
             capacitors: true,
             ripple: 0.0,
             noise: 0.0,
+            reference: 1502,
         }
     }
 }

@@ -1,10 +1,14 @@
-//! `cargo fw`, `fw-run` and `fw-attach`: cargo on the board's image, with the paths of this machine taken out of it. Panic
-//! messages carry the names of source files; those of dependencies and of generated code are absolute, so that two checkouts
+//! `cargo fw`, `fw-run` and `fw-attach`: cargo on the board's image, sealed with its checksum, and with the paths of this machine taken out of
+//! it. Panic messages carry the names of source files; those of dependencies and of generated code are absolute, so that two checkouts
 //! gave two images. Cargo's own settings cannot name a folder that is known only when it runs, hence this program.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+use crc::{CRC_32_MPEG_2, Crc};
+use object::read::elf::{ElfFile32, ProgramHeader};
+use object::{Endianness, Object, ObjectSection};
 
 const TARGET: &str = "thumbv7em-none-eabihf";
 /// Where cargo unpacks what it gets from crates.io. Its folders name themselves, and forty of them stand in the image.
@@ -12,18 +16,64 @@ const PACKAGES: &str = "registry/src/index.crates.io-1949cf8c6b5b557f";
 /// What runs an image, for cargo; who has set it wants something else, such as another probe.
 const RUNNER: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER";
 
-/// Runs cargo on the image; `verb` is build, run or attach.
+/// Builds the image, and has a probe run or attach to it where `verb` says so; else it is build.
 pub(crate) fn cargo(verb: &str, arguments: impl Iterator<Item = OsString>) -> Result<(), String> {
-    let command = if verb == "build" { "build" } else { "run" };
-    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.args([command, "--profile", "firmware", "-p", "firmware", "--target", TARGET]);
-    cargo.arg("--config").arg(rustflags(TARGET));
     let arguments: Vec<OsString> = arguments.collect();
-    if std::env::var_os(RUNNER).is_none() {
-        cargo.env(RUNNER, probe(verb, &arguments));
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args(["build", "--profile", "firmware", "-p", "firmware", "--target", TARGET]);
+    start(cargo.arg("--config").arg(rustflags(TARGET)).args(&arguments))?;
+    seal(&built())?;
+    if verb == "build" {
+        return Ok(());
     }
-    let status = cargo.args(arguments).status().map_err(|error| format!("cargo cannot be run: {error}"))?;
-    if status.success() { Ok(()) } else { Err(format!("cargo {command} has failed")) }
+    let runner = std::env::var(RUNNER).unwrap_or_else(|_| probe(verb, &arguments));
+    let mut words = runner.split_whitespace();
+    start(Command::new(words.next().unwrap_or_default()).args(words).arg(built()))
+}
+
+fn start(command: &mut Command) -> Result<(), String> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let status = command.status().map_err(|error| format!("{name} cannot be run: {error}"))?;
+    if status.success() { Ok(()) } else { Err(format!("{name} has failed")) }
+}
+
+/// Writes the checksum of an image into its section `.seal`, which is the last of it: by CRC-32/MPEG-2, which the chip's own unit computes over
+/// words from their highest byte on. With it the checksum of all is 0.
+fn seal(path: &Path) -> Result<(), String> {
+    let told = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let mut file = std::fs::read(path).map_err(|error| told(&error))?;
+    let (at, sum) = checksum(&file).map_err(|error| told(&error))?;
+    file[at..at + 4].copy_from_slice(&sum.to_le_bytes());
+    // Into the same file: cargo has another name for it, and would take that one's content next time.
+    std::fs::write(path, file).map_err(|error| told(&error))
+}
+
+/// Where the checksum of an image belongs in its file, and what it is.
+fn checksum(file: &[u8]) -> Result<(usize, u32), String> {
+    let elf = ElfFile32::<Endianness>::parse(file).map_err(|error| error.to_string())?;
+    let section = elf.section_by_name(".seal").ok_or("no section .seal in it")?;
+    let place = section.file_range().ok_or("nothing in its section .seal")?.0 as usize;
+    let end = section.address();
+    let mut flash = Vec::new();
+    let mut parts: Vec<(u64, &[u8])> = Vec::new();
+    for segment in elf.elf_program_headers() {
+        let data = segment.data(elf.endian(), file).map_err(|()| "a segment lies beyond the file")?;
+        if segment.p_type(elf.endian()) == object::elf::PT_LOAD && !data.is_empty() {
+            parts.push((segment.p_paddr(elf.endian()).into(), data));
+        }
+    }
+    parts.sort_by_key(|(at, _)| *at);
+    let begin = parts.first().map_or(0, |(at, _)| *at);
+    for (at, data) in parts {
+        flash.resize((at - begin) as usize, 0xFF); // what no segment fills stays erased
+        flash.extend_from_slice(data);
+    }
+    if flash.len() as u64 != end - begin + 4 {
+        return Err(format!("its section .seal is at {end:#x}, expected the last word of it"));
+    }
+    flash.truncate((end - begin) as usize);
+    flash.chunks_exact_mut(4).for_each(<[u8]>::reverse);
+    Ok((place, Crc::<u32>::new(&CRC_32_MPEG_2).checksum(&flash)))
 }
 
 /// What brings an image to the board that the features name, or watches it there.

@@ -2,7 +2,8 @@
 
 use super::Chip;
 use super::map::{APB2, Block, MAP, Place};
-use crate::adc::Adc;
+use crate::adc::{self, Adc};
+use crate::checksum::Checksum;
 use crate::clock::RESETS;
 use crate::flash::Effect;
 use crate::gpio::Mode;
@@ -34,6 +35,8 @@ impl Chip {
             Block::Tim5 => self.tim5.read(offset, now),
             Block::Usart2 => self.usart.read(offset, now),
             Block::Adc1 => self.adc.read(offset, now),
+            Block::Checksum => self.checksum.read(offset),
+            Block::Gpio(0) => self.ports[0].read(offset).map(|bits| self.with_levels(offset, bits, now)),
             Block::Gpio(port) => self.ports[port].read(offset),
             Block::Clocks => self.clocks.read(offset, now),
             Block::Power => self.power.read(offset),
@@ -98,6 +101,7 @@ impl Chip {
             Block::Tim5 => self.tim5.write(offset, value, now),
             Block::Usart2 => self.usart.write(offset, value, now),
             Block::Adc1 => self.write_adc(offset, value, now),
+            Block::Checksum => self.checksum.write(offset, value),
             Block::Gpio(port) => self.ports[port].write(offset, value),
             Block::Clocks => {
                 self.clocks.write(offset, value, now)?;
@@ -139,6 +143,7 @@ impl Chip {
                 Block::Tim5 => self.tim5.reset(now),
                 Block::Usart2 => self.usart.reset(),
                 Block::Adc1 => self.adc = Adc::default(),
+                Block::Checksum => self.checksum = Checksum::default(),
                 Block::Gpio(port) => self.ports[port].reset(),
                 _ => {}
             }
@@ -147,6 +152,11 @@ impl Chip {
 
     fn write_adc(&mut self, offset: u32, value: u32, now: Ps) -> Result<(), Refusal> {
         let Some(channel) = self.adc.write(offset, value, now)? else { return Ok(()) };
+        let pclk2 = self.frequencies.map_or(0, |f| f.pclk2);
+        if channel == adc::REFERENCE {
+            self.adc.begin(channel, pclk2, now)?;
+            return self.adc.sample_reference(self.wiring.reference);
+        }
         let (port, pin) = match channel {
             0..8 => (0, channel),
             8..10 => (1, channel - 8),
@@ -157,7 +167,6 @@ impl Chip {
             return Err(format!("channel {channel} is converted, but its pin is not analogue"));
         }
         let code = self.analog.code(channel, now, self.power_at_rig());
-        let pclk2 = self.frequencies.map_or(0, |f| f.pclk2);
         let ends_at = self.adc.begin(channel, pclk2, now)?;
         let at_pin = self.at_pin(f64::from(code), ends_at);
         self.adc.sample(at_pin, self.wiring.source(at_pin));

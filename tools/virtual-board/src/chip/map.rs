@@ -11,6 +11,7 @@ pub(super) enum Block {
     Tim5,
     Usart2,
     Adc1,
+    Checksum,
     Gpio(usize),
     Clocks,
     Power,
@@ -41,7 +42,7 @@ const APB1: u32 = 0x10;
 pub(super) const APB2: u32 = 0x14;
 
 /// The memory map.
-pub(super) static MAP: [Place; 20] = [
+pub(super) static MAP: [Place; 21] = [
     place(0x4000_0000, 0x400, Block::Tim2, Some((APB1, 0))),
     place(0x4000_0C00, 0x400, Block::Tim5, Some((APB1, 3))),
     place(0x4000_3000, 0x400, Block::Watchdog, None),
@@ -56,6 +57,7 @@ pub(super) static MAP: [Place; 20] = [
     place(0x4002_0800, 0x400, Block::Gpio(2), Some((AHB1, 2))),
     place(0x4002_0C00, 0x400, Block::Gpio(3), Some((AHB1, 3))),
     place(0x4002_1000, 0x400, Block::Gpio(4), Some((AHB1, 4))),
+    place(0x4002_3000, 0x400, Block::Checksum, Some((AHB1, 12))),
     place(0x4002_3800, 0x400, Block::Clocks, None),
     place(0x4002_3C00, 0x400, Block::Flash, None),
     place(flash::BASE, 2 * flash::SECTOR as u32, Block::FlashMemory, None),

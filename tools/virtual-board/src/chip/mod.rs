@@ -6,6 +6,7 @@ mod map;
 mod pins;
 
 use crate::adc::Adc;
+use crate::checksum::Checksum;
 use crate::chip::map::DEBUG_TABLE;
 use crate::clock::{Cause, Clocks, Frequencies};
 use crate::exti::{self, Exti};
@@ -69,6 +70,7 @@ pub struct Chip {
     pub usart: Usart,
     /// Converter.
     pub adc: Adc,
+    checksum: Checksum,
     /// Ports A to E.
     pub ports: [Port; 5],
     /// Watchdog.
@@ -109,6 +111,7 @@ impl Chip {
             tim5: Timer::general(TIM5),
             usart: Usart::new(16_000_000),
             adc: Adc::default(),
+            checksum: Checksum::default(),
             ports: ['A', 'B', 'C', 'D', 'E'].map(Port::new),
             watchdog: Watchdog::new(32_000),
             debug: File::new(&DEBUG_TABLE),
@@ -139,6 +142,7 @@ impl Chip {
         }
         self.usart.reset();
         self.adc = Adc::default();
+        self.checksum = Checksum::default();
         self.ports.iter_mut().for_each(Port::reset);
         self.watchdog = Watchdog::new(self.watchdog.oscillator);
         self.power.reset(cause, self.flash.options.brown_out());

@@ -1,7 +1,8 @@
 //! The pins that heat: what the heater and the contactor in series with it get to see.
 
 use super::Chip;
-use crate::gpio::{Mode, PullInside};
+use crate::gpio::{IDR, Mode, PullInside};
+use crate::time::Ps;
 use crate::timer::Output;
 use crate::wiring::Pull;
 
@@ -31,6 +32,15 @@ impl Chip {
         stage * if self.wiring.contactor_fitted { self.contactor() } else { 1.0 }
     }
 
+    /// The port's input register with what is at both pins at a time.
+    pub(super) fn with_levels(&self, offset: u32, bits: u32, now: Ps) -> u32 {
+        let high = [self.heater(), self.contactor()].map(|high| self.tim1.phase(now) < high);
+        let pins = [HEATER, CONTACTOR].into_iter().zip(high);
+        let set =
+            |bits: u32, ((pin, _), high): ((usize, usize), bool)| bits & !(1 << pin) | u32::from(high) << pin;
+        if offset == IDR { pins.fold(bits, set) } else { bits }
+    }
+
     /// What drives a pin; `None` if nothing does.
     fn driven(&self, (pin, channel): (usize, usize)) -> Option<f64> {
         let port = &self.ports[0];
@@ -47,6 +57,9 @@ impl Chip {
             (Pull::None, PullInside::Down) => 0.0,
             _ => outside.level(),
         };
-        self.driven(pin).unwrap_or_else(pulled)
+        match outside {
+            Pull::Short => 1.0,
+            _ => self.driven(pin).unwrap_or_else(pulled),
+        }
     }
 }

@@ -1,7 +1,9 @@
 //! What a debug probe does to the core: reads and writes memory, moves the program counter, stops at addresses.
 
 use unicorn_engine::RegisterARM;
+use unicorn_engine::unicorn_const::HookType;
 
+use super::hooks::Emulator;
 use super::machine::Stop;
 use super::{Cpu, State, told};
 
@@ -30,6 +32,23 @@ impl Cpu {
     /// There is no memory.
     pub fn set_word(&mut self, address: u32, value: u32) -> anyhow::Result<()> {
         self.emulator.mem_write(address.into(), &value.to_le_bytes()).map_err(told)
+    }
+
+    /// From now on, bits of a word of memory stay as they are, whatever is written.
+    ///
+    /// # Errors
+    /// There is no memory.
+    pub fn stick(&mut self, address: u32, bits: u32) -> anyhow::Result<()> {
+        let stuck = self.word(address)? & bits;
+        let word = u64::from(address & !3);
+        let put_back = move |emulator: &mut Emulator<'_>, _, _, _, _| {
+            let mut bytes = [0; 4];
+            let read = emulator.mem_read(word, &mut bytes);
+            let value = u32::from_le_bytes(bytes) & !bits | stuck;
+            read.and_then(|()| emulator.mem_write(word, &value.to_le_bytes())).is_ok()
+        };
+        self.emulator.add_mem_hook(HookType::MEM_READ, word, word + 3, put_back).map_err(told)?;
+        self.emulator.ctl_flush_tb().map_err(told) // translated code knows only the hooks of its time
     }
 
     /// The next instruction to be executed.

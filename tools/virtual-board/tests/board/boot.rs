@@ -77,14 +77,14 @@ fn any_watchdog_oscillator_of_the_data_sheet_will_do() {
 
 #[test]
 fn a_start_that_hangs_is_restarted_by_the_watchdog() {
-    // At once, while its deadline is set, while clocks start, or before the first task runs; 8 s nominal. Before it nothing but memory is set up.
+    // At once, while its deadline is set, while clocks start, or before the first task runs; 8 s nominal. Before it nothing but memory is tested and set up.
     let at_once = (0..10).map(|i| i * MS / 10);
     for at in at_once.chain([5 * MS, 15 * MS]) {
         let mut scene = powered_up();
         let mut started = 0;
         while !scene.board.cpu.touch(|chip, _| chip.watchdog.is_started()) {
             started += MS / 10;
-            assert!(started < 10 * MS, "no watchdog");
+            assert!(started < 50 * MS, "no watchdog");
             scene.board.run_for(MS / 10).expect("boots");
         }
         scene.board.run_for(at).expect("boots");

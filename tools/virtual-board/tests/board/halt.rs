@@ -1,6 +1,6 @@
 //! A debugger that halts the core while it heats: the core can do nothing, so the hardware must.
 
-use virtual_board::board::load;
+use virtual_board::board::{Board, load};
 use virtual_board::clock::Cause;
 use virtual_board::scene::Scene;
 use virtual_board::time::{MS, Ps, SECOND, US};
@@ -71,8 +71,12 @@ fn what_another_program_froze_is_not_frozen_here() {
 #[test]
 fn the_ticks_of_a_halt_are_told_to_the_core() {
     let mut scene = Scene::at_rest(load(None).expect("an image")).expect("boots");
+    let ticks = |board: &Board| board.log.iter().filter(|line| line.tick().is_some()).count();
+    let before = ticks(&scene.board);
+    scene.board.run_until("a tick", SECOND, |board| ticks(board) > before).expect("runs on");
     scene.board.log.clear();
-    scene.board.halt(350 * MS).expect("stands");
+    // The fourth tick is late, the three before it are missed.
+    scene.board.halt(450 * MS).expect("stands");
     scene.board.run_for(SECOND).expect("runs on");
     let missed: Vec<_> = scene.board.log.iter().filter_map(|line| line.tick()).map(|r| r.missed()).collect();
     assert_eq!(missed.iter().filter(|missed| **missed).count(), 3, "{missed:?}");

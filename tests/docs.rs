@@ -247,7 +247,8 @@ fn sources() -> String {
 /// From a hazard to the code and to the tests: a file or a test that was renamed is missed here.
 #[test]
 fn the_hazards_name_files_and_tests_that_are_there() {
-    let (text, sources) = (std::fs::read_to_string(root().join("docs/safety.md")).unwrap(), sources());
+    let text = std::fs::read_to_string(root().join("docs/evidence/hazards.md")).unwrap();
+    let sources = sources();
     let named = |start: &'static str| {
         let lines = text.lines().filter(move |line| line.starts_with(start));
         lines.flat_map(|line| line.split('`').skip(1).step_by(2)).filter(|name| !name.contains(' '))
@@ -256,11 +257,11 @@ fn the_hazards_name_files_and_tests_that_are_there() {
     for name in named("* **Code.**").chain(named("* **Evidence.**")) {
         if name.contains('/') || name.contains('.') {
             files += 1;
-            assert!(root().join(name).exists(), "docs/safety.md names {name}, which is not there");
+            assert!(root().join(name).exists(), "docs/evidence/hazards.md names {name}, which is not there");
         } else if name.contains('_') {
             tests += 1;
             let there = ["(", "<"].iter().any(|end| sources.contains(&format!("fn {name}{end}")));
-            assert!(there, "docs/safety.md names the test {name}, which is not there");
+            assert!(there, "docs/evidence/hazards.md names the test {name}, which is not there");
         }
     }
     assert!(files > 100 && tests > 100, "{files} files, {tests} tests");

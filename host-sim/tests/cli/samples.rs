@@ -61,10 +61,11 @@ fn renewed(page: &str, output: impl Fn(&str) -> String) -> (String, Option<usize
     (new.join("\n") + "\n", differs.map(|at| at + 1))
 }
 
-/// README.md and the pages of docs/, with their texts.
+/// README.md and the pages of docs/ and docs/evidence/, with their texts.
 fn pages() -> BTreeMap<PathBuf, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let docs = std::fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let folders = ["docs", "docs/evidence"].map(|folder| std::fs::read_dir(root.join(folder)).unwrap());
+    let docs = folders.into_iter().flatten().map(|entry| entry.unwrap().path());
     let pages = docs.filter(|page| page.extension().is_some_and(|ending| ending == "md"));
     let pages = pages.chain([root.join("README.md")]);
     pages.map(|page| (page.clone(), std::fs::read_to_string(page).unwrap())).collect()

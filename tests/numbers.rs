@@ -16,7 +16,12 @@ const REPEATED: [Repeated; 12] = [
         "docs/experiment.md",
         &["names it first  AFS2 {}, MFS1 {}, MFP {} of 200 runs"],
     ),
-    Repeated("README.md", "{} of {} targets met", "docs/evidence/results.md#physics", &["Targets: {} of {} met"]),
+    Repeated(
+        "README.md",
+        "{} of {} targets met",
+        "docs/evidence/results.md#physics",
+        &["Targets: {} of {} met"],
+    ),
     Repeated(
         "README.md",
         "none in {} h where disturbances are moderate, {} an hour where they are strong",

@@ -99,7 +99,13 @@ mod tests {
     #[test]
     fn the_page_needs_nothing_beside_it() {
         let page = page(&docs()).unwrap();
-        for part in ["<h1>Before power</h1>", "<h1>Wiring</h1>", "<td>PA8</td>", "<h2>6. The first fault</h2>", "cargo fw-run"] {
+        for part in [
+            "<h1>Before power</h1>",
+            "<h1>Wiring</h1>",
+            "<td>PA8</td>",
+            "<h2>6. The first fault</h2>",
+            "cargo fw-run",
+        ] {
             assert!(page.contains(part), "{part}");
         }
         let targets = |name: &str| {

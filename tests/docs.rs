@@ -136,6 +136,25 @@ fn the_book_lists_every_page() {
     assert_eq!(missing, [Path::new("docs/SUMMARY.md")], "pages that docs/SUMMARY.md does not list");
 }
 
+/// What a page of evidence says of its origin.
+#[test]
+fn each_page_of_evidence_names_its_command_and_commit() {
+    for (page, text) in documents() {
+        let index = page.ends_with("index.md");
+        if !page.starts_with("docs/evidence") || index {
+            continue;
+        }
+        // Numbers that are made from the code, and compared with it by a test, are of every commit.
+        let made_here = text.contains("This file is written from");
+        let commit = text.to_lowercase().contains("commit ");
+        assert!(
+            text.contains('`') && (commit || made_here),
+            "{} names no command and commit",
+            page.display()
+        );
+    }
+}
+
 #[test]
 fn the_readme_has_a_hundred_lines_at_most() {
     let lines = std::fs::read_to_string(root().join("README.md")).unwrap().lines().count();
@@ -265,6 +284,21 @@ fn the_hazards_name_files_and_tests_that_are_there() {
         }
     }
     assert!(files > 100 && tests > 100, "{files} files, {tests} tests");
+}
+
+/// A message that the page of troubles quotes is one of the program's: searched by its words.
+#[test]
+fn the_messages_that_the_page_of_troubles_quotes_are_in_the_code() {
+    let page = std::fs::read_to_string(root().join("docs/trouble.md")).unwrap();
+    let words = std::fs::read_to_string(root().join("lab/page/words_en.js")).unwrap();
+    let code = sources() + &words;
+    let quoted: Vec<&str> = page
+        .lines()
+        .filter_map(|line| line.strip_prefix("| **")?.split_once("**").map(|(it, _)| it))
+        .collect();
+    assert!(quoted.len() > 40, "{quoted:?}");
+    let gone: Vec<_> = quoted.iter().filter(|message| !code.contains(**message)).collect();
+    assert!(gone.is_empty(), "docs/trouble.md quotes what no program says: {gone:#?}");
 }
 
 #[test]

@@ -136,10 +136,29 @@ fn the_book_lists_every_page() {
     assert_eq!(missing, [Path::new("docs/SUMMARY.md")], "pages that docs/SUMMARY.md does not list");
 }
 
+/// What a page of evidence says of its origin.
 #[test]
-fn the_readme_is_one_screen_and_a_half() {
+fn each_page_of_evidence_names_its_command_and_commit() {
+    for (page, text) in documents() {
+        let index = page.ends_with("index.md");
+        if !page.starts_with("docs/evidence") || index {
+            continue;
+        }
+        // Numbers that are made from the code, and compared with it by a test, are of every commit.
+        let made_here = text.contains("This file is written from");
+        let commit = text.to_lowercase().contains("commit ");
+        assert!(
+            text.contains('`') && (commit || made_here),
+            "{} names no command and commit",
+            page.display()
+        );
+    }
+}
+
+#[test]
+fn the_readme_has_a_hundred_lines_at_most() {
     let lines = std::fs::read_to_string(root().join("README.md")).unwrap().lines().count();
-    assert!(lines <= 120, "README.md has {lines} lines, expected 120 at most: the rest belongs to docs/");
+    assert!(lines <= 100, "README.md has {lines} lines, expected 100 at most: the rest belongs to docs/");
 }
 
 #[test]
@@ -247,7 +266,8 @@ fn sources() -> String {
 /// From a hazard to the code and to the tests: a file or a test that was renamed is missed here.
 #[test]
 fn the_hazards_name_files_and_tests_that_are_there() {
-    let (text, sources) = (std::fs::read_to_string(root().join("docs/safety.md")).unwrap(), sources());
+    let text = std::fs::read_to_string(root().join("docs/evidence/hazards.md")).unwrap();
+    let sources = sources();
     let named = |start: &'static str| {
         let lines = text.lines().filter(move |line| line.starts_with(start));
         lines.flat_map(|line| line.split('`').skip(1).step_by(2)).filter(|name| !name.contains(' '))
@@ -256,14 +276,29 @@ fn the_hazards_name_files_and_tests_that_are_there() {
     for name in named("* **Code.**").chain(named("* **Evidence.**")) {
         if name.contains('/') || name.contains('.') {
             files += 1;
-            assert!(root().join(name).exists(), "docs/safety.md names {name}, which is not there");
+            assert!(root().join(name).exists(), "docs/evidence/hazards.md names {name}, which is not there");
         } else if name.contains('_') {
             tests += 1;
             let there = ["(", "<"].iter().any(|end| sources.contains(&format!("fn {name}{end}")));
-            assert!(there, "docs/safety.md names the test {name}, which is not there");
+            assert!(there, "docs/evidence/hazards.md names the test {name}, which is not there");
         }
     }
     assert!(files > 100 && tests > 100, "{files} files, {tests} tests");
+}
+
+/// A message that the page of troubles quotes is one of the program's: searched by its words.
+#[test]
+fn the_messages_that_the_page_of_troubles_quotes_are_in_the_code() {
+    let page = std::fs::read_to_string(root().join("docs/trouble.md")).unwrap();
+    let words = std::fs::read_to_string(root().join("lab/page/words_en.js")).unwrap();
+    let code = sources() + &words;
+    let quoted: Vec<&str> = page
+        .lines()
+        .filter_map(|line| line.strip_prefix("| **")?.split_once("**").map(|(it, _)| it))
+        .collect();
+    assert!(quoted.len() > 40, "{quoted:?}");
+    let gone: Vec<_> = quoted.iter().filter(|message| !code.contains(**message)).collect();
+    assert!(gone.is_empty(), "docs/trouble.md quotes what no program says: {gone:#?}");
 }
 
 #[test]

@@ -16,20 +16,25 @@ const REPEATED: [Repeated; 12] = [
         "docs/experiment.md",
         &["names it first  AFS2 {}, MFS1 {}, MFP {} of 200 runs"],
     ),
-    Repeated("README.md", "{} of {} targets met", "docs/results.md#physics", &["Targets: {} of {} met"]),
+    Repeated(
+        "README.md",
+        "{} of {} targets met",
+        "docs/evidence/results.md#physics",
+        &["Targets: {} of {} met"],
+    ),
     Repeated(
         "README.md",
         "none in {} h where disturbances are moderate, {} an hour where they are strong",
-        "docs/results.md#physics",
+        "docs/evidence/results.md#physics",
         &[
             "hours/* @ trainer | hours (likelihood) | at least 2000 | {} |",
             "hours/* @ harsh | alarms-per-hour (likelihood) | at most 0.02 | {} |",
         ],
     ),
     Repeated(
-        "docs/diagnosis-results.md",
+        "docs/evidence/diagnosis-results.md",
         "| 0.21 / 0.57 / 0.42 s | {} / {} / {} s |",
-        "docs/results.md#physics",
+        "docs/evidence/results.md#physics",
         &[
             "nominal/afs2 @ paper | detection-p95 (likelihood) | at most 0.21 | {} |",
             "nominal/mfs1 @ paper | detection-p95 (likelihood) | at most 0.57 | {} |",
@@ -37,9 +42,9 @@ const REPEATED: [Repeated; 12] = [
         ],
     ),
     Repeated(
-        "docs/diagnosis-results.md",
+        "docs/evidence/diagnosis-results.md",
         "| 0.25 / 0.9 / 0.6; 5 s | {} / {} / {}; {} s |",
-        "docs/results.md#physics",
+        "docs/evidence/results.md#physics",
         &[
             "nominal/afs2 @ paper | right-p95 (likelihood) | at most 0.25 | {} |",
             "nominal/mfs1 @ paper | right-p95 (likelihood) | at most 0.9 | {} |",
@@ -48,9 +53,9 @@ const REPEATED: [Repeated; 12] = [
         ],
     ),
     Repeated(
-        "docs/diagnosis-results.md",
+        "docs/evidence/diagnosis-results.md",
         "| 0.28 / 0.74 / 0.55 s; 99 % | {} / {} / {} s; {} % |",
-        "docs/results.md#physics",
+        "docs/evidence/results.md#physics",
         &[
             "nominal/afs2 @ trainer | detection-p95 (likelihood) | at most 0.28 | {} |",
             "nominal/mfs1 @ trainer | detection-p95 (likelihood) | at most 0.74 | {} |",
@@ -59,9 +64,9 @@ const REPEATED: [Repeated; 12] = [
         ],
     ),
     Repeated(
-        "docs/diagnosis-results.md",
+        "docs/evidence/diagnosis-results.md",
         "| 0.42 / 1.14 / 0.84 s; 97 % | {} / {} / {} s; {} % |",
-        "docs/results.md#physics",
+        "docs/evidence/results.md#physics",
         &[
             "nominal/afs2 @ harsh | detection-p95 (likelihood) | at most 0.42 | {} |",
             "nominal/mfs1 @ harsh | detection-p95 (likelihood) | at most 1.14 | {} |",
@@ -70,9 +75,9 @@ const REPEATED: [Repeated; 12] = [
         ],
     ),
     Repeated(
-        "docs/diagnosis-results.md",
+        "docs/evidence/diagnosis-results.md",
         "| 240 / 380 / 340 / 640 s | {} / {} / {} / {} s |",
-        "docs/results.md#physics",
+        "docs/evidence/results.md#physics",
         &[
             "slow/air flow -25 % in 10 min @ trainer | detection-median (likelihood) | at most 240 | {} |",
             "slow/air flow -40 % in 30 min @ trainer | detection-median (likelihood) | at most 380 | {} |",
@@ -81,15 +86,15 @@ const REPEATED: [Repeated; 12] = [
         ],
     ),
     Repeated(
-        "docs/diagnosis-results.md",
+        "docs/evidence/diagnosis-results.md",
         "with a sag of 4 % in it, 99 % | 5 s | {} s |",
-        "docs/results.md#physics",
+        "docs/evidence/results.md#physics",
         &["sag/*, worst: sag/t1, power +4 % @ paper | tail-p99 (likelihood) | at most 5 | {} |"],
     ),
     Repeated(
-        "docs/diagnosis-results.md",
+        "docs/evidence/diagnosis-results.md",
         "| 0.005; 0.02; 0.02 | {} ({} in {} h); {}; {} |",
-        "docs/results.md#physics",
+        "docs/evidence/results.md#physics",
         &[
             "hours/* @ trainer | alarms-per-hour (likelihood) | at most 0.005 | {} |",
             "hours/* @ trainer | alarms-per-hour (likelihood) | at most 0.005 | {} |",
@@ -99,18 +104,18 @@ const REPEATED: [Repeated; 12] = [
         ],
     ),
     Repeated(
-        "docs/diagnosis-results.md",
+        "docs/evidence/diagnosis-results.md",
         "| 97 %, 100 % | {} %, {} % (",
-        "docs/results.md#physics",
+        "docs/evidence/results.md#physics",
         &[
             "slow/air flow -40 % in 30 min @ trainer | end-right (likelihood) | at least 97 | {} |",
             "slow/air flow -40 % in 30 min @ trainer | lasted (likelihood) | at least 100 | {} |",
         ],
     ),
     Repeated(
-        "docs/diagnosis-results.md",
+        "docs/evidence/diagnosis-results.md",
         "| 95 % intervals at the end of a fault hold the truth | 90 % | {} %;",
-        "docs/results.md#physics",
+        "docs/evidence/results.md#physics",
         &["| * | end-coverage (likelihood) | at least 90 | {} |"],
     ),
 ];
@@ -188,11 +193,11 @@ fn names(page: &str) -> impl Iterator<Item = &str> {
     page.lines().filter(|line| line.starts_with('|')).filter_map(|line| line.split('`').nth(1))
 }
 
-/// docs/settings.md and docs/tuning.md are compared with the code; so what they list is what exists.
+/// docs/settings.md and docs/evidence/tuning.md are compared with the code; so what they list is what exists.
 #[test]
 fn settings_that_a_page_names_exist() {
     let documents = documents();
-    let made = [Path::new("docs/settings.md"), Path::new("docs/tuning.md")];
+    let made = [Path::new("docs/settings.md"), Path::new("docs/evidence/tuning.md")];
     let exist: BTreeSet<&str> = made.iter().flat_map(|page| names(&documents[*page])).collect();
     let group = |name: &str| name.rsplit_once('.').map(|(group, _)| group.to_owned());
     let groups: BTreeSet<String> = exist.iter().filter_map(|name| group(name)).collect();

@@ -36,7 +36,7 @@ const FEW: usize = 6000;
 pub const ANSWER: f64 = 4.4;
 /// The spread of the residuals that is assumed first, as a share of that of T1.
 const ASSUMED: f64 = 0.1;
-/// Twice the logarithm of the likelihood ratio from which on there is a wall, since what drifts looks like one. Measured on made records (docs/records.md):
+/// Twice the logarithm of the likelihood ratio from which on there is a wall, since what drifts looks like one. Measured on made records (docs/evidence/records.md):
 /// of 96 heaters with a wall 8 have less, of 48 incubators without one 1 has more, in a room that wanders; from 40 to 60 nothing changes.
 const WORTH_A_WALL: f64 = 50.0;
 /// A wall is looked for from two starts. One is small and slow, as that of a tube. The other is a second mass, such as the glass on a heated bed: with about

@@ -1,6 +1,6 @@
-"""Detectors that one writes in ten lines, beside `pt326.diagnose`, on the same records: prints the table of docs/records.md.
+"""Detectors that one writes in ten lines, beside `pt326.diagnose`, on the same records: prints the table of docs/evidence/records.md.
 
-usage: detectors.py DIR        DIR has tclab/prbs.csv, setpoint_0.csv and faults_0.csv (docs/records.md)
+usage: detectors.py DIR        DIR has tclab/prbs.csv, setpoint_0.csv and faults_0.csv (docs/evidence/records.md)
 
 Each detector learns from the same fault-free record. Its threshold is the lowest that raises no alarm on a second fault-free record, which is more
 than a user would know; `pt326.diagnose` has its defaults, and raises none there either.

@@ -195,7 +195,7 @@ fn in_a_hundred_runs_and_two_hundred_hours() {
     }
 }
 
-/// The numbers of docs/diagnosis-results.md, "Faults of the user's own": other rigs, other lessons than those that the constants were chosen with.
+/// The numbers of docs/evidence/diagnosis-results.md, "Faults of the user's own": other rigs, other lessons than those that the constants were chosen with.
 #[test]
 #[ignore = "four minutes"]
 fn on_other_rigs_by_other_lessons() {

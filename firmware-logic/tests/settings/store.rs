@@ -70,7 +70,7 @@ fn a_mark_is_kept_beside_the_settings_and_wears_little() {
     }
     let flash = store.into_flash();
     assert_eq!(load(&flash), (unusual(40.0), Origin::Flash));
-    // 12 bytes a mark, in sectors of 8 KiB that carry the settings along: docs/safety-evidence.md scales it to 128 KiB.
+    // 12 bytes a mark, in sectors of 8 KiB that carry the settings along: docs/evidence/safety-evidence.md scales it to 128 KiB.
     assert!((2..=5).contains(&flash.erases), "{} erases for {arms} arms", flash.erases);
 }
 

@@ -1,5 +1,5 @@
 //! Heaters of other people: hotends, incubators, floors, labs. Two thermal lags, a dead time, a wall, one of four controllers, by a physics of its own; a
-//! fault stays up to the end of the record (docs/records.md).
+//! fault stays up to the end of the record (docs/evidence/records.md).
 
 use std::collections::VecDeque;
 use std::fmt::Write as _;

@@ -1,4 +1,4 @@
-//! How does `pt326 diagnose` do on records whose truth is known? Heaters with a lid, and other faults of theirs (docs/records.md).
+//! How does `pt326 diagnose` do on records whose truth is known? Heaters with a lid, and other faults of theirs (docs/evidence/records.md).
 //!
 //! ```sh
 //! cargo run --release -p pt326 --example made-records                    # all faults, 16 records each

@@ -310,7 +310,7 @@ fn a_rig_is_fitted_and_runs() {
     assert!(run.status.success(), "{}", text(&run.stderr));
 }
 
-/// The recordings of docs/records.md are nobody's to copy: they are looked for where `PT326_RECORDS` says.
+/// The recordings of docs/evidence/records.md are nobody's to copy: they are looked for where `PT326_RECORDS` says.
 #[test]
 fn the_records_say_what_their_page_says() {
     let Ok(records) = std::env::var("PT326_RECORDS") else {

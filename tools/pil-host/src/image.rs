@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, ensure};
 
 const TARGET: &str = "thumbv7em-none-eabihf";
-/// The profile of the board's image. The source is what ships; the link is for speed, where the board's is for size (docs/performance.md).
+/// The profile of the board's image. The source is what ships; the link is for speed, where the board's is for size (docs/evidence/performance.md).
 const PROFILE: &str = "firmware";
 
 /// Where cargo puts what it builds: two levels above this program.

@@ -1,5 +1,5 @@
 //! `cargo dist-board`: a folder to hand on that needs nothing else, and a zip of it: what to do, the image for each board as ELF and as the
-//! bytes of its flash, the lab's page, wiring and the first day to print, licences, and checksums that `sha256sum -c` reads.
+//! bytes of its flash, the lab's page, safety, wiring and the first day to print, licences, and checksums that `sha256sum -c` reads.
 
 use std::ffi::OsStr;
 use std::fmt::Write;
@@ -27,7 +27,7 @@ pub(crate) const PAGE: &str = "lab.html";
 pub(crate) const SUMS: &str = "SHA256SUMS";
 /// Licences of what is within by others; `tools/licences` makes it.
 pub(crate) const LICENCES: &str = "THIRD-PARTY.txt";
-const GUIDE: &str = "wiring-and-first-day.html";
+const GUIDE: &str = "safety-wiring-first-day.html";
 const README: &str = include_str!("README.txt");
 
 /// Fills `folder`, or dist/, and writes its zip.

@@ -1,5 +1,5 @@
-//! Wiring and the first day as one page to print: docs/wiring.md and docs/first-day.md with their pictures within it, for a folder that is
-//! handed on without the rest of docs/.
+//! What to read before power, wiring and the first day as one page to print: three documents with their pictures within it, for a folder
+//! that is handed on without the rest of docs/.
 
 use std::path::Path;
 
@@ -8,7 +8,8 @@ use base64::engine::general_purpose::STANDARD;
 use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html};
 
 /// The documents, in the order of the page, each with its identity on it.
-const DOCUMENTS: [(&str, &str); 2] = [("wiring.md", "wiring"), ("first-day.md", "first-day")];
+const DOCUMENTS: [(&str, &str); 3] =
+    [("before-power.md", "before-power"), ("wiring.md", "wiring"), ("first-day.md", "first-day")];
 const HEAD: &str = include_str!("guide.html");
 const PLACE: &str = "<!-- documents -->";
 
@@ -94,11 +95,17 @@ mod tests {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs")
     }
 
-    /// Both documents whole, and nothing that lies elsewhere.
+    /// All documents whole, and nothing that lies elsewhere.
     #[test]
     fn the_page_needs_nothing_beside_it() {
         let page = page(&docs()).unwrap();
-        for part in ["<h1>Wiring</h1>", "<td>PA8</td>", "<h2>6. The first fault</h2>", "cargo fw-run"] {
+        for part in [
+            "<h1>Before power</h1>",
+            "<h1>Wiring</h1>",
+            "<td>PA8</td>",
+            "<h2>6. The first fault</h2>",
+            "cargo fw-run",
+        ] {
             assert!(page.contains(part), "{part}");
         }
         let targets = |name: &str| {
@@ -112,7 +119,9 @@ mod tests {
             .map(|(file, _)| std::fs::read_to_string(docs().join(file)).unwrap().matches("![").count());
         assert_eq!(targets(" src").len(), pictures.iter().sum::<usize>());
         assert!(targets(" src").iter().all(|to| to.starts_with("data:image/")));
-        let here = |to: &&str| ["#wiring", "#first-day", "data:,"].contains(to) || to.starts_with("https://");
+        let here = |to: &&str| {
+            ["#before-power", "#wiring", "#first-day", "data:,"].contains(to) || to.starts_with("https://")
+        };
         assert_eq!(targets(" href").into_iter().find(|to| !here(to)), None);
         assert!(page.contains("<a href=\"#wiring\">"));
         assert!(page.contains(" (docs/safety.md)"));

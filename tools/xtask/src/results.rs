@@ -11,16 +11,16 @@ use crate::image;
 const USAGE: &str = "\
 Makes the tables and pictures of the book anew: hours. What was interrupted goes on where it stopped.
 
-    cargo xtask results                    all of it, into docs/
+    cargo xtask results                    all of it, into docs/evidence/
     --only full,physics                    these jobs only
     --seeds 3000000                        first seed of what is reported, in place of 2000000 and 7000000
     --scale 0.01                           so many of the runs, to try it
-    --docs FOLDER                          another folder than docs/, with pages that have the markers
+    --docs FOLDER                          another folder than docs/evidence/, with pages that have the markers
     --fresh                                not on from what another build of pt326 has begun: that is deleted
 
 Jobs: run, full, physics, settings, trade, ablate, records (recordings in the folder that PT326_RECORDS names), mutants.
 Pages take their blocks between <!-- NAME --> and <!-- end NAME -->. The pictures of the page: cargo lab, then cargo run -p pt326-lab-browser.
-The comparison with other detectors: python/tests/detectors.py, see docs/records.md.";
+The comparison with other detectors: python/tests/detectors.py, see docs/evidence/records.md.";
 
 /// Where a result goes.
 enum Place {
@@ -118,7 +118,7 @@ struct Asked {
 
 impl Asked {
     fn new(arguments: impl Iterator<Item = OsString>) -> Result<Option<Self>, String> {
-        let docs = image::root().join("docs");
+        let docs = image::root().join("docs/evidence");
         let mut asked = Self { only: None, seeds: None, scale: 1.0, docs, fresh: false };
         let mut arguments = arguments.map(|word| word.to_string_lossy().into_owned());
         while let Some(option) = arguments.next() {
@@ -321,7 +321,7 @@ mod tests {
                     Block(_, _, page, _) | Page(_, page) => page,
                     Picture(picture) => picture,
                 };
-                let file = image::root().join("docs").join(file);
+                let file = image::root().join("docs/evidence").join(file);
                 assert!(file.is_file(), "{}", file.display());
                 if let Block(_, _, page, name) = place {
                     let text = std::fs::read_to_string(&file).unwrap();

@@ -48,7 +48,7 @@ tuning! {
         /// It does, if the hypothesis leaves more than this of the square of each innovation.
         inexplicable = 10.0, "1", chosen "without it a heater that fails wholly has no size (tests/closed_loop)";
         /// Up to this age an alarm is young: it forgets nothing, neither air flow nor heater power is named by itself, no drift is, and nothing is called unknown. It is named and tested for its end on every tick; later the two take turns.
-        young = 3.0, "s", measured "no assumed lag of the fan is safe (docs/diagnosis-results.md); forgetting from the start, a clogged T1 loses its name in 9 runs of 200";
+        young = 3.0, "s", measured "no assumed lag of the fan is safe (docs/evidence/diagnosis-results.md); forgetting from the start, a clogged T1 loses its name in 9 runs of 200";
         /// An alarm that has stood for this long becomes advice.
         stands = 3600.0, "s", chosen "who has not come within an hour needs no siren";
         /// A thermistor's error that has come and gone this often is a loose contact.
@@ -59,7 +59,7 @@ tuning! {
 }
 
 tuning! {
-    /// Surroundings that move as slowly as the rig answers: recordings of other heaters (docs/records.md).
+    /// Surroundings that move as slowly as the rig answers: recordings of other heaters (docs/evidence/records.md).
     pub struct SlowTuning: slow {
         /// The surroundings count as slow where the whitening filter's DC gain is below this.
         dc_gain = 0.15, "1", chosen "";

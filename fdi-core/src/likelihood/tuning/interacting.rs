@@ -3,7 +3,7 @@
 use super::tuning;
 
 tuning! {
-    /// The bank that asks of recordings whether an alarm is over, in whatever state the rig is (docs/records.md). No board has it. Tuned on made records of
+    /// The bank that asks of recordings whether an alarm is over, in whatever state the rig is (docs/evidence/records.md). No board has it. Tuned on made records of
     /// seeds 1 to 99999 (`cargo run --release -p pt326 --example made-records`); half and twice of what is chosen change little there.
     pub struct InteractingTuning: interacting {
         /// Standard deviation of heat and air when an alarm begins, beside the model's.

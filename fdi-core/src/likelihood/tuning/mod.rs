@@ -2,7 +2,7 @@
 //!
 //! What a user sets are the settings ([`LikelihoodConfig`](super::config::LikelihoodConfig)); what was found once for all, and is none of his business,
 //! stands here. On a board the numbers are constants of the code. With the feature `tuning`, which needs `std`, a run can have others: that is how a
-//! campaign asks what each is worth. `pt326 config --tuning` lists them (docs/tuning.md).
+//! campaign asks what each is worth. `pt326 config --tuning` lists them (docs/evidence/tuning.md).
 //!
 //! ```
 //! use fdi_core::likelihood::tuning::Tuned;

@@ -8,7 +8,7 @@ tuning! {
         /// The heat that passes from a surface to the air goes with the air flow to this power.
         film_exponent = 0.8, "1", derived "forced convection, docs/theory.md, section 1";
         /// Share of T1's dead time that does not depend on the air flow: sampling and conversion.
-        fixed_delay = 0.25, "1", measured "residuals of a prototype; without it the flow errs by a quarter (docs/diagnosis-results.md)";
+        fixed_delay = 0.25, "1", measured "residuals of a prototype; without it the flow errs by a quarter (docs/evidence/diagnosis-results.md)";
         /// The power at which the gain is K.
         centre = 30.0, "%", chosen "about the power of the reference rig";
         /// The step of the power for which the curvature counts.
@@ -32,13 +32,13 @@ tuning! {
         /// Memory with which the usual walk of power, flow and offsets is learnt.
         walk = 7200.0, "s", chosen "";
         /// Memory with which an alarm forgets old samples. A change that only nuisances explain for this long is taken over by the tracker, and after an announced change of the fan nothing is judged for this time.
-        forgetting = 10.0, "s", measured "without forgetting a sag gives wrong names (docs/diagnosis-results.md)";
+        forgetting = 10.0, "s", measured "without forgetting a sag gives wrong names (docs/evidence/diagnosis-results.md)";
         /// Memory of the window that decides whether a fault is over.
         window = 0.7, "s", chosen "";
         /// Lag of the regressors "short lag" and "short loss" of T1.
         short_lag = 0.35, "s", chosen "about that of the paper's MFS1, 0.4 s";
         /// Lag with which the air flow follows the fan.
-        fan_lag = 0.2, "s", measured "prototype; no lag is safe, hence the pair of flow and power (docs/diagnosis-results.md)";
+        fan_lag = 0.2, "s", measured "prototype; no lag is safe, hence the pair of flow and power (docs/evidence/diagnosis-results.md)";
         /// Memory of the fast band of the bank since training. After training this band learns for as long by what the model is wrong.
         minute = 60.0, "s", measured "without learning, flow was named falsely in 3 of 25 runs on trainer, 14 on harsh (docs/diagnosis.md, section 9)";
         /// Changes that are slower than this belong to the slow band of the bank since training.

@@ -13,7 +13,7 @@ pub fn tuning() -> String {
         "\
 # Numbers of the likelihood diagnosis
 
-The [likelihood diagnosis](diagnosis.md) uses {} numbers that are not settings. {} are *derived*, with a formula or a source; {} are *measured*, and the table says where; {} are *chosen*, and
+The [likelihood diagnosis](../diagnosis.md) uses {} numbers that are not settings. {} are *derived*, with a formula or a source; {} are *measured*, and the table says where; {} are *chosen*, and
 no measurement of them is kept. On a board they are constants. On a computer a file for `--config` can change them, as it changes settings (a dot begins a
 table), and a campaign can vary them:
 
@@ -21,7 +21,7 @@ table), and a campaign can vary them:
 pt326 campaign --quick --vary tuning.alarm.raise=2.25,9 --vary tuning.charts.clip=3,12
 ```
 
-This file is written from their declarations in `fdi-core/src/likelihood/tuning` by `cargo run -- config --tuning > docs/tuning.md`.
+This file is written from their declarations in `fdi-core/src/likelihood/tuning` by `cargo run -- config --tuning > docs/evidence/tuning.md`.
 ",
         entries().count(),
         of(Origin::Derived),
@@ -58,9 +58,9 @@ mod tests {
 
     #[test]
     fn the_document_is_not_stale() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/tuning.md");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/evidence/tuning.md");
         let committed = std::fs::read_to_string(path).unwrap();
-        assert!(committed == tuning(), "stale: cargo run -- config --tuning > docs/tuning.md");
+        assert!(committed == tuning(), "stale: cargo run -- config --tuning > docs/evidence/tuning.md");
     }
 
     /// Each number reaches the diagnosis by its name, alone, and is written again as it was read.

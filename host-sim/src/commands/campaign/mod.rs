@@ -98,7 +98,7 @@ pub struct SearchArgs {
 /// Which recordings.
 #[derive(Clone, Debug, Args)]
 pub struct RecordsArgs {
-    /// The folder: a TOML a recording, or without any the recordings that docs/records.md names.
+    /// The folder: a TOML a recording, or without any the recordings that docs/evidence/records.md names.
     #[arg(value_name = "DIR")]
     pub dir: PathBuf,
     /// Settings of the diagnosis, TOML; see `pt326 config`.

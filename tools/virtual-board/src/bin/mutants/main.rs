@@ -106,7 +106,7 @@ fn told(m: &Mutant, verdict: &Verdict) -> String {
     }
 }
 
-/// The table as docs/safety-evidence.md has it: at most two tests a mutant.
+/// The table as docs/evidence/safety-evidence.md has it: at most two tests a mutant.
 fn markdown(results: &[(&Mutant, Verdict)]) -> String {
     let mut text = String::from("| taken out or changed | so that | seen by |\n|---|---|---|\n");
     for (m, verdict) in results {

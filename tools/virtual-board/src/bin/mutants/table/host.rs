@@ -1,5 +1,5 @@
 //! What the board shares with the host, and tests there see: settings and their flash, what people type, single readings. The rules of the
-//! supervisor, `interlock`, `control_loop` and `self_test` have cargo-mutants (docs/safety-evidence.md).
+//! supervisor, `interlock`, `control_loop` and `self_test` have cargo-mutants (docs/evidence/safety-evidence.md).
 
 use super::{Mutant, mutant};
 

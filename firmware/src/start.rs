@@ -104,13 +104,14 @@ fn run(
     let panel = Panel::new(parts.led, parts.button);
     let port = serial::open(parts.usart, parts.rx, parts.tx);
 
-    let spawned = tasks::control::control(period, control, heater, inputs, records_in, orders);
+    let (codes_in, codes_out) = simulation::codes();
+    let spawned = tasks::control::control(period, control, heater, inputs, records_in, orders, codes_out);
     control_executor::start().spawn(once(spawned));
     spawner.spawn(once(tasks::diagnosis::diagnosis(records_out, shared)));
     spawner.spawn(once(tasks::status::status(shared)));
     spawner.spawn(once(tasks::panel::panel(panel, shared)));
     if let Some((tx, rx)) = port {
-        spawner.spawn(once(tasks::console::console(tx, rx, shared, console)));
+        spawner.spawn(once(tasks::console::console(tx, rx, shared, console, codes_in)));
     }
     spawner.spawn(once(tasks::watchdog::watchdog()));
 }

@@ -252,12 +252,16 @@ impl Rig {
         }
     }
 
+    /// What a contact in the stream of air sees: the flow now, as a share of the nominal one.
+    pub fn flow(&self) -> f64 {
+        self.fan.flow(self.asked_flow(&Conditions::at(&self.faults, self.now(), 0.0)), self.now())
+    }
+
     /// For scores: the true temperature of the air at T1 and at T2 now, without turbulence, degC.
     pub fn air(&self) -> [f64; 2] {
         let now = self.now();
         let conditions = Conditions::at(&self.faults, now, 0.0);
-        let flow = self.fan.flow(self.asked_flow(&conditions), now);
-        let air = self.air_stream(now, flow, &conditions);
+        let air = self.air_stream(now, self.flow(), &conditions);
         [1, 2].map(|i| {
             let rise = air.share[i] * self.heater.rise_at(now - air.delay[i]);
             air.ambient + self.walls[i].as_ref().map_or(rise, |wall| wall.mix(&air, rise))
@@ -267,8 +271,7 @@ impl Rig {
     /// For scores: the true temperature of the heater's element once it has followed its power, degC. Radiation is left out: it limits only what is far too hot.
     pub fn element(&self) -> f64 {
         let conditions = Conditions::at(&self.faults, self.now(), 0.0);
-        let flow = self.fan.flow(self.asked_flow(&conditions), self.now());
-        let air = self.air_stream(self.now(), flow, &conditions);
+        let air = self.air_stream(self.now(), self.flow(), &conditions);
         let rise = self.config.gain * self.power;
         air.ambient + rise / air.flow + ELEMENT_OVER_AIR * rise * air.slowness
     }

@@ -17,13 +17,13 @@ use firmware_logic::console::{ANSWER, Console, line};
 use firmware_logic::stream::codes::Codes;
 use firmware_logic::stream::frame::{self, Reader, Step};
 use firmware_logic::task_watchdog::Task;
+use heapless::spsc::Producer;
 use static_cell::ConstStaticCell;
 
 use crate::hardware::serial;
 use crate::hardware::settings_flash::SettingsFlash;
 use crate::link::{self, check_in};
 use crate::shared::{Shared, stop};
-use crate::simulation;
 
 /// The board, as the console reaches it.
 type Reached = ConsoleBoard<&'static Shared, SettingsFlash>;
@@ -50,15 +50,16 @@ pub(crate) async fn console(
     rx: BufferedUartRx<'static>,
     shared: &'static Shared,
     board: Reached,
+    mut codes: Producer<'static, Codes>,
 ) {
     let (waiting, out) = (Waiting::new(), Out::new(tx));
-    join3(listen(rx, &waiting), answer(&out, &waiting, board), stream(&out, shared)).await;
+    join3(listen(rx, &waiting, &mut codes), answer(&out, &waiting, board), stream(&out, shared)).await;
 }
 
 /// Takes bytes in as they come, and stops at once where one is a stop key. The driver (embassy-stm32 0.6.0) wakes the reader when
 /// the line falls idle, and misses that when it happens while it reads the byte before: a stop key would wait for the next
 /// key. So the reader also comes by itself.
-async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting) {
+async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting, codes: &mut Producer<'static, Codes>) {
     let mut bytes = [0; 16];
     let mut frames = Reader::<FRAME>::default();
     loop {
@@ -75,8 +76,9 @@ async fn listen(mut rx: BufferedUartRx<'static>, waiting: &Waiting) {
             for &byte in came {
                 match frames.push(byte) {
                     Step::Text(byte) => keep(waiting, byte),
+                    // Codes that find no room are late: nothing has taken those before them.
                     Step::Line(line) => {
-                        Codes::parse(line).as_ref().map(simulation::receive);
+                        let _ = Codes::parse(line).map(|came| codes.enqueue(came));
                     }
                     Step::Broken | Step::Nothing => {}
                 }

@@ -7,6 +7,7 @@ use core::num::NonZeroU32;
 use firmware_logic::cadence::Cadence;
 use firmware_logic::control_loop::{ControlLoop, Order, TickRecord, next_order};
 use firmware_logic::interlock::Lockout;
+use firmware_logic::stream::codes::Codes;
 use firmware_logic::task_watchdog::Task;
 use heapless::spsc::{Consumer, Producer};
 
@@ -25,6 +26,7 @@ pub(crate) async fn control(
     mut inputs: Inputs,
     mut records: Producer<'static, TickRecord>,
     mut orders: Consumer<'static, Order>,
+    mut codes: Consumer<'static, Codes>,
 ) {
     let mut cadence = Cadence::new(period, tick_timer::now().wrapping_add(period.get()));
     let mut next = 0;
@@ -61,7 +63,7 @@ pub(crate) async fn control(
         };
         let order = next_order(link::STOP.swap(false, Ordering::Relaxed), &mut orders);
         let begin = cycles::now();
-        let raw = simulation::seen(next, raw);
+        let raw = simulation::seen(next, raw, &mut codes);
         let mut record = control.tick(raw, arrival, order, link::feedback(), &mut heater);
         record.cycles = cycles::now().wrapping_sub(begin);
         next = record.tick.index.wrapping_add(1);

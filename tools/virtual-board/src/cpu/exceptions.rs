@@ -19,6 +19,7 @@ const PRECISERR_BFARVALID: u32 = 1 << 9 | 1 << 15;
 const STKERR: u32 = 1 << 12;
 pub(super) const UNDEFINSTR: u32 = 1 << 16;
 pub(super) const INVSTATE: u32 = 1 << 17;
+pub(super) const UNALIGNED: u32 = 1 << 24;
 
 impl Cpu {
     /// What the emulator could not execute.

@@ -17,7 +17,7 @@ use unicorn_engine::{ArmCpuModel, RegisterARM, Unicorn};
 
 use crate::chip::{Analog, Chip};
 use crate::clock::Cause;
-use crate::cpu::exceptions::{INVSTATE, UNDEFINSTR};
+use crate::cpu::exceptions::{INVSTATE, UNALIGNED, UNDEFINSTR};
 use crate::cpu::hooks::{EXCEPTION_RETURN, Emulator};
 use crate::cpu::machine::{Machine, Stop};
 use crate::image::{FLASH, Image};
@@ -296,6 +296,7 @@ impl Cpu {
                     8 => self.leave(self.pc | 1)?, // the emulator's own "exit of an exception"
                     3 | 17 | 18 => self.fault(USAGE_FAULT, INVSTATE, None)?,
                     1 => self.fault(USAGE_FAULT, UNDEFINSTR, None)?,
+                    4 => self.fault(USAGE_FAULT, UNALIGNED, None)?,
                     _ => bail!("trap {number} at {} is not modelled", self.image.describe(self.pc)),
                 }
             }

@@ -36,6 +36,7 @@ const PG: u32 = 1;
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 const BSY: u32 = 1 << 16;
 const EOP: u32 = 1;
+const WRPERR: u32 = 1 << 4;
 
 /// Where sector 6 begins.
 pub const BASE: u32 = 0x0804_0000;
@@ -310,6 +311,7 @@ impl Flash {
                 }
                 self.cache.program(place, &bytes);
             }
+            Operation::Options(_) if self.options.protected => self.file.set(SR, self.file.get(SR) | WRPERR),
             Operation::Options(bytes) => self.options.program(bytes, half),
         }
     }

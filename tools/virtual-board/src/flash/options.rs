@@ -11,6 +11,8 @@ const FACTORY: u32 = 0x0FFF_AAEC;
 
 /// The option bytes and their register.
 pub struct Options {
+    /// The chip refuses to write them.
+    pub protected: bool,
     programmed: u32,
     register: u32,
     unlocked: bool,
@@ -19,7 +21,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { programmed: FACTORY, register: FACTORY, unlocked: false, keys: 0 }
+        Self { protected: false, programmed: FACTORY, register: FACTORY, unlocked: false, keys: 0 }
     }
 }
 

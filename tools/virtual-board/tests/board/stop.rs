@@ -61,3 +61,24 @@ fn a_line_that_was_typed_before_a_stop_is_forgotten_whatever_it_orders() {
     scene.board.run_for(2 * SECOND).expect("runs on");
     assert_eq!(scene.board.command("get pid.kp").expect("answers"), "pid.kp = 2.4 %/degC");
 }
+
+/// The begin of a frame is forgotten with what was typed: it would swallow the line after it.
+#[test]
+fn half_a_frame_does_not_swallow_what_is_typed_after_a_stop() {
+    let mut scene = about_to_arm();
+    scene.board.send(b"\x02codes 1 2 3!");
+    scene.board.run_for(SECOND).expect("runs on");
+    assert_eq!(scene.board.command("get pid.kp").expect("answers"), "pid.kp = 2.4 %/degC");
+}
+
+#[test]
+fn the_console_says_that_the_button_has_stopped_it() {
+    let mut scene = about_to_arm();
+    scene.board.command("arm").expect("answers");
+    scene.board.run_for(SECOND).expect("heats");
+    scene.board.take_terminal();
+    scene.board.button(true);
+    scene.board.run_for(300 * MS).expect("runs on");
+    let said = scene.board.take_terminal();
+    assert!(said.contains("stopped by the button"), "{said}");
+}

@@ -110,6 +110,15 @@ fn the_brown_out_level_is_told_and_set() {
     held_by(&mut scene, "brown-out");
 }
 
+#[test]
+fn a_brown_out_level_that_the_chip_refuses_is_not_said_to_be_set() {
+    let mut scene = Scene::at_rest(load(None).expect("an image")).expect("boots");
+    scene.board.cpu.touch(|chip, _| chip.flash.options.protected = true);
+    let refusal = scene.board.command("brownout set").expect("answers");
+    assert!(refusal.starts_with("error"), "{refusal}");
+    assert_eq!(scene.board.chip().flash.options.brown_out(), 3, "off by its code");
+}
+
 /// More arms than a sector has room for marks: the one that erases takes its time, with the heater off, and no task is
 /// missed for it.
 #[test]

@@ -11,6 +11,7 @@ const BOARD: &str = "firmware/src/hardware/nucleo_64.rs";
 const CLOCK: &str = "firmware/src/hardware/clock.rs";
 const CONTROL: &str = "firmware/src/tasks/control.rs";
 const START: &str = "firmware/src/start.rs";
+const CONSOLE: &str = "firmware/src/tasks/console.rs";
 
 const HANGS: &[&str] = &["heater_off::control_task_hangs", "heater_off::control_interrupt_disabled"];
 const LONG: &[&str] = &["sample_time::the_heater_is_off_as_soon"];
@@ -313,5 +314,33 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "firmware/src/hardware/rtt.rs",
         ["super::tick_timer::uptime_us()", "embassy_time::Instant::now().as_micros()"],
         &["flash::the_log"],
+    ),
+    mutant(
+        "overdue-task-fed-once-more",
+        "a task that hangs is noticed 50 ms later",
+        TASKS,
+        [
+            "defmt::error!(\"{}, reset follows\", late);",
+            "watchdog::feed();\n defmt::error!(\"{}, reset follows\", late);",
+        ],
+        &["heater_off::other_tasks_hang"],
+    )
+    .unseen("0.81 s hold the 50 ms between two looks, which one feeding more takes"),
+    mutant(
+        "half-a-frame-survives-a-stop",
+        "the line after a stop is swallowed",
+        CONSOLE,
+        ["                frames = Reader::default();\n", ""],
+        &["stop::half_a_frame"],
+    ),
+    mutant(
+        "button-not-told",
+        "whoever waits at the console is not told that the button has stopped it",
+        CONSOLE,
+        [
+            "if link::PRESSED.swap(false, Ordering::Relaxed)",
+            "if link::PRESSED.swap(false, Ordering::Relaxed) && false",
+        ],
+        &["stop::the_console_says"],
     ),
 ];

@@ -3,6 +3,7 @@
 mod deaths;
 mod guards;
 mod host;
+mod memory;
 mod outputs;
 mod sensing;
 mod supply;
@@ -30,8 +31,15 @@ pub(crate) struct Mutant {
 }
 
 /// All mutants, by what they break.
-pub(crate) const TABLE: &[&[Mutant]] =
-    &[outputs::MUTANTS, guards::MUTANTS, sensing::MUTANTS, deaths::MUTANTS, supply::MUTANTS, host::MUTANTS];
+pub(crate) const TABLE: &[&[Mutant]] = &[
+    outputs::MUTANTS,
+    guards::MUTANTS,
+    sensing::MUTANTS,
+    deaths::MUTANTS,
+    supply::MUTANTS,
+    memory::MUTANTS,
+    host::MUTANTS,
+];
 
 /// `find` becomes `replace` in `file`.
 const fn mutant(

@@ -171,4 +171,11 @@ pub(super) const MUTANTS: &[Mutant] = &[
         ["            control.restored(baseline);\n", ""],
         &["settings::what_was_learnt"],
     ),
+    mutant(
+        "refused-level-counted",
+        "a brown-out level that the chip has refused is said to be set",
+        SUPPLY,
+        ["let refused = FLASH.sr().read().wrperr();", "let refused = FLASH.sr().read().wrperr() && false;"],
+        &["supply::a_brown_out_level_that_the_chip_refuses"],
+    ),
 ];

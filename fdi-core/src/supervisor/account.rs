@@ -50,12 +50,12 @@ const LIMIT: f32 = 10.0;
 /// gain by the same share, and by what little air is allowed (at worst 0.62 of it, measured on the simulated rigs).
 const MISSING: f32 = 0.5;
 /// Time constants of the means of power and warmth, in answer times. The first two are chosen: with 0.25 for the second a rig that is sixteen times slower than
-/// declared trips, with it none of the rigs of the campaigns does. The third is how long a rig takes to be steady.
+/// declared trips, with it none of the rigs of the campaigns does. The third is how long a rig takes to be steady, and how long T1 may be named out of the tube, or standing still, before that trips.
 const QUICK: f32 = 0.125;
 const SLOW: f32 = 0.375;
-const SETTLED: f32 = 4.0;
-/// An answer time above this counts as this, s.
-const LONGEST_ANSWER: f32 = 300.0;
+pub(super) const SETTLED: f32 = 4.0;
+/// An answer time above this counts as this, s; no name is waited for longer.
+pub(super) const LONGEST_ANSWER: f32 = 300.0;
 /// What was seen of the gain fades over so many time constants of heating, and is seen only where the power is above this, %.
 const FADES: f32 = 2400.0;
 const SHOWS: f32 = 8.0;

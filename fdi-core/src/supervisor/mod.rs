@@ -46,15 +46,11 @@ use crate::known::KnownInputs;
 use crate::observation::Shelving;
 use crate::sense::{RawSample, Sample};
 use crate::units::{Celsius, Percent, Seconds};
-use account::{Account, AccountState};
+use account::{Account, AccountState, LONGEST_ANSWER, SETTLED};
 use config::SupervisorConfig;
 
 /// So many samples behind, the baseline is not merely late: the models need fewer to settle.
 const UNIDENTIFIED: u32 = 300;
-
-/// T1 may be named out of the tube, or standing still, for so many answer times before that trips, and for so many s.
-const NAMED: f32 = 4.0;
-const LONGEST_NAMED: f32 = 300.0;
 
 /// What the supervisor looks at.
 #[derive(Clone, Copy, Debug)]
@@ -165,7 +161,7 @@ impl Supervisor {
             config: *c,
             sample_time: ts,
             account: Account::new(c, plant, output_max, ts),
-            named_ticks: Seconds(smaller(NAMED * plant.answer_time.0, LONGEST_NAMED)).ticks(ts),
+            named_ticks: Seconds(smaller(SETTLED * plant.answer_time.0, LONGEST_ANSWER)).ticks(ts),
             learn_start,
             learn_samples: c.learn_end.ticks(ts).saturating_sub(learn_start),
             steady_ticks: c.regulation_time.ticks(ts),

@@ -12,7 +12,9 @@ fn main() {
         println!("cargo::rustc-link-search={}", root.display());
         for arg in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
             println!("cargo::rustc-link-arg-bins={arg}");
+            println!("cargo::rustc-link-arg-tests={arg}");
         }
+        println!("cargo::rustc-link-arg-tests=-Tembedded-test.x");
     }
 }
 

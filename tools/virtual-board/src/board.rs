@@ -96,6 +96,9 @@ impl Board {
                     self.resets.push((self.now(), cause));
                     self.probe.restart();
                 }
+                Outcome::Call(number, _) => {
+                    bail!("the program asks a debugger for {number:#x}, and none is here")
+                }
                 Outcome::PowerCut => {
                     self.power_is_cut = true;
                     return Ok(None);

@@ -15,6 +15,7 @@ pub mod image;
 pub mod inject;
 pub mod live;
 pub mod nvic;
+pub mod on_target;
 pub mod port;
 pub mod power;
 pub mod recording;

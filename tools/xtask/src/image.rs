@@ -4,7 +4,7 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use crc::{CRC_32_MPEG_2, Crc};
 use object::read::elf::{ElfFile32, ProgramHeader};
@@ -26,9 +26,14 @@ pub(crate) fn cargo(verb: &str, arguments: impl Iterator<Item = OsString>) -> Re
     if verb == "build" {
         return Ok(());
     }
-    let runner = std::env::var(RUNNER).unwrap_or_else(|_| probe(verb, &arguments));
+    run(verb, &arguments, &built())
+}
+
+/// Has a probe do something with an image.
+fn run(verb: &str, arguments: &[OsString], image: &Path) -> Result<(), String> {
+    let runner = std::env::var(RUNNER).unwrap_or_else(|_| probe(verb, arguments));
     let mut words = runner.split_whitespace();
-    start(Command::new(words.next().unwrap_or_default()).args(words).arg(built()))
+    start(Command::new(words.next().unwrap_or_default()).args(words).arg(image))
 }
 
 fn start(command: &mut Command) -> Result<(), String> {
@@ -85,6 +90,45 @@ fn probe(verb: &str, arguments: &[OsString]) -> String {
     let is_446 = |word: &OsString| word.to_string_lossy().contains("nucleo-f446re");
     let chip = if arguments.iter().any(is_446) { "STM32F446RETx" } else { "STM32F411RETx" };
     format!("probe-rs {verb} --chip {chip} --no-catch-hardfault --no-catch-reset")
+}
+
+/// Builds the tests of `firmware/tests/on_target.rs`, sealed, and has a probe run them on a board; with `--no-run` it only builds them, and says
+/// where they are.
+pub(crate) fn test(arguments: impl Iterator<Item = OsString>) -> Result<(), String> {
+    let (no_run, arguments): (Vec<_>, Vec<_>) = arguments.partition(|word| word == "--no-run");
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args([
+        "test",
+        "--profile",
+        "firmware",
+        "-p",
+        "firmware",
+        "--target",
+        TARGET,
+        "--test",
+        "on_target",
+    ]);
+    cargo
+        .args(["--no-run", "--message-format", "json-render-diagnostics", "--config"])
+        .arg(rustflags(TARGET));
+    cargo.args(&arguments).stderr(Stdio::inherit());
+    let output = cargo.output().map_err(|error| format!("cargo cannot be run: {error}"))?;
+    if !output.status.success() {
+        return Err("cargo test has failed".into());
+    }
+    let said = String::from_utf8_lossy(&output.stdout);
+    // Cargo builds the image, too, and tells of each in a line of JSON.
+    let line = said.lines().find(|line| line.contains("\"name\":\"on_target\"")).unwrap_or_default();
+    let path = line.split("\"executable\":\"").nth(1).and_then(|rest| rest.split('"').next());
+    let built = path.ok_or("cargo has said nothing of an executable")?.replace("\\\\", "\\");
+    let sealed = target().join(TARGET).join("firmware").join("on_target");
+    std::fs::copy(&built, &sealed).map_err(|error| format!("{built}: {error}"))?;
+    seal(&sealed)?;
+    if !no_run.is_empty() {
+        println!("{}", sealed.display());
+        return Ok(());
+    }
+    run("run", &arguments, &sealed)
 }
 
 /// The folder of the workspace.

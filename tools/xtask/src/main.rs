@@ -16,12 +16,13 @@ fn main() -> ExitCode {
     let verb = arguments.next().unwrap_or_default();
     let done = match verb.to_str() {
         Some(verb @ ("build" | "run" | "attach")) => image::cargo(verb, arguments),
+        Some("test") => image::test(arguments),
         Some("dist") => dist::write(arguments.next().as_deref()),
         Some("stack") => stack::check(arguments.next().as_deref()),
         Some("release") => release::run(arguments),
         Some("results") => results::run(arguments),
         _ => Err(format!(
-            "{verb:?}, expected build, run, attach, dist [FOLDER], stack IMAGE, release or results (see --help of these two)"
+            "{verb:?}, expected build, run, attach, test [--no-run], dist [FOLDER], stack IMAGE, release or results (see --help of these two)"
         )),
     };
     match done {

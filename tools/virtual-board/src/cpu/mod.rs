@@ -28,6 +28,9 @@ use crate::time::{NEVER, Ps};
 pub const RAM: u32 = 0x2000_0000;
 /// Its size.
 pub const RAM_SIZE: usize = 128 * 1024;
+/// The emulator's number of a breakpoint, and the instruction of one that asks the debugger for something.
+const BREAKPOINT: u32 = 7;
+const SEMIHOSTING: u32 = 0xBEAB;
 /// An address that is never reached.
 const NOWHERE: u64 = 0xFFFF_FFFE;
 
@@ -44,6 +47,8 @@ pub enum Outcome {
     Asleep,
     /// The chip was reset and is about to start anew.
     Reset(Cause),
+    /// The program asks the debugger for something, and waits for [`Cpu::answer`]: a semihosting call, its number and what it is given.
+    Call(u32, u32),
 }
 
 /// What the core is doing.
@@ -292,6 +297,13 @@ impl Cpu {
             }
             Stop::Trap(number) => {
                 self.pc = self.register(RegisterARM::PC)?;
+                if number == BREAKPOINT
+                    && self.word(self.pc & !3)? >> (8 * (self.pc & 2)) & 0xFFFF == SEMIHOSTING
+                {
+                    let [call, given] =
+                        [RegisterARM::R0, RegisterARM::R1].map(|register| self.register(register));
+                    return Ok(Some(Outcome::Call(call?, given?)));
+                }
                 match number {
                     8 => self.leave(self.pc | 1)?, // the emulator's own "exit of an exception"
                     3 | 17 | 18 => self.fault(USAGE_FAULT, INVSTATE, None)?,

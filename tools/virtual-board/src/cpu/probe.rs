@@ -34,6 +34,14 @@ impl Cpu {
         self.emulator.mem_write(address.into(), &value.to_le_bytes()).map_err(told)
     }
 
+    /// Writes memory, as a debug probe does.
+    ///
+    /// # Errors
+    /// There is no memory.
+    pub fn set_bytes(&mut self, address: u32, bytes: &[u8]) -> anyhow::Result<()> {
+        self.emulator.mem_write(address.into(), bytes).map_err(told)
+    }
+
     /// From now on, bits of a word of memory stay as they are, whatever is written.
     ///
     /// # Errors
@@ -70,6 +78,15 @@ impl Cpu {
     pub fn call(&mut self, address: u32, argument: u32) -> anyhow::Result<()> {
         self.jump(address);
         self.set_register(RegisterARM::R0, argument)
+    }
+
+    /// Answers a semihosting call, and lets the program go on.
+    ///
+    /// # Errors
+    /// The emulator refuses.
+    pub fn answer(&mut self, result: u32) -> anyhow::Result<()> {
+        self.jump(self.pc + 2);
+        self.set_register(RegisterARM::R0, result)
     }
 
     /// Where the function that is about to begin will return to.

@@ -66,7 +66,9 @@ fn a_line_that_was_typed_before_a_stop_is_forgotten_whatever_it_orders() {
 #[test]
 fn half_a_frame_does_not_swallow_what_is_typed_after_a_stop() {
     let mut scene = about_to_arm();
-    scene.board.send(b"\x02codes 1 2 3!");
+    scene.board.send(b"\x02codes 1 2 3");
+    scene.board.run_for(SECOND).expect("has read it");
+    scene.board.send(b"!");
     scene.board.run_for(SECOND).expect("runs on");
     assert_eq!(scene.board.command("get pid.kp").expect("answers"), "pid.kp = 2.4 %/degC");
 }

@@ -14,7 +14,7 @@ const UNCHECKED: [(&str, &str, &str); 10] = [
     ("CONTRIBUTING.md", "   stale: cargo run", "what a test says that fails"),
     ("docs/architecture.md", "            ┌─", "a drawing"),
     (
-        "docs/board.md",
+        "docs/board-reference.md",
         "T1_high ",
         "from a log of twenty minutes with three faults made by hand, which is not kept",
     ),

@@ -10,16 +10,14 @@ use toml::Table;
 use super::{documents, root, sources};
 
 /// What is shown and not made by a command: the page, how the block begins, why.
-const UNCHECKED: [(&str, &str, &str); 10] = [
+const UNCHECKED: [(&str, &str, &str); 8] = [
     ("CONTRIBUTING.md", "   stale: cargo run", "what a test says that fails"),
     ("docs/architecture.md", "            ┌─", "a drawing"),
     (
-        "docs/board.md",
+        "docs/board-reference.md",
         "T1_high ",
         "from a log of twenty minutes with three faults made by hand, which is not kept",
     ),
-    ("docs/campaigns.md", "Seq ", "what GNU parallel writes; the times are of one day"),
-    ("docs/campaigns.md", "error: out/runs.3-of-16", "of processes that were killed; which ones is chance"),
     ("docs/dashboards.md", "scrape_configs:", "read by Prometheus; tools/try-dashboard has another"),
     ("docs/dashboards.md", "    metric_relabel_configs:", "read by Prometheus"),
     ("docs/diagnosis.md", "power ─▶", "a drawing"),

@@ -6,10 +6,13 @@ use virtual_board::board::default_image;
 use virtual_board::image::Image;
 use virtual_board::on_target;
 
-/// The image of the tests: what ON_TARGET_ELF names, or what `cargo fw-test --no-run` has put beside the board's.
+/// The image of the tests: what ON_TARGET_ELF names, or what `cargo fw-test --no-run` has built.
 fn image() -> PathBuf {
-    std::env::var_os("ON_TARGET_ELF")
-        .map_or_else(|| default_image().expect("an image").with_file_name("on_target"), PathBuf::from)
+    let beside = || {
+        let built = default_image().expect("an image");
+        built.ancestors().nth(3).map(|target| target.join("on-target/on_target.elf")).expect("a folder")
+    };
+    std::env::var_os("ON_TARGET_ELF").map_or_else(beside, PathBuf::from)
 }
 
 #[test]

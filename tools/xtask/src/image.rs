@@ -111,7 +111,9 @@ pub(crate) fn test(arguments: impl Iterator<Item = OsString>) -> Result<(), Stri
     cargo
         .args(["--no-run", "--message-format", "json-render-diagnostics", "--config"])
         .arg(rustflags(TARGET));
-    cargo.args(&arguments).stderr(Stdio::inherit());
+    // Cargo builds the image with them, and would put it, without a checksum, where `cargo fw` has put its own.
+    let folder = target().join("on-target");
+    cargo.arg("--target-dir").arg(&folder).args(&arguments).stderr(Stdio::inherit());
     let output = cargo.output().map_err(|error| format!("cargo cannot be run: {error}"))?;
     if !output.status.success() {
         return Err("cargo test has failed".into());
@@ -121,7 +123,7 @@ pub(crate) fn test(arguments: impl Iterator<Item = OsString>) -> Result<(), Stri
     let line = said.lines().find(|line| line.contains("\"name\":\"on_target\"")).unwrap_or_default();
     let path = line.split("\"executable\":\"").nth(1).and_then(|rest| rest.split('"').next());
     let built = path.ok_or("cargo has said nothing of an executable")?.replace("\\\\", "\\");
-    let sealed = target().join(TARGET).join("firmware").join("on_target");
+    let sealed = folder.join("on_target.elf");
     std::fs::copy(&built, &sealed).map_err(|error| format!("{built}: {error}"))?;
     seal(&sealed)?;
     if !no_run.is_empty() {

@@ -17,7 +17,7 @@ struct Run {
     idle_ticks: usize,
     /// What `status` says after a stop, and after the power was off.
     statuses: [String; 2],
-    /// Its log, as docs/board.md shows it.
+    /// Its log, as docs/board-reference.md shows it.
     shown: String,
 }
 
@@ -143,7 +143,7 @@ fn faults_are_seen_within_one_tick_of_the_simulation() {
 
 #[test]
 fn the_page_shows_this_log() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/board.md");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/board-reference.md");
     let page = std::fs::read_to_string(path).expect("the page");
     let mark = "<!-- made by: cargo test -p virtual-board --test board the_page -->\n```text\n";
     let (before, rest) = page.split_once(mark).expect("the mark");

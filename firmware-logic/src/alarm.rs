@@ -6,7 +6,7 @@ use core::fmt;
 use fdi_core::name::Name;
 use fdi_core::{FaultClass, Finding, Report};
 
-use crate::decimal::Fixed;
+use crate::decimal::{At, Fixed};
 
 /// An alarm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,7 +76,7 @@ pub struct AlarmText<'a> {
 
 impl fmt::Display for AlarmText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let seconds = |tick: u32| Fixed(tick as f32 * self.sample_time, 1);
+        let seconds = |tick: u32| At(tick, self.sample_time);
         write!(f, "{} s alarm: ", seconds(self.alarm.raised))?;
         match &self.alarm.finding {
             None => f.write_str("not named")?,

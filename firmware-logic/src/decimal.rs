@@ -109,6 +109,21 @@ impl fmt::Display for Fixed {
     }
 }
 
+/// When a tick is, in s from the first, to a tenth: `At(tick, Ts in s)`. A product of two `f32` would move in steps of 0.25 s after 23 days.
+pub struct At(pub u32, pub f32);
+
+impl fmt::Display for At {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        /// So many ticks of whole microseconds are whole tenths of a second.
+        const BLOCK: u32 = 100_000;
+        let Self(tick, sample_time) = *self;
+        let blocks = (tick / BLOCK).saturating_mul((sample_time * 1e6 + 0.5) as u32);
+        let rest = (tick % BLOCK) as f32 * sample_time * 10.0 + 0.5;
+        let tenths = blocks.saturating_add(rest as u32);
+        write!(f, "{}.{}", tenths / 10, tenths % 10)
+    }
+}
+
 /// A whole number that fits into `N`.
 pub fn whole<N: TryFrom<i32>>(text: &str) -> Option<N> {
     signed(text)?.try_into().ok()
@@ -172,6 +187,24 @@ mod tests {
         #[test]
         fn a_thousandth_is_what_a_division_says(x: u64) {
             prop_assert_eq!(thousandth(x), (x / 1000) as u32);
+        }
+    }
+
+    #[test]
+    fn a_time_is_told_to_a_tenth_however_long_it_runs() {
+        let cases = [
+            (0, 0.11, "0.0"),
+            (7727, 0.11, "850.0"),
+            (100_000, 0.11, "11000.0"),
+            (20_000_001, 0.11, "2200000.1"),
+        ];
+        for (tick, ts, said) in cases {
+            assert_eq!(At(tick, ts).to_string(), said);
+        }
+        for tick in (0..1 << 25).step_by(9973) {
+            let exact = (f64::from(tick) * 0.11 * 10.0 + 0.5).floor() / 10.0;
+            let told: f64 = At(tick, 0.11).to_string().parse().expect("a number");
+            assert!((told - exact).abs() < 0.11, "{tick}: {told}, {exact}");
         }
     }
 

@@ -5,7 +5,7 @@ use core::fmt;
 use fdi_core::Sample;
 use fdi_core::likelihood::{Channel, FaultClass, Finding, Magnitude};
 
-use crate::decimal::Fixed;
+use crate::decimal::{At, Fixed};
 
 /// A finding, to be shown. What should have been measured is what the models expect, or, of an offset, follows from what was
 /// measured and the magnitude of the fault.
@@ -24,7 +24,7 @@ impl fmt::Display for Sentence<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let class = self.finding.class;
         self.fill(f, class.sentence(self.finding.magnitude.is_some()))?;
-        write!(f, "; since {} s", Fixed(self.finding.onset as f32 * self.sample_time, 1))?;
+        write!(f, "; since {} s", At(self.finding.onset, self.sample_time))?;
         match class {
             FaultClass::Unknown => Ok(()),
             _ if self.finding.confidence >= 0.995 => f.write_str(", confidence above 0.99"), // never 1.00

@@ -8,7 +8,7 @@ use fdi_core::name::Name;
 use fdi_core::{AdcCode, Reading, Trip, TripReason};
 
 use crate::alarm::{self, AlarmRecord};
-use crate::decimal::Fixed;
+use crate::decimal::{At, Fixed};
 use crate::interlock::Lockout;
 
 /// Entries kept.
@@ -116,7 +116,7 @@ pub struct EntryText<'a> {
 
 impl fmt::Display for EntryText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let seconds = |tick: u32| Fixed(tick as f32 * self.sample_time, 1);
+        let seconds = |tick: u32| At(tick, self.sample_time);
         match self.entry {
             Entry::Fault { fault, ended, name } => {
                 write!(

@@ -2,6 +2,7 @@
 
 use std::io::{self, ErrorKind, Read, Write};
 
+use fdi_core::{AdcCode, RawSample};
 use firmware_logic::stream::codes::Codes;
 use firmware_logic::stream::frame;
 use pt326::commands::board::verify;
@@ -11,6 +12,7 @@ use pt326_host::experiment::scenario::Scenario;
 use pt326_rig::Rig;
 use virtual_board::board::{Board, load};
 use virtual_board::clock::Cause;
+use virtual_board::closed_loop::TICK;
 use virtual_board::scene::{Scene, WAIVE_CHECK};
 use virtual_board::time::{MS, SECOND};
 
@@ -114,6 +116,26 @@ fn without_codes_it_trips() {
     scene.board.run_for(SECOND).expect("runs on");
     scene.board.send(b"stream off\r");
     scene.board.run_for(SECOND).expect("runs on");
+    assert!(scene.board.command("status").expect("answers").contains("mode tripped"));
+}
+
+/// They are for the tick before, each time.
+#[test]
+fn with_codes_that_come_late_it_trips() {
+    let mut scene = at_rest();
+    armed(&mut scene);
+    scene.board.command("stream off").expect("answers");
+    for _ in 0..12 {
+        let last = scene.board.log.iter().rev().find_map(|line| line.tick()).expect("a tick");
+        // They move a little, as noise does: a T1 that stands still would trip, too.
+        let t1 = AdcCode(1700.0 + (last.tick() % 3) as f32);
+        let raw = RawSample { t0: AdcCode(2160.0), t1, t2: AdcCode(1800.0), supply: AdcCode(0.0) };
+        let late = Codes { tick: last.tick(), raw };
+        let mut frame = String::new();
+        frame::write(&late, &mut frame).expect("there is room");
+        scene.board.send(frame.as_bytes());
+        scene.board.run_for(TICK).expect("runs on");
+    }
     assert!(scene.board.command("status").expect("answers").contains("mode tripped"));
 }
 

@@ -91,10 +91,10 @@ pub(super) const MUTANTS: &[Mutant] = &[
     ),
     mutant(
         "late-codes-believed",
-        "a simulated rig that says no more is thought to stand still",
+        "codes that are for another tick are taken for those of this one",
         "firmware/src/simulation.rs",
         [".filter(|came| came.tick == tick)", ".filter(|came| came.tick == tick || true)"],
-        &["simulated::without_codes"],
+        &["simulated::with_codes_that_come_late"],
     ),
     mutant(
         "log-overwrites-itself",

@@ -11,7 +11,8 @@ from ._campaign import Campaign, Detector, Evaluation, campaign, evaluate
 from ._core import VERSION as __version__
 from ._core import Board, Codes, Config, Finding, Instrument, Monitor, Report, Setting, scenario
 from ._error import Error
-from ._recording import Diagnosis, FittedRig, Model, diagnose, fit_rig, identify
+from ._identify import Model, identify
+from ._recording import Diagnosis, FittedRig, diagnose, fit_rig
 from ._rig import Rig
 from ._run import Run, isolability, repeat, run
 from ._scorer import Scorer

@@ -25,7 +25,7 @@ mod core {
     #[pymodule_export]
     use crate::config::{Config, Setting};
     #[pymodule_export]
-    use crate::identify::identify;
+    use crate::identify::{columns, rls};
     #[pymodule_export]
     use crate::instrument::{Finding, Instrument, Report};
     #[pymodule_export]

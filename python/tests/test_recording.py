@@ -139,38 +139,60 @@ def test_a_monitor_says_what_it_is_given() -> None:
     assert monitor.model() is None
 
 
-def test_a_model_is_that_of_the_command_line(frame: Any, command: Command, tmp_path: Path) -> None:
+@pytest.mark.parametrize("detrend", ["offset", "mean"])
+def test_a_model_has_the_parameters_of_the_process_within_its_standard_deviations(detrend: Any) -> None:
+    a, b, delay = [-1.5, 0.56], [0.3, 0.1], 3
+    noise, process = np.random.default_rng(1), [0.0] * 4
+    u = np.repeat(noise.choice([20.0, 40.0], 400), 10)
+    for k in range(4, len(u)):
+        pushed = b[0] * (u[k - delay] - 30) + b[1] * (u[k - delay - 1] - 30)
+        process.append(-a[0] * process[k - 1] - a[1] * process[k - 2] + pushed + 0.02 * noise.standard_normal())
+    model = pt326.identify({"u": u, "y": np.array(process) + 22}, u="u", y="y", order=(2, 2, 3), ts=0.1, detrend=detrend)
+    for value, truth, sd in zip([*model.a, *model.b], [*a, *b], model.report["sd"], strict=True):
+        assert abs(value - truth) < 4 * sd + 1e-4, (value, truth, sd)
+    assert model.report["static_gain"] == pytest.approx(0.4 / 0.06, rel=0.01)
+    assert model.report["time_constants_s"] == pytest.approx([-0.1 / np.log(0.8), -0.1 / np.log(0.7)], rel=0.05)
+    assert model.report["fit_pct"][0] > 95 and model.report["doubts"] == []
+
+
+def test_a_model_says_what_speaks_against_it() -> None:
+    noise = np.random.default_rng(2)
+    still = {"u": np.full(300, 20.0) + 1e-3 * noise.standard_normal(300), "y": 30 + noise.standard_normal(300)}
+    model = pt326.identify(still, u="u", y="y", order=(1, 1, 1), ts=1.0)
+    assert any("the gain is not known" in doubt for doubt in model.report["doubts"]) and "doubt" in str(model)
+    drift = {"u": noise.standard_normal(300), "y": np.cumsum(1 + noise.standard_normal(300))}
+    model = pt326.identify(drift, u="u", y="y", order=(1, 1, 1), ts=1.0, detrend="none")
+    assert any("not stable" in doubt for doubt in model.report["doubts"]), model.report
+
+
+def test_a_file_and_a_frame_give_the_same_model(frame: Any, tmp_path: Path) -> None:
     file = tmp_path / "box.csv"
     frame.astype(np.float64).to_csv(file, index=False)
-    options = ["--u", "heat", "--y", "box", "--order", "2,1,2", "--to", "3000", "--validate", "3000:4000"]
-    model = pt326.identify(frame, u="heat", y="box", order=(2, 1, 2), rows=(0, 3000), validate=(3000, 4000))
-    said = json.loads(command("identify", file, *options, "--json").stdout)
-    assert {**model.report, "file": said["file"]} == said
-    assert str(model).splitlines()[3:] == command("identify", file, *options).stdout.splitlines()[3:]
-    assert (
-        str(pt326.identify(file, u="heat", y="box", order=(2, 1, 2))) == command("identify", file, *options[:6]).stdout
-    )
+    asked: dict[str, Any] = {"u": "heat", "y": "box", "order": (2, 1, 2), "ts": 0.11, "validate": (3000, 4000)}
+    assert pt326.identify(file, **asked).report == pt326.identify(frame, **asked).report
 
 
 @pytest.mark.parametrize("order", [(2, 1, 2), (1, 2, 1), (3, 1, 1)])
 def test_a_model_is_a_transfer_function(frame: Any, order: tuple[int, int, int]) -> None:
     control = pytest.importorskip("control")
-    model = pt326.identify(frame, u="heat", y="box", order=order, rows=(0, 3000))
+    model = pt326.identify(frame, u="heat", y="box", order=order, ts=0.11, rows=(0, 3000))
     transfer = model.transfer_function()
     assert transfer.dt == model.ts == 0.11
-    assert control.dcgain(transfer) == pytest.approx(model.report["static_gain"]["value"], rel=1e-3)
+    assert control.dcgain(transfer) == pytest.approx(model.report["static_gain"], rel=1e-3)
     _, response = control.impulse_response(transfer, T=np.arange(6) * model.ts)
     first = next(k for k, value in enumerate(response) if abs(value) > 1e-9)
     assert first == model.delay
 
 
 def test_what_cannot_be_identified_is_refused(frame: Any) -> None:
-    with pytest.raises(pt326.Error, match="order: expected NA and NB from 1 to 8"):
-        pt326.identify(frame, u="heat", y="box", order=(9, 1, 1))
+    with pytest.raises(pt326.Error, match="expected na and nb from 1 to 8"):
+        pt326.identify(frame, u="heat", y="box", order=(9, 1, 1), ts=0.11)
     with pytest.raises(pt326.Error, match="kettle"):
-        pt326.identify(frame, u="kettle", y="box", order=(1, 1, 1))
+        pt326.identify(frame, u="kettle", y="box", order=(1, 1, 1), ts=0.11)
     with pytest.raises(pt326.Error, match="detrend"):
-        pt326.identify(frame, u="heat", y="box", order=(1, 1, 1), detrend="never")  # type: ignore[arg-type]
+        pt326.identify(frame, u="heat", y="box", order=(1, 1, 1), ts=0.11, detrend="never")  # type: ignore[arg-type]
+    with pytest.raises(pt326.Error, match="rows for"):
+        pt326.identify(frame, u="heat", y="box", order=(2, 2, 1), ts=0.11, rows=(0, 12))
 
 
 def test_a_fitted_rig_is_that_of_the_command_line_and_runs(frame: Any, command: Command, tmp_path: Path) -> None:

@@ -6,7 +6,6 @@
 pub mod board;
 pub mod campaign;
 pub mod experiment;
-pub mod identify;
 pub mod isolability;
 pub mod record;
 pub mod recording;

@@ -8,7 +8,6 @@ pub mod cosim;
 pub mod diagnose;
 pub mod experiment;
 pub mod fit_rig;
-pub mod identify;
 pub mod isolability;
 #[cfg(feature = "live")]
 pub mod live;
@@ -32,7 +31,6 @@ use console::ConsoleArgs;
 use cosim::CoreArgs;
 use diagnose::DiagnoseArgs;
 use fit_rig::FitRigArgs;
-use identify::IdentifyArgs;
 use isolability::IsolabilityArgs;
 #[cfg(feature = "live")]
 use live::LiveArgs;
@@ -60,7 +58,6 @@ use terminal::{BAD, in_words, is_unread, styled};
   pt326 campaign --quick                  every fault and disturbance, both diagnoses, in a minute
   pt326 isolability --preset trainer      which faults can be told apart on this rig, and how soon
   pt326 diagnose record.csv               a recording of somebody else's heater: what was wrong?
-  pt326 identify record.csv --u Q1 --y T1 --order 2,2,1
   pt326 replay board.log                  a board's log through the same code again: the same bits?
   pt326 teach board.log --fault hand:385..410,495..520 --fault cap:600..625 --out taught.toml
   pt326 board --record board.log          what a board over its serial port does, until Ctrl-C
@@ -95,8 +92,6 @@ enum Subcommand {
     Diagnose(Box<DiagnoseArgs>),
     /// Fit a simulated rig to a recording, for `run --scenario`.
     FitRig(FitRigArgs),
-    /// Identify an ARX model (autoregressive with external input) from a recording.
-    Identify(IdentifyArgs),
     /// Run a recording (a board's log, a trace.csv) through the same code again and compare.
     Replay(ReplayArgs),
     /// Make signatures of faults of your own from a recording in which you made them.
@@ -153,7 +148,6 @@ impl Cli {
             Subcommand::Core(args) => cosim::run(&args),
             Subcommand::Diagnose(args) => diagnose::run(&args),
             Subcommand::FitRig(args) => fit_rig::run(&args),
-            Subcommand::Identify(args) => identify::run(&args),
             Subcommand::Replay(args) => replay::run(&args),
             Subcommand::Teach(args) => return teach::run(&args),
             #[cfg(feature = "live")]

@@ -23,7 +23,7 @@ pub struct CompletionsArgs {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   pt326 man | man -l -
-  pt326 man identify > ~/.local/share/man/man1/pt326-identify.1
+  pt326 man diagnose > ~/.local/share/man/man1/pt326-diagnose.1
   pt326 man --out ~/.local/share/man/man1           (all pages)")]
 pub struct ManArgs {
     /// The command to describe; left out: pt326 itself.

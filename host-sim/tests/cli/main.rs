@@ -9,7 +9,6 @@ mod diagnose;
 mod drive;
 mod forms;
 mod hostile;
-mod identify;
 mod isolability;
 mod lid;
 mod made;

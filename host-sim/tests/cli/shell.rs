@@ -71,9 +71,9 @@ fn completions_and_manual_pages_know_the_commands() {
         assert!(page.contains(&format!("pt326\\-{}", command.replace('-', "\\-"))), "{command}: {page}");
     }
     let page = text(&pt326(&["man"]).stdout);
-    assert!(page.contains(".TH pt326 1") && page.contains("identify"), "{page}");
-    let page = text(&pt326(&["man", "identify"]).stdout);
-    assert!(page.contains("pt326\\-identify") && page.contains("\\-\\-detrend"), "{page}");
+    assert!(page.contains(".TH pt326 1") && page.contains("diagnose"), "{page}");
+    let page = text(&pt326(&["man", "fit-rig"]).stdout);
+    assert!(page.contains("pt326\\-fit\\-rig") && page.contains("\\-\\-map"), "{page}");
     assert!(text(&pt326(&["man", "nothing"]).stderr).contains("no command is named nothing"));
 }
 

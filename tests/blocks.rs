@@ -10,18 +10,12 @@ use toml::Table;
 use super::{documents, root, sources};
 
 /// What is shown and not made by a command: the page, how the block begins, why.
-const UNCHECKED: [(&str, &str, &str); 8] = [
+const UNCHECKED: [(&str, &str, &str); 6] = [
     ("CONTRIBUTING.md", "   stale: cargo run", "what a test says that fails"),
     ("docs/architecture.md", "            ┌─", "a drawing"),
-    (
-        "docs/board-reference.md",
-        "T1_high ",
-        "from a log of twenty minutes with three faults made by hand, which is not kept",
-    ),
     ("docs/dashboards.md", "scrape_configs:", "read by Prometheus; tools/try-dashboard has another"),
     ("docs/dashboards.md", "    metric_relabel_configs:", "read by Prometheus"),
     ("docs/diagnosis.md", "power ─▶", "a drawing"),
-    ("docs/first-day.md", "> calibrate all", "typed by a person; docs/board.md shows the answers"),
     ("docs/fmi.md", "the step is 0.1 s", "tools/try-fmu compares it"),
 ];
 

@@ -3,7 +3,7 @@
 mod blocks;
 mod numbers;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use fdi_core::FaultClass;
@@ -126,7 +126,7 @@ fn every_link_of_the_documents_leads_somewhere() {
 }
 
 #[test]
-fn the_book_lists_every_page() {
+fn the_book_lists_every_page_once() {
     let documents = documents();
     let summary = &documents[Path::new("docs/SUMMARY.md")];
     let listed: Vec<PathBuf> =
@@ -134,6 +134,8 @@ fn the_book_lists_every_page() {
     let missing: Vec<_> =
         documents.keys().filter(|page| page.starts_with("docs") && !listed.contains(page)).collect();
     assert_eq!(missing, [Path::new("docs/SUMMARY.md")], "pages that docs/SUMMARY.md does not list");
+    let distinct: BTreeSet<_> = listed.iter().collect();
+    assert_eq!(distinct.len(), listed.len(), "mdBook refuses a page that is listed twice: {listed:?}");
 }
 
 /// What a page of evidence says of its origin.

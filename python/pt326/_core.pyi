@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 from typing_extensions import disjoint_base
 
-__all__ = ["VERSION", "Board", "Cells", "Codes", "Config", "Finding", "Instrument", "Monitor", "Observer", "Record", "Recording", "Report", "Rig", "Setting", "identify", "isolability", "repeat", "run", "scenario", "tune"]
+__all__ = ["VERSION", "Board", "Cells", "Codes", "Config", "Finding", "Instrument", "Monitor", "Observer", "Record", "Recording", "Report", "Rig", "Setting", "columns", "isolability", "repeat", "rls", "run", "scenario", "tune"]
 
 VERSION: Final[str]
 """
@@ -626,9 +626,9 @@ class Setting:
         The words of which it is one; empty for numbers and switches.
         """
 
-def identify(path: "str | os.PathLike[str] | None", text: str | None, u: str, y: str, order: tuple[SupportsIndex, SupportsIndex, SupportsIndex], ts: SupportsFloat | SupportsIndex | None = None, lam: SupportsFloat | SupportsIndex = 1.0, detrend: str = "auto", rows: tuple[SupportsIndex, SupportsIndex] | None = None, validate: tuple[SupportsIndex, SupportsIndex] | None = None) -> "tuple[dict[str, typing.Any], str]":
+def columns(path: "str | os.PathLike[str] | None", text: "str | None", names: "list[str]") -> "dict[str, numpy.ndarray]":
     """
-    Identifies an ARX model from a file, or from the text of one: `pt326 identify --json`, and what it prints.
+    Columns of a file, or of the text of one, by name or number; each cell must be a number.
     """
 
 def isolability(scenario: "object" = None, config: Config | None = None, seed: "int" = ..., preset: str | None = None, disturbance: str | None = None, within: SupportsGetItem[int, SupportsFloat | SupportsIndex] = ..., equal_odds: bool = False, progress: "typing.Callable[[int, int | None], object] | None" = None) -> str:
@@ -639,6 +639,11 @@ def isolability(scenario: "object" = None, config: Config | None = None, seed: "
 def repeat(scenario: "object" = None, config: Config | None = None, runs: SupportsIndex = 200, first_seed: "int" = ..., preset: str | None = None, disturbance: str | None = None, fault_size: "str | float | None" = None, progress: "typing.Callable[[int, int | None], object] | None" = None) -> "dict[str, typing.Any]":
     """
     The same experiment with many seeds, on all cores: `pt326 repeat --json`.
+    """
+
+def rls(phi: "numpy.ndarray", y: "numpy.ndarray", lam: "float" = 1.0) -> "numpy.ndarray":
+    """
+    Recursive least squares in single precision, as on the board: rows of 17 regressors and outputs, both scaled to some 1.
     """
 
 def run(scenario: "object" = None, config: Config | None = None, seed: "int" = ..., preset: str | None = None, disturbance: str | None = None, fault_size: "str | float | None" = None) -> Record:

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use fdi_core::identify::{Adaptation, RlsConfig};
 use fdi_core::identify::rls::Rls;
+use fdi_core::identify::{Adaptation, RlsConfig};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pt326_host::recording::table::Table;
 use pyo3::prelude::*;

@@ -178,7 +178,7 @@ fn what_was_taught_to_the_likelihood_diagnosis_changes_nothing_else() {
     assert!(told > 300, "{told} ticks");
 }
 
-/// The numbers of docs/board-reference.md.
+/// The numbers of docs/evidence/board.md.
 #[test]
 #[ignore = "two minutes"]
 fn in_a_hundred_runs_and_two_hundred_hours() {

@@ -49,20 +49,17 @@ use terminal::{BAD, in_words, is_unread, styled};
 #[command(
     name = "pt326",
     version,
+    help_template = help_template(),
     after_help = "Examples:
   pt326                                   the paper's experiment; results in out/
   pt326 run --seed 7 --disturbance lively --fault-size small
   pt326 scenario > my.toml                the rig and the faults: edit them, then
   pt326 run --scenario my.toml
-  pt326 repeat --seeds 200                delays and durations over 200 runs
   pt326 campaign --quick                  every fault and disturbance, both diagnoses, in a minute
-  pt326 isolability --preset trainer      which faults can be told apart on this rig, and how soon
   pt326 diagnose record.csv               a recording of somebody else's heater: what was wrong?
   pt326 replay board.log                  a board's log through the same code again: the same bits?
-  pt326 teach board.log --fault hand:385..410,495..520 --fault cap:600..625 --out taught.toml
   pt326 board --record board.log          what a board over its serial port does, until Ctrl-C
   pt326 console                           the board's console on the simulated rig
-  my-plant | pt326 core                   ADC codes in, power and diagnosis out, line by line
 
 `pt326 COMMAND --help` explains each. Exit code: 0, or 2 after an error; `board` and `teach` also give 1."
 )]
@@ -75,27 +72,15 @@ pub struct Cli {
 const NO_LIVE: &str = "this build has no `live`, for its web server takes as long to build as all the rest. From the \
     project's folder: cargo install --path host-sim --features live";
 
-/// The commands.
+/// The commands: first those for everybody, as many as [`FOR_EVERYBODY`] says.
 #[derive(Debug, clap::Subcommand)]
 enum Subcommand {
     /// Run an experiment on the simulated rig; write a trace, figures and a report.
     Run(RunArgs),
-    /// Run the same experiment with many seeds; print medians and percentiles.
-    Repeat(RepeatArgs),
-    /// Run many kinds of experiment many times, and score both diagnoses against the truth.
-    Campaign(Box<CampaignArgs>),
-    /// Compute which faults can be told apart on a rig, how soon, and from which size on.
-    Isolability(IsolabilityArgs),
-    /// Be the instrument for another program: ADC codes on standard input, power and diagnosis on standard output.
-    Core(CoreArgs),
     /// Diagnose a recording of a heater that something else controls.
     Diagnose(Box<DiagnoseArgs>),
-    /// Fit a simulated rig to a recording, for `run --scenario`.
-    FitRig(FitRigArgs),
-    /// Run a recording (a board's log, a trace.csv) through the same code again and compare.
-    Replay(ReplayArgs),
-    /// Make signatures of faults of your own from a recording in which you made them.
-    Teach(TeachArgs),
+    /// Use a real board over its serial port: console, record, settings, commissioning.
+    Board(BoardArgs),
     /// Serve the lab to a browser: the simulated rig, or a recording, as it goes on.
     #[cfg(feature = "live")]
     Live(LiveArgs),
@@ -109,16 +94,47 @@ enum Subcommand {
     },
     /// Use the board's console, with the simulated rig in place of a board.
     Console(ConsoleArgs),
-    /// Use a real board over its serial port: its console, a record of what it does, its settings.
-    Board(BoardArgs),
+    /// Run many kinds of experiment many times, and score both diagnoses against the truth.
+    Campaign(Box<CampaignArgs>),
+    /// Run a recording (a board's log, a trace.csv) through the same code again and compare.
+    Replay(ReplayArgs),
     /// Print the instrument's settings with their defaults as commented TOML.
     Config(ConfigArgs),
     /// Print the default rig and faults as commented TOML.
     Scenario,
+    /// Run the same experiment with many seeds; print medians and percentiles.
+    Repeat(RepeatArgs),
+    /// Compute which faults can be told apart on a rig, how soon, and from which size on.
+    Isolability(IsolabilityArgs),
+    /// Make signatures of faults of your own from a recording in which you made them.
+    Teach(TeachArgs),
+    /// Fit a simulated rig to a recording, for `run --scenario`.
+    FitRig(FitRigArgs),
+    /// Be the instrument for another program: ADC codes in, power and diagnosis out.
+    Core(CoreArgs),
     /// Print the completions for a shell.
     Completions(CompletionsArgs),
     /// Print a manual page.
     Man(ManArgs),
+}
+
+/// So many commands are for everybody. The help lists the others apart.
+const FOR_EVERYBODY: usize = 9;
+
+/// The help with its commands in two lists: clap makes one.
+fn help_template() -> String {
+    let commands = <Subcommand as clap::Subcommand>::augment_subcommands(clap::Command::new("pt326"));
+    let line = |command: &clap::Command| {
+        let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+        format!("  {:<12} {about}\n", command.get_name())
+    };
+    let lines: Vec<String> = commands.get_subcommands().map(line).collect();
+    let (everybody, engineers) = lines.split_at(FOR_EVERYBODY);
+    format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\nCommands:\n{}\nFor engineers:\n{}\nOptions:\n{{options}}{{after-help}}",
+        everybody.concat(),
+        engineers.concat()
+    )
 }
 
 impl Cli {
@@ -184,5 +200,21 @@ mod tests {
             command.get_subcommands().for_each(check);
         }
         check(&Cli::command());
+        let long = help_template().lines().find(|line| line.chars().count() > 100).map(str::to_owned);
+        assert!(long.is_none(), "{long:?}");
+    }
+
+    #[test]
+    fn what_most_people_use_comes_first() {
+        let help = Cli::command().render_help().to_string();
+        let of = |heading: &str| -> Vec<String> {
+            let lines = help.lines().skip_while(|line| *line != heading).skip(1);
+            let lines = lines.take_while(|line| !line.is_empty());
+            lines.filter_map(|line| line.split_whitespace().next().map(str::to_owned)).collect()
+        };
+        let first =
+            ["run", "diagnose", "board", "live", "console", "campaign", "replay", "config", "scenario"];
+        assert_eq!(of("Commands:"), first, "{help}");
+        assert!(of("For engineers:").contains(&"isolability".to_owned()), "{help}");
     }
 }

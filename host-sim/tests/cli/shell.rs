@@ -5,12 +5,11 @@ use crate::{arg, folder, pt326, text};
 /// The commands, as the help lists them; clap knows no others.
 fn commands() -> Vec<String> {
     let help = text(&pt326(&["--help"]).stdout);
-    let listed =
-        help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-    // A command stands further left than the rest of what is said of it.
-    let named = listed.filter_map(|line| line.strip_prefix("  ").filter(|line| !line.starts_with(' ')));
-    let words = named.filter_map(|line| line.split_whitespace().next()).filter(|word| *word != "help");
-    words.map(str::to_owned).collect()
+    let listed = |heading: &'static str| {
+        let lines = help.lines().skip_while(move |line| *line != heading).skip(1);
+        lines.take_while(|line| !line.is_empty()).filter_map(|line| line.split_whitespace().next())
+    };
+    listed("Commands:").chain(listed("For engineers:")).map(str::to_owned).collect()
 }
 
 #[test]

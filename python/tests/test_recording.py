@@ -1,5 +1,4 @@
 import copy
-import json
 import pickle
 from pathlib import Path
 from typing import Any
@@ -147,12 +146,16 @@ def test_a_model_has_the_parameters_of_the_process_within_its_standard_deviation
     for k in range(4, len(u)):
         pushed = b[0] * (u[k - delay] - 30) + b[1] * (u[k - delay - 1] - 30)
         process.append(-a[0] * process[k - 1] - a[1] * process[k - 2] + pushed + 0.02 * noise.standard_normal())
-    model = pt326.identify({"u": u, "y": np.array(process) + 22}, u="u", y="y", order=(2, 2, 3), ts=0.1, detrend=detrend)
+    model = pt326.identify(
+        {"u": u, "y": np.array(process) + 22}, u="u", y="y", order=(2, 2, 3), ts=0.1, detrend=detrend
+    )
     for value, truth, sd in zip([*model.a, *model.b], [*a, *b], model.report["sd"], strict=True):
         assert abs(value - truth) < 4 * sd + 1e-4, (value, truth, sd)
     assert model.report["static_gain"] == pytest.approx(0.4 / 0.06, rel=0.01)
     assert model.report["time_constants_s"] == pytest.approx([-0.1 / np.log(0.8), -0.1 / np.log(0.7)], rel=0.05)
-    assert model.report["fit_pct"][0] > 95 and model.report["doubts"] == []
+    assert model.report["fit_pct"][0] > 95
+    if detrend == "offset":  # the mean of a transient is no steady state
+        assert model.report["doubts"] == []
 
 
 def test_a_model_says_what_speaks_against_it() -> None:

@@ -74,7 +74,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "codes-believed",
         "codes from the port stand in for those of the converter",
         "firmware/src/simulation.rs",
-        ["    if !is_on() {\n", "    if false {\n"],
+        ["_ if !is_on() => sampled", "_ if false => sampled"],
         &["simulated::it_begins"],
     ),
     mutant(

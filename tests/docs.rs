@@ -1,6 +1,7 @@
 //! The documents: every relative link leads to a file, every anchor to a heading, and the book lists every page; every class of fault has its entry.
 
 mod blocks;
+mod followed;
 mod numbers;
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -178,6 +178,32 @@ fn results_that_a_page_repeats_are_those_of_their_page() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// The faults that were made on purpose in a real TCLab: limits of its definitions are a sample for thermistors, 60 s for the heater.
+#[test]
+fn the_readme_counts_the_faults_of_the_real_heaters_as_their_page_does() {
+    let documents = documents();
+    let page = documents[Path::new("docs/evidence/records.md")].as_str();
+    let tables = page.split("### tclab/faults_0").skip(1).map(|part| part.split("\n### ").next().unwrap());
+    let rows: Vec<Vec<&str>> =
+        tables.flat_map(str::lines).map(|line| line.split_whitespace().collect()).collect();
+    let [offsets, powers] = ["T1", "heater-power"].map(|of| {
+        let rows = rows.iter().filter(|row| row.first() == Some(&of));
+        rows.map(|row| row[row.iter().position(|word| *word == "s").unwrap() + 1]).collect::<Vec<_>>()
+    });
+    let named = offsets.iter().filter(|alarm| **alarm == "1").count();
+    let (seen, missed): (Vec<&str>, Vec<&str>) = powers.into_iter().partition(|alarm| *alarm != "never");
+    let in_time = seen.iter().filter(|alarm| alarm.parse::<u32>().unwrap() <= 60).count();
+    let expected = format!(
+        "{named} of {} thermistor faults named at the second sample; of {} heater faults {in_time} in time, {} late, {} missed",
+        offsets.len(),
+        seen.len() + missed.len(),
+        seen.len() - in_time,
+        missed.len()
+    );
+    let readme = &documents[Path::new("README.md")];
+    assert!(readme.contains(&expected), "README.md does not say: {expected}");
+}
+
 #[test]
 fn a_stale_number_is_told_and_rounding_is_not() {
     let source = "Targets: 32 of 62 met\n| hours | 487.2134 |\n";

@@ -8,6 +8,8 @@ import { $, embedded, lab, toast } from "lab/state.js";
 import { say } from "lab/strings.js";
 import { ask, use } from "lab/talk.js";
 
+const SURE = 7000; // ms: a second press is meant while the words of the first are there
+
 // The worker of the page, and the session that runs in it.
 export const parts = () => ({ worker: embedded("worker"), wasm: embedded("wasm") });
 // Where the page begins: at the server that has sent it, or at its own session.
@@ -19,6 +21,10 @@ $("download").addEventListener("click", async () => {
   save(answer.parts, "trace.csv", "text/csv", say("replay_with", { file: "trace.csv" }));
 });
 $("savelog").addEventListener("click", async () => save((await ask({ command: "log" })).parts, "board.log", "text/plain", say("replay_with", { file: "board.log" })));
+// With the page go the port, its Stop, and what was not saved of the log.
+const holds = () => lab.can.has("log");
+addEventListener("beforeunload", (event) => holds() && event.preventDefault());
+let warned = -Infinity; // ms: when the first press of the way back from a board was
 // Saves a file, and says so.
 export function save(parts, file, type, told) {
   const link = document.createElement("a");
@@ -39,6 +45,10 @@ async function leave(make) {
   use(make);
 }
 $("back").addEventListener("click", () => {
+  if (holds() && performance.now() - warned > SURE) {
+    warned = performance.now();
+    return toast(say("leaves_board"));
+  }
   lab.away = false;
   use(home);
 });

@@ -38,6 +38,12 @@ function showSoon() {
   shows ||= requestAnimationFrame(() => ((shows = 0), show()));
 }
 
+function found() {
+  if (!lab.lost) return;
+  lab.lost = 0;
+  show();
+}
+
 export const HEAR = {
   hello(message) {
     if (message.protocol !== PROTOCOL) throw new Error(`protocol ${message.protocol}`);
@@ -92,7 +98,7 @@ export const HEAR = {
     quiz.follow(events);
     if (exam.follow(store.now)) show();
     lab.heard = performance.now();
-    lab.lost = 0;
+    found();
     if (store.end !== lab.hello.count) return;
     review.show(lab);
     charts.show(Infinity, store.now - store.first * store.ts);
@@ -119,7 +125,10 @@ export const HEAR = {
   },
   lost() {
     lab.checking = false; // how it goes on is not heard
-    lab.lost ||= performance.now();
+    if (lab.lost) return;
+    lab.lost = performance.now();
+    show();
+    if (lab.hello.kind === "board") toast(say("head_lost_board")); // also who works at the desk, far below the sentence, sees that
   },
   agrees, image, kept,
   said(message) {
@@ -133,7 +142,7 @@ export const HEAR = {
   },
   // Between the server and the board.
   link({ up }) {
-    lab.checking = false;
-    lab.lost = up ? 0 : lab.lost || performance.now();
+    if (up) found();
+    else HEAR.lost();
   },
 };

@@ -34,7 +34,7 @@ function source() {
   else if (lab.store.end === lab.hello.count) review.show(lab);
   if (!kind) return;
   const told = { simulated: say("source_simulated", { seed: lab.scene.seed }), recording: say("source_recording", { name: escape(name) }), board: say("source_board", { name: escape(name) }) };
-  $("source").lastElementChild.innerHTML = told[kind] ?? say("source_live", { name: escape(name ?? kind) });
+  $("source").lastElementChild.innerHTML = lab.lost ? say("state_lost") : told[kind] ?? say("source_live", { name: escape(name ?? kind) });
 }
 
 function pressed() {

@@ -27,7 +27,8 @@ export function verdict({ row: now, hello, events, since, begun, ts, settings, c
   const [order, mends] = [can.has("order"), can.has("break")];
   if (lost) {
     const s = num(lost / 1000, 0);
-    return { state: "lost", icon: "off", word: say("state_lost"), aside: "", head: say("head_lost", { s }), sub: say(hello.kind === "board" ? "sub_lost_board" : "sub_lost"), more: "" };
+    const of = hello.kind === "board" ? "_board" : "";
+    return { state: "lost", icon: "off", word: say("state_lost"), aside: say("for_s", { s }), head: say(`head_lost${of}`), sub: say(`sub_lost${of}`), more: "" };
   }
   if (now.mode === 4) {
     // First what is wrong, then the word that it was seen.

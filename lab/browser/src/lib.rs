@@ -116,7 +116,8 @@ impl Browser {
     /// # Errors
     /// Those of the driver.
     pub fn forget(&self) -> anyhow::Result<()> {
-        let kept = "localStorage.clear(); sessionStorage.clear(); for (const { name } of await indexedDB.databases()) indexedDB.deleteDatabase(name);";
+        // A page beside a board asks whether it may be left.
+        let kept = "window.lab?.lab.can.clear(); localStorage.clear(); sessionStorage.clear(); for (const { name } of await indexedDB.databases()) indexedDB.deleteDatabase(name);";
         self.run(kept, &[])?;
         self.tools("Emulation.clearDeviceMetricsOverride", json!({}))?;
         self.open("about:blank")

@@ -112,3 +112,54 @@ fn a_commissioning_is_written_down_as_a_page() {
         ])
     );
 }
+
+/// A write that fails ends its stream. The stop goes out by the port's next one, however the first was lost: its own, or a line's before it.
+#[test]
+fn a_stop_goes_out_after_a_write_has_failed() {
+    let script = r##"await monitoring();
+        const port = new Port(BOARD); offer(port); click("#connect");
+        await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
+        const stops = async (fails) => {
+          Object.assign(port, { fails, heard: "" }); $("#toast").textContent = ""; click("#stop");
+          await until(() => port.heard.includes("\x03") || /NOT/.test($("#toast").textContent));
+          return port.heard.includes("\x03");
+        };
+        port.fails = 1; port.heard = ""; $("#line").value = "arm"; $("#typed").requestSubmit(); await until(() => port.fails < 1);
+        const typed = port.heard;
+        return [typed, await stops(0), await stops(1), await stops(2), await stops(0)]"##;
+    assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!(["", true, true, false, true]));
+}
+
+/// A pulled cable is told in the sentence and in the bar, which stands over whatever is in view; when it is in again, both say so.
+#[test]
+fn a_pulled_cable_is_said_where_one_looks() {
+    let script = r##"await monitoring();
+        const port = new Port(BOARD); offer(port); click("#connect");
+        await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
+        const tick = (n) => port.says(framed(`tick ${n.toString(16)}${" 45000000".repeat(31)}`));
+        tick(1); await until(() => lab.lab.store?.end === 1);
+        port.unplug(); $("#console").scrollIntoView(); await until(() => document.body.dataset.state === "lost");
+        const { top, height } = $("#source span").getBoundingClientRect();
+        const lost = [$("#head").innerText, $("#source").textContent.trim(), top >= 0 && height > 0, $("#toast").textContent];
+        port.plug(); await until(() => port.readable); tick(2); await until(() => document.body.dataset.state !== "lost");
+        return [...lost, $("#source").textContent.trim()]"##;
+    let head = "The board is not heard: is its cable in?";
+    assert_eq!(
+        on_page(&format!("{PORT}{script}"), &[]),
+        json!([head, "No connection", true, head, "Real board:"])
+    );
+}
+
+/// Whoever leaves the page of a board is asked, and whoever goes back to the rig has to press twice; else nobody.
+#[test]
+fn a_board_is_not_left_by_one_press() {
+    let script = r##"await monitoring();
+        const asks = () => { const event = new Event("beforeunload", { cancelable: true }); dispatchEvent(event); return event.defaultPrevented; };
+        const before = asks();
+        const port = new Port(BOARD); offer(port); click("#connect");
+        await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
+        const there = asks(); click("#back"); const stays = lab.lab.hello.kind;
+        click("#back"); await until(() => lab.lab.hello.kind === "simulated" && lab.lab.store?.end > 0);
+        return [before, there, stays, asks()]"##;
+    assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!([false, true, "board", false]));
+}

@@ -4,6 +4,7 @@ import { refusal } from "lab/say.js";
 import { toLink } from "lab/scene.js";
 import { connect } from "lab/serial.js";
 import { fromRecording, fromServer, inWorker, replay } from "lab/sources.js";
+import { exam } from "lab/parts.js";
 import { $, embedded, lab, toast } from "lab/state.js";
 import { say } from "lab/strings.js";
 import { ask, use } from "lab/talk.js";
@@ -91,11 +92,15 @@ function scene(event, data) {
 }
 $("opentext").addEventListener("input", ({ target }) => opens(target.value) && (target.value = ""));
 addEventListener("paste", (event) => scene(event, event.clipboardData));
-addEventListener("drop", (event) => scene(event, event.dataTransfer));
-addEventListener("dragover", (event) => event.dataTransfer.types.includes("text/plain") && event.preventDefault());
-$("file").addEventListener("change", async ({ target }) => {
-  const [file] = target.files;
-  if (!file) return;
+addEventListener("drop", (event) => {
+  const [file] = event.dataTransfer.files;
+  if (!file) return scene(event, event.dataTransfer);
+  event.preventDefault(); // a browser that is left to itself leaves the page for the file
+  if (!exam.hides) openTrace(file);
+});
+addEventListener("dragover", (event) => ["text/plain", "Files"].some((type) => event.dataTransfer.types.includes(type)) && event.preventDefault());
+async function openTrace(file) {
+  if (holds()) return toast(say("board_first"));
   try {
     const text = await file.text();
     if (!embedded("wasm")) toast(say("as_recorded"));
@@ -105,5 +110,9 @@ $("file").addEventListener("change", async ({ target }) => {
   } catch (error) {
     toast(say("bad_trace", { why: error.message }));
   }
+}
+$("file").addEventListener("change", async ({ target }) => {
+  const [file] = target.files;
+  if (file) await openTrace(file);
   target.value = "";
 });

@@ -186,6 +186,7 @@ export default {
   back_to_rig: "Back to the simulated rig",
   leaves_board: "This closes the board's port and drops what was not saved of its log. Press again to do so.",
   no_trace: "it is no recording of this instrument, since it has no column {name}. Open a trace.csv that Download or pt326 has written.",
+  board_first: "A board is connected: go back to the simulated rig first, then open the file.",
   bad_trace: "This file cannot be opened: {why}",
   as_recorded: "Shown as recorded. lab.html shows expected temperatures and shares as well.",
   not_replayed: "Shown as recorded, without expected temperatures and shares: run again it gives something else ({why}).",

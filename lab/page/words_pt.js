@@ -190,6 +190,7 @@ export default {
   back_to_rig: "Voltar à bancada simulada",
   leaves_board: "Isto fecha a porta da placa e perde o que não foi guardado do registo. Prima de novo para o fazer.",
   no_trace: "não é um registo deste instrumento, pois não tem a coluna {name}. Abra um trace.csv que Descarregar ou pt326 tenha escrito.",
+  board_first: "Há uma placa ligada: volte primeiro à bancada simulada e abra depois o ficheiro.",
   bad_trace: "Este ficheiro não se abre: {why}",
   as_recorded: "Mostrado como foi registado. lab.html mostra também temperaturas esperadas e partes.",
   not_replayed: "Mostrado como foi registado, sem temperaturas esperadas nem partes: corrido de novo dá outra coisa ({why}).",

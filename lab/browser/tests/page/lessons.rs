@@ -171,6 +171,18 @@ fn from_a_trace_there_is_a_way_back_to_the_rig() {
     );
     assert!(lacks.as_str().is_some_and(|text| text.contains("no column t_s")), "{lacks}");
     script_on(&browser, r##"click("[data-mode=quiz]"); return 1"##, &[]);
+    // Dropped anywhere, it is opened as by the button; nothing else than a file or a text may be dropped.
+    let dropped = script_on(
+        &browser,
+        r##"const data = new DataTransfer(); data.items.add(new File([args[0]], "dropped.csv"));
+           const drag = (type, dataTransfer) => document.body.dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
+           const taken = [drag("dragover", data), drag("drop", data), drag("dragover", new DataTransfer())];
+           await until(() => lab.lab.hello.kind === "recording"); const { name } = lab.lab.hello;
+           click("#back"); await until(() => lab.lab.hello.kind === "simulated" && lab.lab.store?.end > 300);
+           return [...taken, name]"##,
+        &[text],
+    );
+    assert_eq!(dropped, json!([false, false, true, "dropped.csv"]));
     browser.choose("#file", &trace).expect("an input");
     let back = script_on(
         &browser,

@@ -158,7 +158,8 @@ fn a_board_is_not_left_by_one_press() {
         const before = asks();
         const port = new Port(BOARD); offer(port); click("#connect");
         await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
-        const there = asks(); click("#back"); const stays = lab.lab.hello.kind;
+        const data = new DataTransfer(); data.items.add(new File(["t_s\n"], "trace.csv")); document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
+        await toast(/board is connected/); const there = asks(); click("#back"); const stays = lab.lab.hello.kind;
         click("#back"); await until(() => lab.lab.hello.kind === "simulated" && lab.lab.store?.end > 0);
         return [before, there, stays, asks()]"##;
     assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!([false, true, "board", false]));

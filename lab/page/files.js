@@ -5,6 +5,7 @@ import { toLink } from "lab/scene.js";
 import { connect } from "lab/serial.js";
 import { fromRecording, fromServer, inWorker, replay } from "lab/sources.js";
 import { exam } from "lab/parts.js";
+import { reveal } from "lab/show.js";
 import { $, embedded, lab, toast } from "lab/state.js";
 import { say } from "lab/strings.js";
 import { ask, use } from "lab/talk.js";
@@ -16,12 +17,13 @@ export const parts = () => ({ worker: embedded("worker"), wasm: embedded("wasm")
 // Where the page begins: at the server that has sent it, or at its own session.
 export const home = (hear) => (embedded("token") ? fromServer(hear, embedded("token")) : inWorker(hear, parts()));
 
+// One way to save what was recorded: a board's log, a session's trace.
 $("download").addEventListener("click", async () => {
+  if (holds()) return save((await ask({ command: "log" })).parts, "board.log", "text/plain", say("replay_with", { file: "board.log" }));
   const answer = await ask({ command: "trace" });
   if (answer.type !== "trace") return toast(refusal(answer));
   save(answer.parts, "trace.csv", "text/csv", say("replay_with", { file: "trace.csv" }));
 });
-$("savelog").addEventListener("click", async () => save((await ask({ command: "log" })).parts, "board.log", "text/plain", say("replay_with", { file: "board.log" })));
 // With the page go the port, its Stop, and what was not saved of the log.
 const holds = () => lab.can.has("log");
 addEventListener("beforeunload", (event) => holds() && event.preventDefault());
@@ -53,16 +55,20 @@ $("back").addEventListener("click", () => {
   lab.away = false;
   use(home);
 });
-for (const [id, any] of [["connect", false], ["connect-any", true]]) {
-  $(id).addEventListener("click", () => {
-    toast(say("connecting"));
-    // What a browser asks its user for, it asks at once after the press.
-    connect(any, parts()).then(async (make) => {
-      await leave(make);
-      toast(say("connected"));
-    }, ({ message }) => toast(say(["no_serial", "no_port", "port_busy"].includes(message) ? message : "no_board", { why: message })));
+let any = false; // where no ST-LINK was chosen, the next press offers all ports
+$("connect").addEventListener("click", () => {
+  toast(say("connecting"));
+  // What a browser asks its user for, it asks at once after the press.
+  connect(any, parts()).then(async (make) => {
+    any = false;
+    await leave(make);
+    toast(say("connected"));
+    reveal("say");
+  }, ({ message }) => {
+    any = message === "no_port";
+    toast(say(["no_serial", "no_port", "port_busy"].includes(message) ? message : "no_board", { why: message }));
   });
-}
+});
 $("link").addEventListener("click", async () => {
   const { scene, tick } = await ask({ command: "scene" });
   copyText("#" + toLink(scene, tick));
@@ -103,10 +109,13 @@ async function openTrace(file) {
   if (holds()) return toast(say("board_first"));
   try {
     const text = await file.text();
-    if (!embedded("wasm")) toast(say("as_recorded"));
-    const again = embedded("wasm") && (await replay(text, parts()).catch(({ message }) => void toast(say("not_replayed", { why: message }))));
+    const notes = [say("opened", { what: file.name })];
+    if (!embedded("wasm")) notes.push(say("as_recorded"));
+    const again = embedded("wasm") && (await replay(text, parts()).catch(({ message }) => void notes.push(say("not_replayed", { why: message }))));
     const { hello, values } = again || readTrace(text, lab.hello);
     await leave((hear) => fromRecording(hear, { hello: { ...hello, session: undefined }, name: file.name, values }));
+    toast(notes.join(" "));
+    reveal("say");
   } catch (error) {
     toast(say("bad_trace", { why: error.message }));
   }

@@ -8,7 +8,7 @@ import { charts, exam, quiz, review } from "lab/parts.js";
 import { hold } from "lab/plan.js";
 import { ownNames, refusal, taughtNames } from "lab/say.js";
 import { DEFAULT, fromLink } from "lab/scene.js";
-import { show } from "lab/show.js";
+import { reveal, show } from "lab/show.js";
 import { $, lab, toast } from "lab/state.js";
 import { Store } from "lab/store.js";
 import { say } from "lab/strings.js";
@@ -16,13 +16,17 @@ import { open, run } from "lab/talk.js";
 
 const PROTOCOL = 1;
 
+let arrives = false; // the scene of a link, which is told once it has opened
+
 // A session of its own: what the link holds, or trained and at the point of monitoring.
 export function begin() {
   let linked = lab.left;
   try {
     const paper = !linked && fromExam(location.hash);
     if (paper) return hold(paper);
-    linked ??= fromLink(location.hash);
+    const fromHash = linked ? null : fromLink(location.hash);
+    arrives = !!fromHash;
+    linked ??= fromHash;
   } catch (error) {
     toast(say("bad_link", { why: error.message }));
   }
@@ -54,13 +58,14 @@ export const HEAR = {
     if (!lab.store || lab.session !== message.session || message.session === undefined) {
       lab.store = new Store(message);
       lab.events = new Events(message);
-      charts.use(lab.store);
+      charts.use(lab.store, message);
       lab.settings = message.settings; // changes since are told as orders
     }
     lab.session = message.session;
     HEAR.names(message);
     if (message.scene) lab.scene = message.scene;
     if (!lab.can.has("break") && lab.mode !== "explore") setMode("explore");
+    if (message.kind === "board") lab.open.add("desk"); // what is done first is there
     show();
     if (message.kind === "board") beginReport();
     if (message.kind !== "simulated") return;
@@ -86,6 +91,10 @@ export const HEAR = {
     charts.follow();
     show();
     tour.opened();
+    if (!arrives) return;
+    arrives = false;
+    toast(say("opened", { what: say("scene") }));
+    reveal("say");
   },
   rows({ from, values }) {
     const { store, events } = lab;
@@ -121,6 +130,7 @@ export const HEAR = {
     toast(refusal(message));
     if (message.command?.order?.order === "set") document.activeElement.blur();
     show(); // what was chosen and refused is not so
+    if (message.command?.command === "open") arrives = false;
     if (message.command?.command === "open" && !lab.store.end) open(DEFAULT);
   },
   lost() {

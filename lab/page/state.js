@@ -14,6 +14,7 @@ export const lab = {
   usual: null, // the settings of a board to which nothing was done, where they are known
   away: false, left: null, // gone over to a recording or a board; the scene of the session that was left for it
   agrees: null, image: null, kept: null, // of a board: does a core beside it come to the same bits; what it runs; what its log takes
+  open: new Set(keep.get("open")?.split(" ") ?? []), // what is unfolded
   dirty: true, // something else than time has changed: all is to be drawn
 };
 export const changed = () => (lab.dirty = true);

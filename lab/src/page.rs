@@ -47,7 +47,6 @@ modules!(
     "closeup",
     "commissioning",
     "csv",
-    "drawing",
     "events",
     "exam",
     "exam_text",

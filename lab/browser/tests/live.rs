@@ -21,7 +21,10 @@ fn a_fault_put_in_on_one_page_is_named_on_another() {
         on(&browser, r#"await until(() => lab.lab.store?.end > 3300 && lab.row().mode === 3)"#);
         browser
     });
-    on(&one, r##"click("[data-speed='10']"); click("[data-part=T2]"); $("#sheet .primary").click();"##);
+    on(
+        &one,
+        r##"$("#speed").value = 10; $("#speed").dispatchEvent(new Event("change")); click("[data-part=T2]"); $("#sheet .primary").click();"##,
+    );
     let seen = r##"await until(() => /T2/.test($("#head").innerText)); return [lab.events().last.named, lab.events().last.label(), $("#source").textContent.trim()]"##;
     let expected = json!(["t2_offset", "T2: reads wrong, +1.5\u{a0}°C", "Live: paper, seed 1"]);
     assert_eq!(on(&other, seen), expected);

@@ -71,7 +71,7 @@ fn from_a_file_to_a_fault_that_is_named_with_the_same_bits() {
     connect(&browser);
     // Only an ST-LINK is offered. It was not heard from its start: the page says so, and offers to start it anew.
     let late = r##"await until(() => !$("#restart").hidden);
-        return [wire.asked, $("#source").textContent.trim(), $("#agrees").textContent.includes("not heard from the board's start"), $("#savelog").hidden, $("#why").hidden]"##;
+        return [wire.asked, $("#source").textContent.trim(), $("#agrees").textContent.includes("not heard from the board's start"), $("#download").hidden, $("#why").hidden]"##;
     let asked = json!([{ "filters": [{ "usbVendorId": 0x0483 }] }]);
     // The image has said which it is, when the page began to listen.
     let image = on(&browser, r##"return $("#image").textContent"##);

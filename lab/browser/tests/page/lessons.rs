@@ -215,12 +215,12 @@ fn no_button_is_left_untranslated() {
 fn a_scene_is_copied_as_text_and_pasted() {
     let seen = on_page(
         r##"await monitoring();
-           copies(); const text = await copied("#link");
+           copies(); const text = await copied("#link"); const told = /paste it/.test($("#toast").textContent);
            lab.send({ command: "open", scene: { ...SCENE, seed: 9 }, skip: true }); await step(1);
            history.replaceState(null, "", "#");
            paste(`see ${text} there`);
            await until(() => lab.lab.scene.seed === 1 && lab.lab.store.end > 100);
-           return [text.startsWith("#s="), /paste it/.test($("#toast").textContent)]"##,
+           return [text.startsWith("#s="), told]"##,
         &[],
     );
     assert_eq!(seen, json!([true, true]));

@@ -127,7 +127,7 @@ export const HEAR = {
     show();
   },
   refused(message) {
-    toast(refusal(message));
+    toast(refusal(message), message.code === "stop_gone");
     if (message.command?.order?.order === "set") document.activeElement.blur();
     show(); // what was chosen and refused is not so
     if (message.command?.command === "open") arrives = false;

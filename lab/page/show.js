@@ -22,7 +22,7 @@ function words() {
   for (const node of document.querySelectorAll("[data-say]")) node.textContent = say(node.dataset.say);
   asking();
   for (const node of document.querySelectorAll("[data-label]")) node.setAttribute("aria-label", say(node.dataset.label));
-  Object.assign($("language"), { textContent: following().toUpperCase(), lang: following(), ariaLabel: languages()[following()].language });
+  Object.assign($("language"), { textContent: languages()[following()].language, lang: following() });
   $("stack").setAttribute("aria-label", `${say("region_charts")}. ${say("charts_help")}`);
   $("overview").title = say("charts_help");
 }
@@ -80,7 +80,7 @@ function offered() {
   $("desk-recording").hidden = asked;
   $("desk-plan").hidden = kind !== "simulated" || asked;
   $("desk-board").hidden = kind !== "board";
-  $("desk-connect").hidden = !embedded("wasm") || kind === "board" || asked;
+  $("connect").hidden = !embedded("wasm") || kind === "board" || asked;
   $("back").hidden = !lab.away;
   $("kept").hidden = !can("log");
   $("download").hidden = !can("trace") && !can("log");

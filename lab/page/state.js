@@ -38,10 +38,16 @@ export function put(id, html) {
 }
 
 const LONGEST = 300; // characters of a toast: what is refused may quote anything
-let toastUntil = null;
-export function toast(text) {
-  $("toast").textContent = text.length > LONGEST ? text.slice(0, LONGEST) + "…" : text;
+let [toastUntil, urgent] = [null, ""];
+// While something urgent stands there, such as a stop that has not arrived, other words come behind it.
+export function toast(text, isUrgent = false) {
+  const all = urgent && !isUrgent ? `${urgent} ${text}` : text;
+  if (isUrgent) urgent = text;
+  $("toast").textContent = all.length > LONGEST ? all.slice(0, LONGEST) + "…" : all;
   $("toast").classList.add("shown");
   clearTimeout(toastUntil);
-  toastUntil = setTimeout(() => $("toast").classList.remove("shown"), 7000);
+  toastUntil = setTimeout(() => {
+    urgent = "";
+    $("toast").classList.remove("shown");
+  }, 7000);
 }

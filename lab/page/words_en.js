@@ -11,7 +11,7 @@ export default {
   source_live: "Live: {name}",
   time: "Time",
   pause: "Pause",
-  play: "Play", speed: "Speed", page: "Language and colours",
+  play: "Play", speed: "Speed", page: "This page",
   mode: "Mode",
   explore: "Explore",
   quiz: "Quiz",
@@ -25,7 +25,7 @@ export default {
   charts_help: "Drag to move, scroll or + and − to zoom, Home to follow again.",
   follow: "Follow",
   series: "Series",
-  fold_why: "Why?", fold_residuals: "The paper's residuals", fold_charts: "More charts", fold_desk: "Set-up, files, real board",
+  fold_why: "Why?", fold_residuals: "The paper's residuals", fold_charts: "More charts", fold_desk: "Set-up and files",
   opened: "Opened: {what}.", scene: "a scene",
   // States
   state_off: "Off", state_settle: "Warming up", state_learn: "Learning", state_monitor: "Monitoring", state_tune: "Experiment",
@@ -211,7 +211,6 @@ export default {
   anew: "Begin anew",
   r_stop_gone: "the stop has NOT reached the board, which goes on by itself: press its button.",
   // A board at a port of this computer
-  real_board: "Real board",
   connect: "Connect a board",
   next_step: "Next: {what}",
   connecting: "Looking for the board …",

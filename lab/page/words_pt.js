@@ -10,7 +10,7 @@ export default {
   source_live: "Em direto: {name}",
   time: "Tempo",
   pause: "Pausa",
-  play: "Continuar", speed: "Velocidade", page: "Língua e cores",
+  play: "Continuar", speed: "Velocidade", page: "Esta página",
   mode: "Modo",
   explore: "Explorar",
   quiz: "Desafio",
@@ -24,7 +24,7 @@ export default {
   charts_help: "Arraste para mover, roda ou + e − para ampliar, Home para seguir de novo.",
   follow: "Seguir",
   series: "Séries",
-  fold_why: "Porquê?", fold_residuals: "Resíduos do artigo", fold_charts: "Mais gráficos", fold_desk: "Definições, ficheiros, placa real",
+  fold_why: "Porquê?", fold_residuals: "Resíduos do artigo", fold_charts: "Mais gráficos", fold_desk: "Definições e ficheiros",
   opened: "Aberto: {what}.", scene: "uma cena",
   // States
   state_off: "Desligado", state_settle: "A aquecer", state_learn: "A aprender", state_monitor: "A vigiar", state_tune: "Experiência",
@@ -215,7 +215,6 @@ export default {
   anew: "Recomeçar",
   r_stop_gone: "a paragem NÃO chegou à placa, que continua por si: carregue no botão dela.",
   // A board at a port of this computer
-  real_board: "Placa real",
   connect: "Ligar uma placa",
   next_step: "A seguir: {what}",
   connecting: "À procura da placa …",

@@ -129,8 +129,10 @@ fn a_stop_goes_out_after_a_write_has_failed() {
         };
         port.fails = 1; port.heard = ""; $("#line").value = "arm"; $("#typed").requestSubmit(); await until(() => port.fails < 1);
         const typed = port.heard;
-        return [typed, await stops(0), await stops(1), await stops(2), await stops(0)]"##;
-    assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!(["", true, true, false, true]));
+        const failed = await stops(2); port.answers = {}; lab.send({ command: "order", order: { order: "nonsense" } }); for (let i = 0; i < 20; i++) await frame();
+        const stands = /NOT/.test($("#toast").textContent);
+        return [typed, failed, stands, await stops(0), await stops(1), await stops(0)]"##;
+    assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!(["", false, true, true, true, true]));
 }
 
 /// A pulled cable is told in the sentence and in the bar, which stands over whatever is in view; when it is in again, both say so.

@@ -121,7 +121,7 @@ fn what_was_mended_is_called_nothing_else_until_it_is_over() {
              if (!excite) { lab.send({ command: "order", order: { order: "excite", on: false } }); await step(100); }
              lab.send({ command: "order", order: { order: "break", fault: { ...fault, at: 0, for: 1e6 } } }); await step(Math.round(25 * lab.lab.store.slow / lab.lab.store.ts));
              click("[data-act=mend]"); await step(1);
-             for (let i = 0; i < 100; i++) { await said(); all.add($("#head").innerText); }
+             for (let i = 0; i < 25; i++) { await step(10); await said(); all.add($("#head").innerText); }
            };
            await run("hotend", { do: "offset", sensor: "t2", size: 15 }, true);
            await run("paper", { do: "air-flow", size: 1.26 }, false);

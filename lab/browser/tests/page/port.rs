@@ -1,7 +1,12 @@
 //! A port of the computer at whose other end is no board, or one that lies.
 
+use std::io::{Read, Write};
+use std::time::Duration;
+
+use pt326_lab_browser::bridge::{SERIAL, serve};
 use pt326_lab_browser::port::PORT;
 use serde_json::json;
+use serialport::{SerialPort, TTYPort};
 
 use crate::on_page;
 
@@ -168,4 +173,32 @@ fn a_board_is_not_left_by_one_press() {
         click("#back"); await until(() => lab.lab.hello.kind === "simulated" && lab.lab.store?.end > 0);
         return [before, there, stays, asks()]"##;
     assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!([false, true, "board", false]));
+}
+
+/// The port that tests with a board bring: bytes go both ways, and it closes.
+#[test]
+fn a_port_behind_a_socket_carries_every_byte_both_ways() {
+    let (mut board, mut behind) = TTYPort::pair().expect("a pseudo-terminal");
+    behind.set_exclusive(false).expect("others may open it");
+    board.set_timeout(Duration::from_secs(20)).expect("a timeout");
+    let address = serve(behind.name().expect("its path")).expect("a bridge");
+    let all: Vec<u8> = (0..=255).collect();
+    let (told, heard) = (all.clone(), all.clone());
+    let other = std::thread::spawn(move || {
+        let mut bytes = [0; 256];
+        board.read_exact(&mut bytes).expect("what the page has written");
+        board.write_all(&told).expect("an answer");
+        (bytes == *heard, board) // open until the page has read
+    });
+    let script = r##"
+        const port = await navigator.serial.requestPort(); await port.open({ baudRate: 115200 });
+        const bytes = Uint8Array.from({ length: 256 }, (_, i) => i);
+        const writer = port.writable.getWriter(); await writer.write(bytes); writer.releaseLock();
+        const reader = port.readable.getReader(), read = [];
+        while (read.length < 256) read.push(...(await reader.read()).value);
+        await reader.cancel(); reader.releaseLock(); await port.close();
+        return read.every((byte, i) => byte === i)"##;
+    assert_eq!(on_page(&format!("{{ {SERIAL} }}{script}"), &[json!(address)]), json!(true));
+    let (same, _board) = other.join().expect("the other end");
+    assert!(same, "the board's end has heard something else");
 }

@@ -1,9 +1,10 @@
 // What can be done by a button, wherever it stands: on the desk, below the sentence, in the tour.
 import { calibrate } from "lab/board.js";
+import { toStep } from "lab/commissioning.js";
 import { PARTS, sized } from "lab/faults.js";
 import { save } from "lab/files.js";
 import { charts, exam, quiz, sheet } from "lab/parts.js";
-import { show } from "lab/show.js";
+import { show, unfold } from "lab/show.js";
 import { $, changed, heat, lab } from "lab/state.js";
 import { say } from "lab/strings.js";
 import { begins, order, run, send } from "lab/talk.js";
@@ -11,6 +12,7 @@ import { Tour } from "lab/tour.js";
 
 export const tour = new Tour($("tour"), {
   act, order,
+  unfold: (fold) => lab.open.has(fold) || unfold(fold),
   finish: () => setMode("explore"),
 });
 
@@ -26,6 +28,7 @@ const ACTS = {
   mend: () => order({ order: "mend" }),
   relearn: () => order({ order: "relearn" }),
   accept: () => order({ order: "accept" }),
+  "next-step": toStep,
   skip: () => send({ command: "skip" }),
   anew: () => begins(lab.scene),
   paper: () => begins({ ...lab.scene, preset: "paper" }),

@@ -4,7 +4,8 @@ import { drawOverview } from "lab/overview.js";
 import { Kept } from "lab/store.js";
 import { drawPanel, labelWidth } from "lab/panel.js";
 import { PANELS } from "lab/panels.js";
-import { RIBBON, drawFlags, drawRibbons, ribbons } from "lab/ribbons.js";
+import { RIBBON, RIBBONS, drawFlags, drawRibbons } from "lab/ribbons.js";
+import { lab } from "lab/state.js";
 import { num, say } from "lab/strings.js";
 import { View } from "lab/view.js";
 
@@ -27,8 +28,9 @@ export class Charts extends View {
     for (const canvas of Object.values(canvases)) watch.observe(canvas);
   }
 
-  use(store) {
+  use(store, { kind }) {
     this.store = store;
+    this.real = kind === "board";
     this.follow();
     // A recording lacks what was not recorded.
     this.panels = PANELS.filter((panel) => panel.series.some((series) => series.field in store.at));
@@ -77,7 +79,7 @@ export class Charts extends View {
   margins(pen) {
     const { narrow } = this;
     const names = this.panels.flatMap((panel) => panel.series.filter((s) => !s.silent).map((s) => labelWidth(pen, panel, s.label(narrow), -88.8, narrow)));
-    return [7 + pen.measure(num(-88.8, 1)), Math.max(...names, ...ribbons(narrow).map((name) => 8 + pen.measure(name)))];
+    return [7 + pen.measure(num(-88.8, 1)), Math.max(...names, ...this.ribbons.map(({ name }) => name(narrow)).map((name) => 8 + pen.measure(name)))];
   }
 
   // What is in view on another canvas, of so many pixels for each of the page's; its size.
@@ -103,9 +105,10 @@ export class Charts extends View {
     const { store, narrow } = this;
     const k = narrow ? 1 : 0;
     const shown = (panel) => panel.series.filter((series) => !this.off.has(series.id));
-    const panels = this.panels.filter((panel) => shown(panel).length);
+    const panels = this.panels.filter((panel) => shown(panel).length && (!panel.fold || lab.open.has(panel.fold)));
+    const ribbons = hide ? [] : this.ribbons;
     const heights = panels.map((panel) => panel.high[k] + HEAD + GAP);
-    const total = TOP + heights.reduce((sum, high) => sum + high, 0) + (hide ? 0 : 3 * RIBBON) + FOOT;
+    const total = TOP + heights.reduce((sum, high) => sum + high, 0) + ribbons.length * RIBBON + FOOT;
     const pen = new Pen(canvas, total, ...size);
     const [left, right] = this.margins(pen);
     const width = pen.width - left - right;
@@ -118,14 +121,13 @@ export class Charts extends View {
     const hovered = this.hover === null ? null : Math.min(b, Math.max(a, store.tickAt(this.hover)));
     const on = { left, edge: left + width, bottom: total - FOOT, a, b, X, T, t0, t1, narrow, hide };
     if (!hide) shade(pen, events, on);
-    const quiet = !events.list.some((event) => event.alarm <= t1 && (event.to ?? Infinity) >= t0);
     let y = TOP;
     panels.forEach((panel, i) => {
-      drawPanel(pen, panel, { ...on, shown: shown(panel), y: y + HEAD, high: panel.high[k], at: hovered ?? b, quiet });
+      drawPanel(pen, panel, { ...on, shown: shown(panel), y: y + HEAD, high: panel.high[k], at: hovered ?? b });
       y += heights[i];
     });
     if (!hide) {
-      drawRibbons(pen, events, store, { ...on, y: y - 4 });
+      drawRibbons(pen, ribbons, events, store, { ...on, y: y - 4 });
       drawFlags(pen, events, { ...on, hovers: hovered !== null });
     }
     if (hovered !== null && store.has(hovered)) drawHand(pen, hovered * store.ts, on);
@@ -133,11 +135,16 @@ export class Charts extends View {
     return pen;
   }
 
+  // What is said below the panels. What is true of a real board nobody knows.
+  get ribbons() {
+    return RIBBONS.filter(({ fold, truth }) => lab.open.has(fold) && !(truth && this.real));
+  }
+
   // The curves that can be shown or not, for the list of them.
   get choices() {
     return (this.panels ?? PANELS).map((panel) => ({
       title: say(panel.id),
-      series: panel.series.filter((s) => !s.quiet).map((s) => ({ id: s.id, label: s.label(), css: s.css, on: !this.off.has(s.id) })),
+      series: panel.series.map((s) => ({ id: s.id, label: s.label(), css: s.css, on: !this.off.has(s.id) })),
     })).filter((group) => group.series.length);
   }
 

@@ -42,6 +42,15 @@ function learnt() {
   return false;
 }
 
+// The step of the first day that comes next: behind the last that has ended well; none where all have.
+export const nextStep = () => STEPS[STEPS.findLastIndex(({ id }) => outcome(id) === "done") + 1]?.id;
+// Brings it into view.
+export function toStep() {
+  const step = document.querySelector(`.steps [data-say="${nextStep()}"]`).parentElement;
+  step.scrollIntoView({ block: "center" });
+  step.querySelector("input, button").focus({ preventScroll: true });
+}
+
 const outcome = (id) => (id === "c_normal" ? (learnt() ? "done" : lines.some((line) => line.step === id) ? "failed" : undefined) : outcomes[id]);
 
 const STYLE = `body{font:16px/1.5 system-ui,sans-serif;max-width:56rem;margin:2rem auto;padding:0 1rem;color:#1a1f26;background:#fff}h1,h2{line-height:1.2}

@@ -1,6 +1,5 @@
-// What is seen in the charts as a file: SVG, PNG, CSV. And a run that is kept, so that another can be compared with it.
+// What is seen in the charts as a picture. And a run that is kept, so that another can be compared with it.
 import { colour } from "lab/canvas.js";
-import { Drawing } from "lab/drawing.js";
 import { save } from "lab/files.js";
 import { charts } from "lab/parts.js";
 import { show } from "lab/show.js";
@@ -10,15 +9,7 @@ import { ask, open } from "lab/talk.js";
 
 const SHARP = 2; // pixels of a PNG for each of the page's
 
-const saved = (parts, file, type) => save(parts, file, type, say("saved", { file }));
-
-export function svg() {
-  const drawing = new Drawing();
-  const { width, height } = charts.drawOn({ style: {}, getContext: () => drawing }, lab.events);
-  return drawing.svg(width, height, colour("--bg"));
-}
-
-export async function png() {
+async function png() {
   const canvas = document.createElement("canvas");
   charts.drawOn(canvas, lab.events, SHARP);
   const c = canvas.getContext("2d");
@@ -29,19 +20,7 @@ export async function png() {
   return new Promise((done) => canvas.toBlob(done));
 }
 
-// A row for each tick in view, a column for each number; empty where there is none.
-export function csv() {
-  const { store } = lab;
-  const [from, to] = [Math.max(store.first, store.tickAt(charts.end - charts.span)), Math.min(store.last, store.tickAt(charts.end))];
-  const cell = (x) => (Number.isFinite(x) ? String(Math.fround(x)) : "");
-  const lines = [["t_s", ...store.fields].join(",")];
-  for (let tick = from; tick <= to; tick++) lines.push([(tick * store.ts).toFixed(3), ...store.fields.map((name) => cell(store.get(tick, name)))].join(","));
-  return lines.join("\n") + "\n";
-}
-
-$("save-svg").addEventListener("click", () => saved([svg()], "charts.svg", "image/svg+xml"));
-$("save-png").addEventListener("click", async () => saved([await png()], "charts.png", "image/png"));
-$("save-csv").addEventListener("click", () => saved([csv()], "view.csv", "text/csv"));
+$("save-png").addEventListener("click", async () => save([await png()], "charts.png", "image/png", say("saved", { file: "charts.png" })));
 $("compare").addEventListener("click", () => {
   charts.compare(charts.kept ? null : lab.store);
   show();

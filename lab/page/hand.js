@@ -5,7 +5,7 @@ import "lab/export.js";
 import { forgetColours } from "lab/canvas.js";
 import { begin } from "lab/hear.js";
 import { charts, exam, hides, quiz, review, rig, sheet } from "lab/parts.js";
-import { show } from "lab/show.js";
+import { show, unfold } from "lab/show.js";
 import { $, arms, changed, keep, lab, plant } from "lab/state.js";
 import { current, following, speak } from "lab/strings.js";
 import { begins, order, run, send } from "lab/talk.js";
@@ -16,17 +16,25 @@ document.addEventListener("click", ({ target }) => {
 });
 $("modes").addEventListener("click", ({ target }) => target.dataset.mode && setMode(target.dataset.mode));
 $("transport").addEventListener("click", ({ target }) => {
-  const { speed } = target.closest("button")?.dataset ?? {};
+  if (!target.closest("#pause")) return;
   if (lab.can.has("seek")) charts.moment();
-  if (speed) run(Number(speed));
-  else if (target.closest("#pause")) run(lab.paused ? lab.speed : 0);
+  run(lab.paused ? lab.speed : 0);
+});
+$("speed").addEventListener("change", ({ target }) => {
+  if (lab.can.has("seek")) charts.moment();
+  run(Number(target.value));
+});
+$("folds").addEventListener("click", ({ target }) => {
+  if (!target.dataset.fold) return;
+  unfold(target.dataset.fold);
+  keep.set("open", [...lab.open].join(" "));
 });
 $("stop").addEventListener("click", () => act(arms() ? "arm" : "stop"));
 $("follow").addEventListener("click", () => charts.follow());
 $("language").addEventListener("click", () => {
   speak(following());
   keep.set("language", current());
-  rig.fit(plant(), true);
+  rig.fit(plant(), lab.hello.kind === "board", true);
   if (sheet.part) sheet.build();
   tour.show(lab.mode === "tour");
   show();

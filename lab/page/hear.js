@@ -8,7 +8,7 @@ import { charts, exam, quiz, review } from "lab/parts.js";
 import { hold } from "lab/plan.js";
 import { ownNames, refusal, taughtNames } from "lab/say.js";
 import { DEFAULT, fromLink } from "lab/scene.js";
-import { show } from "lab/show.js";
+import { reveal, show } from "lab/show.js";
 import { $, lab, toast } from "lab/state.js";
 import { Store } from "lab/store.js";
 import { say } from "lab/strings.js";
@@ -16,13 +16,17 @@ import { open, run } from "lab/talk.js";
 
 const PROTOCOL = 1;
 
+let arrives = false; // the scene of a link, which is told once it has opened
+
 // A session of its own: what the link holds, or trained and at the point of monitoring.
 export function begin() {
   let linked = lab.left;
   try {
     const paper = !linked && fromExam(location.hash);
     if (paper) return hold(paper);
-    linked ??= fromLink(location.hash);
+    const fromHash = linked ? null : fromLink(location.hash);
+    arrives = !!fromHash;
+    linked ??= fromHash;
   } catch (error) {
     toast(say("bad_link", { why: error.message }));
   }
@@ -38,6 +42,12 @@ function showSoon() {
   shows ||= requestAnimationFrame(() => ((shows = 0), show()));
 }
 
+function found() {
+  if (!lab.lost) return;
+  lab.lost = 0;
+  show();
+}
+
 export const HEAR = {
   hello(message) {
     if (message.protocol !== PROTOCOL) throw new Error(`protocol ${message.protocol}`);
@@ -48,13 +58,14 @@ export const HEAR = {
     if (!lab.store || lab.session !== message.session || message.session === undefined) {
       lab.store = new Store(message);
       lab.events = new Events(message);
-      charts.use(lab.store);
+      charts.use(lab.store, message);
       lab.settings = message.settings; // changes since are told as orders
     }
     lab.session = message.session;
     HEAR.names(message);
     if (message.scene) lab.scene = message.scene;
     if (!lab.can.has("break") && lab.mode !== "explore") setMode("explore");
+    if (message.kind === "board") lab.open.add("desk"); // what is done first is there
     show();
     if (message.kind === "board") beginReport();
     if (message.kind !== "simulated") return;
@@ -80,6 +91,10 @@ export const HEAR = {
     charts.follow();
     show();
     tour.opened();
+    if (!arrives) return;
+    arrives = false;
+    toast(say("opened", { what: say("scene") }));
+    reveal("say");
   },
   rows({ from, values }) {
     const { store, events } = lab;
@@ -92,7 +107,7 @@ export const HEAR = {
     quiz.follow(events);
     if (exam.follow(store.now)) show();
     lab.heard = performance.now();
-    lab.lost = 0;
+    found();
     if (store.end !== lab.hello.count) return;
     review.show(lab);
     charts.show(Infinity, store.now - store.first * store.ts);
@@ -112,14 +127,18 @@ export const HEAR = {
     show();
   },
   refused(message) {
-    toast(refusal(message));
+    toast(refusal(message), message.code === "stop_gone");
     if (message.command?.order?.order === "set") document.activeElement.blur();
     show(); // what was chosen and refused is not so
+    if (message.command?.command === "open") arrives = false;
     if (message.command?.command === "open" && !lab.store.end) open(DEFAULT);
   },
   lost() {
     lab.checking = false; // how it goes on is not heard
-    lab.lost ||= performance.now();
+    if (lab.lost) return;
+    lab.lost = performance.now();
+    show();
+    if (lab.hello.kind === "board") toast(say("head_lost_board")); // also who works at the desk, far below the sentence, sees that
   },
   agrees, image, kept,
   said(message) {
@@ -133,7 +152,7 @@ export const HEAR = {
   },
   // Between the server and the board.
   link({ up }) {
-    lab.checking = false;
-    lab.lost = up ? 0 : lab.lost || performance.now();
+    if (up) found();
+    else HEAR.lost();
   },
 };

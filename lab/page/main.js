@@ -1,4 +1,5 @@
 // The page: brings a source, what it says, and what the user does together, and draws, frame by frame.
+import { nextStep } from "lab/commissioning.js";
 import { home } from "lab/files.js";
 import "lab/hand.js";
 import { HEAR } from "lab/hear.js";
@@ -32,7 +33,7 @@ function draw(now, passed) {
   const hide = hides();
   if (moving || due) {
     const row = store.row(store.last);
-    const said = verdict({ row, hello, events: lab.events, since: lab.since, begun: store.row(store.tickAt(lab.since)), ts: store.ts, settings: lab.settings, can: lab.can, checking: lab.checking, lost: lab.lost && now - lab.lost });
+    const said = verdict({ row, hello, events: lab.events, since: lab.since, begun: store.row(store.tickAt(lab.since)), ts: store.ts, settings: lab.settings, can: lab.can, checking: lab.checking, lost: lab.lost && now - lab.lost, next: hello.kind === "board" && nextStep() });
     drawRig(row, said, hide);
     if (due) write(row, said, hide);
   }

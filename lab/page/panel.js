@@ -3,8 +3,8 @@ import { niceStep, spread } from "lab/canvas.js";
 import { BLOCK } from "lab/store.js";
 import { num, say } from "lab/strings.js";
 
-// `shown` are its series that are on, `quiet` that nothing in view is to be explained.
-export function drawPanel(pen, panel, { shown, y, high, left, edge, a, b, X, at, narrow, hide, quiet }) {
+// `shown` are its series that are on.
+export function drawPanel(pen, panel, { shown, y, high, left, edge, a, b, X, at, narrow }) {
   const title = say(panel.id);
   const w = pen.text(title, left, y - 8, { css: "--ink", bold: true });
   const unit = pen.text(panel.unit(), left + w + 7, y - 8, { css: "--faint" });
@@ -19,10 +19,6 @@ export function drawPanel(pen, panel, { shown, y, high, left, edge, a, b, X, at,
     pen.box(left, Math.round(Y(v)), edge - left, 1, "--hair");
     pen.text(num(v, panel.ticks ? 0 : decimals), left - 7, Y(v) + 4, { css: "--faint", align: "right" });
   }
-  if (panel.verdict && hide) {
-    pen.text(say("hidden"), (left + edge) / 2, y + high / 4 + 4, { css: "--faint", align: "center" });
-    return;
-  }
   for (const bound of panel.bounds ?? []) pen.line(left, Y(bound), edge, Y(bound), "--soft", { dash: [5, 4] });
   const labels = [];
   pen.within(left, y - 2, edge - left, high + 4, () => {
@@ -36,15 +32,14 @@ export function drawPanel(pen, panel, { shown, y, high, left, edge, a, b, X, at,
   });
   for (const series of shown) {
     const v = series.value(at);
-    if (v !== v || series.silent || (series.quiet && v < series.quiet)) continue;
+    if (v !== v || series.silent) continue;
     const out = series.beyond && Math.abs(v) > series.beyond;
     labels.push({ y: Y(v), v, label: series.label(narrow), css: out ? "--ink" : series.css, rank: series.beyond ? Math.abs(v) : v });
   }
   if (panel.most) labels.sort((p, q) => q.rank - p.rank).splice(panel.most);
-  if (panel.verdict && quiet) pen.text(say("nothing_to_explain"), edge - 8, y + high / 4 + 4, { css: "--faint", align: "right" });
   for (const { y: place, v, label, css } of spread(labels, y + 4, y + high - 2)) {
     const value = num(v, panel.decimals);
-    if (narrow) pen.text(beside(panel, label, value), edge + 6, place + 4, { css, bold: true });
+    if (narrow) pen.text(`${label} ${value}`, edge + 6, place + 4, { css, bold: true });
     else {
       pen.text(label, edge + 8, place + 4, { css, bold: true });
       pen.text(value, pen.width, place + 4, { css, align: "right" });
@@ -52,13 +47,10 @@ export function drawPanel(pen, panel, { shown, y, high, left, edge, a, b, X, at,
   }
 }
 
-// On a narrow screen a name and a value are one text; there is no room for names of faults.
-const beside = (panel, label, value) => (panel.verdict ? value : `${label} ${value}`);
-
 // How much room a curve's name and its value need right of the axis.
 export function labelWidth(pen, panel, label, value, narrow) {
   const text = num(value, panel.decimals);
-  return narrow ? 6 + pen.measure(beside(panel, label, text), true) : 8 + pen.measure(label, true) + 6 + pen.measure(text);
+  return narrow ? 6 + pen.measure(`${label} ${text}`, true) : 8 + pen.measure(label, true) + 6 + pen.measure(text);
 }
 
 // A line through every tick where each has a pixel; else from the least to the largest of each pixel, of blocks where it has many ticks.

@@ -1,7 +1,6 @@
 // What the charts show: each panel's curves, and between which values it shows them.
 import { SHARES } from "lab/classes.js";
 import { say } from "lab/strings.js";
-import { short } from "lab/say.js";
 
 // What explains an alarm, the parts that have a colour first.
 const COLOURS = {
@@ -11,10 +10,10 @@ const shares = [...Object.keys(COLOURS), ...SHARES.filter((name) => !COLOURS[nam
 export const CLASSES = shares.map((name) => ({ field: "x_" + name, name, css: COLOURS[name] ?? "--soft" }));
 
 const one = (id, css, more = {}) => ({ id, css, field: id, ...more });
-// `least` is the smallest range that it shows.
+// `least` is the smallest range that it shows, `fold` what must be unfolded for it to be seen.
 export const PANELS = [
   {
-    id: "temperature", unit: () => "°C", high: [150, 132], least: 4, decimals: 1,
+    id: "temperature", unit: () => `°C, ${say("dotted")}`, high: [150, 132], least: 4, decimals: 1,
     series: [
       one("setpoint", "--ink", { dash: [5, 4], width: 1, label: (narrow) => say(narrow ? "setpoint_short" : "setpoint") }),
       one("t1_expected", "--t1", { dash: [2, 3], width: 1.1, label: () => "T1 " + say("expected"), silent: true }),
@@ -32,18 +31,14 @@ export const PANELS = [
     ],
   },
   {
-    id: "departure", unit: () => "°C", high: [70, 62], least: 2, even: true, decimals: 2,
+    id: "departure", fold: "charts", unit: () => "°C", high: [70, 62], least: 2, even: true, decimals: 2,
     series: [
       one("t1_left", "--t1", { label: () => "T1" }),
       one("t2_left", "--t2", { label: () => "T2" }),
     ],
   },
   {
-    id: "explained", unit: () => say("explained_unit"), high: [78, 70], range: [0, 100], ticks: [0, 50, 100], decimals: 0, verdict: true, most: 3,
-    series: CLASSES.map(({ field, name, css }) => one(field, css, { scale: 100, label: () => short(name), dash: name === "t1_clogged" ? [5, 3] : [], quiet: 8 })),
-  },
-  {
-    id: "residuals", unit: () => say("residuals_unit"), high: [84, 76], range: [-3, 3], ticks: [-3, 0, 3], bounds: [1, -1], decimals: 1, most: 3,
+    id: "residuals", fold: "residuals", unit: () => say("residuals_unit"), high: [84, 76], range: [-3, 3], ticks: [-3, 0, 3], bounds: [1, -1], decimals: 1, most: 3,
     series: ["rap", "ry12", "rsg1", "rsg2", "rbw1"].map((id) => one(id, "--faint", { width: 1, label: () => id, beyond: 1 })),
   },
 ];

@@ -5,6 +5,7 @@ import { PARTS, describe, sized } from "lab/faults.js";
 import { copyText } from "lab/files.js";
 import { exam } from "lab/parts.js";
 import { toLink } from "lab/scene.js";
+import { reveal } from "lab/show.js";
 import { $, heat, lab, put, toast } from "lab/state.js";
 import { escape, num, say } from "lab/strings.js";
 import { ask, begins, order, run, scaled } from "lab/talk.js";
@@ -91,5 +92,7 @@ export function hold(made) {
   exam.begin(made);
   begins(exam.scene);
   run(1);
+  toast(say("opened", { what: say("exam") }));
+  reveal("say");
 }
 $("exam-seed").value = crypto.getRandomValues(new Uint16Array(1))[0];

@@ -6,47 +6,43 @@ import { num, say } from "lab/strings.js";
 export const RIBBON = 21;
 const TOOLS = 84; // width of what stands over the corner of the charts
 
-// What they are called.
-export const ribbons = (narrow) => [say("truth"), say(narrow ? "likelihood_short" : "likelihood"), narrow ? "fdv fiv" : say("fdv_fiv")];
+// What they say of a tick, in which colour, and what must be unfolded for it to be seen. What was true has times of its own.
+const likelihood = (store, k, names) => {
+  if (!(store.get(k, "alarm") > 0)) return "";
+  return [short(names.get(store.get(k, "class"))), taughtName(store.get(k, "taught"))].filter(Boolean).join(", ");
+};
+const paper = (store, k) => {
+  const [fdv, fiv] = [store.get(k, "fdv"), store.get(k, "fiv")];
+  if (!(fdv > 0)) return "";
+  return fiv > 0 ? `${fdv}, ${fiv} ${["T2", "T1", say("paper_says_3")][fiv - 1] ?? ownNames.get(fiv) ?? ""}` : say("paper_unnamed");
+};
+export const RIBBONS = [
+  { fold: "charts", name: () => say("truth"), css: "--soft", truth: true },
+  { fold: "charts", name: (narrow) => say(narrow ? "likelihood_short" : "likelihood"), css: "--alarm", word: likelihood },
+  { fold: "residuals", name: (narrow) => (narrow ? "fdv fiv" : say("fdv_fiv")), css: "--soft", word: paper },
+];
 
-export function drawRibbons(pen, events, store, { y, left, edge, a, b, X, T, t1, narrow }) {
-  const put = (name, top) => {
-    pen.text(name, edge + 8, top + 12, { css: "--soft" });
+export function drawRibbons(pen, ribbons, events, store, { y, left, edge, a, b, X, T, t1, narrow }) {
+  ribbons.forEach(({ name, css, word }, i) => {
+    const top = y + i * RIBBON;
+    pen.text(name(narrow), edge + 8, top + 12, { css: "--soft" });
     pen.box(left, top, edge - left, 16, "--well", 2);
-  };
-  const bar = (from, to, text, css, top) => {
-    const [x, e] = [Math.max(left, from), Math.min(edge, to)];
-    if (e <= x) return;
-    pen.box(x, top, Math.max(2, e - x), 16, css, 2);
-    if (pen.measure(text) + 10 < e - x) pen.text(text, x + 6, top + 12, { css: "--bg" });
-  };
-  const [truth, likelihood, vectors] = ribbons(narrow);
-  put(truth, y);
-  for (const event of events.list.filter((e) => e.truth)) bar(T(event.from), T(event.to ?? t1), event.label(), "--soft", y);
-  const runs = (top, word, css) => {
+    const bar = (from, to, text) => {
+      const [x, e] = [Math.max(left, from), Math.min(edge, to)];
+      if (e <= x) return;
+      pen.box(x, top, Math.max(2, e - x), 16, css, 2);
+      if (pen.measure(text) + 10 < e - x) pen.text(text, x + 6, top + 12, { css: "--bg" });
+    };
+    if (!word) return events.list.filter((e) => e.truth).forEach((event) => bar(T(event.from), T(event.to ?? t1), event.label()));
     let [from, text] = [0, ""];
     const stride = Math.max(1, Math.floor((b - a) / (2 * (edge - left))));
     for (let k = a; k <= b + stride; k += stride) {
-      const now = k <= b ? word(k) : "";
+      const now = k <= b ? word(store, k, events.names) : "";
       if (now === text) continue;
-      if (text) bar(X(from), X(k), text, css, top);
+      if (text) bar(X(from), X(k), text);
       [from, text] = [k, now];
     }
-  };
-  put(likelihood, y + RIBBON);
-  const names = events.names;
-  const said = (k) => {
-    if (!(store.get(k, "alarm") > 0)) return "";
-    return [short(names.get(store.get(k, "class"))), taughtName(store.get(k, "taught"))].filter(Boolean).join(", ");
-  };
-  runs(y + RIBBON, said, "--alarm");
-  put(vectors, y + 2 * RIBBON);
-  const paper = (k) => {
-    const [fdv, fiv] = [store.get(k, "fdv"), store.get(k, "fiv")];
-    if (!(fdv > 0)) return "";
-    return fiv > 0 ? `${fdv}, ${fiv} ${["T2", "T1", say("paper_says_3")][fiv - 1] ?? ownNames.get(fiv) ?? ""}` : say("paper_unnamed");
-  };
-  runs(y + 2 * RIBBON, paper, "--soft");
+  });
 }
 
 // When the last fault in view was put in, and when it was named.

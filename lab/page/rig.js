@@ -56,10 +56,10 @@ export class RigDrawing {
   }
 
   // Draws anew where the width, the plant or the language asks for it.
-  fit(plant, force) {
+  fit(plant, real, force) {
     const layout = (LAYOUTS.get(plant) ?? TUBE)[this.host.clientWidth < 560 ? 1 : 0];
-    if (layout === this.layout && !force) return;
-    this.layout = layout;
+    if (layout === this.layout && real === this.real && !force) return;
+    [this.layout, this.real] = [layout, real];
     this.host.replaceChildren();
     this.build(layout);
   }
@@ -91,6 +91,7 @@ export class RigDrawing {
     this.coil(svg, g);
     this.probes = { T1: this.probe(svg, g, "T1"), T2: this.probe(svg, g, "T2") };
     this.room(svg, g);
+    if (this.real) return; // of a real board's mains and door nothing is known
     this.small(svg, g, "mains", "M16 6v8M30 6v8M11 14h24v6a12 9 0 0 1-24 0zM23 29v6");
     this.small(svg, g, "door", "M12 34V4h22v30M12 4l13 5v30l-13-5");
   }

@@ -13,11 +13,20 @@ export const fromText = (text) => Uint8Array.from(atob(text.replaceAll("-", "+")
 
 export const toLink = (scene, tick) => "s=" + toText(new TextEncoder().encode(JSON.stringify({ v: 1, at: tick, scene })));
 
+// What is no JSON is no scene: what a parser says of it helps nobody.
+function parsed(text) {
+  try {
+    return JSON.parse(new TextDecoder().decode(fromText(text)));
+  } catch {
+    return null;
+  }
+}
+
 // What a fragment holds; null where it holds no scene. Throws where it is broken.
 export function fromLink(fragment) {
   const text = new URLSearchParams(fragment.replace(/^#/, "")).get("s");
   if (!text) return null;
-  const link = JSON.parse(new TextDecoder().decode(fromText(text)));
+  const link = parsed(text);
   // No worker is sent what is nested so deep that it cannot be copied.
   if (isDeep(link)) throw new Error(say("link_deep"));
   if (!isObject(link) || !isObject(link.scene)) throw new Error(say("link_other"));

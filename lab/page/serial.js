@@ -33,9 +33,27 @@ function meet(port, parts) {
   let [hear, writer, reader, stops, closed, writing] = [(message) => early.push(message), null, null, 0, false, Promise.resolve()];
   const post = (command, ...more) => thread.postMessage(command, ...more);
 
+  // A write that fails ends its stream. While the cable is in, the port has another, and whoever writes next has that one.
+  function take() {
+    writer ??= port.writable?.getWriter() ?? null;
+    writer?.closed.catch(() => {});
+  }
+  async function put(bytes) {
+    const used = writer;
+    try {
+      await used.write(bytes);
+    } catch (why) {
+      if (used === writer) {
+        used?.releaseLock();
+        writer = null;
+        take();
+      }
+      throw why;
+    }
+  }
+
   async function read() {
-    writer = port.writable.getWriter();
-    writer.closed.catch(() => {});
+    take();
     // Noise on the line and an overrun are no end: there is another stream then.
     while (port.readable && !closed) {
       reader = port.readable.getReader();
@@ -45,7 +63,7 @@ function meet(port, parts) {
         reader.releaseLock();
       }
     }
-    writer.releaseLock();
+    writer?.releaseLock();
     writer = null;
     await port.close().catch(() => {});
     if (!closed) again();
@@ -68,13 +86,11 @@ function meet(port, parts) {
 
   const write = ({ bytes, stops: before }) => {
     writing = writing.then(async () => {
-      for (let at = 0; at < bytes.length && before === stops && writer; at += PIECE) await writer.write(bytes.slice(at, at + PIECE));
+      for (let at = 0; at < bytes.length && before === stops && writer; at += PIECE) await put(bytes.slice(at, at + PIECE));
     }).catch(() => {}); // that the port has gone is seen where it is read
   };
   function stop() {
-    const gone = () => hear({ type: "refused", code: "stop_gone" });
-    if (writer) writer.write(STOP).catch(gone);
-    else gone();
+    put(STOP).catch(() => put(STOP)).catch(() => hear({ type: "refused", code: "stop_gone" }));
     post({ command: "stopped", stops: ++stops });
   }
   function close() {

@@ -10,6 +10,7 @@ export function show() {
   words();
   source();
   pressed();
+  unfolded();
   offered();
   settings();
   if (lab.hello) showPlan();
@@ -21,7 +22,7 @@ function words() {
   for (const node of document.querySelectorAll("[data-say]")) node.textContent = say(node.dataset.say);
   asking();
   for (const node of document.querySelectorAll("[data-label]")) node.setAttribute("aria-label", say(node.dataset.label));
-  Object.assign($("language"), { textContent: following().toUpperCase(), lang: following(), ariaLabel: languages()[following()].language });
+  Object.assign($("language"), { textContent: languages()[following()].language, lang: following() });
   $("stack").setAttribute("aria-label", `${say("region_charts")}. ${say("charts_help")}`);
   $("overview").title = say("charts_help");
 }
@@ -34,16 +35,34 @@ function source() {
   else if (lab.store.end === lab.hello.count) review.show(lab);
   if (!kind) return;
   const told = { simulated: say("source_simulated", { seed: lab.scene.seed }), recording: say("source_recording", { name: escape(name) }), board: say("source_board", { name: escape(name) }) };
-  $("source").lastElementChild.innerHTML = told[kind] ?? say("source_live", { name: escape(name ?? kind) });
+  $("source").lastElementChild.innerHTML = lab.lost ? say("state_lost") : told[kind] ?? say("source_live", { name: escape(name ?? kind) });
 }
 
 function pressed() {
   for (const button of document.querySelectorAll("[data-mode]")) button.setAttribute("aria-pressed", button.dataset.mode === lab.mode);
-  for (const button of document.querySelectorAll("[data-speed]")) {
-    button.setAttribute("aria-pressed", !lab.paused && Number(button.dataset.speed) === lab.speed);
-  }
+  $("speed").value = lab.speed;
   $("pause").setAttribute("aria-label", say(lab.paused ? "play" : "pause"));
   $("pause").querySelector("path").setAttribute("d", lab.paused ? "M2 1l9 5-9 5z" : "M1.5 1h3v10h-3zM7.5 1h3v10h-3z");
+}
+
+// What is unfolded.
+function unfolded() {
+  const is = (fold) => lab.open.has(fold);
+  for (const button of document.querySelectorAll("[data-fold]")) button.setAttribute("aria-expanded", is(button.dataset.fold));
+  $("aside").hidden = !is("why");
+  $("desk").hidden = !is("desk");
+  $("residualsnote").hidden = !is("residuals");
+  $("whole").hidden = document.querySelector(".series").hidden = !is("charts");
+}
+// Unfolds something, or folds it again. What is unfolded is brought into view.
+export function unfold(fold, on = !lab.open.has(fold)) {
+  lab.open[on ? "add" : "delete"](fold);
+  show();
+  if (on) reveal({ why: "aside", desk: "desk" }[fold] ?? "charts");
+}
+export function reveal(id) {
+  const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  $(id).scrollIntoView({ block: "start", behavior: calm ? "auto" : "smooth" });
 }
 
 // What makes sense with this source.
@@ -56,16 +75,16 @@ function offered() {
   const asked = exam.hides; // then nothing may be opened, read or put in beside it
   $("modes").hidden = !can("break") || asked;
   $("desk-control").hidden = !can("order");
-  $("excite").parentElement.hidden = kind === "board"; // a board has no command for it
+  $("excite").parentElement.hidden = $("excitation-note").hidden = kind === "board"; // a board has no command for it
   $("desk-rig").hidden = !can("open") || asked;
   $("desk-recording").hidden = asked;
   $("desk-plan").hidden = kind !== "simulated" || asked;
   $("desk-board").hidden = kind !== "board";
-  $("desk-connect").hidden = !embedded("wasm") || kind === "board" || asked;
+  $("connect").hidden = !embedded("wasm") || kind === "board" || asked;
   $("back").hidden = !lab.away;
-  $("savelog").hidden = !can("log");
   $("kept").hidden = !can("log");
-  $("download").hidden = !can("trace");
+  $("download").hidden = !can("trace") && !can("log");
+  $("download").textContent = say(can("log") ? "save_log" : "download");
   $("link").hidden = !can("trace") || kind !== "simulated";
   $("again").hidden = kind !== "simulated";
   $("compare").textContent = say(charts.kept ? "compare_off" : "compare");

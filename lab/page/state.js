@@ -14,6 +14,7 @@ export const lab = {
   usual: null, // the settings of a board to which nothing was done, where they are known
   away: false, left: null, // gone over to a recording or a board; the scene of the session that was left for it
   agrees: null, image: null, kept: null, // of a board: does a core beside it come to the same bits; what it runs; what its log takes
+  open: new Set(keep.get("open")?.split(" ") ?? []), // what is unfolded
   dirty: true, // something else than time has changed: all is to be drawn
 };
 export const changed = () => (lab.dirty = true);
@@ -37,10 +38,16 @@ export function put(id, html) {
 }
 
 const LONGEST = 300; // characters of a toast: what is refused may quote anything
-let toastUntil = null;
-export function toast(text) {
-  $("toast").textContent = text.length > LONGEST ? text.slice(0, LONGEST) + "…" : text;
+let [toastUntil, urgent] = [null, ""];
+// While something urgent stands there, such as a stop that has not arrived, other words come behind it.
+export function toast(text, isUrgent = false) {
+  const all = urgent && !isUrgent ? `${urgent} ${text}` : text;
+  if (isUrgent) urgent = text;
+  $("toast").textContent = all.length > LONGEST ? all.slice(0, LONGEST) + "…" : all;
   $("toast").classList.add("shown");
   clearTimeout(toastUntil);
-  toastUntil = setTimeout(() => $("toast").classList.remove("shown"), 7000);
+  toastUntil = setTimeout(() => {
+    urgent = "";
+    $("toast").classList.remove("shown");
+  }, 7000);
 }

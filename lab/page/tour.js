@@ -7,7 +7,7 @@ const QUIET = 2; // s without an alarm, after which what was wrong before is ove
 
 export class Tour {
   constructor(host, doing) {
-    Object.assign(this, { host, ...doing }); // act, order, finish
+    Object.assign(this, { host, ...doing }); // act, order, unfold, finish
     [this.at, this.waits, this.loud] = [0, null, 0]; // the fault that waits until all is quiet; when it was not
     host.addEventListener("click", ({ target }) => {
       const { step, do: does } = target.closest("[data-step], [data-do]")?.dataset ?? {};
@@ -28,7 +28,8 @@ export class Tour {
     this.at = Math.max(0, step);
     this.waits = null;
     if (!isTube()) return this.elsewhere();
-    const { id, look } = STEPS[this.at];
+    const { id, look, opens } = STEPS[this.at];
+    if (opens) this.unfold(opens);
     const [title, text, button] = stepWords(id);
     const doing = button ? `<button class="primary" data-do="1">${button}</button>` : "";
     const back = `<button class="plain" data-step="-1" ${this.at ? "" : "disabled"}>${say("tour_back")}</button>`;

@@ -14,20 +14,19 @@ const ICONS = {
 const icon = (name) => `<svg viewBox="0 0 18 18" width="18" height="18" aria-hidden="true">${ICONS[name]}</svg>`;
 const button = (act, key, primary) => `<button class="${primary ? "primary" : "plain"}" data-act="${act}">${say(key)}</button>`;
 // What heats wants a second press, at a button that says so meanwhile (board.js).
-const heats = (what, label) => `<button class="primary" data-line="${what}" data-heats data-say="${label}">${say(label)}</button>`;
+const heats = (what, label, primary) => `<button class="${primary ? "primary" : "plain"}" data-line="${what}" data-heats data-say="${label}">${say(label)}</button>`;
 const row = (...buttons) => `<div class="row">${buttons.join("")}</div>`;
 // The parts of which a trip speaks; those of the others begin with theirs.
 const TRIPPED = { air_flow_lost: ["fan", "heater"], heater_stuck_on: ["heater"], sensors_disagree: ["T1", "T2"], t1_contradicted: ["T1", "T2"], no_response: ["T1"], excess_power: [], out_of_reach: [] };
-const ENDING = 8; // s: an alarm takes some time to see that its fault is over
-
 // What to say of a row. `can` tells which buttons make sense, `since` when the state began, `begun` its first row.
-export function verdict({ row: now, hello, events, since, begun, ts, settings, can, checking, lost }) {
+export function verdict({ row: now, hello, events, since, begun, ts, settings, can, checking, lost, next }) {
   const at = now.t;
   const aside = say("for_s", { s: num(Math.max(0, at - since), 0) });
   const [order, mends] = [can.has("order"), can.has("break")];
   if (lost) {
     const s = num(lost / 1000, 0);
-    return { state: "lost", icon: "off", word: say("state_lost"), aside: "", head: say("head_lost", { s }), sub: say(hello.kind === "board" ? "sub_lost_board" : "sub_lost"), more: "" };
+    const of = hello.kind === "board" ? "_board" : "";
+    return { state: "lost", icon: "off", word: say("state_lost"), aside: say("for_s", { s }), head: say(`head_lost${of}`), sub: say(`sub_lost${of}`), more: "" };
   }
   if (now.mode === 4) {
     // First what is wrong, then the word that it was seen.
@@ -43,10 +42,10 @@ export function verdict({ row: now, hello, events, since, begun, ts, settings, c
     return { state: "tripped", icon: "off", word: say("state_tripped"), aside: off, head: say(`trip_${shorted ? "t2_short" : reason}`), sub: say(mends && !broken ? "acknowledge_now" : "acknowledge_first"), more, parts };
   }
   // What leads on to monitoring, also while an alarm stands.
-  const on = !order ? "" : now.mode === 0 ? row(hello.kind === "board" ? heats("arm", "c_arm") : button("arm", "arm", true)) : now.mode < 3 && can.has("run") ? row(button("skip", "skip", true)) : "";
+  const on = !order ? "" : now.mode === 0 ? (hello.kind === "board" ? firstDay(next) : row(button("arm", "arm", true))) : now.mode < 3 && can.has("run") ? row(button("skip", "skip", true)) : "";
   if (now.alarm > 0) {
     const said = alarm(now, hello, events, ts);
-    return { ...said, more: said.more + (order && now.mode === 3 ? answers(now, named(now, hello)) : on) };
+    return { ...said, more: said.more + (order && !mends && now.mode === 3 ? answers(now, named(now, hello)) : on) };
   }
   if (checking && now.mode === 0) {
     return { state: "learn", icon: "learn", word: say("state_check"), aside: "", head: say("head_check"), sub: say("sub_check"), more: "" };
@@ -90,6 +89,13 @@ function answers(now, found) {
   return row(...ways, ...(may("accepted") ? [button("accept", "accept")] : []));
 }
 
+// Of a board that is off, the step of the first day that comes next; only where that is to arm does a dark button heat.
+function firstDay(next) {
+  const arms = !next || next === "c_normal";
+  const step = arms ? "" : `<button class="primary" data-act="next-step">${say("next_step", { what: say(next).split(/[:,]/)[0] })}</button>`;
+  return row(step, heats("arm", "c_arm", arms));
+}
+
 // Two faults that are one click away.
 const QUICK = [
   ["quick-t2", "quick_t2"],
@@ -105,7 +111,8 @@ function alarm(now, hello, events, ts) {
   const over = event?.truth && event.alarm !== undefined ? now.t - event.to : NaN;
   const loose = /_loose$/.test(name); // its alarm stands until the contact has held for minutes
   if (loose && over >= 0) return { ...common, name, parts: blamed(name), head: say("head_ending"), sub: say("sub_ending_loose", { s: num(over, 0), part: blamed(name)[0] }), more: "" };
-  if (over < ENDING * events.slow) return { ...common, head: say("head_ending"), sub: say("sub_ending", { s: num(over, 0) }), more: "" };
+  // Until the alarm clears, whatever it is called by then: it is about what has ended.
+  if (over >= 0) return { ...common, head: say("head_ending"), sub: say("sub_ending", { s: num(over, 0) }), more: "" };
   if (!name) return { ...common, head: say("head_unnamed"), sub: now.taught > 0 ? asTaught(now) : say("sub_unnamed"), more: "" };
   const more = [];
   if (Number.isFinite(now.magnitude)) more.push(howMuch(name, now, event));

@@ -25,7 +25,7 @@ function said(tile) {
   if (!tile.row) return { state: "learn", icon: "learn", word: say("state_settle"), aside: "", head: "", sub: "" };
   speakOf(tile.preset ?? "");
   const now = named(tile);
-  const events = { last: { alarm: now.t - tile.alarm_for }, active: () => [], slow: 1 };
+  const events = { last: { alarm: now.t - tile.alarm_for }, active: () => [] };
   const lost = tile.lost === null ? 0 : Math.max(1, tile.lost * 1000);
   const view = { row: now, hello: { ...KEY, kind: tile.kind }, events, since: now.t - tile.mode_for, begun: now, ts: tile.ts, settings: {}, can: new Set(), checking: false, lost };
   const { sub, ...rest } = verdict(view);

@@ -14,7 +14,7 @@ import { askedLine, secondOpinion, stateLine, wanted } from "lab/verdict.js";
 const CLOSE_FROM = 0.25; // s after a fault its close-up has something to show
 
 export function drawRig(row, said, hide) {
-  rig.fit(plant());
+  rig.fit(plant(), lab.hello.kind === "board");
   const blamed = hide ? [] : said.parts ?? [];
   const should = hide ? null : wanted(row, said.name);
   const air = lab.events.active(row.t).find((p) => p.fault.do === "air-flow" && !hide);
@@ -33,7 +33,7 @@ export function write(row, said, hide) {
   put("sub", view.sub);
   put("more", view.more);
   asking();
-  put("second", asks ? "" : row.mode === 3 ? secondOpinion(row) : "");
+  put("second", asks ? "" : [row.mode === 3 && secondOpinion(row), said.name && said.name !== "unknown" && say("confidence_note")].filter(Boolean).join(" "));
   $("head").classList.toggle("long", view.head.replace(/<[^>]*>/g, "").length > 44);
   announce(asks ? view.head.replace(/\d+/, "") : `${said.word}: ${said.name ? short(said.name) : said.head.replace(/<[^>]*>/g, "")}`);
   $("clock").textContent = `${num(row.t)} s`;
@@ -72,9 +72,9 @@ function beside(row, said, hide) {
   $("why").hidden = !!hide || !("x_drift" in lab.store.at);
   const shares = CLASSES.map((c) => ({ ...c, share: row[c.field] })).filter((c) => c.share > 0.005);
   const any = row.alarm > 0 && shares.length > 0;
-  const sensor = row.alarm > 0 && !shares.length && said.name && lab.hello.kind !== "recording";
+  const sensor = row.alarm > 0 && /_(open|short|lost)$/.test(said.name);
   const s = num(Math.max(0.1, row.t - row.onset * lab.store.ts), 1);
-  put("whynote", any ? say("why_note", { s }) : sensor ? say("why_sensor") : say("nothing_to_explain"));
+  put("whynote", any ? say("why_note", { s }) : sensor ? say("why_sensor") : row.alarm > 0 ? "" : say("nothing_to_explain"));
   const blames = (c) => meant(said.name).includes(c.name);
   const rank = (c) => c.share + (blames(c) ? 0.01 : 0); // of two that explain it alike, the one that is named
   const order = (any ? shares.sort((a, b) => rank(b) - rank(a)) : []).slice(0, 7);
@@ -88,7 +88,7 @@ function beside(row, said, hide) {
   const last = list[list.length - 1];
   const close = last && lab.store.has(lab.store.tickAt(last.from)) && row.t > last.from + CLOSE_FROM * lab.store.slow && (last.truth || last.alarm !== undefined);
   $("close").hidden = !close;
-  if (close) {
+  if (close && lab.open.has("why")) {
     $("closetitle").textContent = say("closeup", { s: num(last.from) });
     $("closeup").setAttribute("aria-label", `${say("closeup", { s: num(last.from) })}: ${last.label()}`);
     drawCloseup($("closeup"), last, lab.store);
@@ -111,5 +111,7 @@ const TRUTHS = { 1: "c_t2_offset", 2: "c_t1_clogged", 3: "c_air_flow" };
 Events.label = (event) => {
   if (event.fault) return describe(event.fault);
   if (event.truth) return TRUTHS[event.truth] ? say(TRUTHS[event.truth]) : (event.named ? short(event.named) : say("fault_put_in"));
-  return say("no_fault", { what: short(event.named) });
+  // Where nobody knows what was true, an alarm is no false one.
+  const known = lab.can.has("break") || lab.events.list.some(({ truth }) => truth);
+  return known ? say("no_fault", { what: short(event.named) }) : short(event.named);
 };

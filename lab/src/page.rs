@@ -1,13 +1,20 @@
 //! The page as one file: style, modules, worker and data lie within it, so that it needs no network and opens from anywhere.
 
+use std::collections::BTreeMap;
+use std::io::Read;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use fdi_core::likelihood::{Channel, FaultClass};
 use fdi_core::schema::FIELDS;
+use flate2::Compression;
+use flate2::read::GzEncoder;
+use serde_json::json;
 
 const INDEX: &str = include_str!("../page/index.html");
 const STYLE: &str = include_str!("../page/lab.css");
 const WORKER: &str = include_str!("../page/worker.js");
+const BEGIN: &str = include_str!("../page/begin.js");
 const REPORT: &str = "<!-- report -->";
 /// Of others, within the session; `tools/licences` makes it.
 const LICENCES: &str = include_str!("../page/licences.txt");
@@ -47,7 +54,6 @@ modules!(
     "closeup",
     "commissioning",
     "csv",
-    "drawing",
     "events",
     "exam",
     "exam_text",
@@ -86,8 +92,7 @@ modules!(
     "write",
 );
 
-/// The module of the classes of fault, from their rows: their short names in English as words of the page, and which explain a share of an alarm. It is as
-/// short as it can be, since quotation marks count twice in the page.
+/// The module of the classes of fault, from their rows: their short names in English as words of the page, and which explain a share of an alarm.
 fn classes() -> String {
     let word = |class: &FaultClass| {
         let t = class.sensor().map_or("", Channel::name);
@@ -101,7 +106,7 @@ fn classes() -> String {
 /// What the page gets its numbers from.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
-    /// The session as WebAssembly, packed by gzip.
+    /// The session as WebAssembly, packed by [`pack`].
     InPage(&'a [u8]),
     /// The server that sent the page, with the token for its commands.
     Server(&'a str),
@@ -114,7 +119,7 @@ pub enum Source<'a> {
     },
 }
 
-/// The page. Its modules go by an import map of data, since a file has no siblings that it may load.
+/// The page.
 pub fn html(source: Source) -> String {
     let data = match source {
         Source::InPage(wasm) => {
@@ -168,36 +173,28 @@ fn of_json(id: &str, json: &str) -> String {
     format!("<script type=\"application/json\" id=\"{id}\">{}</script>", json.replace('<', "\\u003c"))
 }
 
-/// Style, modules and data; `main` is the module that begins.
+/// Style, modules and data; `main` is the module that begins. Modules go packed, which is a third of their size, and stand in an import map of data
+/// once the page has unpacked them: a file has no siblings that it may load.
 fn head(style: &str, modules: &[(&str, &str)], data: &str, main: &str) -> String {
-    let address = |(name, text): &(&str, &str)| {
-        format!("\"{name}\":\"data:text/javascript,{}\"", in_address(&lean(text)))
-    };
     let classes = classes();
-    let imports: Vec<String> = modules.iter().chain(&[(CLASSES, classes.as_str())]).map(address).collect();
+    let sources: BTreeMap<&str, String> = modules
+        .iter()
+        .chain(&[(CLASSES, classes.as_str())])
+        .map(|(name, text)| (*name, lean(text)))
+        .collect();
+    let packed = STANDARD.encode(pack(json!(sources).to_string().as_bytes()));
+    let begin = lean(BEGIN).replace("MAIN", main);
     format!(
-        "<style>{style}</style>\n<script type=\"importmap\">{{\"imports\":{{{}}}}}</script>\n{data}\n\
-         <script type=\"module\">import \"{main}\";</script>",
-        imports.join(",")
+        "<style>{style}</style>\n<script type=\"text/plain\" id=\"modules\">{packed}</script>\n{data}\n<script>{begin}</script>"
     )
 }
 
-/// What stands for what in an address of `data:` within JSON within HTML, in this order. The last two keep names and references of a drawing
-/// from looking like addresses that the page asks for.
-const ESCAPES: [(&str, &str); 8] = [
-    ("%", "%25"),
-    ("#", "%23"),
-    ("\n", "%0A"),
-    ("<", "%3C"),
-    ("\\", "\\\\"),
-    ("\"", "\\\""),
-    ("http:", "http%3A"),
-    ("url(", "url%28"),
-];
-
-/// Text as it stands in such an address: a fifth shorter than base64.
-fn in_address(text: &str) -> String {
-    ESCAPES.iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
+/// By gzip, which a browser unpacks by its own `DecompressionStream`.
+pub fn pack(bytes: &[u8]) -> Vec<u8> {
+    let mut packed = Vec::new();
+    // Neither reading from memory nor writing there fails.
+    let _ = GzEncoder::new(bytes, Compression::best()).read_to_end(&mut packed);
+    packed
 }
 
 #[cfg(test)]
@@ -258,7 +255,7 @@ mod tests {
     fn nothing_of_the_page_lies_elsewhere() {
         let page = html(Source::InPage(b"\0asm"));
         let texts = MODULES.iter().chain(&OF_WALL).map(|(_, text)| *text);
-        let texts = texts.chain([INDEX, STYLE, WORKER, WALL, WALL_STYLE, ABSENT]);
+        let texts = texts.chain([INDEX, STYLE, WORKER, BEGIN, WALL, WALL_STYLE, ABSENT]);
         for text in texts {
             let links =
                 text.match_indices("http").map(|(i, _)| &text[i..]).filter(|link| link.contains("://"));

@@ -103,12 +103,14 @@ impl Browser {
         bail!("chromedriver has told no port: install chromium-driver")
     }
 
-    /// Opens an address and waits until the page has loaded.
+    /// Opens an address and waits until the page has loaded, and its modules run (begin.js).
     ///
     /// # Errors
     /// Those of the driver.
     pub fn open(&self, address: &str) -> anyhow::Result<()> {
-        self.order("/url", &json!({ "url": address })).map(drop)
+        self.order("/url", &json!({ "url": address }))?;
+        let runs = "while (document.getElementById('modules')) await new Promise(requestAnimationFrame);";
+        self.run(runs, &[]).map(drop)
     }
 
     /// Leaves the page, and forgets what it has kept: the next is as in a new browser.
@@ -116,7 +118,8 @@ impl Browser {
     /// # Errors
     /// Those of the driver.
     pub fn forget(&self) -> anyhow::Result<()> {
-        let kept = "localStorage.clear(); sessionStorage.clear(); for (const { name } of await indexedDB.databases()) indexedDB.deleteDatabase(name);";
+        // A page beside a board asks whether it may be left.
+        let kept = "window.lab?.lab.can.clear(); localStorage.clear(); sessionStorage.clear(); for (const { name } of await indexedDB.databases()) indexedDB.deleteDatabase(name);";
         self.run(kept, &[])?;
         self.tools("Emulation.clearDeviceMetricsOverride", json!({}))?;
         self.open("about:blank")

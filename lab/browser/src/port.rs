@@ -11,11 +11,19 @@ const framed = (line) => {
   return `\x02${line}*${((sum ^ -1) >>> 0).toString(16).padStart(8, "0")}\r\n`;
 };
 class Port {
-  constructor(answers) { Object.assign(this, { answers, heard: "" }); }
+  constructor(answers) { Object.assign(this, { answers, heard: "", fails: 0 }); }
   getInfo() { return {}; }
   async open() {
     this.reads();
+    this.writes();
+  }
+  // A write that fails ends the stream, and there is another. `fails` so many.
+  writes() {
     this.writable = new WritableStream({ write: (some) => {
+      if (this.fails-- > 0) {
+        this.writes();
+        throw new DOMException("Failed to write.", "UnknownError");
+      }
       this.heard += String.fromCharCode(...some);
       const line = /(?:\x15|[^\r\x15]*\r)$/.exec(this.heard)?.[0].replace("\r", "");
       if (line in this.answers) this.says(this.answers[line]);
@@ -28,6 +36,14 @@ class Port {
     this.reads();
     to.error(new DOMException("Buffer overrun.", "BufferOverrunError"));
   }
+  // The cable is pulled out; and in again.
+  unplug() {
+    const { to } = this;
+    this.readable = this.writable = null;
+    [this.opens, this.open] = [this.open, async () => { throw new DOMException("Failed to open serial port.", "NetworkError"); }];
+    to.error(new DOMException("The device has been lost.", "NetworkError"));
+  }
+  plug() { this.open = this.opens; }
   says(text) { this.to.enqueue(bytes(text)); }
   async close() {}
 }

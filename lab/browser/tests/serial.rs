@@ -71,7 +71,7 @@ fn from_a_file_to_a_fault_that_is_named_with_the_same_bits() {
     connect(&browser);
     // Only an ST-LINK is offered. It was not heard from its start: the page says so, and offers to start it anew.
     let late = r##"await until(() => !$("#restart").hidden);
-        return [wire.asked, $("#source").textContent.trim(), $("#agrees").textContent.includes("not heard from the board's start"), $("#savelog").hidden, $("#why").hidden]"##;
+        return [wire.asked, $("#source").textContent.trim(), $("#agrees").textContent.includes("not heard from the board's start"), $("#download").hidden, $("#why").hidden]"##;
     let asked = json!([{ "filters": [{ "usbVendorId": 0x0483 }] }]);
     // The image has said which it is, when the page began to listen.
     let image = on(&browser, r##"return $("#image").textContent"##);
@@ -179,7 +179,7 @@ fn a_cable_that_is_pulled_out_is_told_and_back_in_it_goes_on() {
         return [log.startsWith("log format"), /# ticks \d+ to \d+ are missing/.test(log), sent(from).includes("arm"), Number.isFinite(lab.row().t1)]"##;
     assert_eq!(on(&browser, back), json!([true, true, false, true]));
     // The way back to the rig that was left, where it was; and the port is free again.
-    let rig = r##"click("#back"); await until(() => lab.lab.hello.kind === "simulated" && lab.lab.store?.end > 3300);
+    let rig = r##"click("#back"); click("#back"); await until(() => lab.lab.hello.kind === "simulated" && lab.lab.store?.end > 3300);
         click("#connect"); await until(() => lab.lab.hello.kind === "board" && lab.lab.store?.end > 5); return 1"##;
     assert_eq!(on(&browser, rig), json!(1));
     assert_eq!(browser.complaints().expect("the console"), Vec::<String>::new());

@@ -1,18 +1,15 @@
 //! `cargo lab`: the page with the session within it, one file that opens with a double click.
 
 use std::ffi::OsStr;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use flate2::Compression;
-use flate2::write::GzEncoder;
-use pt326_lab::page::{Source, html};
+use pt326_lab::page::{Source, html, pack};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 const SESSION: &str = "pt326_lab_wasm.wasm";
 /// A file that fits where mail and courses put it, bytes.
-const LIMIT: usize = 650_000;
+const LIMIT: usize = 540_000;
 
 fn main() -> ExitCode {
     match write(std::env::args_os().nth(1).as_deref()) {
@@ -35,8 +32,7 @@ fn write(file: Option<&OsStr>) -> Result<(), String> {
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
     let wasm = target.join(TARGET).join("lab").join(SESSION);
     let wasm = std::fs::read(&wasm).map_err(|error| format!("{}: {error}", wasm.display()))?;
-    let packed = pack(&wasm).map_err(|error| format!("the session was not packed: {error}"))?;
-    let page = html(Source::InPage(&packed));
+    let page = html(Source::InPage(&pack(&wasm)));
     let file = Path::new(file.unwrap_or(OsStr::new("lab.html")));
     std::fs::write(file, &page).map_err(|error| format!("{}: {error}", file.display()))?;
     println!(
@@ -46,13 +42,6 @@ fn write(file: Option<&OsStr>) -> Result<(), String> {
         wasm.len() / 1000
     );
     if page.len() > LIMIT { Err(format!("more than {LIMIT} bytes")) } else { Ok(()) }
-}
-
-/// By gzip, which the worker unpacks by the browser's own `DecompressionStream`.
-fn pack(bytes: &[u8]) -> io::Result<Vec<u8>> {
-    let mut packed = GzEncoder::new(Vec::new(), Compression::best());
-    packed.write_all(bytes)?;
-    packed.finish()
 }
 
 /// The folder of the workspace.

@@ -68,10 +68,10 @@ fn a_trace_is_downloaded_replayed_and_opened() {
     let shown_as_recorded = script_on(
         &browser,
         r##"await until(() => lab.lab.hello.name === "other.csv" && lab.lab.store?.end > 3000);
-           return [$("#toast").textContent.slice(0, 17), Number.isFinite(lab.row().t1), Number.isFinite(lab.row().t1_expected)]"##,
+           return [$("#toast").textContent.slice(0, 36), Number.isFinite(lab.row().t1), Number.isFinite(lab.row().t1_expected)]"##,
         &[],
     );
-    assert_eq!(shown_as_recorded, json!(["Shown as recorded", true, false]));
+    assert_eq!(shown_as_recorded, json!(["Opened: other.csv. Shown as recorded", true, false]));
     assert_eq!(
         [&shown[1], &shown[2], &shown[3], &shown[4]],
         [&json!(true), &json!(false), &json!("Recording: trace.csv"), &json!(true)]

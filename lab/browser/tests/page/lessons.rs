@@ -171,6 +171,18 @@ fn from_a_trace_there_is_a_way_back_to_the_rig() {
     );
     assert!(lacks.as_str().is_some_and(|text| text.contains("no column t_s")), "{lacks}");
     script_on(&browser, r##"click("[data-mode=quiz]"); return 1"##, &[]);
+    // Dropped anywhere, it is opened as by the button; nothing else than a file or a text may be dropped.
+    let dropped = script_on(
+        &browser,
+        r##"const data = new DataTransfer(); data.items.add(new File([args[0]], "dropped.csv"));
+           const drag = (type, dataTransfer) => document.body.dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
+           const taken = [drag("dragover", data), drag("drop", data), drag("dragover", new DataTransfer())];
+           await until(() => lab.lab.hello.kind === "recording"); const { name } = lab.lab.hello;
+           click("#back"); await until(() => lab.lab.hello.kind === "simulated" && lab.lab.store?.end > 300);
+           return [...taken, name]"##,
+        &[text],
+    );
+    assert_eq!(dropped, json!([false, false, true, "dropped.csv"]));
     browser.choose("#file", &trace).expect("an input");
     let back = script_on(
         &browser,
@@ -203,12 +215,12 @@ fn no_button_is_left_untranslated() {
 fn a_scene_is_copied_as_text_and_pasted() {
     let seen = on_page(
         r##"await monitoring();
-           copies(); const text = await copied("#link");
+           copies(); const text = await copied("#link"); const told = /paste it/.test($("#toast").textContent);
            lab.send({ command: "open", scene: { ...SCENE, seed: 9 }, skip: true }); await step(1);
            history.replaceState(null, "", "#");
            paste(`see ${text} there`);
            await until(() => lab.lab.scene.seed === 1 && lab.lab.store.end > 100);
-           return [text.startsWith("#s="), /paste it/.test($("#toast").textContent)]"##,
+           return [text.startsWith("#s="), told]"##,
         &[],
     );
     assert_eq!(seen, json!([true, true]));

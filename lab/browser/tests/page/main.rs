@@ -18,13 +18,14 @@ mod scenes;
 mod schedule;
 mod taught;
 mod verdict;
+mod view;
 
 use std::sync::Mutex;
 
 use pt326_lab_browser::{Browser, page};
 use serde_json::{Value, json};
 
-/// What scripts use: a session that stands still where monitoring begins, and the user's hand.
+/// What scripts use: a session that stands still where monitoring begins, with all that can be unfolded, and the user's hand.
 const HELPERS: &str = r##"
 const $ = (selector) => document.querySelector(selector);
 const frame = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
@@ -34,6 +35,7 @@ const step = async (ticks) => { await lab.ask({ command: "step", ticks }); await
 const SCENE = { seed: 1, preset: "paper", disturbance: "calm", orders: [[0, { order: "arm" }]] };
 const monitoring = async () => {
   await until(() => lab.lab.store?.end > 0);
+  for (const fold of document.querySelectorAll("[data-fold][aria-expanded=false]")) fold.click();
   lab.send({ command: "run", speed: 0 });
   lab.send({ command: "open", scene: SCENE, skip: true });
   await step(1);

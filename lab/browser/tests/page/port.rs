@@ -1,7 +1,12 @@
 //! A port of the computer at whose other end is no board, or one that lies.
 
+use std::io::{Read, Write};
+use std::time::Duration;
+
+use pt326_lab_browser::bridge::{SERIAL, serve};
 use pt326_lab_browser::port::PORT;
 use serde_json::json;
+use serialport::{SerialPort, TTYPort};
 
 use crate::on_page;
 
@@ -10,15 +15,18 @@ use crate::on_page;
 fn where_there_is_no_board_that_is_said_with_what_to_do() {
     let script = r##"await monitoring();
         serial(undefined); click("#connect"); const none = await toast(/Chrome or Edge/);
-        serial({ requestPort: async () => { throw new DOMException("No port selected by the user.", "NotFoundError"); } });
+        const asked = [];
+        serial({ requestPort: async (what) => { asked.push(Object.keys(what)); throw new DOMException("No port selected by the user.", "NotFoundError"); } });
         click("#connect"); const chosen = await toast(/No port was chosen/);
+        $("#toast").textContent = ""; click("#connect"); await toast(/No port was chosen/);
         const busy = new Port(BOARD); busy.open = async () => { throw new DOMException("Failed to open serial port.", "NetworkError"); };
         offer(busy); click("#connect"); const used = await toast(/close the other tab or program/);
         const mute = new Port({}); let closed = 0; mute.close = async () => void closed++;
-        offer(mute); click("#connect-any"); const nobody = await toast(/is this the board's port/);
+        offer(mute); click("#connect"); const nobody = await toast(/is this the board's port/);
         const other = new Port({ ...BOARD, get: "get\r\nwarp.factor = 9\r\n> " });
         offer(other); click("#connect"); const release = await toast(/warp.factor/);
         await step(1); await until(() => closed);
+        if (JSON.stringify(asked) !== '[["filters"],[]]') return asked;
         return [none, chosen, used, nobody, release].every((text) => text.length < 300) && lab.lab.hello.kind === "simulated" && lab.row().mode === 3"##;
     assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!(true));
 }
@@ -111,4 +119,86 @@ fn a_commissioning_is_written_down_as_a_page() {
             ["commissioning.html"]
         ])
     );
+}
+
+/// A write that fails ends its stream. The stop goes out by the port's next one, however the first was lost: its own, or a line's before it.
+#[test]
+fn a_stop_goes_out_after_a_write_has_failed() {
+    let script = r##"await monitoring();
+        const port = new Port(BOARD); offer(port); click("#connect");
+        await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
+        const stops = async (fails) => {
+          Object.assign(port, { fails, heard: "" }); $("#toast").textContent = ""; click("#stop");
+          await until(() => port.heard.includes("\x03") || /NOT/.test($("#toast").textContent));
+          return port.heard.includes("\x03");
+        };
+        port.fails = 1; port.heard = ""; $("#line").value = "arm"; $("#typed").requestSubmit(); await until(() => port.fails < 1);
+        const typed = port.heard;
+        const failed = await stops(2); port.answers = {}; lab.send({ command: "order", order: { order: "nonsense" } }); for (let i = 0; i < 20; i++) await frame();
+        const stands = /NOT/.test($("#toast").textContent);
+        return [typed, failed, stands, await stops(0), await stops(1), await stops(0)]"##;
+    assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!(["", false, true, true, true, true]));
+}
+
+/// A pulled cable is told in the sentence and in the bar, which stands over whatever is in view; when it is in again, both say so.
+#[test]
+fn a_pulled_cable_is_said_where_one_looks() {
+    let script = r##"await monitoring();
+        const port = new Port(BOARD); offer(port); click("#connect");
+        await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
+        const tick = (n) => port.says(framed(`tick ${n.toString(16)}${" 45000000".repeat(31)}`));
+        tick(1); await until(() => lab.lab.store?.end === 1);
+        port.unplug(); $("#console").scrollIntoView(); await until(() => document.body.dataset.state === "lost");
+        const { top, height } = $("#source span").getBoundingClientRect();
+        const lost = [$("#head").innerText, $("#source").textContent.trim(), top >= 0 && height > 0, $("#toast").textContent];
+        port.plug(); await until(() => port.readable); tick(2); await until(() => document.body.dataset.state !== "lost");
+        return [...lost, $("#source").textContent.trim()]"##;
+    let head = "The board is not heard: is its cable in?";
+    assert_eq!(
+        on_page(&format!("{PORT}{script}"), &[]),
+        json!([head, "No connection", true, head, "Real board:"])
+    );
+}
+
+/// Whoever leaves the page of a board is asked, and whoever goes back to the rig has to press twice; else nobody.
+#[test]
+fn a_board_is_not_left_by_one_press() {
+    let script = r##"await monitoring();
+        const asks = () => { const event = new Event("beforeunload", { cancelable: true }); dispatchEvent(event); return event.defaultPrevented; };
+        const before = asks();
+        const port = new Port(BOARD); offer(port); click("#connect");
+        await until(() => lab.lab.hello.kind === "board" && lab.lab.settings["pid.kp"] === 2.5);
+        const data = new DataTransfer(); data.items.add(new File(["t_s\n"], "trace.csv")); document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
+        await toast(/board is connected/); const there = asks(); click("#back"); const stays = lab.lab.hello.kind;
+        click("#back"); await until(() => lab.lab.hello.kind === "simulated" && lab.lab.store?.end > 0);
+        return [before, there, stays, asks()]"##;
+    assert_eq!(on_page(&format!("{PORT}{script}"), &[]), json!([false, true, "board", false]));
+}
+
+/// The port that tests with a board bring: bytes go both ways, and it closes.
+#[test]
+fn a_port_behind_a_socket_carries_every_byte_both_ways() {
+    let (mut board, mut behind) = TTYPort::pair().expect("a pseudo-terminal");
+    behind.set_exclusive(false).expect("others may open it");
+    board.set_timeout(Duration::from_secs(20)).expect("a timeout");
+    let address = serve(behind.name().expect("its path")).expect("a bridge");
+    let all: Vec<u8> = (0..=255).collect();
+    let (told, heard) = (all.clone(), all.clone());
+    let other = std::thread::spawn(move || {
+        let mut bytes = [0; 256];
+        board.read_exact(&mut bytes).expect("what the page has written");
+        board.write_all(&told).expect("an answer");
+        (bytes == *heard, board) // open until the page has read
+    });
+    let script = r##"
+        const port = await navigator.serial.requestPort(); await port.open({ baudRate: 115200 });
+        const bytes = Uint8Array.from({ length: 256 }, (_, i) => i);
+        const writer = port.writable.getWriter(); await writer.write(bytes); writer.releaseLock();
+        const reader = port.readable.getReader(), read = [];
+        while (read.length < 256) read.push(...(await reader.read()).value);
+        await reader.cancel(); reader.releaseLock(); await port.close();
+        return read.every((byte, i) => byte === i)"##;
+    assert_eq!(on_page(&format!("{{ {SERIAL} }}{script}"), &[json!(address)]), json!(true));
+    let (same, _board) = other.join().expect("the other end");
+    assert!(same, "the board's end has heard something else");
 }

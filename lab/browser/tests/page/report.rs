@@ -26,7 +26,7 @@ fn a_report_is_the_page_with_the_run_within_it() {
            await until(() => /T2/.test($("#head").innerText) && $("#bars .best"));
            const near = rests && lab.charts.span === 40 && !$("#hint button");
            lab.send({ command: "seek", tick: 1e6 }); await frame();
-           click("[data-speed='100']");
+           $("#speed").value = 100; $("#speed").dispatchEvent(new Event("change"));
            await until(() => lab.lab.store.end < 3000);
            return [heads, width, orders, document.querySelectorAll(".report table").length > 3, near];"##,
         &[],

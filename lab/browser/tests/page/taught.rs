@@ -65,22 +65,22 @@ fn a_report_says_which_of_the_taught_faults_it_was_and_how_large() {
 fn a_taught_fault_is_said_without_a_class_and_its_name_is_no_html() {
     let said = on_page(
         r##"
-        const [{ HEAR }, { papers }, { verdict }, { drawRibbons }] = await Promise.all(["hear", "say", "verdict", "ribbons"].map((name) => import(`lab/${name}.js`)));
+        const [{ HEAR }, { papers }, { verdict }, { RIBBONS, drawRibbons }] = await Promise.all(["hear", "say", "verdict", "ribbons"].map((name) => import(`lab/${name}.js`)));
         const name = "<img src=x onerror=alert(1)>";
         HEAR.names({ own_names: [[4, name]], taught_names: ["low", name] });
         const hello = { classes: [{ number: 9, name: "unknown" }] };
         const sub = (number, taught, size = 96.2) => {
           const row = { t: 400, mode: 3, alarm: 1, class: number, taught, taught_size: size };
           const shown = document.createElement("p");
-          shown.innerHTML = verdict({ row, hello, events: { last: undefined, slow: 1 }, since: 0, ts: 0.11, settings: {}, can: new Set(), checking: false, lost: 0 }).sub;
+          shown.innerHTML = verdict({ row, hello, events: { last: undefined }, since: 0, ts: 0.11, settings: {}, can: new Set(), checking: false, lost: 0 }).sub;
           return shown.textContent.replaceAll("\u00a0", " ") + shown.querySelectorAll("img").length;
         };
         const ribbon = (number, taught) => {
           const texts = [];
           const pen = { text: (text) => texts.push(text), box() {}, measure: () => 0 };
           const store = { get: (_, field) => ({ alarm: 1, class: number, taught })[field] };
-          drawRibbons(pen, { list: [], names: new Map([[9, "unknown"]]) }, store, { y: 0, left: 0, edge: 99, a: 0, b: 5, X: (k) => 15 * k, T: (t) => t, t1: 9 });
-          return texts[2];
+          drawRibbons(pen, [RIBBONS[1]], { list: [], names: new Map([[9, "unknown"]]) }, store, { y: 0, left: 0, edge: 99, a: 0, b: 5, X: (k) => 15 * k, T: (t) => t, t1: 9 });
+          return texts[1];
         };
         return [sub(NaN, NaN), sub(NaN, 1), sub(9, NaN), sub(9, 2), sub(9, 3, NaN), ribbon(9, NaN), ribbon(9, 1), ribbon(NaN, 1), papers(2, 4)];"##,
         &[],

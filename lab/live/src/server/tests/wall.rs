@@ -119,7 +119,7 @@ fn each_rig_has_its_page_and_the_wall_takes_no_orders() {
     let (status, page) = get_text(address, "/boards/one/", "");
     assert!(status == 200 && page.contains(TOKEN) && page.contains("lab/main.js"));
     let (status, wall) = get_text(address, "/", "");
-    assert!(status == 200 && wall.contains(TOKEN) && wall.contains("import \"lab/wall.js\""));
+    assert!(status == 200 && wall.contains(TOKEN) && wall.contains("import(\"lab/wall.js\")"));
     let (status, absent) = get_text(address, "/boards/missing/", "");
     assert!(status == 503 && absent.contains("not there yet") && !absent.contains(TOKEN));
     let arm = r#"{"command":"order","order":{"order":"arm"}}"#;

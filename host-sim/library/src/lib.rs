@@ -8,6 +8,7 @@ pub mod campaign;
 pub mod experiment;
 pub mod identify;
 pub mod isolability;
+pub mod plant;
 pub mod record;
 pub mod recording;
 pub mod repeat;

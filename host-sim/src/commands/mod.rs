@@ -16,6 +16,7 @@ pub mod repeat;
 pub mod replay;
 pub mod results;
 pub mod run;
+pub mod score;
 pub mod shell;
 pub mod teach;
 pub mod terminal;
@@ -40,6 +41,7 @@ use pt326_host::experiment::scenario;
 use repeat::RepeatArgs;
 use replay::ReplayArgs;
 use run::RunArgs;
+use score::ScoreArgs;
 use shell::{CompletionsArgs, ManArgs};
 use teach::TeachArgs;
 use terminal::{BAD, in_words, is_unread, styled};
@@ -99,6 +101,8 @@ enum Subcommand {
     Identify(IdentifyArgs),
     /// Run a recording (a board's log, a trace.csv) through the same code again and compare.
     Replay(ReplayArgs),
+    /// Score the models of a plant's loops on public data whose faults are known.
+    Score(ScoreArgs),
     /// Make signatures of faults of your own from a recording in which you made them.
     Teach(TeachArgs),
     /// Serve the lab to a browser: the simulated rig, or a recording, as it goes on.
@@ -155,6 +159,7 @@ impl Cli {
             Subcommand::FitRig(args) => fit_rig::run(&args),
             Subcommand::Identify(args) => identify::run(&args),
             Subcommand::Replay(args) => replay::run(&args),
+            Subcommand::Score(args) => score::run(&args),
             Subcommand::Teach(args) => return teach::run(&args),
             #[cfg(feature = "live")]
             Subcommand::Live(args) => live::run(&args),

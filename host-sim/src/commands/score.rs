@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use anyhow::Context;
+
 use super::terminal::print;
-use pt326_host::plant::{BUILT_IN, Plant};
+use pt326_host::plant::{score, settings_of};
 
 /// Arguments of `score`.
 #[derive(Clone, Debug, clap::Args)]
@@ -13,16 +15,17 @@ the others. docs/scores.md has the protocol, the numbers, and those of other met
 
 Examples:
   pt326 score tep DIR                  the 44 files of Tennessee Eastman in DIR
+  pt326 score lbnl DIR                 days of LBNL's air handler in DIR
   pt326 score tep --settings > my.toml
   pt326 score my.toml DIR              a plant of your own")]
 pub struct ScoreArgs {
-    /// `tep`, or a file of settings.
+    /// `tep`, `lbnl`, or a file of settings.
     #[arg(value_name = "PLANT")]
     pub plant: String,
     /// The folder with its files.
     #[arg(value_name = "DIR", required_unless_present = "settings")]
     pub dir: Option<PathBuf>,
-    /// Print the settings of a plant that comes with the program instead.
+    /// Print the settings of a plant that comes with the program (or of the file) instead.
     #[arg(long)]
     pub settings: bool,
 }
@@ -32,13 +35,9 @@ pub struct ScoreArgs {
 /// # Errors
 /// Settings or a file that are missing or wrong.
 pub fn run(args: &ScoreArgs) -> anyhow::Result<()> {
-    let plant = Plant::named_or_read(&args.plant)?;
+    let settings = settings_of(&args.plant)?;
     match &args.dir {
-        Some(dir) if !args.settings => print(&plant.score(dir)?.markdown(&plant)),
-        _ => {
-            let text = BUILT_IN.iter().find(|(name, _)| *name == args.plant);
-            let (_, text) = text.ok_or_else(|| anyhow::anyhow!("{} is a file of yours", args.plant))?;
-            print(text)
-        }
+        Some(dir) if !args.settings => print(&score(&settings, dir).with_context(|| args.plant.clone())?),
+        _ => print(&settings),
     }
 }

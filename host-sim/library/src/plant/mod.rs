@@ -5,6 +5,7 @@
 //! docs/scores.md has the protocol.
 
 mod charts;
+mod coils;
 mod model;
 mod report;
 mod settings;
@@ -16,8 +17,8 @@ use anyhow::{Context, ensure};
 
 use crate::recording::table::Table;
 use charts::Watch;
-use settings::Truth;
-pub use settings::{BUILT_IN, Plant};
+use coils::AirHandler;
+use settings::{BUILT_IN, Plant, Truth};
 use signs::name_of;
 
 /// What a plant's files came to.
@@ -106,22 +107,32 @@ impl Plant {
             false => (0..self.signals).map(|at| single(&mut rows.iter().map(|row| &row[at]))).collect(),
         })
     }
+}
 
-    /// A plant that comes with the program, or a file of settings.
-    ///
-    /// # Errors
-    /// No such plant, or what is wrong in the file.
-    pub fn named_or_read(name: &str) -> anyhow::Result<Self> {
-        let built_in = BUILT_IN.iter().find(|(of, _)| *of == name).map(|(_, text)| (*text).to_owned());
-        let text = match built_in {
-            Some(text) => text,
-            None => std::fs::read_to_string(name).with_context(|| {
-                let names: Vec<&str> = BUILT_IN.iter().map(|(of, _)| *of).collect();
-                format!("{name}: neither a file of settings nor one of {}", names.join(", "))
-            })?,
-        };
-        Self::parse(&text).with_context(|| name.to_owned())
+/// The settings of a plant that comes with the program, or those of a file.
+///
+/// # Errors
+/// No such plant or file.
+pub fn settings_of(name: &str) -> anyhow::Result<String> {
+    if let Some((_, text)) = BUILT_IN.iter().find(|(of, _)| *of == name) {
+        return Ok((*text).to_owned());
     }
+    std::fs::read_to_string(name).with_context(|| {
+        let names: Vec<&str> = BUILT_IN.iter().map(|(of, _)| *of).collect();
+        format!("{name}: neither a file of settings nor one of {}", names.join(", "))
+    })
+}
+
+/// Scores the files of a folder by the settings of a plant: an air handler's, which have `[coils]`, or those of loops. Markdown.
+///
+/// # Errors
+/// Settings or files that are missing or wrong.
+pub fn score(settings: &str, dir: &Path) -> anyhow::Result<String> {
+    if settings.lines().any(|line| line.trim() == "[coils]") {
+        return AirHandler::parse(settings)?.score(dir);
+    }
+    let plant = Plant::parse(settings)?;
+    Ok(plant.score(dir)?.markdown(&plant))
 }
 
 /// Share of what is true; of nothing 0.

@@ -8,9 +8,8 @@ use super::{FaultScore, Scored};
 impl Scored {
     /// A table of the faults, and the false alarms below it.
     pub fn markdown(&self, plant: &Plant) -> String {
-        let mut text = String::from(
-            "| fault | detected | delay, samples | named, from the onset on | named, another run |\n|---|---|---|---|---|\n",
-        );
+        let mut text = format!("{}\n\n", plant.about);
+        text += "| fault | detected | delay, samples | named, from the onset on | named, another run |\n|---|---|---|---|---|\n";
         for (truth, score) in plant.faults.iter().zip(&self.faults) {
             let FaultScore { detected, delay, named: [first, again] } = score;
             let delay = delay.map_or("never".into(), |delay| delay.to_string());

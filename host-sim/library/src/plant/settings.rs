@@ -7,7 +7,10 @@ use super::model::PARAMETERS;
 use super::signs::{Sign, Signs};
 
 /// The plants that come with the program: name and settings.
-pub const BUILT_IN: [(&str, &str); 1] = [("tep", include_str!("../../defaults/plants/tep.toml"))];
+pub(super) const BUILT_IN: [(&str, &str); 2] = [
+    ("lbnl", include_str!("../../defaults/plants/lbnl.toml")),
+    ("tep", include_str!("../../defaults/plants/tep.toml")),
+];
 
 /// A plant.
 #[derive(Clone, Debug, Deserialize)]

@@ -7,6 +7,7 @@ pub mod board;
 pub mod campaign;
 pub mod experiment;
 pub mod isolability;
+pub mod plant;
 pub mod record;
 pub mod recording;
 pub mod repeat;

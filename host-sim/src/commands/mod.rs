@@ -15,6 +15,7 @@ pub mod repeat;
 pub mod replay;
 pub mod results;
 pub mod run;
+pub mod score;
 pub mod shell;
 pub mod teach;
 pub mod terminal;
@@ -38,6 +39,7 @@ use pt326_host::experiment::scenario;
 use repeat::RepeatArgs;
 use replay::ReplayArgs;
 use run::RunArgs;
+use score::ScoreArgs;
 use shell::{CompletionsArgs, ManArgs};
 use teach::TeachArgs;
 use terminal::{BAD, in_words, is_unread, styled};
@@ -110,6 +112,8 @@ enum Subcommand {
     Teach(TeachArgs),
     /// Fit a simulated rig to a recording, for `run --scenario`.
     FitRig(FitRigArgs),
+    /// Score the models of a plant's loops on public data whose faults are known.
+    Score(ScoreArgs),
     /// Be the instrument for another program: ADC codes in, power and diagnosis out.
     Core(CoreArgs),
     /// Print the completions for a shell.
@@ -165,6 +169,7 @@ impl Cli {
             Subcommand::Diagnose(args) => diagnose::run(&args),
             Subcommand::FitRig(args) => fit_rig::run(&args),
             Subcommand::Replay(args) => replay::run(&args),
+            Subcommand::Score(args) => score::run(&args),
             Subcommand::Teach(args) => return teach::run(&args),
             #[cfg(feature = "live")]
             Subcommand::Live(args) => live::run(&args),

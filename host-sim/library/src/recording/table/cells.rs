@@ -29,11 +29,34 @@ impl Table {
             start < end && end <= count,
             "rows {start}:{end} of {file}: expected N:M with N < M <= {count}, the number of data rows"
         );
-        if let Some(left_out) = self.left_out() {
-            bail!("{file}: {left_out} A regression cannot step over a gap: take them out of the file");
-        }
+        self.whole()?;
         let mut numbers = start..;
         self.map(rows, |cells| self.value(cells, column, numbers.next().unwrap_or(end)))
+    }
+
+    /// The numbers of each row, read at once.
+    ///
+    /// # Errors
+    /// Lines that are no rows, and cells that are not finite numbers.
+    pub fn numbers(&self) -> anyhow::Result<Vec<Vec<f64>>> {
+        self.whole()?;
+        let mut numbers = 0..self.rows();
+        self.map(0..self.rows(), |cells| {
+            let row = numbers.next().unwrap_or_default();
+            (0..self.width()).map(|column| self.value(cells, column, row)).collect()
+        })
+    }
+
+    /// # Errors
+    /// Lines that are no rows.
+    fn whole(&self) -> anyhow::Result<()> {
+        match self.left_out() {
+            None => Ok(()),
+            Some(left_out) => bail!(
+                "{}: {left_out} A regression cannot step over a gap: take them out of the file",
+                self.file
+            ),
+        }
     }
 
     fn value(&self, cells: &StringRecord, column: usize, row: usize) -> anyhow::Result<f64> {

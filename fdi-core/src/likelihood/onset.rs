@@ -137,14 +137,14 @@ impl Onset {
         ]
     }
 
-    /// The regressors of this tick, whitened.
+    /// The regressors of this tick, and the same whitened.
     #[inline(never)]
     pub(super) fn step(
         &mut self,
         c: &OnsetConstants,
         whitening: &WhiteningFilter,
         now: &Nominal,
-    ) -> Regressors {
+    ) -> [Regressors; 2] {
         if self.age == 0 {
             self.begin(c, now);
         } else if self.process_again {
@@ -188,7 +188,7 @@ impl Onset {
         put(Regressor::Shift, [now.before[0] - y[0], now.before[1] - y[1]]);
         let mut whitened = [[0.0; 2]; COUNT];
         whitening.step_all(&mut self.past, &regressors, &mut whitened);
-        whitened
+        [regressors, whitened]
     }
 
     /// A tick without samples: the models go on, and no regressor is whitened, as no residual is.

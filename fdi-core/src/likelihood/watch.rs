@@ -20,7 +20,7 @@ mod since_onset;
 mod since_training;
 mod steady;
 #[cfg(test)]
-mod tests;
+pub(in crate::likelihood) mod tests;
 mod times;
 
 use super::alarm::Said;

@@ -22,9 +22,9 @@ pub(super) struct Held {
 pub(super) struct Said {
     pub(super) since_onset: Option<Option<Finding>>,
     pub(super) since_training: Option<Option<Finding>>,
-    /// Where a bank has a name: which thermistor sees too little of a rise that the other sees, and whether T1 moves as expected.
+    /// Where a bank has a name: which thermistor sees too little of a rise that the other sees, and whether T1 and T2 move as expected.
     pub(super) by_rises: Option<Finding>,
-    pub(super) t1_moves: bool,
+    pub(super) moves: [bool; 2],
 }
 
 impl Said {

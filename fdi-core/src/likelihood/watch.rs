@@ -362,7 +362,7 @@ impl Watch {
         let Some(finding) = said.by_models() else { return said };
         Said {
             by_rises: s.heat.detached(finding.onset),
-            t1_moves: self.heat.t1_moves(&s.heat, finding.onset, tick),
+            moves: self.heat.moves(&s.heat, finding.onset, tick),
             ..said
         }
     }

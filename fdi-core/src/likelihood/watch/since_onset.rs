@@ -169,6 +169,9 @@ impl SinceOnset {
             ));
             keep = if alarm.age > t.young { seen.times.forgets } else { 1.0 };
         }
+        if s.onset.is_settling() {
+            s.since = Normal::default();
+        }
         s.since.add(keep, &row, z, weight);
     }
 
@@ -205,7 +208,7 @@ impl SinceOnset {
             let old = age as f32 * self.sample_time > t.before * seen.times.time_scale;
             if old && judged.left - 2.0 * t.kappa * posterior.best_gain > t.inexplicable * s.since.count {
                 s.since.forget(&PROCESS);
-                s.onset.process_again = true;
+                s.onset.process_again = Some(seen.times.onset.lead);
             }
         } else if s.candidate > self.tuning.times.forgetting {
             return self.take_for_usual(s, seen, best);
@@ -239,10 +242,13 @@ impl SinceOnset {
         alarm.age += self.sample_time / seen.times.time_scale;
         alarm.turn = !alarm.turn;
         let young = alarm.age < t.young;
-        if young || alarm.turn {
+        if (young || alarm.turn) && !s.onset.is_settling() {
             let mut judged = Judged::nothing();
             self.judge(s, seen, &mut judged);
             self.name(s, &mut alarm, &mut judged);
+            if HYPOTHESES[alarm.hypothesis % COUNT].first.direction == Direction::Of(Regressor::LessFlow) {
+                s.onset.close(&self.tuning.hypotheses, alarm.values[0]);
+            }
         }
         let over = alarm.is_over(t);
         s.alarm = Some(alarm);

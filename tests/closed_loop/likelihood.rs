@@ -5,8 +5,9 @@ use std::mem::size_of;
 use fdi_core::likelihood::{FaultClass, LikelihoodState, Readiness, RejectReason};
 use fdi_core::{Config, Instrument, Mode, TripReason};
 use pt326_host::experiment::scenario::{Action, Scenario};
-use pt326_host::experiment::{Record, Row, run, run_on};
+use pt326_host::experiment::{FaultSize, Record, Row, on_rig, run, run_on};
 use pt326_host::record::summary::Summary;
+use pt326_lab::preset::with_prbs_phase;
 use pt326_rig::fault::{Fault, Sensor, Verb};
 use pt326_rig::{Disturbance, RigConfig};
 
@@ -125,6 +126,66 @@ fn an_error_that_came_and_went_twice_is_one_alarm_of_a_loose_contact() {
         assert!(onset.is_some_and(|onset| onset < 2.0), "{sensor:?}: since the first, {onset:?}");
         let stands = since_onset(&record).filter(|(_, row)| row.report.likelihood.alarm).last();
         assert!(stands.is_some_and(|(t, _)| (400.0..415.0).contains(&t)), "{sensor:?}: {stands:?}");
+    }
+}
+
+/// The record of a fault on the rig of a preset.
+fn on(preset: &str, fault: Fault, duration: f64, seed: u64) -> Record {
+    let config = with_prbs_phase(&Config::default(), seed);
+    let scenario = Scenario { duration, faults: vec![fault], ..Scenario::default() };
+    let scenario = on_rig(scenario, &config, Some(preset), None, FaultSize::default()).expect("a preset");
+    run(&config, &scenario, seed).expect("a scenario")
+}
+
+#[test]
+fn a_throttle_that_is_half_closed_is_less_air() {
+    for (preset, size) in [("recorded", 0.6), ("trainer", 0.5), ("harsh", 0.5)] {
+        for seed in [11, 12, 13] {
+            let record = on(preset, fault(Verb::AirFlow, None, size, None, 40.0), 440.0, seed);
+            let late = since_onset(&record).filter(|(t, _)| (20.0..40.0).contains(t));
+            for (t, row) in late {
+                let finding = row.report.likelihood.finding;
+                assert!(is(row, FaultClass::AirFlow), "{preset}, seed {seed}, {t} s: {finding:?}");
+            }
+        }
+    }
+}
+
+/// A T2 below dirt follows the air late, and sees 15 % less: nothing of the bank, but it does not stand still.
+#[test]
+fn a_late_t2_does_not_stand_still() {
+    for seed in [11, 12, 13] {
+        let record = on("recorded", fault(Verb::Clog, Some(Sensor::T2), 0.85, Some(1.2), 60.0), 460.0, seed);
+        let late: Vec<_> = since_onset(&record).filter(|(t, _)| (20.0..60.0).contains(t)).collect();
+        let share = |of: &dyn Fn(&Row) -> bool| {
+            late.iter().filter(|(_, row)| of(row)).count() as f64 / late.len() as f64
+        };
+        let stuck = share(&|row| is(row, FaultClass::Stuck(fdi_core::likelihood::Channel::T2)));
+        let alarm = share(&|row| row.report.likelihood.alarm);
+        assert!(stuck == 0.0 && alarm > 0.9, "seed {seed}: {stuck} {alarm}, {:?}", alarms(&record));
+    }
+}
+
+/// What has changed since the baseline was saved keeps neither the models from being learnt nor the signatures from telling of it.
+#[test]
+fn a_rig_that_has_changed_since_its_baseline_is_watched() {
+    let config = Config::default();
+    let baseline = run(&config, &scenario(vec![], 400.0), 51).unwrap().baseline.expect("learnt");
+    for (verb, sensor, size) in [
+        (Verb::HeaterPower, None, 0.92),
+        (Verb::Offset, Some(Sensor::T2), 0.5),
+        (Verb::AirFlow, None, 1.05),
+        (Verb::Clog, Some(Sensor::T1), 0.95),
+    ] {
+        let mut instrument = Instrument::new(&config).unwrap();
+        instrument.restore(&baseline).unwrap();
+        let changed = Fault { at: 0.0, ..fault(verb, sensor, size, None, 1e6) };
+        let wrong = Fault { at: 600.0, ..fault(Verb::Offset, Some(Sensor::T1), 1.5, None, 60.0) };
+        let record = run_on(&mut instrument, &config, &scenario(vec![changed, wrong], 620.0), 51);
+        let before = &record.rows[record.rows.len() - 220];
+        assert_eq!(before.report.likelihood.readiness, Readiness::Armed, "{verb:?} {sensor:?} after 595 s");
+        let alarms = alarms(&record);
+        assert!(alarms.iter().any(|t| (600.0..602.0).contains(t)), "{verb:?} {sensor:?}: {alarms:?}");
     }
 }
 

@@ -1,7 +1,10 @@
 //! What the models say on a tick, and an alarm under way.
 
 use super::class::FaultClass;
+use super::tuning::{AlarmTuning, NamingTuning, Tuning};
 use super::verdict::{Finding, TaughtFinding};
+use super::whitening::{Past, WhiteningFilter};
+use crate::bounds::{larger, smaller};
 
 /// What an alarm since an onset is held for.
 #[derive(Clone, Copy, Debug)]
@@ -19,9 +22,9 @@ pub(super) struct Held {
 pub(super) struct Said {
     pub(super) since_onset: Option<Option<Finding>>,
     pub(super) since_training: Option<Option<Finding>>,
-    /// Where a bank has a name: which thermistor sees too little of a rise that the other sees, and whether T1 moves as expected.
+    /// Where a bank has a name: which thermistor sees too little of a rise that the other sees, and whether T1 and T2 move as expected.
     pub(super) by_rises: Option<Finding>,
-    pub(super) t1_moves: bool,
+    pub(super) moves: [bool; 2],
 }
 
 impl Said {
@@ -45,6 +48,10 @@ pub(super) struct Alarm {
     pub(super) finding: Option<Finding>,
     /// The fault of the user's own that it is.
     pub(super) taught: Option<TaughtFinding>,
+    /// The whitening filter's memory of what the fault would have given since it may have ended.
+    since_end: Past,
+    /// Mean of what the likeliest hypothesis leaves of each innovation's square: 1 where it fits, which an alarm has to show first.
+    error: f32,
     /// No hypothesis fits, and on which share of the last judgements none did.
     pub(super) strange: bool,
     pub(super) misfit: f32,
@@ -53,18 +60,22 @@ pub(super) struct Alarm {
     pub(super) hypothesis: usize,
     pub(super) values: [f32; 2],
     pub(super) evidence: f32,
-    /// Whose turn it is: the ranking's, or the end's.
+    /// Whether it is judged on every second tick only, and not on this one.
     pub(super) turn: bool,
+    /// Page's sum of the log odds that its fault has ended.
+    pub(super) ended: f32,
 }
 
 impl Alarm {
     /// A fault thought to have begun on tick `onset`.
-    pub(super) fn new(onset: u32) -> Self {
+    pub(super) fn new(t: &NamingTuning, onset: u32) -> Self {
         Self {
             onset,
             age: 0.0,
             finding: None,
             taught: None,
+            since_end: Past::default(),
+            error: t.strange,
             strange: false,
             misfit: 0.0,
             gain: 0.0,
@@ -72,6 +83,45 @@ impl Alarm {
             values: [0.0; 2],
             evidence: 0.0,
             turn: false,
+            ended: 0.0,
         }
     }
+
+    /// A tick: innovations `z`, and what the fault as it was lets expect of the residuals, as they are and whitened. Gives what that leaves of the squares
+    /// of `z`. That the fault stays is held against that it has ended: long ago, or on the tick on which the sum began.
+    pub(super) fn follow(
+        &mut self,
+        t: &Tuning,
+        filter: &WhiteningFilter,
+        z: [f32; 2],
+        [plain, expected]: [[f32; 2]; 2],
+    ) -> f32 {
+        let squares = |z: [f32; 2]| z[0] * z[0] + z[1] * z[1];
+        if self.ended == 0.0 {
+            self.since_end = Past::default();
+        }
+        let gone = filter.step(&mut self.since_end, plain);
+        let stays = [z[0] - expected[0], z[1] - expected[1]];
+        let left = squares(stays);
+        let of_end = smaller(squares(z), squares([stays[0] + gone[0], stays[1] + gone[1]]));
+        // What the fault has left until now is no sign of its end.
+        let error = larger(1.0, self.error);
+        let odds = libm::logf(error) + (left / error - of_end) / (2.0 * t.alarm.kappa);
+        self.ended = larger(0.0, self.ended + smaller(odds, t.alarm.over));
+        let of_tick = smaller(left / 2.0, t.naming.strange * error);
+        if self.ended == 0.0 || of_tick < self.error {
+            self.error += t.alarm.mean_share * (of_tick - self.error);
+        }
+        left
+    }
+
+    /// E. S. Page's test: has the fault ended on some tick since it was raised? At once where nothing speaks for it any more: what an old alarm rests
+    /// on is forgotten, also while its fault stays.
+    pub(super) fn is_over(&self, t: &AlarmTuning) -> bool {
+        let forgotten = self.age >= t.young && self.gain < 0.0;
+        self.ended >= 2.0 * t.over || forgotten && self.ended > 0.0
+    }
 }
+
+#[cfg(test)]
+mod tests;

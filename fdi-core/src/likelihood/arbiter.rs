@@ -15,7 +15,7 @@ enum Source {
     Models,
     /// The rises of T1 and T2 held against those that the models expect: who sees too little.
     Rises,
-    /// T1's motion, where the models say that it is stuck: what moves, if late, is slowed by dirt.
+    /// A thermistor's motion, where the models say that it is stuck: what moves, if late, is slowed by dirt.
     Motion,
     /// The count of how often a thermistor's error came back.
     Contact,
@@ -126,15 +126,23 @@ impl Evidence<'_> {
         size.is_some_and(|size| 1.0 + size.value / 100.0 < tuning.hypotheses.seen())
     }
 
-    /// T1 is said to be stuck and follows the power.
+    /// A thermistor is said to be stuck and follows the power.
     fn is_stuck_but_moves(&self) -> bool {
-        self.said.t1_moves && self.models_say(&[FaultClass::Stuck(Channel::T1)])
+        self.slowed().is_some()
     }
 
-    /// A T1 that is said to be stuck and moves follows late: it is clogged, by how much is not known.
+    /// A thermistor that is said to be stuck and moves follows late. T1 is clogged, by how much is not known; such a T2 has no name.
     fn slowed(&self) -> Option<Finding> {
-        let stuck = self.said.by_models().filter(|_| self.is_stuck_but_moves())?;
-        Some(Finding { class: FaultClass::T1Clogged, magnitude: None, ..stuck })
+        let stuck = self.said.by_models()?;
+        match (stuck.class, self.said.moves) {
+            (FaultClass::Stuck(Channel::T1), [true, _]) => {
+                Some(Finding { class: FaultClass::T1Clogged, ..stuck })
+            }
+            (FaultClass::Stuck(Channel::T2), [_, true]) => {
+                Some(Finding { class: FaultClass::Unknown, confidence: 0.0, ..stuck })
+            }
+            _ => None,
+        }
     }
 
     /// The models have a name that tells: a sure one. Over a T0 that is known to be wrong they say nothing of heater and air: a wrong "heater power" would keep a
@@ -178,15 +186,15 @@ mod tests {
         Some(Finding { class, confidence: 1.0, magnitude: None, onset: 0 })
     }
 
-    /// Models, rises with what share is missing, and whether T1 moves.
-    fn said(models: Option<FaultClass>, rises: Option<(FaultClass, f32)>, t1_moves: bool) -> &'static Said {
+    /// Models, rises with what share is missing, and whether T1 and T2 follow the power.
+    fn said(models: Option<FaultClass>, rises: Option<(FaultClass, f32)>, follow: bool) -> &'static Said {
         let lacks = |value| Some(Magnitude { value, half_width: 5.0 });
         Box::leak(Box::new(Said {
             since_onset: models.map(named),
             since_training: None,
             by_rises: rises
                 .map(|(class, share)| Finding { magnitude: lacks(-share), ..named(class).unwrap() }),
-            t1_moves,
+            moves: [follow; 2],
         }))
     }
 
@@ -230,6 +238,11 @@ mod tests {
             (7, Evidence { room: t0, ..models(AirFlow) }, T0Fault),
             (8, Evidence { sensors: lost, ..models(Unknown) }, Lost(Channel::T2)),
             (9, Evidence { said: said(Some(stuck), None, true), ..Evidence::default() }, T1Clogged),
+            (
+                9,
+                Evidence { said: said(Some(Stuck(Channel::T2)), None, true), ..Evidence::default() },
+                Unknown
+            ),
             (10, slips(Drift, T1Detached, 20.0, false), Drift),
             (10, Evidence { commissioning, ..models(Unknown) }, Unknown),
             (10, Evidence { said: lapsed, ..Evidence::default() }, T1Clogged),

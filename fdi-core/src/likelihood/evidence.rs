@@ -27,7 +27,6 @@ use super::hypothesis::{Pairs, model_errors, nuisances_since_onset, nuisances_si
 use super::normal::{Normal, Sums};
 use super::regressor::{Direction, FIRST_FREED, FREED};
 use super::tuning::NuisanceTuning;
-use crate::bounds::larger;
 use crate::vector::dot;
 pub(super) use beyond::Beyond;
 use units::{Tie, Unit, untied};
@@ -161,27 +160,6 @@ impl<'a> Nuisances<'a> {
                 left.put(regressor, FIRST_FREED + j, self.inv_kappa * all - dot(&own, &column(j)));
             }
         }
-    }
-
-    /// The gain in log evidence if parameters have just these values: of one direction that moves all of them.
-    #[inline(never)]
-    pub(super) fn fixed(&self, at: &[(Direction, f32)]) -> f32 {
-        let (mut shared, mut score, mut information) = ([0.0; MOST], 0.0, 0.0);
-        for &(p, value) in at {
-            score += value * along(self.sums, p);
-            for &(q, other) in at {
-                information += value * other * between(self.sums, p, q);
-            }
-            for (regressor, weight) in p.moves() {
-                let by = value * self.inv_kappa * weight;
-                let units = shared.iter_mut().zip(&self.units);
-                units.for_each(|(sum, unit)| *sum += by * unit.by * self.sums.a(regressor, unit.regressor));
-            }
-        }
-        self.tie.tie(&mut shared);
-        self.factor.forward(&mut shared);
-        let information = larger(0.0, self.inv_kappa * information - dot(&shared, &shared));
-        self.inv_kappa * score - dot(&shared, &self.score) - 0.5 * information
     }
 
     /// What the nuisances are thought to be, but for T0's, with which the offsets are thought to be.

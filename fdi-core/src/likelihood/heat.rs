@@ -35,8 +35,8 @@ pub(super) struct HeatState {
     was_heating: bool,
     /// Low-passed rises of T1 and T2.
     rises: [Rise; 2],
-    /// Low-passed squares of how far T1's rise is from its mean: measured, and expected.
-    motion: Rise,
+    /// Low-passed squares of how far these are from their means.
+    motion: [Rise; 2],
     /// T1 and T2 contradict each other: neither is regulated by.
     contradict: bool,
     tuning: Tuned,
@@ -53,17 +53,14 @@ impl Heat {
 
     /// One tick: the rises of T1 and T2 where known.
     pub(super) fn step(&self, s: &mut HeatState, now: [Option<Rise>; 2], heating: bool) {
-        for (mean, now) in s.rises.iter_mut().zip(now) {
+        for ((mean, motion), now) in s.rises.iter_mut().zip(&mut s.motion).zip(now) {
             if let Some(now) = now {
                 self.rises.follow(&mut mean.measured, now.measured);
                 self.rises.follow(&mut mean.expected, now.expected);
+                let [seen, expected] = [now.measured - mean.measured, now.expected - mean.expected];
+                self.rises.follow(&mut motion.measured, seen * seen);
+                self.rises.follow(&mut motion.expected, expected * expected);
             }
-        }
-        if let [Some(t1), _] = now {
-            let mean = &s.rises[0];
-            let [seen, expected] = [t1.measured - mean.measured, t1.expected - mean.expected];
-            self.rises.follow(&mut s.motion.measured, seen * seen);
-            self.rises.follow(&mut s.motion.expected, expected * expected);
         }
         self.watch_heater(s, now, heating);
     }
@@ -94,11 +91,11 @@ impl Heat {
         s.stuck_on |= s.too_hot >= if heating { t.too_hot_time } else { longest };
     }
 
-    /// Whether T1 has moved since an onset, however late, for long enough to be told: what stands still is stuck, what follows slowly is not.
-    pub(super) fn t1_moves(&self, s: &HeatState, onset: u32, tick: u32) -> bool {
+    /// Whether T1 and T2 have moved since an onset, however late, for long enough to be told: what stands still is stuck, what follows slowly is not.
+    pub(super) fn moves(&self, s: &HeatState, onset: u32, tick: u32) -> [bool; 2] {
         let still = self.tuning.sensors.share;
         let settled = tick.saturating_sub(onset) as f32 * self.rises.share() > self.tuning.heat.stuck_time;
-        settled && s.motion.measured > still * still * s.motion.expected
+        s.motion.map(|motion| settled && motion.measured > still * still * motion.expected)
     }
 
     /// `e2` is what T2 reads above what the power lets expect, degC; `gain` the share of T1's rise that reaches T2.
@@ -118,7 +115,7 @@ impl HeatState {
             stuck_on: false,
             was_heating: true,
             rises: [rise; 2],
-            motion: Rise { measured: 0.0, expected: 0.0 },
+            motion: [Rise { measured: 0.0, expected: 0.0 }; 2],
             contradict: false,
             tuning,
         }
@@ -174,7 +171,8 @@ impl HeatState {
     pub(super) fn sum(&self) -> f32 {
         let [t1, t2] = self.rises;
         let rises = t1.measured + t1.expected + t2.measured + t2.expected;
-        rises + self.correction + self.too_hot + self.motion.measured + self.motion.expected
+        let motion: f32 = self.motion.iter().map(|motion| motion.measured + motion.expected).sum();
+        rises + self.correction + self.too_hot + motion
     }
 
     /// Whether the rig has been hot without power for too long.
@@ -259,25 +257,27 @@ mod tests {
         assert_eq!(found(19.0, 20.0), None);
     }
 
-    /// A rise that swings by 2 degC: a T1 behind a lag of 3 s moves by a third of it, a frozen one by its noise alone.
+    /// Rises that swing by 2 degC: a thermistor behind a lag of 3 s moves by a third of it, a frozen one by its noise alone.
     #[test]
-    fn a_late_t1_moves_and_a_frozen_one_does_not() {
-        let moves = |lag: Option<f32>| {
-            let (heat, mut s) =
-                (Heat::new(Tuned::default(), TS, 2.0), HeatState::new(Tuned::default(), 20.0));
-            let mut measured = 20.0;
+    fn a_late_thermistor_moves_and_a_frozen_one_does_not() {
+        let (heat, mut s) = (Heat::new(Tuned::default(), TS, 2.0), HeatState::new(Tuned::default(), 20.0));
+        let [mut late, frozen] = [20.0; 2];
+        for late_one in [0, 1] {
             for tick in 0..400_u16 {
                 let expected = 20.0 + 2.0 * (f32::from(tick) * TS).sin();
-                measured += lag.map_or(0.0, |lag| (expected - measured) * TS / lag);
+                late += (expected - late) * TS / 3.0;
                 let noise = if tick % 2 == 0 { 0.1 } else { -0.1 };
-                let t1 = Rise { measured: measured + noise, expected };
-                heat.step(&mut s, [Some(t1), Some(Rise { measured: expected, expected })], true);
+                let mut now = [frozen; 2];
+                now[late_one] = late;
+                heat.step(
+                    &mut s,
+                    now.map(|measured| Some(Rise { measured: measured + noise, expected })),
+                    true,
+                );
             }
-            assert!(!heat.t1_moves(&s, 390, 400), "too early to tell");
-            heat.t1_moves(&s, 0, 400)
-        };
-        assert!(moves(Some(3.0)));
-        assert!(!moves(None));
+            assert_eq!(heat.moves(&s, 390, 400), [false; 2], "too early to tell");
+            assert_eq!(heat.moves(&s, 0, 400), [late_one == 0, late_one == 1]);
+        }
     }
 
     #[test]

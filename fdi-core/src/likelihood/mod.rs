@@ -159,6 +159,8 @@ pub struct LikelihoodState {
     otherwise: Readiness,
     restarts: u32,
     was_learning: bool,
+    /// Ticks for which the paper's signatures have kept training waiting.
+    waited: u32,
     cold: Cold,
 }
 
@@ -241,7 +243,7 @@ impl Likelihood {
         };
         state.cold.step(&self.tuning, now.y, seen.power.0 <= 0.0);
         self.watch(state, seen, &now);
-        self.train(state, seen, &now, undisturbed && contradiction.is_none());
+        self.train(state, seen, &now, [undisturbed, contradiction.is_none()]);
         let evidence = Evidence {
             sensors: state.sensors.step(self.tuning, sample, seen.index),
             said: &state.said,
@@ -322,12 +324,25 @@ impl Likelihood {
 
     /// Not part of `step`, for the stack: training and model lie on it once, on their way to where they stay.
     #[inline(never)]
-    fn train(&self, state: &mut LikelihoodState, seen: &Observation, now: &Input, undisturbed: bool) {
+    fn train(
+        &self,
+        state: &mut LikelihoodState,
+        seen: &Observation,
+        now: &Input,
+        [undisturbed, agree]: [bool; 2],
+    ) {
+        if state.current || !seen.phase.is_heated() {
+            state.waited = 0;
+            return;
+        }
+        // What differs from a restored baseline for longer than training takes is the rig as it is now; the signatures go on telling of it.
+        state.waited = state.waited.saturating_add(u32::from(!undisturbed));
+        let undisturbed = agree && (undisturbed || state.waited > self.trainer.samples());
         // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = seen.phase == Phase::Watched && seen.excited;
         let usual_fan = (now.fan - 1.0).abs() <= self.tuning.range.fan;
         let fit_to_learn = undisturbed && usual_fan && (seen.learn || quiet);
-        if state.current || !seen.phase.is_heated() || (seen.phase == Phase::Watched && !fit_to_learn) {
+        if seen.phase == Phase::Watched && !fit_to_learn {
             return;
         }
         if !matches!(state.work, Work::Training(_)) {

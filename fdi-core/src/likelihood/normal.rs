@@ -57,35 +57,6 @@ impl<const N: usize, const H: usize> Normal<N, H> {
         self.count = self.count * keep + 2.0 * weight;
     }
 
-    /// A tick for two sums at once, of each of which this share is kept.
-    #[inline(never)]
-    pub(super) fn add_to_both(
-        both: [&mut Self; 2],
-        keep: [f32; 2],
-        regressors: &Regressors<N>,
-        z: [f32; 2],
-        weight: f32,
-    ) {
-        let [first, second] = both;
-        let mut rows = [&mut first.a[..], &mut second.a[..]];
-        for (i, phi) in regressors.iter().enumerate() {
-            let weighted = [weight * phi[0], weight * phi[1]];
-            let b = weighted[0] * z[0] + weighted[1] * z[1];
-            first.b[i] = first.b[i] * keep[0] + b;
-            second.b[i] = second.b[i] * keep[1] + b;
-            let places = next_row(&mut rows[0], i).iter_mut().zip(next_row(&mut rows[1], i));
-            for (other, (first, second)) in regressors.iter().zip(places) {
-                let product = weighted[0] * other[0] + weighted[1] * other[1];
-                *first = *first * keep[0] + product;
-                *second = *second * keep[1] + product;
-            }
-        }
-        for (sums, keep) in [(first, keep[0]), (second, keep[1])] {
-            sums.energy = sums.energy * keep + weight * (z[0] * z[0] + z[1] * z[1]);
-            sums.count = sums.count * keep + 2.0 * weight;
-        }
-    }
-
     /// Finite as long as all of them are.
     pub(super) fn sum(&self) -> f32 {
         sum(&self.a) + sum(&self.b) + self.energy + self.count

@@ -3,7 +3,8 @@
 
 use super::process::{Motion, Parameters, Process, Rises};
 use super::regressor::{COUNT, PROCESS, Regressor, Regressors, SENSORS};
-use super::whitening::{Past, WhiteningFilter};
+use super::tuning::{HypothesisTuning, Tuned};
+use super::whitening::{Past, REMEMBERS, WhiteningFilter};
 
 /// Power and motion of the last ticks, so that a change of power or flow may begin before it shows.
 pub(super) const REMEMBERED: usize = 24;
@@ -48,8 +49,11 @@ pub(super) struct Onset {
     pub(super) age: u32,
     pub(super) sensors_age: u32,
     flow_age: f32,
-    /// What the process does begins anew with the next tick.
-    pub(super) process_again: bool,
+    /// What the process does begins anew with the next tick, as if it had begun so many ticks before.
+    pub(super) process_again: Option<usize>,
+    /// Less flow is about half of it; for so many ticks the whitening filters have yet to forget that it was not before.
+    half_closed: bool,
+    settles: usize,
     less: Flowing,
     more: Flowing,
     pub(super) power: Motion,
@@ -93,18 +97,18 @@ impl Onset {
     #[inline(never)]
     fn begin(&mut self, c: &OnsetConstants, now: &Nominal) {
         *self = Self { lagged: [now.before[0]; 2], ..Self::default() };
-        self.begin_process(c, now);
+        self.begin_process(c, now, c.lead);
     }
 
-    /// What the process does begins as long before this tick as it takes to show.
-    fn begin_process(&mut self, c: &OnsetConstants, now: &Nominal) {
-        self.process_again = false;
+    /// What the process does began so many ticks before this one.
+    fn begin_process(&mut self, c: &OnsetConstants, now: &Nominal, lead: usize) {
+        self.process_again = None;
         for regressor in PROCESS {
             self.past[regressor as usize] = Past::default();
         }
         (self.flow_age, self.power, self.constant) = (0.0, Motion::default(), Motion::default());
         self.power_before = [0.0; 2];
-        let lead = c.lead.min(REMEMBERED - 2);
+        let lead = lead.min(REMEMBERED - 2);
         let (x, m, w) = now.history.states[now.history.place(lead)];
         // The air that has left the heater since is pushed again, so that the ring must be that of then.
         let mut past = *now.motion;
@@ -118,12 +122,32 @@ impl Onset {
         }
     }
 
+    fn flows(&self, tuning: Tuned) -> [f32; 2] {
+        let t = &tuning.hypotheses;
+        let [less, more] = t.flows();
+        [if self.half_closed { t.half_closed().1 } else { less }, more]
+    }
+
+    /// A loss of air turns out to be `loss`, 1/f - 1: from some size on, all that the process does is computed anew, with less flow that is about half of it.
+    pub(super) fn close(&mut self, t: &HypothesisTuning, loss: f32) {
+        if !self.half_closed && loss > t.half_closed().0 {
+            self.half_closed = true;
+            self.process_again = Some(self.flow_age as usize);
+            self.settles = REMEMBERS;
+        }
+    }
+
+    /// Whether the regressors still show how the process began anew.
+    pub(super) fn is_settling(&self) -> bool {
+        self.settles > 0
+    }
+
     /// A tick of the models.
     fn advance(&mut self, c: &OnsetConstants, now: &Nominal, heat: f32) -> [Rises; 4] {
         // The fan's lag: the coefficients follow while the flow still moves.
         let approach = 1.0 - libm::expf(-(self.flow_age + 0.5) * c.fan);
         if self.flow_age * c.fan < 8.0 {
-            let flows = now.process.tuning.hypotheses.flows();
+            let flows = self.flows(now.process.tuning);
             for (model, flow) in [&mut self.less, &mut self.more].into_iter().zip(flows) {
                 model.process.blow(now.parameters, now.fan * (1.0 + (flow - 1.0) * approach));
             }
@@ -137,19 +161,20 @@ impl Onset {
         ]
     }
 
-    /// The regressors of this tick, whitened.
+    /// The regressors of this tick, and the same whitened.
     #[inline(never)]
     pub(super) fn step(
         &mut self,
         c: &OnsetConstants,
         whitening: &WhiteningFilter,
         now: &Nominal,
-    ) -> Regressors {
+    ) -> [Regressors; 2] {
         if self.age == 0 {
             self.begin(c, now);
-        } else if self.process_again {
-            self.begin_process(c, now);
+        } else if let Some(lead) = self.process_again {
+            self.begin_process(c, now, lead);
         }
+        self.settles = self.settles.saturating_sub(1);
         let [less, more, power, constant] = self.advance(c, now, now.heat);
         let y = now.rises.y;
         for (lagged, share) in self.lagged.iter_mut().zip(c.lags) {
@@ -163,7 +188,7 @@ impl Onset {
         self.sensors_age = self.sensors_age.saturating_add(1);
         let mut regressors = [[0.0; 2]; COUNT];
         let mut put = |regressor: Regressor, value: [f32; 2]| regressors[regressor as usize] = value;
-        let [less_by, more_by] = now.process.tuning.hypotheses.secants();
+        let [less_by, more_by] = self.flows(now.process.tuning).map(|flow| 1.0 / flow - 1.0);
         let change = |to: Rises, by: f32| [(to.y[0] - y[0]) / by, (to.y[1] - y[1]) / by];
         put(Regressor::Power, power.y);
         let before = core::mem::replace(&mut self.power_before, power.y);
@@ -188,7 +213,7 @@ impl Onset {
         put(Regressor::Shift, [now.before[0] - y[0], now.before[1] - y[1]]);
         let mut whitened = [[0.0; 2]; COUNT];
         whitening.step_all(&mut self.past, &regressors, &mut whitened);
-        whitened
+        [regressors, whitened]
     }
 
     /// A tick without samples: the models go on, and no regressor is whitened, as no residual is.

@@ -102,6 +102,13 @@ pub(super) struct Trainer {
     pub(super) check_samples: u32,
 }
 
+impl Trainer {
+    /// Samples that training takes.
+    pub(super) fn samples(&self) -> u32 {
+        self.fit_samples.saturating_add(self.check_samples)
+    }
+}
+
 impl Training {
     /// Finite as long as all of it is that what follows would not refuse.
     pub(super) fn sum(&self) -> f32 {

@@ -20,7 +20,7 @@ mod since_onset;
 mod since_training;
 mod steady;
 #[cfg(test)]
-mod tests;
+pub(in crate::likelihood) mod tests;
 mod times;
 
 use super::alarm::Said;
@@ -362,7 +362,7 @@ impl Watch {
         let Some(finding) = said.by_models() else { return said };
         Said {
             by_rises: s.heat.detached(finding.onset),
-            t1_moves: self.heat.t1_moves(&s.heat, finding.onset, tick),
+            moves: self.heat.moves(&s.heat, finding.onset, tick),
             ..said
         }
     }

@@ -20,6 +20,8 @@ use crate::vector::{dot, shift};
 const OWN: usize = 3;
 const OTHER: usize = 5;
 const ALL: usize = OWN + OTHER;
+/// Ticks that are remembered, this one among them.
+pub(super) const REMEMBERS: usize = OTHER;
 /// The noise model of both residuals.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct WhiteningFilter {

@@ -298,35 +298,6 @@ fn a_parameter_that_is_a_nuisance_as_well_is_the_sum_of_both() {
     }
 }
 
-/// Parameters held at values: the density of what they leave, less that of the residuals as they are.
-#[test]
-fn fixed_values_are_taken_away() {
-    for seed in 81..101 {
-        let mut random = Random::new(seed);
-        let problem = Problem::new(&mut random, 60, 1.0, 1.5);
-        let normal = problem.normal();
-        let nuisances = Nuisances::new(normal.sums(), &SINCE_ONSET, 1.5);
-        let (alone, ..) = problem.posterior(&narrow(&SINCE_ONSET));
-        for (first, second) in FREED {
-            let at = |free: Prior, random: &mut Random| {
-                (free.direction, free.mean + 0.3 * free.sd * random.gaussian() as f32)
-            };
-            let values: Vec<_> =
-                [Some(first), second].into_iter().flatten().map(|free| at(free, &mut random)).collect();
-            let held = values.iter().map(|&(direction, value)| Gaussian {
-                direction,
-                mean: f64::from(value),
-                sd: 0.0,
-            });
-            let (log_evidence, ..) =
-                problem.posterior(&narrow(&SINCE_ONSET).into_iter().chain(held).collect::<Vec<_>>());
-            let wanted = log_evidence - alone;
-            close("gain", nuisances.fixed(&values), wanted, 1e-3 * (1.0 + wanted.abs()));
-        }
-        assert_eq!(nuisances.fixed(&[]), 0.0);
-    }
-}
-
 /// A thousand ticks and regressors of 400 standard deviations: f32 tells gains to a share of a unit or a per mille, sizes to a twentieth of their
 /// standard deviation or a per mille.
 #[test]

@@ -99,22 +99,3 @@ fn keeping_a_share_scales_everything() {
     assert_eq!((half.energy, half.count), (0.5 * whole.energy, 0.5 * whole.count));
     assert_eq!(whole.a(COUNT, COUNT), 0.0, "no regressor, no sum");
 }
-
-/// A tick for two sums at once gives the bits of forgetting and adding, each by itself.
-#[test]
-fn both_sums_are_what_they_would_be_alone() {
-    let ticks = ticks(&mut Random::new(7), 30);
-    let keep = [1.0, 0.9];
-    let (mut together, mut alone) = ([Normal::default(); 2], [<Normal>::default(); 2]);
-    for (row, z, weight) in &ticks {
-        let [first, second] = &mut together;
-        Normal::add_to_both([first, second], keep, row, *z, *weight);
-        for (sums, keep) in alone.iter_mut().zip(keep) {
-            sums.add(keep, row, *z, *weight);
-        }
-    }
-    for (together, alone) in together.iter().zip(&alone) {
-        assert_eq!((together.a, together.b), (alone.a, alone.b));
-        assert_eq!((together.energy, together.count), (alone.energy, alone.count));
-    }
-}

@@ -71,7 +71,7 @@ fn regressors(restart: Option<usize>) -> Vec<Regressors> {
             onset.restart_sensors(before[0]);
         }
         if k >= QUIET {
-            rows.push(onset.step(&c, &whitening, &now));
+            rows.push(onset.step(&c, &whitening, &now)[1]);
         }
         history.push(heat, &motion);
         before = rises.y;
@@ -224,7 +224,7 @@ fn the_columns_are_whitened_from_rest() {
         before: rises.y,
         inlet: [0.0; 2],
     };
-    let row = onset.step(&constants(), &whitening, &now);
+    let [_, row] = onset.step(&constants(), &whitening, &now);
     assert_eq!(row[Regressor::Offset1 as usize], [10.0, 0.0]);
     assert_eq!(row[Regressor::Gain2 as usize], [0.0, 160.0]);
     assert_eq!((onset.age, onset.sensors_age), (1, 1));
@@ -261,7 +261,7 @@ fn without_samples_the_models_go_on() {
                 inlet: [0.0; 2],
             };
             if seen {
-                row = onset.step(&c, whitening, &now);
+                [_, row] = onset.step(&c, whitening, &now);
             } else {
                 onset.pass(&c, whitening, &now);
             }

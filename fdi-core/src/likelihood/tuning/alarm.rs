@@ -25,8 +25,8 @@ tuning! {
         near_slow = 0.14, "1", chosen "";
         /// Evidence (log Bayes factor) from which on an alarm is raised.
         raise = 4.5, "1", chosen "prototype 2 had 6";
-        /// An alarm ends when the log odds of "it is over" exceed this. In slow surroundings the same odds against it refute that, and one tick alone must have twice as much.
-        over = 5.0, "1", measured "prototype 2";
+        /// An alarm ends when the sum of the log odds that its fault has ended (Page's test) reaches twice this, of which one tick gives this at most. In slow surroundings the way back of the power needs only this, the same odds against it refute it, and a sensor that is right again on one tick needs twice as much.
+        over = 5.0, "1", derived "noise adds up to twice this less often than once in e^10 ticks, 40 min, and a spike never";
         /// Smallest change of the air flow that is a fault, 1/f - 1. A slow change of power or air flow that goes away by itself counts as usual up to this.
         least_flow = 0.06, "1", chosen "";
         /// Smallest drift that is a fault.

@@ -59,6 +59,12 @@ impl HypothesisTuning {
         [1.0 / (1.0 + self.flow_sd), 1.0 + self.flow_sd]
     }
 
+    /// From which loss of air on, in `1/f - 1`, it is computed anew, and with which flow: with about half of the air, where a short secant fits nothing.
+    #[inline(always)]
+    pub(in crate::likelihood) fn half_closed(&self) -> (f32, f32) {
+        (self.large, 1.0 / (1.0 + 3.0 * self.flow_sd))
+    }
+
     /// The changes of `1/f - 1` of these, over which both regressors are secants.
     #[inline(always)]
     pub(in crate::likelihood) fn secants(&self) -> [f32; 2] {

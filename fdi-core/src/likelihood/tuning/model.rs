@@ -33,8 +33,6 @@ tuning! {
         walk = 7200.0, "s", chosen "";
         /// Memory with which an alarm forgets old samples. A change that only nuisances explain for this long is taken over by the tracker, and after an announced change of the fan nothing is judged for this time.
         forgetting = 10.0, "s", measured "without forgetting a sag gives wrong names (docs/evidence/diagnosis-results.md)";
-        /// Memory of the window that decides whether a fault is over.
-        window = 0.7, "s", chosen "";
         /// Lag of the regressors "short lag" and "short loss" of T1.
         short_lag = 0.35, "s", chosen "about that of the paper's MFS1, 0.4 s";
         /// Lag with which the air flow follows the fan.

@@ -76,7 +76,7 @@ impl WatchState {
         let last = self.simulation.last();
         let nominal = self.simulation.nominal(&last);
         let filter = self.innovations.filter();
-        self.innovations.remembers().then(|| onset.step(&self.times.onset, filter, &nominal))
+        self.innovations.remembers().then(|| onset.step(&self.times.onset, filter, &nominal)[1])
     }
 
     /// Rises of the model on the last tick, degC.

@@ -47,9 +47,8 @@ pub(super) struct SinceOnset {
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::likelihood) struct SinceOnsetState {
     onset: Onset,
-    /// Sums since the onset, and those of late.
+    /// Sums since the onset.
     since: Normal,
-    window: Normal,
     recovery: Recovery,
     alarm: Option<Alarm>,
     /// Rises that were measured before the onset, degC.
@@ -158,18 +157,22 @@ impl SinceOnset {
             s.onset.restart_sensors(seen.simulated.before[0]);
             s.at_onset = seen.measured;
         }
-        let row = s.onset.step(&seen.times.onset, seen.filter, seen.nominal);
+        let [plain, row] = s.onset.step(&seen.times.onset, seen.filter, seen.nominal);
         s.power_response = row[Regressor::Power as usize];
-        match &s.alarm {
-            Some(alarm) => {
-                let expected = expected_by(alarm, &row);
-                s.left_by_alarm = Some((0..2).map(|m| (z[m] - expected[m]) * (z[m] - expected[m])).sum());
-                let forgets = if alarm.age > t.young { seen.times.forgets } else { 1.0 };
-                let keep = [forgets, seen.times.window];
-                Normal::add_to_both([&mut s.since, &mut s.window], keep, &row, z, weight);
-            }
-            None => s.since.add(1.0, &row, z, weight),
+        let mut keep = 1.0;
+        if let Some(alarm) = &mut s.alarm {
+            s.left_by_alarm = Some(alarm.follow(
+                &self.tuning,
+                seen.filter,
+                z,
+                [&plain, &row].map(|row| expected_by(alarm, row)),
+            ));
+            keep = if alarm.age > t.young { seen.times.forgets } else { 1.0 };
         }
+        if s.onset.is_settling() {
+            s.since = Normal::default();
+        }
+        s.since.add(keep, &row, z, weight);
     }
 
     /// Whether this tick's innovations are out of all proportion to those since the onset.
@@ -198,16 +201,14 @@ impl SinceOnset {
         let least = seen.usual.least_since_onset(HYPOTHESES[best].class, self.least_power);
         if posterior.best_gain > t.raise && judged.estimate[best].value.abs() >= least {
             let age = s.onset.age.saturating_sub(1);
-            s.window = s.since;
-            let mut alarm = Alarm::new(seen.tick.saturating_sub(age));
+            let mut alarm = Alarm::new(&self.tuning.naming, seen.tick.saturating_sub(age));
             self.name(s, &mut alarm, &mut judged);
             s.alarm = Some(alarm);
             // What stirred before and does not explain what is seen was something else, which went on until the process changed, too.
             let old = age as f32 * self.sample_time > t.before * seen.times.time_scale;
             if old && judged.left - 2.0 * t.kappa * posterior.best_gain > t.inexplicable * s.since.count {
                 s.since.forget(&PROCESS);
-                s.window.forget(&PROCESS);
-                s.onset.process_again = true;
+                s.onset.process_again = Some(seen.times.onset.lead);
             }
         } else if s.candidate > self.tuning.times.forgetting {
             return self.take_for_usual(s, seen, best);
@@ -241,12 +242,15 @@ impl SinceOnset {
         alarm.age += self.sample_time / seen.times.time_scale;
         alarm.turn = !alarm.turn;
         let young = alarm.age < t.young;
-        if young || alarm.turn {
+        if (young || alarm.turn) && !s.onset.is_settling() {
             let mut judged = Judged::nothing();
             self.judge(s, seen, &mut judged);
             self.name(s, &mut alarm, &mut judged);
+            if HYPOTHESES[alarm.hypothesis % COUNT].first.direction == Direction::Of(Regressor::LessFlow) {
+                s.onset.close(&self.tuning.hypotheses, alarm.values[0]);
+            }
         }
-        let over = (young || !alarm.turn) && self.is_over(s, &alarm, seen.usual);
+        let over = alarm.is_over(t);
         s.alarm = Some(alarm);
         if let Some(recovered) = self.recovered(s, &alarm, seen) {
             return recovered;
@@ -287,21 +291,6 @@ impl SinceOnset {
         let stands = matches!(row.class, FaultClass::Stuck(_))
             || row.first.direction == Direction::Of(Regressor::Constant);
         self.inputs.tell(row.class) && !(times.slow_surroundings && stands)
-    }
-
-    /// Whether the nuisances alone explain what was seen of late better than the fault as it was. They must do so by far while something since
-    /// the onset speaks for a fault, and at all once nothing does: what an old alarm rests on is forgotten, also while its fault stays.
-    #[inline(never)]
-    fn is_over(&self, s: &SinceOnsetState, alarm: &Alarm, usual: &Usual) -> bool {
-        let row = &HYPOTHESES[alarm.hypothesis % COUNT];
-        let [value, second] = alarm.values;
-        let first = (row.first.direction, value);
-        let both = [first, row.second.map_or(first, |free| (free.direction, second))];
-        let at = if row.second.is_some() { &both[..] } else { &both[..1] };
-        let (list, t) = (usual.since_onset(), &self.tuning.alarm);
-        let forgotten = alarm.age >= t.young && alarm.gain < 0.0;
-        let against = if forgotten { 0.0 } else { t.over };
-        Nuisances::new(s.window.sums(), &list, t.kappa).fixed(at) < -against
     }
 }
 

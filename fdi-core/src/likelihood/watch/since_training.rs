@@ -130,18 +130,23 @@ impl SinceTraining {
         self.without_idle(&mut estimate, &usual);
         let posterior = Posterior::new(&estimate);
         let h = posterior.likeliest % COUNT;
-        let now = self.is_now(s.changed.map(|was| was.hypothesis), &estimate, h, &usual);
+        // Its size from the means above all, where these say that it can be.
+        let sized = |h: usize| {
+            let sized = s.steady.size(&nuisances, h, self.inputs);
+            if self.tuning.hypotheses()[h].judged(sized).gain == IMPOSSIBLE { estimate[h] } else { sized }
+        };
+        // What is told must be a change by the size that is told, too.
+        let counts = |&h: &usize| {
+            let least = usual.least_since_training(HYPOTHESES[h].class, self.least_power);
+            sized(h).value.abs() > self.tuning.since_training.lasting_size * least
+        };
+        let now = self.is_now(s.changed.map(|was| was.hypothesis), &estimate, h, &usual).filter(counts);
         let passed = s.changed.filter(|_| now.is_none()).map(|was| {
             let h = was.hypothesis % COUNT;
             (HYPOTHESES[h].class.quantity(), was.largest - estimate[h].value.abs())
         });
         let was = s.changed.and_then(|was| was.finding).map(|was| was.class);
         let name = self.named(&posterior, was).filter(|_| now == Some(h));
-        // Its size from the means above all, where these say that it can be.
-        let sized = || {
-            let sized = s.steady.size(&nuisances, h, self.inputs);
-            if self.tuning.hypotheses()[h].judged(sized).gain == IMPOSSIBLE { estimate[h] } else { sized }
-        };
         let onset = s.changed.map_or(seen.tick, |was| was.onset);
         s.changed = now.map(|now| Change {
             largest: largest(s.changed, now, estimate[now % COUNT].value.abs()),
@@ -150,7 +155,7 @@ impl SinceTraining {
             finding: name.map(|(class, confidence)| Finding {
                 class,
                 confidence,
-                magnitude: magnitude(&self.tuning.naming, h, class, &sized()),
+                magnitude: magnitude(&self.tuning.naming, h, class, &sized(h)),
                 onset,
             }),
         });

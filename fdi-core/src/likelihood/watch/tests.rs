@@ -52,7 +52,7 @@ pub(super) fn input(tick: u32, y: [Option<f32>; 2], power: f32) -> Input {
 }
 
 /// A rig at its set-point, its power excited, trained as it is.
-pub(super) fn trained(seed: u64) -> Trained {
+pub(in crate::likelihood) fn trained(seed: u64) -> Trained {
     let mut noise = Noise { random: Random::new(seed), e: [0.0; 2] };
     let mut statistics = ResidualStatistics::default();
     for k in 0..4000 {

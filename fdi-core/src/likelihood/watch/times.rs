@@ -22,7 +22,6 @@ pub(super) struct Times {
     /// Ticks within which a change of the process begins anywhere, where that is asked.
     pub(super) late: f32,
     pub(super) forgets: f32,
-    pub(super) window: f32,
     /// Share that is kept of what "as trained" is asked of.
     pub(super) recent: f32,
     /// The surroundings move as slowly as the rig answers, so that a residual that lasts says hardly anything.
@@ -61,7 +60,6 @@ impl Times {
             walk: LowPass::over(1.0 / share(t.walk)),
             late: larger(1.0, tuning.hypotheses.late * p.residence()),
             forgets: 1.0 - share(t.forgetting),
-            window: 1.0 - share(t.window),
             recent: 1.0 - share(t.split),
             slow_surroundings: inputs != Inputs::ALL && trained.whitening.dc_gain()[0] < tuning.slow.dc_gain,
         }

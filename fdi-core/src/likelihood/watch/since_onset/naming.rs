@@ -55,6 +55,9 @@ impl SinceOnset {
         let posterior = Posterior::new(estimate);
         let h = posterior.likeliest % COUNT;
         let Estimate { gain, value, second, .. } = estimate[h];
+        if h != alarm.hypothesis {
+            alarm.ended = 0.0;
+        }
         (alarm.gain, alarm.hypothesis, alarm.values) = (posterior.best_gain, h, [value, second]);
         alarm.evidence = gain - HYPOTHESES[h].prior;
         let was = alarm.finding.map(|finding| finding.class);

@@ -16,7 +16,7 @@ fn row(record: &Record, time: f64) -> &Row {
 
 /// The tick at a time that is told with two decimals.
 fn index(record: &Record, time: f64) -> usize {
-    (time / f64::from(record.sample_time)).round() as usize
+    (time / record.sample_time).round() as usize
 }
 
 fn residuals(record: &Record) -> String {

@@ -132,12 +132,13 @@ impl SinceTraining {
         let h = posterior.likeliest % COUNT;
         // Its size from the means above all, where these say that it can be.
         let sized = |h: usize| {
+            let h = h % COUNT;
             let sized = s.steady.size(&nuisances, h, self.inputs);
             if self.tuning.hypotheses()[h].judged(sized).gain == IMPOSSIBLE { estimate[h] } else { sized }
         };
         // What is told must be a change by the size that is told, too.
         let counts = |&h: &usize| {
-            let least = usual.least_since_training(HYPOTHESES[h].class, self.least_power);
+            let least = usual.least_since_training(HYPOTHESES[h % COUNT].class, self.least_power);
             sized(h).value.abs() > self.tuning.since_training.lasting_size * least
         };
         let now = self.is_now(s.changed.map(|was| was.hypothesis), &estimate, h, &usual).filter(counts);

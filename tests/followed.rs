@@ -1,7 +1,6 @@
 //! The tables of docs/diagnosis-tutorial.md are those of the run that it follows.
 
 use std::fmt::Write;
-use std::path::Path;
 
 use fdi_core::Config;
 use pt326_host::experiment::{Record, Row, run, scenario::Scenario};
@@ -77,7 +76,7 @@ fn sizes(record: &Record) -> String {
 #[test]
 fn the_tables_of_the_fault_that_is_followed_are_those_of_its_run() {
     let record = run(&Config::default(), &Scenario::default(), 1).unwrap();
-    let path = root().join(Path::new("docs/diagnosis-tutorial.md"));
+    let path = root().join("docs/diagnosis-tutorial.md");
     let page = std::fs::read_to_string(&path).unwrap();
     let mut new = page.clone();
     for (name, table) in

@@ -47,7 +47,7 @@ tuning! {
         before = 0.4, "s", chosen "";
         /// It does, if the hypothesis leaves more than this of the square of each innovation.
         inexplicable = 10.0, "1", chosen "without it a heater that fails wholly has no size (tests/closed_loop)";
-        /// Up to this age an alarm is young: it forgets nothing, neither air flow nor heater power is named by itself, no drift is, and nothing is called unknown. It is named and tested for its end on every tick; later the two take turns.
+        /// Up to this age an alarm is young: it forgets nothing, neither air flow nor heater power is named by itself, no drift is, and nothing is called unknown. It is named on every tick; later on every second one.
         young = 3.0, "s", measured "no assumed lag of the fan is safe (docs/evidence/diagnosis-results.md); forgetting from the start, a clogged T1 loses its name in 9 runs of 200";
         /// An alarm that has stood for this long becomes advice.
         stands = 3600.0, "s", chosen "who has not come within an hour needs no siren";

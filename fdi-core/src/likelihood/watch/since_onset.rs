@@ -234,8 +234,8 @@ impl SinceOnset {
         Outcome::Usual([power, less + more, offset1, offset2])
     }
 
-    /// Names the fault while it lasts; clears the alarm when it has gone. A young alarm is ranked and asked for its end on every tick, an older one
-    /// by turns.
+    /// Names the fault while it lasts; clears the alarm when it has gone. A young alarm is ranked on every tick, an older one
+    /// on every second.
     fn follow_alarm(&self, s: &mut SinceOnsetState, seen: &Seen) -> Outcome {
         let Some(mut alarm) = s.alarm else { return Outcome::Nothing };
         let t = &self.tuning.alarm;

@@ -69,7 +69,7 @@ use terminal::{BAD, in_words, is_unread, styled};
   pt326 console                           the board's console on the simulated rig
   my-plant | pt326 core                   ADC codes in, power and diagnosis out, line by line
 
-`pt326 COMMAND --help` explains each. Exit code: 0, or 2 after an error; `board` and `teach` also give 1."
+`pt326 COMMAND --help` explains each. Exit code: 0, or 2 after an error; `board`, `diagnose` and `teach` also give 1."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -155,7 +155,7 @@ impl Cli {
             Subcommand::Campaign(args) => campaign::run(&args),
             Subcommand::Isolability(args) => isolability::run(&args),
             Subcommand::Core(args) => cosim::run(&args),
-            Subcommand::Diagnose(args) => diagnose::run(&args),
+            Subcommand::Diagnose(args) => return diagnose::run(&args),
             Subcommand::FitRig(args) => fit_rig::run(&args),
             Subcommand::Identify(args) => identify::run(&args),
             Subcommand::Replay(args) => replay::run(&args),

@@ -63,7 +63,7 @@ use terminal::{BAD, in_words, is_unread, styled};
   pt326 board --record board.log          what a board over its serial port does, until Ctrl-C
   pt326 console                           the board's console on the simulated rig
 
-`pt326 COMMAND --help` explains each. Exit code: 0, or 2 after an error; `board` and `teach` also give 1."
+`pt326 COMMAND --help` explains each. Exit code: 0, or 2 after an error; `board`, `diagnose` and `teach` also give 1."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -166,7 +166,7 @@ impl Cli {
             Subcommand::Campaign(args) => campaign::run(&args),
             Subcommand::Isolability(args) => isolability::run(&args),
             Subcommand::Core(args) => cosim::run(&args),
-            Subcommand::Diagnose(args) => diagnose::run(&args),
+            Subcommand::Diagnose(args) => return diagnose::run(&args),
             Subcommand::FitRig(args) => fit_rig::run(&args),
             Subcommand::Replay(args) => replay::run(&args),
             Subcommand::Score(args) => score::run(&args),

@@ -57,6 +57,18 @@ fn a_trace_of_ours_is_diagnosed_as_a_recording() {
     assert!(dir.join("diagnosed/trace.csv").exists());
 }
 
+/// Nothing wrong was found in nothing.
+#[test]
+fn a_recording_of_which_nothing_is_judged_has_an_exit_code_of_its_own() {
+    let dir = folder("diagnose-not-judged");
+    let out = arg(&dir).to_owned();
+    let heater = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/heater.csv");
+    let done = pt326(&["diagnose", heater, "--train", "0:6000", "--out", &out]);
+    let said = text(&done.stdout);
+    assert_eq!(done.status.code(), Some(1), "{said}");
+    assert!(said.starts_with("Nothing could be judged") && !said.contains("0 alarms"), "{said}");
+}
+
 /// The log of a board that is armed before tick `armed`, as the page and `pt326 board --record` save it: T2 is calibrated, and 420 s later
 /// it reads 1.5 degC too high. Until the board is armed T1 reads 2 degC too high.
 fn log_of_a_board(seconds: f64, armed: u32) -> String {
@@ -162,10 +174,10 @@ fn a_page_about_a_recording_is_about_the_recording() {
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     let sentence = said
         .lines()
-        .find(|line| line.contains("T1 sees"))
+        .find(|line| line.contains("T1 clogged"))
         .and_then(|line| line.split_once(" s  "))
-        .unwrap()
-        .1;
+        .map(|(_, line)| line.split_once(" (so named").map_or(line, |(sentence, _)| sentence))
+        .unwrap();
     for part in [
         "<b>T1</b> (°C)",
         "class='band'",
@@ -287,7 +299,7 @@ fn an_odd_row_of_a_recording_is_told() {
     let said = text(&done.stdout);
     assert!(done.status.success(), "{}", text(&done.stderr));
     assert!(
-        said.contains("as error codes of a sensor are: 1, taken as missing.") && said.contains("T1 sees"),
+        said.contains("as error codes of a sensor are: 1, taken as missing.") && said.contains("T1 clogged"),
         "{said}"
     );
     assert!(!said.contains("One unit of T1 counts for"), "{said}");

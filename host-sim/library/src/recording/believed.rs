@@ -58,6 +58,16 @@ impl Believed {
                         let most = LARGEST_OFFSET / 3.0 * (range.end() - range.start());
                         is_near(reading.celsius.0 - size) && f64::from(size.abs()) <= most
                     }),
+                    // What sees less of the rise reads lower, and no more higher than it should be lower; what sees more the other way round.
+                    "% of gain" => {
+                        let lowest = range.start() + (range.end() - range.start()) / 3.0;
+                        let room = sample.t0.good().unwrap_or(lowest as f32);
+                        let is_on_its_side = |t: f32| {
+                            let off = size.unwrap_or_default() / 100.0 * (t - room);
+                            off * (reading.celsius.0 - t) >= -off * off
+                        };
+                        expected[which as usize].is_none_or(|t| is_near(t) && is_on_its_side(t))
+                    }
                     _ => expected[which as usize].is_none_or(is_near),
                 }
             })
@@ -79,7 +89,8 @@ mod tests {
         let recording = Recording::parse("f".into(), &format!("time,temp,power\n{rows}"), &how).unwrap();
         let believed = Believed::of(&recording.heaters[0]);
         let good = Reading { celsius: Celsius(30.0), validity: Validity::Good };
-        let sample = Sample { t0: good, t1: good, t2: good };
+        let cold = Reading { celsius: Celsius(20.0), validity: Validity::Good };
+        let sample = Sample { t0: cold, t1: good, t2: good };
         let says = |class, size: f32, expected: f32| {
             let magnitude = Some(Magnitude { value: size, half_width: 1.0 });
             let finding = Finding { class, confidence: 0.9, magnitude, onset: 0 };
@@ -88,6 +99,8 @@ mod tests {
         assert!(says(FaultClass::T1Offset, 5.0, 25.0) && says(FaultClass::T1Detached, -90.0, 70.0));
         assert!(says(FaultClass::HeaterPower, -40.0, 30.0));
         assert!(says(FaultClass::HeaterPower, -100.6, 30.0), "-100 % is within its interval");
+        // 20 % less of a rise of 9 is 1.8 below what is expected; one that reads more than 1.8 above it sees no less.
+        assert!(says(FaultClass::T1Detached, -20.0, 29.0) && !says(FaultClass::T1Detached, -20.0, 27.0));
         for (class, size, expected) in [
             (FaultClass::T1Offset, 133.0, 30.0),
             (FaultClass::T1Offset, 46.0, 30.0),

@@ -121,6 +121,24 @@ fn is_blank(c: char) -> bool {
 
 /// A date with a clock behind it, in s since 1970. A date alone is no time of a sample.
 fn date(cell: &str, order: Order) -> Option<f64> {
+    zoned(cell, order).map(|(seconds, offset)| seconds - offset)
+}
+
+/// How far from UTC the clock of a date is, s; 0 where it does not say.
+pub(super) fn offset(cell: &str) -> f64 {
+    let orders = [Order::Year, Order::Month, Order::Day];
+    orders.into_iter().find_map(|order| zoned(cell, order)).map_or(0.0, |(_, offset)| offset)
+}
+
+/// What a clock on a wall shows, from s since 1970 on it: `2026-03-28 22:00:05`.
+pub(super) fn shown(seconds: f64) -> String {
+    let span = SignedDuration::from_secs(seconds.round() as i64);
+    let shown = Date::constant(1970, 1, 1).to_datetime(jiff::civil::Time::midnight()).saturating_add(span);
+    shown.strftime("%Y-%m-%d %H:%M:%S").to_string()
+}
+
+/// What the clock of a date shows, in s since 1970, and its distance from UTC.
+fn zoned(cell: &str, order: Order) -> Option<(f64, f64)> {
     if !cell.starts_with(|c: char| c.is_alphanumeric()) || cell.len() < 10 {
         return None;
     }
@@ -136,7 +154,7 @@ fn date(cell: &str, order: Order) -> Option<f64> {
     };
     let (time, offset) = without_zone(clock_of)?;
     let seconds = clock(time, HOUR).filter(|seconds| *seconds <= DAY)?;
-    Some(days(&format!("{day} {year}"), order)? * DAY + seconds - offset)
+    Some((days(&format!("{day} {year}"), order)? * DAY + seconds, offset))
 }
 
 /// `20260328220005`, `20260328T220005` and `20260328 22:00:05` as `2026-03-28 22:00:05`.

@@ -4,11 +4,14 @@ use std::ops::Range;
 
 use anyhow::{bail, ensure};
 
+use super::date::{DAY, offset};
 use super::map::{Map, Role};
 use super::stamp::{Stamps, usual_step};
 use super::table::{Column, Table};
 use super::{Reading, clock};
 
+/// A clock of days that counts from none counts less, s.
+const A_YEAR: f64 = 365.0 * DAY;
 /// Stamps may be off the grid by so much of Ts.
 const UNEVEN: f64 = 0.2;
 /// A sample that is older than so many Ts is missing, where uneven ones are brought to a grid.
@@ -32,6 +35,8 @@ pub(super) struct Grid {
     pub(super) next: Vec<Option<(usize, f64)>>,
     /// The samples of each session.
     pub(super) sessions: Vec<Range<usize>>,
+    /// What the file's clock showed when each session began, s since 1970; empty where it tells no dates.
+    pub(super) begins: Vec<f64>,
     /// How the times are told.
     pub(super) stamps: Option<Stamps>,
     /// What whoever reads the results must know.
@@ -52,7 +57,15 @@ impl Grid {
             };
             let rows: Vec<_> = (0..table.rows()).map(Some).collect();
             let (next, sessions) = (Vec::new(), std::iter::once(0..rows.len()).collect());
-            return Ok(Self { sample_time, rows, next, sessions, stamps: None, remarks: Vec::new() });
+            return Ok(Self {
+                sample_time,
+                rows,
+                next,
+                sessions,
+                begins: Vec::new(),
+                stamps: None,
+                remarks: Vec::new(),
+            });
         };
         let (stamps, Column { values, mut remarks }) =
             Stamps::of(table, table.column(column)?, how.time_unit)?;
@@ -76,10 +89,16 @@ impl Grid {
             rows: Vec::new(),
             next: Vec::new(),
             sessions: Vec::new(),
+            begins: Vec::new(),
             stamps: Some(stamps),
             remarks,
         };
         grid.fill(table, &sessions, how)?;
+        // A clock without a date counts from midnight.
+        if stamps.are_on_a_wall() && sessions.iter().all(|session| session[0].1 > A_YEAR) {
+            let first = table.first_of(table.column(column)?)?.unwrap_or_default();
+            grid.begins = sessions.iter().map(|session| session[0].1 + offset(&first)).collect();
+        }
         grid.tell_sessions(table, &sessions);
         Ok(grid)
     }

@@ -113,6 +113,8 @@ pub struct Recording {
     pub stamps: Option<Stamps>,
     /// Samples from which a board has learnt what is normal, where its log says so.
     pub learnt: Option<Range<usize>>,
+    /// What the file's clock showed when each session began, s since 1970; empty where it tells no dates.
+    begins: Vec<f64>,
     /// The row of the file at each sample; none where it is missing.
     rows: Vec<Option<usize>>,
 }
@@ -215,6 +217,7 @@ impl Recording {
             file: table.file().to_owned(),
             sample_time: grid.sample_time,
             sessions: grid.sessions,
+            begins: grid.begins,
             units: Units { celsius: celsius as f32, full_power: full_power as f32 },
             heaters,
             remarks,
@@ -277,6 +280,9 @@ impl Recording {
         let first = self.rows.iter().copied().flatten().next();
         self.rows.splice(0..0, std::iter::repeat_n(first, REST));
         self.learnt = self.learnt.take().map(|learnt| learnt.start + REST..learnt.end + REST);
+        if let Some(begin) = self.begins.first_mut() {
+            *begin -= REST as f64 * self.sample_time;
+        }
         for (i, session) in self.sessions.iter_mut().enumerate() {
             *session = if i == 0 { 0 } else { session.start + REST }..session.end + REST;
         }
@@ -302,6 +308,14 @@ impl Recording {
         let words = heater.map.column(Role::T1).map(names::words).unwrap_or_default();
         let says = words.last().is_some_and(|word| names::DEGREES.contains(&word.as_str()));
         if says || self.units.celsius == 1.0 { "°C" } else { "units" }
+    }
+
+    /// What the file's clock showed at a time since the first sample, s; none where it tells no dates.
+    pub fn date(&self, time: f64) -> Option<String> {
+        let behind = self.sessions.partition_point(|session| self.at(time) >= session.start);
+        let which = behind.saturating_sub(1);
+        let start = self.sessions.get(which)?.start as f64 * self.sample_time;
+        Some(date::shown(self.begins.get(which)? + time - start))
     }
 
     /// The sample at or after a time since the first, s.

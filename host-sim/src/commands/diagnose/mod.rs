@@ -7,6 +7,7 @@ mod live;
 use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
 use fdi_core::Config;
@@ -151,11 +152,11 @@ impl ReadingArgs {
 ///
 /// # Errors
 /// A bad file or value, a recording that nothing can be learnt from, or a folder that can't be written.
-pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
+pub fn run(args: &DiagnoseArgs) -> anyhow::Result<ExitCode> {
     let config = settings::read(args.config.as_deref())?;
     let how = args.reading.reading()?;
     if args.live {
-        return live::run(args, &how, &config);
+        return live::run(args, &how, &config).map(|()| ExitCode::SUCCESS);
     }
     let (file, text) = recording::text::text_of(&args.file)?;
     let other = args.train_on.as_deref().map(recording::text::text_of).transpose()?;
@@ -172,7 +173,7 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
     ensure!((0..count).any(|which| asked(&which)), "--heater: the recording has heaters 1 to {count}");
     let folder = folder(args);
     let mut refusals = Vec::new();
-    let mut is_any = false;
+    let (mut is_any, mut is_judged) = (false, false);
     for (which, faults) in truths.iter().enumerate().filter(|(which, _)| asked(which)) {
         let diagnosed = training(args, &recording, which, other.as_ref(), &config).and_then(|training| {
             let progress = progress(0, "samples");
@@ -182,6 +183,7 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
         match diagnosed.with_context(|| format!("{}, {}", recording.file, recording.heaters[which].map)) {
             Ok((training, warning, done)) => {
                 is_any = true;
+                is_judged |= done.nothing_judged().is_none();
                 let nothing = done.nothing_judged().map_or(String::new(), |said| format!("{said}\n"));
                 print(&(nothing + &warning + &std::mem::take(&mut remarks)))?;
                 let out =
@@ -196,7 +198,7 @@ pub fn run(args: &DiagnoseArgs) -> anyhow::Result<()> {
         ensure!(is_any, refusal);
         print(&format!("\nNot diagnosed: {}\n", in_words(&refusal)))?;
     }
-    Ok(())
+    Ok(if is_judged { ExitCode::SUCCESS } else { ExitCode::from(NOT_JUDGED) })
 }
 
 /// Where the results go: beside what is read, where that is among the results of a run, since these would be moved.
@@ -211,6 +213,9 @@ fn folder(args: &DiagnoseArgs) -> PathBuf {
         .any(|file| within(file) == Some(true));
     if is_there { args.out.join("diagnosed") } else { args.out.clone() }
 }
+
+/// The exit code where nothing of the recording could be judged.
+const NOT_JUDGED: u8 = 1;
 
 /// How to go on with a model that is worth nothing.
 const FORCED: &str = "Or take it as it is with --force";
@@ -267,7 +272,8 @@ fn tell(
     text += &remarks(done);
     let from = done.watched_from as f64 * recording.sample_time;
     let score = (!done.record.faults.is_empty()).then(|| score::score(&done.record, from));
-    let told = Told::new(recording, heater, training, done, score.as_ref());
+    let mut told = Told::new(recording, heater, training, done, score.as_ref());
+    told.has_others = args.heater.is_none();
     let summary = Summary::new(&done.record);
     let written = Folder::open(out)?.write(&done.record, &summary, Some(&told.page()))?;
     if let Some(score) = &score {

@@ -32,7 +32,7 @@ pub(super) fn shaded(told: &Told) -> Vec<Span> {
             .map(|fault| span("truth", fault.at, fault.end(), fault.label(), String::new())),
     );
     spans.extend(told.episodes.iter().enumerate().map(|(i, episode)| {
-        let title = episode.headline().map_or(String::new(), |said| said.sentence.clone());
+        let title = episode.headline().map_or(String::new(), |said| said.sentence);
         let mark = if i < CLOSE { (i + 1).to_string() } else { String::new() };
         span("alarm", episode.from, episode.to, title, mark)
     }));

@@ -55,9 +55,18 @@ pub struct Unjudged {
 }
 
 impl Episode {
-    /// What it came to: the last name, or that there was none.
-    pub fn headline(&self) -> Option<&Said> {
-        self.said.iter().rev().find(|said| said.class.is_some()).or(self.said.last())
+    /// What it came to: the name that stood longest, as it was said last, from when it was said first; or that there was none.
+    pub fn headline(&self) -> Option<Said> {
+        let ends = self.said.iter().skip(1).map(|said| said.at).chain([self.to]);
+        let stood: Vec<(&Said, f64)> =
+            self.said.iter().zip(ends).map(|(said, end)| (said, end - said.at)).collect();
+        let of = |class: Option<FaultClass>| {
+            stood.iter().filter(|(said, _)| said.class == class).map(|(_, time)| time).sum::<f64>()
+        };
+        let names = self.said.iter().filter(|said| said.class.is_some());
+        let last = names.max_by(|a, b| of(a.class).total_cmp(&of(b.class))).or(self.said.last())?;
+        let first = self.said.iter().find(|said| said.class == last.class)?;
+        Some(Said { at: first.at, ..last.clone() })
     }
 }
 
@@ -83,10 +92,10 @@ pub(super) fn episodes(recording: &Recording, heater: &Heater, done: &Diagnosed)
             continue;
         }
         let class = |row: &Row| row.report.likelihood.finding.map(|finding| finding.class);
-        let said = rows.chunk_by(|a, b| class(a) == class(b)).map(|rows| Said {
-            at: time(&rows[0]),
-            class: class(&rows[0]),
-            sentence: words(recording, heater, record, rows),
+        let said = rows.chunk_by(|a, b| class(a) == class(b)).map(|same| Said {
+            at: time(&same[0]),
+            class: class(&same[0]),
+            sentence: words(recording, heater, record, same, rows[0].tick.index),
         });
         let to = after.first().map_or(record.end(), time);
         let stretch = |row: &Row| stretches.partition_point(|stretch| stretch.end <= row.tick.index as usize);
@@ -101,10 +110,15 @@ pub(super) fn episodes(recording: &Recording, heater: &Heater, done: &Diagnosed)
     episodes
 }
 
-/// What is said on rows that name the same, with its size on the last of them.
-fn words(recording: &Recording, heater: &Heater, record: &Record, rows: &[Row]) -> String {
+/// What is said on rows that name the same, with its size on the last of them. What an alarm is of began no later than the tick on which it rose.
+fn words(recording: &Recording, heater: &Heater, record: &Record, rows: &[Row], rose: u32) -> String {
     let told = |row: &Row| {
-        Some(plain(recording, heater, &sentence(record, row, row.report.likelihood.finding.as_ref()?)))
+        let mut finding = row.report.likelihood.finding?;
+        finding.onset = finding.onset.min(rose);
+        let told = plain(recording, heater, &sentence(record, row, &finding));
+        let Some(date) = recording.date(record.time(finding.onset)) else { return Some(told) };
+        let (what, since) = told.split_once("; since ")?;
+        Some(format!("{what}; since {date}, {since}"))
     };
     rows.iter().rev().filter_map(told).find(|text| is_whole(text)).unwrap_or_else(|| UNNAMED.to_owned())
 }
@@ -182,6 +196,66 @@ mod tests {
     use firmware_logic::finding::Sentence;
 
     use super::*;
+    use crate::recording::Reading as How;
+    use crate::recording::report::Told;
+    use crate::recording::run::{Training, diagnose};
+
+    /// Whatever is said while an alarm stands: one sentence of it, and of nothing that came later.
+    #[test]
+    fn an_alarm_is_one_sentence_that_is_not_before_its_onset() {
+        let row = |k: u32| {
+            let at = |power: f64, seconds: f64| power * (1.0 - (-seconds / 60.0f64).exp());
+            let t = (0..=k / 40).map(|step| {
+                let change = if step == 0 { 40.0 } else { 20.0 - 40.0 * f64::from(step % 2) };
+                at(0.3 * change, f64::from(k - 40 * step))
+            });
+            let noise = 0.02 * f64::from(k * 7 % 11) - 0.1;
+            let power = if k / 40 % 2 == 0 { 40 } else { 20 };
+            let (hour, minute, second) = (1 + k / 3600, k / 60 % 60, k % 60);
+            format!(
+                "2026-03-28T0{hour}:{minute:02}:{second:02}+02:00,{:.3},{power}\n",
+                20.0 + t.sum::<f64>() + noise
+            )
+        };
+        let text: String = (0..600).map(row).collect();
+        let how = How { fan: Some(false), ..How::default() };
+        let recording = Recording::parse("f".into(), &format!("time,temp,power\n{text}"), &how).unwrap();
+        let heater = &recording.heaters[0];
+        let training = Training::Own(0..400, "as told".into());
+        let config = fdi_core::Config::default();
+        let mut done =
+            diagnose(&recording, 0, &training, &[], &config, &indicatif::ProgressBar::hidden()).unwrap();
+        assert!(Told::new(&recording, heater, &training, &done, None).episodes.is_empty());
+        for row in &mut done.record.rows {
+            let k = row.tick.index;
+            let classes = [FaultClass::HeaterPower, FaultClass::T1Offset, FaultClass::HeaterPower];
+            row.report.likelihood.alarm = (500..560).contains(&k);
+            let magnitude = Some(Magnitude { value: -20.0, half_width: 5.0 });
+            // The onset is found later than the name.
+            row.report.likelihood.finding = (510..560).contains(&k).then(|| Finding {
+                class: classes[(k as usize - 510) / 17],
+                confidence: 0.9,
+                magnitude,
+                onset: 540,
+            });
+        }
+        let said = Told::new(&recording, heater, &training, &done, None).text();
+        let lines: Vec<&str> = said.lines().filter(|line| line.contains("since")).collect();
+        assert_eq!(lines.len(), 1, "{said}");
+        for part in [
+            "500.00 s  2026-03-28 01:08:20  the heater gives 20",
+            "since 2026-03-28 01:08:20, 500.0 s",
+            "(so named from 510.00 s on; for a time named: T1 reads wrong)",
+        ] {
+            assert!(said.contains(part), "{part}: {said}");
+        }
+        assert!(said.contains("560.00 s  2026-03-28 01:09:20  all is as expected again"), "{said}");
+        // Of what was not judged nothing is said.
+        done.unjudged = std::iter::once(400.0..600.0).collect();
+        done.record.rows.iter_mut().for_each(|row| row.report.likelihood.alarm = false);
+        let said = Told::new(&recording, heater, &training, &done, None).text();
+        assert!(said.starts_with("200 s watched, none of it judged\n"), "{said}");
+    }
 
     /// A sentence that asks something is told, one that lacks a number is not.
     #[test]

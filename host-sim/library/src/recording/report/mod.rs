@@ -10,6 +10,7 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use fdi_core::Observed;
+use fdi_core::likelihood::Channel;
 
 use super::run::{Diagnosed, Training};
 use super::score::Score;
@@ -36,6 +37,8 @@ pub struct Told<'a> {
     pub episodes: Vec<Episode>,
     /// Where nothing could be said.
     pub unjudged: Vec<Unjudged>,
+    /// The recording's other heaters are diagnosed as well, each in a folder of its own beside this one.
+    pub has_others: bool,
     /// What the model says of T1 at each row, in the recording's unit; none where it says nothing.
     expected: Vec<Option<f64>>,
     /// T1 was within so much of it for [`WITHIN`] of the training, in the recording's unit.
@@ -89,6 +92,7 @@ impl<'a> Told<'a> {
             score,
             episodes: findings::episodes(recording, heater, done),
             unjudged: findings::unjudged(recording, done),
+            has_others: false,
             expected: aligned(&ticks, &said, every),
             band,
         }
@@ -104,22 +108,36 @@ impl<'a> Told<'a> {
         let record = &self.done.record;
         let from = self.done.watched_from as f64 * self.recording.sample_time;
         let (watched, judged) = ((record.end() - from).max(0.0), self.done.judged());
+        if self.episodes.is_empty() && self.done.nothing_judged().is_some() {
+            return format!("{watched:.0} s watched, none of it judged\n{}", self.not_judged());
+        }
         let judged =
             if judged < 0.995 * watched { format!(", {judged:.0} s of it judged") } else { String::new() };
         let mut text = format!("{watched:.0} s watched{judged}, {}", alarms(self.episodes.len()));
         text += if self.episodes.is_empty() { "\n" } else { ":\n" };
         for episode in &self.episodes {
-            for said in &episode.said {
-                let _ = writeln!(text, "{:>9.2} s  {}", said.at, said.sentence);
-            }
+            let Some(said) = episode.headline() else { continue };
+            let _ = writeln!(text, "{}  {}{}", self.at(episode.from), said.sentence, named(episode, &said));
             let _ = match episode.ending {
-                Ending::Over => writeln!(text, "{:>9.2} s  all is as expected again", episode.to),
+                Ending::Over => writeln!(text, "{}  all is as expected again", self.at(episode.to)),
                 Ending::Gap => {
-                    writeln!(text, "{:>9.2} s  a gap: whether it is over is not known", episode.to)
+                    writeln!(text, "{}  a gap: whether it is over is not known", self.at(episode.to))
                 }
                 Ending::Stands => writeln!(text, "{:>11}  and so to the end", ""),
             };
         }
+        text + &self.not_judged()
+    }
+
+    /// A time at the begin of a line, with its date where the file has dates.
+    fn at(&self, time: f64) -> String {
+        let date = self.recording.date(time).map_or(String::new(), |date| format!("  {date}"));
+        format!("{time:>9.2} s{date}")
+    }
+
+    /// What was not judged, a line each.
+    fn not_judged(&self) -> String {
+        let mut text = String::new();
         for part in &self.unjudged {
             let _ = writeln!(text, "Not judged: {:.2} to {:.2} s, {}.", part.from, part.to, part.why);
         }
@@ -130,6 +148,27 @@ impl<'a> Told<'a> {
     pub fn page(&self) -> String {
         page::html(self)
     }
+}
+
+/// From when on an alarm had its name, if not at once, and which others it had, in brackets.
+fn named(episode: &Episode, headline: &Said) -> String {
+    let mut parts = Vec::new();
+    if headline.at > episode.from {
+        parts.push(format!("so named from {:.2} s on", headline.at));
+    }
+    let mut others: Vec<String> = Vec::new();
+    for class in episode.said.iter().filter(|said| said.class != headline.class).filter_map(|said| said.class)
+    {
+        let sensor = class.sensor().map_or("", Channel::name);
+        let short = class.short().replace("{t}", sensor);
+        if !others.contains(&short) {
+            others.push(short);
+        }
+    }
+    if !others.is_empty() {
+        parts.push(format!("for a time named: {}", others.join(", ")));
+    }
+    if parts.is_empty() { String::new() } else { format!(" ({})", parts.join("; ")) }
 }
 
 fn alarms(count: usize) -> String {

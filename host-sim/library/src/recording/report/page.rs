@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::super::map::Role;
 use super::super::run::Training;
 use super::data::{Data, Signal, shaded};
 use super::findings::{Ending, Episode};
@@ -53,8 +54,8 @@ fn introduction(told: &Told, name: &str) -> String {
         [] if watched <= 0.0 => "All of it was learnt from: nothing was left to watch.".to_owned(),
         [] if told.done.nothing_judged().is_some() => "Nothing could be judged.".to_owned(),
         [] => format!("Nothing was found wrong in the {} that were judged.", time(told.done.judged())),
-        [one] => format!("One alarm, at {}.", time(one.from)),
-        [first, ..] => format!("{count} alarms, the first at {}.", time(first.from)),
+        [one] => format!("One alarm, at {}.", when(told, one.from)),
+        [first, ..] => format!("{count} alarms, the first at {}.", when(told, first.from)),
     };
     let fit = told.done.trained.fit;
     let rest = told.done.fit_on_the_rest;
@@ -101,8 +102,9 @@ fn introduction(told: &Told, name: &str) -> String {
         String::new()
     };
     format!(
-        "<h1>{}</h1>\n<p class='lead'>{lead}</p>\n{warning}<dl>\n{}</dl>\n",
+        "<h1>{}</h1>\n{}<p class='lead'>{lead}</p>\n{warning}<dl>\n{}</dl>\n",
         escape(name),
+        which(told),
         keys.collect::<String>()
     )
 }
@@ -191,31 +193,31 @@ fn alarms(told: &Told) -> String {
     let data = Data::of(told);
     let mut html = String::from("<h2>Alarms</h2>\n");
     let row = |(i, episode): (usize, &Episode)| {
-        let headline = episode.headline().map_or("", |said| said.sentence.as_str());
+        let headline = episode.headline().map_or(String::new(), |said| said.sentence);
         let others: Vec<String> = episode
             .said
             .iter()
             .filter(|said| said.sentence != headline)
             .take(6)
-            .map(|said| format!("<small>at {}: {}</small>", time(said.at), escape(&said.sentence)))
+            .map(|said| format!("<small>at {}: {}</small>", when(told, said.at), escape(&said.sentence)))
             .collect();
         let end = match episode.ending {
-            Ending::Over => time(episode.to),
-            Ending::Gap => format!("{}, a gap: whether it is over is not known", time(episode.to)),
+            Ending::Over => when(told, episode.to),
+            Ending::Gap => format!("{}, a gap: whether it is over is not known", when(told, episode.to)),
             Ending::Stands => "the end".to_owned(),
         };
         format!(
             "<tr><td class='n'>{}</td><td class='n'>{}</td><td class='n'>{end}</td><td>{}{}</td></tr>\n",
             i + 1,
-            time(episode.from),
-            escape(headline),
+            when(told, episode.from),
+            escape(&headline),
             others.concat()
         )
     };
     let rows: String = told.episodes.iter().take(LISTED).enumerate().map(row).collect();
     let _ = write!(
         html,
-        "<div class='wide'><table>\n<thead><tr><th></th><th class='n'>From</th><th class='n'>To</th><th>What was said last under a name, and before</th></tr></thead>\n\
+        "<div class='wide'><table>\n<thead><tr><th></th><th class='n'>From</th><th class='n'>To</th><th>The name that stood longest, and what else was said</th></tr></thead>\n\
          <tbody>\n{rows}</tbody>\n</table></div>\n"
     );
     if told.episodes.len() > LISTED {
@@ -227,9 +229,9 @@ fn alarms(told: &Told) -> String {
         let around = (AROUND * (episode.to - episode.from)).max(LEAST_AROUND * record.sample_time);
         let first = record.rows.first().map_or(0.0, |row| record.time(row.tick.index));
         let span = ((episode.from - around).max(first), (episode.to + around).min(record.end()));
-        let headline = episode.headline().map_or("", |said| said.sentence.as_str());
+        let headline = episode.headline().map_or(String::new(), |said| said.sentence);
         html += &figure(
-            &format!("<span><b>{}</b> {}</span>", i + 1, escape(headline)),
+            &format!("<span><b>{}</b> {}</span>", i + 1, escape(&headline)),
             &data.chart("T1 around an alarm", span, 170.0, &spans, Signal::T1),
         );
     }
@@ -311,8 +313,9 @@ fn unjudged(told: &Told) -> String {
     if told.unjudged.is_empty() {
         return String::new();
     }
-    let item =
-        |part: &super::Unjudged| format!("<li>{} to {}: {}</li>\n", time(part.from), time(part.to), part.why);
+    let item = |part: &super::Unjudged| {
+        format!("<li>{} to {}: {}</li>\n", when(told, part.from), when(told, part.to), part.why)
+    };
     let items: String = told.unjudged.iter().take(LISTED).map(item).collect();
     format!("<h2>Not judged</h2>\n<ul>\n{items}</ul>\n")
 }
@@ -351,6 +354,40 @@ fn reading(told: &Told) -> String {
 
 fn figure(caption: &str, svg: &str) -> String {
     format!("<figure>\n<figcaption>{caption}</figcaption>\n{svg}</figure>\n")
+}
+
+/// When it was: as it is read in the charts, with the date where the file has dates.
+fn when(told: &Told, t: f64) -> String {
+    told.recording.date(t).map_or_else(|| time(t), |date| format!("{} ({date})", time(t)))
+}
+
+/// Which heater of several it is, and where the others are.
+fn which(told: &Told) -> String {
+    let heaters = &told.recording.heaters;
+    let Some(own) = heaters.iter().position(|heater| std::ptr::eq(heater, told.heater)) else {
+        return String::new();
+    };
+    if heaters.len() < 2 {
+        return String::new();
+    }
+    let link = |other: usize| {
+        let place = match (own, other) {
+            (0, _) => format!("heater-{}/report.html", other + 1),
+            (_, 0) => "../report.html".to_owned(),
+            _ => format!("../heater-{}/report.html", other + 1),
+        };
+        format!("<a href='{place}'>heater {}</a>", other + 1)
+    };
+    let others = (0..heaters.len()).filter(|other| told.has_others && *other != own).map(link);
+    let others: Vec<String> = others.collect();
+    let others = if others.is_empty() {
+        String::new()
+    } else {
+        format!("; diagnosed beside it: {}", others.join(", "))
+    };
+    let map = &told.heater.map;
+    let [t1, power] = [Role::T1, Role::Power].map(|role| escape(map.column(role).unwrap_or_default()));
+    format!("<p>Heater {} of {}: {t1}, heated by {power}{others}.</p>\n", own + 1, heaters.len())
 }
 
 /// A time as it is read in the charts.

@@ -1,14 +1,11 @@
 //! The page as one file: style, modules, worker and data lie within it, so that it needs no network and opens from anywhere.
 
 use std::collections::BTreeMap;
-use std::io::Read;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use fdi_core::likelihood::{Channel, FaultClass};
 use fdi_core::schema::FIELDS;
-use flate2::Compression;
-use flate2::read::GzEncoder;
 use serde_json::json;
 
 const INDEX: &str = include_str!("../page/index.html");
@@ -106,7 +103,7 @@ fn classes() -> String {
 /// What the page gets its numbers from.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
-    /// The session as WebAssembly, packed by [`pack`].
+    /// The session as WebAssembly, packed by gzip.
     InPage(&'a [u8]),
     /// The server that sent the page, with the token for its commands.
     Server(&'a str),
@@ -173,8 +170,8 @@ fn of_json(id: &str, json: &str) -> String {
     format!("<script type=\"application/json\" id=\"{id}\">{}</script>", json.replace('<', "\\u003c"))
 }
 
-/// Style, modules and data; `main` is the module that begins. Modules go packed, which is a third of their size, and stand in an import map of data
-/// once the page has unpacked them: a file has no siblings that it may load.
+/// Style, modules and data; `main` is the module that begins. The modules stand in an import map of data once the page has made it of their JSON: a file
+/// has no siblings that it may load.
 fn head(style: &str, modules: &[(&str, &str)], data: &str, main: &str) -> String {
     let classes = classes();
     let sources: BTreeMap<&str, String> = modules
@@ -182,19 +179,19 @@ fn head(style: &str, modules: &[(&str, &str)], data: &str, main: &str) -> String
         .chain(&[(CLASSES, classes.as_str())])
         .map(|(name, text)| (*name, lean(text)))
         .collect();
-    let packed = STANDARD.encode(pack(json!(sources).to_string().as_bytes()));
-    let begin = lean(BEGIN).replace("MAIN", main);
+    let modules = of_json("modules", &json!(sources).to_string());
     format!(
-        "<style>{style}</style>\n<script type=\"text/plain\" id=\"modules\">{packed}</script>\n{data}\n<script>{begin}</script>"
+        "<style>{style}</style>\n{modules}\n{data}\n<script>{}</script>",
+        lean(BEGIN).replace("MAIN", main)
     )
 }
 
-/// By gzip, which a browser unpacks by its own `DecompressionStream`.
-pub fn pack(bytes: &[u8]) -> Vec<u8> {
-    let mut packed = Vec::new();
-    // Neither reading from memory nor writing there fails.
-    let _ = GzEncoder::new(bytes, Compression::best()).read_to_end(&mut packed);
-    packed
+/// The page with its modules packed by gzip, which is a third of their size; `None` where `page` is none of these.
+pub fn packed(page: &str, gzip: fn(&[u8]) -> Vec<u8>) -> Option<String> {
+    let (before, rest) = page.split_once("<script type=\"application/json\" id=\"modules\">")?;
+    let (modules, after) = rest.split_once("</script>")?;
+    let text = STANDARD.encode(gzip(modules.as_bytes()));
+    Some(format!("{before}<script type=\"text/plain\" id=\"modules\">{text}</script>{after}"))
 }
 
 #[cfg(test)]
@@ -231,6 +228,18 @@ mod tests {
                 .iter()
                 .all(|word| licences.contains(word))
         );
+    }
+
+    #[test]
+    fn what_is_packed_is_the_json_of_the_modules() {
+        let page = packed(&html(Source::Server("token")), |json| {
+            assert!(
+                serde_json::from_slice::<BTreeMap<String, String>>(json).unwrap().contains_key("lab/main.js")
+            );
+            b"packed".to_vec()
+        });
+        assert!(page.unwrap().contains("id=\"modules\">cGFja2Vk</script>"));
+        assert!(packed("<!doctype html>", |_| Vec::new()).is_none());
     }
 
     #[test]

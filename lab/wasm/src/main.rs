@@ -1,10 +1,13 @@
 //! `cargo lab`: the page with the session within it, one file that opens with a double click.
 
 use std::ffi::OsStr;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use pt326_lab::page::{Source, html, pack};
+use flate2::Compression;
+use flate2::read::GzEncoder;
+use pt326_lab::page::{Source, html, packed};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 const SESSION: &str = "pt326_lab_wasm.wasm";
@@ -32,7 +35,7 @@ fn write(file: Option<&OsStr>) -> Result<(), String> {
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
     let wasm = target.join(TARGET).join("lab").join(SESSION);
     let wasm = std::fs::read(&wasm).map_err(|error| format!("{}: {error}", wasm.display()))?;
-    let page = html(Source::InPage(&pack(&wasm)));
+    let page = packed(&html(Source::InPage(&gzip(&wasm))), gzip).ok_or("the page has no modules")?;
     let file = Path::new(file.unwrap_or(OsStr::new("lab.html")));
     std::fs::write(file, &page).map_err(|error| format!("{}: {error}", file.display()))?;
     println!(
@@ -42,6 +45,14 @@ fn write(file: Option<&OsStr>) -> Result<(), String> {
         wasm.len() / 1000
     );
     if page.len() > LIMIT { Err(format!("more than {LIMIT} bytes")) } else { Ok(()) }
+}
+
+/// Packs what a browser unpacks by its own `DecompressionStream`.
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut packed = Vec::new();
+    // Neither reading from memory nor writing there fails.
+    let _ = GzEncoder::new(bytes, Compression::best()).read_to_end(&mut packed);
+    packed
 }
 
 /// The folder of the workspace.

@@ -210,7 +210,7 @@ mod tests {
                 at(0.3 * change, f64::from(k - 40 * step))
             });
             let noise = 0.02 * f64::from(k * 7 % 11) - 0.1;
-            let power = if k / 40 % 2 == 0 { 40 } else { 20 };
+            let power = if (k / 40).is_multiple_of(2) { 40 } else { 20 };
             let (hour, minute, second) = (1 + k / 3600, k / 60 % 60, k % 60);
             format!(
                 "2026-03-28T0{hour}:{minute:02}:{second:02}+02:00,{:.3},{power}\n",

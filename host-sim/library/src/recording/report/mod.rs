@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use fdi_core::Observed;
-use fdi_core::likelihood::Channel;
+use fdi_core::likelihood::{Channel, FaultClass};
 
 use super::run::{Diagnosed, Training};
 use super::score::Score;
@@ -157,10 +157,14 @@ fn named(episode: &Episode, headline: &Said) -> String {
         parts.push(format!("so named from {:.2} s on", headline.at));
     }
     let mut others: Vec<String> = Vec::new();
-    for class in episode.said.iter().filter(|said| said.class != headline.class).filter_map(|said| said.class)
-    {
+    for said in episode.said.iter().filter(|said| said.class != headline.class) {
+        let Some(class) = said.class else { continue };
         let sensor = class.sensor().map_or("", Channel::name);
-        let short = class.short().replace("{t}", sensor);
+        let short = match said.sentence.split_once("; ") {
+            // A heater that does not follow at all is another thing to mend than a weak one, and has the same class.
+            Some((words, _)) if class == FaultClass::HeaterPower && !words.contains('%') => words.to_owned(),
+            _ => class.short().replace("{t}", sensor),
+        };
         if !others.contains(&short) {
             others.push(short);
         }

@@ -336,7 +336,8 @@ impl Likelihood {
             return;
         }
         // What differs from a restored baseline for longer than training takes is the rig as it is now; the signatures go on telling of it.
-        state.waited = state.waited.saturating_add(u32::from(!undisturbed));
+        state.waited =
+            if undisturbed { state.waited.saturating_sub(1) } else { state.waited.saturating_add(1) };
         let undisturbed = agree && (undisturbed || state.waited > self.trainer.samples());
         // With a restored baseline there is no learning; then training takes place while monitoring.
         let quiet = seen.phase == Phase::Watched && seen.excited;

@@ -1,5 +1,5 @@
 // What changes with time: the rig's drawing, the sentence and what stands beside it.
-import { tour } from "lab/acts.js";
+import { course } from "lab/acts.js";
 import { asking, beside as besideBoard } from "lab/board.js";
 import { drawCloseup } from "lab/closeup.js";
 import { Events, meant, namings } from "lab/events.js";
@@ -45,7 +45,7 @@ export function write(row, said, hide) {
   $("follow").hidden = charts.following;
   if (lab.can.has("seek")) $("seek").value = lab.store.end;
   if (lab.hello.kind === "board") besideBoard();
-  tour.follow(row, row.alarm > 0 || lab.events.active(row.t).length > 0);
+  course.follow(row, row.alarm > 0 || lab.events.active(row.t).length > 0);
   hint(row, hide);
   beside(row, said, hide);
 }

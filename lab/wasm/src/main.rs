@@ -4,6 +4,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
+use pt326_lab::exercise;
 use pt326_lab::page::{Source, html, pack};
 
 const TARGET: &str = "wasm32-unknown-unknown";
@@ -23,6 +24,7 @@ fn main() -> ExitCode {
 
 /// Builds the session for a browser and writes the page to `file`, or to lab.html.
 fn write(file: Option<&OsStr>) -> Result<(), String> {
+    exercise::module().map_err(|error| format!("{error:#}"))?;
     let cargo = || Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     let build = ["build", "--quiet", "--profile", "lab", "-p", "pt326-lab-wasm", "--lib", "--target", TARGET];
     let status = cargo().args(build).status().map_err(|error| format!("cargo cannot be run: {error}"))?;

@@ -25,7 +25,10 @@ export default {
   charts_help: "Drag to move, scroll or + and − to zoom, Home to follow again.",
   follow: "Follow",
   series: "Series",
-  fold_why: "Why?", fold_residuals: "The paper's residuals", fold_charts: "More charts", fold_desk: "Set-up and files",
+  fold_why: "Why?", fold_residuals: "The paper's residuals", fold_charts: "More charts", fold_measure: "Measure",
+  cursor_a: "Cursor A", cursor_b: "Cursor B", mean: "mean A to B", step_of: "Step of",
+  step_read: "Level before A {before} °C, level before B {after} °C. After A it has done 28 % of the rise at {early} s, 63 % at {late} s.",
+  fold_desk: "Set-up and files",
   opened: "Opened: {what}.", scene: "a scene",
   // States
   state_off: "Off", state_settle: "Warming up", state_learn: "Learning", state_monitor: "Monitoring", state_tune: "Experiment",

@@ -24,7 +24,9 @@ export default {
   charts_help: "Arraste para mover, roda ou + e − para ampliar, Home para seguir de novo.",
   follow: "Seguir",
   series: "Séries",
-  fold_why: "Porquê?", fold_residuals: "Resíduos do artigo", fold_charts: "Mais gráficos", fold_desk: "Definições e ficheiros",
+  fold_why: "Porquê?", fold_residuals: "Resíduos do artigo", fold_measure: "Medir", cursor_a: "Cursor A", cursor_b: "Cursor B", mean: "média de A a B", step_of: "Degrau de",
+  step_read: "Nível antes de A {before} °C, nível antes de B {after} °C. Depois de A fez 28 % da subida aos {early} s, 63 % aos {late} s.",
+  fold_charts: "Mais gráficos", fold_desk: "Definições e ficheiros",
   opened: "Aberto: {what}.", scene: "uma cena",
   // States
   state_off: "Desligado", state_settle: "A aquecer", state_learn: "A aprender", state_monitor: "A vigiar", state_tune: "Experiência",

@@ -4,6 +4,7 @@ import { asking, beside as besideBoard } from "lab/board.js";
 import { drawCloseup } from "lab/closeup.js";
 import { Events, meant, namings } from "lab/events.js";
 import { FOREVER, describe } from "lab/faults.js";
+import { measure } from "lab/measure.js";
 import { CLASSES } from "lab/panels.js";
 import { charts, exam, quiz, rig, sheet } from "lab/parts.js";
 import { short } from "lab/say.js";
@@ -46,6 +47,7 @@ export function write(row, said, hide) {
   if (lab.can.has("seek")) $("seek").value = lab.store.end;
   if (lab.hello.kind === "board") besideBoard();
   course.follow(row, row.alarm > 0 || lab.events.active(row.t).length > 0);
+  measure();
   hint(row, hide);
   beside(row, said, hide);
 }

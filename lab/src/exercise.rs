@@ -17,7 +17,7 @@ const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/exercises.rs"
 const ACTS: [&str; 2] = ["mend", "surprise"];
 /// What of the page can be looked at, as a selector, and what can be unfolded.
 const PLACES: [&str; 5] = [".rig", ".charts", ".say", "aside", "#modes"];
-const FOLDS: [&str; 4] = ["charts", "residuals", "why", "desk"];
+const FOLDS: [&str; 5] = ["charts", "residuals", "why", "measure", "desk"];
 
 /// A text in the languages of the page.
 #[derive(Deserialize)]

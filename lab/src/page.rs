@@ -67,6 +67,7 @@ modules!(
     "hear",
     "judge",
     "main",
+    "measure",
     "overview",
     "panel",
     "panels",

@@ -275,6 +275,20 @@ mod tests {
         assert!(["", "2 3", "gain gain", "1 / 0"].iter().all(|text| value(text, &rig).is_err()));
     }
 
+    /// The example of the book is an exercise, and what it says of a wrong one is what is said.
+    #[test]
+    fn the_books_example_is_an_exercise() {
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/exercises.md");
+        let page = std::fs::read_to_string(page).unwrap();
+        let block =
+            |kind: &str| page.split_once(kind).and_then(|(_, rest)| rest.split_once("```")).unwrap().0;
+        let example = block("```json\n");
+        read(example).unwrap();
+        let error = read(&example.replace("100 * (1 - 0.9 * 0.9)", "1 / gian")).unwrap_err();
+        let told = format!("lab: exercises/50-mains.json: {error:#}");
+        assert!(told.starts_with(block("```text\n").trim_end().trim_end_matches("...")), "{told}");
+    }
+
     /// What is wrong, where, and what was expected.
     #[test]
     fn a_file_that_is_none_says_why() {

@@ -1,17 +1,24 @@
 // What can be done by a button, wherever it stands: on the desk, below the sentence, in the tour.
 import { calibrate } from "lab/board.js";
 import { toStep } from "lab/commissioning.js";
+import { Course } from "lab/course.js";
 import { PARTS, sized } from "lab/faults.js";
 import { save } from "lab/files.js";
 import { charts, exam, quiz, sheet } from "lab/parts.js";
+import { DEFAULT } from "lab/scene.js";
 import { show, unfold } from "lab/show.js";
-import { $, changed, heat, lab } from "lab/state.js";
+import { $, changed, heat, keep, lab } from "lab/state.js";
 import { say } from "lab/strings.js";
-import { begins, order, run, send } from "lab/talk.js";
-import { Tour } from "lab/tour.js";
+import { ask, begins, open, order, run, send } from "lab/talk.js";
 
-export const tour = new Tour($("tour"), {
-  act, order,
+export const course = new Course($("tour"), {
+  act, order, keep,
+  // A rig that is set up stands still, so that it can be measured.
+  open(scene, at, span) {
+    open({ ...DEFAULT, ...scene }, { at });
+    run(0);
+    ask({ command: "scene" }).then(() => span && charts.show(span[1], span[1] - span[0])); // once the rows are there
+  },
   unfold: (fold) => lab.open.has(fold) || unfold(fold),
   finish: () => setMode("explore"),
 });
@@ -63,6 +70,6 @@ function startQuiz() {
 export function setMode(mode) {
   if (lab.mode === "quiz" && mode !== "quiz") quiz.end();
   lab.mode = mode;
-  tour.show(mode === "tour");
+  course.show(mode === "tour");
   show();
 }

@@ -19,6 +19,7 @@ export class Charts extends View {
     super(canvases, changed);
     this.off = new Set(PANELS.flatMap((panel) => panel.series.filter((s) => s.off).map((s) => s.id)));
     this.drawn = null; // what the canvas shows
+    this.cursors = this.levels = null; // of a measurement: name and tick of each; what is drawn across the first panel
     this.kept = null; // the run that others are compared with
     this.unseen = new Set();
     const watch = new IntersectionObserver((entries) => {
@@ -123,7 +124,7 @@ export class Charts extends View {
     if (!hide) shade(pen, events, on);
     let y = TOP;
     panels.forEach((panel, i) => {
-      drawPanel(pen, panel, { ...on, shown: shown(panel), y: y + HEAD, high: panel.high[k], at: hovered ?? b });
+      drawPanel(pen, panel, { ...on, shown: shown(panel), y: y + HEAD, high: panel.high[k], at: hovered ?? b, levels: i === 0 ? this.levels : null });
       y += heights[i];
     });
     if (!hide) {
@@ -131,6 +132,7 @@ export class Charts extends View {
       drawFlags(pen, events, { ...on, hovers: hovered !== null });
     }
     if (hovered !== null && store.has(hovered)) drawHand(pen, hovered * store.ts, on);
+    for (const [name, tick] of this.cursors ?? []) if (tick >= a && tick <= b) drawHand(pen, tick * store.ts, on, name);
     drawAxis(pen, on);
     return pen;
   }
@@ -164,11 +166,10 @@ function shade(pen, events, { T, t0, t1, bottom }) {
   }
 }
 
-// The time that is pointed at.
-function drawHand(pen, t, { T, left, edge, bottom }) {
+// The time that is pointed at, or a cursor.
+function drawHand(pen, t, { T, left, edge, bottom }, text = `${num(t, 2)} s`) {
   const x = Math.round(T(t)) + 0.5;
   pen.line(x, 20, x, bottom, "--faint");
-  const text = `${num(t, 2)} s`;
   const w = pen.measure(text, true) + 12;
   const place = Math.min(edge - w, Math.max(left, x - w / 2));
   pen.box(place, 1, w, 18, "--ink", 4);

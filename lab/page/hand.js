@@ -1,5 +1,5 @@
 // The user's hand: what is pressed, typed, chosen.
-import { act, setMode, tour } from "lab/acts.js";
+import { act, course, setMode } from "lab/acts.js";
 import { typed } from "lab/board.js";
 import "lab/export.js";
 import { forgetColours } from "lab/canvas.js";
@@ -36,7 +36,7 @@ $("language").addEventListener("click", () => {
   keep.set("language", current());
   rig.fit(plant(), lab.hello.kind === "board", true);
   if (sheet.part) sheet.build();
-  tour.show(lab.mode === "tour");
+  course.show(lab.mode === "tour");
   show();
 });
 $("theme").addEventListener("click", () => {

@@ -1,5 +1,5 @@
 // What the source says.
-import { setMode, tour } from "lab/acts.js";
+import { course, setMode } from "lab/acts.js";
 import { agrees, image, kept, said } from "lab/board.js";
 import { beginReport, noted } from "lab/commissioning.js";
 import { Events } from "lab/events.js";
@@ -90,7 +90,7 @@ export const HEAR = {
     charts.bind();
     charts.follow();
     show();
-    tour.opened();
+    course.opened();
     if (!arrives) return;
     arrives = false;
     toast(say("opened", { what: say("scene") }));

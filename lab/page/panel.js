@@ -4,7 +4,7 @@ import { BLOCK } from "lab/store.js";
 import { num, say } from "lab/strings.js";
 
 // `shown` are its series that are on.
-export function drawPanel(pen, panel, { shown, y, high, left, edge, a, b, X, at, narrow }) {
+export function drawPanel(pen, panel, { shown, y, high, left, edge, a, b, X, at, narrow, levels }) {
   const title = say(panel.id);
   const w = pen.text(title, left, y - 8, { css: "--ink", bold: true });
   const unit = pen.text(panel.unit(), left + w + 7, y - 8, { css: "--faint" });
@@ -20,6 +20,7 @@ export function drawPanel(pen, panel, { shown, y, high, left, edge, a, b, X, at,
     pen.text(num(v, panel.ticks ? 0 : decimals), left - 7, Y(v) + 4, { css: "--faint", align: "right" });
   }
   for (const bound of panel.bounds ?? []) pen.line(left, Y(bound), edge, Y(bound), "--soft", { dash: [5, 4] });
+  for (const level of levels ?? []) if (level > low && level < top) pen.line(left, Y(level), edge, Y(level), "--faint", { dash: [1, 3] });
   const labels = [];
   pen.within(left, y - 2, edge - left, high + 4, () => {
     pen.c.globalAlpha = 0.45;

@@ -1,5 +1,6 @@
 // What changes with language, mode and source, and not with time.
 import { settings as all, asking, wide } from "lab/board.js";
+import { measures } from "lab/measure.js";
 import { charts, exam, review } from "lab/parts.js";
 import { showPlan } from "lab/plan.js";
 import { $, changed, embedded, lab, plant, put } from "lab/state.js";
@@ -51,6 +52,8 @@ function unfolded() {
   for (const button of document.querySelectorAll("[data-fold]")) button.setAttribute("aria-expanded", is(button.dataset.fold));
   $("aside").hidden = !is("why");
   $("desk").hidden = !is("desk");
+  $("measure").hidden = !is("measure");
+  measures(is("measure"));
   $("residualsnote").hidden = !is("residuals");
   $("whole").hidden = document.querySelector(".series").hidden = !is("charts");
 }

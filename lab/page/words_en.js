@@ -1,4 +1,4 @@
-// Every word of the page in English. {x} is filled in; [t1] ... [/] is coloured as that part. Of the tour: title, text, button.
+// Every word of the page in English. {x} is filled in; [t1] ... [/] is coloured as that part.
 // Of a plant to which the thermistors are clipped.
 const loose = "T1 sits loose";
 const clipped = { f_detached: "Has {part} come off? It sees {seen} % of the rise.", c_t1_clogged: loose, v_clogged: "Sits loose", a_t1_clogged: loose, paper_says_2: loose };
@@ -15,7 +15,7 @@ export default {
   mode: "Mode",
   explore: "Explore",
   quiz: "Quiz",
-  tour: "Tour",
+  tour: "Course", check: "Check", answer_right: "Right.", answer_wrong: "No.", answer_lacks: "Something is not a number, or not chosen.", marks: "{got} of {of}.",
   language: "English",
   theme: "Dark or light",
   stop: "Stop heater",
@@ -25,7 +25,10 @@ export default {
   charts_help: "Drag to move, scroll or + and − to zoom, Home to follow again.",
   follow: "Follow",
   series: "Series",
-  fold_why: "Why?", fold_residuals: "The paper's residuals", fold_charts: "More charts", fold_desk: "Set-up and files",
+  fold_why: "Why?", fold_residuals: "The paper's residuals", fold_charts: "More charts", fold_measure: "Measure",
+  cursor_a: "Cursor A", cursor_b: "Cursor B", mean: "mean A to B", step_of: "Step of",
+  step_read: "Level before A {before} °C, level before B {after} °C. After A it has done 28 % of the rise at {early} s, 63 % at {late} s.",
+  fold_desk: "Set-up and files",
   opened: "Opened: {what}.", scene: "a scene",
   // States
   state_off: "Off", state_settle: "Warming up", state_learn: "Learning", state_monitor: "Monitoring", state_tune: "Experiment",
@@ -272,74 +275,11 @@ export default {
   exam_rules: "Name each fault as soon as you recognise it. Only your first answer to each fault counts.",
   exam_start: "Start", exam_leave: "Leave", exam_runs: "What is broken?", exam_left: "{s} s left", exam_noted: "Noted at {s} s: {what}.", exam_hand_in: "Hand in",
   exam_told: "{right} of {count} right.", exam_save: "Save the result", col_answer: "answer", col_result: "result", saved: "Saved: {file}",
-  // Tour
+  // Course
   tour_back: "Back", tour_next: "Next",
   tour_finish: "Finish",
   tour_wait: "The fault begins once the last one is over.", tour_wait_monitor: "The fault begins once the rig monitors again.",
-  tour_about: "The tour is about the PT-326, a tube with a fan and a heater.", tour_goto: "Go to the PT-326",
-  tour_steps: {
-    tube: [
-      "A tube, a fan, a heater",
-      "The fan blows room air over a heater and along a tube. T0 measures the room, T1 the air after the heater, T2 the same air a little later and cooler.\nThe controller reads T1 and sets the heater's power so that T1 stays at 35 °C. Follow the dotted line from T1 back to the heater: that is the loop.",
-    ],
-    excitation: [
-      "Why the power trembles",
-      "The power is not steady: a small random square wave, the excitation, is added to it. Without it T1 and T2 would stand still, and nothing could be learnt from them of how the rig answers.\nDotted curves are what T1 and T2 should read by a model that knows the power alone.",
-    ],
-    t2_lies: [
-      "A thermistor lies: T2",
-      "T2 is outside the loop. Let it read 1.5 °C too high and watch: the orange curve leaves its dotted one, the blue one does not. Something that touches T2 alone must be T2.\nNote how soon the sentence stands, and how large it says the fault is; the diamond is the truth.",
-      "Let T2 lie",
-    ],
-    t1_lies: [
-      "The loop hides a lie of T1",
-      "Now the same with T1. Its curve jumps for a moment and comes back to 35 °C, as if nothing were wrong: the controller believes it and heats less. The true air is 1.5 °C colder now, and only the power and T2 show it.\nThis is why a fault in a closed loop is looked for in what is left unexplained, not in the controlled temperature.",
-      "Let T1 lie",
-    ],
-    residual: [
-      "A residual",
-      "“Measured less expected” is a residual: what the model cannot explain. While all is well it is noise around zero.\nAn offset of T2 shifts one residual. A change of the air shifts both, with a shape in time of its own. A residual says that something is wrong; their pattern says what.",
-    ],
-    signatures: [
-      "The paper's signatures",
-      "Palma, Coito and Silva (2002) identify two small models on-line and watch five numbers: power (rap), T1 less T2 (ry12), the gains of both models (rsg1, rsg2), a bandwidth (rbw1). Each is below, within or above thresholds that were learnt from quiet operation.\nfdv says that there is a fault, fiv names it by a table of such patterns. For T2 too high: ry12 below, rsg2 above, the rest within. Try it again and read the pattern.",
-      "Let T2 lie",
-    ],
-    clogged: [
-      "T1 is clogged",
-      "Dirt on T1: it sees 15 % less of the rise, and later. Again the controller brings T1 back to 35 °C, by heating more. Everything behind gets hotter.\nThe bars say how much of what is unusual each hypothesis would explain by itself. Some others explain much of it, too; none explains as much.",
-      "Clog T1",
-    ],
-    more_air: [
-      "More air: why the paper is late",
-      "26 % more air cools everything. Within a second the likelihood diagnosis says “air or power”; some seconds later it has told the two apart. The paper's table waits for the bandwidth (rbw1) to rise; but an adapting model first follows the change itself and its bandwidth moves the wrong way, so fiv comes after ten seconds or more, in some runs never.\nWatch fdv come first, and fiv much later.",
-      "More air",
-    ],
-    alike: [
-      "What looks alike",
-      "A weaker heater cools as more air does. For the first moments nothing can tell the two apart, and it says so: “air or power”. Then the time constants decide: air that moves faster answers faster, a weak heater does not.\nWhat cannot be told apart is not hidden.",
-      "Weaken the heater",
-    ],
-    slow: [
-      "Slow faults",
-      "A drift of 4 °C a minute begins with nothing at all. At 10× you wait less. A detector that forgets, or a model that adapts, would learn the drift as normal; so the model here is frozen, and the state is held against the learnt one over a minute.",
-      "Let T2 drift",
-    ],
-    delay: [
-      "False alarms against delay",
-      "A lower threshold sees faults sooner and cries wolf more often. There is no way around it, only models that leave less unexplained. Choose “lively” surroundings and watch the residuals: the same threshold is worth less there.\nThe campaigns of this project count both over thousands of hours.",
-    ],
-    safety: [
-      "Safety is another matter",
-      "The diagnosis warns; what switches off is the supervisor. Break the wire of T1: the controller is blind, and the heater goes off on the spot. Mend it, acknowledge, arm: it learns anew.",
-      "Break T1's wire",
-    ],
-    quiz: [
-      "Your turn",
-      "In the quiz something breaks, and the names are hidden. Read the residuals, name it before the instrument's score grows.",
-      "Surprise me",
-    ],
-  },
+  tour_about: "This part of the course is about the PT-326, a tube with a fan and a heater.", tour_goto: "Go to the PT-326",
   // Trips
   trip_unknown: "It has tripped.", trip_t1_open: "T1 reads as a broken wire.", trip_t1_short: "T1 reads as a short circuit.",
   trip_t1_out_of_range: "T1 reads what the rig cannot have.", trip_t1_lost: "T1 gave no valid sample for too long.",

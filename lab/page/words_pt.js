@@ -1,4 +1,4 @@
-// Every word of the page in Portuguese. {x} is filled in; [t1] ... [/] is coloured as that part. Of the tour: title, text, button.
+// Every word of the page in Portuguese. {x} is filled in; [t1] ... [/] is coloured as that part.
 // The short names of what each thermistor may have.
 const each = (kind, name) => Object.fromEntries(["T0", "T1", "T2"].map((t) => [`c_${t.toLowerCase()}_${kind}`, name.replace("{t}", t)]));
 
@@ -14,7 +14,7 @@ export default {
   mode: "Modo",
   explore: "Explorar",
   quiz: "Desafio",
-  tour: "Visita",
+  tour: "Curso", check: "Verificar", answer_right: "Certo.", answer_wrong: "Não.", answer_lacks: "Falta um número ou uma escolha.", marks: "{got} de {of}.",
   language: "Português",
   theme: "Escuro ou claro",
   stop: "Desligar aquecedor",
@@ -24,7 +24,9 @@ export default {
   charts_help: "Arraste para mover, roda ou + e − para ampliar, Home para seguir de novo.",
   follow: "Seguir",
   series: "Séries",
-  fold_why: "Porquê?", fold_residuals: "Resíduos do artigo", fold_charts: "Mais gráficos", fold_desk: "Definições e ficheiros",
+  fold_why: "Porquê?", fold_residuals: "Resíduos do artigo", fold_measure: "Medir", cursor_a: "Cursor A", cursor_b: "Cursor B", mean: "média de A a B", step_of: "Degrau de",
+  step_read: "Nível antes de A {before} °C, nível antes de B {after} °C. Depois de A fez 28 % da subida aos {early} s, 63 % aos {late} s.",
+  fold_charts: "Mais gráficos", fold_desk: "Definições e ficheiros",
   opened: "Aberto: {what}.", scene: "uma cena",
   // States
   state_off: "Desligado", state_settle: "A aquecer", state_learn: "A aprender", state_monitor: "A vigiar", state_tune: "Experiência",
@@ -276,74 +278,11 @@ export default {
   exam_rules: "Dê nome a cada avaria logo que a reconheça. Só conta a primeira resposta a cada avaria.",
   exam_start: "Começar", exam_leave: "Sair", exam_runs: "O que está avariado?", exam_left: "faltam {s} s", exam_noted: "Anotado aos {s} s: {what}.", exam_hand_in: "Entregar",
   exam_told: "{right} de {count} certas.", exam_save: "Guardar o resultado", col_answer: "resposta", col_result: "resultado", saved: "Guardado: {file}",
-  // Tour
+  // Curso
   tour_back: "Anterior", tour_next: "Seguinte",
   tour_finish: "Terminar",
   tour_wait: "A avaria começa quando a anterior tiver acabado.", tour_wait_monitor: "A avaria começa quando a bancada voltar a vigiar.",
-  tour_about: "A visita é sobre o PT-326, um tubo com ventilador e aquecedor.", tour_goto: "Ir para o PT-326",
-  tour_steps: {
-    tube: [
-      "Um tubo, um ventilador, um aquecedor",
-      "O ventilador sopra ar da sala por um aquecedor e ao longo de um tubo. T0 mede a sala, T1 o ar depois do aquecedor, T2 o mesmo ar um pouco depois e mais frio.\nO controlador lê T1 e ajusta a potência para que T1 fique a 35 °C. Siga a linha pontilhada de T1 ao aquecedor: é a malha.",
-    ],
-    excitation: [
-      "Porque treme a potência",
-      "A potência não é constante: soma-se-lhe uma pequena onda quadrada aleatória, a excitação. Sem ela T1 e T2 ficariam parados e nada se aprenderia sobre a resposta da bancada.\nAs curvas pontilhadas são o que T1 e T2 deviam ler segundo um modelo que só conhece a potência.",
-    ],
-    t2_lies: [
-      "Um termístor mente: T2",
-      "T2 está fora da malha. Faça-o ler 1,5 °C a mais e veja: a curva laranja sai da pontilhada, a azul não. O que só toca em T2 tem de ser T2.\nRepare em quão cedo aparece a frase e que tamanho dá à falha; o losango é a verdade.",
-      "Pôr T2 a mentir",
-    ],
-    t1_lies: [
-      "A malha esconde a mentira de T1",
-      "Agora o mesmo com T1. A curva salta e volta a 35 °C, como se nada fosse: o controlador acredita e aquece menos. O ar está 1,5 °C mais frio, e só a potência e T2 o mostram.\nPor isso, em malha fechada, procura-se a falha no que fica por explicar, e não na temperatura controlada.",
-      "Pôr T1 a mentir",
-    ],
-    residual: [
-      "Um resíduo",
-      "“Medido menos esperado” é um resíduo: o que o modelo não explica. Se tudo está bem, é ruído em torno de zero.\nUm desvio de T2 desloca um resíduo. Uma mudança do ar desloca ambos, com forma própria no tempo. Um resíduo diz que algo está errado; o padrão diz o quê.",
-    ],
-    signatures: [
-      "As assinaturas do artigo",
-      "Palma, Coito e Silva (2002) identificam dois modelos em linha e vigiam cinco números: potência (rap), T1 menos T2 (ry12), os ganhos dos modelos (rsg1, rsg2) e uma largura de banda (rbw1). Cada um está abaixo, dentro ou acima de limiares aprendidos sem falhas.\nfdv diz que há falha, fiv dá-lhe nome por uma tabela destes padrões. Para T2 a mais: ry12 abaixo, rsg2 acima, o resto dentro. Repita e leia o padrão.",
-      "Pôr T2 a mentir",
-    ],
-    clogged: [
-      "T1 entupido",
-      "Sujidade em T1: vê 15 % menos da subida, e mais tarde. O controlador repõe T1 a 35 °C aquecendo mais, e tudo a jusante aquece.\nAs barras dizem quanto do invulgar cada hipótese explicaria sozinha. Outras também explicam muito; nenhuma tanto.",
-      "Entupir T1",
-    ],
-    more_air: [
-      "Mais ar: porque o artigo tarda",
-      "26 % mais ar arrefece tudo. Num segundo a verosimilhança diz “caudal ou potência”; segundos depois distingue-os. A tabela do artigo espera que a largura de banda (rbw1) suba; mas um modelo adaptativo segue primeiro a própria mudança e a banda move-se ao contrário, e fiv só vem dez segundos depois ou mais, por vezes nunca.\nVeja fdv vir primeiro e fiv muito depois.",
-      "Mais ar",
-    ],
-    alike: [
-      "O que se parece",
-      "Um aquecedor mais fraco arrefece como mais ar. Nos primeiros instantes nada os distingue, e ele di-lo: “caudal ou potência”. Depois decidem as constantes de tempo: com mais ar a resposta é mais rápida, com menos potência não.\nO que não se distingue não é escondido.",
-      "Enfraquecer o aquecedor",
-    ],
-    slow: [
-      "Falhas lentas",
-      "Uma deriva de 4 °C por minuto começa com nada. A 10× espera menos. Um detetor que esquece, ou um modelo que se adapta, tomaria a deriva por normal; por isso aqui o modelo está congelado e o estado é comparado com o aprendido durante um minuto.",
-      "Pôr T2 a derivar",
-    ],
-    delay: [
-      "Falsos alarmes contra atraso",
-      "Um limiar mais baixo vê as falhas mais cedo e dá mais falsos alarmes. Não há volta a dar, só modelos que deixem menos por explicar. Escolha ambiente “agitado” e veja os resíduos: o mesmo limiar vale menos.\nAs campanhas deste projeto contam ambos ao longo de milhares de horas.",
-    ],
-    safety: [
-      "A segurança é outra coisa",
-      "O diagnóstico avisa; quem desliga é o supervisor. Parta o fio de T1: o controlador fica cego e o aquecedor desliga-se logo. Repare, confirme, arme: volta a aprender.",
-      "Partir o fio de T1",
-    ],
-    quiz: [
-      "A sua vez",
-      "No desafio algo avaria e os nomes ficam escondidos. Leia os resíduos e diga o nome antes que a pontuação do instrumento cresça.",
-      "Surpreenda-me",
-    ],
-  },
+  tour_about: "Esta parte do curso é sobre o PT-326, um tubo com ventilador e aquecedor.", tour_goto: "Ir para o PT-326",
   // Trips
   trip_unknown: "Disparou.", trip_t1_open: "T1 lê como fio partido.", trip_t1_short: "T1 lê como curto-circuito.",
   trip_t1_out_of_range: "T1 lê o que a bancada não pode ter.", trip_t1_lost: "T1 sem amostra válida há demasiado tempo.",

@@ -1,9 +1,10 @@
 // What changes with time: the rig's drawing, the sentence and what stands beside it.
-import { tour } from "lab/acts.js";
+import { course } from "lab/acts.js";
 import { asking, beside as besideBoard } from "lab/board.js";
 import { drawCloseup } from "lab/closeup.js";
 import { Events, meant, namings } from "lab/events.js";
 import { FOREVER, describe } from "lab/faults.js";
+import { measure } from "lab/measure.js";
 import { CLASSES } from "lab/panels.js";
 import { charts, exam, quiz, rig, sheet } from "lab/parts.js";
 import { short } from "lab/say.js";
@@ -45,7 +46,8 @@ export function write(row, said, hide) {
   $("follow").hidden = charts.following;
   if (lab.can.has("seek")) $("seek").value = lab.store.end;
   if (lab.hello.kind === "board") besideBoard();
-  tour.follow(row, row.alarm > 0 || lab.events.active(row.t).length > 0);
+  course.follow(row, row.alarm > 0 || lab.events.active(row.t).length > 0);
+  measure();
   hint(row, hide);
   beside(row, said, hide);
 }

@@ -5,6 +5,7 @@
 
 pub mod board;
 pub mod change;
+pub mod exercise;
 pub mod names;
 pub mod page;
 pub mod preset;

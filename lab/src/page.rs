@@ -8,6 +8,8 @@ use fdi_core::likelihood::{Channel, FaultClass};
 use fdi_core::schema::FIELDS;
 use serde_json::json;
 
+use crate::exercise;
+
 const INDEX: &str = include_str!("../page/index.html");
 const STYLE: &str = include_str!("../page/lab.css");
 const WORKER: &str = include_str!("../page/worker.js");
@@ -50,6 +52,7 @@ modules!(
     "charts",
     "closeup",
     "commissioning",
+    "course",
     "csv",
     "events",
     "exam",
@@ -59,7 +62,9 @@ modules!(
     "files",
     "hand",
     "hear",
+    "judge",
     "main",
+    "measure",
     "overview",
     "panel",
     "panels",
@@ -80,8 +85,6 @@ modules!(
     "store",
     "strings",
     "talk",
-    "tour",
-    "tour_steps",
     "verdict",
     "view",
     "words_en",
@@ -99,6 +102,9 @@ fn classes() -> String {
     let words: String = FaultClass::ALL.iter().map(word).collect();
     format!("export const SHORT={{{words}}};\nexport const SHARES='{}'.split(' ');\n", shares.join(" "))
 }
+
+/// The module of the exercises. A file that is none leaves the page without them: `cargo lab` and a test look first.
+const EXERCISES: &str = "lab/exercises.js";
 
 /// What the page gets its numbers from.
 #[derive(Clone, Copy, Debug)]
@@ -174,9 +180,10 @@ fn of_json(id: &str, json: &str) -> String {
 /// has no siblings that it may load.
 fn head(style: &str, modules: &[(&str, &str)], data: &str, main: &str) -> String {
     let classes = classes();
+    let exercises = exercise::module().unwrap_or_else(|_| "export const EXERCISES=[];\n".into());
     let sources: BTreeMap<&str, String> = modules
         .iter()
-        .chain(&[(CLASSES, classes.as_str())])
+        .chain(&[(CLASSES, classes.as_str()), (EXERCISES, exercises.as_str())])
         .map(|(name, text)| (*name, lean(text)))
         .collect();
     let modules = of_json("modules", &json!(sources).to_string());
@@ -209,7 +216,10 @@ mod tests {
                 .filter_map(|line| line.strip_prefix("import ")?.strip_suffix("\";")?.rsplit_once('"'))
                 .map(|(_, of)| of);
             for of in from {
-                assert!(of == CLASSES || all.iter().any(|(known, _)| *known == of), "{name} imports {of}");
+                assert!(
+                    [CLASSES, EXERCISES].contains(&of) || all.iter().any(|(known, _)| *known == of),
+                    "{name} imports {of}"
+                );
                 imported.push(of);
             }
         }

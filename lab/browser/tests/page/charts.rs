@@ -69,3 +69,30 @@ fn only_what_has_changed_is_drawn_and_no_tick_is_dropped_at_full_speed() {
     );
     assert_eq!(seen, json!([0, true, true, 0]));
 }
+
+/// Two cursors read what the store holds, by the keyboard's own sliders, and of a step its levels and when it has done its shares; folded they go.
+#[test]
+fn two_cursors_read_the_charts_and_a_step() {
+    let seen = on_page(
+        r##"await monitoring();
+           const step63 = { do: "heater-power", size: 1.5, at: 0, for: 1e6 };
+           const orders = [[0, { order: "arm" }], [0, { order: "excite", on: false }], [300, { order: "set", name: "pid.kp", value: 0 }], [500, { order: "break", fault: step63 }]];
+           lab.send({ command: "open", scene: { ...SCENE, preset: "oven", disturbance: "none", orders }, at: 800 });
+           await lab.ask({ command: "scene" }); await until(() => lab.lab.store.end === 800); await frame();
+           lab.charts.show(1600, 1600); await frame();
+           for (const [name, tick] of [["a", 500], ["b", 798]]) { const cursor = $(`#cursor-${name}`); cursor.focus(); cursor.value = tick; cursor.dispatchEvent(new Event("input", { bubbles: true })); }
+           await frame();
+           const cells = [...document.querySelectorAll("#readings tr")].map((row) => [...row.cells].map((cell) => cell.textContent));
+           const { store } = lab.lab;
+           const same = cells[1][3] === store.get(500, "t1").toFixed(2) && cells[2][5] === store.get(798, "drive").toFixed(2);
+           const [early, late] = $("#readings p").textContent.match(/\d+\.\d+(?=\ss)/g).map(Number);
+           const tau = 1.5 * (late - early);
+           const read = [Math.abs(tau / 60 - 1) < 0.05, Math.abs(late - tau - 9) < 2];
+           const named = [$("#cursor-a").type, $("#cursor-a").step, $("#cursor-a").getAttribute("aria-valuetext"), lab.charts.cursors.length, lab.charts.levels.length];
+           click("[data-fold=measure]"); await frame();
+           return [same, read, cells[3][1], named, $("#measure").hidden, lab.charts.cursors]"##,
+        &[],
+    );
+    let named = json!(["range", "", "1000.00 s", 2, 4]);
+    assert_eq!(seen, json!([true, [true, true], "596.00", named, true, null]));
+}

@@ -3,6 +3,7 @@
 mod access;
 mod bits;
 mod charts;
+mod course;
 mod day;
 mod exam;
 mod export;

@@ -54,6 +54,7 @@ function unfolded() {
   $("desk").hidden = !is("desk");
   $("measure").hidden = !is("measure");
   measures(is("measure"));
+  document.querySelector("[data-fold=measure]").hidden = !is("charts") && !is("measure"); // the first view stays small
   $("residualsnote").hidden = !is("residuals");
   $("whole").hidden = document.querySelector(".series").hidden = !is("charts");
 }

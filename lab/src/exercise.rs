@@ -313,7 +313,7 @@ mod tests {
         let told = |place: &str, value: Value| {
             let mut file = good.clone();
             match place.rsplit_once('/') {
-                Some((at, key)) if at.is_empty() => file[key] = value,
+                Some(("", key)) => file[key] = value,
                 Some((at, key)) => file.pointer_mut(at).unwrap()[key] = value,
                 None => unreachable!("a pointer"),
             }

@@ -7,6 +7,7 @@ use pt326_rig::RigConfig;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::protocol;
 use crate::scene::{Order, Scene};
 use crate::session::Session;
 
@@ -244,7 +245,7 @@ fn calculate(of: &mut Value, rig: &RigConfig) -> anyhow::Result<()> {
 
 /// An exercise for the page: its answers are calculated.
 fn read(text: &str) -> anyhow::Result<Value> {
-    let exercise: Exercise = serde_json::from_str(text)?;
+    let exercise: Exercise = protocol::read(text.as_bytes())?;
     exercise.check()?;
     let rig = exercise.scene.unwrap_or_default().rig()?;
     let mut told: Value = serde_json::from_str(text)?;

@@ -10,12 +10,15 @@ use toml::Table;
 use super::{documents, root, sources};
 
 /// What is shown and not made by a command: the page, how the block begins, why.
-const UNCHECKED: [(&str, &str, &str); 6] = [
+const UNCHECKED: [(&str, &str, &str); 9] = [
     ("CONTRIBUTING.md", "   stale: cargo run", "what a test says that fails"),
     ("docs/architecture.md", "            ┌─", "a drawing"),
     ("docs/dashboards.md", "scrape_configs:", "read by Prometheus; tools/try-dashboard has another"),
     ("docs/dashboards.md", "    metric_relabel_configs:", "read by Prometheus"),
     ("docs/diagnosis.md", "power ─▶", "a drawing"),
+    ("docs/exercises.md", "{", "lab/src/exercise.rs reads it"),
+    ("docs/exercises.md", "lab: exercises", "lab/src/exercise.rs compares it"),
+    ("docs/exercises.md", "\"scene\": {", "lab/src/exercise.rs reads it"),
     ("docs/fmi.md", "the step is 0.1 s", "tools/try-fmu compares it"),
 ];
 

@@ -300,6 +300,9 @@ mod tests {
         let example = block("```json\n");
         read(example).unwrap();
         let error = read(&example.replace("100 * (1 - 0.9 * 0.9)", "1 / gian")).unwrap_err();
+        let scene = page.split("```json\n").nth(2).and_then(|rest| rest.split_once("```")).unwrap().0;
+        let scene: Value = serde_json::from_str(&format!("{{{scene}}}")).unwrap();
+        Session::new(serde_json::from_value(scene["scene"].clone()).unwrap()).map(drop).unwrap();
         let told = format!("lab: exercises/50-mains.json: {error:#}");
         assert!(told.starts_with(block("```text\n").trim_end().trim_end_matches("...")), "{told}");
     }

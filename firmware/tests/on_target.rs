@@ -84,7 +84,7 @@ mod tests {
         tick_timer::enable_interrupt();
         let mut inputs = Inputs::new(chip.parts.adc, chip.parts.thermistors, chip.parts.supply);
         let begin = tick_timer::now();
-        let RawSample { t0, t1, t2, supply } = block_on(inputs.sample(begin));
+        let RawSample { t0, t1, t2, supply } = block_on(inputs.sample());
         let took = tick_timer::now().wrapping_sub(begin);
         assert!([t0, t1, t2, supply].iter().all(|code| (0.0..=4095.0).contains(&code.0)));
         assert!((1_200..1_400).contains(&took), "{} us", took);

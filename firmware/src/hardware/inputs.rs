@@ -55,9 +55,10 @@ impl Inputs {
         Self { _adc: adc }
     }
 
-    /// One sample of each input, the mean of [`ROUNDS`] conversions from `start` on.
-    pub(crate) async fn sample(&mut self, start: u32) -> RawSample {
+    /// One sample of each input, the mean of [`ROUNDS`] conversions.
+    pub(crate) async fn sample(&mut self) -> RawSample {
         let is_right = convert(REFERENCE_CHANNEL).is_some_and(|code| REFERENCE.contains(&code));
+        let start = tick_timer::now();
         let mut means = [Mean::default(); 4];
         for round in 0..ROUNDS {
             tick_timer::until(start.wrapping_add(round * SPACING_US)).await;

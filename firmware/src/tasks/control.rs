@@ -43,7 +43,7 @@ pub(crate) async fn control(
             }
         }
         slow_clock::begin(); // over before the sample is, which takes 1.25 ms
-        let raw = inputs.sample(tick_timer::now()).await;
+        let raw = inputs.sample().await;
         if !slow_clock::is_right() {
             control.lock_out(Lockout::WrongClock, &mut heater);
         }

@@ -37,7 +37,7 @@ pub struct Scored {
 pub struct FaultScore {
     /// Share of its samples that are in alarm.
     pub detected: f64,
-    /// Samples from its onset to the first of [`IN_A_ROW`] alarms in a row.
+    /// Samples from its onset to the first of `IN_A_ROW` alarms in a row.
     pub delay: Option<usize>,
     /// Share of the samples at which each name was given: where the fault comes, and in the run that has it from the first sample on.
     pub named: [Vec<f64>; 2],

@@ -40,7 +40,7 @@ class Port {
           writes.error(lost());
         };
       },
-      cancel: () => socket.close(),
+      cancel: () => hang_up(socket),
     });
     this.writable = new WritableStream({
       start: (controller) => void (writes = controller),
@@ -59,8 +59,13 @@ class Port {
     if (this.readable?.locked || this.writable?.locked) throw new TypeError("locked");
     const { socket } = this;
     this.socket = this.readable = this.writable = null;
-    socket.close();
+    hang_up(socket);
   }
+}
+// First in words, so that the server says nothing any more when it answers the close.
+function hang_up(socket) {
+  if (socket.readyState === 1) socket.send("close");
+  socket.close();
 }
 window.wire = { address: args[0], sent: [], asked: [], ms: 0 };
 const port = new Port();
@@ -99,7 +104,7 @@ fn connect(stream: TcpStream, path: &str) -> anyhow::Result<()> {
     let mut to_page = WebSocket::from_raw_socket(stream, Role::Server, None);
     let closed = Arc::new(AtomicBool::new(false));
     let ended = closed.clone();
-    thread::spawn(move || {
+    let mut telling = Some(thread::spawn(move || {
         let mut bytes = [0; 1024];
         while !ended.load(Ordering::Relaxed) {
             let n = match from_board.read(&mut bytes) {
@@ -111,11 +116,18 @@ fn connect(stream: TcpStream, path: &str) -> anyhow::Result<()> {
                 break;
             }
         }
-        let _ = to_page.get_ref().shutdown(std::net::Shutdown::Both);
-    });
+        if !ended.load(Ordering::Relaxed) {
+            let _ = to_page.get_ref().shutdown(std::net::Shutdown::Both);
+        }
+    }));
     while let Ok(message) = page.read() {
-        if let Message::Binary(bytes) = message {
-            to_board.write_all(&bytes)?;
+        match message {
+            Message::Binary(bytes) => to_board.write_all(&bytes)?,
+            Message::Text(_) => {
+                closed.store(true, Ordering::Relaxed);
+                let _ = telling.take().map(thread::JoinHandle::join);
+            }
+            _ => {}
         }
     }
     closed.store(true, Ordering::Relaxed);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::os::unix::fs::symlink;
-use std::process::{Child, Command};
+use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
@@ -217,6 +217,22 @@ fn ctrl_c_stops_every_board_and_says_of_each_whether_it_has_said_so() {
             assert_eq!(stopped.try_recv().is_ok(), hears);
         }
     }
+}
+
+/// It may heat already, and nobody has asked it yet.
+#[test]
+fn ctrl_c_while_the_only_board_is_being_opened_is_no_word_of_its_heater() {
+    let (mut board, _open, name) = port();
+    let mut child =
+        command(&["live", "--port", "0", "--board", &name]).stderr(Stdio::piped()).spawn().unwrap();
+    // The first byte that it asks: the board never answers.
+    board.read_exact(&mut [0]).unwrap();
+    let pid = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    let mut said = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    assert!(said.contains("the board does NOT say that its heater is off"), "{said}");
+    assert_eq!(child.wait().unwrap().code(), Some(2), "{said}");
 }
 
 #[test]

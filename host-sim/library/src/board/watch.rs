@@ -69,6 +69,11 @@ pub struct Leaver {
 }
 
 impl Leaver {
+    /// For a board at a port that is still being opened: whether it heats is not known yet.
+    pub fn of(port: &str) -> Self {
+        Self { name: port.to_owned(), hand: Hand::default() }
+    }
+
     /// Heater off, at once, and nothing more is typed; whether the board says that it is off.
     pub fn stops(&self) -> bool {
         {

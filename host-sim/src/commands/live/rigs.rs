@@ -74,9 +74,16 @@ impl Boards {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// One is being opened.
+    fn expected(&self, name: &str, port: &str) {
+        self.all().push((name.to_owned(), Leaver::of(port)));
+    }
+
     /// One is there.
     fn watched(&self, name: &str, watch: Watch) -> Board {
-        self.all().push((name.to_owned(), watch.leaver()));
+        let mut all = self.all();
+        all.retain(|(known, _)| known != name);
+        all.push((name.to_owned(), watch.leaver()));
         Board(watch)
     }
 
@@ -115,7 +122,9 @@ pub(super) fn all(
         ([], None) => simulated(args, broker),
         ([board], _) => {
             let log = || log_in(args.record.as_deref(), &board.called());
-            let watch = Watch::open_recorded(&find(board.port.as_deref())?, log)?;
+            let port = find(board.port.as_deref())?;
+            boards.expected(&board.called(), &port);
+            let watch = Watch::open_recorded(&port, log)?;
             one(boards.watched(&board.called(), watch), 1.0, broker)
         }
         (wall, _) => several(wall, args.record.as_deref(), boards, broker),

@@ -29,7 +29,7 @@ mod tests {
 
     use super::hardware::board::{First, Parts, SETTINGS_SECTOR};
     use super::hardware::clock::{self, Source};
-    use super::hardware::heater::{self, HeaterOutput};
+    use super::hardware::heater::HeaterOutput;
     use super::hardware::inputs::Inputs;
     use super::hardware::settings_flash::SettingsFlash;
     use super::hardware::watchdog::{self, Deadline};
@@ -143,7 +143,7 @@ mod tests {
         output.drive(Percent(100.0));
         output.contactor(true);
         block_for(Duration::from_millis(1));
-        assert!(!output.is_enabled() && !heater::is_stuck_high());
+        assert!(!output.is_enabled() && !output.is_stuck_high());
         output.contactor(false);
         output.drive(Percent(0.0));
     }
@@ -158,7 +158,7 @@ mod tests {
         } else {
             assert!(output.test_break());
         }
-        assert!(!output.is_enabled() && !heater::is_stuck_high());
+        assert!(!output.is_enabled() && !output.is_stuck_high());
     }
 
     #[test]

@@ -58,11 +58,6 @@ pub(crate) fn is_enabled() -> bool {
     board::PWM_TIMER.bdtr().read().moe()
 }
 
-/// Whether a pin is high while the output is off: something else holds it there, and nothing that this program does switches it off.
-pub(crate) fn is_stuck_high() -> bool {
-    !is_enabled() && board::OUTPUT_PORT.idr().read().0 & board::HEATING_PINS != 0
-}
-
 /// The output stage.
 pub(crate) struct HeaterOutput {
     _timer: Peri<'static, PwmTimer>,
@@ -121,6 +116,11 @@ impl HeaterOutput {
         }
         lock_pins();
         Self { _timer: timer, _pins: pins, break_input, period }
+    }
+
+    /// Whether a pin is high while the output is off: something else holds it there, and nothing that this program does switches it off.
+    pub(crate) fn is_stuck_high(&self) -> bool {
+        !is_enabled() && board::OUTPUT_PORT.idr().read().0 & board::HEATING_PINS != 0
     }
 }
 

@@ -120,7 +120,7 @@ fn test_ram(words: u32) {
 }
 
 /// Whether a word does not take its complement, or not itself again. Nothing may come between, and nothing of this lies in RAM meanwhile: it
-/// may be the word.
+/// may be the word. No DMA is used here; one that wrote to the word meanwhile would lose what it wrote.
 ///
 /// # Safety
 /// It is a word of RAM.

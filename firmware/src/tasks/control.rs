@@ -14,7 +14,7 @@ use heapless::spsc::{Consumer, Producer};
 use crate::hardware::cycles;
 use crate::hardware::heater::HeaterOutput;
 use crate::hardware::inputs::Inputs;
-use crate::hardware::{heater as output, memory, slow_clock, tick_timer};
+use crate::hardware::{memory, slow_clock, tick_timer};
 use crate::{link, simulation};
 
 /// The control half of the instrument.
@@ -50,7 +50,7 @@ pub(crate) async fn control(
         if !memory::holds() {
             control.lock_out(Lockout::Memory, &mut heater);
         }
-        if output::is_stuck_high() {
+        if heater.is_stuck_high() {
             control.lock_out(Lockout::Output, &mut heater);
         }
         let Some(arrival) = arrival else {

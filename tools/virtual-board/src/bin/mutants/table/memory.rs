@@ -66,7 +66,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         "pins-not-read",
         "a pin that something else holds high is not told",
         CONTROL,
-        ["if output::is_stuck_high()", "if output::is_stuck_high() && false"],
+        ["if heater.is_stuck_high()", "if heater.is_stuck_high() && false"],
         &["self_tests::a_pin_that"],
     ),
 ];
